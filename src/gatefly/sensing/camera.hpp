@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <variant>
+
+#include <Eigen/Core>
+
+namespace gatefly {
+
+/// Maps between pixels (u right, v down, upright picture) [px] and the camera frame C (right, down,
+/// forward).
+///
+/// - project: point in C [m] to pixel; nullopt behind the lens or outside the model's field of view.
+///            The picture's border is not the model's business.
+/// - bearing: pixel to unit vector in C; nullopt outside the model's field of view.
+template <class Model>
+concept Camera = requires(const Model& model, const Eigen::Vector3d& p_C, const Eigen::Vector2d& px) {
+  { model.project(p_C) } -> std::same_as<std::optional<Eigen::Vector2d>>;
+  { model.bearing(px) } -> std::same_as<std::optional<Eigen::Vector3d>>;
+};
+
+/// Li18 Eq. (2)-(5): a straight lens.
+struct Pinhole {
+  Eigen::Vector2d focal_px{168.0, 168.0};
+  Eigen::Vector2d center_px{157.0, 124.0};
+  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
+};
+
+/// The Bebop's fisheye: one parameter on the sine of the angle. Dhane et al. 2012; Li18 §3.2.
+///
+/// A straight lens would draw a point at radius R, this one at r:
+///   R = f tan(asin(k sin(atan(r/f)))), r = f tan(asin(sin(atan(R/f)) / k)).
+/// k > 1 sees wider than straight; k = 1 is the pinhole. Undefined once k sin(atan(r/f)) >= 1, that
+/// is, 90° from the axis: both directions answer nullopt there.
+struct DhaneFisheye {
+  Eigen::Vector2d focal_px{168.0, 168.0};   ///< [Li18 flight code]
+  Eigen::Vector2d center_px{157.0, 124.0};  ///< 35 px above the lower border. [fit on flights 3, 4, 10]
+  double k = 1.08;                          ///< [fit on flights 3, 4, 10: 1.03-1.08]
+  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
+};
+
+static_assert(Camera<Pinhole>);
+static_assert(Camera<DhaneFisheye>);
+
+/// Whichever lens the configuration names, still without allocation.
+struct AnyCamera {
+  std::variant<DhaneFisheye, Pinhole> model;
+  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
+};
+
+static_assert(Camera<AnyCamera>);
+
+}  // namespace gatefly

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sensing/image.hpp"
+
+#include <algorithm>
+
+namespace gatefly {
+
+std::size_t image_bytes(PixelFormat format, int stored_width, int stored_height) {
+  if (stored_width <= 0 || stored_height <= 0) return 0;
+  const auto pixels = static_cast<std::size_t>(stored_width) * static_cast<std::size_t>(stored_height);
+  return format == PixelFormat::kUyvy ? 2 * pixels : 3 * pixels;
+}
+
+Yuv yuv_of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
+  // JFIF 1.02 in 16-bit fixed point; + 0.5 for rounding.
+  const auto clamped = [](int fixed) {
+    return static_cast<std::uint8_t>(std::clamp((fixed + 32768) >> 16, 0, 255));
+  };
+  return {clamped(19595 * r + 38470 * g + 7471 * b),
+          clamped(-11059 * r - 21709 * g + 32768 * b + (128 << 16)),
+          clamped(32768 * r - 27439 * g - 5329 * b + (128 << 16))};
+}
+
+Image::Image(const std::uint8_t* bytes, PixelFormat format, int stored_width, int stored_height,
+             int stored_rotation_deg)
+    : bytes_{bytes}, format_{format}, stride_{stored_width} {
+  if (bytes == nullptr || stored_width <= 0 || stored_height <= 0) return;
+  width_ = stored_width;
+  height_ = stored_height;
+  switch (stored_rotation_deg) {
+    case 90:  // the stored right edge becomes the top
+      width_ = stored_height, height_ = stored_width;
+      x0_ = stored_width - 1, xu_ = 0, xv_ = -1;
+      y0_ = 0, yu_ = 1, yv_ = 0;
+      break;
+    case 180:
+      x0_ = stored_width - 1, xu_ = -1, xv_ = 0;
+      y0_ = stored_height - 1, yu_ = 0, yv_ = -1;
+      break;
+    case 270:
+      width_ = stored_height, height_ = stored_width;
+      x0_ = 0, xu_ = 0, xv_ = 1;
+      y0_ = stored_height - 1, yu_ = -1, yv_ = 0;
+      break;
+    default: break;
+  }
+}
+
+}  // namespace gatefly

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace gatefly {
+
+/// Full-range JFIF Y'CbCr, each 0..255; grey has u = v = 128.
+struct Yuv {
+  std::uint8_t y, u, v;
+};
+
+/// How the bytes of a stored picture are laid out, line by line without padding.
+enum class PixelFormat {
+  kUyvy,    ///< 4:2:2 as from the Bebop: U Y0 V Y1 for each pair of stored columns.
+  kRgb,     ///< 3 bytes a pixel.
+  kYuv444,  ///< Y, Cb, Cr, 3 bytes a pixel: what a JPEG decodes to.
+};
+
+/// Bytes of one stored picture; 0 when a size is not positive.
+[[nodiscard]] std::size_t image_bytes(PixelFormat format, int stored_width, int stored_height);
+
+/// JFIF conversion, rounded to nearest.
+[[nodiscard]] Yuv yuv_of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b);
+
+/// A picture somebody else owns, always addressed upright: u right, v down, origin top-left.
+///
+/// Cameras are mounted turned (the Bebop's sensor by 90°); the view turns coordinates, not pixels.
+class Image {
+ public:
+  Image() = default;
+
+  /// @param stored_rotation_deg  0, 90, 180 or 270: how far the stored picture has to be turned
+  ///                             counter-clockwise to be upright (Bebop: 90). Others act as 0.
+  Image(const std::uint8_t* bytes, PixelFormat format, int stored_width, int stored_height,
+        int stored_rotation_deg = 0);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] bool empty() const { return width_ == 0; }
+  [[nodiscard]] bool contains(int u, int v) const {
+    return u >= 0 && v >= 0 && u < width_ && v < height_;
+  }
+
+  /// Colour at an upright pixel; (u, v) must be inside.
+  [[nodiscard]] Yuv at(int u, int v) const {
+    const int x = x0_ + xu_ * u + xv_ * v;
+    const int y = y0_ + yu_ * u + yv_ * v;
+    switch (format_) {
+      case PixelFormat::kUyvy: {
+        const std::uint8_t* pair = bytes_ + 2 * (y * stride_ + (x & ~1));
+        return {pair[(x & 1) ? 3 : 1], pair[0], pair[2]};
+      }
+      case PixelFormat::kRgb: {
+        const std::uint8_t* p = bytes_ + 3 * (y * stride_ + x);
+        return yuv_of_rgb(p[0], p[1], p[2]);
+      }
+      case PixelFormat::kYuv444: break;
+    }
+    const std::uint8_t* p = bytes_ + 3 * (y * stride_ + x);
+    return {p[0], p[1], p[2]};
+  }
+
+ private:
+  const std::uint8_t* bytes_ = nullptr;
+  PixelFormat format_ = PixelFormat::kYuv444;
+  int width_ = 0, height_ = 0;  // upright
+  int stride_ = 0;              // stored pixels a line
+  // stored x = x0 + xu u + xv v, likewise y.
+  int x0_ = 0, xu_ = 1, xv_ = 0, y0_ = 0, yu_ = 0, yv_ = 1;
+};
+
+}  // namespace gatefly

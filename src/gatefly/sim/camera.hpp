@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/sensing/camera.hpp"
+#include "gatefly/sim/world.hpp"
+
+namespace gatefly::sim {
+
+/// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
+struct CameraTruth {
+  DhaneFisheye lens;                       ///< Upright picture, 315 x 160.
+  Eigen::Vector3d p_BC{0.10, 0.0, 0.0};    ///< Focal point in the body frame [m].
+  double tilt_down = 0.349066;             ///< [rad]
+  int stored_width = 160, stored_height = 315;  ///< Turned by 90°: a stored line is an upright column.
+  double exposure = 0.008;                 ///< Nominal longest; each line is exposed that long [s].
+  double readout = 0.020;                  ///< From the first to the last stored line [s].
+};
+
+/// What a day varies in the light and the sensor's handling of it.
+struct LightConditions {
+  static constexpr int kGroups = 3;                     ///< e.g. ceiling, showcases, windows
+  std::array<double, kGroups> group_gain{1, 1, 1};      ///< Relative brightness of each light group.
+  double exposure_target = 1.0;                         ///< Relative to the nominal mean grey level.
+  std::array<double, 3> white_balance{1, 1, 1};         ///< Gains r, g, b.
+  double noise_scale = 1.0;
+};
+
+/// Where the body was at one moment.
+struct BodyPose {
+  double t = 0.0;  ///< [s]
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
+  Eigen::Vector4d q_EB{1, 0, 0, 0};  ///< w, x, y, z; body to earth.
+};
+
+/// Casts the fisheye's pixels into the world with Embree and pushes the light through a sensor model.
+///
+/// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked light
+/// map for the static room, direct shading of what a seed moves, auto-exposure with a lag, shot and
+/// read noise, clipping, white balance, gamma, chroma subsampling to UYVY.
+class CameraRenderer {
+ public:
+  /// Builds the scene. The light map of the static room (walls, obstacles, clutter; one per light
+  /// group, independent of the seed) is baked, or read from `cache_dir` under a hash of the scene.
+  /// @throws std::runtime_error when Embree cannot start.
+  CameraRenderer(const World& world, const CameraTruth& camera, const LightConditions& light,
+                 std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads);
+  ~CameraRenderer();
+
+  /// One frame, `stored_width * stored_height * 2` bytes of UYVY.
+  ///
+  /// @param t_start  when the first stored line begins its exposure [s]; the last line's exposure ends
+  ///                 at t_start + readout + exposure.
+  /// @param history  body poses, ascending in t, covering that span; interpolated between.
+  /// Same arguments, same bytes: no clock, random numbers by (frame, pixel, sample).
+  void render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
+              std::vector<std::uint8_t>& uyvy);
+
+  /// Whether a point of the earth frame is hidden from another by anything solid.
+  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& to_E) const;
+
+  /// Distance from `from_E` along the unit `direction_E` to the first solid thing, at most `max` [m].
+  [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
+                             double max) const;
+
+  /// Seconds the bake took; 0 when it came from the cache.
+  [[nodiscard]] double bake_seconds() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gatefly::sim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace gatefly::sim {
+
+/// A gate as it really stands: a square frame on a pole and a foot plate.
+struct WorldGate {
+  Eigen::Vector3d p_EG{0, 0, -1.5};  ///< Centre of the opening, earth frame [m].
+  double yaw_EG = 0.0;               ///< Direction of flight through it [rad].
+  double side = 1.0;                 ///< Outer side of the coloured frame [m].
+  double bar = 0.05;                 ///< Width of its bars, and their depth [m].
+  Eigen::Vector3d color{0.95, 0.40, 0.12};  ///< Linear-light albedo, r g b, 0..1.
+};
+
+/// A solid thing standing on the floor (or hanging, if `bottom` > 0).
+struct WorldBox {
+  Eigen::Vector2d center{0, 0};  ///< Earth frame, north, east [m].
+  Eigen::Vector2d size{1, 1};    ///< Along its own axes [m].
+  double heading = 0.0;          ///< [rad]
+  double bottom = 0.0;           ///< Height of its lower face above the floor [m].
+  double top = 2.0;              ///< Height of its upper face above the floor [m].
+  bool pole = false;             ///< Round, of diameter size.x().
+};
+
+/// Something of the gate's colour that is no gate.
+struct Decoy {
+  WorldBox shape;
+  Eigen::Vector3d color{0.95, 0.40, 0.12};
+};
+
+/// Everything solid that one seed's race happens in: the truth that physics, camera and referee share.
+struct World {
+  std::string look = "hall";               ///< Texture and light set: "hall" or "showroom".
+  Eigen::Vector3d room_size{14, 16, 3.2};  ///< North, east, height [m].
+  Eigen::Vector2d room_center{0, 0};       ///< [m]
+  std::vector<WorldGate> gates;
+  std::vector<WorldBox> obstacles;
+  std::vector<Decoy> decoys;
+};
+
+}  // namespace gatefly::sim
