@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/race/pilot.hpp"
+#include "gatefly/sim/sim_config.hpp"
+
+namespace gatefly::closed_loop {
+
+struct RaceConfig {
+  PilotConfig pilot;
+  sim::SimConfig sim;  ///< Already drawn for the seed.
+  double timeout = 240.0;  ///< Of the whole flight [s].
+};
+
+/// What really was, at one moment. The pilot never sees this.
+struct Truth {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
+  Attitude attitude;
+};
+
+/// One IMU tick of a race, for recording: what went in, what came out, what was.
+struct Tick {
+  const Sensors& sensors;
+  const Command& command;
+  const Pilot& pilot;
+  Truth truth;
+  std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
+};
+
+struct StageTime {
+  std::string stage;
+  double p50_us = 0.0, p99_us = 0.0, max_us = 0.0;
+};
+
+/// What the referee saw, what the detector got right, and what it cost.
+struct RaceResult {
+  bool finished = false;
+  int gates_passed = 0, gates_total = 0;
+  double race_time = 0.0;  ///< Motors on to last gate [s].
+  std::vector<double> lap_times;
+  double mean_speed = 0.0, max_speed = 0.0;  ///< First to last gate plane [m/s].
+  std::optional<double> crash_time;          ///< [s]
+  std::string crash_object;
+  std::string stop_reason;                   ///< finished, crash, timeout, abort
+  std::string abort_reason;                  ///< In words; empty when not aborted.
+  std::vector<Eigen::Vector2d> gate_offsets; ///< Lateral, vertical (down) at each pass [m].
+  Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();  ///< Earth frame, first to last gate [m].
+  int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
+  int searches = 0;                          ///< How often the pilot had to look for a gate.
+  double flight_time = 0.0;                  ///< Simulated [s].
+  double bake_seconds = 0.0, wall_seconds = 0.0, cpu_seconds = 0.0;  ///< CPU without the bake.
+  std::uint64_t step_allocations = 0;        ///< By Pilot::step, when counted (tests).
+  std::vector<StageTime> timings;            ///< pilot, camera, physics, ...
+};
+
+/// Flies one race: pilot against simulator, in lock-step, until finished, crashed, aborted or timed out.
+///
+/// @param on_tick  called after every pilot step; may be empty. Return false to stop (Ctrl-C).
+/// Same configuration, same result, to the byte (but the timings).
+[[nodiscard]] RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick);
+
+}  // namespace gatefly::closed_loop

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+namespace gatefly {
+
+/// Four corners in the upright picture, clockwise from top-left: TL, TR, BR, BL [px].
+using Quad = std::array<Eigen::Vector2d, 4>;
+
+/// Area inside, positive when the corners run clockwise as seen (u right, v down) [px²].
+[[nodiscard]] double area(const Quad& quad);
+
+/// Area that two convex quads share [px²].
+[[nodiscard]] double shared_area(const Quad& a, const Quad& b);
+
+/// The same corners, turned in the list so that the first is the one nearest to top-left.
+[[nodiscard]] Quad clockwise_from_top_left(const Quad& quad);
+
+[[nodiscard]] Eigen::Vector2d center(const Quad& quad);
+
+}  // namespace gatefly

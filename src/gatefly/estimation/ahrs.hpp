@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sensing/imu.hpp"
+
+namespace gatefly {
+
+struct AhrsParams {
+  double omega = 0.10;            ///< Natural frequency of the gravity correction [rad/s]. [Li18 code: 0.063]
+  double zeta = 0.9;              ///< [Li18 flight code]
+  double gravity_factor = 30.0;   ///< Weight falls with |‖a‖ − g|: 1 − factor·|…|/(10 g). [Li18 code]
+  double min_weight = 0.15;       ///< [Li18 flight code]
+  double rest_gyro = 0.15;        ///< Below this rate, low-passed, the drone may be at rest [rad/s]. [ours]
+  double rest_accel = 1.0;        ///< Below this deviation from g it may be at rest [m/s²]. [ours]
+  double gravity = 9.81;          ///< [m/s²]
+  double heading_process = 2e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
+  double bias_process = 2e-4;     ///< The same for the yaw gyro's bias [rad/s/√s]. [ours]
+  double start_heading_sigma = 0.06;  ///< How well the pad's heading is known [rad]. [ours: 3°]
+};
+
+/// Attitude from gyro and gravity: a complementary filter on the quaternion. Euston et al. 2008, Li18 §2.
+///
+/// Differs: the accelerometer is first freed from what a turn adds (ω × v, coordinated flight) and from
+/// its bias at rest; gyro biases are learnt at rest; heading, which gravity cannot see, is corrected by
+/// sightings of gates through a two-state Kalman filter (heading, yaw gyro bias) (deviations.md#ahrs).
+class Ahrs {
+ public:
+  explicit Ahrs(const AhrsParams& params) : params_{params} {}
+
+  /// Starts at a known heading, level until told otherwise.
+  void start(double yaw);
+
+  /// The drone stands still on a level pad: one sample for gyro and accelerometer bias.
+  /// A sample that moves (hands on the drone) is left out.
+  void update_at_rest(const Imu& imu);
+
+  /// One step in flight.
+  /// @param accel_B  specific force, low-passed [m/s²].
+  /// @param v_B      velocity as the filter sees it, for the centripetal part [m/s].
+  void update(const Imu& imu, const Eigen::Vector3d& accel_B, const Eigen::Vector3d& v_B, double dt);
+
+  /// A gate says the heading is off by `error` [rad]. Used only when within 4 σ.
+  void correct_heading(double error, double variance);
+
+  /// Attitude from outside (a log's own), where the question is not attitude.
+  void set(const Attitude& attitude) { q_ = quaternion_of(attitude); }
+
+  [[nodiscard]] RotationEB R_EB() const { return rotation_EB(q_); }
+  [[nodiscard]] Attitude attitude() const { return attitude_of(R_EB()); }
+  [[nodiscard]] const Eigen::Vector3d& rate_B() const { return rate_B_; }  ///< Bias removed [rad/s].
+  [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return gyro_bias_; }
+  /// Mean specific force at rest plus gravity: the accelerometer's bias on a level pad [m/s²].
+  [[nodiscard]] const Eigen::Vector3d& accel_bias() const { return accel_bias_; }
+  [[nodiscard]] int rest_samples() const { return rest_samples_; }
+  [[nodiscard]] double heading_sigma() const;
+
+ private:
+  AhrsParams params_;
+  Quaternion q_;
+  Eigen::Vector3d rate_B_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gyro_bias_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_bias_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d slow_gyro_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d slow_accel_ = Eigen::Vector3d::Zero();
+  int rest_samples_ = 0;
+  Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity() * 1e-4;  // heading error, yaw gyro bias
+};
+
+}  // namespace gatefly

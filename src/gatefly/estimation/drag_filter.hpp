@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "gatefly/estimation/drag_model.hpp"
+#include "gatefly/pose/gate_fix.hpp"
+
+namespace gatefly {
+
+struct DragFilterParams {
+  drag_model::Params model;
+  /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms update;
+  /// ours: scaled with time and to what the drag velocity really errs by]
+  double position_noise = 0.03;
+  double vertical_noise = 0.5;
+  double bias_noise = 2e-4;
+  Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};       ///< On the pad [m]. [ours]
+  Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< After the rest calibration [m/s²]. [ours]
+  double gate_sigma = 4.0;        ///< Fixes farther off than this many σ are refused. [ours]
+  double altitude_sigma = 0.05;   ///< Sonar [m]. [ours]
+  double baro_sigma = 0.30;       ///< Barometer against the pad [m]. [ours]
+};
+
+/// What became of a measurement.
+enum class Fusion { kAccepted, kRefused };
+
+/// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
+///
+/// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph form,
+/// innovation gate, delayed fixes (docs/paper/deviations.md#eq-31).
+class DragFilter {
+ public:
+  explicit DragFilter(const DragFilterParams& params) : params_{params} {}
+
+  /// @param p_G      position in the first frame [m].
+  /// @param accel_bias  as found at rest [m/s²].
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias);
+
+  /// Eq. (31)-(33). dt <= 0 changes nothing; non-finite input changes nothing.
+  void predict(const drag_model::Input& input, double dt);
+
+  /// Eq. (34)-(35) with a fix of `moved` ago: the position then was the present one minus `moved` [m].
+  Fusion correct(const Fix& fix, const Eigen::Vector3d& moved);
+
+  /// Height as a z coordinate of the frame [m], from sonar (sharp) or barometer.
+  Fusion correct_altitude(double z_G, double sigma);
+
+  /// Squared Mahalanobis distance of a fix.
+  [[nodiscard]] double distance2(const Fix& fix, const Eigen::Vector3d& moved) const;
+
+  /// Goes over to another gate's frame: p' = R p + offset; `map_sigma` is how well the map knows the one
+  /// gate relative to the other [m].
+  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double map_sigma);
+
+  [[nodiscard]] const drag_model::State& state() const { return x_; }
+  [[nodiscard]] const drag_model::StateMatrix& covariance() const { return P_; }
+  [[nodiscard]] Eigen::Vector3d position() const { return x_.segment<3>(drag_model::kX); }
+  [[nodiscard]] const DragFilterParams& params() const { return params_; }
+
+ private:
+  DragFilterParams params_;
+  drag_model::State x_ = drag_model::State::Zero();
+  drag_model::StateMatrix P_ = drag_model::StateMatrix::Identity();
+};
+
+}  // namespace gatefly

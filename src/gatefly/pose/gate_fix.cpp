@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/pose/gate_fix.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/pose/ray_intersection.hpp"
+
+namespace gatefly {
+namespace {
+
+// The gate's outer corners in its own frame, in the order of a Quad.
+std::array<Eigen::Vector3d, 4> corners_G(double side) {
+  const double h = 0.5 * side;
+  return {{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+}
+
+// Angle that one pixel covers at `px` [rad].
+double radians_per_px(const CameraRig& rig, const Eigen::Vector2d& px, const Eigen::Vector3d& bearing_C) {
+  const auto beside = rig.lens.bearing(px + Eigen::Vector2d{1.0, 0.0});
+  return beside ? (*beside - bearing_C).norm() : 0.006;
+}
+
+// Attitude errors turn the camera about the gate: δt = δθ × t.
+Eigen::Matrix3d attitude_covariance(const Eigen::Vector3d& t_G, const PoseParams& params) {
+  const double tilt = params.attitude_sigma * params.attitude_sigma;
+  const double yaw = params.heading_sigma * params.heading_sigma;
+  const Eigen::Matrix3d S = skew(t_G);
+  return S * Eigen::Vector3d{tilt, tilt, yaw}.asDiagonal() * S.transpose();
+}
+
+struct YawError {
+  double value, variance;
+};
+
+// Gauss-Newton over camera position and yaw, from the position that assumes the yaw is right.
+std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::array<double, 4>& sigma,
+                                  Eigen::Vector3d t) {
+  constexpr double kPriorVariance = 0.35 * 0.35;  // 20°: keeps a frontal far gate from spinning
+  double yaw = 0.0;
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    information.setZero();
+    Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+    const Eigen::Matrix3d R = rotation_z(yaw);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector3d to_corner = rays[i].point - t;
+      const double d = to_corner.norm();
+      if (!(d > 0.05)) return std::nullopt;
+      // Residual across the measured ray, turned by the trial yaw.
+      const Eigen::Vector3d v = R * rays[i].direction;
+      const Eigen::Matrix3d N = Eigen::Matrix3d::Identity() - v * v.transpose();
+      const Eigen::Vector3d r = N * to_corner / d;
+      Eigen::Matrix<double, 3, 4> J;
+      J.leftCols<3>() = -N / d;
+      J.col(3) = -Eigen::Vector3d::UnitZ().cross(v);
+      const double w = 1.0 / (sigma[i] * sigma[i]);
+      information += w * J.transpose() * J;
+      gradient += w * J.transpose() * r;
+    }
+    information(3, 3) += 1.0 / kPriorVariance;
+    gradient(3) += yaw / kPriorVariance;
+    const Eigen::Vector4d step = -information.ldlt().solve(gradient);
+    if (!step.allFinite()) return std::nullopt;
+    t += step.head<3>();
+    yaw += step(3);
+  }
+  const Eigen::Matrix4d covariance = information.inverse();
+  if (!covariance.allFinite() || !(covariance(3, 3) > 0.0)) return std::nullopt;
+  // Take the prior out again: the filter that uses this has its own.
+  const double posterior = covariance(3, 3);
+  if (posterior > 0.8 * kPriorVariance) return std::nullopt;
+  const double measured = 1.0 / (1.0 / posterior - 1.0 / kPriorVariance);
+  return YawError{yaw * measured / posterior, measured};
+}
+
+}  // namespace
+
+std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
+                                    const CameraRig& rig, const PoseParams& params) {
+  const auto corners = corners_G(side);
+  std::array<Ray, 4> rays;
+  std::array<double, 4> sigma{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto bearing_C = rig.lens.bearing(outer_corners_px[i]);  // Eq. (5)
+    if (!bearing_C) return std::nullopt;
+    rays[i] = {corners[i], R_GB * (rig.R_BC * *bearing_C)};  // Eq. (6)
+    sigma[i] = params.corner_sigma_px * radians_per_px(rig, outer_corners_px[i], *bearing_C);
+  }
+  const auto camera_G = nearest_point(rays);  // Eq. (9)
+  if (!camera_G) return std::nullopt;
+
+  // Noise of each ray, propagated through A t = b: δt = A⁻¹ Σ d_i δv_i.
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
+  double worst = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d& v = rays[i].direction;
+    const Eigen::Matrix3d N = Eigen::Matrix3d::Identity() - v * v.transpose();
+    const Eigen::Vector3d to_corner = rays[i].point - *camera_G;
+    const double d = to_corner.norm();
+    A += N;
+    B += d * d * sigma[i] * sigma[i] * N;
+    worst = std::max(worst, (N * to_corner).norm() / d);
+  }
+  if (worst > params.max_residual) return std::nullopt;
+
+  Fix fix;
+  fix.p_GB = *camera_G - R_GB * rig.p_BC;
+  const Eigen::Matrix3d A_inverse = A.inverse();
+  fix.covariance = A_inverse * B * A_inverse + attitude_covariance(*camera_G, params);
+  if (fix.p_GB.x() > 0.0 || std::abs(fix.p_GB.y()) > params.max_lateral ||
+      fix.p_GB.norm() > params.max_distance || !fix.covariance.allFinite())
+    return std::nullopt;
+  if (const auto yaw = yaw_error(rays, sigma, *camera_G)) {
+    fix.yaw_error = yaw->value;
+    fix.yaw_variance = yaw->variance;
+  }
+  return fix;
+}
+
+std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, double bar_distance,
+                                 const CameraRig& rig, const PoseParams& params) {
+  const auto left_C = rig.lens.bearing(bars.left_px);
+  const auto right_C = rig.lens.bearing(bars.right_px);
+  if (!left_C || !right_C) return std::nullopt;
+  const Eigen::Vector3d left = R_GB * (rig.R_BC * *left_C);
+  const Eigen::Vector3d right = R_GB * (rig.R_BC * *right_C);
+  if (left.x() < 0.05 || right.x() < 0.05) return std::nullopt;  // beside the drone, not before it
+
+  // Eq. (10), signed: the bars are where their bearings cut the gate plane.
+  const double tan_left = left.y() / left.x(), tan_right = right.y() / right.x();
+  const double spread = tan_right - tan_left;
+  if (spread < 0.1) return std::nullopt;
+  const double x = bar_distance / spread;
+  const double y = 0.5 * bar_distance - x * tan_right;  // camera, right of the gate's axis
+  const Eigen::Vector3d camera_G{-x, y, 0.0};
+  const Eigen::Vector3d p_GB = camera_G - R_GB * rig.p_BC;
+  if (x < params.min_bars_distance || x > params.max_bars_distance || std::abs(p_GB.y()) > 0.8 * bar_distance)
+    return std::nullopt;
+
+  // Each bearing with the corner noise; x_G = -s/spread, y_G = s/2 - s tan α₂ / spread.
+  const double sigma_left = params.corner_sigma_px * radians_per_px(rig, bars.left_px, *left_C) * (1 + tan_left * tan_left);
+  const double sigma_right = params.corner_sigma_px * radians_per_px(rig, bars.right_px, *right_C) * (1 + tan_right * tan_right);
+  Eigen::Matrix2d J;  // of (x_G, y_G) by (tan α₁, tan α₂)
+  J << -x / spread, x / spread, -tan_right * x / spread, tan_left * x / spread;
+  const Eigen::Matrix2d noise = Eigen::Vector2d{sigma_left * sigma_left, sigma_right * sigma_right}.asDiagonal();
+  Fix fix;
+  fix.p_GB = {p_GB.x(), p_GB.y(), 0.0};
+  fix.has_height = false;
+  fix.covariance = attitude_covariance(camera_G, params);
+  fix.covariance.topLeftCorner<2, 2>() += J * noise * J.transpose();
+  fix.covariance.row(2).setZero();
+  fix.covariance.col(2).setZero();
+  fix.covariance(2, 2) = 1.0;
+  return fix;
+}
+
+}  // namespace gatefly

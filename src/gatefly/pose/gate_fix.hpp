@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/detection/gate_bars.hpp"
+#include "gatefly/detection/quad.hpp"
+#include "gatefly/geometry/frames.hpp"
+#include "gatefly/sensing/camera.hpp"
+
+namespace gatefly {
+
+/// A camera and how it sits on the drone, as the team measured it.
+struct CameraRig {
+  AnyCamera lens;
+  RotationBC R_BC;
+  Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< Focal point in the body frame [m].
+};
+
+struct PoseParams {
+  double corner_sigma_px = 2.5;    ///< Independent part. [facts §1: 3 px robust; ours after line fits]
+  double attitude_sigma = 0.02;    ///< Roll and pitch of the AHRS [rad]. [ours]
+  double heading_sigma = 0.04;     ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
+  double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
+  double max_distance = 9.0;       ///< [m] [ours: a 1 m gate is 19 px there]
+  double min_bars_distance = 0.3;  ///< [m] [Li18 flight code]
+  double max_bars_distance = 1.8;  ///< [m] [Li18 flight code]
+  double max_residual = 0.10;      ///< Rays may pass each other by this part of the distance. [ours]
+};
+
+/// Position of the body relative to a gate, from one picture.
+struct Fix {
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();           ///< [m]; z is 0 when !has_height.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity(); ///< Of p_GB [m²].
+  bool has_height = true;
+  std::optional<double> yaw_error = std::nullopt;  ///< What has to be added to R_GB's yaw [rad].
+  double yaw_variance = 0.0;                       ///< Of yaw_error [rad²].
+};
+
+/// Position from four corners and the attitude. Li18 §3.2, Eq. (5)-(9).
+///
+/// The corners also say how far the assumed heading is off: `yaw_error` is the fourth unknown of a
+/// second least-squares problem (ours; the paper trusts the heading).
+/// @param outer_corners_px  clockwise from top-left, outer corners of the frame.
+/// @param R_GB              attitude at the moment of exposure, relative to the gate.
+/// @param side              outer side of the gate [m].
+/// @return nullopt when the rays do not meet in a point before the gate.
+[[nodiscard]] std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB,
+                                                  double side, const CameraRig& rig,
+                                                  const PoseParams& params);
+
+/// Position across and before the gate from its two side bars. Li18 Eq. (10), corrected.
+///
+/// Signed bearings, right positive, rotated by the full attitude (the flown code ignores tilt and roll):
+///   x = s / (tan α₂ − tan α₁) before the gate, y = s/2 − x tan α₂.
+/// @param bar_distance  between the centres of the two bars [m].
+[[nodiscard]] std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB,
+                                               double bar_distance, const CameraRig& rig,
+                                               const PoseParams& params);
+
+}  // namespace gatefly

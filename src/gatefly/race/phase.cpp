@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/phase.hpp"
+
+#include <cmath>
+
+namespace gatefly {
+namespace {
+
+bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
+  return now.gate_x > -params.search_before && now.gate_x < -0.5 && now.since_fix > 0.4 &&
+         now.lateral_sigma > params.max_lateral_sigma;
+}
+
+bool gate_found_again(const Situation& now, const PhaseParams& params) {
+  return now.since_fix < 0.3 && now.lateral_sigma < 0.6 * params.max_lateral_sigma &&
+         std::abs(now.gate_y) < 0.30 && now.gate_x < -1.0 && now.speed < 0.7;
+}
+
+struct Next {
+  const Situation& now;
+  const PhaseParams& params;
+
+  Transition on_course() const {
+    if (gate_in_doubt(now, params)) return {Search{now.time}};
+    if (now.turn_ahead) return {Turn{}};
+    return {Straight{}};
+  }
+
+  Transition operator()(const OnGround& phase) const {
+    if (now.rest_samples >= params.rest_samples) return {TakeOff{now.time}};
+    return {phase};
+  }
+  Transition operator()(const TakeOff& phase) const {
+    if (now.height > params.go_height) return {Straight{}};
+    if (now.time - phase.since > params.climb_timeout) return {Land{now.time}, AbortReason::kNoClimb};
+    return {phase};
+  }
+  Transition operator()(const Straight&) const { return on_course(); }
+  Transition operator()(const Turn& phase) const {
+    const Transition next = on_course();
+    if (std::holds_alternative<Turn>(next.phase)) return {phase};  // the arc keeps its prediction
+    return next;
+  }
+  Transition operator()(const Search& phase) const {
+    if (gate_found_again(now, params)) return {Straight{}};
+    if (now.time - phase.since > params.search_timeout) return {Land{now.time}, AbortReason::kGateNotFound};
+    return {phase};
+  }
+  Transition operator()(const Land& phase) const {
+    if (now.height < 0.12 || now.time - phase.since > 12.0) return {Landed{}};
+    return {phase};
+  }
+  Transition operator()(const Landed& phase) const { return {phase}; }
+};
+
+bool is_flying(const Phase& phase) {
+  return !std::holds_alternative<OnGround>(phase) && !std::holds_alternative<Land>(phase) &&
+         !std::holds_alternative<Landed>(phase);
+}
+
+}  // namespace
+
+Transition next_phase(const Phase& phase, const Situation& now, const PhaseParams& params) {
+  if (is_flying(phase)) {
+    if (now.since_imu > params.imu_timeout) return {Land{now.time}, AbortReason::kSensorsLost};
+    if (now.tilt > params.max_tilt) return {Landed{}, AbortReason::kUpset};
+    if (now.course_done) return {Land{now.time}};
+  }
+  return std::visit(Next{now, params}, phase);
+}
+
+const char* name_of(const Phase& phase) {
+  constexpr const char* kNames[] = {"ground", "take-off", "straight", "turn", "search", "land", "landed"};
+  return kNames[phase.index()];
+}
+
+const char* text_of(AbortReason reason) {
+  switch (reason) {
+    case AbortReason::kNone: return "";
+    case AbortReason::kGateNotFound: return "the next gate was not found";
+    case AbortReason::kNoClimb: return "the drone did not climb";
+    case AbortReason::kUpset: return "the drone tipped over";
+    case AbortReason::kSensorsLost: return "the IMU went silent";
+  }
+  return "";
+}
+
+}  // namespace gatefly

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <variant>
+
+#include "gatefly/control/arc.hpp"
+
+namespace gatefly {
+
+/// Standing on the pad: biases are learnt, motors are off.
+struct OnGround {};
+/// Straight up, until high enough to go.
+struct TakeOff {
+  double since = 0.0;  ///< [s]
+};
+/// On a straight: PD onto the line, Li18 Eq. (22).
+struct Straight {};
+/// In a turn: feed-forward on the predicted velocity, Li18 Eq. (29).
+struct Turn {
+  Arc arc;
+};
+/// The gate should be in view and is not: wait before it and look around.
+struct Search {
+  double since = 0.0;  ///< [s]
+};
+/// All gates passed, or given up: level, down.
+struct Land {
+  double since = 0.0;  ///< [s]
+};
+/// Motors off.
+struct Landed {};
+
+/// OnGround -> TakeOff -> Straight <-> Turn -> ... -> Land -> Landed; Straight <-> Search; any -> Land.
+using Phase = std::variant<OnGround, TakeOff, Straight, Turn, Search, Land, Landed>;
+
+/// Why a flight was given up; kNone while it was not.
+enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
+
+[[nodiscard]] const char* name_of(const Phase& phase);
+[[nodiscard]] const char* text_of(AbortReason reason);
+
+/// What the pilot believes and what is planned, as far as it decides the phase.
+struct Situation {
+  double time = 0.0;             ///< [s]
+  int rest_samples = 0;          ///< Of the rest calibration.
+  double height = 0.0;           ///< Above the pad [m].
+  bool course_done = false;      ///< Every gate of every lap passed.
+  bool turn_ahead = false;       ///< The path curves at the look-ahead point.
+  double gate_x = -10.0;         ///< Along the gate's axis, negative before it [m].
+  double gate_y = 0.0;           ///< To the right of the axis [m].
+  double lateral_sigma = 0.0;    ///< Of gate_y [m].
+  double speed = 0.0;            ///< [m/s]
+  double since_fix = 0.0;        ///< Since a sighting of the target was accepted [s].
+  double tilt = 0.0;             ///< Between body and earth vertical [rad].
+  double since_imu = 0.0;        ///< Since the last finite IMU sample [s].
+};
+
+struct PhaseParams {
+  int rest_samples = 768;           ///< 1.5 s at 512 Hz. [ours]
+  double go_height = 0.7;           ///< Start forward flight above this [m]. [ours]
+  double climb_timeout = 6.0;       ///< [s]
+  double search_before = 1.3;       ///< Decide this far before the gate [m]; 1 m stops 1.7 m/s. [ours]
+  double max_lateral_sigma = 0.22;  ///< More doubt than this about y: no pass. [ours: opening 0.9, body 0.38]
+  double search_timeout = 15.0;     ///< [s]
+  double max_tilt = 1.2;            ///< Beyond it the flight is lost [rad].
+  double imu_timeout = 0.2;         ///< [s]
+};
+
+struct Transition {
+  Phase phase;
+  AbortReason reason = AbortReason::kNone;
+};
+
+/// The phase after `phase`. Pure: no clock, no memory.
+[[nodiscard]] Transition next_phase(const Phase& phase, const Situation& now, const PhaseParams& params);
+
+}  // namespace gatefly

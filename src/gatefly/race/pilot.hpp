@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/control/altitude.hpp"
+#include "gatefly/control/attitude_command.hpp"
+#include "gatefly/control/indi.hpp"
+#include "gatefly/control/lateral_pd.hpp"
+#include "gatefly/detection/gate_bars.hpp"
+#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/estimation/ahrs.hpp"
+#include "gatefly/estimation/drag_filter.hpp"
+#include "gatefly/estimation/low_pass.hpp"
+#include "gatefly/estimation/velocity_observer.hpp"
+#include "gatefly/pose/gate_fix.hpp"
+#include "gatefly/race/path.hpp"
+#include "gatefly/race/phase.hpp"
+#include "gatefly/race/track.hpp"
+#include "gatefly/sensing/imu.hpp"
+
+namespace gatefly {
+
+/// What arrives in one tick. Everything but the IMU is slower and mostly absent.
+struct Sensors {
+  std::chrono::nanoseconds time{0};           ///< Of the IMU sample; must not run backwards.
+  Imu imu;
+  std::optional<double> sonar = std::nullopt;  ///< Range to what is below, along body z [m].
+  std::optional<double> baro = std::nullopt;   ///< Height above the pad [m].
+  std::optional<Image> image = std::nullopt;   ///< Arrived now, exposed `latency` ago; read in this call only.
+};
+
+/// What the drone does next.
+struct Command {
+  AttitudeCommand attitude;
+  std::array<double, 4> motors{};  ///< Rotor speeds [rad/s]: left front, right front, right back, left back.
+};
+
+struct SpeedParams {
+  double pitch_gain = 0.14;              ///< [rad/(m/s)] of speed error. [ours; paper: constant pitch]
+  double max_pitch = 14.0 * kDegree;     ///< Nose down.
+  double min_pitch = -12.0 * kDegree;    ///< As nose up: braking.
+  double roll_lead = 0.16;               ///< Roll starts this long before the curve [s]: INDI's lag. [ours]
+  double brake_lead = 0.7;               ///< Slow down this long before the curve [s]. [ours]
+};
+
+struct CameraTiming {
+  double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
+  double readout = 0.020;  ///< First to last upright column [s].
+};
+
+/// Everything a pilot is told before take-off. Start-up only.
+struct PilotConfig {
+  Track track;
+  CameraRig camera;
+  CameraTiming camera_timing;
+  ColorRange color;
+  SnakeGateParams snake;
+  GateBarsParams bars;
+  PoseParams pose;
+  AhrsParams ahrs;
+  DragFilterParams filter;
+  VelocityObserverParams velocity;
+  LateralParams lateral;
+  AltitudeParams altitude;
+  SpeedParams speed;
+  IndiParams indi;
+  VehicleParams vehicle;
+  PlanParams plan;
+  PhaseParams phase;
+  double map_sigma = 0.12;          ///< How well gates are known relative to each other [m]. [ours]
+  double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
+  std::uint64_t seed = 1;           ///< Of the detector's samples.
+};
+
+/// What the pilot believes. For logs, displays and tests; nothing flies by it but the pilot.
+struct Estimate {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d v_E = Eigen::Vector3d::Zero();   ///< [m/s]
+  Attitude attitude;
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< Of the position, in the gate's frame [m].
+  int gates_passed = 0;
+};
+
+/// What became of the last picture.
+struct Sighting {
+  enum class Source { kNone, kCorners, kBars };
+  bool seen = false;                  ///< At least one gate was detected.
+  GateDetections detections;          ///< Best first; the one that was used is `used`.
+  int used = -1;                      ///< Index into detections; -1 when none (or bars).
+  Source source = Source::kNone;      ///< What corrected the filter, if anything did.
+  std::optional<GateBars> bars;
+};
+
+/// The drone's mind: sensors in, motor commands out. One object, no threads, no clock.
+class Pilot {
+ public:
+  /// Plans the course. @throws std::invalid_argument when it cannot be flown, saying why.
+  explicit Pilot(const PilotConfig& config);
+
+  /// One tick, at the IMU's rate. Never throws, never allocates; non-finite samples are ignored.
+  Command step(const Sensors& sensors);
+
+  [[nodiscard]] Estimate estimate() const;
+  [[nodiscard]] const Phase& phase() const { return phase_; }
+  [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
+  [[nodiscard]] const Sighting& sighting() const { return sighting_; }
+  [[nodiscard]] bool finished() const { return passed_ >= total_gates(); }
+  [[nodiscard]] bool landed() const { return std::holds_alternative<Landed>(phase_); }
+  [[nodiscard]] int target_gate() const { return target_; }
+  [[nodiscard]] const RacePlan& plan() const { return plan_; }
+
+ private:
+  struct Past {  ///< One moment, for pictures that arrive late.
+    double time = 0.0;
+    Eigen::Matrix3d R_EB = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d odometry_E = Eigen::Vector3d::Zero();
+  };
+
+  double advance_clock(std::chrono::nanoseconds time);
+  void sense(const Imu& imu, double dt);
+  void estimate_motion(double dt);
+  void measure_height(const Sensors& sensors);
+  void look(const Image& image);
+  bool correct_with(const GateDetection& gate);
+  bool belongs_to_another_gate(const GateDetection& gate) const;
+  void correct_with_bars(const GateBars& bars);
+  void follow_course();
+  void pass_gate();
+  AttitudeCommand command(double dt);
+  AttitudeCommand command_for(const TakeOff& phase, double dt);
+  AttitudeCommand command_for(const Straight& phase, double dt);
+  AttitudeCommand command_for(Turn& phase, double dt);
+  AttitudeCommand command_for(const Search& phase, double dt);
+  AttitudeCommand command_for(const Land& phase, double dt);
+  AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt);
+
+  [[nodiscard]] int total_gates() const { return static_cast<int>(config_.track.gates.size()) * config_.track.laps; }
+  [[nodiscard]] const MapGate& gate() const { return config_.track.gates[static_cast<std::size_t>(target_)]; }
+  [[nodiscard]] const Path& path() const;
+  [[nodiscard]] Situation situation() const;
+  [[nodiscard]] Past past(double time) const;
+  [[nodiscard]] RotationGB R_GB(const Eigen::Matrix3d& R_EB) const;
+  [[nodiscard]] Eigen::Vector3d p_EB() const;
+  [[nodiscard]] double capture_time(double u_px) const;
+  [[nodiscard]] double forward_speed() const;
+  [[nodiscard]] double wanted_speed() const;
+  [[nodiscard]] double pitch_for_speed(double speed) const;
+  [[nodiscard]] double vertical_accel(double z_target, double vz_target, double dt);
+  [[nodiscard]] double thrust_for(double accel_up) const;
+  [[nodiscard]] double cross_track_roll(double s) const;
+
+  PilotConfig config_;
+  RacePlan plan_;
+  Ahrs ahrs_;
+  LowPass accel_filter_;
+  DragFilter filter_;
+  VelocityObserver velocity_;
+  Altitude altitude_;
+  Indi indi_;
+  Rng rng_;
+  Phase phase_ = OnGround{};
+  AbortReason abort_reason_ = AbortReason::kNone;
+  Sighting sighting_;
+
+  double time_ = 0.0, last_imu_ = 0.0, last_fix_ = -1e3;
+  bool started_ = false;
+  drag_model::Input input_;
+  Eigen::Vector3d odometry_E_ = Eigen::Vector3d::Zero();
+  std::array<Past, 128> history_{};  ///< 250 ms at 512 Hz.
+  std::size_t history_count_ = 0;
+  std::optional<Quad> last_corners_;
+  double image_width_ = 315.0;
+  int target_ = 0, passed_ = 0;
+  double progress_ = 0.0;  ///< Metres along path().
+  double hold_x_ = -2.0;   ///< Where to wait before the gate while searching [m].
+};
+
+}  // namespace gatefly

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/race/path.hpp"
+
+namespace gatefly {
+namespace {
+
+struct Pose2 {
+  Eigen::Vector2d position;
+  double heading;
+};
+
+Eigen::Vector2d ahead(double heading) {
+  const auto [s, c] = sincos(heading);
+  return {c, s};
+}
+Eigen::Vector2d right(double heading) {
+  const auto [s, c] = sincos(heading);
+  return {-s, c};
+}
+
+Pose2 moved(const Pose2& pose, double distance) {
+  return {pose.position + distance * ahead(pose.heading), pose.heading};
+}
+
+/// Length of the arc from heading `from` to `to`, turning to `side` (+1 right, -1 left).
+double turn_angle(double from, double to, double side) {
+  double angle = side * (to - from);
+  angle -= 2 * kPi * std::floor(angle / (2 * kPi));
+  return angle > 2 * kPi - 1e-6 ? 0.0 : angle;  // rounding must not add a full circle
+}
+
+struct Dubins {
+  double side_1, angle_1, straight, heading, side_2, angle_2;
+  bool valid = false;
+};
+
+/// Arc, straight, arc between two poses, turning to the given sides. Dubins 1957, the CSC words.
+Dubins connect(const Pose2& from, const Pose2& to, double radius, double side_1, double side_2) {
+  const Eigen::Vector2d c1 = from.position + side_1 * radius * right(from.heading);
+  const Eigen::Vector2d c2 = to.position + side_2 * radius * right(to.heading);
+  const Eigen::Vector2d d = c2 - c1;
+  const double distance = d.norm();
+  Dubins word{side_1, 0, 0, from.heading, side_2, 0};
+  double heading = distance > 1e-9 ? atan2(d.y(), d.x()) : from.heading;
+  if (side_1 == side_2) {
+    word.straight = distance;
+  } else {
+    if (distance < 2 * radius) return word;
+    // The inner tangent leans towards the second centre's side.
+    word.straight = std::sqrt(distance * distance - 4 * radius * radius);
+    heading += side_1 * atan2(2 * radius, word.straight);
+  }
+  word.heading = heading;
+  word.angle_1 = turn_angle(from.heading, heading, side_1);
+  word.angle_2 = turn_angle(heading, to.heading, side_2);
+  word.valid = true;
+  return word;
+}
+
+/// Distance from a point to a box on the floor plan; 0 inside.
+double distance_to(const MapObstacle& box, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d d = p - box.center;
+  const Eigen::Vector2d local{d.dot(ahead(box.heading)), d.dot(right(box.heading))};
+  return (local.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm();
+}
+
+struct Candidate {
+  Path path;
+  double cost;
+};
+
+void append(Path& path, Pose2& pose, double length, double curvature) {
+  if (length < 1e-4) return;
+  // A straight that goes on from a straight is one straight.
+  if (curvature == 0.0 && !path.segments.empty() && path.segments.back().curvature == 0.0) {
+    path.segments.back().length += length;
+  } else {
+    path.segments.push_back({pose.position, pose.heading, curvature, length});
+  }
+  const PathPoint end = point_on({pose.position, pose.heading, curvature, length}, length);
+  pose = {end.position, end.heading};
+}
+
+class Planner {
+ public:
+  Planner(const Track& track, const PlanParams& params) : track_{track}, params_{params} {}
+
+  Path leg(const Pose2& from, double z_from, int from_gate, int to_gate) const {
+    const MapGate& goal = track_.gates[static_cast<std::size_t>(to_gate)];
+    std::vector<Candidate> candidates = propose(from, z_from, from_gate >= 0, goal);
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+    std::string blocked = "no turn of radius >= " + std::to_string(params_.min_radius) + " m leads there";
+    for (const auto& candidate : candidates) {
+      const std::string obstacle = first_contact(candidate.path, from_gate, to_gate);
+      if (obstacle.empty()) return candidate.path;
+      blocked = obstacle;
+    }
+    throw std::invalid_argument("no way from " +
+                                (from_gate < 0 ? std::string("the start") : "gate " + std::to_string(from_gate + 1)) +
+                                " to gate " + std::to_string(to_gate + 1) + ": " + blocked);
+  }
+
+ private:
+  std::vector<Candidate> propose(const Pose2& from, double z_from, bool from_is_gate, const MapGate& goal) const {
+    constexpr std::array kRadii{3.0, 2.4, 2.0, 1.7, 1.5, 1.3, 1.15, 1.0, 0.9, 0.8, 0.7, 0.6};
+    constexpr std::array kRunOut{0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
+    constexpr std::array kRunIn{4.0, 3.0, 2.5, 2.0, 1.6, 1.3, 1.0};
+    const Pose2 gate{goal.p_EG.head<2>(), goal.yaw_EG};
+    std::vector<Candidate> candidates;
+    for (const double radius : kRadii) {
+      if (radius < params_.min_radius) continue;
+      for (const double run_out : kRunOut)
+        for (const double run_in : kRunIn)
+          for (const double side_1 : {-1.0, 1.0})
+            for (const double side_2 : {-1.0, 1.0}) {
+              const double out = from_is_gate ? run_out : run_out - 0.15;
+              const Dubins word = connect(moved(from, out), moved(gate, -run_in), radius, side_1, side_2);
+              if (!word.valid) continue;
+              if (word.angle_1 + word.angle_2 > 1.6 * kPi) continue;  // no loops
+              Candidate candidate;
+              Path& path = candidate.path;
+              Pose2 pose = from;
+              append(path, pose, out, 0.0);
+              append(path, pose, radius * word.angle_1, side_1 / radius);
+              append(path, pose, word.straight, 0.0);
+              append(path, pose, radius * word.angle_2, side_2 / radius);
+              append(path, pose, run_in, 0.0);
+              path.z_start = z_from;
+              path.z_end = goal.p_EG.z();
+              candidate.cost = cost(path, radius, word);
+              candidates.push_back(candidate);
+            }
+    }
+    return candidates;
+  }
+
+  // Seconds, plus what makes a leg hard to fly: a short straight before the gate, tight turns, turning much.
+  double cost(const Path& path, double radius, const Dubins& word) const {
+    const double arc_speed = std::min(params_.speed, std::sqrt(params_.max_lateral * radius));
+    double seconds = 0.0;
+    for (const auto& segment : path.segments)
+      seconds += segment.length / (segment.curvature == 0.0 ? params_.speed : arc_speed);
+    const double run_in = path.segments.back().curvature == 0.0 ? path.segments.back().length : 0.0;
+    const double turning = word.angle_1 + word.angle_2;
+    return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.35 * turning / radius + 0.3 * turning;
+  }
+
+  // What the body would come too near to, or "" when nothing.
+  std::string first_contact(const Path& path, int from_gate, int to_gate) const {
+    const double total = path.length();
+    const double margin = params_.clearance + params_.body_radius;
+    for (double s = 0.0; s <= total; s += 0.1) {
+      const Eigen::Vector2d p = path.at(s).position;
+      const double height = -path.z_at(s);
+      const Eigen::Vector2d to_wall = 0.5 * track_.room_size - (p - track_.room_center).cwiseAbs();
+      if (to_wall.minCoeff() < margin) return "a wall is in the way";
+      for (std::size_t i = 0; i < track_.obstacles.size(); ++i) {
+        const MapObstacle& obstacle = track_.obstacles[i];
+        if (obstacle.height > height - params_.clearance && distance_to(obstacle, p) < margin)
+          return "obstacle " + std::to_string(i + 1) + " is in the way";
+      }
+      for (int g = 0; g < static_cast<int>(track_.gates.size()); ++g) {
+        // The gates at the two ends are flown through; a little way off they are obstacles as well.
+        if ((g == from_gate && s < 0.8) || (g == to_gate && total - s < 0.8)) continue;
+        const MapGate& gate = track_.gates[static_cast<std::size_t>(g)];
+        const MapObstacle frame{gate.p_EG.head<2>(), {0.1, gate.side}, gate.yaw_EG, 0.0};
+        if (distance_to(frame, p) < margin) return "gate " + std::to_string(g + 1) + " is in the way";
+      }
+    }
+    return "";
+  }
+
+  const Track& track_;
+  const PlanParams& params_;
+};
+
+}  // namespace
+
+RacePlan plan_race(const Track& track, const PlanParams& params) {
+  if (track.gates.empty()) throw std::invalid_argument("the track has no gates");
+  for (std::size_t i = 0; i < track.gates.size(); ++i) {
+    const MapGate& gate = track.gates[i];
+    const std::string name = "gate " + std::to_string(i + 1);
+    const double opening = gate.side - 2 * gate.bar;
+    if (opening < 2 * params.body_radius + 0.1) throw std::invalid_argument(name + " is too small to fly through");
+    if (-gate.p_EG.z() < 0.5 * gate.side + 0.05) throw std::invalid_argument(name + " is too low: it stands in the floor");
+    if (-gate.p_EG.z() + 0.5 * gate.side > track.ceiling) throw std::invalid_argument(name + " is too high: it is in the ceiling");
+    const auto pass = ahead(gate.yaw_EG);
+    for (std::size_t k = 0; k < track.obstacles.size(); ++k)
+      for (double s = -0.3; s <= 0.3; s += 0.1)
+        if (track.obstacles[k].height > -gate.p_EG.z() - 0.5 * opening &&
+            distance_to(track.obstacles[k], gate.p_EG.head<2>() + s * pass) < params.body_radius)
+          throw std::invalid_argument("obstacle " + std::to_string(k + 1) + " stands in the opening of " + name);
+  }
+
+  const Planner planner{track, params};
+  RacePlan plan;
+  const int n = static_cast<int>(track.gates.size());
+  plan.start = planner.leg({track.start, track.start_heading}, track.gates[0].p_EG.z(), -1, 0);
+  for (int i = 0; i < n; ++i) {
+    if (i == n - 1 && track.laps == 1) break;  // the last gate of a single lap leads nowhere
+    const MapGate& gate = track.gates[static_cast<std::size_t>(i)];
+    plan.legs.push_back(planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
+  }
+  return plan;
+}
+
+}  // namespace gatefly

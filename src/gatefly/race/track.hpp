@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace gatefly {
+
+/// A gate on the team's hand-measured map.
+struct MapGate {
+  Eigen::Vector3d p_EG{0, 0, -1.5};  ///< Centre of the opening [m].
+  double yaw_EG = 0.0;               ///< Direction of flight through it [rad].
+  double side = 1.0;                 ///< Outer side of the coloured frame [m].
+  double bar = 0.05;                 ///< Width of its bars [m].
+};
+
+/// Something solid whose place the team knows: a box or a pole.
+struct MapObstacle {
+  Eigen::Vector2d center{0, 0};  ///< [m]
+  Eigen::Vector2d size{1, 1};    ///< Along its own axes [m].
+  double heading = 0.0;          ///< [rad]
+  double height = 2.0;           ///< Above the floor [m].
+};
+
+/// The course as the pilot knows it; nominal, never the truth.
+struct Track {
+  std::string name;
+  std::vector<MapGate> gates;  ///< In flight order.
+  int laps = 1;
+  Eigen::Vector2d start{0, 0};     ///< On the floor [m].
+  double start_heading = 0.0;      ///< [rad]
+  std::vector<MapObstacle> obstacles;
+  Eigen::Vector2d room_center{0, 0}, room_size{1000, 1000};  ///< [m]
+  double ceiling = 1000.0;                                   ///< [m]
+};
+
+}  // namespace gatefly

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sim/scene.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::sim {
+namespace {
+
+constexpr double kNodeSpacing = 0.25;  // of the light map [m]
+constexpr double kFlatBelow = 0.35;    // longest edge that one value of light serves [m]
+constexpr Color kPoleColor{0.42f, 0.13f, 0.10f};
+constexpr Color kFootColor{0.06f, 0.06f, 0.065f};
+
+/// FNV-1a over 32-bit words.
+class Hash {
+ public:
+  void add(std::uint32_t word) {
+    for (int shift = 0; shift < 32; shift += 8)
+      value_ = (value_ ^ ((word >> shift) & 0xffu)) * 0x100000001b3ull;
+  }
+  void add(float x) { add(std::bit_cast<std::uint32_t>(x)); }
+  void add(const Color& c) { for (const float x : c) add(x); }
+  void add(const Eigen::Vector3f& v) { for (int i = 0; i < 3; ++i) add(v[i]); }
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+Color to_color(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+int cells(double length) { return std::max(1, static_cast<int>(std::lround(length / kNodeSpacing))); }
+
+/// Four bars, pole and foot plate.
+void add_gate(SceneBuilder& builder, const WorldGate& gate, int bars, int pole, int foot) {
+  const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
+  const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - gate.bar, d = gate.bar / 2;
+  builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, bars);
+  builder.box(frame, {-d, -half, height - half}, {d, half, height - in}, bars);
+  builder.box(frame, {-d, -half, height - in}, {d, -in, height + in}, bars);
+  builder.box(frame, {-d, in, height - in}, {d, half, height + in}, bars);
+  const double lower = height - half;
+  if (lower < 0.05) return;
+  builder.box(frame, {-0.012, -0.012, 0.0}, {0.012, 0.012, lower}, pole);
+  builder.box(frame, {-0.15, -0.15, 0.0}, {0.15, 0.15, 0.05}, foot);
+}
+
+void add_solids(SceneBuilder& builder, const World& world) {
+  const FloorFrame frame{.origin = world.room_center};
+  const double a = world.room_size.x() / 2, b = world.room_size.y() / 2, top = world.room_size.z();
+  const auto wall = [&](double a0, double b0, double a1, double b1) {
+    const Eigen::Vector3d corner = frame.at(a0, b0, 0.0), inside = frame.at(0, 0, top / 2);
+    builder.rectangle(corner, frame.at(a1, b1, 0) - corner, {0, 0, -top}, inside - corner, 0);
+  };
+  wall(-a, -b, a, -b);
+  wall(-a, b, a, b);
+  wall(-a, -b, -a, b);
+  wall(a, -b, a, b);
+  for (const double h : {0.0, top})
+    builder.rectangle(frame.at(-a, -b, h), {2 * a, 0, 0}, {0, 2 * b, 0}, {0, 0, h > 0 ? 1.0 : -1.0}, 0);
+  for (const WorldBox& obstacle : world.obstacles) builder.solid_box(obstacle, 0);
+}
+
+}  // namespace
+
+int Scene::nodes(const std::vector<Rectangle>& rectangles) {
+  return rectangles.empty() ? 0 : rectangles.back().first_node + rectangles.back().nodes();
+}
+
+std::uint64_t Scene::fixed_hash() const {
+  Hash hash;
+  for (const Rectangle& r : fixed) {
+    hash.add(r.corner);
+    hash.add(r.edge_u);
+    hash.add(r.edge_v);
+    const Material& m = materials[static_cast<std::size_t>(r.material)];
+    hash.add(m.albedo);
+    hash.add(m.second);
+    hash.add(m.emission);
+    hash.add(static_cast<std::uint32_t>(m.group));
+    hash.add(static_cast<std::uint32_t>(m.pattern));
+  }
+  return hash.value();
+}
+
+Eigen::Vector3d FloorFrame::at(double a, double b, double h) const {
+  const SinCos s = sincos(heading);
+  return {origin.x() + a * s.cos - b * s.sin, origin.y() + a * s.sin + b * s.cos, -h};
+}
+
+int SceneBuilder::material(const Material& material) {
+  scene_.materials.push_back(material);
+  return static_cast<int>(scene_.materials.size()) - 1;
+}
+
+int SceneBuilder::matt(const Color& albedo, Pattern pattern, const Color& second, double scale) {
+  return material({.albedo = albedo,
+                   .second = pattern == Pattern::kPlain ? albedo : second,
+                   .pattern = pattern,
+                   .scale = static_cast<float>(scale)});
+}
+
+int SceneBuilder::light(const Color& emission, int group) {
+  return material({.albedo = {0.6f, 0.6f, 0.6f},
+                   .second = {0.6f, 0.6f, 0.6f},
+                   .emission = emission,
+                   .group = group});
+}
+
+void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                             const Eigen::Vector3d& v, const Eigen::Vector3d& towards, int material) {
+  std::vector<Rectangle>& list = layer_ == Layer::kFixed   ? scene_.fixed
+                                 : layer_ == Layer::kMoved ? scene_.moved
+                                                           : scene_.solid;
+  const bool swap = u.cross(v).dot(towards) < 0.0;
+  const Eigen::Vector3d& first = swap ? v : u;
+  const Eigen::Vector3d& second = swap ? u : v;
+  Rectangle r;
+  r.corner = corner.cast<float>();
+  r.edge_u = first.cast<float>();
+  r.edge_v = second.cast<float>();
+  r.normal = first.cross(second).normalized().cast<float>();
+  r.length = Eigen::Vector2d{first.norm(), second.norm()}.cast<float>();
+  r.material = material;
+  r.first_node = Scene::nodes(list);
+  r.cells_u = cells(first.norm());
+  r.cells_v = cells(second.norm());
+  r.flat = std::max(first.norm(), second.norm()) < kFlatBelow;
+  list.push_back(r);
+}
+
+void SceneBuilder::box(const FloorFrame& frame, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                       int material) {
+  const Eigen::Vector3d corner = frame.at(low.x(), low.y(), low.z());
+  const Eigen::Vector3d opposite = frame.at(high.x(), high.y(), high.z());
+  const Eigen::Vector3d a = frame.at(high.x(), low.y(), low.z()) - corner;
+  const Eigen::Vector3d b = frame.at(low.x(), high.y(), low.z()) - corner;
+  const Eigen::Vector3d h{0, 0, low.z() - high.z()};
+  rectangle(corner, b, h, -a, material);
+  rectangle(corner + a, b, h, a, material);
+  rectangle(corner, a, h, -b, material);
+  rectangle(corner + b, a, h, b, material);
+  rectangle(opposite - a - b, a, b, h, material);
+  if (low.z() > 0.0) rectangle(corner, a, b, -h, material);
+}
+
+void SceneBuilder::pole(const FloorFrame& frame, double diameter, double bottom, double top, int material) {
+  constexpr int kSides = 8;
+  const double radius = diameter / 2 / cos(kPi / kSides);
+  const Eigen::Vector3d centre = frame.at(0, 0, bottom), up{0, 0, bottom - top};
+  for (int i = 0; i < kSides; ++i) {
+    const SinCos one = sincos(2 * kPi * i / kSides), two = sincos(2 * kPi * (i + 1) / kSides);
+    const Eigen::Vector3d from = frame.at(radius * one.cos, radius * one.sin, bottom);
+    const Eigen::Vector3d to = frame.at(radius * two.cos, radius * two.sin, bottom);
+    rectangle(from, to - from, up, (from + to) / 2 - centre, material);
+  }
+  // A square lid inside the octagon is enough: nothing flies close above a pole.
+  const double in = 0.35 * diameter;
+  rectangle(frame.at(-in, -in, top), frame.at(in, -in, top) - frame.at(-in, -in, top),
+            frame.at(-in, in, top) - frame.at(-in, -in, top), up, material);
+}
+
+void SceneBuilder::solid_box(const WorldBox& shape, int material) {
+  const FloorFrame frame{.origin = shape.center, .heading = shape.heading};
+  const double a = shape.size.x() / 2, b = shape.size.y() / 2;
+  if (shape.pole) return pole(frame, shape.size.x(), shape.bottom, shape.top, material);
+  box(frame, {-a, -b, shape.bottom}, {a, b, shape.top}, material);
+}
+
+Scene make_scene(const World& world) {
+  Scene scene;
+  SceneBuilder builder{scene};
+  if (world.look == "showroom")
+    dress_showroom(builder, world);
+  else
+    dress_hall(builder, world);
+
+  const int pole = builder.matt(kPoleColor), foot = builder.matt(kFootColor);
+  const auto movable = [&](SceneBuilder::Layer layer) {
+    builder.layer(layer);
+    for (const WorldGate& gate : world.gates)
+      add_gate(builder, gate, builder.matt(to_color(gate.color)), pole, foot);
+    for (const Decoy& decoy : world.decoys)
+      builder.solid_box(decoy.shape, builder.matt(to_color(decoy.color)));
+  };
+  movable(SceneBuilder::Layer::kMoved);
+  movable(SceneBuilder::Layer::kSolid);
+  add_solids(builder, world);
+  return scene;
+}
+
+}  // namespace gatefly::sim
