@@ -20,6 +20,8 @@ struct RaceConfig {
   PilotConfig pilot;
   sim::SimConfig sim;  ///< Already drawn for the seed.
   double timeout = 240.0;  ///< Of the whole flight [s].
+  /// Allocations of the process so far, for tests that count them; may be empty.
+  std::function<std::uint64_t()> allocations;
 };
 
 /// What really was, at one moment. The pilot never sees this.

@@ -97,14 +97,14 @@ std::optional<Eigen::Vector2d> intersection(const Line& a, const Line& b) {
   return Eigen::Vector2d{a.point + along * a.direction};
 }
 
-// Where the coloured run that crosses the centre line at `on_line` ends on the outside.
-std::optional<Eigen::Vector2d> outer_edge(const ColorMask& is_gate, const Eigen::Vector2d& on_line,
-                                          const Eigen::Vector2d& outward, double reach) {
+// Middle of the coloured run that crosses the centre line at `on_line`: where blur and threshold cancel.
+std::optional<Eigen::Vector2d> run_middle(const ColorMask& is_gate, const Eigen::Vector2d& on_line,
+                                          const Eigen::Vector2d& across, double reach) {
   const auto colored = [&](double step) {
-    const Eigen::Vector2d p = on_line + step * outward;
+    const Eigen::Vector2d p = on_line + step * across;
     return is_gate(nearest(p.x()), nearest(p.y()));
   };
-  // Enter the run at the centre line, or up to 2 px beside it.
+  // Enter the run at the line, or up to 2 px beside it.
   double inside = 0.0;
   bool found = false;
   for (const double offset : {0.0, -1.0, 1.0, -2.0, 2.0})
@@ -113,10 +113,11 @@ std::optional<Eigen::Vector2d> outer_edge(const ColorMask& is_gate, const Eigen:
       break;
     }
   if (!found) return std::nullopt;
-  double step = inside;
-  while (step - inside < reach && colored(step + 0.5)) step += 0.5;
-  if (step - inside >= reach) return std::nullopt;  // runs into something else of that colour
-  return on_line + (step + 0.25) * outward;
+  double high = inside, low = inside;
+  while (high - inside < reach && colored(high + 0.5)) high += 0.5;
+  while (inside - low < reach && colored(low - 0.5)) low -= 0.5;
+  if (high - inside >= reach || inside - low >= reach) return std::nullopt;  // runs into something else
+  return on_line + 0.5 * (high + low) * across;
 }
 
 }  // namespace
@@ -164,40 +165,44 @@ Quad corners_by_histogram(const ColorMask& is_gate, const Quad& rough, double wi
   return refined;
 }
 
-Quad outer_corners(const ColorMask& is_gate, const Quad& center_line) {
+Quad corners_by_lines(const ColorMask& is_gate, const Quad& rough) {
   constexpr int kScans = 12;
-  const Eigen::Vector2d middle = center(center_line);
   // Two lines a side, one for each half: fisheye bars are bent.
-  std::array<std::array<std::optional<Line>, 2>, 4> edges;
+  std::array<std::array<std::optional<Line>, 2>, 4> lines;
   for (std::size_t side = 0; side < 4; ++side) {
-    const Eigen::Vector2d& from = center_line[side];
-    const Eigen::Vector2d along = center_line[(side + 1) % 4] - from;
+    const Eigen::Vector2d& from = rough[side];
+    const Eigen::Vector2d along = rough[(side + 1) % 4] - from;
     const double length = along.norm();
     if (length < 4.0) continue;
-    Eigen::Vector2d outward{along.y() / length, -along.x() / length};
-    if (outward.dot(from + 0.5 * along - middle) < 0) outward = -outward;
+    const Eigen::Vector2d across{-along.y() / length, along.x() / length};
     for (std::size_t half = 0; half < 2; ++half) {
       FixedList<Eigen::Vector2d, 16> points;
       for (int i = 0; i < kScans; ++i) {
         // From just beside the corner to a little past the middle.
-        const double t = 0.06 + 0.54 * (i + 0.5) / kScans;
+        const double t = 0.07 + 0.53 * (i + 0.5) / kScans;
         const Eigen::Vector2d on_line = from + along * (half == 0 ? t : 1.0 - t);
-        if (const auto edge = outer_edge(is_gate, on_line, outward, 3.0 + 0.12 * length))
-          points.push_back(*edge);
+        if (const auto middle = run_middle(is_gate, on_line, across, 3.0 + 0.12 * length)) points.push_back(*middle);
       }
-      edges[side][half] = fitted_line(points);
+      lines[side][half] = fitted_line(points);
     }
   }
-  Quad corners = center_line;
+  Quad corners = rough;
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto& before = edges[(i + 3) % 4][1];
-    const auto& after = edges[i][0];
+    const auto& before = lines[(i + 3) % 4][1];
+    const auto& after = lines[i][0];
     if (!before || !after) continue;
     const auto corner = intersection(*before, *after);
-    const double size = (center_line[(i + 1) % 4] - center_line[i]).norm();
-    if (corner && (*corner - center_line[i]).norm() < 3.0 + 0.15 * size) corners[i] = *corner;
+    const double size = (rough[(i + 1) % 4] - rough[i]).norm();
+    if (corner && (*corner - rough[i]).norm() < 3.0 + 0.15 * size) corners[i] = *corner;
   }
   return corners;
+}
+
+Quad scaled(const Quad& quad, double factor) {
+  const Eigen::Vector2d middle = center(quad);
+  Quad out;
+  for (std::size_t i = 0; i < 4; ++i) out[i] = middle + factor * (quad[i] - middle);
+  return out;
 }
 
 }  // namespace gatefly

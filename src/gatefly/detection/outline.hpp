@@ -24,8 +24,11 @@ struct OutlineFitness {
 /// Li18 §3.1 says centroid; the flight code takes the mode, which a stray patch does not pull.
 [[nodiscard]] Quad corners_by_histogram(const ColorMask& is_gate, const Quad& rough, double window);
 
-/// The outer corners of the bars around `center_line`: lines fitted to the outer edges of the bars,
-/// intersected. A side whose edge cannot be followed keeps its place.
-[[nodiscard]] Quad outer_corners(const ColorMask& is_gate, const Quad& center_line);
+/// The corners of the bars' centre lines, sub-pixel: the middles of the coloured runs across each half
+/// side, a line through them, neighbouring lines intersected. A corner whose lines fail keeps its place.
+[[nodiscard]] Quad corners_by_lines(const ColorMask& is_gate, const Quad& rough);
+
+/// `quad` made larger by `factor` about its centre.
+[[nodiscard]] Quad scaled(const Quad& quad, double factor);
 
 }  // namespace gatefly

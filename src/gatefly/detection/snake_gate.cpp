@@ -85,7 +85,9 @@ std::optional<GateDetection> checked(const ColorMask& is_gate, const Quad& rough
   for (const double side : fitness.side)
     if (side < params.min_side_fitness) return std::nullopt;
   if (inside_fraction(is_gate, lines) > params.max_inside) return std::nullopt;
-  return GateDetection{clockwise_from_top_left(outer_corners(is_gate, lines)), fitness.all};
+  // From the bars' centre lines out to the frame's outer corners: the ratio is known, the blur is not.
+  const Quad outer = scaled(corners_by_lines(is_gate, lines), 1.0 / (1.0 - params.bar_ratio));
+  return GateDetection{clockwise_from_top_left(outer), fitness.all};
 }
 
 bool same_gate(const GateDetection& a, const GateDetection& b) {

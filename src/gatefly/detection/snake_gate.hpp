@@ -17,6 +17,7 @@ struct SnakeGateParams {
   double min_side_fitness = 0.35;   ///< Each of the four sides. [Li18 flight code: 0.30]
   double max_inside = 0.25;         ///< Coloured part of the central box. [Li18 flight code]
   double window = 0.40;             ///< Corner window's half width / half gate size. [Li18 flight code]
+  double bar_ratio = 0.05;          ///< Bar width / outer side of the gate.
   double max_aspect = 1.8;          ///< Longest side / shortest side. [2018 flight code: 1.5]
 };
 
@@ -32,7 +33,7 @@ using GateDetections = FixedList<GateDetection, 6>;
 ///
 /// Differs: docs/paper/deviations.md#alg-1 (best fitness wins, not the first; both horizontal searches
 /// start at the end points; square *and* end-point quad are tried; four sides and an empty inside are
-/// asked for; corners are refined to the bars' outer edges).
+/// asked for; corners are intersections of lines fitted to the bars).
 /// @param rng  source of the samples: same image, same generator state, same answer.
 /// Cost: O(samples + hits x gate size), allocates nothing.
 [[nodiscard]] GateDetections detect_gates(const Image& image, const ColorRange& color,

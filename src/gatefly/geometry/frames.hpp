@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 /// Frame tags; one letter each in variable names. Drawings: docs/conventions.md.
 namespace gatefly::frame {

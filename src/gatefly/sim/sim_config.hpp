@@ -40,7 +40,7 @@ struct SensorTruth {
   Eigen::Vector3d gyro_noise{0.06, 0.06, 0.05};
   Eigen::Vector3d gyro_vibration{0.12, 0.11, 0.18};
   double noise_scale = 1.0;
-  double imu_jitter = 1.0e-4;        ///< Of the sampling interval [s].
+  double imu_jitter = 3.0e-4;        ///< Of the sampling interval [s].
   double sonar_noise = 0.015;        ///< [m]
   double sonar_max = 5.0;            ///< [m]
   double baro_noise = 0.15;          ///< [m]

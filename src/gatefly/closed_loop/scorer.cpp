@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/closed_loop/scorer.hpp"
+
+#include <cmath>
+
+#include "gatefly/geometry/attitude.hpp"
+
+namespace gatefly::closed_loop {
+namespace {
+
+bool overlaps(const Quad& a, const Quad& b, double part) {
+  const double shared = shared_area(a, b);
+  return shared >= part * std::abs(area(a)) && shared >= part * std::abs(area(b));
+}
+
+}  // namespace
+
+std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
+                                         const sim::CameraRenderer* scene) const {
+  const Eigen::Matrix3d R_EB =
+      rotation_EB(Quaternion{pose.q_EB(0), pose.q_EB(1), pose.q_EB(2), pose.q_EB(3)}).matrix;
+  const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
+  const Eigen::Vector3d eye_E = pose.p_EB + R_EB * camera_.p_BC;
+  const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
+  if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;  // from behind it is not to be flown
+  const double h = 0.5 * gate.side;
+  const std::array<Eigen::Vector3d, 4> corners{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+  Quad quad;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners[i];
+    const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
+    // Upright size: the stored picture is turned.
+    if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.stored_height - 1 || px->y() > camera_.stored_width - 1)
+      return std::nullopt;
+    quad[i] = *px;
+    // A little before the corner, so that the gate does not hide itself.
+    const Eigen::Vector3d before_E = corner_E + 0.12 * (eye_E - corner_E).normalized();
+    if (scene != nullptr && scene->occluded(eye_E, before_E)) return std::nullopt;
+  }
+  return quad;
+}
+
+void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::CameraRenderer& scene) {
+  ++frames_;
+  const auto wanted = visible_gate(pose, world_.gates[static_cast<std::size_t>(target)], &scene);
+  with_gate_ += wanted.has_value();
+  bool hit = false;
+  for (const auto& detection : sighting.detections) {
+    if (wanted && !hit && overlaps(detection.corners_px, *wanted, 0.7)) {
+      hit = true;
+      continue;
+    }
+    bool is_gate = false;
+    for (const auto& gate : world_.gates) {
+      const auto other = visible_gate(pose, gate, nullptr);
+      is_gate = is_gate || (other && overlaps(detection.corners_px, *other, 0.5));
+    }
+    false_ += !is_gate;
+  }
+  true_ += hit;
+}
+
+}  // namespace gatefly::closed_loop

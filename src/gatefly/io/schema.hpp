@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+namespace gatefly::io {
+
+/// What a configuration key may hold, and where its default comes from.
+struct KeyRule {
+  enum class Kind { kNumber, kInteger, kNumbers, kText };
+  std::string name;                  ///< "section.key", the unit at its end.
+  double low = 0.0, high = 0.0;      ///< Of every number, in the key's unit, bounds included.
+  std::string source;                ///< Of the default.
+  std::vector<std::string> choices;  ///< Of a text.
+  Kind kind = Kind::kNumber;
+  std::size_t count = 1;             ///< Of a list of numbers.
+};
+
+/// `value` if the rule allows it. @throws std::runtime_error "where: key = value, must be ...".
+[[nodiscard]] nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value, const std::string& where);
+
+/// The unit that a key's name ends in: "deg", "px", "m/s", ...; "" when it has none.
+[[nodiscard]] std::string unit_of(const std::string& key);
+
+/// A key of a `Target` and the member behind it.
+template <class Target>
+struct Key {
+  KeyRule rule;
+  std::function<nlohmann::json(const Target&)> get;        ///< In the key's unit.
+  std::function<void(Target&, const nlohmann::json&)> set;  ///< With a value that was checked.
+};
+
+/// Divides and multiplies so that 5 degrees come back as 5: 12 significant digits are kept.
+[[nodiscard]] double in_unit(double si, double unit);
+
+/// A key whose member `member(target)` yields by reference: a number, a vector or a text.
+/// @param unit  SI value of the key's unit: kDegree, 1e-3, ...
+template <class Target, class Member>
+Key<Target> key(std::string name, double low, double high, Member member, std::string source,
+                double unit = 1.0) {
+  using Type = std::decay_t<decltype(member(std::declval<Target&>()))>;
+  Key<Target> result;
+  result.rule = {.name = std::move(name), .low = low, .high = high, .source = std::move(source)};
+  if constexpr (std::is_same_v<Type, double>) {
+    result.get = [=](const Target& t) { return nlohmann::json(in_unit(member(t), unit)); };
+    result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<double>() * unit; };
+  } else if constexpr (std::is_same_v<Type, int>) {
+    result.rule.kind = KeyRule::Kind::kInteger;
+    result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
+    result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<int>(); };
+  } else {
+    result.rule.kind = KeyRule::Kind::kNumbers;
+    result.rule.count = static_cast<std::size_t>(Type::RowsAtCompileTime);
+    result.get = [=](const Target& t) {
+      nlohmann::json list = nlohmann::json::array();
+      for (const double x : member(t)) list.push_back(in_unit(x, unit));
+      return list;
+    };
+    result.set = [=](Target& t, const nlohmann::json& v) {
+      for (std::size_t i = 0; i < v.size(); ++i)
+        member(t)[static_cast<Eigen::Index>(i)] = v[i].get<double>() * unit;
+    };
+  }
+  return result;
+}
+
+/// A key whose member is one of a few words.
+template <class Target, class Member>
+Key<Target> choice(std::string name, std::vector<std::string> choices, Member member, std::string source) {
+  Key<Target> result;
+  result.rule = {.name = std::move(name), .source = std::move(source), .choices = std::move(choices),
+                 .kind = KeyRule::Kind::kText};
+  result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
+  result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<std::string>(); };
+  return result;
+}
+
+}  // namespace gatefly::io

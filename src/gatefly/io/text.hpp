@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gatefly::io {
+
+/// Letters to insert, remove or replace to get from one word to the other.
+[[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
+
+/// The candidate nearest to `word`; empty when there is none.
+[[nodiscard]] std::string nearest(std::string_view word, std::span<const std::string> candidates);
+
+/// ", did you mean 'x'?" when a candidate is near enough to be meant, else "".
+[[nodiscard]] std::string suggestion(std::string_view word, std::span<const std::string> candidates);
+
+/// The shortest text that reads back as the same number; `digits` > 0 rounds to that many first.
+[[nodiscard]] std::string text_of(double value, int digits = 0);
+
+/// "a, b, c".
+[[nodiscard]] std::string joined(std::span<const std::string> words, std::string_view between = ", ");
+
+/// All bytes of a file. @throws std::runtime_error naming it and why it cannot be read.
+[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+
+/// Writes a whole file or throws: under a temporary name, then renamed.
+/// @throws std::runtime_error naming it and why it cannot be written.
+void write_file(const std::filesystem::path& path, std::string_view content);
+
+/// Where tracks/, configs/, cameras/ and vehicles/ lie: the source tree the program was built from.
+[[nodiscard]] std::filesystem::path data_dir();
+
+/// A file by its path, or by its name in `folder`: ./folder first, then the source tree's.
+/// @throws std::runtime_error listing the names there are.
+[[nodiscard]] std::filesystem::path find_toml(const std::string& name, const std::string& folder);
+
+}  // namespace gatefly::io

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/random.hpp"
+#include "gatefly/sim/sim_config.hpp"
+
+namespace gatefly::sim {
+namespace {
+
+// Hue turned about the grey axis, in linear light.
+Eigen::Vector3d hue_turned(const Eigen::Vector3d& rgb, double angle) {
+  const auto [s, c] = sincos(angle);
+  const Eigen::Vector3d axis = Eigen::Vector3d::Ones() / std::sqrt(3.0);
+  const Eigen::Vector3d turned = c * rgb + s * axis.cross(rgb) + (1 - c) * axis * axis.dot(rgb);
+  return turned.cwiseMax(0.01).cwiseMin(1.0);
+}
+
+Eigen::Vector3d normal3(Stream& stream, double sigma) {
+  return {stream.normal_cut(sigma), stream.normal_cut(sigma), stream.normal_cut(sigma)};
+}
+
+// Distance on the floor plan from `p` to the straight ways through the gates: decoys keep off them.
+double to_lanes(const World& world, const Eigen::Vector2d& p) {
+  double nearest = 1e9;
+  for (const auto& gate : world.gates) {
+    const Eigen::Vector2d along{gatefly::cos(gate.yaw_EG), gatefly::sin(gate.yaw_EG)};
+    for (double s = -5.0; s <= 3.0; s += 0.25) nearest = std::min(nearest, (gate.p_EG.head<2>() + s * along - p).norm());
+  }
+  return nearest;
+}
+
+void add_decoys(World& world, int count, Stream& stream) {
+  for (int placed = 0, tries = 0; placed < count && tries < 200; ++tries) {
+    // Against the walls and well off the lanes: as teams find them, not in their way.
+    const Eigen::Vector2d half = 0.5 * world.room_size.head<2>() - Eigen::Vector2d{0.25, 0.25};
+    Eigen::Vector2d p{stream.uniform(-half.x(), half.x()), stream.uniform(-half.y(), half.y())};
+    const int wall = static_cast<int>(stream.uniform(0, 4));
+    if (wall < 2) p.x() = wall == 0 ? half.x() : -half.x();
+    else p.y() = wall == 2 ? half.y() : -half.y();
+    p += world.room_center;
+    if (to_lanes(world, p) < 1.2) continue;
+    Decoy decoy;
+    decoy.shape.center = p;
+    decoy.shape.pole = stream.uniform() < 0.5;
+    const double width = stream.uniform(0.1, 0.3);
+    decoy.shape.size = decoy.shape.pole ? Eigen::Vector2d{width, width} : Eigen::Vector2d{0.3, 0.3};
+    decoy.shape.top = stream.uniform(0.5, 1.8);
+    if (!world.gates.empty()) decoy.color = world.gates[0].color;
+    world.decoys.push_back(decoy);
+    ++placed;
+  }
+}
+
+}  // namespace
+
+Randomize randomize_level(const std::string& level) {
+  if (level == "none") return {};
+  Randomize race;
+  race.gate_position = 0.10, race.gate_heading = 3 * kDegree, race.gate_height = 0.05;
+  race.start_position = 0.10, race.start_heading = 3 * kDegree;
+  race.camera_focal = 0.01, race.camera_center_px = 2.0, race.camera_k = 0.02, race.camera_tilt = 1 * kDegree;
+  race.camera_latency = 0.010;
+  race.gate_side = 0.01;
+  race.drag = 0.08, race.mass = 0.03, race.thrust = 0.03, race.sag = 0.05;
+  race.accel_bias = 0.25, race.gyro_bias = 0.2 * kDegree, race.scale = 0.01, race.flight_bias = 0.05;
+  race.light = 0.40, race.exposure = 0.30, race.hue = 6 * kDegree, race.white_balance = 0.08;
+  race.frame_loss = 0.02, race.latency_jitter = 0.010;
+  race.decoys = 2;
+  if (level == "race") return race;
+  if (level != "hard") throw std::invalid_argument("level = \"" + level + "\", must be none, race or hard");
+  Randomize hard;
+  hard.gate_position = 0.30, hard.gate_heading = 10 * kDegree, hard.gate_height = 0.15;
+  hard.start_position = 0.20, hard.start_heading = 6 * kDegree;
+  hard.camera_focal = 0.02, hard.camera_center_px = 4.0, hard.camera_k = 0.04, hard.camera_tilt = 2 * kDegree;
+  hard.camera_latency = 0.025;
+  hard.gate_side = 0.02;
+  hard.drag = 0.15, hard.mass = 0.06, hard.thrust = 0.06, hard.sag = 0.15;
+  hard.accel_bias = 0.5, hard.gyro_bias = 0.5 * kDegree, hard.scale = 0.02, hard.flight_bias = 0.10;
+  hard.noise_scale = 2.0;
+  hard.light = 0.70, hard.exposure = 0.50, hard.hue = 12 * kDegree, hard.white_balance = 0.15;
+  hard.frame_loss = 0.10, hard.latency_jitter = 0.030;
+  hard.wind = 0.5, hard.gust = 1.0;
+  hard.decoys = 6;
+  return hard;
+}
+
+SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t seed) {
+  SimConfig real = nominal;
+  real.seed = seed;
+
+  Stream gates{seed, "gates"};
+  Stream light{seed, "light"};
+  const double hue = light.normal_cut(sigma.hue);
+  for (auto& gate : real.world.gates) {
+    gate.p_EG += Eigen::Vector3d{gates.normal_cut(sigma.gate_position), gates.normal_cut(sigma.gate_position),
+                                 gates.normal_cut(sigma.gate_height)};
+    gate.yaw_EG += gates.normal_cut(sigma.gate_heading);
+    gate.side *= 1.0 + gates.normal_cut(sigma.gate_side);
+    gate.color = hue_turned(gate.color, hue);
+  }
+  for (double& gain : real.light.group_gain) gain *= std::max(0.1, 1.0 + light.normal_cut(sigma.light));
+  real.light.exposure_target *= std::max(0.3, 1.0 + light.normal_cut(sigma.exposure));
+  for (double& gain : real.light.white_balance) gain *= 1.0 + light.normal_cut(sigma.white_balance);
+  real.light.noise_scale *= sigma.noise_scale;
+  Stream decoys{seed, "decoys"};
+  add_decoys(real.world, sigma.decoys, decoys);
+
+  Stream start{seed, "start"};
+  real.start.position += Eigen::Vector2d{start.normal_cut(sigma.start_position), start.normal_cut(sigma.start_position)};
+  real.start.heading += start.normal_cut(sigma.start_heading);
+
+  Stream camera{seed, "camera"};
+  real.camera.lens.focal_px *= 1.0 + camera.normal_cut(sigma.camera_focal);
+  real.camera.lens.center_px += Eigen::Vector2d{camera.normal_cut(sigma.camera_center_px), camera.normal_cut(sigma.camera_center_px)};
+  real.camera.lens.k += camera.normal_cut(sigma.camera_k);
+  real.camera.tilt_down += camera.normal_cut(sigma.camera_tilt);
+  real.sensors.camera_latency = std::max(0.0, real.sensors.camera_latency + camera.normal_cut(sigma.camera_latency));
+  real.sensors.latency_jitter = sigma.latency_jitter;
+  real.sensors.frame_loss = sigma.frame_loss;
+
+  Stream vehicle{seed, "vehicle"};
+  real.vehicle.rotor_drag *= 1.0 + vehicle.normal_cut(sigma.drag);
+  real.vehicle.body_drag *= 1.0 + vehicle.normal_cut(sigma.drag);
+  const double mass = 1.0 + vehicle.normal_cut(sigma.mass);
+  real.vehicle.mass *= mass;
+  real.vehicle.inertia *= mass;
+  real.vehicle.thrust_coefficient *= 1.0 + vehicle.normal_cut(sigma.thrust);
+  real.vehicle.sag = sigma.sag;
+
+  Stream bias{seed, "bias"};
+  if (sigma.accel_bias > 0.0) real.sensors.accel_bias = normal3(bias, sigma.accel_bias);
+  real.sensors.flight_bias += normal3(bias, sigma.flight_bias);
+  real.sensors.gyro_drift += normal3(bias, sigma.gyro_bias);
+  real.sensors.accel_scale += normal3(bias, sigma.scale);
+  real.sensors.gyro_scale += normal3(bias, sigma.scale);
+  real.sensors.noise_scale *= sigma.noise_scale;
+
+  Stream wind{seed, "wind level"};
+  real.wind.mean += Eigen::Vector2d{wind.normal_cut(sigma.wind), wind.normal_cut(sigma.wind)};
+  real.wind.gust += sigma.gust;
+  return real;
+}
+
+}  // namespace gatefly::sim

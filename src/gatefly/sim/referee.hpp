@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/sim/body.hpp"
+#include "gatefly/sim/world.hpp"
+
+namespace gatefly::sim {
+
+/// One gate passed, as the truth has it.
+struct GatePass {
+  int gate = 0;                   ///< Index into the world's gates.
+  double time = 0.0;              ///< When the centre of mass crossed the plane [s].
+  Eigen::Vector2d offset{0, 0};   ///< Of the centre of mass there: right, down [m].
+};
+
+/// Counts gates: one is passed when every point of body and propeller discs has crossed its plane inside
+/// the opening, forwards, in order. Sees nothing but the truth.
+class Referee {
+ public:
+  Referee(const World& world, const VehicleTruth& vehicle, int laps);
+
+  /// @return the pass that is complete with this state, if any.
+  std::optional<GatePass> update(const BodyState& state, double time);
+
+  [[nodiscard]] int passed() const { return passed_; }
+  [[nodiscard]] int total() const { return total_; }
+  [[nodiscard]] bool finished() const { return passed_ >= total_; }
+
+ private:
+  struct Point {
+    Eigen::Vector3d p_B;
+    bool inside_crossing = false;  ///< Has crossed forwards inside the opening, and not come back.
+  };
+  [[nodiscard]] Eigen::Vector3d in_gate(const Eigen::Vector3d& p_E) const;
+  void forget();
+
+  World world_;
+  int total_, passed_ = 0;
+  std::vector<Point> points_;
+  std::vector<Eigen::Vector3d> last_G_;  ///< Of each point, then of the centre; empty before the first state.
+  std::optional<GatePass> centre_;       ///< The centre's forward crossing.
+  double last_time_ = 0.0;
+};
+
+}  // namespace gatefly::sim

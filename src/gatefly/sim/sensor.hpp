@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/shading.hpp"
+
+namespace gatefly::sim {
+
+/// What happens behind the lens: softness, glare, exposure, noise, clipping, colour, gamma, UYVY.
+///
+/// The constants are fitted by eye and by histogram to the real pictures of the Bebop: blacks at about 70,
+/// whites at 235, a cyan cast, red fringes, strong glare around lamps.
+class Sensor {
+ public:
+  Sensor(const CameraTruth& camera, const LightConditions& light, std::uint64_t seed);
+
+  /// Sets the exposure for a first frame from a few radiances that are spread over the picture.
+  void meter(std::span<const Float4> radiances);
+
+  /// How long each line is exposed at present [s].
+  [[nodiscard]] double exposure() const { return exposure_; }
+
+  /// Turns a picture of radiances (stored order; spoilt) into bytes, then adapts the exposure.
+  ///
+  /// @param frame  with the pixel the key of its noise.
+  /// @param t      when the picture was taken [s]; only differences between frames matter.
+  void develop(std::uint32_t frame, double t, std::vector<Float4>& radiance, std::vector<std::uint8_t>& uyvy);
+
+ private:
+  void set_exposure(double brightness);
+  void soften(std::vector<Float4>& picture);
+  void gather_glare(const std::vector<Float4>& picture);
+  [[nodiscard]] Float4 glare(int x, int y) const;
+  [[nodiscard]] float toned(float signal) const;
+  [[nodiscard]] Float4 noise(std::uint32_t frame, std::uint32_t pixel) const;
+  void adapt(double t, double mean);
+
+  int width_, height_;          // stored
+  int glare_width_, glare_height_;
+  double longest_exposure_, target_, noise_scale_;
+  Float4 response_{}, ceiling_{};
+  std::uint64_t seed_;
+  double brightness_ = 1.0, exposure_, gain_ = 1.0;
+  double last_t_ = 0.0;
+  bool running_ = false;
+  std::vector<float> vignette_;
+  std::vector<Float4> line_, glare_, scratch_;
+  std::array<float, 4097> tone_{};
+};
+
+}  // namespace gatefly::sim

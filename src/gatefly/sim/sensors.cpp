@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sim/sensors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::sim {
+namespace {
+
+constexpr double kImuHz = 512.0;
+
+Eigen::Matrix3d R_of(const BodyState& state) {
+  return rotation_EB(Quaternion{state.q_EB(0), state.q_EB(1), state.q_EB(2), state.q_EB(3)}).matrix;
+}
+
+}  // namespace
+
+double ImuModel::next_interval() {
+  return 1.0 / kImuHz + std::clamp(truth_.imu_jitter * noise_.normal(), -9e-4, 9e-4);
+}
+
+Imu ImuModel::measure(const BodyState& state, double dt) {
+  double mean_speed = 0.0;
+  for (const double speed : state.rotor_speed) mean_speed += 0.25 * speed;
+  const double strength = std::min(1.5, (mean_speed / 750.0) * (mean_speed / 750.0));
+  const bool flying = strength > 0.3;
+  phase_ = wrap_angle(phase_ + mean_speed * dt + 0.3 * noise_.normal());
+
+  // Three axes of one shaking body: the same frequency, different phases.
+  const Eigen::Vector3d shake = strength * truth_.noise_scale * std::sqrt(2.0) *
+                                Eigen::Vector3d{gatefly::sin(phase_), gatefly::sin(phase_ + 2.1), gatefly::sin(phase_ + 4.0)};
+  const auto white = [&] { return Eigen::Vector3d{noise_.normal(), noise_.normal(), noise_.normal()}; };
+  const double quiet = flying ? 1.0 : 0.15;  // standing still with the motors off
+
+  Imu imu;
+  imu.accel_B = truth_.accel_scale.cwiseProduct(state.specific_force_B) + truth_.accel_bias +
+                std::min(1.0, strength) * truth_.flight_bias + truth_.accel_vibration.cwiseProduct(shake) +
+                quiet * truth_.noise_scale * truth_.accel_noise.cwiseProduct(white());
+  imu.gyro_B = truth_.gyro_scale.cwiseProduct(state.rate_B) + truth_.gyro_bias +
+               (flying ? truth_.gyro_drift : Eigen::Vector3d::Zero().eval()) +
+               truth_.gyro_vibration.cwiseProduct(shake) +
+               quiet * truth_.noise_scale * truth_.gyro_noise.cwiseProduct(white());
+  // Range and resolution of the MPU-6050 at ±8 g, ±1000 °/s, as logged: 1/1024 m/s², 1/4096 rad/s.
+  imu.accel_B = (imu.accel_B.cwiseMax(-78.0).cwiseMin(78.0) * 1024.0).array().round() / 1024.0;
+  imu.gyro_B = (imu.gyro_B.cwiseMax(-17.4).cwiseMin(17.4) * 4096.0).array().round() / 4096.0;
+  return imu;
+}
+
+std::optional<double> SonarModel::measure(const BodyState& state, const CameraRenderer* scene) {
+  const Eigen::Matrix3d R_EB = R_of(state);
+  const double jitter = truth_.sonar_noise * noise_.normal();
+  if (R_EB(2, 2) < 0.7) return std::nullopt;
+  double nearest = truth_.sonar_max + 1.0;
+  // A cone of ±15°: rings of 1, 6 and 12 rays.
+  for (int ring = 0; ring < 3; ++ring) {
+    const int rays = ring == 0 ? 1 : 6 * ring;
+    const double tan_ring = 0.134 * ring;
+    for (int i = 0; i < rays; ++i) {
+      const auto [s, c] = sincos(2 * kPi * i / rays);
+      const Eigen::Vector3d ray_E = R_EB * Eigen::Vector3d{tan_ring * c, tan_ring * s, 1.0}.normalized();
+      if (ray_E.z() <= 0.3) continue;
+      double range = -state.p_EB.z() / ray_E.z();  // the floor
+      if (scene != nullptr) range = std::min(range, scene->range(state.p_EB, ray_E, truth_.sonar_max + 1.0));
+      nearest = std::min(nearest, range);
+    }
+  }
+  const double measured = nearest + jitter;
+  if (measured > truth_.sonar_max || measured < 0.02) return std::nullopt;
+  return std::round(measured * 1000.0) / 1000.0;
+}
+
+double BaroModel::measure(const BodyState& state, double dt) {
+  drift_ += truth_.baro_drift * std::sqrt(dt / 10.0) * noise_.normal();
+  return -state.p_EB.z() + drift_ + truth_.baro_noise * noise_.normal();
+}
+
+}  // namespace gatefly::sim

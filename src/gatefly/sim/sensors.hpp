@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "gatefly/sensing/imu.hpp"
+#include "gatefly/sim/body.hpp"
+#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/random.hpp"
+#include "gatefly/sim/sim_config.hpp"
+
+namespace gatefly::sim {
+
+/// IMU with bias, scale, white noise and the rotors' vibration, as measured in the real logs.
+///
+/// Vibration is a sine at the mean rotor frequency (sampled at 512 Hz it aliases, as it does in reality)
+/// whose phase wanders; its strength goes with rotor speed².
+class ImuModel {
+ public:
+  ImuModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "imu"} {}
+  /// The next interval between two samples [s].
+  [[nodiscard]] double next_interval();
+  [[nodiscard]] Imu measure(const BodyState& state, double dt);
+
+ private:
+  SensorTruth truth_;
+  Stream noise_;
+  double phase_ = 0.0;
+};
+
+/// Ultrasound: the nearest thing in a cone below; nothing above its range or when tilted too far.
+class SonarModel {
+ public:
+  SonarModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "sonar"} {}
+  [[nodiscard]] std::optional<double> measure(const BodyState& state, const CameraRenderer* scene);
+
+ private:
+  SensorTruth truth_;
+  Stream noise_;
+};
+
+/// Barometric height above the pad with a slow drift.
+class BaroModel {
+ public:
+  BaroModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "baro"} {}
+  [[nodiscard]] double measure(const BodyState& state, double dt);
+
+ private:
+  SensorTruth truth_;
+  Stream noise_;
+  double drift_ = 0.0;
+};
+
+}  // namespace gatefly::sim

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sim/shading.hpp"
+
+#include <algorithm>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::sim {
+namespace {
+
+unsigned hashed(unsigned x) {
+  x = (x ^ (x >> 16)) * 0x7feb352du;
+  x = (x ^ (x >> 15)) * 0x846ca68bu;
+  return x ^ (x >> 16);
+}
+
+Float4 to_float4(const Color& c) { return Float4{c[0], c[1], c[2], 0.0f}; }
+
+Float4 with_gains(const NodeLight& node, const LightConditions& light) {
+  Color sum{};
+  for (std::size_t group = 0; group < light.group_gain.size(); ++group)
+    for (std::size_t c = 0; c < 3; ++c)
+      sum[c] += static_cast<float>(light.group_gain[group] / kPi) * node[3 * group + c];
+  return to_float4(sum);
+}
+
+}  // namespace
+
+Shader::Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
+               const LightConditions& light) {
+  for (unsigned i = 0; i < noise_.size(); ++i)
+    noise_[i] = static_cast<float>(hashed(i * 0x9E3779B9u + 1) >> 8) * 0x1p-24f;
+  append(scene, scene.fixed, fixed, light);
+  append(scene, scene.moved, moved, light);
+}
+
+void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles, const LightMap& map,
+                    const LightConditions& light) {
+  const int before = static_cast<int>(nodes_.size());
+  for (const NodeLight& node : map.nodes) nodes_.push_back(with_gains(node, light));
+  for (const Rectangle& r : rectangles) {
+    const Material& m = scene.materials[static_cast<std::size_t>(r.material)];
+    const float gain = static_cast<float>(light.group_gain[static_cast<std::size_t>(m.group)]);
+    Surface s{};
+    s.albedo = to_float4(m.albedo);
+    s.to_second = to_float4(m.second) - s.albedo;
+    s.emission = to_float4(m.emission) * gain;
+    s.normal = r.normal;
+    s.gloss = m.gloss;
+    s.pattern_u = r.length.x() * m.scale;
+    s.pattern_v = r.length.y() * m.scale;
+    s.cells_u = static_cast<float>(r.cells_u);
+    s.cells_v = static_cast<float>(r.cells_v);
+    s.last_u = r.cells_u - 1;
+    s.last_v = r.cells_v - 1;
+    s.first_node = before + r.first_node;
+    s.row = r.cells_u + 1;
+    s.salt = hashed(static_cast<unsigned>(surfaces_.size())) % kNoise;
+    s.pattern = m.pattern;
+    surfaces_.push_back(s);
+  }
+}
+
+float Shader::second_share(const Surface& s, float u, float v) const {
+  const float x = u * s.pattern_u, y = v * s.pattern_v;
+  const auto i = static_cast<unsigned>(x), j = static_cast<unsigned>(y);
+  switch (s.pattern) {
+    case Pattern::kPlain: return 0.0f;
+    case Pattern::kGrain: {
+      const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+      const unsigned a = i + s.salt;
+      const float top = noise(a, j) + fx * (noise(a + 1, j) - noise(a, j));
+      const float low = noise(a, j + 1) + fx * (noise(a + 1, j + 1) - noise(a, j + 1));
+      return top + fy * (low - top);
+    }
+    case Pattern::kTiles: {
+      const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+      return fx < 0.05f || fy < 0.05f ? 1.0f : 0.0f;
+    }
+    case Pattern::kPlanks: return noise(s.salt, j);
+    case Pattern::kBlocks: return noise(i + s.salt, j) > 0.5f ? 1.0f : 0.3f * noise(i, j + s.salt);
+  }
+  return 0.0f;
+}
+
+Float4 Shader::radiance(unsigned rectangle, float u, float v) const {
+  const Surface& s = surfaces_[rectangle];
+  const float x = std::max(u, 0.0f) * s.cells_u, y = std::max(v, 0.0f) * s.cells_v;
+  const int i = std::min(static_cast<int>(x), s.last_u), j = std::min(static_cast<int>(y), s.last_v);
+  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+  const Float4* node = nodes_.data() + s.first_node + j * s.row + i;
+  const Float4 top = node[0] + fx * (node[1] - node[0]);
+  const Float4 low = node[s.row] + fx * (node[s.row + 1] - node[s.row]);
+  const Float4 light = top + fy * (low - top);
+  Float4 albedo = s.albedo;
+  if (s.pattern != Pattern::kPlain)
+    albedo += second_share(s, std::max(u, 0.0f), std::max(v, 0.0f)) * s.to_second;
+  return s.emission + albedo * light;
+}
+
+}  // namespace gatefly::sim

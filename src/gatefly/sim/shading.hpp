@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/light_map.hpp"
+#include "gatefly/sim/scene.hpp"
+
+namespace gatefly::sim {
+
+/// Four floats that the compiler keeps in one register: r, g, b, unused.
+using Float4 = float __attribute__((vector_size(16)));
+
+/// Looks up the light that leaves a surface: texture times baked irradiance, plus what it emits.
+class Shader {
+ public:
+  Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved, const LightConditions& light);
+
+  /// Radiance at (u, v) of a rectangle; those of `scene.moved` count on after `scene.fixed`.
+  [[nodiscard]] Float4 radiance(unsigned rectangle, float u, float v) const;
+
+  /// The rectangle's normal, earth frame.
+  [[nodiscard]] const Eigen::Vector3f& normal(unsigned rectangle) const {
+    return surfaces_[rectangle].normal;
+  }
+  /// Mirror reflectance at normal incidence, 0..1.
+  [[nodiscard]] float gloss(unsigned rectangle) const { return surfaces_[rectangle].gloss; }
+
+ private:
+  static constexpr int kNoise = 64;  // side of the noise table
+
+  /// Everything one look-up needs, side by side in memory.
+  struct Surface {
+    Float4 albedo, to_second, emission;
+    Eigen::Vector3f normal;
+    float gloss, pattern_u, pattern_v, cells_u, cells_v;
+    int last_u, last_v, first_node, row;
+    unsigned salt;
+    Pattern pattern;
+  };
+
+  void append(const Scene& scene, const std::vector<Rectangle>& rectangles, const LightMap& map,
+              const LightConditions& light);
+  [[nodiscard]] float noise(unsigned x, unsigned y) const {
+    return noise_[(y % kNoise) * kNoise + x % kNoise];
+  }
+  [[nodiscard]] float second_share(const Surface& surface, float u, float v) const;
+
+  std::vector<Surface> surfaces_;
+  std::vector<Float4> nodes_;  // irradiance / π with the day's gains
+  std::array<float, static_cast<std::size_t>(kNoise) * kNoise> noise_{};
+};
+
+}  // namespace gatefly::sim
