@@ -11,7 +11,7 @@
 namespace gatefly {
 
 struct GateBarsParams {
-  double min_height = 0.28;  ///< Coloured part of a column, smoothed. [Li18 flight code: 9 of 31.7 hits]
+  double min_height = 0.35;  ///< Coloured part of a column, smoothed. [ours; Li18 code: 0.28]
   double min_ratio = 0.5;    ///< Lower peak / higher peak. [Li18 flight code]
   int smoothing_px = 8;      ///< Box filter over the columns. [Li18 flight code]
   double min_gap_px = 40.0;  ///< Between the bars; a 1 m gate at 1.8 m spans 90 px. [ours]

@@ -85,8 +85,13 @@ std::optional<GateDetection> checked(const ColorMask& is_gate, const Quad& rough
   for (const double side : fitness.side)
     if (side < params.min_side_fitness) return std::nullopt;
   if (inside_fraction(is_gate, lines) > params.max_inside) return std::nullopt;
+  // Cut off by the border it is not this gate that was measured.
+  const Quad bars = corners_by_lines(is_gate, lines);
+  for (const auto& p : bars)
+    if (!(p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= is_gate.width() - 2.0 && p.y() <= is_gate.height() - 2.0))
+      return std::nullopt;
   // From the bars' centre lines out to the frame's outer corners: the ratio is known, the blur is not.
-  const Quad outer = scaled(corners_by_lines(is_gate, lines), 1.0 / (1.0 - params.bar_ratio));
+  const Quad outer = scaled(bars, 1.0 / (1.0 - params.bar_ratio));
   return GateDetection{clockwise_from_top_left(outer), fitness.all};
 }
 
@@ -125,15 +130,18 @@ bool explained(const GateDetections& found, Pixel p) {
 
 }  // namespace
 
-GateDetections detect_gates(const Image& image, const ColorRange& color,
-                            const SnakeGateParams& params, Rng& rng) {
-  const ColorMask is_gate{image, color};
-  GateDetections found;
-  if (image.empty()) return found;
-  // A picture full of the colour must not cost more than one with a gate. [ours: 300 snakes see all]
-  int snakes_left = 300;
-  for (int sample = 0; sample < params.max_samples && snakes_left > 0; ++sample) {
-    const Pixel P0{rng.uniform_index(image.width()), rng.uniform_index(image.height())};
+namespace {
+
+// One pass of Algorithm 1 over the picture at one saturation level.
+void search(const ColorMask& is_gate, const SnakeGateParams& params, Rng& rng, GateDetections& found) {
+  // A picture full of the colour must not cost more than one with a gate. [ours: these see all real ones]
+  int snakes_left = 150, checks_left = 40;
+  const auto try_quad = [&](const Quad& rough) {
+    if (checks_left-- <= 0) return;
+    if (const auto gate = checked(is_gate, rough, params)) insert(found, *gate);
+  };
+  for (int sample = 0; sample < params.max_samples && snakes_left > 0 && checks_left > 0; ++sample) {
+    const Pixel P0{rng.uniform_index(is_gate.width()), rng.uniform_index(is_gate.height())};
     if (!is_gate(P0.u, P0.v) || explained(found, P0)) continue;
     --snakes_left;
 
@@ -145,18 +153,28 @@ GateDetections detect_gates(const Image& image, const ColorRange& color,
     const Pixel P4 = search_horizontal(is_gate, P2);
     const bool top = distance(P1, P3) > params.min_side_px;
     const bool bottom = distance(P2, P4) > params.min_side_px;
-    if (!top && !bottom) continue;
 
-    if (bottom)
-      if (const auto gate = checked(is_gate, minimal_square(P1, P2, P2, P4), params)) insert(found, *gate);
-    if (top)
-      if (const auto gate = checked(is_gate, minimal_square(P1, P2, P1, P3), params)) insert(found, *gate);
-    if (top && bottom) {
-      const Quad ends = clockwise_from_top_left({vector_of(P1), vector_of(P3), vector_of(P4), vector_of(P2)});
-      if (const auto gate = checked(is_gate, ends, params)) insert(found, *gate);
-    }
+    if (bottom) try_quad(minimal_square(P1, P2, P2, P4));
+    if (top) try_quad(minimal_square(P1, P2, P1, P3));
+    if (top && bottom)
+      try_quad(clockwise_from_top_left({vector_of(P1), vector_of(P3), vector_of(P4), vector_of(P2)}));
   }
-  sort_best_first(found);
+}
+
+}  // namespace
+
+GateDetections detect_gates(const Image& image, const ColorRange& color,
+                            const SnakeGateParams& params, Rng& rng) {
+  GateDetections found;
+  if (image.empty()) return found;
+  for (const int level : params.chroma_levels) {
+    ColorRange range = color;
+    range.min_chroma = std::max(color.min_chroma, level);
+    search(ColorMask{image, range}, params, rng, found);
+    sort_best_first(found);
+    if (!found.empty() && found[0].color_fitness >= params.sure_fitness) break;
+    if (level <= color.min_chroma) break;
+  }
   return found;
 }
 
@@ -164,8 +182,12 @@ GateDetections detect_gates_near(const Image& image, const ColorRange& color,
                                  const SnakeGateParams& params, const Quad& previous) {
   GateDetections found;
   if (image.empty()) return found;
-  const ColorMask is_gate{image, color};
-  if (const auto gate = checked(is_gate, previous, params)) insert(found, *gate);
+  for (const int level : params.chroma_levels) {
+    ColorRange range = color;
+    range.min_chroma = std::max(color.min_chroma, level);
+    if (const auto gate = checked(ColorMask{image, range}, previous, params)) insert(found, *gate);
+    if (!found.empty() || level <= color.min_chroma) break;
+  }
   return found;
 }
 

@@ -17,7 +17,8 @@ std::string allowed(const KeyRule& rule) {
   switch (rule.kind) {
     case KeyRule::Kind::kNumber: return "a number in " + range;
     case KeyRule::Kind::kInteger: return "a whole number in " + range;
-    case KeyRule::Kind::kNumbers: return std::to_string(rule.count) + " numbers in " + range;
+    case KeyRule::Kind::kNumbers:
+      return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") + range;
     case KeyRule::Kind::kText: break;
   }
   return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
@@ -35,7 +36,9 @@ bool fits(const KeyRule& rule, const nlohmann::json& value) {
     case KeyRule::Kind::kInteger: return value.is_number_integer() && in_range(rule, value);
     case KeyRule::Kind::kNumbers:
       return value.is_array() && value.size() == rule.count &&
-             std::all_of(value.begin(), value.end(), [&](const auto& v) { return in_range(rule, v); });
+             std::all_of(value.begin(), value.end(), [&](const auto& v) {
+               return in_range(rule, v) && (!rule.whole || v.is_number_integer());
+             });
     case KeyRule::Kind::kText: break;
   }
   return value.is_string() && std::find(rule.choices.begin(), rule.choices.end(),

@@ -19,10 +19,11 @@ struct KeyRule {
   enum class Kind { kNumber, kInteger, kNumbers, kText };
   std::string name;                  ///< "section.key", the unit at its end.
   double low = 0.0, high = 0.0;      ///< Of every number, in the key's unit, bounds included.
-  std::string source;                ///< Of the default.
-  std::vector<std::string> choices;  ///< Of a text.
+  std::string source = {};                ///< Of the default.
+  std::vector<std::string> choices = {};  ///< Of a text.
   Kind kind = Kind::kNumber;
   std::size_t count = 1;             ///< Of a list of numbers.
+  bool whole = false;                ///< Only whole numbers in a list.
 };
 
 /// `value` if the rule allows it. @throws std::runtime_error "where: key = value, must be ...".

@@ -36,6 +36,7 @@ Eigen::Matrix3d attitude_covariance(const Eigen::Vector3d& t_G, const PoseParams
 
 struct YawError {
   double value, variance;
+  double misfit;  ///< Mean squared residual in units of its noise; 4 degrees of freedom.
 };
 
 // Gauss-Newton over camera position and yaw, from the position that assumes the yaw is right.
@@ -44,8 +45,10 @@ std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::arr
   constexpr double kPriorVariance = 0.35 * 0.35;  // 20°: keeps a frontal far gate from spinning
   double yaw = 0.0;
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  double cost = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
     information.setZero();
+    cost = 0.0;
     Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
     const Eigen::Matrix3d R = rotation_z(yaw);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -62,6 +65,7 @@ std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::arr
       const double w = 1.0 / (sigma[i] * sigma[i]);
       information += w * J.transpose() * J;
       gradient += w * J.transpose() * r;
+      cost += w * r.squaredNorm();
     }
     information(3, 3) += 1.0 / kPriorVariance;
     gradient(3) += yaw / kPriorVariance;
@@ -74,9 +78,8 @@ std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::arr
   if (!covariance.allFinite() || !(covariance(3, 3) > 0.0)) return std::nullopt;
   // Take the prior out again: the filter that uses this has its own.
   const double posterior = covariance(3, 3);
-  if (posterior > 0.8 * kPriorVariance) return std::nullopt;
-  const double measured = 1.0 / (1.0 / posterior - 1.0 / kPriorVariance);
-  return YawError{yaw * measured / posterior, measured};
+  const double measured = 1.0 / std::max(1e-9, 1.0 / posterior - 1.0 / kPriorVariance);
+  return YawError{yaw * measured / posterior, measured, cost / 4.0};
 }
 
 }  // namespace
@@ -97,7 +100,6 @@ std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const Rotation
 
   // Noise of each ray, propagated through A t = b: δt = A⁻¹ Σ d_i δv_i.
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
-  double worst = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d& v = rays[i].direction;
     const Eigen::Matrix3d N = Eigen::Matrix3d::Identity() - v * v.transpose();
@@ -105,9 +107,7 @@ std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const Rotation
     const double d = to_corner.norm();
     A += N;
     B += d * d * sigma[i] * sigma[i] * N;
-    worst = std::max(worst, (N * to_corner).norm() / d);
   }
-  if (worst > params.max_residual) return std::nullopt;
 
   Fix fix;
   fix.p_GB = *camera_G - R_GB * rig.p_BC;
@@ -116,7 +116,10 @@ std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const Rotation
   if (fix.p_GB.x() > 0.0 || std::abs(fix.p_GB.y()) > params.max_lateral ||
       fix.p_GB.norm() > params.max_distance || !fix.covariance.allFinite())
     return std::nullopt;
-  if (const auto yaw = yaw_error(rays, sigma, *camera_G)) {
+  const auto yaw = yaw_error(rays, sigma, *camera_G);
+  // Four corners that no square could have drawn, whatever the heading, are a wrong detection.
+  if (!yaw || yaw->misfit > params.max_misfit) return std::nullopt;
+  if (yaw->variance < 0.5) {  // beyond 40° it says nothing
     fix.yaw_error = yaw->value;
     fix.yaw_variance = yaw->variance;
   }
@@ -154,6 +157,7 @@ std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, d
   fix.has_height = false;
   fix.covariance = attitude_covariance(camera_G, params);
   fix.covariance.topLeftCorner<2, 2>() += J * noise * J.transpose();
+  fix.covariance.diagonal().head<2>().array() += std::pow(params.bars_sigma * std::max(1.0, x), 2);
   fix.covariance.row(2).setZero();
   fix.covariance.col(2).setZero();
   fix.covariance(2, 2) = 1.0;

@@ -49,7 +49,7 @@ struct PlanParams {
   double min_radius = 0.7;       ///< [m] [Li18 code: 0.9]
   double clearance = 0.35;       ///< From the body's outline to anything solid [m]. [simulation.md]
   double body_radius = 0.20;     ///< Half the Bebop's width with guards [m].
-  double run_in = 2.0;           ///< Straight before a gate that is wanted [m]; [Li18 §4: a margin of 2 m]
+  double run_in = 2.5;           ///< Straight before a gate that is wanted [m]; [Li18 §4: a margin of 2 m]
 };
 
 /// The legs of a race: start to first gate, then gate to gate; the last leg of a lap leads to its first gate.

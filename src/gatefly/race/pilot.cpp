@@ -174,7 +174,7 @@ void Pilot::look(const Image& image) {
       last_corners_ = chosen.corners_px;
     }
   }
-  if (sighting_.source == Sighting::Source::kNone && filter_.position().x() > -2.2 && filter_.position().x() < 0.0) {
+  if (sighting_.source == Sighting::Source::kNone && filter_.position().x() > -config_.pose.max_bars_distance && filter_.position().x() < 0.0) {
     sighting_.bars = detect_bars(image, config_.color, config_.bars);
     if (sighting_.bars) correct_with_bars(*sighting_.bars);
   }

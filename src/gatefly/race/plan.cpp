@@ -149,7 +149,7 @@ class Planner {
       seconds += segment.length / (segment.curvature == 0.0 ? params_.speed : arc_speed);
     const double run_in = path.segments.back().curvature == 0.0 ? path.segments.back().length : 0.0;
     const double turning = word.angle_1 + word.angle_2;
-    return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.35 * turning / radius + 0.3 * turning;
+    return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.9 * turning / radius + 0.3 * turning;
   }
 
   // What the body would come too near to, or "" when nothing.

@@ -16,12 +16,16 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr int kSamples = 4;        // per pixel: 12 ms a frame [guide/simulation.md]
+constexpr int kSamples = 4;  // per pixel: 12 ms a frame [guide/simulation.md]
 constexpr int kPacket = 16;
-constexpr float kNear = 0.01f;     // the camera sees nothing nearer [m]
+constexpr int kColumns =
+    kPacket / kSamples;         // neighbours of one line that share a packet with all their samples
+constexpr float kNear = 0.01f;  // the camera sees nothing nearer [m]
 constexpr float kFar = 1e3f;
-constexpr double kFootprint = 1.5; // side of the square that a pixel's samples cover [px]: a soft lens
-constexpr int kMeterStep = 6;      // one pixel in so many, both ways, meters the first frame
+constexpr double kFootprint =
+    1.6;  // side of the square that a pixel's samples cover [px]: a soft lens
+constexpr double kJitter = 0.5;  // of a sample in its cell, 0..1
+constexpr int kMeterStep = 6;    // one pixel in so many, both ways, meters the first frame
 
 /// Where a sample looks from, single precision.
 struct Eye {
@@ -39,8 +43,9 @@ double hashed(std::uint32_t a, std::uint32_t b) {
 
 BodyPose interpolated(std::span<const BodyPose> history, double t) {
   if (history.empty()) return {};
-  const auto after = std::upper_bound(history.begin(), history.end(), t,
-                                      [](double time, const BodyPose& pose) { return time < pose.t; });
+  const auto after =
+      std::upper_bound(history.begin(), history.end(), t,
+                       [](double time, const BodyPose& pose) { return time < pose.t; });
   if (after == history.begin()) return history.front();
   if (after == history.end()) return history.back();
   const BodyPose& one = *(after - 1);
@@ -51,12 +56,16 @@ BodyPose interpolated(std::span<const BodyPose> history, double t) {
 
 Eye eye_of(const BodyPose& pose, const Eigen::Vector3d& p_BC) {
   const double norm = pose.q_EB.norm();
-  const Eigen::Vector4d q = norm > 0.0 ? Eigen::Vector4d{pose.q_EB / norm} : Eigen::Vector4d{1, 0, 0, 0};
+  const Eigen::Vector4d q =
+      norm > 0.0 ? Eigen::Vector4d{pose.q_EB / norm} : Eigen::Vector4d{1, 0, 0, 0};
   const Eigen::Matrix3d R_EB = rotation_EB(Quaternion{q[0], q[1], q[2], q[3]}).matrix;
   return {(pose.p_EB + R_EB * p_BC).cast<float>(), R_EB.cast<float>()};
 }
 
-/// Sixteen sample directions in the body frame; zero outside the lens's field of view.
+using Eyes = std::array<Eye, kSamples>;
+
+/// A packet's directions in the body frame, lane = sample * kColumns + pixel; not valid outside the
+/// lens's field of view. All samples of a few neighbours are closer together than one of many.
 struct alignas(64) Directions {
   float x[kPacket], y[kPacket], z[kPacket];
   RayScene::Valid valid;
@@ -65,26 +74,24 @@ struct alignas(64) Directions {
 }  // namespace
 
 struct CameraRenderer::Impl {
-  Impl(const World& world, const CameraTruth& truth, const LightConditions& light, std::uint64_t seed,
-       const std::filesystem::path& cache_dir, int bake_threads)
+  Impl(const World& world, const CameraTruth& truth, const LightConditions& light,
+       std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads)
       : camera{truth},
         scene{make_scene(world)},
         visible{{&scene.fixed, &scene.moved}},
         solid{{&scene.solid}},
         shader{lit(light, cache_dir, bake_threads)},
         sensor{truth, light, seed},
-        packets{(truth.stored_width + kPacket - 1) / kPacket},
-        picture(static_cast<std::size_t>(truth.stored_width) * static_cast<std::size_t>(truth.stored_height)) {
+        packets{(truth.stored_width + kColumns - 1) / kColumns},
+        picture(static_cast<std::size_t>(truth.stored_width) *
+                static_cast<std::size_t>(truth.stored_height)) {
     make_directions();
   }
 
   Shader lit(const LightConditions& light, const std::filesystem::path& cache_dir, int threads);
   void make_directions();
-  [[nodiscard]] const Directions& directions(int line, int packet, int sample) const {
-    return table[static_cast<std::size_t>((line * packets + packet) * kSamples + sample)];
-  }
-  [[nodiscard]] Eye eye(double t_start, std::span<const BodyPose> history, int line, int sample) const;
-  void cast(const Eye& eye, const Directions& d, RTCRayHit16& packet, Float4* sum) const;
+  [[nodiscard]] Eyes eyes(double t_start, std::span<const BodyPose> history, int line) const;
+  void cast(const Eyes& eyes, const Directions& d, RTCRayHit16& packet, Float4* pixels) const;
   void render_line(double t_start, std::span<const BodyPose> history, int line);
   void meter(double t_start, std::span<const BodyPose> history);
 
@@ -100,8 +107,8 @@ struct CameraRenderer::Impl {
   std::vector<Float4> picture;
 };
 
-Shader CameraRenderer::Impl::lit(const LightConditions& light, const std::filesystem::path& cache_dir,
-                                 int threads) {
+Shader CameraRenderer::Impl::lit(const LightConditions& light,
+                                 const std::filesystem::path& cache_dir, int threads) {
   const RayScene fixed{{&scene.fixed}};
   const LightMap map = fixed_light(scene, fixed, cache_dir, threads);
   bake_seconds = map.bake_seconds;
@@ -110,20 +117,22 @@ Shader CameraRenderer::Impl::lit(const LightConditions& light, const std::filesy
 
 void CameraRenderer::Impl::make_directions() {
   const Eigen::Matrix3d R_BC = camera_mount(camera.tilt_down).matrix;
-  table.assign(static_cast<std::size_t>(camera.stored_height * packets * kSamples), Directions{});
+  table.assign(static_cast<std::size_t>(camera.stored_height * packets), Directions{});
   for (int line = 0; line < camera.stored_height; ++line) {
     for (int x = 0; x < camera.stored_width; ++x) {
       for (int sample = 0; sample < kSamples; ++sample) {
         // A jittered 2 x 2 grid; the stored picture is turned.
         const auto pixel = static_cast<std::uint32_t>(line * camera.stored_width + x);
-        const auto key = static_cast<std::uint32_t>(2 * sample);
-        const double du = ((sample % 2 + hashed(pixel, key)) / 2 - 0.5) * kFootprint;
-        const double dv = ((sample / 2 + hashed(pixel, key + 1)) / 2 - 0.5) * kFootprint;
+        const auto place = [&](int cell, int key) {
+          const double jitter = kJitter * (hashed(pixel, static_cast<std::uint32_t>(key)) - 0.5);
+          return ((cell + 0.5 + jitter) / 2 - 0.5) * kFootprint;
+        };
+        const double du = place(sample % 2, 2 * sample), dv = place(sample / 2, 2 * sample + 1);
         const auto bearing_C = camera.lens.bearing({line + du, camera.stored_width - 1 - x + dv});
         if (!bearing_C) continue;
         const Eigen::Vector3f bearing_B = (R_BC * *bearing_C).cast<float>();
-        Directions& d = table[static_cast<std::size_t>((line * packets + x / kPacket) * kSamples + sample)];
-        const int lane = x % kPacket;
+        Directions& d = table[static_cast<std::size_t>(line * packets + x / kColumns)];
+        const int lane = sample * kColumns + x % kColumns;
         d.x[lane] = bearing_B.x(), d.y[lane] = bearing_B.y(), d.z[lane] = bearing_B.z();
         d.valid.lane[lane] = -1;
       }
@@ -131,70 +140,76 @@ void CameraRenderer::Impl::make_directions() {
   }
 }
 
-Eye CameraRenderer::Impl::eye(double t_start, std::span<const BodyPose> history, int line, int sample) const {
-  const double share = camera.stored_height > 1 ? static_cast<double>(line) / (camera.stored_height - 1) : 0.0;
+Eyes CameraRenderer::Impl::eyes(double t_start, std::span<const BodyPose> history, int line) const {
+  const double share =
+      camera.stored_height > 1 ? static_cast<double>(line) / (camera.stored_height - 1) : 0.0;
   // Each line deals its quarters of the exposure to the samples anew: blur without a fixed pattern.
   const auto key = static_cast<std::uint32_t>(line);
-  const int quarter = (sample + static_cast<int>(4 * hashed(key, 91))) % kSamples;
-  const double within = (quarter + hashed(key, 92u + static_cast<std::uint32_t>(sample))) / kSamples;
-  const double t = t_start + camera.readout * share + sensor.exposure() * within;
-  return eye_of(interpolated(history, t), camera.p_BC);
+  Eyes result;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const int quarter = (sample + static_cast<int>(kSamples * hashed(key, 91))) % kSamples;
+    const double within =
+        (quarter + hashed(key, 92u + static_cast<std::uint32_t>(sample))) / kSamples;
+    const double t = t_start + camera.readout * share + sensor.exposure() * within;
+    result[static_cast<std::size_t>(sample)] = eye_of(interpolated(history, t), camera.p_BC);
+  }
+  return result;
 }
 
-void CameraRenderer::Impl::cast(const Eye& eye, const Directions& d, RTCRayHit16& packet, Float4* sum) const {
-  const Eigen::Matrix3f& R = eye.R_EB;
-  for (int i = 0; i < kPacket; ++i) {
-    packet.ray.org_x[i] = eye.p_EC.x(), packet.ray.org_y[i] = eye.p_EC.y(), packet.ray.org_z[i] = eye.p_EC.z();
-    packet.ray.dir_x[i] = R(0, 0) * d.x[i] + R(0, 1) * d.y[i] + R(0, 2) * d.z[i];
-    packet.ray.dir_y[i] = R(1, 0) * d.x[i] + R(1, 1) * d.y[i] + R(1, 2) * d.z[i];
-    packet.ray.dir_z[i] = R(2, 0) * d.x[i] + R(2, 1) * d.y[i] + R(2, 2) * d.z[i];
-    packet.ray.tnear[i] = kNear, packet.ray.tfar[i] = kFar;
-    packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+void CameraRenderer::Impl::cast(const Eyes& eyes, const Directions& d, RTCRayHit16& packet,
+                                Float4* pixels) const {
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const auto& [p, R] = eyes[static_cast<std::size_t>(sample)];
+    for (int i = sample * kColumns; i < (sample + 1) * kColumns; ++i) {
+      packet.ray.org_x[i] = p.x(), packet.ray.org_y[i] = p.y(), packet.ray.org_z[i] = p.z();
+      packet.ray.dir_x[i] = R(0, 0) * d.x[i] + R(0, 1) * d.y[i] + R(0, 2) * d.z[i];
+      packet.ray.dir_y[i] = R(1, 0) * d.x[i] + R(1, 1) * d.y[i] + R(1, 2) * d.z[i];
+      packet.ray.dir_z[i] = R(2, 0) * d.x[i] + R(2, 1) * d.y[i] + R(2, 2) * d.z[i];
+      packet.ray.tnear[i] = kNear, packet.ray.tfar[i] = kFar;
+      packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    }
   }
   RTCIntersectContext context = RayScene::coherent();
   rtcIntersect16(d.valid.lane, visible.get(), &context, &packet);
+  std::fill_n(pixels, kColumns, Float4{});
   for (int i = 0; i < kPacket; ++i) {
     if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     const unsigned hit = packet.hit.primID[i];
     const Eigen::Vector3f& n = shader.normal(hit);
-    const float facing = n.x() * packet.ray.dir_x[i] + n.y() * packet.ray.dir_y[i] + n.z() * packet.ray.dir_z[i];
-    if (facing < 0.0f) sum[i] += shader.radiance(hit, packet.hit.u[i], packet.hit.v[i]);
+    const float facing =
+        n.x() * packet.ray.dir_x[i] + n.y() * packet.ray.dir_y[i] + n.z() * packet.ray.dir_z[i];
+    if (facing < 0.0f)
+      pixels[i % kColumns] +=
+          (1.0f / kSamples) * shader.radiance(hit, packet.hit.u[i], packet.hit.v[i]);
   }
 }
 
-void CameraRenderer::Impl::render_line(double t_start, std::span<const BodyPose> history, int line) {
-  std::array<Eye, kSamples> eyes;
-  for (int sample = 0; sample < kSamples; ++sample)
-    eyes[static_cast<std::size_t>(sample)] = eye(t_start, history, line, sample);
+void CameraRenderer::Impl::render_line(double t_start, std::span<const BodyPose> history,
+                                       int line) {
+  const Eyes from = eyes(t_start, history, line);
   RTCRayHit16 packet{};
   std::fill_n(packet.ray.mask, kPacket, ~0u);
   for (int p = 0; p < packets; ++p) {
-    std::array<Float4, kPacket> sum{};
-    for (int sample = 0; sample < kSamples; ++sample)
-      cast(eyes[static_cast<std::size_t>(sample)], directions(line, p, sample), packet, sum.data());
-    Float4* out = picture.data() + line * camera.stored_width + p * kPacket;
-    const int count = std::min(kPacket, camera.stored_width - p * kPacket);
-    for (int i = 0; i < count; ++i) out[i] = sum[static_cast<std::size_t>(i)] * (1.0f / kSamples);
+    std::array<Float4, kColumns> pixels;
+    cast(from, table[static_cast<std::size_t>(line * packets + p)], packet, pixels.data());
+    std::copy_n(pixels.begin(), std::min(kColumns, camera.stored_width - p * kColumns),
+                picture.begin() + line * camera.stored_width + p * kColumns);
   }
 }
 
 void CameraRenderer::Impl::meter(double t_start, std::span<const BodyPose> history) {
   std::vector<Float4> radiances;
-  RTCRayHit16 packet{};
-  std::fill_n(packet.ray.mask, kPacket, ~0u);
   for (int line = 0; line < camera.stored_height; line += kMeterStep) {
-    const Eye from = eye(t_start, history, line, 0);
-    for (int p = 0; p < packets; ++p) {
-      std::array<Float4, kPacket> sum{};
-      cast(from, directions(line, p, 0), packet, sum.data());
-      for (std::size_t i = 0; i < kPacket; i += kMeterStep) radiances.push_back(sum[i]);
-    }
+    render_line(t_start, history, line);
+    for (int x = 0; x < camera.stored_width; x += kMeterStep)
+      radiances.push_back(picture[static_cast<std::size_t>(line * camera.stored_width + x)]);
   }
   sensor.meter(radiances);
 }
 
-CameraRenderer::CameraRenderer(const World& world, const CameraTruth& camera, const LightConditions& light,
-                               std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads)
+CameraRenderer::CameraRenderer(const World& world, const CameraTruth& camera,
+                               const LightConditions& light, std::uint64_t seed,
+                               const std::filesystem::path& cache_dir, int bake_threads)
     : impl_{std::make_unique<Impl>(world, camera, light, seed, cache_dir, bake_threads)} {}
 
 CameraRenderer::~CameraRenderer() = default;
@@ -203,7 +218,8 @@ void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const
                             std::vector<std::uint8_t>& uyvy) {
   if (!impl_->metered) impl_->meter(t_start, history);
   impl_->metered = true;
-  for (int line = 0; line < impl_->camera.stored_height; ++line) impl_->render_line(t_start, history, line);
+  for (int line = 0; line < impl_->camera.stored_height; ++line)
+    impl_->render_line(t_start, history, line);
   impl_->sensor.develop(frame, t_start, impl_->picture, uyvy);
 }
 

@@ -18,7 +18,9 @@ RTCIntersectContext context(RTCIntersectContextFlags flags) {
 }  // namespace
 
 RTCIntersectContext RayScene::coherent() { return context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT); }
-RTCIntersectContext RayScene::incoherent() { return context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT); }
+RTCIntersectContext RayScene::incoherent() {
+  return context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+}
 
 RayScene::RayScene(const std::vector<const std::vector<Rectangle>*>& lists) {
   // One instruction set and one thread: the same tree, the same hits, wherever AVX2 exists.
@@ -40,8 +42,8 @@ RayScene::RayScene(const std::vector<const std::vector<Rectangle>*>& lists) {
   unsigned next = 0;
   for (const auto* list : lists) {
     for (const Rectangle& r : *list) {
-      const Eigen::Vector3f corners[4] = {r.corner, r.corner + r.edge_u, r.corner + r.edge_u + r.edge_v,
-                                          r.corner + r.edge_v};
+      const Eigen::Vector3f corners[4] = {r.corner, r.corner + r.edge_u,
+                                          r.corner + r.edge_u + r.edge_v, r.corner + r.edge_v};
       for (const Eigen::Vector3f& corner : corners) {
         std::memcpy(vertex + 3 * next, corner.data(), 3 * sizeof(float));
         index[next] = next;

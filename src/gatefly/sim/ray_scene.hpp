@@ -11,7 +11,8 @@ namespace gatefly::sim {
 
 /// Rectangles that rays can be cast at: the one place that sets Embree up.
 ///
-/// A hit's `primID` is the rectangle's index in the list given, its (u, v) run along edge_u and edge_v.
+/// A hit's `primID` is the rectangle's index in the lists given, one after the other; (u, v) run
+/// along edge_u and edge_v.
 class RayScene {
  public:
   /// The parameters of one Embree call: sixteen rays that start and point much alike.
@@ -19,7 +20,9 @@ class RayScene {
   /// Sixteen rays in any directions.
   static RTCIntersectContext incoherent();
   /// Marks which of sixteen rays are cast.
-  struct alignas(64) Valid { int lane[16]; };
+  struct alignas(64) Valid {
+    int lane[16];
+  };
 
   /// @throws std::runtime_error when Embree cannot start.
   explicit RayScene(const std::vector<const std::vector<Rectangle>*>& lists);

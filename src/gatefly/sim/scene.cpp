@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNodeSpacing = 0.25;  // of the light map [m]
 constexpr double kFlatBelow = 0.35;    // longest edge that one value of light serves [m]
-constexpr Color kPoleColor{0.42f, 0.13f, 0.10f};
+constexpr Color kPoleColor{0.34f, 0.13f, 0.09f};
 constexpr Color kFootColor{0.06f, 0.06f, 0.065f};
 
 /// FNV-1a over 32-bit words.
@@ -25,8 +25,12 @@ class Hash {
       value_ = (value_ ^ ((word >> shift) & 0xffu)) * 0x100000001b3ull;
   }
   void add(float x) { add(std::bit_cast<std::uint32_t>(x)); }
-  void add(const Color& c) { for (const float x : c) add(x); }
-  void add(const Eigen::Vector3f& v) { for (int i = 0; i < 3; ++i) add(v[i]); }
+  void add(const Color& c) {
+    for (const float x : c) add(x);
+  }
+  void add(const Eigen::Vector3f& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
+  }
   [[nodiscard]] std::uint64_t value() const { return value_; }
 
  private:
@@ -37,12 +41,15 @@ Color to_color(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-int cells(double length) { return std::max(1, static_cast<int>(std::lround(length / kNodeSpacing))); }
+int cells(double length) {
+  return std::max(1, static_cast<int>(std::lround(length / kNodeSpacing)));
+}
 
 /// Four bars, pole and foot plate.
 void add_gate(SceneBuilder& builder, const WorldGate& gate, int bars, int pole, int foot) {
   const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
-  const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - gate.bar, d = gate.bar / 2;
+  const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - gate.bar,
+               d = gate.bar / 2;
   builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, bars);
   builder.box(frame, {-d, -half, height - half}, {d, half, height - in}, bars);
   builder.box(frame, {-d, -half, height - in}, {d, -in, height + in}, bars);
@@ -65,7 +72,8 @@ void add_solids(SceneBuilder& builder, const World& world) {
   wall(-a, -b, -a, b);
   wall(a, -b, a, b);
   for (const double h : {0.0, top})
-    builder.rectangle(frame.at(-a, -b, h), {2 * a, 0, 0}, {0, 2 * b, 0}, {0, 0, h > 0 ? 1.0 : -1.0}, 0);
+    builder.rectangle(frame.at(-a, -b, h), {2 * a, 0, 0}, {0, 2 * b, 0}, {0, 0, h > 0 ? 1.0 : -1.0},
+                      0);
   for (const WorldBox& obstacle : world.obstacles) builder.solid_box(obstacle, 0);
 }
 
@@ -116,7 +124,8 @@ int SceneBuilder::light(const Color& emission, int group) {
 }
 
 void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
-                             const Eigen::Vector3d& v, const Eigen::Vector3d& towards, int material) {
+                             const Eigen::Vector3d& v, const Eigen::Vector3d& towards,
+                             int material) {
   std::vector<Rectangle>& list = layer_ == Layer::kFixed   ? scene_.fixed
                                  : layer_ == Layer::kMoved ? scene_.moved
                                                            : scene_.solid;
@@ -137,8 +146,8 @@ void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3
   list.push_back(r);
 }
 
-void SceneBuilder::box(const FloorFrame& frame, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                       int material) {
+void SceneBuilder::box(const FloorFrame& frame, const Eigen::Vector3d& low,
+                       const Eigen::Vector3d& high, int material) {
   const Eigen::Vector3d corner = frame.at(low.x(), low.y(), low.z());
   const Eigen::Vector3d opposite = frame.at(high.x(), high.y(), high.z());
   const Eigen::Vector3d a = frame.at(high.x(), low.y(), low.z()) - corner;
@@ -152,7 +161,8 @@ void SceneBuilder::box(const FloorFrame& frame, const Eigen::Vector3d& low, cons
   if (low.z() > 0.0) rectangle(corner, a, b, -h, material);
 }
 
-void SceneBuilder::pole(const FloorFrame& frame, double diameter, double bottom, double top, int material) {
+void SceneBuilder::pole(const FloorFrame& frame, double diameter, double bottom, double top,
+                        int material) {
   constexpr int kSides = 8;
   const double radius = diameter / 2 / cos(kPi / kSides);
   const Eigen::Vector3d centre = frame.at(0, 0, bottom), up{0, 0, bottom - top};

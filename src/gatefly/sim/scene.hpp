@@ -30,10 +30,9 @@ struct Material {
   Color albedo{0.5f, 0.5f, 0.5f};
   Color second{0.5f, 0.5f, 0.5f};  ///< The pattern's other albedo.
   Pattern pattern = Pattern::kPlain;
-  float scale = 1.0f;        ///< Pattern cells per metre.
-  float gloss = 0.0f;        ///< Mirror reflectance at normal incidence, 0..1.
-  Color emission{0, 0, 0};   ///< Radiance, relative units; auto-exposure takes care of the rest.
-  int group = 0;             ///< Light group of the emission.
+  float scale = 1.0f;       ///< Pattern cells per metre.
+  Color emission{0, 0, 0};  ///< Radiance, relative units; auto-exposure takes care of the rest.
+  int group = 0;            ///< Light group of the emission.
 };
 
 /// A flat parallelogram, seen from the side its normal points to (black from behind).
@@ -42,9 +41,9 @@ struct Rectangle {
   Eigen::Vector3f normal;                  ///< Unit.
   Eigen::Vector2f length;                  ///< Of both edges [m].
   int material = 0;
-  int first_node = 0;            ///< Its slot in the light map: (cells_u + 1)(cells_v + 1) nodes, u fastest.
+  int first_node = 0;  ///< Its slot in the light map: (cells_u + 1)(cells_v + 1) nodes, u fastest.
   int cells_u = 1, cells_v = 1;
-  bool flat = false;             ///< So small that one value of light does for all nodes.
+  bool flat = false;  ///< So small that one value of light does for all nodes.
 
   [[nodiscard]] int nodes() const { return (cells_u + 1) * (cells_v + 1); }
 };
@@ -54,7 +53,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Rectangle> fixed;  ///< What no seed moves; its light is baked.
   std::vector<Rectangle> moved;  ///< Gates and decoys; nodes counted from 0 again.
-  std::vector<Rectangle> solid;  ///< Room, whole obstacles, gates, decoys: what stops a body or a sonar.
+  std::vector<Rectangle>
+      solid;  ///< Room, whole obstacles, gates, decoys: what stops a body or a sonar.
 
   /// Light-map nodes that a list of rectangles takes.
   [[nodiscard]] static int nodes(const std::vector<Rectangle>& rectangles);
@@ -64,7 +64,7 @@ struct Scene {
 
 /// The scene of a world: room, obstacles dressed for `world.look`, clutter, gates, decoys.
 ///
-/// Clutter is generated from fixed random numbers, so the same room looks the same in every race. It
+/// Clutter is generated from fixed random numbers: a room looks the same in every race. It
 /// stays inside obstacle footprints, within 0.4 m of the walls, flat on the floor or above 2.6 m.
 [[nodiscard]] Scene make_scene(const World& world);
 
@@ -96,7 +96,8 @@ class SceneBuilder {
   void rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
                  const Eigen::Vector3d& towards, int material);
   /// A box between two corners (a, b, h) of a floor frame, faces outward; none on the floor itself.
-  void box(const FloorFrame& frame, const Eigen::Vector3d& low, const Eigen::Vector3d& high, int material);
+  void box(const FloorFrame& frame, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+           int material);
   /// An upright prism of eight sides.
   void pole(const FloorFrame& frame, double diameter, double bottom, double top, int material);
   /// A world's box or pole as it is.

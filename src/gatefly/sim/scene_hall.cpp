@@ -14,21 +14,24 @@ constexpr int kCeilingLight = 0, kWindowLight = 1, kSpotLight = 2;
 /// The hall's materials and the random numbers of its clutter.
 struct Palette {
   explicit Palette(SceneBuilder& b)
-      : floor{b.material({.albedo = {0.36f, 0.37f, 0.29f}, .second = {0.31f, 0.33f, 0.26f},
-                          .pattern = Pattern::kGrain, .scale = 0.7f, .gloss = 0.03f})},
+      : floor{b.material({.albedo = {0.39f, 0.36f, 0.27f},
+                          .second = {0.35f, 0.33f, 0.245f},
+                          .pattern = Pattern::kGrain,
+                          .scale = 0.7f})},
         stripe{b.matt({0.20f, 0.21f, 0.19f})},
-        siding{b.matt({0.46f, 0.47f, 0.42f}, Pattern::kPlanks, {0.32f, 0.34f, 0.34f}, 2.2)},
-        net{b.matt({0.060f, 0.070f, 0.062f}, Pattern::kGrain, {0.040f, 0.050f, 0.046f}, 2.5)},
+        siding{b.matt({0.49f, 0.46f, 0.39f}, Pattern::kPlanks, {0.32f, 0.32f, 0.30f}, 2.2)},
+        net{b.matt({0.066f, 0.066f, 0.056f}, Pattern::kGrain, {0.044f, 0.048f, 0.042f}, 2.5)},
         roof{b.matt({0.12f, 0.125f, 0.12f}, Pattern::kPlanks, {0.09f, 0.095f, 0.09f}, 1.0)},
-        wood{b.matt({0.42f, 0.31f, 0.16f}, Pattern::kPlanks, {0.36f, 0.26f, 0.13f}, 3.0)},
+        wood{b.matt({0.43f, 0.33f, 0.15f}, Pattern::kPlanks, {0.37f, 0.28f, 0.13f}, 3.0)},
         blue{b.matt({0.035f, 0.06f, 0.17f})},
-        dark{b.matt({0.06f, 0.055f, 0.065f}, Pattern::kBlocks, {0.045f, 0.042f, 0.05f}, 2.0)},
+        dark{b.matt({0.066f, 0.056f, 0.064f}, Pattern::kBlocks, {0.045f, 0.042f, 0.05f}, 2.0)},
         metal{b.matt({0.42f, 0.43f, 0.42f})},
-        lamp{b.light({13.0f, 12.5f, 10.5f}, kCeilingLight)},
+        lamp{b.light({14.0f, 12.5f, 10.5f}, kCeilingLight)},
         window{b.light({2.4f, 2.7f, 2.8f}, kWindowLight)},
         spot{b.light({32.0f, 32.0f, 30.0f}, kSpotLight)} {
-    things = {b.matt({0.50f, 0.47f, 0.38f}), b.matt({0.05f, 0.05f, 0.06f}), b.matt({0.04f, 0.12f, 0.06f}),
-              b.matt({0.05f, 0.07f, 0.20f}), b.matt({0.30f, 0.20f, 0.12f}), b.matt({0.25f, 0.10f, 0.08f})};
+    things = {b.matt({0.50f, 0.47f, 0.38f}), b.matt({0.05f, 0.05f, 0.06f}),
+              b.matt({0.04f, 0.12f, 0.06f}), b.matt({0.05f, 0.07f, 0.20f}),
+              b.matt({0.30f, 0.20f, 0.12f}), b.matt({0.25f, 0.10f, 0.08f})};
   }
 
   int thing() { return things[static_cast<std::size_t>(random.uniform() * 6.0)]; }
@@ -39,7 +42,8 @@ struct Palette {
 };
 
 /// Panels, cupboards, pillars and nets along one wall; a runs along it, b into the room.
-void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double length, double top, bool net) {
+void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double length, double top,
+                bool net) {
   const double panels = std::min(2.3, top - 0.4);
   if (net) {
     b.box(wall, {0.05, 0.30, 0.35}, {length - 0.05, 0.32, top - 0.05}, p.net);
@@ -50,11 +54,15 @@ void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double leng
   for (double a = 0.6; a < length - 2.0;) {
     const double width = p.random.uniform(0.8, 2.0), kind = p.random.uniform();
     const double out = net ? 0.38 : 0.3;
-    if (kind < 0.28) b.box(wall, {a, 0.0, 0}, {a + width, out, panels - p.random.uniform(0.0, 0.5)}, p.wood);
-    else if (kind < 0.55) b.box(wall, {a, 0.0, 0}, {a + width, out, p.random.uniform(1.0, 1.7)}, p.dark);
-    else if (kind < 0.70) b.box(wall, {a, 0.0, 0}, {a + 0.7, out, p.random.uniform(1.0, 1.6)}, p.blue);
+    if (kind < 0.28)
+      b.box(wall, {a, 0.0, 0}, {a + width, out, panels - p.random.uniform(0.0, 0.5)}, p.wood);
+    else if (kind < 0.55)
+      b.box(wall, {a, 0.0, 0}, {a + width, out, p.random.uniform(1.0, 1.7)}, p.dark);
+    else if (kind < 0.70)
+      b.box(wall, {a, 0.0, 0}, {a + 0.7, out, p.random.uniform(1.0, 1.6)}, p.blue);
     else if (kind < 0.85)
-      for (double h = 0.0; h < 1.2; h += 0.3) b.box(wall, {a, 0.1, h + 0.001}, {a + 0.3, out, h + 0.28}, p.thing());
+      for (double h = 0.0; h < 1.2; h += 0.3)
+        b.box(wall, {a, 0.1, h + 0.001}, {a + 0.3, out, h + 0.28}, p.thing());
     a += width + p.random.uniform(0.1, 0.8);
   }
   for (double a = 2.2; a < length - 1.0 && !net; a += 4.5) {
@@ -74,7 +82,8 @@ void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
       b.box(frame, {a + 0.4, c, h + 0.005}, {a + 0.7, c + 1.3, top - 0.001}, p.metal);
     }
     const double c = p.random.uniform(-0.8 * y, 0.8 * y);
-    b.rectangle(frame.at(a, c, std::max(2.65, top - 0.7)), {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 1}, p.spot);
+    b.rectangle(frame.at(a, c, std::max(2.65, top - 0.7)), {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 1},
+                p.spot);
   }
 }
 
@@ -92,7 +101,8 @@ void dress_hall(SceneBuilder& b, const World& world) {
     const bool long_x = side % 2 == 0;
     const double depth = long_x ? y : x, length = 2 * (long_x ? x : y), heading = side * kPi / 2;
     const FloorFrame turned{.origin = world.room_center, .heading = heading};
-    const FloorFrame wall{.origin = turned.at(-length / 2, -depth, 0).head<2>(), .heading = heading};
+    const FloorFrame wall{.origin = turned.at(-length / 2, -depth, 0).head<2>(),
+                          .heading = heading};
     const Eigen::Vector3d corner = wall.at(0, 0, 0), inward = wall.at(0, 1, 0) - corner;
     b.rectangle(corner, wall.at(length, 0, 0) - corner, {0, 0, -top}, inward, p.siding);
     const bool net = side == 1 || side == 2;

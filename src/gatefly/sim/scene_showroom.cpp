@@ -14,30 +14,47 @@ constexpr int kCeilingLight = 0, kShowcaseLight = 1, kSpotLight = 2;
 /// The showroom's materials, and the random numbers of its clutter (the same in every race).
 struct Palette {
   explicit Palette(SceneBuilder& b)
-      : floor{b.material({.albedo = {0.30f, 0.32f, 0.31f}, .second = {0.25f, 0.28f, 0.27f},
-                          .pattern = Pattern::kGrain, .scale = 0.9f, .gloss = 0.05f})},
+      : floor{b.material({.albedo = {0.30f, 0.32f, 0.31f},
+                          .second = {0.265f, 0.29f, 0.28f},
+                          .pattern = Pattern::kGrain,
+                          .scale = 0.6f})},
         wall{b.matt({0.42f, 0.42f, 0.40f}, Pattern::kGrain, {0.34f, 0.34f, 0.33f}, 1.3)},
         ceiling{b.matt({0.34f, 0.34f, 0.33f}, Pattern::kBlocks, {0.26f, 0.26f, 0.26f}, 0.8)},
         beam{b.matt({0.13f, 0.13f, 0.13f})},
         pipe{b.matt({0.5f, 0.5f, 0.48f})},
         column{b.matt({0.55f, 0.55f, 0.52f}, Pattern::kGrain, {0.48f, 0.48f, 0.46f}, 3.0)},
-        blue{b.matt({0.035f, 0.05f, 0.13f}, Pattern::kGrain, {0.05f, 0.06f, 0.15f}, 2.0)},
-        shelf{b.matt({0.05f, 0.11f, 0.42f})},
+        blue{b.matt({0.045f, 0.052f, 0.090f}, Pattern::kGrain, {0.055f, 0.062f, 0.105f}, 2.0)},
+        shelf{b.matt({0.07f, 0.12f, 0.32f})},
         frame{b.matt({0.03f, 0.035f, 0.05f})},
         lamp{b.light({11.0f, 10.4f, 9.6f}, kCeilingLight)},
         strip{b.light({7.0f, 7.2f, 6.8f}, kShowcaseLight)},
         spot{b.light({30.0f, 26.0f, 20.0f}, kSpotLight)} {
-    glow = {b.light({0.27f, 1.20f, 1.12f}, kShowcaseLight), b.light({0.20f, 0.80f, 0.76f}, kShowcaseLight),
-            b.light({0.16f, 0.42f, 0.42f}, kShowcaseLight), b.light({0.24f, 1.05f, 0.98f}, kShowcaseLight)};
-    things = {b.matt({0.60f, 0.58f, 0.50f}), b.matt({0.10f, 0.10f, 0.11f}), b.matt({0.33f, 0.30f, 0.24f}),
-              b.matt({0.55f, 0.47f, 0.10f}), b.matt({0.30f, 0.33f, 0.34f}), b.matt({0.22f, 0.28f, 0.20f}),
+    const auto panel = [&](float red, float green, float blue_light, float scale) {
+      return b.material({.albedo = {0.5f, 0.5f, 0.5f},
+                         .second = {0.4f, 0.4f, 0.4f},
+                         .pattern = Pattern::kGrain,
+                         .scale = scale,
+                         .emission = {red, green, blue_light},
+                         .group = kShowcaseLight});
+    };
+    glow = {panel(0.29f, 0.85f, 0.80f, 1.1f), panel(0.20f, 0.55f, 0.52f, 1.4f),
+            panel(0.15f, 0.26f, 0.255f, 1.7f), panel(0.25f, 0.70f, 0.66f, 0.9f),
+            panel(0.09f, 0.14f, 0.14f, 2.0f)};
+    things = {b.matt({0.60f, 0.58f, 0.50f}),
+              b.matt({0.10f, 0.10f, 0.11f}),
+              b.matt({0.33f, 0.30f, 0.24f}),
+              b.matt({0.46f, 0.40f, 0.16f}),
+              b.matt({0.30f, 0.33f, 0.34f}),
+              b.matt({0.22f, 0.28f, 0.20f}),
               b.matt({0.45f, 0.45f, 0.45f}, Pattern::kBlocks, {0.08f, 0.08f, 0.09f}, 14.0),
-              b.matt({0.04f, 0.04f, 0.05f}), b.matt({0.62f, 0.62f, 0.60f}), b.matt({0.30f, 0.17f, 0.11f})};
+              b.matt({0.04f, 0.04f, 0.05f}),
+              b.matt({0.62f, 0.62f, 0.60f}),
+              b.matt({0.30f, 0.17f, 0.11f})};
     woods = {b.matt({0.34f, 0.24f, 0.14f}, Pattern::kPlanks, {0.26f, 0.18f, 0.11f}, 8.0),
              b.matt({0.22f, 0.14f, 0.09f}, Pattern::kPlanks, {0.16f, 0.10f, 0.07f}, 9.0),
              b.matt({0.44f, 0.38f, 0.28f}, Pattern::kGrain, {0.36f, 0.31f, 0.23f}, 6.0)};
     posters = {b.matt({0.55f, 0.55f, 0.50f}, Pattern::kBlocks, {0.18f, 0.22f, 0.25f}, 7.0),
-               b.matt({0.34f, 0.16f, 0.12f}, Pattern::kBlocks, {0.45f, 0.43f, 0.38f}, 5.0),
+               b.matt({0.30f, 0.19f, 0.16f}, Pattern::kBlocks, {0.45f, 0.43f, 0.38f}, 5.0),
                b.matt({0.07f, 0.26f, 0.15f}, Pattern::kBlocks, {0.40f, 0.42f, 0.38f}, 4.0),
                b.matt({0.08f, 0.09f, 0.11f}, Pattern::kBlocks, {0.30f, 0.32f, 0.33f}, 9.0)};
   }
@@ -49,7 +66,7 @@ struct Palette {
 
   Stream random{1, "showroom"};
   int floor, wall, ceiling, beam, pipe, column, blue, shelf, frame, lamp, strip, spot;
-  std::array<int, 4> glow{};
+  std::array<int, 5> glow{};
   std::array<int, 10> things{};
   std::array<int, 3> woods{};
   std::array<int, 4> posters{};
@@ -59,11 +76,13 @@ struct Palette {
 void small_things(SceneBuilder& b, Palette& p, const FloorFrame& frame, const Eigen::Vector2d& low,
                   const Eigen::Vector2d& high, double base, double tallest, int count) {
   for (int i = 0; i < count; ++i) {
-    const double width = p.random.uniform(0.05, 0.22), depth = p.random.uniform(0.05, 0.16);
+    const double width = p.random.uniform(0.03, 0.2), depth = p.random.uniform(0.03, 0.16);
     const Eigen::Vector2d room = (high - low - Eigen::Vector2d{width, depth}).cwiseMax(0.0);
-    const double a = low.x() + p.random.uniform() * room.x(), c = low.y() + p.random.uniform() * room.y();
-    const double height = p.random.uniform(0.3, 1.0) * tallest;
-    b.box(frame, {a, c, base + 0.001}, {std::min(a + width, high.x()), std::min(c + depth, high.y()), base + height},
+    const double a = low.x() + p.random.uniform() * room.x(),
+                 c = low.y() + p.random.uniform() * room.y();
+    const double shape = p.random.uniform(), height = (0.15 + 0.85 * shape * shape) * tallest;
+    b.box(frame, {a, c, base + 0.001},
+          {std::min(a + width, high.x()), std::min(c + depth, high.y()), base + height},
           p.any_of(p.things));
   }
 }
@@ -71,18 +90,22 @@ void small_things(SceneBuilder& b, Palette& p, const FloorFrame& frame, const Ei
 /// One glazed side of a showcase: sections of luminous back wall, shelves, things, light strip.
 ///
 /// In the frame given, a runs along the side, b from the luminous wall (0) to the glass (depth).
-void showcase_side(SceneBuilder& b, Palette& p, const FloorFrame& frame, double half, double depth, double top) {
+void showcase_side(SceneBuilder& b, Palette& p, const FloorFrame& frame, double half, double depth,
+                   double top) {
   const int sections = std::max(1, static_cast<int>(std::lround(2 * half / 1.1)));
   const double pitch = 2 * half / sections, shelf = 0.42 * top;
   for (int i = 0; i < sections; ++i) {
     const double a0 = -half + i * pitch, a1 = a0 + pitch;
     for (const auto& [h0, h1] : {std::pair{0.12, shelf}, std::pair{shelf, top - 0.1}}) {
-      const Eigen::Vector3d corner = frame.at(a0, 0, h0);
+      const Eigen::Vector3d corner = frame.at(a0, 0.01, h0);
       const Eigen::Vector3d towards = frame.at(a0, 1, h0) - corner;
-      b.rectangle(corner, frame.at(a1, 0, h0) - corner, {0, 0, h0 - h1}, towards, p.any_of(p.glow));
+      b.rectangle(corner, frame.at(a1, 0.01, h0) - corner, {0, 0, h0 - h1}, towards,
+                  p.any_of(p.glow));
     }
-    small_things(b, p, frame, {a0 + 0.05, 0.05}, {a1 - 0.05, depth - 0.05}, 0.12, 0.40, 4);
-    small_things(b, p, frame, {a0 + 0.05, 0.05}, {a1 - 0.05, depth - 0.05}, shelf + 0.05, 0.55, 5);
+    small_things(b, p, frame, {a0 + 0.05, 0.05}, {a1 - 0.05, depth - 0.05}, 0.12, 0.5, 9);
+    small_things(b, p, frame, {a0 + 0.05, 0.05}, {a1 - 0.05, depth - 0.05}, shelf + 0.05, 0.6, 11);
+    small_things(b, p, frame, {a0 + 0.05, 0.5 * depth}, {a1 - 0.05, 0.6 * depth}, shelf + 0.57, 0.3,
+                 4);
     // Glass shelf half way up, seen as its edge.
     b.box(frame, {a0, depth * 0.55, shelf + 0.55}, {a1, depth * 0.6, shelf + 0.57}, p.things[8]);
     b.box(frame, {a0 - 0.02, depth - 0.04, 0.1}, {a0 + 0.02, depth, top}, p.frame);
@@ -114,9 +137,11 @@ void add_table(SceneBuilder& b, Palette& p, const WorldBox& box) {
   const FloorFrame frame{.origin = box.center, .heading = box.heading};
   const double a = box.size.x() / 2, c = box.size.y() / 2;
   const double clutter = std::min(0.3, 0.35 * box.top), plate = box.top - clutter;
-  b.box(frame, {-a, -c, plate - 0.04}, {a, c, plate}, p.random.uniform() < 0.5 ? p.any_of(p.woods) : p.things[8]);
+  b.box(frame, {-a, -c, plate - 0.04}, {a, c, plate},
+        p.random.uniform() < 0.5 ? p.any_of(p.woods) : p.things[8]);
   for (const double x : {-a + 0.02, a - 0.06})
-    for (const double y : {-c + 0.02, c - 0.06}) b.box(frame, {x, y, 0}, {x + 0.04, y + 0.04, plate}, p.frame);
+    for (const double y : {-c + 0.02, c - 0.06})
+      b.box(frame, {x, y, 0}, {x + 0.04, y + 0.04, plate}, p.frame);
   const int count = static_cast<int>(4 + 5 * a * c * 4);
   small_things(b, p, frame, {-a, -c}, {a, c}, plate, clutter, count);
   small_things(b, p, frame, {-a + 0.1, -c + 0.1}, {a - 0.1, c - 0.1}, 0.0, plate - 0.1, count / 2);
@@ -128,16 +153,26 @@ void add_chair(SceneBuilder& b, Palette& p, const FloorFrame& wall, double a) {
   b.box(wall, {a, 0.02, 0.42}, {a + 0.4, 0.38, 0.46}, seat);
   b.box(wall, {a, 0.02, 0.60}, {a + 0.4, 0.05, 0.90}, seat);
   for (const double x : {a, a + 0.37})
-    for (const double y : {0.02, 0.35}) b.box(wall, {x, y, 0}, {x + 0.03, y + 0.03, y < 0.1 ? 0.9 : 0.42}, legs);
+    for (const double y : {0.02, 0.35})
+      b.box(wall, {x, y, 0}, {x + 0.03, y + 0.03, y < 0.1 ? 0.9 : 0.42}, legs);
 }
 
 /// A rack of boards with things on them.
 void add_rack(SceneBuilder& b, Palette& p, const FloorFrame& wall, double a, double width) {
-  for (const double x : {a, a + width - 0.03}) b.box(wall, {x, 0.02, 0}, {x + 0.03, 0.38, 2.0}, p.frame);
+  for (const double x : {a, a + width - 0.03})
+    b.box(wall, {x, 0.02, 0}, {x + 0.03, 0.38, 2.0}, p.frame);
   for (double h = 0.3; h < 2.0; h += 0.42) {
     b.box(wall, {a, 0.02, h}, {a + width, 0.38, h + 0.03}, p.any_of(p.woods));
     small_things(b, p, wall, {a + 0.04, 0.03}, {a + width - 0.04, 0.37}, h + 0.03, 0.36, 5);
   }
+}
+
+/// A framed picture high on the wall, in front of what stands there; the frame may be reddish wood.
+void add_picture(SceneBuilder& b, Palette& p, const FloorFrame& wall, double a, double width) {
+  const double low = p.random.uniform(1.3, 1.7), high = low + p.random.uniform(0.4, 0.8);
+  b.box(wall, {a, 0.37, low}, {a + width, 0.38, high}, p.any_of(p.woods));
+  b.box(wall, {a + 0.04, 0.38, low + 0.04}, {a + width - 0.04, 0.385, high - 0.04},
+        p.any_of(p.posters));
 }
 
 /// Chairs, racks, posters, boards along one wall; `wall` has a along it, b into the room.
@@ -159,13 +194,14 @@ void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double leng
       small_things(b, p, wall, {a, 0.02}, {a + width, 0.36}, height, 0.5, 6);
     } else if (kind < 0.9) {
       const Eigen::Vector3d corner = wall.at(a, 0.05, 0.5);
-      b.rectangle(corner, wall.at(a + width, 0.05, 0.5) - corner, {0, 0, -1.5}, wall.at(a, 1, 0.5) - corner,
-                  p.any_of(p.glow));
+      b.rectangle(corner, wall.at(a + width, 0.05, 0.5) - corner, {0, 0, -1.5},
+                  wall.at(a, 1, 0.5) - corner, p.any_of(p.glow));
       b.box(wall, {a - 0.05, 0.0, 0.4}, {a + width + 0.05, 0.04, 2.1}, p.frame);
     } else {
       b.pole({.origin = wall.at(a + 0.3, 0.15, 0).head<2>()}, 0.14, 0.0, 2.9, p.pipe);
     }
-    a += width + p.random.uniform(0.1, 0.9);
+    if (kind > 0.38 && kind < 0.9) add_picture(b, p, wall, a + 0.1, 0.5 * width);
+    a += width + p.random.uniform(0.0, 0.35);
   }
 }
 
@@ -174,16 +210,18 @@ void dress_ceiling(SceneBuilder& b, Palette& p, const World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
   if (top < 2.9) return;
-  for (double a = -x + 1.2; a < x; a += 2.4) b.box(frame, {a, -y, top - 0.28}, {a + 0.2, y, top - 0.001}, p.beam);
+  for (double a = -x + 1.2; a < x; a += 2.4)
+    b.box(frame, {a, -y, top - 0.28}, {a + 0.2, y, top - 0.001}, p.beam);
   for (double c = -y + 0.8; c < y; c += 3.1) {
     const double low = p.random.uniform(2.65, 2.8), width = p.random.uniform(0.06, 0.16);
-    b.box(frame, {-x, c, low}, {x, c + width, low + width}, p.random.uniform() < 0.5 ? p.pipe : p.beam);
+    b.box(frame, {-x, c, low}, {x, c + width, low + width},
+          p.random.uniform() < 0.5 ? p.pipe : p.beam);
     b.box(frame, {-x, c + 0.35, top - 0.4}, {x, c + 0.42, top - 0.33}, p.pipe);
   }
   for (double a = -x + 1.6; a < x - 0.5; a += 2.4) {
-    for (double c = -y + 1.5; c < y - 1.5; c += 2.9) {
+    for (double c = -y + 1.5; c < y - 1.5; c += 1.9) {
       const double da = p.random.uniform(-0.3, 0.3), dc = p.random.uniform(-0.8, 0.8);
-      if (p.random.uniform() < 0.2) continue;
+      if (p.random.uniform() < 0.1) continue;
       const bool across = p.random.uniform() < 0.5;
       const double wa = across ? 0.14 : 1.3, wc = across ? 1.3 : 0.14, h = top - 0.33;
       b.box(frame, {a + da, c + dc, h + 0.005}, {a + da + wa, c + dc + wc, h + 0.06}, p.pipe);
@@ -191,7 +229,8 @@ void dress_ceiling(SceneBuilder& b, Palette& p, const World& world) {
       b.rectangle(corner, {wa, 0, 0}, {0, wc, 0}, {0, 0, 1}, p.lamp);
       const Eigen::Vector3d spot = frame.at(a + da - 0.5, c + dc + 0.4, 2.7);
       b.rectangle(spot, {0.08, 0, 0}, {0, 0.08, 0}, {0, 0, 1}, p.spot);
-      b.box(frame, {a + da - 0.5, c + dc + 0.4, 2.705}, {a + da - 0.42, c + dc + 0.48, 2.85}, p.things[8]);
+      b.box(frame, {a + da - 0.5, c + dc + 0.4, 2.705}, {a + da - 0.42, c + dc + 0.48, 2.85},
+            p.things[8]);
     }
   }
 }
@@ -220,9 +259,11 @@ void dress_showroom(SceneBuilder& b, const World& world) {
     const bool long_x = side % 2 == 0;
     const double depth = long_x ? y : x, length = 2 * (long_x ? x : y), heading = side * kPi / 2;
     const FloorFrame turned{.origin = world.room_center, .heading = heading};
-    const FloorFrame wall{.origin = turned.at(-length / 2, -depth, 0).head<2>(), .heading = heading};
+    const FloorFrame wall{.origin = turned.at(-length / 2, -depth, 0).head<2>(),
+                          .heading = heading};
     const Eigen::Vector3d corner = wall.at(0, 0, 0);
-    b.rectangle(corner, wall.at(length, 0, 0) - corner, {0, 0, -top}, wall.at(0, 1, 0) - corner, p.wall);
+    b.rectangle(corner, wall.at(length, 0, 0) - corner, {0, 0, -top}, wall.at(0, 1, 0) - corner,
+                p.wall);
     dress_wall(b, p, wall, length);
   }
   dress_ceiling(b, p, world);

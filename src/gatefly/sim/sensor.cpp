@@ -7,18 +7,25 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kTargetMean = 118.0;    // mean Y of the real showroom and hall pictures: 94-142
-constexpr double kSensitivity = 250.0;   // signal per radiance and second of exposure at gain 1
+constexpr double kTargetMean =
+    117.0;  // of Y cut at kMeterCap. Real pictures: showroom 124-142 uncut, hall 94-123
+constexpr float kMeterCap = 165.0f;
+constexpr double kSensitivity = 250.0;  // signal per radiance and second of exposure at gain 1
 constexpr double kShortestExposure = 5e-4, kMaxGain = 12.0;
-constexpr double kLag = 0.4;             // of the auto-exposure [s]
-constexpr float kFullWell = 6000.0f, kReadNoise = 12.0f;  // [electrons]
+constexpr double kLag = 0.4;                               // of the auto-exposure [s]
+constexpr float kFullWell = 12000.0f, kReadNoise = 12.0f;  // [electrons]
 // Blacks of the real pictures lie near 70, whites near 235.
-constexpr float kBlack = 66.0f, kSaturation = 1.3f, kToe = 0.004f;
-constexpr Float4 kResponse{0.52f, 1.0f, 0.95f, 0.0f};     // grey looks cyan ...
-constexpr Float4 kCeiling{1.0f, 0.84f, 0.89f, 0.0f};      // ... and what clips looks pink
-constexpr float kBrightest = 14.0f;      // signal beyond which a lamp adds no more glare
-constexpr int kGlareCell = 8;            // stored pixels
-constexpr float kGlareShare = 0.05f;
+constexpr float kBlack = 66.0f, kToe = 0.004f, kSaturation = 1.10f;
+constexpr Float4 kFull{1.30f, 0.91f, 0.85f, 0.0f};  // where a channel clips: lamps come out pink
+constexpr Float4 kTint{0.56f, 1.0f, 0.98f, 0.0f};   // grey comes out cyan
+// Colour matrix, by columns; its rows sum to 1.
+constexpr Float4 kOfRed{1.75f, -0.45f, 0.02f, 0.0f}, kOfGreen{-0.60f, 1.65f, -0.14f, 0.0f},
+    kOfBlue{-0.15f, -0.20f, 1.12f, 0.0f};
+constexpr float kBrightest = 25.0f;  // signal beyond which a lamp adds no more glare
+constexpr float kBloomShare = 0.05f,
+                kBloomKeep = 0.62f;  // of what is clipped; spread over a few pixels
+constexpr int kGlareCell = 8;        // stored pixels
+constexpr float kGlareShare = 0.05f, kGlareKeep = 0.55f;
 // Softness of the optics; red is softer and a little displaced: fringes.
 constexpr Float4 kBefore{0.32f, 0.20f, 0.20f, 0.0f}, kHere{0.46f, 0.60f, 0.60f, 0.0f},
     kAfter{0.22f, 0.20f, 0.20f, 0.0f};
@@ -33,6 +40,23 @@ float luma(Float4 c) { return 0.299f * c[0] + 0.587f * c[1] + 0.114f * c[2]; }
 Float4 lesser(Float4 a, Float4 b) { return a < b ? a : b; }
 Float4 greater(Float4 a, Float4 b) { return a > b ? a : b; }
 
+/// A soft round kernel: a recursive filter to and fro along both axes.
+void spread(std::vector<Float4>& picture, int width, int height, float keep) {
+  const auto columns = static_cast<std::size_t>(width), lines = static_cast<std::size_t>(height);
+  for (std::size_t y = 0; y < lines; ++y) {
+    Float4* line = picture.data() + y * columns;
+    for (std::size_t x = 1; x < columns; ++x) line[x] += keep * (line[x - 1] - line[x]);
+    for (std::size_t x = columns - 1; x-- > 0;) line[x] += keep * (line[x + 1] - line[x]);
+  }
+  const auto mix = [&](std::size_t y, std::size_t from) {
+    Float4* line = picture.data() + y * columns;
+    const Float4* other = picture.data() + from * columns;
+    for (std::size_t x = 0; x < columns; ++x) line[x] += keep * (other[x] - line[x]);
+  };
+  for (std::size_t y = 1; y < lines; ++y) mix(y, y - 1);
+  for (std::size_t y = lines - 1; y-- > 0;) mix(y, y + 1);
+}
+
 std::uint8_t byte(float x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0f, 255.0f) + 0.5f); }
 
 }  // namespace
@@ -43,14 +67,14 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
       glare_width_{(width_ + kGlareCell - 1) / kGlareCell + 2},
       glare_height_{(height_ + kGlareCell - 1) / kGlareCell + 2},
       longest_exposure_{camera.exposure},
-      target_{std::clamp(kTargetMean * light.exposure_target, kBlack + 8.0, 225.0)},
+      target_{std::clamp(kTargetMean * light.exposure_target, kBlack + 8.0, kMeterCap - 8.0)},
       noise_scale_{light.noise_scale},
       seed_{mixed(seed + 0x9E3779B97F4A7C15ull)},
       exposure_{camera.exposure} {
   const auto& balance = light.white_balance;
-  const Float4 wb{static_cast<float>(balance[0]), static_cast<float>(balance[1]), static_cast<float>(balance[2]), 0};
-  response_ = kResponse * wb;
-  ceiling_ = lesser(kCeiling * wb, Float4{1, 1, 1, 1});
+  const Float4 wb{static_cast<float>(balance[0]), static_cast<float>(balance[1]),
+                  static_cast<float>(balance[2]), 0};
+  tint_ = kTint * wb;
   const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   vignette_.resize(pixels);
   const double half_diagonal2 = 0.25 * (width_ * width_ + height_ * height_);
@@ -63,7 +87,7 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
   }
   line_.resize(static_cast<std::size_t>(2 * width_));
   glare_.resize(static_cast<std::size_t>(glare_width_ * glare_height_));
-  scratch_.resize(glare_.size());
+  scratch_.resize(pixels);
   // A square root with a toe; IEEE square roots are the same everywhere.
   const float toe = std::sqrt(kToe), top = std::sqrt(1.0f + kToe);
   for (std::size_t i = 0; i < tone_.size(); ++i) {
@@ -72,8 +96,12 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
   }
 }
 
-float Sensor::toned(float signal) const {
-  return tone_[static_cast<std::size_t>(std::clamp(signal, 0.0f, 1.0f) * 4096.0f + 0.5f)];
+Float4 Sensor::developed(Float4 signal) const {
+  const Float4 raw = lesser(signal, kFull);
+  const Float4 balanced = (raw[0] * kOfRed + raw[1] * kOfGreen + raw[2] * kOfBlue) * tint_;
+  const Float4 entry = greater(lesser(balanced, Float4{1, 1, 1, 1}), Float4{}) * 4096.0f + 0.5f;
+  const auto tone = [&](float x) { return tone_[static_cast<std::size_t>(x)]; };
+  return Float4{tone(entry[0]), tone(entry[1]), tone(entry[2]), 0.0f};
 }
 
 void Sensor::set_exposure(double brightness) {
@@ -91,8 +119,9 @@ void Sensor::meter(std::span<const Float4> radiances) {
     const double middle = std::sqrt(low * high);
     double sum = 0.0;
     for (const Float4& radiance : radiances) {
-      const Float4 signal = lesser(0.8f * static_cast<float>(middle) * radiance * response_, ceiling_);
-      sum += static_cast<double>(luma(Float4{toned(signal[0]), toned(signal[1]), toned(signal[2]), 0}));
+      // 0.8: the vignette's mean.
+      sum += static_cast<double>(
+          std::min(luma(developed(0.8f * static_cast<float>(middle) * radiance)), kMeterCap));
     }
     (sum < target_ * static_cast<double>(radiances.size()) ? low : high) = middle;
   }
@@ -125,42 +154,46 @@ void Sensor::soften(std::vector<Float4>& picture) {
   }
 }
 
+void Sensor::bloom(std::vector<Float4>& picture) {
+  for (std::size_t i = 0; i < picture.size(); ++i)
+    scratch_[i] = greater(picture[i] - 1.0f, Float4{}) * kBloomShare;
+  spread(scratch_, width_, height_, kBloomKeep);
+  for (std::size_t i = 0; i < picture.size(); ++i) picture[i] += scratch_[i];
+}
+
 void Sensor::gather_glare(const std::vector<Float4>& picture) {
   std::fill(glare_.begin(), glare_.end(), Float4{});
   const auto row = static_cast<std::size_t>(glare_width_);
   for (int y = 0; y < height_; ++y) {
     Float4* cells = glare_.data() + static_cast<std::size_t>(y / kGlareCell + 1) * row + 1;
-    const Float4* line = picture.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    const Float4* line =
+        picture.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
     for (int x = 0; x < width_; ++x) cells[x / kGlareCell] += line[x];
   }
-  // A wide soft kernel: a recursive filter to and fro along both axes.
-  constexpr float kKeep = 0.55f;
-  const auto sweep = [](Float4* first, std::size_t step, int count) {
-    for (int i = 1; i < count; ++i) first[static_cast<std::size_t>(i) * step] +=
-        kKeep * (first[static_cast<std::size_t>(i - 1) * step] - first[static_cast<std::size_t>(i) * step]);
-    for (int i = count - 2; i >= 0; --i) first[static_cast<std::size_t>(i) * step] +=
-        kKeep * (first[static_cast<std::size_t>(i + 1) * step] - first[static_cast<std::size_t>(i) * step]);
-  };
-  for (int y = 0; y < glare_height_; ++y) sweep(glare_.data() + static_cast<std::size_t>(y) * row, 1, glare_width_);
-  for (int x = 0; x < glare_width_; ++x) sweep(glare_.data() + x, row, glare_height_);
+  spread(glare_, glare_width_, glare_height_, kGlareKeep);
   for (Float4& cell : glare_) cell *= kGlareShare / (kGlareCell * kGlareCell);
 }
 
 Float4 Sensor::glare(int x, int y) const {
   constexpr float kScale = 1.0f / kGlareCell;
-  const float u = (static_cast<float>(x) + 0.5f) * kScale + 0.5f, v = (static_cast<float>(y) + 0.5f) * kScale + 0.5f;
+  const float u = (static_cast<float>(x) + 0.5f) * kScale + 0.5f,
+              v = (static_cast<float>(y) + 0.5f) * kScale + 0.5f;
   const int i = static_cast<int>(u), j = static_cast<int>(v);
   const Float4* cell = glare_.data() + j * glare_width_ + i;
   const Float4 top = cell[0] + (u - static_cast<float>(i)) * (cell[1] - cell[0]);
-  const Float4 low = cell[glare_width_] + (u - static_cast<float>(i)) * (cell[glare_width_ + 1] - cell[glare_width_]);
+  const Float4 low = cell[glare_width_] +
+                     (u - static_cast<float>(i)) * (cell[glare_width_ + 1] - cell[glare_width_]);
   return top + (v - static_cast<float>(j)) * (low - top);
 }
 
 Float4 Sensor::noise(std::uint32_t frame, std::uint32_t pixel) const {
   // Three sums of three 7-bit numbers: near enough to normal, variance 4096 - 1/4.
-  const std::uint64_t z = mixed(seed_ + (static_cast<std::uint64_t>(frame) << 32 | pixel) * 0x9E3779B97F4A7C15ull);
+  const std::uint64_t z =
+      mixed(seed_ + (static_cast<std::uint64_t>(frame) << 32 | pixel) * 0x9E3779B97F4A7C15ull);
   const auto sum = [z](int shift) {
-    return static_cast<float>((z >> shift & 127) + (z >> (shift + 7) & 127) + (z >> (shift + 14) & 127)) - 190.5f;
+    return static_cast<float>((z >> shift & 127) + (z >> (shift + 7) & 127) +
+                              (z >> (shift + 14) & 127)) -
+           190.5f;
   };
   return Float4{sum(0), sum(21), sum(42), 0.0f} * (1.0f / 64.0f);
 }
@@ -174,12 +207,14 @@ void Sensor::adapt(double t, double mean) {
   set_exposure(brightness_ * (1.0 + dt / (dt + kLag) * std::clamp(ratio * ratio - 1.0, -0.7, 2.0)));
 }
 
-void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture, std::vector<std::uint8_t>& uyvy) {
+void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture,
+                     std::vector<std::uint8_t>& uyvy) {
   const float scale = static_cast<float>(brightness_);
   for (Float4& pixel : picture) {
     const float most = kBrightest;
     pixel = lesser(scale * pixel, Float4{most, most, most, most});
   }
+  bloom(picture);
   soften(picture);
   gather_glare(picture);
 
@@ -191,15 +226,17 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
   float last_cb = 0.0f, last_cr = 0.0f;
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                         static_cast<std::size_t>(x);
       Float4 signal = (picture[pixel] + glare(x, y)) * vignette_[pixel];
       const Float4 variance = shot * greater(signal, Float4{}) + read2;
-      const Float4 sigma{std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2]), 0.0f};
+      const Float4 sigma{std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2]),
+                         0.0f};
       signal += sigma * noise(frame, static_cast<std::uint32_t>(pixel));
-      signal = lesser(signal * response_, ceiling_);
-      const float r = toned(signal[0]), g = toned(signal[1]), b = toned(signal[2]);
-      const float level = 0.299f * r + 0.587f * g + 0.114f * b;
-      const float cb = kSaturation * 0.564334f * (b - level), cr = kSaturation * 0.713267f * (r - level);
+      const Float4 rgb = developed(signal);
+      const float level = luma(rgb), r = rgb[0], b = rgb[2];
+      const float cb = kSaturation * 0.564334f * (b - level),
+                  cr = kSaturation * 0.713267f * (r - level);
       std::uint8_t* pair = uyvy.data() + 2 * (pixel & ~std::size_t{1});
       pair[(pixel & 1) != 0 ? 3 : 1] = byte(level);
       if ((pixel & 1) != 0) {
@@ -208,7 +245,7 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
       }
       last_cb = cb;
       last_cr = cr;
-      sum += static_cast<double>(level);
+      sum += static_cast<double>(std::min(level, kMeterCap));
     }
   }
   adapt(t, sum / static_cast<double>(picture.size()));

@@ -13,8 +13,8 @@ namespace gatefly::sim {
 
 /// What happens behind the lens: softness, glare, exposure, noise, clipping, colour, gamma, UYVY.
 ///
-/// The constants are fitted by eye and by histogram to the real pictures of the Bebop: blacks at about 70,
-/// whites at 235, a cyan cast, red fringes, strong glare around lamps.
+/// The constants are fitted by eye and by histogram to the real pictures of the Bebop: blacks at
+/// about 70, whites at 235, a cyan cast, red fringes, glare around lamps.
 class Sensor {
  public:
   Sensor(const CameraTruth& camera, const LightConditions& light, std::uint64_t seed);
@@ -29,21 +29,23 @@ class Sensor {
   ///
   /// @param frame  with the pixel the key of its noise.
   /// @param t      when the picture was taken [s]; only differences between frames matter.
-  void develop(std::uint32_t frame, double t, std::vector<Float4>& radiance, std::vector<std::uint8_t>& uyvy);
+  void develop(std::uint32_t frame, double t, std::vector<Float4>& radiance,
+               std::vector<std::uint8_t>& uyvy);
 
  private:
   void set_exposure(double brightness);
   void soften(std::vector<Float4>& picture);
+  void bloom(std::vector<Float4>& picture);
   void gather_glare(const std::vector<Float4>& picture);
   [[nodiscard]] Float4 glare(int x, int y) const;
-  [[nodiscard]] float toned(float signal) const;
+  [[nodiscard]] Float4 developed(Float4 signal) const;
   [[nodiscard]] Float4 noise(std::uint32_t frame, std::uint32_t pixel) const;
   void adapt(double t, double mean);
 
-  int width_, height_;          // stored
+  int width_, height_;  // stored
   int glare_width_, glare_height_;
   double longest_exposure_, target_, noise_scale_;
-  Float4 response_{}, ceiling_{};
+  Float4 tint_{};
   std::uint64_t seed_;
   double brightness_ = 1.0, exposure_, gain_ = 1.0;
   double last_t_ = 0.0;

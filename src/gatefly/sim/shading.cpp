@@ -34,8 +34,8 @@ Shader::Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
   append(scene, scene.moved, moved, light);
 }
 
-void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles, const LightMap& map,
-                    const LightConditions& light) {
+void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles,
+                    const LightMap& map, const LightConditions& light) {
   const int before = static_cast<int>(nodes_.size());
   for (const NodeLight& node : map.nodes) nodes_.push_back(with_gains(node, light));
   for (const Rectangle& r : rectangles) {
@@ -46,7 +46,6 @@ void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles
     s.to_second = to_float4(m.second) - s.albedo;
     s.emission = to_float4(m.emission) * gain;
     s.normal = r.normal;
-    s.gloss = m.gloss;
     s.pattern_u = r.length.x() * m.scale;
     s.pattern_v = r.length.y() * m.scale;
     s.cells_u = static_cast<float>(r.cells_u);
@@ -65,7 +64,8 @@ float Shader::second_share(const Surface& s, float u, float v) const {
   const float x = u * s.pattern_u, y = v * s.pattern_v;
   const auto i = static_cast<unsigned>(x), j = static_cast<unsigned>(y);
   switch (s.pattern) {
-    case Pattern::kPlain: return 0.0f;
+    case Pattern::kPlain:
+      return 0.0f;
     case Pattern::kGrain: {
       const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
       const unsigned a = i + s.salt;
@@ -77,8 +77,10 @@ float Shader::second_share(const Surface& s, float u, float v) const {
       const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
       return fx < 0.05f || fy < 0.05f ? 1.0f : 0.0f;
     }
-    case Pattern::kPlanks: return noise(s.salt, j);
-    case Pattern::kBlocks: return noise(i + s.salt, j) > 0.5f ? 1.0f : 0.3f * noise(i, j + s.salt);
+    case Pattern::kPlanks:
+      return noise(s.salt, j);
+    case Pattern::kBlocks:
+      return noise(i + s.salt, j) > 0.5f ? 1.0f : 0.3f * noise(i, j + s.salt);
   }
   return 0.0f;
 }
@@ -86,16 +88,16 @@ float Shader::second_share(const Surface& s, float u, float v) const {
 Float4 Shader::radiance(unsigned rectangle, float u, float v) const {
   const Surface& s = surfaces_[rectangle];
   const float x = std::max(u, 0.0f) * s.cells_u, y = std::max(v, 0.0f) * s.cells_v;
-  const int i = std::min(static_cast<int>(x), s.last_u), j = std::min(static_cast<int>(y), s.last_v);
+  const int i = std::min(static_cast<int>(x), s.last_u),
+            j = std::min(static_cast<int>(y), s.last_v);
   const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
   const Float4* node = nodes_.data() + s.first_node + j * s.row + i;
   const Float4 top = node[0] + fx * (node[1] - node[0]);
   const Float4 low = node[s.row] + fx * (node[s.row + 1] - node[s.row]);
   const Float4 light = top + fy * (low - top);
-  Float4 albedo = s.albedo;
-  if (s.pattern != Pattern::kPlain)
-    albedo += second_share(s, std::max(u, 0.0f), std::max(v, 0.0f)) * s.to_second;
-  return s.emission + albedo * light;
+  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light;
+  const float share = second_share(s, std::max(u, 0.0f), std::max(v, 0.0f));
+  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light;
 }
 
 }  // namespace gatefly::sim

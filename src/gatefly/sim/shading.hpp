@@ -16,17 +16,18 @@ using Float4 = float __attribute__((vector_size(16)));
 /// Looks up the light that leaves a surface: texture times baked irradiance, plus what it emits.
 class Shader {
  public:
-  Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved, const LightConditions& light);
+  Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
+         const LightConditions& light);
 
   /// Radiance at (u, v) of a rectangle; those of `scene.moved` count on after `scene.fixed`.
+  ///
+  /// A pattern also modulates what its surface emits. Cost: four nodes, allocates nothing.
   [[nodiscard]] Float4 radiance(unsigned rectangle, float u, float v) const;
 
   /// The rectangle's normal, earth frame.
   [[nodiscard]] const Eigen::Vector3f& normal(unsigned rectangle) const {
     return surfaces_[rectangle].normal;
   }
-  /// Mirror reflectance at normal incidence, 0..1.
-  [[nodiscard]] float gloss(unsigned rectangle) const { return surfaces_[rectangle].gloss; }
 
  private:
   static constexpr int kNoise = 64;  // side of the noise table
@@ -35,7 +36,7 @@ class Shader {
   struct Surface {
     Float4 albedo, to_second, emission;
     Eigen::Vector3f normal;
-    float gloss, pattern_u, pattern_v, cells_u, cells_v;
+    float pattern_u, pattern_v, cells_u, cells_v;
     int last_u, last_v, first_node, row;
     unsigned salt;
     Pattern pattern;

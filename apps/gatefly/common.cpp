@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <iostream>
+
+#include <unistd.h>
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+volatile std::sig_atomic_t was_interrupted = 0;
+
+void on_interrupt(int signal) {
+  was_interrupted = 1;
+  std::signal(signal, SIG_DFL);  // whoever is in a hurry presses it twice
+}
+
+bool on_terminal() {
+  static const bool terminal = isatty(STDERR_FILENO) == 1;
+  return terminal;
+}
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+void catch_interrupt() { std::signal(SIGINT, on_interrupt); }
+bool interrupted() { return was_interrupted != 0; }
+
+void add_common(CLI::App& command, CommonOptions& options) {
+  command.add_option("--config", options.configs, "configuration: a file or a name in configs/; later wins")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command.add_option("--set", options.settings, "one key, after all files; see gatefly config --show")
+      ->allow_extra_args(false)
+      ->type_name("SECTION.KEY=VALUE");
+  command.add_flag("-q,--quiet", options.quiet, "no progress, as few words as possible");
+}
+
+io::Config load(const CommonOptions& options) {
+  return io::load_config(io::config_files(options.configs), options.settings);
+}
+
+bool Progress::due(double at) {
+  if (quiet_) return false;
+  const double now = on_terminal() ? wall_seconds() : at;
+  if (now < next_) return false;
+  const bool first = next_ == 0.0;
+  next_ = now + (on_terminal() ? 0.1 : every_);
+  return on_terminal() || !first;
+}
+
+void Progress::update(double part, const std::string& text) {
+  if (!on_terminal()) {
+    std::cerr << text << '\n';
+    return;
+  }
+  constexpr int kWidth = 24;
+  const int full = static_cast<int>(std::clamp(part, 0.0, 1.0) * kWidth);
+  std::string bar;
+  for (int i = 0; i < kWidth; ++i) bar += i < full ? "█" : "░";
+  std::cerr << "\r\033[K" << bar << "  " << text << std::flush;
+  shown_ = true;
+}
+
+void Progress::clear() {
+  if (shown_) std::cerr << "\r\033[K" << std::flush;
+  shown_ = false;
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <memory>
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+struct ConfigOptions {
+  CommonOptions common;
+  bool show = false, json = false;
+};
+
+/// gatefly config: every key, its value, unit, and who set it.
+int config(const ConfigOptions& options) {
+  const io::Config config = load(options.common);
+  if (options.json) {
+    std::cout << io::as_json(config).dump(2) << '\n';
+  } else {
+    std::cout << io::show(config);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_config(CLI::App& app, Run& run) {
+  auto options = std::make_shared<ConfigOptions>();
+  CLI::App* command = app.add_subcommand("config", "every configuration key with value, unit and source");
+  command->footer("Example:\n  gatefly config --show --config cameras/bebop.toml --set control.speed_mps=1.5");
+  command->add_flag("--show", options->show, "print the effective configuration (what it does anyway)");
+  command->add_flag("--json", options->json, "the values as JSON");
+  add_common(*command, options->common);
+  command->callback([options, &run] { run = [options] { return config(*options); }; });
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "gatefly/closed_loop/race.hpp"
+#include "commands.hpp"
+#include "gatefly/io/flight_folder.hpp"
+#include "gatefly/io/randomize.hpp"
+#include "gatefly/io/summary.hpp"
+#include "gatefly/io/track_file.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FlyOptions {
+  CommonOptions common;
+  std::string track = "showroom", vision = "rendered", out;
+  std::uint64_t seed = 1;
+  std::optional<int> laps;
+  bool json = false;
+};
+
+fs::path cache_dir() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return fs::path{cache} / "gatefly";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return fs::path{home} / ".cache" / "gatefly";
+  return fs::temp_directory_path() / "gatefly-cache";
+}
+
+/// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
+/// Nothing drawn goes to the pilot.
+struct Race {
+  closed_loop::RaceConfig config;
+  io::RaceIdentity identity;
+};
+
+void refuse_unflyable(const io::Config& config) {
+  if (config.stored_rotation_deg != 90)
+    throw std::runtime_error("camera.stored_rotation_deg = " + std::to_string(config.stored_rotation_deg) +
+                             ", must be 90 in the simulator");
+  if (config.gate_corners != "outer")
+    throw std::runtime_error("gate.corners = \"" + config.gate_corners + "\", must be \"outer\" to fly");
+}
+
+Race make_race(const FlyOptions& options) {
+  const io::Config config = load(options.common);
+  refuse_unflyable(config);
+  const fs::path path = io::find_track(options.track);
+  io::TrackFile file = io::read_track(path, {.side = config.gate_side, .bar = config.gate_bar});
+  if (options.laps) file.track.laps = *options.laps;
+
+  Race race;
+  race.config.timeout = config.timeout;
+  race.config.pilot = config.pilot;
+  race.config.pilot.track = file.track;
+  race.config.pilot.seed = 1;
+
+  sim::SimConfig nominal = config.sim;
+  nominal.world = file.world;
+  nominal.start = file.start;
+  nominal.cache_dir = cache_dir();
+  const sim::Randomize randomize = io::randomized(file.randomize, config.randomize, "[randomize]");
+  race.config.sim = sim::drawn(nominal, randomize, options.seed);
+
+  race.identity = {.track = file.track.name, .seed = options.seed, .version = GATEFLY_VERSION,
+                   .config = io::as_json(config)};
+  for (const auto& key : io::randomize_keys())
+    race.identity.config["randomize"][key.rule.name.substr(10)] = key.get(randomize);
+  race.identity.config["laps"] = file.track.laps;
+
+  // Whether there is a way at all, before anything is written or rendered.
+  try {
+    const Pilot plans{race.config.pilot};
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
+  }
+  return race;
+}
+
+std::string fixed(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+std::string place(const Eigen::Vector3d& p) {
+  return "(" + fixed(p.x(), 2) + ", " + fixed(p.y(), 2) + ", " + fixed(p.z(), 2) + ")";
+}
+
+/// "finished", or why not: what, where, when.
+std::string outcome(const closed_loop::RaceResult& result, const Eigen::Vector3d& last_p_EB) {
+  if (result.finished) return "finished";
+  const std::string where = " at " + place(last_p_EB) + " m";
+  if (result.crash_time)
+    return "crashed into " + result.crash_object + where + ", " + fixed(*result.crash_time, 1) + " s after the start";
+  if (result.stop_reason == "timeout") return "timed out after " + fixed(result.flight_time, 0) + " s" + where;
+  if (result.stop_reason == "abort") return "given up: " + result.abort_reason + where;
+  return "not finished: " + result.stop_reason + where;
+}
+
+void print_screen(const Race& race, const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB,
+                  const fs::path& out, bool quiet) {
+  std::cout << race.identity.track << ", seed " << race.identity.seed << ": " << outcome(r, last_p_EB) << ", "
+            << r.gates_passed << " of " << r.gates_total << " gates";
+  if (r.finished) std::cout << " in " << fixed(r.race_time, 1) << " s";
+  std::cout << '\n';
+  if (quiet) return;
+
+  const auto line = [](const char* name, const std::string& text) {
+    std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
+  };
+  std::string laps;
+  for (const double lap : r.lap_times) laps += (laps.empty() ? "" : ", ") + fixed(lap, 1) + " s";
+  line("laps", laps.empty() ? "none" : laps);
+  line("speed", fixed(r.mean_speed, 2) + " m/s mean, " + fixed(r.max_speed, 2) + " m/s max");
+  line("estimate", "rmse x " + fixed(r.estimation_rmse.x(), 2) + ", y " + fixed(r.estimation_rmse.y(), 2) +
+                       ", z " + fixed(r.estimation_rmse.z(), 2) + " m");
+  line("detection", std::to_string(r.frames) + " pictures, " + std::to_string(r.frames_with_gate) +
+                        " with a gate in view: " + std::to_string(r.true_positives) + " found, " +
+                        std::to_string(r.false_positives) + " false");
+  line("searches", std::to_string(r.searches));
+  line("cost", fixed(r.flight_time > 0 ? r.cpu_seconds / r.flight_time : 0.0, 2) + " s CPU per flight second, " +
+                   fixed(r.wall_seconds, 1) + " s in all" +
+                   (r.bake_seconds > 0 ? ", light map baked in " + fixed(r.bake_seconds, 1) + " s" : ""));
+  line("files", (out / "").string());
+}
+
+/// gatefly fly: one closed-loop race. Exit 0 finished, 1 not, 2 unusable input, 130 Ctrl-C.
+int fly(const FlyOptions& options) {
+  if (options.vision == "ideal") throw std::runtime_error("--vision ideal: not available yet");
+  const Race race = make_race(options);
+  const fs::path out = options.out.empty() ? fs::path{"out"} / (fs::path{options.track}.stem().string() + "-" +
+                                                               std::to_string(options.seed))
+                                           : fs::path{options.out};
+  io::FlightRecorder recorder(out);
+  catch_interrupt();
+
+  Progress progress(options.common.quiet, 10.0);
+  const double total = static_cast<double>(race.config.pilot.track.laps) *
+                       static_cast<double>(race.config.pilot.track.gates.size());
+  Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
+  const auto on_tick = [&](const closed_loop::Tick& tick) {
+    recorder.record(tick);
+    last_p_EB = tick.truth.p_EB;
+    const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
+    if (progress.due(now)) {
+      const int passed = tick.pilot.estimate().gates_passed;
+      progress.update(passed / total, fixed(now, 0) + " s flown, " + std::to_string(passed) + " of " +
+                                          fixed(total, 0) + " gates, " + name_of(tick.pilot.phase()));
+    }
+    return !interrupted();
+  };
+  const closed_loop::RaceResult result = closed_loop::fly(race.config, on_tick);
+  progress.clear();
+  if (interrupted()) {
+    std::cerr << "gatefly fly: interrupted, nothing kept\n";
+    return kInterrupted;
+  }
+
+  const std::string summary = io::summary(result, race.identity).dump(2) + "\n";
+  recorder.finish(summary);
+  if (options.json) {
+    std::cout << summary;
+  } else {
+    print_screen(race, result, last_p_EB, out, options.common.quiet);
+  }
+  return result.finished ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void add_fly(CLI::App& app, Run& run) {
+  auto options = std::make_shared<FlyOptions>();
+  CLI::App* command = app.add_subcommand("fly", "one closed-loop race in the simulator");
+  command->footer(
+      "Example:\n  gatefly fly showroom --seed 7 --laps 1 --set control.speed_mps=1.5\n\n"
+      "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
+  command->add_option("TRACK", options->track, "a name in tracks/ or a file")->capture_default_str();
+  command->add_option("--seed", options->seed, "the day: what [randomize] draws")->capture_default_str();
+  command->add_option("--laps", options->laps, "instead of the track's own number")->check(CLI::Range(1, 100));
+  command->add_option("--vision", options->vision, "rendered pictures, or ideal detections (not available yet)")
+      ->check(CLI::IsMember({"rendered", "ideal"}))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "folder for the flight [out/TRACK-SEED]")->type_name("DIR");
+  command->add_flag("--json", options->json, "print summary.json instead of a screen");
+  add_common(*command, options->common);
+  command->callback([options, &run] { run = [options] { return fly(*options); }; });
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/io/config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/io/randomize.hpp"
+#include "gatefly/io/text.hpp"
+#include "gatefly/io/toml_file.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> key_names() {
+  std::vector<std::string> names{"randomize.level"};
+  for (const auto& key : config_keys()) names.push_back(key.rule.name);
+  for (const auto& key : randomize_keys()) names.push_back(key.rule.name);
+  return names;
+}
+
+std::vector<std::string> section_names() {
+  std::set<std::string> sections;
+  for (const std::string& name : key_names()) sections.insert(name.substr(0, name.find('.')));
+  return {sections.begin(), sections.end()};
+}
+
+void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
+  if (name.starts_with("randomize.")) {
+    check_randomize(name.substr(10), value, where);
+    config.randomize[name.substr(10)] = value;
+  } else {
+    const auto& keys = config_keys();
+    const auto found = std::find_if(keys.begin(), keys.end(),
+                                    [&](const auto& key) { return key.rule.name == name; });
+    if (found == keys.end())
+      throw std::runtime_error(where + ": " + name + " is not a known key" + suggestion(name, key_names()));
+    found->set(config, checked(found->rule, value, where));
+  }
+  config.set_by[name] = where;
+}
+
+void read_config_file(Config& config, const std::filesystem::path& path) {
+  for (const auto& [section, table] : read_toml(path).items()) {
+    const auto sections = section_names();
+    if (std::find(sections.begin(), sections.end(), section) == sections.end())
+      throw std::runtime_error(path.string() + ": [" + section + "] is not a known section" +
+                               suggestion(section, sections));
+    if (!table.is_object())
+      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) + ", must be a table");
+    for (const auto& [key, value] : table.items()) set_key(config, section + "." + key, value, path.string());
+  }
+}
+
+/// `low` may not be above `high`, whoever set them.
+void ordered(const Config& config, const char* low_key, double low, const char* high_key, double high) {
+  if (low <= high) return;
+  const auto who = config.set_by.contains(low_key) ? config.set_by.at(low_key)
+                   : config.set_by.contains(high_key) ? config.set_by.at(high_key) : "default";
+  throw std::runtime_error(who + ": " + low_key + " = " + text_of(low) + ", must be at most " + high_key +
+                           " = " + text_of(high));
+}
+
+void check(const Config& c) {
+  const ColorRange& color = c.pilot.color;
+  ordered(c, "color.y_min", color.y_min, "color.y_max", color.y_max);
+  ordered(c, "color.cb_min", color.u_min, "color.cb_max", color.u_max);
+  ordered(c, "color.cr_min", color.v_min, "color.cr_max", color.v_max);
+  ordered(c, "pose.min_bars_distance_m", c.pilot.pose.min_bars_distance, "pose.max_bars_distance_m",
+          c.pilot.pose.max_bars_distance);
+  ordered(c, "vehicle.min_rotor_radps", c.pilot.vehicle.min_speed, "vehicle.max_rotor_radps",
+          c.pilot.vehicle.max_speed);
+  const auto who = [&](const char* key) {
+    return c.set_by.contains(key) ? c.set_by.at(key) : std::string{"default"};
+  };
+  if (c.gate_bar * 2 >= c.gate_side)
+    throw std::runtime_error(who("gate.bar_m") + ": gate.bar_m = " + text_of(c.gate_bar) +
+                             ", must be less than half of gate.side_m = " + text_of(c.gate_side));
+  if (c.stored_rotation_deg % 90 != 0)
+    throw std::runtime_error(who("camera.stored_rotation_deg") + ": camera.stored_rotation_deg = " +
+                             std::to_string(c.stored_rotation_deg) + ", must be 0, 90, 180 or 270");
+}
+
+/// What follows from the keys: the pilot's camera, and the simulator's nominal truth.
+void derive(Config& c) {
+  sim::CameraTruth& camera = c.sim.camera;
+  camera.stored_width = c.stored_width();
+  camera.stored_height = c.stored_height();
+  if (c.camera_model == "pinhole") {
+    camera.lens.k = 1.0;  // Dhane's model with k = 1 is the straight lens.
+    c.pilot.camera.lens.model = Pinhole{camera.lens.focal_px, camera.lens.center_px};
+  } else {
+    c.pilot.camera.lens.model = camera.lens;
+  }
+  c.pilot.camera.R_BC = camera_mount(camera.tilt_down);
+  c.pilot.camera.p_BC = camera.p_BC;
+
+  // From the middle of the exposure of the middle line: half of both, then the way to the pilot.
+  c.pilot.camera_timing = {.latency = c.camera_latency + 0.5 * (camera.exposure + camera.readout),
+                           .readout = camera.readout};
+  c.sim.sensors.camera_latency = c.camera_latency;
+
+  const VehicleParams& known = c.pilot.vehicle;
+  sim::VehicleTruth& vehicle = c.sim.vehicle;
+  vehicle.mass = known.mass;
+  vehicle.inertia = known.inertia;
+  vehicle.arm_x = known.arm_x;
+  vehicle.arm_y = known.arm_y;
+  vehicle.thrust_coefficient = known.thrust_coefficient;
+  vehicle.torque_coefficient = known.torque_coefficient;
+  vehicle.max_speed = known.max_speed;
+}
+
+}  // namespace
+
+Config::Config() {
+  sim.camera.tilt_down = 20.0 * kDegree;
+  derive(*this);
+}
+
+Config load_config(std::span<const std::filesystem::path> files, std::span<const std::string> settings) {
+  Config config;
+  for (const auto& file : files) read_config_file(config, file);
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw std::runtime_error("--set " + setting + ": must be section.key=value");
+    set_key(config, setting.substr(0, equals), parse_toml_value(setting.substr(equals + 1)), "--set");
+  }
+  check(config);
+  derive(config);
+  return config;
+}
+
+std::vector<std::filesystem::path> config_files(std::span<const std::string> names) {
+  std::vector<std::filesystem::path> files{find_toml("default", "configs")};
+  for (const std::string& name : names) files.push_back(find_toml(name, "configs"));
+  return files;
+}
+
+std::string show(const Config& config) {
+  std::ostringstream text;
+  std::string section;
+  const auto line = [&](const std::string& name, const std::string& value, const std::string& source) {
+    const auto dot = name.find('.');
+    if (name.substr(0, dot) != section) {
+      text << (section.empty() ? "" : "\n") << '[' << (section = name.substr(0, dot)) << "]\n";
+    }
+    const auto set_by = config.set_by.find(name);
+    const std::string unit = unit_of(name);
+    text << std::left << std::setw(28) << name.substr(dot + 1) << " = " << std::setw(22)
+         << value << "  # " << (unit.empty() ? "" : unit + ", ")
+         << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second) << '\n';
+  };
+  for (const auto& key : config_keys()) line(key.rule.name, shown(key.get(config)), key.rule.source);
+  const json& over = config.randomize;
+  const auto or_track = [&](const std::string& key) { return over.contains(key) ? shown(over[key]) : "\"track's\""; };
+  line("randomize.level", or_track("level"), "the track file's");
+  for (const auto& key : randomize_keys())
+    line(key.rule.name, or_track(key.rule.name.substr(10)), "the track file's");
+  return text.str();
+}
+
+json as_json(const Config& config) {
+  json result = json::object();
+  for (const auto& key : config_keys()) {
+    const auto dot = key.rule.name.find('.');
+    result[key.rule.name.substr(0, dot)][key.rule.name.substr(dot + 1)] = key.get(config);
+  }
+  result["randomize"] = config.randomize;
+  return result;
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gatefly::io {
+
+/// A table of text cells with a header line; every cell's place is known for error messages.
+class Csv {
+ public:
+  /// Reads a comma-separated file: no quotes, every line as wide as the header, one trailing newline
+  /// (or CR LF) allowed.
+  /// @throws std::runtime_error "file:line: what is wrong".
+  explicit Csv(const std::filesystem::path& path);
+
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+  [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
+  [[nodiscard]] bool has(const std::string& column) const;
+
+  /// A column of numbers; an empty cell is NaN.
+  /// @throws std::runtime_error "file:line:column: ..." for anything else, or when there is no such
+  ///         column, naming the nearest.
+  [[nodiscard]] std::vector<double> numbers(const std::string& column) const;
+  /// A column as it is written.
+  [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;
+  /// The file's line of a row, as an editor counts, with the file's name: "log_si.csv:12".
+  [[nodiscard]] std::string place(std::size_t row) const;
+
+ private:
+  [[nodiscard]] std::size_t index_of(const std::string& column) const;
+  [[nodiscard]] std::string_view cell(std::size_t row, std::size_t column) const {
+    return cells_[row * header_.size() + column];
+  }
+
+  std::string file_, content_;
+  std::vector<std::string> header_;
+  std::vector<std::string_view> cells_;  ///< Into content_.
+  std::size_t rows_ = 0;
+
+ public:
+  Csv(const Csv&) = delete;  // cells_ point into content_
+  Csv& operator=(const Csv&) = delete;
+};
+
+}  // namespace gatefly::io

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly::io {
+
+/// A stored picture and its bytes.
+struct ImageFile {
+  std::vector<std::uint8_t> bytes;
+  PixelFormat format = PixelFormat::kYuv444;
+  int stored_width = 0, stored_height = 0;  ///< [px]
+
+  /// The picture upright; valid as long as this object lives and is not changed.
+  /// @param rotation_deg  how far to turn the stored picture counter-clockwise: 0, 90, 180, 270.
+  [[nodiscard]] Image view(int rotation_deg) const {
+    return Image(bytes.data(), format, stored_width, stored_height, rotation_deg);
+  }
+};
+
+/// Reads .jpg/.jpeg straight to full-range Y'CbCr, .ppm (P6, 8 bit), or raw .uyvy.
+///
+/// @param uyvy_width,uyvy_height  stored size of the camera; only a .uyvy needs it.
+/// @throws std::runtime_error one line with the path: unreadable, empty, corrupt, wrong size.
+[[nodiscard]] ImageFile read_image(const std::filesystem::path& path, int uyvy_width = 0, int uyvy_height = 0);
+
+}  // namespace gatefly::io

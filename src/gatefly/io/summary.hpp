@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "gatefly/closed_loop/race.hpp"
+
+namespace gatefly::io {
+
+/// What a race was flown with.
+struct RaceIdentity {
+  std::string track;      ///< The track's name.
+  std::uint64_t seed = 1;
+  std::string version;    ///< Of gatefly.
+  nlohmann::json config;  ///< Effective configuration: as_json(config).
+};
+
+/// summary.json as interfaces.md has it. Only "timings" may differ between two runs of one seed.
+[[nodiscard]] nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race);
+
+}  // namespace gatefly::io

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "gatefly/race/track.hpp"
+#include "gatefly/sim/sim_config.hpp"
+#include "gatefly/sim/world.hpp"
+
+namespace gatefly::io {
+
+/// A course as its file describes it: for the pilot, for the simulator, and what a seed changes.
+struct TrackFile {
+  Track track;               ///< The pilot's map.
+  sim::World world;          ///< The same as nominal truth; `sim::drawn` moves it.
+  sim::StartTruth start;
+  sim::Randomize randomize;  ///< Level of the file with its overrides.
+};
+
+/// What a gate measures when the file does not say; from [gate] of the configuration.
+struct GateDefaults {
+  double side = 1.0, bar = 0.05;  ///< [m]
+};
+
+/// Reads tracks/*.toml. Format: interfaces.md, "Track files".
+/// @throws std::runtime_error one line: file, key, value, what is allowed; the line for broken TOML.
+[[nodiscard]] TrackFile read_track(const std::filesystem::path& path, const GateDefaults& gates = {});
+
+/// A track file by path or by its name in tracks/.
+/// @throws std::runtime_error listing the tracks there are.
+[[nodiscard]] std::filesystem::path find_track(const std::string& name);
+
+}  // namespace gatefly::io

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/io/config.hpp"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/io/randomize.hpp"
+#include "temp_folder.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Files = std::vector<std::filesystem::path>;
+using Settings = std::vector<std::string>;
+
+Config with(const Settings& settings) { return load_config(Files{}, settings); }
+std::string error_with(const std::string& setting) {
+  return test::error_of([&] { (void)with({setting}); });
+}
+
+TEST(Config, HasEveryKeyOnceAndEveryDefaultInItsOwnRange) {
+  std::set<std::string> names;
+  const Config config;
+  for (const auto& key : config_keys()) {
+    EXPECT_TRUE(names.insert(key.rule.name).second) << key.rule.name;
+    EXPECT_FALSE(key.rule.source.empty()) << key.rule.name;
+    EXPECT_NO_THROW((void)checked(key.rule, key.get(config), "default")) << key.rule.name;
+  }
+}
+
+TEST(Config, WritingAValueBackChangesNothing) {
+  const Config original;
+  Config copy;
+  for (const auto& key : config_keys()) key.set(copy, key.get(original));
+  EXPECT_EQ(as_json(copy), as_json(original));
+}
+
+TEST(Config, ConvertsUnitsOfKeysToSi) {
+  const Config config = with({"control.max_roll_deg=30", "camera.readout_ms=10"});
+  EXPECT_DOUBLE_EQ(config.pilot.lateral.max_roll, 30 * kDegree);
+  EXPECT_DOUBLE_EQ(config.sim.camera.readout, 0.010);
+}
+
+TEST(Config, CameraIsThePilotsBeliefAndTheSimulatorsNominal) {
+  const Config config = with({"camera.tilt_deg=10", "camera.focal_px=[150, 151]", "camera.size_px=[320, 180]",
+                              "camera.latency_ms=50", "camera.exposure_ms=4", "camera.readout_ms=20"});
+  const Eigen::Vector3d forward_B = config.pilot.camera.R_BC * Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(std::asin(forward_B.z()), 10 * kDegree, 1e-12);
+  EXPECT_DOUBLE_EQ(config.sim.camera.tilt_down, 10 * kDegree);
+  EXPECT_EQ(std::get<DhaneFisheye>(config.pilot.camera.lens.model).focal_px, Eigen::Vector2d(150, 151));
+  EXPECT_EQ(config.sim.camera.lens.focal_px, Eigen::Vector2d(150, 151));
+  EXPECT_EQ(config.sim.camera.stored_width, 180);
+  EXPECT_EQ(config.sim.camera.stored_height, 320);
+  EXPECT_DOUBLE_EQ(config.pilot.camera_timing.latency, 0.050 + 0.002 + 0.010);
+}
+
+TEST(Config, APinholeIsTheFisheyeWithoutDistortionInTheSimulator) {
+  const Config config = with({"camera.model=pinhole"});
+  EXPECT_TRUE(std::holds_alternative<Pinhole>(config.pilot.camera.lens.model));
+  EXPECT_EQ(config.sim.camera.lens.k, 1.0);
+}
+
+TEST(Config, LaterFilesWinAndSettingsComeLast) {
+  const test::TempFolder folder;
+  const Files files{folder.file("a.toml", "[detector]\nsamples = 100\nmin_side_px = 11\n[color]\ny_min = 7\n"),
+                    folder.file("b.toml", "[detector]\nsamples = 200\nmin_side_px = 22\n")};
+  const Config config = load_config(files, Settings{"detector.min_side_px=33"});
+  EXPECT_EQ(config.pilot.color.y_min, 7);
+  EXPECT_EQ(config.pilot.snake.max_samples, 200);
+  EXPECT_EQ(config.pilot.snake.min_side_px, 33);
+  EXPECT_EQ(config.set_by.at("color.y_min"), files[0].string());
+  EXPECT_EQ(config.set_by.at("detector.samples"), files[1].string());
+  EXPECT_EQ(config.set_by.at("detector.min_side_px"), "--set");
+}
+
+TEST(Config, UnknownKeySuggestsTheNearest) {
+  EXPECT_THAT(error_with("detector.sampels=3"), AllOf(HasSubstr("--set"), HasSubstr("'detector.samples'")));
+  EXPECT_THAT(error_with("randomize.gate_positon_m=3"), HasSubstr("'gate_position_m'"));
+  const test::TempFolder folder;
+  const auto file = folder.file("a.toml", "[kamera]\ntilt_deg = 3\n");
+  EXPECT_THAT(test::error_of([&] { (void)load_config(Files{file}); }),
+              AllOf(HasSubstr("a.toml"), HasSubstr("[kamera]"), HasSubstr("'camera'")));
+}
+
+TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
+  EXPECT_EQ(error_with("detector.samples=2.5"),
+            "--set: detector.samples = 2.5, must be a whole number in 1..1000000");
+  EXPECT_THAT(error_with("camera.tilt_deg=nan"), HasSubstr("camera.tilt_deg = nan, must be a number in -90..90"));
+  EXPECT_THAT(error_with("camera.tilt_deg=inf"), HasSubstr("must be"));
+  EXPECT_THAT(error_with("camera.tilt_deg=\"steep\""), HasSubstr("\"steep\", must be a number"));
+  EXPECT_THAT(error_with("camera.tilt_deg=91"), HasSubstr("= 91, must be a number in -90..90"));
+  EXPECT_THAT(error_with("camera.focal_px=[168.0]"), HasSubstr("must be 2 numbers"));
+  EXPECT_THAT(error_with("camera.size_px=[315.5, 160]"), HasSubstr("whole numbers"));
+  EXPECT_THAT(error_with("camera.model=fish"), HasSubstr("one of \"dhane\", \"pinhole\""));
+  EXPECT_THAT(error_with("camera.stored_rotation_deg=45"), HasSubstr("must be 0, 90, 180 or 270"));
+  EXPECT_THAT(error_with("color.y_min=250"), HasSubstr("must be at most color.y_max"));
+  EXPECT_THAT(error_with("gate.bar_m=0.6"), HasSubstr("gate.side_m"));
+  EXPECT_THAT(error_with("control.speed_mps"), HasSubstr("section.key=value"));
+  EXPECT_THAT(error_with("control.speed_mps="), HasSubstr("must be a number"));
+}
+
+TEST(Config, ErrorsAreOneLine) {
+  const test::TempFolder folder;
+  const auto file = folder.file("broken.toml", "[camera]\ntilt_deg = = 3\n");
+  const std::string error = test::error_of([&] { (void)load_config(Files{file}); });
+  EXPECT_THAT(error, AllOf(HasSubstr("broken.toml:2"), Not(HasSubstr("\n"))));
+}
+
+TEST(Config, RandomizeGoesOverTheTracksOwn) {
+  const Config config = with({"randomize.level=none", "randomize.gate_heading_deg=5"});
+  const sim::Randomize result = randomized(sim::randomize_level("hard"), config.randomize, "--set");
+  EXPECT_DOUBLE_EQ(result.gate_heading, 5 * kDegree);
+  EXPECT_EQ(result.gate_position, 0.0);
+}
+
+TEST(Config, ShowsEveryKeyWithItsSource) {
+  const std::string text = show(with({"control.speed_mps=1.25"}));
+  for (const auto& key : config_keys())
+    EXPECT_THAT(text, HasSubstr(key.rule.name.substr(key.rule.name.find('.') + 1) + " ")) << key.rule.name;
+  EXPECT_THAT(text, HasSubstr("1.25"));
+  EXPECT_THAT(text, HasSubstr("m/s, set by --set"));
+}
+
+TEST(Config, ShippedFilesLoad) {
+  for (const char* name : {"configs/default.toml", "configs/flights.toml", "cameras/bebop.toml", "vehicles/bebop.toml"})
+    EXPECT_NO_THROW((void)load_config(Files{std::filesystem::path{GATEFLY_TEST_ROOT} / name})) << name;
+}
+
+TEST(Config, ShippedBebopFilesAreTheDefaults) {
+  const std::filesystem::path root{GATEFLY_TEST_ROOT};
+  const Config bebop = load_config(Files{root / "cameras/bebop.toml", root / "vehicles/bebop.toml"});
+  EXPECT_EQ(as_json(bebop), as_json(Config{}));
+}
+
+}  // namespace
+}  // namespace gatefly::io
