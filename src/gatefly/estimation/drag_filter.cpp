@@ -84,8 +84,11 @@ Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
 Fusion DragFilter::correct_altitude(double z_G, double sigma) {
   const double innovation = z_G - x_(kZ);
   const double S = P_(kZ, kZ) + sigma * sigma;
-  // Furniture under a sonar is a step of decimetres: three σ, and never more than 0.3 m.
-  if (!(innovation * innovation < 9.0 * S) || (sigma < 0.1 && std::abs(innovation) > 0.3)) return Fusion::kRefused;
+  if (!std::isfinite(innovation) || !(innovation * innovation < 25.0 * S)) {
+    // The filter is too sure of itself: doubt, but do not jump.
+    if (std::isfinite(innovation)) P_(kZ, kZ) += 0.01;
+    return Fusion::kRefused;
+  }
   Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
   H(kZ) = 1.0;
   update<1>(x_, P_, Eigen::Matrix<double, 1, 1>{innovation}, H, Eigen::Matrix<double, 1, 1>{sigma * sigma});

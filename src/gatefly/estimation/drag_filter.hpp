@@ -13,13 +13,11 @@ struct DragFilterParams {
   /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms update;
   /// ours: scaled with time and to what the drag velocity really errs by]
   double position_noise = 0.03;
-  double vertical_noise = 0.5;
+  double vertical_noise = 0.03;
   double bias_noise = 2e-4;
   Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};       ///< On the pad [m]. [ours]
   Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< After the rest calibration [m/s²]. [ours]
   double gate_sigma = 4.0;        ///< Fixes farther off than this many σ are refused. [ours]
-  double altitude_sigma = 0.05;   ///< Sonar [m]. [ours]
-  double baro_sigma = 0.30;       ///< Barometer against the pad [m]. [ours]
 };
 
 /// What became of a measurement.
@@ -43,7 +41,7 @@ class DragFilter {
   /// Eq. (34)-(35) with a fix of `moved` ago: the position then was the present one minus `moved` [m].
   Fusion correct(const Fix& fix, const Eigen::Vector3d& moved);
 
-  /// Height as a z coordinate of the frame [m], from sonar (sharp) or barometer.
+  /// Height as a z coordinate of the frame [m]; what to believe is the altimeter's business.
   Fusion correct_altitude(double z_G, double sigma);
 
   /// Squared Mahalanobis distance of a fix.

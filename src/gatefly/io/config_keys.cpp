@@ -93,7 +93,8 @@ Keys detection_keys() {
       k("pose.max_distance_m", 0.5, 100, AT(pilot.pose.max_distance), "ours: 1 m is 19 px there"),
       k("pose.min_bars_distance_m", 0.05, 10, AT(pilot.pose.min_bars_distance), "Li18 flight code"),
       k("pose.max_bars_distance_m", 0.05, 10, AT(pilot.pose.max_bars_distance), "Li18 flight code"),
-      k("pose.max_residual", 0.001, 1, AT(pilot.pose.max_residual), "ours: part of the distance"),
+      k("pose.max_misfit", 0.1, 1000, AT(pilot.pose.max_misfit), "mean squared residual / σ²; ours"),
+      k("pose.bars_sigma_m", 0.001, 1, AT(pilot.pose.bars_sigma), "at 1 m; ours"),
   };
 }
 

@@ -24,6 +24,7 @@ Pilot::Pilot(const PilotConfig& config)
       accel_filter_{kAccelCutoffHz, kImuHz},
       filter_{config.filter},
       velocity_{config.velocity},
+      altimeter_{config.altimeter},
       indi_{config.indi, config.vehicle},
       rng_{config.seed} {
   ahrs_.start(config_.track.start_heading);
@@ -112,13 +113,13 @@ void Pilot::estimate_motion(double dt) {
 void Pilot::measure_height(const Sensors& sensors) {
   if (std::holds_alternative<OnGround>(phase_)) return;
   const double floor_z = -gate().p_EG.z();  // the floor, in the gate's frame
-  if (sensors.sonar && std::isfinite(*sensors.sonar) && *sensors.sonar > 0.0) {
-    const Eigen::Matrix3d R_EB = ahrs_.R_EB().matrix;
-    if (R_EB(2, 2) > 0.85)
-      (void)filter_.correct_altitude(floor_z - *sensors.sonar * R_EB(2, 2), config_.filter.altitude_sigma);
-  }
-  if (sensors.baro && std::isfinite(*sensors.baro))
-    (void)filter_.correct_altitude(floor_z - *sensors.baro, config_.filter.baro_sigma);
+  const auto fuse = [&](const std::optional<Height>& height) {
+    if (height) (void)filter_.correct_altitude(floor_z - height->value, height->sigma);
+  };
+  if (sensors.baro && std::isfinite(*sensors.baro)) fuse(altimeter_.baro(*sensors.baro, time_));
+  const double upright = ahrs_.R_EB().matrix(2, 2);
+  if (sensors.sonar && std::isfinite(*sensors.sonar) && *sensors.sonar > 0.0 && upright > 0.85)
+    fuse(altimeter_.sonar(*sensors.sonar * upright, -p_EB().z(), time_));
 }
 
 double Pilot::capture_time(double u_px) const {

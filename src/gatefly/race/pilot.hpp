@@ -15,6 +15,7 @@
 #include "gatefly/detection/gate_bars.hpp"
 #include "gatefly/detection/snake_gate.hpp"
 #include "gatefly/estimation/ahrs.hpp"
+#include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/drag_filter.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/estimation/velocity_observer.hpp"
@@ -66,6 +67,7 @@ struct PilotConfig {
   AhrsParams ahrs;
   DragFilterParams filter;
   VelocityObserverParams velocity;
+  AltimeterParams altimeter;
   LateralParams lateral;
   AltitudeParams altitude;
   SpeedParams speed;
@@ -162,6 +164,7 @@ class Pilot {
   LowPass accel_filter_;
   DragFilter filter_;
   VelocityObserver velocity_;
+  Altimeter altimeter_;
   Altitude altitude_;
   Indi indi_;
   Rng rng_;

@@ -96,12 +96,22 @@ class Planner {
     std::vector<Candidate> candidates = propose(from, z_from, from_gate >= 0, goal);
     std::sort(candidates.begin(), candidates.end(),
               [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+    // The cheapest that is clear; room beyond the clearance is worth a detour.
+    const Candidate* best = nullptr;
+    double best_cost = 1e9;
     std::string blocked = "no turn of radius >= " + std::to_string(params_.min_radius) + " m leads there";
     for (const auto& candidate : candidates) {
-      const std::string obstacle = first_contact(candidate.path, from_gate, to_gate);
-      if (obstacle.empty()) return candidate.path;
-      blocked = obstacle;
+      if (candidate.cost >= best_cost) break;
+      const Room room = room_around(candidate.path, from_gate, to_gate);
+      const double cost = candidate.cost + 6.0 * std::max(0.0, 0.4 - room.margin);
+      if (room.margin < 0.0) {
+        blocked = room.nearest + " is in the way";
+      } else if (cost < best_cost) {
+        best = &candidate;
+        best_cost = cost;
+      }
     }
+    if (best != nullptr) return best->path;
     throw std::invalid_argument("no way from " +
                                 (from_gate < 0 ? std::string("the start") : "gate " + std::to_string(from_gate + 1)) +
                                 " to gate " + std::to_string(to_gate + 1) + ": " + blocked);
@@ -152,29 +162,40 @@ class Planner {
     return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.9 * turning / radius + 0.3 * turning;
   }
 
-  // What the body would come too near to, or "" when nothing.
-  std::string first_contact(const Path& path, int from_gate, int to_gate) const {
+  struct Room {
+    double margin = 1e9;  ///< Least distance beyond the wanted clearance; negative: too near [m].
+    std::string nearest;  ///< To what.
+  };
+
+  Room room_around(const Path& path, int from_gate, int to_gate) const {
     const double total = path.length();
-    const double margin = params_.clearance + params_.body_radius;
-    for (double s = 0.0; s <= total; s += 0.1) {
+    const double wanted = params_.clearance + params_.body_radius;
+    double least = 1e9;
+    int what = -1;  // -1 a wall, then obstacles, then gates
+    const auto consider = [&](double distance, int thing) {
+      if (distance < least) least = distance, what = thing;
+    };
+    const int obstacles = static_cast<int>(track_.obstacles.size());
+    for (double s = 0.0; s <= total && least >= wanted; s += 0.1) {
       const Eigen::Vector2d p = path.at(s).position;
       const double height = -path.z_at(s);
-      const Eigen::Vector2d to_wall = 0.5 * track_.room_size - (p - track_.room_center).cwiseAbs();
-      if (to_wall.minCoeff() < margin) return "a wall is in the way";
-      for (std::size_t i = 0; i < track_.obstacles.size(); ++i) {
-        const MapObstacle& obstacle = track_.obstacles[i];
-        if (obstacle.height > height - params_.clearance && distance_to(obstacle, p) < margin)
-          return "obstacle " + std::to_string(i + 1) + " is in the way";
+      consider((0.5 * track_.room_size - (p - track_.room_center).cwiseAbs()).minCoeff(), -1);
+      for (int i = 0; i < obstacles; ++i) {
+        const MapObstacle& obstacle = track_.obstacles[static_cast<std::size_t>(i)];
+        if (obstacle.height > height - params_.clearance) consider(distance_to(obstacle, p), i);
       }
       for (int g = 0; g < static_cast<int>(track_.gates.size()); ++g) {
         // The gates at the two ends are flown through; a little way off they are obstacles as well.
         if ((g == from_gate && s < 0.8) || (g == to_gate && total - s < 0.8)) continue;
         const MapGate& gate = track_.gates[static_cast<std::size_t>(g)];
         const MapObstacle frame{gate.p_EG.head<2>(), {0.1, gate.side}, gate.yaw_EG, 0.0};
-        if (distance_to(frame, p) < margin) return "gate " + std::to_string(g + 1) + " is in the way";
+        consider(distance_to(frame, p), obstacles + g);
       }
     }
-    return "";
+    const std::string name = what < 0            ? std::string("a wall")
+                             : what < obstacles ? "obstacle " + std::to_string(what + 1)
+                                                : "gate " + std::to_string(what - obstacles + 1);
+    return {least - wanted, name};
   }
 
   const Track& track_;

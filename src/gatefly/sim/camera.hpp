@@ -29,7 +29,7 @@ struct CameraTruth {
 struct LightConditions {
   static constexpr int kGroups = 3;                     ///< e.g. ceiling, showcases, windows
   std::array<double, kGroups> group_gain{1, 1, 1};      ///< Relative brightness of each light group.
-  double exposure_target = 1.0;                         ///< Relative to the nominal mean grey level.
+  double exposure_target = 1.0;                         ///< Amount of light the exposure aims at, relative to nominal.
   std::array<double, 3> white_balance{1, 1, 1};         ///< Gains r, g, b.
   double noise_scale = 1.0;
 };

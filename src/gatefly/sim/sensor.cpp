@@ -7,8 +7,9 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kTargetMean =
-    117.0;  // of Y cut at kMeterCap. Real pictures: showroom 124-142 uncut, hall 94-123
+// The meter takes the mean of Y, bright places cut so that showcases do not turn the room black.
+// Uncut, the means of the real pictures are 124-142 in the showroom, 94-123 in the hall.
+constexpr double kTargetMean = 117.0;
 constexpr float kMeterCap = 165.0f;
 constexpr double kSensitivity = 250.0;  // signal per radiance and second of exposure at gain 1
 constexpr double kShortestExposure = 5e-4, kMaxGain = 12.0;
@@ -22,9 +23,9 @@ constexpr Float4 kTint{0.56f, 1.0f, 0.98f, 0.0f};   // grey comes out cyan
 constexpr Float4 kOfRed{1.75f, -0.45f, 0.02f, 0.0f}, kOfGreen{-0.60f, 1.65f, -0.14f, 0.0f},
     kOfBlue{-0.15f, -0.20f, 1.12f, 0.0f};
 constexpr float kBrightest = 25.0f;  // signal beyond which a lamp adds no more glare
-constexpr float kBloomShare = 0.05f,
-                kBloomKeep = 0.62f;  // of what is clipped; spread over a few pixels
-constexpr int kGlareCell = 8;        // stored pixels
+// Bloom: what is clipped leaks over a few pixels. Glare: all light leaks a little over the picture.
+constexpr float kBloomShare = 0.05f, kBloomKeep = 0.62f;
+constexpr int kGlareCell = 8;  // stored pixels
 constexpr float kGlareShare = 0.05f, kGlareKeep = 0.55f;
 // Softness of the optics; red is softer and a little displaced: fringes.
 constexpr Float4 kBefore{0.32f, 0.20f, 0.20f, 0.0f}, kHere{0.46f, 0.60f, 0.60f, 0.0f},
@@ -67,7 +68,9 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
       glare_width_{(width_ + kGlareCell - 1) / kGlareCell + 2},
       glare_height_{(height_ + kGlareCell - 1) / kGlareCell + 2},
       longest_exposure_{camera.exposure},
-      target_{std::clamp(kTargetMean * light.exposure_target, kBlack + 8.0, kMeterCap - 8.0)},
+      // An amount of light, as a photographer's exposure is; grey levels go with its 1/2.2th power.
+      target_{std::clamp(kBlack + (kTargetMean - kBlack) * std::pow(light.exposure_target, 1.0 / 2.2), kBlack + 8.0,
+                         kMeterCap - 8.0)},
       noise_scale_{light.noise_scale},
       seed_{mixed(seed + 0x9E3779B97F4A7C15ull)},
       exposure_{camera.exposure} {
