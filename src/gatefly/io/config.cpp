@@ -48,7 +48,8 @@ void set_key(Config& config, const std::string& name, const json& value, const s
 }
 
 void read_config_file(Config& config, const std::filesystem::path& path) {
-  for (const auto& [section, table] : read_toml(path).items()) {
+  const json content = read_toml(path);
+  for (const auto& [section, table] : content.items()) {
     const auto sections = section_names();
     if (std::find(sections.begin(), sections.end(), section) == sections.end())
       throw std::runtime_error(path.string() + ": [" + section + "] is not a known section" +
@@ -106,6 +107,8 @@ void derive(Config& c) {
   c.pilot.camera_timing = {.latency = c.camera_latency + 0.5 * (camera.exposure + camera.readout),
                            .readout = camera.readout};
   c.sim.sensors.camera_latency = c.camera_latency;
+
+  c.pilot.snake.bar_ratio = c.gate_bar / c.gate_side;
 
   const VehicleParams& known = c.pilot.vehicle;
   sim::VehicleTruth& vehicle = c.sim.vehicle;

@@ -73,6 +73,7 @@ Keys detection_keys() {
       k("detector.samples", 1, 1000000, AT(pilot.snake.max_samples), "Li18 flight code, basement"),
       k("detector.min_side_px", 1, 500, AT(pilot.snake.min_side_px), "σ_L; paper 25, flown 30; ours"),
       k("detector.min_color_fitness", 0, 1, AT(pilot.snake.min_color_fitness), "σ_cf; ours"),
+      k("detector.sure_fitness", 0, 1, AT(pilot.snake.sure_fitness), "no lower level is tried above it; ours"),
       k("detector.min_side_fitness", 0, 1, AT(pilot.snake.min_side_fitness), "Li18 flight code: 0.30"),
       k("detector.max_inside", 0, 1, AT(pilot.snake.max_inside), "Li18 flight code"),
       k("detector.window", 0.05, 2, AT(pilot.snake.window), "Li18 flight code"),
@@ -116,8 +117,13 @@ Keys estimation_keys() {
       k("filter.start_sigma_m", 0.001, 10, AT(pilot.filter.start_sigma), "on the pad; ours"),
       k("filter.start_bias_sigma_mps2", 0.001, 10, AT(pilot.filter.start_bias_sigma), "after rest; ours"),
       k("filter.gate_sigma", 0.5, 100, AT(pilot.filter.gate_sigma), "fixes farther off are refused; ours"),
-      k("filter.altitude_sigma_m", 0.001, 10, AT(pilot.filter.altitude_sigma), "sonar; ours"),
-      k("filter.baro_sigma_m", 0.001, 10, AT(pilot.filter.baro_sigma), "ours"),
+      k("filter.sonar_sigma_m", 0.001, 10, AT(pilot.altimeter.sonar_sigma), "ours"),
+      k("filter.baro_sigma_m", 0.001, 10, AT(pilot.altimeter.baro_sigma), "ours"),
+      k("filter.sonar_max_step_m", 0.01, 10, AT(pilot.altimeter.max_step), "nearer is furniture; ours"),
+      k("filter.max_disagreement_m", 0.01, 10, AT(pilot.altimeter.max_disagreement), "sonar, barometer; ours"),
+      k("filter.baro_time_s", 0.01, 60, AT(pilot.altimeter.baro_time), "smoothing; ours"),
+      k("filter.baro_drift_time_s", 0.1, 600, AT(pilot.altimeter.drift_time), "ours"),
+      k("filter.sonar_lost_after_s", 0.1, 60, AT(pilot.altimeter.lost_after), "ours"),
       k("filter.velocity_pull_per_s", 0, 50, AT(pilot.velocity.pull), "ours"),
   };
 }
