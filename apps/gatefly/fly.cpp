@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -13,6 +14,7 @@
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/randomize.hpp"
 #include "gatefly/io/summary.hpp"
+#include "gatefly/io/text.hpp"
 #include "gatefly/io/track_file.hpp"
 
 namespace gatefly::cli {
@@ -41,6 +43,7 @@ fs::path cache_dir() {
 struct Race {
   closed_loop::RaceConfig config;
   io::RaceIdentity identity;
+  std::map<std::string, std::string> inputs;  ///< Track, configuration and settings as given, for replay.
 };
 
 void refuse_unflyable(const io::Config& config) {
@@ -76,6 +79,14 @@ Race make_race(const FlyOptions& options) {
   for (const auto& key : io::randomize_keys())
     race.identity.config["randomize"][key.rule.name.substr(10)] = key.get(randomize);
   race.identity.config["laps"] = file.track.laps;
+
+  race.inputs["track.toml"] = io::read_file(path);
+  int number = 0;
+  for (const auto& given : io::config_files(options.common.configs))
+    race.inputs["config-" + std::to_string(number++) + ".toml"] = io::read_file(given);
+  std::string& settings = race.inputs["settings.txt"];
+  for (const auto& setting : options.common.settings) settings += setting + "\n";
+  settings += "laps=" + std::to_string(file.track.laps) + "\n";
 
   // Whether there is a way at all, before anything is written or rendered.
   try {
@@ -142,6 +153,7 @@ int fly(const FlyOptions& options) {
                                                                std::to_string(options.seed))
                                            : fs::path{options.out};
   io::FlightRecorder recorder(out);
+  for (const auto& [name, content] : race.inputs) recorder.add_file(name, content);
   catch_interrupt();
 
   Progress progress(options.common.quiet, 10.0);
@@ -185,7 +197,11 @@ void add_fly(CLI::App& app, Run& run) {
       "Example:\n  gatefly fly showroom --seed 7 --laps 1 --set control.speed_mps=1.5\n\n"
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
   command->add_option("TRACK", options->track, "a name in tracks/ or a file")->capture_default_str();
-  command->add_option("--seed", options->seed, "the day: what [randomize] draws")->capture_default_str();
+  command->add_option("--seed", options->seed, "the day: what [randomize] draws")
+      ->check([](const std::string& text) {
+        return text.starts_with('-') ? "must be a whole number, 0 or more" : std::string{};
+      })
+      ->capture_default_str();
   command->add_option("--laps", options->laps, "instead of the track's own number")->check(CLI::Range(1, 100));
   command->add_option("--vision", options->vision, "rendered pictures, or ideal detections (not available yet)")
       ->check(CLI::IsMember({"rendered", "ideal"}))

@@ -51,6 +51,7 @@ int run_main(std::span<char* const> arguments) {
   app.footer("Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help says more about a command.");
   Run run;
   add_fly(app, run);
+  add_replay(app, run);
   add_config(app, run);
 
   if (arguments.size() > 1 && arguments[1][0] != '-') {

@@ -8,6 +8,7 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/io/randomize.hpp"
+#include "gatefly/io/text.hpp"
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -99,7 +100,8 @@ TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_with("camera.size_px=[315.5, 160]"), HasSubstr("whole numbers"));
   EXPECT_THAT(error_with("camera.model=fish"), HasSubstr("one of \"dhane\", \"pinhole\""));
   EXPECT_THAT(error_with("camera.stored_rotation_deg=45"), HasSubstr("must be 0, 90, 180 or 270"));
-  EXPECT_THAT(error_with("color.y_min=250"), HasSubstr("must be at most color.y_max"));
+  EXPECT_THAT(test::error_of([] { (void)with({"color.y_min=250", "color.y_max=240"}); }),
+              HasSubstr("color.y_min = 250, must be at most color.y_max = 240"));
   EXPECT_THAT(error_with("gate.bar_m=0.6"), HasSubstr("gate.side_m"));
   EXPECT_THAT(error_with("control.speed_mps"), HasSubstr("section.key=value"));
   EXPECT_THAT(error_with("control.speed_mps="), HasSubstr("must be a number"));
@@ -129,12 +131,12 @@ TEST(Config, ShowsEveryKeyWithItsSource) {
 
 TEST(Config, ShippedFilesLoad) {
   for (const char* name : {"configs/default.toml", "configs/flights.toml", "cameras/bebop.toml", "vehicles/bebop.toml"})
-    EXPECT_NO_THROW((void)load_config(Files{std::filesystem::path{GATEFLY_TEST_ROOT} / name})) << name;
+    EXPECT_NO_THROW((void)load_config(Files{data_dir() / name})) << name;
 }
 
-TEST(Config, ShippedBebopFilesAreTheDefaults) {
-  const std::filesystem::path root{GATEFLY_TEST_ROOT};
-  const Config bebop = load_config(Files{root / "cameras/bebop.toml", root / "vehicles/bebop.toml"});
+TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {
+  const std::filesystem::path root = data_dir();
+  const Config bebop = load_config(Files{root / "configs/default.toml", root / "cameras/bebop.toml", root / "vehicles/bebop.toml"});
   EXPECT_EQ(as_json(bebop), as_json(Config{}));
 }
 

@@ -62,7 +62,7 @@ Keys camera_keys() {
 }
 
 Keys detection_keys() {
-  const char* box = "Li18 flight code, basement, March 2018";
+  const char* box = "generic orange; ours";
   return {
       k("color.y_min", 0, 255, AT(pilot.color.y_min), box),
       k("color.y_max", 0, 255, AT(pilot.color.y_max), box),
@@ -70,6 +70,7 @@ Keys detection_keys() {
       k("color.cb_max", 0, 255, AT(pilot.color.u_max), box),
       k("color.cr_min", 0, 255, AT(pilot.color.v_min), box),
       k("color.cr_max", 0, 255, AT(pilot.color.v_max), box),
+      k("color.min_chroma", 0, 181, AT(pilot.color.min_chroma), "distance of (Cb, Cr) from grey; ours"),
       k("detector.samples", 1, 1000000, AT(pilot.snake.max_samples), "Li18 flight code, basement"),
       k("detector.min_side_px", 1, 500, AT(pilot.snake.min_side_px), "σ_L; paper 25, flown 30; ours"),
       k("detector.min_color_fitness", 0, 1, AT(pilot.snake.min_color_fitness), "σ_cf; ours"),
@@ -173,11 +174,13 @@ Keys vehicle_keys() {
       k("vehicle.mass_kg", 0.02, 20, AT(pilot.vehicle.mass), "Bebop 1 with guards"),
       k("vehicle.inertia_kgm2", 1e-6, 10, AT(pilot.vehicle.inertia), "ours: box model"),
       arm_key(),
-      k("vehicle.thrust_coefficient", 1e-9, 1e-3, AT(pilot.vehicle.thrust_coefficient), "N/(rad/s)²; hovers at 7,380 rpm"),
+      k("vehicle.thrust_coefficient", 1e-9, 1e-3, AT(pilot.vehicle.thrust_coefficient),
+        "N/(rad/s)²; hovers at 7,380 rpm"),
       k("vehicle.torque_coefficient_m", 1e-4, 1, AT(pilot.vehicle.torque_coefficient), "yaw torque / thrust"),
       k("vehicle.min_rotor_radps", 0, 20000, AT(pilot.vehicle.min_speed), "ours"),
       k("vehicle.max_rotor_radps", 10, 20000, AT(pilot.vehicle.max_speed), "Bebop: 12,000 rpm"),
-      k("vehicle.rotor_time_constant_ms", 1, 500, AT(pilot.vehicle.rotor_time_constant), "Li18 code: 0.1 a sample", kMilli),
+      k("vehicle.rotor_time_constant_ms", 1, 500, AT(pilot.vehicle.rotor_time_constant),
+        "Li18 code: 0.1 a sample", kMilli),
   };
 }
 

@@ -59,7 +59,10 @@ std::string text_of(double value, int digits) {
                                        std::chars_format::general, digits);
     std::from_chars(buffer.data(), rounded.ptr, value);
   }
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  char* const last = buffer.data() + buffer.size();
+  const bool whole = std::abs(value) < 1e15 && value == std::floor(value);  // 1000000, not 1e+06
+  const auto end = whole ? std::to_chars(buffer.data(), last, value, std::chars_format::fixed)
+                         : std::to_chars(buffer.data(), last, value);
   return {buffer.data(), end.ptr};
 }
 

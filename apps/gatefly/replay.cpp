@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/closed_loop/replay.hpp"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/io/csv.hpp"
+#include "gatefly/io/flight_folder.hpp"
+#include "gatefly/io/image_file.hpp"
+#include "gatefly/io/text.hpp"
+#include "gatefly/io/track_file.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReplayOptions {
+  CommonOptions common;
+  std::string directory, track, csv, estimator = "drag";
+  double heading_offset_deg = 11.5;
+  bool json = false;
+};
+
+/// A recorded flight, ready for the pilot.
+struct Recording {
+  io::Config config;
+  PilotConfig pilot;
+  io::FlightFolder folder;
+  std::vector<closed_loop::RecordedTick> ticks;
+  bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
+};
+
+/// The configuration a simulated flight was flown with lies in its folder, as it was given.
+io::Config config_of_flight(const fs::path& directory, const CommonOptions& user) {
+  std::vector<fs::path> files;
+  for (int i = 0; fs::exists(directory / ("config-" + std::to_string(i) + ".toml")); ++i)
+    files.push_back(directory / ("config-" + std::to_string(i) + ".toml"));
+  for (const auto& file : io::config_files(user.configs))
+    if (!user.configs.empty() && file != io::config_files({}).front()) files.push_back(file);
+  std::vector<std::string> settings;
+  std::ifstream lines(directory / "settings.txt");
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty() && line.rfind("laps=", 0) != 0) settings.push_back(line);
+  settings.insert(settings.end(), user.settings.begin(), user.settings.end());
+  return io::load_config(files, settings);
+}
+
+int laps_of_flight(const fs::path& directory, int otherwise) {
+  std::ifstream lines(directory / "settings.txt");
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("laps=", 0) == 0) return std::stoi(line.substr(5));
+  return otherwise;
+}
+
+Recording read(const ReplayOptions& options) {
+  Recording recording;
+  const fs::path directory = options.directory;
+  recording.folder = io::read_flight_folder(directory);
+  recording.simulated = fs::exists(directory / "track.toml");
+  if (recording.simulated) {
+    recording.config = config_of_flight(directory, options.common);
+  } else {
+    CommonOptions common = options.common;
+    common.configs.insert(common.configs.begin(), "flights");
+    recording.config = load(common);
+  }
+  const fs::path track_path = !options.track.empty()   ? io::find_track(options.track)
+                              : recording.simulated ? directory / "track.toml"
+                                                    : io::find_track("flights");
+  const io::TrackFile track =
+      io::read_track(track_path, {.side = recording.config.gate_side, .bar = recording.config.gate_bar});
+  recording.pilot = recording.config.pilot;
+  recording.pilot.track = track.track;
+  if (recording.simulated) recording.pilot.track.laps = laps_of_flight(directory, track.track.laps);
+
+  // A real log: heading from its own AHRS plus the offset to motion capture; height from motion capture,
+  // which stands in for the sonar that was not logged.
+  const auto& samples = recording.folder.samples;
+  const bool has_height = samples.front().sonar || samples.front().baro || recording.simulated;
+  if (!recording.simulated && samples.front().ahrs)
+    recording.pilot.track.start_heading = wrap_angle(samples.front().ahrs->yaw + options.heading_offset_deg * kDegree);
+  double last_z = 0.0;
+  recording.ticks.resize(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    auto& tick = recording.ticks[i];
+    tick.sensors.time = samples[i].time;
+    tick.sensors.imu = samples[i].imu;
+    tick.sensors.sonar = samples[i].sonar;
+    tick.sensors.baro = samples[i].baro;
+    tick.p_EB = samples[i].true_p_EB;
+    if (!has_height && tick.p_EB && tick.p_EB->z() != last_z) tick.sensors.sonar = last_z = -tick.p_EB->z();
+    if (!has_height && tick.p_EB) last_z = tick.p_EB->z();
+  }
+  for (std::size_t i = 0; i < recording.folder.images.size(); ++i)
+    recording.ticks[recording.folder.images[i].log_row].picture = i;
+  return recording;
+}
+
+/// How many pictures of a set show the gate, and in how many of them it was found.
+struct Rate {
+  int shown = 0, found = 0;
+};
+
+bool overlaps70(const Quad& a, const Quad& b) {
+  const double shared = shared_area(a, b);
+  return shared >= 0.7 * std::abs(area(a)) && shared >= 0.7 * std::abs(area(b));
+}
+
+/// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
+std::optional<Rate> against_labels(const Recording& recording, const closed_loop::ReplayResult& result) {
+  const fs::path path = recording.folder.directory / "labels.csv";
+  if (!fs::exists(path)) return std::nullopt;
+  const io::Csv csv(path);
+  const auto names = csv.texts("image");
+  std::array<std::vector<double>, 8> corner;
+  constexpr std::array<const char*, 8> kNames{"tl_u", "tl_v", "tr_u", "tr_v", "br_u", "br_v", "bl_u", "bl_v"};
+  for (std::size_t k = 0; k < 8; ++k) corner[k] = csv.numbers(kNames[k]);
+  Rate rate;
+  for (const auto& row : result.pictures) {
+    const auto& image = recording.folder.images[row.picture];
+    const auto truth = recording.ticks[image.log_row].p_EB;
+    if (!truth || truth->z() > -0.3) continue;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] != image.path.filename().string() || std::isnan(corner[0][i])) continue;
+      Quad label;
+      for (std::size_t k = 0; k < 4; ++k) label[k] = {corner[2 * k][i], corner[2 * k + 1][i]};
+      ++rate.shown;
+      bool found = false;
+      for (const auto& detection : row.sighting.detections) found = found || overlaps70(detection.corners_px, label);
+      rate.found += found;
+    }
+  }
+  return rate;
+}
+
+/// Against the geometry: where true position, the log's own attitude and the measured gate say that the
+/// whole gate is in the picture.
+std::optional<Rate> against_geometry(const Recording& recording, const closed_loop::ReplayResult& result,
+                                     double heading_offset) {
+  Rate rate;
+  const CameraRig& rig = recording.pilot.camera;
+  for (const auto& row : result.pictures) {
+    const auto& sample = recording.folder.samples[recording.folder.images[row.picture].log_row];
+    const auto attitude = sample.true_attitude ? sample.true_attitude : sample.ahrs;
+    if (!sample.true_p_EB || !attitude || sample.true_p_EB->z() > -0.3) continue;
+    Attitude level = *attitude;
+    if (!sample.true_attitude) level.yaw += heading_offset;
+    const Eigen::Matrix3d R_EC = rotation_EB(level).matrix * rig.R_BC.matrix;
+    const Eigen::Vector3d eye = *sample.true_p_EB + rotation_EB(level) * rig.p_BC;
+    for (const MapGate& gate : recording.pilot.track.gates) {
+      const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
+      bool whole = R_EG.col(0).dot(gate.p_EG - eye) > 0.2;
+      Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+      for (const double y : {-0.5, 0.5})
+        for (const double z : {-0.5, 0.5}) {
+          const Eigen::Vector3d corner = gate.p_EG + R_EG * (gate.side * Eigen::Vector3d{0, y, z});
+          const auto px = rig.lens.project(R_EC.transpose() * (corner - eye));
+          whole = whole && px && px->x() > 2 && px->y() > 2 && px->x() < recording.config.width - 3 &&
+                  px->y() < recording.config.height - 3;
+          if (px) middle += 0.25 * *px;
+        }
+      if (!whole) continue;
+      ++rate.shown;
+      bool found = false;
+      for (const auto& detection : row.sighting.detections)
+        found = found || (center(detection.corners_px) - middle).norm() < 0.35 * std::sqrt(std::abs(area(detection.corners_px)));
+      rate.found += found;
+    }
+  }
+  if (rate.shown == 0) return std::nullopt;
+  return rate;
+}
+
+std::string estimates_csv(const closed_loop::ReplayResult& result) {
+  std::ostringstream csv;
+  csv << std::setprecision(17)
+      << "t_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,bax_mps2,bay_mps2,baz_mps2,source\n";
+  for (const auto& row : result.estimates) {
+    const Estimate& e = row.estimate;
+    constexpr std::array<const char*, 3> kSources{"predict", "corners", "bars"};
+    csv << row.t << ',' << e.p_EB.x() << ',' << e.p_EB.y() << ',' << e.p_EB.z() << ',' << e.v_E.x() << ','
+        << e.v_E.y() << ',' << e.v_E.z() << ',' << e.attitude.roll << ',' << e.attitude.pitch << ','
+        << e.attitude.yaw << ',' << e.accel_bias.x() << ',' << e.accel_bias.y() << ',' << e.accel_bias.z() << ','
+        << kSources[static_cast<std::size_t>(row.source)] << '\n';
+  }
+  return csv.str();
+}
+
+/// Whether the recorded pilot's estimates came out again, to the bit.
+std::optional<bool> same_as_recorded(const Recording& recording, const closed_loop::ReplayResult& result) {
+  if (!recording.folder.samples.front().est_p_EB) return std::nullopt;
+  for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+    const auto& recorded = recording.folder.samples[i];
+    if (!recorded.est_p_EB || *recorded.est_p_EB != result.estimates[i].estimate.p_EB) return false;
+  }
+  return true;
+}
+
+int replay(const ReplayOptions& options) {
+  if (options.estimator != "drag")
+    throw std::runtime_error("--estimator " + options.estimator + ": not available yet (there is: drag)");
+  const Recording recording = read(options);
+  io::ImageFile picture;
+  const auto load_picture = [&](std::size_t i) {
+    picture = io::read_image(recording.folder.images[i].path, recording.config.stored_width(),
+                             recording.config.stored_height());
+    return picture.view(recording.config.stored_rotation_deg);
+  };
+  const closed_loop::ReplayResult result = [&] {
+    try {
+      return closed_loop::replay(recording.pilot, recording.ticks, load_picture);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(std::string("the track cannot be flown: ") + error.what());
+    }
+  }();
+  if (!options.csv.empty()) io::write_file(options.csv, estimates_csv(result));
+
+  const auto labelled = against_labels(recording, result);
+  const auto visible = against_geometry(recording, result, options.heading_offset_deg * kDegree);
+  const auto exact = same_as_recorded(recording, result);
+  int fixes = 0;
+  for (const auto& row : result.pictures) fixes += row.sighting.source != Sighting::Source::kNone;
+  if (options.json) {
+    nlohmann::json json{{"flight", options.directory},
+                        {"samples", result.estimates.size()},
+                        {"pictures", result.pictures.size()},
+                        {"fixes", fixes},
+                        {"finite", result.finite},
+                        {"gates_passed", result.gates_passed},
+                        {"rmse_m", nullptr},
+                        {"rmse_samples", result.rmse_samples},
+                        {"labelled", nullptr},
+                        {"visible", nullptr},
+                        {"same_as_recorded", nullptr}};
+    if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
+    if (labelled) json["labelled"] = {{"shown", labelled->shown}, {"found", labelled->found}};
+    if (visible) json["visible"] = {{"shown", visible->shown}, {"found", visible->found}};
+    if (exact) json["same_as_recorded"] = *exact;
+    std::cout << json.dump(2) << '\n';
+  } else {
+    std::cout << std::fixed << std::setprecision(2) << options.directory << ": " << result.estimates.size()
+              << " samples, " << result.pictures.size() << " pictures, all numbers "
+              << (result.finite ? "finite" : "NOT finite") << '\n';
+    if (visible)
+      std::cout << "  gate found      in " << visible->found << " of " << visible->shown
+                << " in-flight pictures that show it whole\n";
+    if (labelled)
+      std::cout << "  labelled        in " << labelled->found << " of " << labelled->shown << " (overlap70)\n";
+    std::cout << "  fixes           " << fixes << " pictures corrected the filter, " << result.gates_passed
+              << " gates passed\n";
+    if (result.rmse_samples > 0)
+      std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y() << ", z "
+                << result.rmse.z() << " m, from the first fix to the last gate\n";
+    if (exact) std::cout << "  recorded flight " << (*exact ? "the same estimates, to the bit" : "estimates DIFFER") << '\n';
+  }
+  return result.finite ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, Run& run) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand("replay", "a recorded flight through the pilot that flies the simulator");
+  command->footer(
+      "Example:\n  gatefly replay out/showroom-1 --csv estimates.csv\n"
+      "  gatefly replay ../shared/data/tudelft_bebop_flights/flight_11 --json\n\n"
+      "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml and\n"
+      "configs/flights.toml. Exit code 0: done; 1: a number was not finite; 2: unusable input.");
+  command->add_option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")->required();
+  command->add_option("--track", options->track, "instead of the folder's own: a name in tracks/ or a file");
+  command->add_option("--estimator", options->estimator, "drag: the 7-state filter")
+      ->check(CLI::IsMember({"drag", "imu15"}))
+      ->capture_default_str();
+  command->add_option("--heading-offset-deg", options->heading_offset_deg,
+                      "real logs: motion capture's heading minus the log's own (differs by flight)")
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "write estimates.csv")->type_name("FILE");
+  command->add_flag("--json", options->json, "print JSON");
+  add_common(*command, options->common);
+  command->callback([options, &run] { run = [options] { return replay(*options); }; });
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole races: rendered pictures in, motor commands out.
+#include "gatefly/closed_loop/race.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/io/config.hpp"
+#include "gatefly/io/track_file.hpp"
+
+namespace {
+std::atomic<std::uint64_t> g_allocations{0};
+}  // namespace
+
+// GCC takes aligned_alloc for another family than malloc; both are freed by free().
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
+// Every allocation of this program is counted; the races below ask for none inside Pilot::step.
+void* operator new(std::size_t size) {
+  ++g_allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc{};
+}
+void* operator new(std::size_t size, std::align_val_t align) {
+  ++g_allocations;
+  const auto a = static_cast<std::size_t>(align);
+  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+  throw std::bad_alloc{};
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace gatefly::closed_loop {
+namespace {
+
+RaceConfig race_on(const std::string& track, std::uint64_t seed, int laps) {
+  const io::Config config = io::load_config(io::config_files({}));
+  io::TrackFile file = io::read_track(io::find_track(track));
+  RaceConfig race;
+  race.pilot = config.pilot;
+  race.pilot.track = file.track;
+  race.pilot.track.laps = laps;
+  sim::SimConfig nominal = config.sim;
+  nominal.world = file.world;
+  nominal.start = file.start;
+  nominal.cache_dir = std::filesystem::temp_directory_path() / "gatefly-test-cache";
+  race.sim = sim::drawn(nominal, file.randomize, seed);
+  return race;
+}
+
+/// Everything a pilot was told and answered in one flight, as bytes.
+struct Trace {
+  std::vector<std::array<double, 8>> answers;  // roll, pitch, yaw, thrust, motors
+  std::vector<Sensors> sensors;                // images point into `frames`
+  std::vector<std::vector<std::uint8_t>> frames;
+  RaceResult result;
+};
+
+std::array<double, 8> answer_of(const Command& c) {
+  return {c.attitude.roll, c.attitude.pitch, c.attitude.yaw, c.attitude.thrust,
+          c.motors[0],     c.motors[1],      c.motors[2],    c.motors[3]};
+}
+
+Trace flown(const RaceConfig& race) {
+  Trace trace;
+  trace.result = fly(race, [&](const Tick& tick) {
+    trace.answers.push_back(answer_of(tick.command));
+    trace.sensors.push_back(tick.sensors);
+    if (!tick.frame.empty()) trace.frames.emplace_back(tick.frame.begin(), tick.frame.end());
+    return true;
+  });
+  return trace;
+}
+
+bool same_bytes(const std::vector<std::array<double, 8>>& a, const std::vector<std::array<double, 8>>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+}
+
+TEST(Race, FinishesALapOfTheOval) {
+  const Trace trace = flown(race_on("oval", 1001, 1));
+  EXPECT_TRUE(trace.result.finished) << trace.result.stop_reason << ' ' << trace.result.crash_object;
+  EXPECT_EQ(trace.result.gates_passed, 2);
+  EXPECT_GT(trace.result.mean_speed, 1.3);
+  EXPECT_GT(trace.result.true_positives, 20);
+}
+
+TEST(Race, FinishesALapOfTheShowroom) {
+  const RaceResult result = fly(race_on("showroom", 1002, 1), {});
+  EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
+  EXPECT_EQ(result.gates_passed, 5);
+}
+
+TEST(Race, SameSeedSameBytes) {
+  const RaceConfig race = race_on("oval", 1003, 1);
+  const Trace one = flown(race), two = flown(race);
+  EXPECT_TRUE(same_bytes(one.answers, two.answers));
+  EXPECT_TRUE(one.frames == two.frames);
+  EXPECT_EQ(one.result.race_time, two.result.race_time);
+  EXPECT_EQ(one.result.estimation_rmse, two.result.estimation_rmse);
+}
+
+TEST(Race, AnotherSeedIsAnotherDay) {
+  const Trace one = flown(race_on("oval", 1003, 1)), two = flown(race_on("oval", 1004, 1));
+  EXPECT_FALSE(one.frames == two.frames);
+}
+
+TEST(Race, ThePilotsStepAllocatesNothing) {
+  RaceConfig race = race_on("oval", 1005, 1);
+  race.allocations = [] { return g_allocations.load(); };
+  const RaceResult result = fly(race, {});
+  EXPECT_GT(result.frames, 100);
+  EXPECT_EQ(result.step_allocations, 0u);
+}
+
+// The simulator keeps truths that no sensor shows: what the referee measures with, what the world is
+// called, when the race is timed out. None of them may reach the pilot.
+TEST(Race, TruthThatNoSensorShowsDoesNotReachThePilot) {
+  RaceConfig race = race_on("oval", 1006, 1);
+  const Trace before = flown(race);
+  race.sim.vehicle.propeller_radius = 0.01;  // the referee's
+  race.timeout = 300.0;
+  race.sim.bake_threads = 1;
+  const Trace after = flown(race);
+  EXPECT_TRUE(same_bytes(before.answers, after.answers));
+}
+
+// The sharper form: the recorded sensors alone, given to a pilot that lives in no simulator at all.
+TEST(Race, ThePilotsAnswersFollowFromItsSensorsAlone) {
+  const RaceConfig race = race_on("oval", 1007, 1);
+  const Trace trace = flown(race);
+  Pilot pilot{race.pilot};
+  std::size_t frame = 0;
+  std::vector<std::array<double, 8>> answers;
+  for (Sensors sensors : trace.sensors) {
+    if (sensors.image)
+      sensors.image = Image{trace.frames[frame++].data(), PixelFormat::kUyvy, race.sim.camera.stored_width,
+                            race.sim.camera.stored_height, 90};
+    answers.push_back(answer_of(pilot.step(sensors)));
+  }
+  EXPECT_TRUE(same_bytes(trace.answers, answers));
+}
+
+TEST(Race, BlindfoldedThePilotLooksForTheGateAndThenGivesUpWithAReason) {
+  RaceConfig race = race_on("oval", 1001, 1);
+  race.pilot.color = {0, 0, 0, 0, 0, 0, 0};  // sees no colour at all
+  race.pilot.phase.search_timeout = 3.0;
+  const RaceResult result = fly(race, {});
+  EXPECT_FALSE(result.finished);
+  EXPECT_EQ(result.stop_reason, "abort");
+  EXPECT_EQ(result.abort_reason, "the next gate was not found");
+}
+
+}  // namespace
+}  // namespace gatefly::closed_loop

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Fails when a file includes a folder that its own CMakeLists.txt does not list in DEPENDS, when flight
+code includes anything but Eigen and the standard library, or when the simulator knows the pilot."""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
+SOURCE = ROOT / "src" / "gatefly"
+OURS = re.compile(r'\s*#\s*include\s+"gatefly/(\w+)/')
+SYSTEM = re.compile(r"\s*#\s*include\s+<([^>]+)>")
+QUOTED = re.compile(r'\s*#\s*include\s+"([^"]+)"')
+DEPENDS = re.compile(r"gatefly::(\w+)")
+FLIGHT = {"geometry", "sensing", "detection", "pose", "estimation", "control", "race"}
+FORBIDDEN = {"sim": {"detection", "pose", "estimation", "control", "race", "closed_loop", "io"}}
+# Clocks, files, threads and hidden randomness have no place in the flight code; <chrono> is for durations.
+HIDDEN = re.compile(r"system_clock|steady_clock|std::rand\b|(^|[;{)])\s*throw\b(?! std::invalid_argument)")
+BANNED = {"random", "thread", "mutex", "fstream", "iostream", "ctime", "cstdio", "filesystem"}
+
+
+def violations():
+    for cmake in sorted(SOURCE.glob("*/CMakeLists.txt")):
+        folder = cmake.parent.name
+        allowed = set(DEPENDS.findall(cmake.read_text())) | {folder}
+        if folder in FLIGHT and not allowed <= FLIGHT:
+            yield f"{cmake}: flight code may not depend on {sorted(allowed - FLIGHT)}"
+        if allowed & FORBIDDEN.get(folder, set()):
+            yield f"{cmake}: {folder} may not depend on {sorted(allowed & FORBIDDEN[folder])}"
+        for source in sorted(cmake.parent.rglob("*.[ch]pp")):
+            for number, line in enumerate(source.read_text().splitlines(), 1):
+                where = f"{source}:{number}"
+                ours, system, quoted = OURS.match(line), SYSTEM.match(line), QUOTED.match(line)
+                if ours and ours[1] not in allowed:
+                    yield f"{where}: {folder} may not include {ours[1]}"
+                if quoted and not ours:
+                    yield f'{where}: includes are written "gatefly/<folder>/<file>.hpp"'
+                if folder in FLIGHT and system:
+                    if "/" in system[1] and not system[1].startswith("Eigen/"):
+                        yield f"{where}: flight code includes <{system[1]}>; Eigen only"
+                    if system[1].endswith(".h") or system[1] in BANNED:
+                        yield f"{where}: flight code includes <{system[1]}>"
+                if folder in FLIGHT and HIDDEN.search(line):
+                    yield f"{where}: no clock, no hidden randomness, nothing thrown but std::invalid_argument"
+
+
+found = list(violations())
+print("\n".join(found) or "layers: ok")
+sys.exit(bool(found))
