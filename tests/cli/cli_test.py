@@ -53,7 +53,7 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "replay", "config"):
+        for command in ("fly", "config"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -159,7 +159,7 @@ class Configuration(Cli):
         self.assertEqual(json.loads(result.stdout)["camera"]["tilt_deg"], 12.5)
 
     def test_wrong_set_key_suggests_the_nearest(self):
-        for command in ("fly", "replay", "config"):
+        for command in ("fly", "config"):
             error = self.refused(command, "--set", "camera.tlit_deg=3")
             self.assertIn("--set: camera.tlit_deg", error)
             self.assertIn("'camera.tilt_deg'", error)

@@ -15,7 +15,7 @@ namespace gatefly {
 struct VehicleParams {
   double mass = 0.42;                                ///< [kg] Bebop 1 with guards.
   Eigen::Vector3d inertia{0.0021, 0.0020, 0.0035};   ///< Diagonal, body axes [kg m²]. [ours: box model]
-  double arm_x = 0.088, arm_y = 0.114;               ///< Rotor distance from the centre along x, y [m].
+  double arm_x = 0.112, arm_y = 0.095;               ///< Rotor distance from the centre along x, y [m].
   double thrust_coefficient = 1.72e-6;               ///< Thrust / speed² [N/(rad/s)²]: hovers at 7,380 rpm.
   double torque_coefficient = 0.016;                 ///< Yaw torque / thrust [m].
   double min_speed = 150.0, max_speed = 1250.0;      ///< Of a rotor [rad/s].

@@ -7,44 +7,10 @@
 
 #include "gatefly/detection/color_mask.hpp"
 #include "gatefly/detection/outline.hpp"
+#include "gatefly/detection/snake.hpp"
 
 namespace gatefly {
 namespace {
-
-struct Pixel {
-  int u, v;
-};
-
-double distance(Pixel a, Pixel b) {
-  const double du = a.u - b.u, dv = a.v - b.v;
-  return std::sqrt(du * du + dv * dv);
-}
-
-// One branch of Algorithm 2, for any direction: ahead, ahead and to one side, ahead and to the other;
-// over a hole of one pixel as well [2018 flight code]. Ends at the border at the latest.
-Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv) {
-  const int side_u = dv != 0 ? 1 : 0, side_v = du != 0 ? 1 : 0;
-  for (;;) {
-    if (is_gate(p.u + du, p.v + dv)) {
-      p = {p.u + du, p.v + dv};
-    } else if (is_gate(p.u + du - side_u, p.v + dv - side_v)) {
-      p = {p.u + du - side_u, p.v + dv - side_v};
-    } else if (is_gate(p.u + du + side_u, p.v + dv + side_v)) {
-      p = {p.u + du + side_u, p.v + dv + side_v};
-    } else if (is_gate(p.u + 2 * du, p.v + 2 * dv)) {
-      p = {p.u + 2 * du, p.v + 2 * dv};
-    } else {
-      return p;
-    }
-  }
-}
-
-// The farther end of the bar that leaves `start` to the left or to the right.
-Pixel search_horizontal(const ColorMask& is_gate, Pixel start) {
-  const Pixel left = snake(is_gate, start, -1, 0);
-  const Pixel right = snake(is_gate, start, +1, 0);
-  return distance(start, left) > distance(start, right) ? left : right;
-}
 
 Eigen::Vector2d vector_of(Pixel p) { return {p.u, p.v}; }
 
@@ -132,10 +98,15 @@ bool explained(const GateDetections& found, Pixel p) {
 
 namespace {
 
+// A picture full of the colour must not cost more than one with a gate. [ours: these see all real ones]
+struct Budget {
+  int snakes = 500, checks = 60;
+};
+
 // One pass of Algorithm 1 over the picture at one saturation level.
-void search(const ColorMask& is_gate, const SnakeGateParams& params, Rng& rng, GateDetections& found) {
-  // A picture full of the colour must not cost more than one with a gate. [ours: these see all real ones]
-  int snakes_left = 150, checks_left = 40;
+void search(const ColorMask& is_gate, const SnakeGateParams& params, Rng& rng, GateDetections& found, Budget& left) {
+  int snakes_left = std::min(150, left.snakes), checks_left = std::min(30, left.checks);
+  left.snakes -= snakes_left, left.checks -= checks_left;
   const auto try_quad = [&](const Quad& rough) {
     if (checks_left-- <= 0) return;
     if (const auto gate = checked(is_gate, rough, params)) insert(found, *gate);
@@ -159,6 +130,7 @@ void search(const ColorMask& is_gate, const SnakeGateParams& params, Rng& rng, G
     if (top && bottom)
       try_quad(clockwise_from_top_left({vector_of(P1), vector_of(P3), vector_of(P4), vector_of(P2)}));
   }
+  left.snakes += std::max(0, snakes_left), left.checks += std::max(0, checks_left);
 }
 
 }  // namespace
@@ -167,10 +139,11 @@ GateDetections detect_gates(const Image& image, const ColorRange& color,
                             const SnakeGateParams& params, Rng& rng) {
   GateDetections found;
   if (image.empty()) return found;
+  Budget budget;
   for (const int level : params.chroma_levels) {
     ColorRange range = color;
     range.min_chroma = std::max(color.min_chroma, level);
-    search(ColorMask{image, range}, params, rng, found);
+    search(ColorMask{image, range}, params, rng, found, budget);
     sort_best_first(found);
     if (!found.empty() && found[0].color_fitness >= params.sure_fitness) break;
     if (level <= color.min_chroma) break;

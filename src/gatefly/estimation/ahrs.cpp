@@ -56,6 +56,7 @@ void Ahrs::update(const Imu& imu, const Eigen::Vector3d& accel_B, const Eigen::V
 
   // Heading filter: ψ̇ error = −bias error.
   P_(0, 0) += dt * (-2.0 * P_(0, 1) + dt * P_(1, 1)) + params_.heading_process * params_.heading_process * dt;
+  P_(0, 0) += 2.0 * std::sqrt(P_(0, 0)) * params_.scale_sigma * std::abs(rate_B_.z()) * dt;
   P_(0, 1) -= dt * P_(1, 1);
   P_(1, 0) = P_(0, 1);
   P_(1, 1) += params_.bias_process * params_.bias_process * dt;

@@ -16,7 +16,8 @@ struct AhrsParams {
   double rest_gyro = 0.15;        ///< Below this rate, low-passed, the drone may be at rest [rad/s]. [ours]
   double rest_accel = 1.0;        ///< Below this deviation from g it may be at rest [m/s²]. [ours]
   double gravity = 9.81;          ///< [m/s²]
-  double heading_process = 2e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
+  double heading_process = 4e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
+  double scale_sigma = 0.01;      ///< Of the yaw gyro's scale: its error grows with the angle turned. [ours]
   double bias_process = 2e-4;     ///< The same for the yaw gyro's bias [rad/s/√s]. [ours]
   double start_heading_sigma = 0.06;  ///< How well the pad's heading is known [rad]. [ours: 3°]
 };

@@ -36,11 +36,16 @@ class Altimeter {
     const double baro = baro_ - drift_;
     const bool like_baro = !has_baro_ || (height - baro < params_.max_disagreement && baro - height < params_.max_disagreement);
     const bool like_filter = step > -params_.max_step && step < 2.0 * params_.max_step;
+    if (!has_echo_) last_good_ = time;
+    has_echo_ = true;
     if (!like_baro || (!like_filter && time - last_good_ < params_.lost_after)) return std::nullopt;
     if (has_baro_ && like_filter) drift_ += (baro_ - height - drift_) * 0.05 / params_.drift_time;  // 20 Hz
     last_good_ = time;
     return Height{height, params_.sonar_sigma};
   }
+
+  /// The drone rose by `meters`, says the filter: the smoothed barometer need not lag behind a climb.
+  void climb(double meters) { baro_ += meters; }
 
   /// @param height  barometric, above the pad [m].
   std::optional<Height> baro(double height, double time) {
@@ -57,7 +62,7 @@ class Altimeter {
 
  private:
   AltimeterParams params_;
-  bool has_baro_ = false;
+  bool has_baro_ = false, has_echo_ = false;
   double baro_ = 0.0, baro_at_ = 0.0, drift_ = 0.0, last_good_ = 0.0;
 };
 

@@ -47,6 +47,9 @@ class DragFilter {
   /// Squared Mahalanobis distance of a fix.
   [[nodiscard]] double distance2(const Fix& fix, const Eigen::Vector3d& moved) const;
 
+  /// More doubt about the position on the floor plan [m²].
+  void doubt(const Eigen::Matrix2d& covariance) { P_.topLeftCorner<2, 2>() += covariance; }
+
   /// Goes over to another gate's frame: p' = R p + offset; `map_sigma` is how well the map knows the one
   /// gate relative to the other [m].
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double map_sigma);

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/pose/ray_intersection.hpp"
 
 namespace gatefly {
@@ -82,33 +84,49 @@ std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::arr
   return YawError{yaw * measured / posterior, measured, cost / 4.0};
 }
 
-}  // namespace
 
-std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
-                                    const CameraRig& rig, const PoseParams& params) {
-  const auto corners = corners_G(side);
-  std::array<Ray, 4> rays;
-  std::array<double, 4> sigma{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto bearing_C = rig.lens.bearing(outer_corners_px[i]);  // Eq. (5)
+struct Sights {
+  FixedList<Ray, 4> rays;
+  FixedList<double, 4> sigma;  ///< Across each ray [rad].
+};
+
+// Lines of sight to gate corners; nullopt when one is outside the lens.
+std::optional<Sights> sights_to(std::span<const Eigen::Vector2d> px, std::span<const Eigen::Vector3d> corners,
+                                const RotationGB& R_GB, const CameraRig& rig, const PoseParams& params) {
+  Sights sights;
+  for (std::size_t i = 0; i < px.size(); ++i) {
+    const auto bearing_C = rig.lens.bearing(px[i]);  // Eq. (5)
     if (!bearing_C) return std::nullopt;
-    rays[i] = {corners[i], R_GB * (rig.R_BC * *bearing_C)};  // Eq. (6)
-    sigma[i] = params.corner_sigma_px * radians_per_px(rig, outer_corners_px[i], *bearing_C);
+    sights.rays.push_back({corners[i], R_GB * (rig.R_BC * *bearing_C)});  // Eq. (6)
+    sights.sigma.push_back(params.corner_sigma_px * radians_per_px(rig, px[i], *bearing_C));
   }
-  const auto camera_G = nearest_point(rays);  // Eq. (9)
+  return sights;
+}
+
+struct Intersection {
+  Fix fix;
+  Eigen::Vector3d camera_G;
+  double misfit;  ///< Mean squared miss of the rays in units of their noise.
+};
+
+// Eq. (9) with its covariance; nullopt when the rays do not meet before the gate.
+std::optional<Intersection> intersection_of(const Sights& sights, const RotationGB& R_GB, const CameraRig& rig,
+                                            const PoseParams& params) {
+  const auto camera_G = nearest_point({sights.rays.begin(), sights.rays.size()});
   if (!camera_G) return std::nullopt;
 
   // Noise of each ray, propagated through A t = b: δt = A⁻¹ Σ d_i δv_i.
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d& v = rays[i].direction;
+  double cost = 0.0;
+  for (std::size_t i = 0; i < sights.rays.size(); ++i) {
+    const Eigen::Vector3d& v = sights.rays[i].direction;
     const Eigen::Matrix3d N = Eigen::Matrix3d::Identity() - v * v.transpose();
-    const Eigen::Vector3d to_corner = rays[i].point - *camera_G;
-    const double d = to_corner.norm();
+    const Eigen::Vector3d to_corner = sights.rays[i].point - *camera_G;
+    const double variance = to_corner.squaredNorm() * sights.sigma[i] * sights.sigma[i];
     A += N;
-    B += d * d * sigma[i] * sigma[i] * N;
+    B += variance * N;
+    cost += (N * to_corner).squaredNorm() / variance;
   }
-
   Fix fix;
   fix.p_GB = *camera_G - R_GB * rig.p_BC;
   const Eigen::Matrix3d A_inverse = A.inverse();
@@ -116,14 +134,39 @@ std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const Rotation
   if (fix.p_GB.x() > 0.0 || std::abs(fix.p_GB.y()) > params.max_lateral ||
       fix.p_GB.norm() > params.max_distance || !fix.covariance.allFinite())
     return std::nullopt;
-  const auto yaw = yaw_error(rays, sigma, *camera_G);
+  return Intersection{fix, *camera_G, cost / static_cast<double>(2 * sights.rays.size() - 3)};
+}
+
+}  // namespace
+
+std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
+                                    const CameraRig& rig, const PoseParams& params) {
+  const auto sights = sights_to(outer_corners_px, corners_G(side), R_GB, rig, params);
+  if (!sights) return std::nullopt;
+  auto met = intersection_of(*sights, R_GB, rig, params);
+  if (!met) return std::nullopt;
+  const auto yaw = yaw_error({sights->rays[0], sights->rays[1], sights->rays[2], sights->rays[3]},
+                             {sights->sigma[0], sights->sigma[1], sights->sigma[2], sights->sigma[3]}, met->camera_G);
   // Four corners that no square could have drawn, whatever the heading, are a wrong detection.
   if (!yaw || yaw->misfit > params.max_misfit) return std::nullopt;
   if (yaw->variance < 0.5) {  // beyond 40° it says nothing
-    fix.yaw_error = yaw->value;
-    fix.yaw_variance = yaw->variance;
+    met->fix.yaw_error = yaw->value;
+    met->fix.yaw_variance = yaw->variance;
   }
-  return fix;
+  return met->fix;
+}
+
+std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB, double side,
+                                          const CameraRig& rig, const PoseParams& params) {
+  const auto corners = corners_G(side);
+  const std::array<Eigen::Vector2d, 2> px{gate.bottom_left_px, gate.bottom_right_px};
+  const std::array<Eigen::Vector3d, 2> lower{corners[3], corners[2]};
+  const auto sights = sights_to(px, lower, R_GB, rig, params);
+  if (!sights) return std::nullopt;
+  const auto met = intersection_of(*sights, R_GB, rig, params);
+  // One degree of freedom is left to doubt with: roll, and how level the gate stands.
+  if (!met || met->misfit > 4.0 * params.max_misfit) return std::nullopt;
+  return met->fix;
 }
 
 std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, double bar_distance,

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/gate_bars.hpp"
+#include "gatefly/detection/open_gate.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/frames.hpp"
 #include "gatefly/sensing/camera.hpp"
@@ -51,6 +52,11 @@ struct Fix {
 [[nodiscard]] std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB,
                                                   double side, const CameraRig& rig,
                                                   const PoseParams& params);
+
+/// Position from the two lower corners of a gate that is cut off above; no heading. Ours.
+[[nodiscard]] std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB,
+                                                        double side, const CameraRig& rig,
+                                                        const PoseParams& params);
 
 /// Position across and before the gate from its two side bars. Li18 Eq. (10), corrected.
 ///

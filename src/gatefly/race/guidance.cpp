@@ -99,7 +99,10 @@ double Pilot::forward_speed() const { return velocity_.v_B().x(); }
 // As fast as wanted, slower ahead of and in an arc.
 double Pilot::wanted_speed() const {
   double speed = config_.plan.speed;
-  const double reach = config_.speed.brake_lead * std::max(0.5, forward_speed());
+  const double x = filter_.position().x();
+  const bool unsure = time_ - last_fix_ > 0.6 && filter_.covariance()(drag_model::kY, drag_model::kY) > 0.04;
+  if (unsure && x > -config_.speed.unsure_before && x < 0.0) speed = std::min(speed, config_.speed.unsure);
+  const double reach = config_.speed.brake_lead * std::clamp(forward_speed(), 0.5, 6.0);
   for (double ahead = 0.0; ahead <= reach; ahead += 0.2) {
     const double curvature = std::abs(path().at(progress_ + ahead).curvature);
     if (curvature > 0.0) speed = std::min(speed, std::sqrt(config_.plan.max_lateral / curvature));

@@ -7,8 +7,11 @@ namespace gatefly {
 namespace {
 
 bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
-  return now.gate_x > -params.search_before && now.gate_x < -0.5 && now.since_fix > 0.4 &&
-         now.lateral_sigma > params.max_lateral_sigma;
+  if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
+  const bool unseen = now.since_fix > 0.4 && now.lateral_sigma > params.max_lateral_sigma;
+  // A late detection that leaves no room is a reason to go around, too.
+  const bool off_axis = std::abs(now.gate_y_ahead) > params.max_miss;
+  return unseen || off_axis;
 }
 
 bool gate_found_again(const Situation& now, const PhaseParams& params) {
@@ -61,9 +64,10 @@ bool is_flying(const Phase& phase) {
 }  // namespace
 
 Transition next_phase(const Phase& phase, const Situation& now, const PhaseParams& params) {
+  const bool motors_on = is_flying(phase) || std::holds_alternative<Land>(phase);
+  if (motors_on && now.tilt > params.max_tilt) return {Landed{}, AbortReason::kUpset};
   if (is_flying(phase)) {
     if (now.since_imu > params.imu_timeout) return {Land{now.time}, AbortReason::kSensorsLost};
-    if (now.tilt > params.max_tilt) return {Landed{}, AbortReason::kUpset};
     if (now.course_done) return {Land{now.time}};
   }
   return std::visit(Next{now, params}, phase);

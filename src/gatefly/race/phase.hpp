@@ -48,6 +48,7 @@ struct Situation {
   bool turn_ahead = false;       ///< The path curves at the look-ahead point.
   double gate_x = -10.0;         ///< Along the gate's axis, negative before it [m].
   double gate_y = 0.0;           ///< To the right of the axis [m].
+  double gate_y_ahead = 0.0;     ///< What gate_y will be in the gate's plane [m].
   double lateral_sigma = 0.0;    ///< Of gate_y [m].
   double speed = 0.0;            ///< [m/s]
   double since_fix = 0.0;        ///< Since a sighting of the target was accepted [s].
@@ -59,8 +60,10 @@ struct PhaseParams {
   int rest_samples = 768;           ///< 1.5 s at 512 Hz. [ours]
   double go_height = 0.7;           ///< Start forward flight above this [m]. [ours]
   double climb_timeout = 6.0;       ///< [s]
-  double search_before = 1.3;       ///< Decide this far before the gate [m]; 1 m stops 1.7 m/s. [ours]
+  double search_before = 1.6;       ///< Decide between here ...  [m] [ours]
+  double search_until = 0.9;        ///< ... and here before the gate: 1 m stops 1.7 m/s [m]. [ours]
   double max_lateral_sigma = 0.22;  ///< More doubt than this about y: no pass. [ours: opening 0.9, body 0.38]
+  double max_miss = 0.20;           ///< Expected farther off the axis than this: go around. [ours: 0.27 touches]
   double search_timeout = 15.0;     ///< [s]
   double max_tilt = 1.2;            ///< Beyond it the flight is lost [rad].
   double imu_timeout = 0.2;         ///< [s]

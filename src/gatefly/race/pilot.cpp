@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
@@ -12,8 +14,15 @@ namespace {
 
 constexpr double kImuHz = 512.0;
 constexpr double kAccelCutoffHz = 20.0;  // [Li18 flight code]
+constexpr double kBlind = 1.0;           // without a fix for this long, a leg was flown blind [s]
+constexpr double kOpenGateFrom = 3.5;    // nearer than this the upper bar may be cut off [m]
+constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
 
-bool is_finite(const Imu& imu) { return imu.gyro_B.allFinite() && imu.accel_B.allFinite(); }
+// Beyond any MEMS range a number is as broken as NaN, and would become one inside.
+bool is_usable(const Imu& imu) {
+  return imu.gyro_B.allFinite() && imu.accel_B.allFinite() && imu.gyro_B.cwiseAbs().maxCoeff() < 100.0 &&
+         imu.accel_B.cwiseAbs().maxCoeff() < 400.0;
+}
 
 }  // namespace
 
@@ -78,7 +87,7 @@ double Pilot::advance_clock(std::chrono::nanoseconds time) {
 }
 
 void Pilot::sense(const Imu& imu, double dt) {
-  if (!is_finite(imu)) return;  // the last input goes on; next_phase() sees how long
+  if (!is_usable(imu)) return;  // the last input goes on; next_phase() sees how long
   last_imu_ = time_;
   if (dt <= 0.0) return;
   if (std::holds_alternative<OnGround>(phase_)) {
@@ -105,7 +114,9 @@ void Pilot::estimate_motion(double dt) {
 
   // Dead reckoning, never corrected: how far the drone moved between two moments.
   const Eigen::Matrix3d R_EB = ahrs_.R_EB().matrix;
-  odometry_E_ += dt * (R_EB * velocity_.v_B());
+  const Eigen::Vector3d moved_E = dt * (R_EB * velocity_.v_B());
+  odometry_E_ += moved_E;
+  altimeter_.climb(-moved_E.z());
   history_[history_count_ % history_.size()] = {time_, R_EB, odometry_E_};
   ++history_count_;
 }
@@ -116,9 +127,9 @@ void Pilot::measure_height(const Sensors& sensors) {
   const auto fuse = [&](const std::optional<Height>& height) {
     if (height) (void)filter_.correct_altitude(floor_z - height->value, height->sigma);
   };
-  if (sensors.baro && std::isfinite(*sensors.baro)) fuse(altimeter_.baro(*sensors.baro, time_));
+  if (sensors.baro && std::abs(*sensors.baro) < 1000.0) fuse(altimeter_.baro(*sensors.baro, time_));
   const double upright = ahrs_.R_EB().matrix(2, 2);
-  if (sensors.sonar && std::isfinite(*sensors.sonar) && *sensors.sonar > 0.0 && upright > 0.85)
+  if (sensors.sonar && *sensors.sonar > 0.0 && *sensors.sonar < 100.0 && upright > 0.85)
     fuse(altimeter_.sonar(*sensors.sonar * upright, -p_EB().z(), time_));
 }
 
@@ -155,13 +166,15 @@ void Pilot::look(const Image& image) {
   sighting_.seen = !sighting_.detections.empty();
   last_corners_.reset();
 
+  doubt_heading_after_blind_leg();
+
   // The candidate that fits best to where the gate should be.
   int best = -1;
   double best_distance2 = 1e9;
   for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
     const GateDetection& candidate = sighting_.detections[i];
     const Past then = past(capture_time(center(candidate.corners_px).x()));
-    const auto fix = fix_from_corners(candidate.corners_px, R_GB(then.R_EB), gate().side, config_.camera, config_.pose);
+    const auto fix = fix_of(candidate, then);
     if (!fix) continue;
     const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
     const double distance2 = filter_.distance2(*fix, moved);
@@ -171,32 +184,93 @@ void Pilot::look(const Image& image) {
     const GateDetection& chosen = sighting_.detections[static_cast<std::size_t>(best)];
     if (correct_with(chosen)) {
       sighting_.used = best;
-      sighting_.source = Sighting::Source::kCorners;
       last_corners_ = chosen.corners_px;
     }
   }
-  if (sighting_.source == Sighting::Source::kNone && filter_.position().x() > -config_.pose.max_bars_distance && filter_.position().x() < 0.0) {
+  // Near the gate parts of it are enough: the lower corners, then the side bars.
+  const double x = filter_.position().x();
+  if (sighting_.source == Sighting::Source::kNone && x > -kOpenGateFrom && x < 0.0) {
+    sighting_.open = detect_open_gate(image, config_.color, config_.snake, rng_);
+    if (sighting_.open) correct_with_lower_corners(*sighting_.open);
+  }
+  if (sighting_.source == Sighting::Source::kNone && x > -config_.pose.max_bars_distance && x < 0.0) {
     sighting_.bars = detect_bars(image, config_.color, config_.bars);
     if (sighting_.bars) correct_with_bars(*sighting_.bars);
   }
 }
 
+void Pilot::accept_fix(Sighting::Source source) {
+  last_fix_ = time_;
+  heading_doubt_ = 0.0;
+  anchor_E_ = p_EB();
+  sighting_.source = source;
+}
+
+std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) const {
+  return fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
+}
+
+PoseParams Pilot::pose_params() const {
+  PoseParams params = config_.pose;
+  const double heading = ahrs_.heading_sigma();
+  params.heading_sigma = std::sqrt(heading * heading + config_.gate_yaw_sigma * config_.gate_yaw_sigma);
+  return params;
+}
+
+void Pilot::correct_heading(double error, double variance) {
+  const double before = ahrs_.attitude().yaw;
+  ahrs_.correct_heading(error, variance);
+  // The past was off by as much.
+  const Eigen::Matrix3d turn = rotation_z(wrap_angle(ahrs_.attitude().yaw - before));
+  for (auto& moment : history_) moment.R_EB = turn * moment.R_EB;
+}
+
+// A leg flown blind on a heading that is off by δ ends δ ẑ × p₀ beside where it should, p₀ being where it
+// began, seen from the next gate. Before the gate comes into view that belongs into the covariance ...
+void Pilot::doubt_heading_after_blind_leg() {
+  if (heading_doubt_ > 0.0 || time_ - last_fix_ < kBlind || last_fix_ < 0.0) return;
+  const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
+  const Eigen::Vector2d n{-p0.y(), p0.x()};
+  heading_doubt_ = ahrs_.heading_sigma() * ahrs_.heading_sigma();
+  filter_.doubt(heading_doubt_ * n * n.transpose());
+}
+
+// ... and when it does, the difference tells δ: the update of the state the filter does not carry.
+void Pilot::learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved) {
+  const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
+  const Eigen::Vector2d n{-p0.y(), p0.x()};
+  if (n.norm() < kLongLeg) return;
+  const Eigen::Vector2d difference = (fix.p_GB + moved - filter_.position()).head<2>();
+  const Eigen::Matrix2d S = filter_.covariance().topLeftCorner<2, 2>() - heading_doubt_ * n * n.transpose() +
+                            fix.covariance.topLeftCorner<2, 2>();
+  const Eigen::Vector2d w = S.inverse() * n;
+  const double information = w.dot(n);
+  if (!(information > 0.0)) return;
+  correct_heading(-w.dot(difference) / information, 1.0 / information);
+}
+
 bool Pilot::correct_with(const GateDetection& seen) {
-  const Past then = past(capture_time(center(seen.corners_px).x()));
-  const auto fix = fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, config_.pose);
+  Past then = past(capture_time(center(seen.corners_px).x()));
+  auto fix = fix_of(seen, then);
   if (!fix) return false;
   const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
+  const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
+  if (heading_doubt_ > 0.0 && filter_.distance2(*fix, moved) < limit) {
+    learn_heading_from_leg(*fix, moved);
+    then = past(then.time);
+    fix = fix_of(seen, then);
+    if (!fix) return false;
+  }
   if (filter_.correct(*fix, moved) == Fusion::kRefused) {
     // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
-    if (!belongs_to_another_gate(seen))
-      filter_.change_frame(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), 0.10);
+    if (!belongs_to_another_gate(seen)) filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
     return false;
   }
-  last_fix_ = time_;
+  accept_fix(Sighting::Source::kCorners);
   if (fix->yaw_error) {
     const double gate_yaw = config_.gate_yaw_sigma;
     // Neighbouring pictures share their errors: each counts as a third.
-    ahrs_.correct_heading(*fix->yaw_error, 3.0 * (fix->yaw_variance + gate_yaw * gate_yaw));
+    correct_heading(*fix->yaw_error, 3.0 * (fix->yaw_variance + gate_yaw * gate_yaw));
   }
   return true;
 }
@@ -215,15 +289,20 @@ bool Pilot::belongs_to_another_gate(const GateDetection& seen) const {
   return false;
 }
 
-void Pilot::correct_with_bars(const GateBars& bars) {
-  const Past then = past(capture_time(0.5 * (bars.left_px.x() + bars.right_px.x())));
-  const auto fix = fix_from_bars(bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, config_.pose);
+void Pilot::correct_with_lower_corners(const OpenGate& seen) {
+  const Past then = past(capture_time(0.5 * (seen.bottom_left_px.x() + seen.bottom_right_px.x())));
+  const auto fix = fix_from_lower_corners(seen, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
   if (!fix) return;
   const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  if (filter_.correct(*fix, moved) == Fusion::kAccepted) {
-    last_fix_ = time_;
-    sighting_.source = Sighting::Source::kBars;
-  }
+  if (filter_.correct(*fix, moved) == Fusion::kAccepted) accept_fix(Sighting::Source::kCorners);
+}
+
+void Pilot::correct_with_bars(const GateBars& bars) {
+  const Past then = past(capture_time(0.5 * (bars.left_px.x() + bars.right_px.x())));
+  const auto fix = fix_from_bars(bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, pose_params());
+  if (!fix) return;
+  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
+  if (filter_.correct(*fix, moved) == Fusion::kAccepted) accept_fix(Sighting::Source::kBars);
 }
 
 const Path& Pilot::path() const {
@@ -255,6 +334,17 @@ void Pilot::pass_gate() {
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - to.yaw_EG);
 }
 
+// Where the lateral PD will have brought the drone when it reaches the gate: a critically damped decay
+// that starts after the roll's lag.
+double Pilot::lateral_at_gate() const {
+  const double speed = std::max(0.5, forward_speed());
+  const double t = std::max(0.0, -filter_.position().x() / speed - 1.5 * config_.speed.roll_lead);
+  const double wt = std::sqrt(config_.lateral.kp * config_.filter.model.gravity) * t;
+  const double decay = 1.0 / (1.0 + wt + 0.5 * wt * wt + wt * wt * wt / 6.0);  // e^-wt, from its series
+  const double v_y = (R_GB(ahrs_.R_EB().matrix) * velocity_.v_B()).y();
+  return (1.0 + wt) * decay * filter_.position().y() + t * decay * v_y;
+}
+
 Situation Pilot::situation() const {
   Situation now;
   now.time = time_;
@@ -265,6 +355,7 @@ Situation Pilot::situation() const {
   now.gate_y = filter_.position().y();
   now.lateral_sigma = std::sqrt(filter_.covariance()(drag_model::kY, drag_model::kY));
   now.speed = velocity_.v_B().head<2>().norm();
+  now.gate_y_ahead = lateral_at_gate();
   now.turn_ahead = !finished() && path().at(progress_ + config_.speed.roll_lead * std::max(0.0, forward_speed())).curvature != 0.0;
   now.since_fix = time_ - last_fix_;
   now.since_imu = time_ - last_imu_;

@@ -48,6 +48,8 @@ struct SpeedParams {
   double min_pitch = -12.0 * kDegree;    ///< As nose up: braking.
   double roll_lead = 0.16;               ///< Roll starts this long before the curve [s]: INDI's lag. [ours]
   double brake_lead = 0.7;               ///< Slow down this long before the curve [s]. [ours]
+  double unsure = 1.1;                   ///< Towards a gate that has not been seen from here [m/s]. [ours]
+  double unsure_before = 3.0;            ///< ... once it is nearer than this [m]. [ours]
 };
 
 struct CameraTiming {
@@ -92,12 +94,13 @@ struct Estimate {
 
 /// What became of the last picture.
 struct Sighting {
-  enum class Source { kNone, kCorners, kBars };
+  enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or the two lower ones.
   bool seen = false;                  ///< At least one gate was detected.
   GateDetections detections;          ///< Best first; the one that was used is `used`.
   int used = -1;                      ///< Index into detections; -1 when none (or bars).
   Source source = Source::kNone;      ///< What corrected the filter, if anything did.
   std::optional<GateBars> bars;
+  std::optional<OpenGate> open;       ///< Looked for when no whole gate was of use.
 };
 
 /// The drone's mind: sensors in, motor commands out. One object, no threads, no clock.
@@ -130,8 +133,14 @@ class Pilot {
   void estimate_motion(double dt);
   void measure_height(const Sensors& sensors);
   void look(const Image& image);
+  void accept_fix(Sighting::Source source);
+  void doubt_heading_after_blind_leg();
+  void learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved);
+  void correct_heading(double error, double variance);
+  [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
   bool correct_with(const GateDetection& gate);
   bool belongs_to_another_gate(const GateDetection& gate) const;
+  void correct_with_lower_corners(const OpenGate& gate);
   void correct_with_bars(const GateBars& bars);
   void follow_course();
   void pass_gate();
@@ -151,6 +160,8 @@ class Pilot {
   [[nodiscard]] RotationGB R_GB(const Eigen::Matrix3d& R_EB) const;
   [[nodiscard]] Eigen::Vector3d p_EB() const;
   [[nodiscard]] double capture_time(double u_px) const;
+  [[nodiscard]] PoseParams pose_params() const;
+  [[nodiscard]] double lateral_at_gate() const;
   [[nodiscard]] double forward_speed() const;
   [[nodiscard]] double wanted_speed() const;
   [[nodiscard]] double pitch_for_speed(double speed) const;
@@ -180,6 +191,8 @@ class Pilot {
   std::size_t history_count_ = 0;
   std::optional<Quad> last_corners_;
   double image_width_ = 315.0;
+  Eigen::Vector3d anchor_E_ = Eigen::Vector3d::Zero();  ///< Where the last fix was: the blind leg began there.
+  double heading_doubt_ = 0.0;  ///< Heading variance put into the position after a blind leg [rad²]; 0: not blind.
   int target_ = 0, passed_ = 0;
   double progress_ = 0.0;  ///< Metres along path().
   double hold_x_ = -2.0;   ///< Where to wait before the gate while searching [m].

@@ -124,6 +124,8 @@ class Planner {
     constexpr std::array kRunIn{4.0, 3.0, 2.5, 2.0, 1.6, 1.3, 1.0};
     const Pose2 gate{goal.p_EG.head<2>(), goal.yaw_EG};
     std::vector<Candidate> candidates;
+    // A single gate flown again and again is the one course that needs a full circle.
+    const double most_turning = (from_is_gate && track_.gates.size() == 1 ? 2.2 : 1.6) * kPi;
     for (const double radius : kRadii) {
       if (radius < params_.min_radius) continue;
       for (const double run_out : kRunOut)
@@ -133,7 +135,7 @@ class Planner {
               const double out = from_is_gate ? run_out : run_out - 0.15;
               const Dubins word = connect(moved(from, out), moved(gate, -run_in), radius, side_1, side_2);
               if (!word.valid) continue;
-              if (word.angle_1 + word.angle_2 > 1.6 * kPi) continue;  // no loops
+              if (word.angle_1 + word.angle_2 > most_turning) continue;  // no loops
               Candidate candidate;
               Path& path = candidate.path;
               Pose2 pose = from;
@@ -206,6 +208,7 @@ class Planner {
 
 RacePlan plan_race(const Track& track, const PlanParams& params) {
   if (track.gates.empty()) throw std::invalid_argument("the track has no gates");
+  if (track.laps < 1) throw std::invalid_argument("laps = " + std::to_string(track.laps) + ", must be at least 1");
   for (std::size_t i = 0; i < track.gates.size(); ++i) {
     const MapGate& gate = track.gates[i];
     const std::string name = "gate " + std::to_string(i + 1);

@@ -25,6 +25,7 @@ Image::Image(const std::uint8_t* bytes, PixelFormat format, int stored_width, in
              int stored_rotation_deg)
     : bytes_{bytes}, format_{format}, stride_{stored_width} {
   if (bytes == nullptr || stored_width <= 0 || stored_height <= 0) return;
+  if (format == PixelFormat::kUyvy && stored_width % 2 != 0) return;  // pairs cannot be halved
   width_ = stored_width;
   height_ = stored_height;
   switch (stored_rotation_deg) {

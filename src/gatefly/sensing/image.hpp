@@ -33,6 +33,7 @@ class Image {
 
   /// @param stored_rotation_deg  0, 90, 180 or 270: how far the stored picture has to be turned
   ///                             counter-clockwise to be upright (Bebop: 90). Others act as 0.
+  /// Without bytes, with a size that is not positive, or UYVY of odd width, the view is empty.
   Image(const std::uint8_t* bytes, PixelFormat format, int stored_width, int stored_height,
         int stored_rotation_deg = 0);
 

@@ -16,8 +16,8 @@ struct VehicleTruth {
   double mass = 0.42;                               ///< [kg]
   Eigen::Vector3d inertia{0.0021, 0.0020, 0.0035};  ///< [kg m²]
   Eigen::Vector3d size{0.38, 0.33, 0.09};           ///< With propeller guards [m]. [simulation.md]
-  double arm_x = 0.088, arm_y = 0.114;              ///< Rotor distance from the centre [m].
-  double propeller_radius = 0.07;                   ///< [m]
+  double arm_x = 0.112, arm_y = 0.095;              ///< Rotor distance from the centre [m].
+  double propeller_radius = 0.065;                  ///< [m]
   double thrust_coefficient = 1.72e-6;              ///< [N/(rad/s)²]
   double torque_coefficient = 0.016;                ///< [m]
   double rotor_time_constant = 0.020;               ///< [s]
