@@ -36,17 +36,28 @@ bool has_valley_between(const Histogram& h, int a, int b) {
 }  // namespace
 
 std::optional<GateBars> detect_bars(const Image& image, const ColorRange& color,
-                                    const GateBarsParams& params) {
+                                    const GateBarsParams& params,
+                                    const std::optional<Eigen::Vector2d>& nadir_px) {
   const ColorMask is_gate{image, color};
   const int columns = std::min(image.width(), kMaxColumns);
   if (columns < 3 || image.height() < 2) return std::nullopt;
 
-  Histogram count{}, sum_v{};
+  // Where the line from straight down through a pixel cuts the middle row.
+  const double middle = 0.5 * image.height();
+  const auto column_of = [&](int u, int v) {
+    if (!nadir_px || std::abs(nadir_px->y() - v) < 0.3 * image.height()) return u;
+    const double scale = (nadir_px->y() - middle) / (nadir_px->y() - v);
+    return static_cast<int>(std::floor(nadir_px->x() + (u - nadir_px->x()) * scale + 0.5));
+  };
+  Histogram count{}, sum_u{}, sum_v{};
   for (int v = 0; v < image.height(); v += 2)
     for (int u = 0; u < columns; ++u)
       if (is_gate(u, v)) {
-        count[index(u)] += 1.0;
-        sum_v[index(u)] += v;
+        const int column = column_of(u, v);
+        if (column < 0 || column >= columns) continue;
+        count[index(column)] += 1.0;
+        sum_u[index(column)] += u;
+        sum_v[index(column)] += v;
       }
 
   Histogram smooth{};
@@ -70,7 +81,7 @@ std::optional<GateBars> detect_bars(const Image& image, const ColorRange& color,
     double n = 0, u_sum = 0, v_sum = 0;
     for (int u = std::max(0, peak - 2 * half); u <= std::min(columns - 1, peak + 2 * half); ++u) {
       n += count[index(u)];
-      u_sum += u * count[index(u)];
+      u_sum += sum_u[index(u)];
       v_sum += sum_v[index(u)];
     }
     return Eigen::Vector2d{u_sum / n, v_sum / n};

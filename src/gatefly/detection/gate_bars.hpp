@@ -24,10 +24,13 @@ struct GateBars {
 
 /// Finds the side bars as the two peaks of the column histogram. Li18 §3.1, last paragraph.
 ///
-/// Differs: every second row is counted instead of random hits, and a bar answers with the *centre* of
-/// its pixels (u and v), since a tilted camera draws upright bars slanted (deviations.md#eq-10).
+/// Differs: every second row is counted instead of random hits. A tilted camera draws upright bars
+/// slanted, all towards the image of straight down: columns are counted along those lines. A bar answers
+/// with the *centre* of its pixels, u and v (docs/paper/deviations.md#eq-10).
+/// @param nadir_px  image of straight down, outside the picture; nullopt for a level camera.
 /// @return nullopt when there are not two peaks that are high and alike enough.
 [[nodiscard]] std::optional<GateBars> detect_bars(const Image& image, const ColorRange& color,
-                                                  const GateBarsParams& params);
+                                                  const GateBarsParams& params,
+                                                  const std::optional<Eigen::Vector2d>& nadir_px = std::nullopt);
 
 }  // namespace gatefly

@@ -24,8 +24,9 @@ std::array<Eigen::Vector3d, 4> corners_G(double side) {
 
 // Angle that one pixel covers at `px` [rad].
 double radians_per_px(const CameraRig& rig, const Eigen::Vector2d& px, const Eigen::Vector3d& bearing_C) {
-  const auto beside = rig.lens.bearing(px + Eigen::Vector2d{1.0, 0.0});
-  return beside ? (*beside - bearing_C).norm() : 0.006;
+  const auto left = rig.lens.bearing(px - Eigen::Vector2d{0.5, 0.0});
+  const auto right = rig.lens.bearing(px + Eigen::Vector2d{0.5, 0.0});
+  return left && right ? (*right - *left).norm() : 0.006 * bearing_C.norm();
 }
 
 // Attitude errors turn the camera about the gate: δt = δθ × t.

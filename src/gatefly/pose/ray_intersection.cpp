@@ -26,7 +26,7 @@ std::optional<Eigen::Vector3d> nearest_point(std::span<const Ray> rays, double m
   // Eq. (9): ∂/∂t Σ D² = 0  ⇔  A t = b.
   const Eigen::Vector3d t = A.ldlt().solve(b);
   for (const auto& [p, v] : rays)
-    if (v.dot(p - t) <= 0.0) return std::nullopt;
+    if (!(v.dot(p - t) > 0.0)) return std::nullopt;  // also when NaN
   return t;
 }
 

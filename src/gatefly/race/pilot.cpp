@@ -194,7 +194,7 @@ void Pilot::look(const Image& image) {
     if (sighting_.open) correct_with_lower_corners(*sighting_.open);
   }
   if (sighting_.source == Sighting::Source::kNone && x > -config_.pose.max_bars_distance && x < 0.0) {
-    sighting_.bars = detect_bars(image, config_.color, config_.bars);
+    sighting_.bars = detect_bars(image, config_.color, config_.bars, nadir_px());
     if (sighting_.bars) correct_with_bars(*sighting_.bars);
   }
 }
@@ -208,6 +208,11 @@ void Pilot::accept_fix(Sighting::Source source) {
 
 std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) const {
   return fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
+}
+
+std::optional<Eigen::Vector2d> Pilot::nadir_px() const {
+  const Past then = past(capture_time(0.5 * image_width_));
+  return vanishing_point_px(config_.camera.lens, config_.camera.R_BC.matrix.transpose() * then.R_EB.row(2).transpose());
 }
 
 PoseParams Pilot::pose_params() const {

@@ -160,6 +160,7 @@ class Pilot {
   [[nodiscard]] RotationGB R_GB(const Eigen::Matrix3d& R_EB) const;
   [[nodiscard]] Eigen::Vector3d p_EB() const;
   [[nodiscard]] double capture_time(double u_px) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> nadir_px() const;
   [[nodiscard]] PoseParams pose_params() const;
   [[nodiscard]] double lateral_at_gate() const;
   [[nodiscard]] double forward_speed() const;

@@ -62,4 +62,12 @@ std::optional<Eigen::Vector3d> AnyCamera::bearing(const Eigen::Vector2d& px) con
   return std::visit([&](const auto& lens) { return lens.bearing(px); }, model);
 }
 
+std::optional<Eigen::Vector2d> vanishing_point_px(const AnyCamera& lens, const Eigen::Vector3d& direction_C) {
+  if (!(std::abs(direction_C.z()) > 0.05 * direction_C.norm())) return std::nullopt;
+  const auto axis = lens.project({0, 0, 1}), beside = lens.project({0.01, 0.01, 1});
+  if (!axis || !beside) return std::nullopt;
+  const Eigen::Vector2d focal_px = (*beside - *axis) / 0.01;
+  return Eigen::Vector2d{*axis + focal_px.cwiseProduct(direction_C.head<2>() / direction_C.z())};
+}
+
 }  // namespace gatefly

@@ -55,4 +55,9 @@ struct AnyCamera {
 
 static_assert(Camera<AnyCamera>);
 
+/// Where lines of direction `direction_C` meet in a picture, as a straight lens of the same focal length
+/// would draw it; usually far outside. nullopt when they run (almost) parallel to the picture.
+[[nodiscard]] std::optional<Eigen::Vector2d> vanishing_point_px(const AnyCamera& lens,
+                                                                const Eigen::Vector3d& direction_C);
+
 }  // namespace gatefly

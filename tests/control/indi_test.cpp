@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/control/indi.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "support/for_all.hpp"
+#include "support/generators.hpp"
+#include "support/matchers.hpp"
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+using Eigen::Vector3d;
+using Motors = std::array<double, 4>;
+
+constexpr double kDt = 1.0 / 512;
+
+AttitudeCommand level_hover() {
+  AttitudeCommand c;
+  c.thrust = 9.81;
+  return c;
+}
+
+// A rigid body with first-order rotors: the vehicle of the params, or one that differs from it.
+struct Body {
+  VehicleParams vehicle;
+  Quaternion q;
+  Vector3d rate = Vector3d::Zero();
+  std::array<double, 4> thrust{};
+  Vector3d torque_offset = Vector3d::Zero();
+
+  void fly(const Motors& motors) {
+    for (std::size_t i = 0; i < 4; ++i)
+      thrust[i] += kDt / vehicle.rotor_time_constant * (vehicle.thrust_coefficient * motors[i] * motors[i] - thrust[i]);
+    const double lx = vehicle.arm_x, ly = vehicle.arm_y, c = vehicle.torque_coefficient;
+    const Vector3d torque{ly * (thrust[0] - thrust[1] - thrust[2] + thrust[3]), lx * (thrust[0] + thrust[1] - thrust[2] - thrust[3]),
+                          c * (-thrust[0] + thrust[1] - thrust[2] + thrust[3])};
+    const Vector3d momentum = vehicle.inertia.cwiseProduct(rate);
+    rate += kDt * (torque + torque_offset - rate.cross(momentum)).cwiseQuotient(vehicle.inertia);
+    q = integrated(q, rate, kDt);
+  }
+};
+
+TEST(Indi, AtRestAndLevelAllRotorsTurnAlikeAndCarryTheWeight) {
+  const VehicleParams vehicle;
+  Indi indi{{}, vehicle};
+  Motors motors{};
+  for (int i = 0; i < 100; ++i) motors = indi.step(level_hover(), {}, Vector3d::Zero(), kDt);
+  double thrust = 0;
+  for (const double w : motors) {
+    EXPECT_NEAR(w, motors[0], 1e-6);
+    thrust += vehicle.thrust_coefficient * w * w;
+  }
+  EXPECT_NEAR(thrust, vehicle.mass * 9.81, 1e-6);
+}
+
+TEST(Indi, EachCommandTurnsTheRotorsThatDoIt) {
+  const auto motors_for = [](AttitudeCommand c) {
+    Indi indi{{}, {}};
+    c.thrust = 9.81;
+    return indi.step(c, {}, Vector3d::Zero(), kDt);
+  };
+  // Order: left front, right front, right back, left back.
+  const Motors roll = motors_for({.roll = 0.1}), pitch = motors_for({.pitch = 0.1}), yaw = motors_for({.yaw = 0.1});
+  EXPECT_GT(roll[0], roll[1]) << "roll right: the left ones lift";
+  EXPECT_GT(roll[3], roll[2]);
+  EXPECT_GT(pitch[0], pitch[3]) << "nose up: the front ones lift";
+  EXPECT_GT(pitch[1], pitch[2]);
+  EXPECT_NEAR(yaw[0], yaw[2], 1e-9) << "yaw: the diagonals";
+  EXPECT_NEAR(yaw[1], yaw[3], 1e-9);
+  EXPECT_NE(yaw[0], yaw[1]);
+}
+
+TEST(Indi, AMirroredCommandGivesMirroredRotors) {
+  for_all(200, [](Rng& rng) {
+    const AttitudeCommand c{.roll = rng.uniform(-0.3, 0.3), .pitch = rng.uniform(-0.2, 0.2), .yaw = rng.uniform(-0.2, 0.2), .yaw_rate = 0.0, .thrust = 9.81};
+    const AttitudeCommand m{.roll = -c.roll, .pitch = c.pitch, .yaw = -c.yaw, .yaw_rate = 0.0, .thrust = 9.81};
+    Indi a{{}, {}}, b{{}, {}};
+    const Motors p = a.step(c, {}, Vector3d::Zero(), kDt), q = b.step(m, {}, Vector3d::Zero(), kDt);
+    EXPECT_NEAR(p[0], q[1], 1e-6);
+    EXPECT_NEAR(p[1], q[0], 1e-6);
+    EXPECT_NEAR(p[2], q[3], 1e-6);
+    EXPECT_NEAR(p[3], q[2], 1e-6);
+  });
+}
+
+// Flies the body to 15° roll, -8° pitch and 0.5 rad heading, from level.
+TEST(Indi, BringsTheAttitudeThereAndKeepsIt) {
+  Body body;
+  Indi indi{{}, body.vehicle};
+  const AttitudeCommand c{.roll = 15 * kDegree, .pitch = -8 * kDegree, .yaw = 0.5, .yaw_rate = 0, .thrust = 9.81};
+  double most = 0;
+  for (int i = 0; i < 3 * 512; ++i) {
+    const RotationEB R = rotation_EB(body.q);
+    body.fly(indi.step(c, R, body.rate, kDt));
+    most = std::max(most, attitude_of(R).roll);
+  }
+  const Attitude a = attitude_of(rotation_EB(body.q));
+  EXPECT_NEAR(a.roll, c.roll, 0.01);
+  EXPECT_NEAR(a.pitch, c.pitch, 0.01);
+  EXPECT_NEAR(a.yaw, c.yaw, 0.02);
+  EXPECT_LT(most, 1.25 * c.roll) << "overshoot";
+}
+
+// What the model does not know is in the measurement: 30 % more inertia, 20 % less thrust, a crooked arm.
+TEST(Indi, CopesWithAVehicleItDoesNotKnow) {
+  Body body;
+  body.vehicle.inertia *= 1.3;
+  body.vehicle.thrust_coefficient *= 0.8;
+  body.torque_offset = {0.01, -0.01, 0.001};
+  Indi indi{{}, VehicleParams{}};
+  const AttitudeCommand c{.roll = 0.2, .pitch = -0.1, .yaw = 0, .yaw_rate = 0, .thrust = 9.81};
+  for (int i = 0; i < 4 * 512; ++i) body.fly(indi.step(c, rotation_EB(body.q), body.rate, kDt));
+  const Attitude a = attitude_of(rotation_EB(body.q));
+  EXPECT_NEAR(a.roll, c.roll, 0.02);
+  EXPECT_NEAR(a.pitch, c.pitch, 0.02);
+  EXPECT_NEAR(a.yaw, 0, 0.05);
+}
+
+TEST(Indi, TurnsTheShortWayRoundThroughSouth) {
+  Body body;
+  body.q = quaternion_of({0, 0, 3.0});
+  Indi indi{{}, body.vehicle};
+  AttitudeCommand c = level_hover();
+  c.yaw = -3.0;  // 0.28 rad clockwise, across ±180°
+  for (int i = 0; i < 3 * 512; ++i) {
+    body.fly(indi.step(c, rotation_EB(body.q), body.rate, kDt));
+    EXPECT_GT(std::abs(attitude_of(rotation_EB(body.q)).yaw), 2.8);
+  }
+  EXPECT_NEAR(wrap_angle(attitude_of(rotation_EB(body.q)).yaw - c.yaw), 0, 0.03);
+}
+
+// A heading error of 180° has no short side; more than 90° off must not turn more slowly than 90° does, or it hangs.
+TEST(Indi, TurnsRoundFromFarOff) {
+  Body body;
+  body.q = quaternion_of({0, 0, 2.9});
+  Indi indi{{}, body.vehicle};
+  for (int i = 0; i < 6 * 512; ++i) body.fly(indi.step(level_hover(), rotation_EB(body.q), body.rate, kDt));
+  EXPECT_NEAR(attitude_of(rotation_EB(body.q)).yaw, 0, 0.05);
+}
+
+TEST(Indi, RotorsStayWithinTheirLimitsWhateverIsAsked) {
+  const VehicleParams vehicle;
+  for_all(200, [&](Rng& rng) {
+    Indi indi{{}, vehicle};
+    for (int i = 0; i < 50; ++i) {
+      const AttitudeCommand c{.roll = rng.uniform(-3, 3), .pitch = rng.uniform(-3, 3), .yaw = rng.uniform(-3, 3),
+                              .yaw_rate = rng.uniform(-9, 9), .thrust = rng.uniform(-50, 50)};
+      const double dt = i % 5 == 0 ? 0.0 : kDt;
+      for (const double w : indi.step(c, rotation_EB(any_attitude(rng, 1.5)), any_vector3(rng, 20), dt)) {
+        ASSERT_GE(w, vehicle.min_speed - 1e-6);
+        ASSERT_LE(w, vehicle.max_speed + 1e-6);
+      }
+    }
+  });
+}
+
+TEST(Indi, ResetForgetsEverything) {
+  Indi used{{}, {}}, fresh{{}, {}};
+  for (int i = 0; i < 100; ++i) (void)used.step({.roll = 0.3, .thrust = 12}, {}, Vector3d{1, 2, 3}, kDt);
+  used.reset();
+  EXPECT_EQ(used.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt), fresh.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt));
+}
+
+}  // namespace
+}  // namespace gatefly

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/phase.hpp"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/for_all.hpp"
+
+namespace gatefly {
+namespace {
+
+const PhaseParams kParams;
+
+template <class P>
+bool is(const Transition& t) {
+  return std::holds_alternative<P>(t.phase);
+}
+
+Situation flying() {
+  Situation s;
+  s.time = 10, s.rest_samples = 800, s.height = 1.5, s.gate_x = -3, s.lateral_sigma = 0.05, s.speed = 1.5, s.since_fix = 0.1;
+  return s;
+}
+
+TEST(Phase, TakesOffOnlyAfterItsRest) {
+  Situation s;
+  s.rest_samples = kParams.rest_samples - 1;
+  EXPECT_TRUE(is<OnGround>(next_phase(OnGround{}, s, kParams)));
+  s.rest_samples = kParams.rest_samples;
+  s.time = 2.5;
+  const Transition t = next_phase(OnGround{}, s, kParams);
+  ASSERT_TRUE(is<TakeOff>(t));
+  EXPECT_EQ(std::get<TakeOff>(t.phase).since, 2.5);
+}
+
+TEST(Phase, FliesForwardOnceHighEnoughAndGivesUpWhenItDoesNotClimb) {
+  Situation s = flying();
+  s.height = kParams.go_height - 0.01;
+  EXPECT_TRUE(is<TakeOff>(next_phase(TakeOff{9.0}, s, kParams)));
+  s.height = kParams.go_height + 0.01;
+  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams)));
+  s.height = 0.1;
+  s.time = 9.0 + kParams.climb_timeout + 0.1;
+  const Transition t = next_phase(TakeOff{9.0}, s, kParams);
+  EXPECT_TRUE(is<Land>(t));
+  EXPECT_EQ(t.reason, AbortReason::kNoClimb);
+}
+
+TEST(Phase, TurnsWhereThePathCurvesAndTheArcKeepsItsPrediction) {
+  Situation s = flying();
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
+  s.turn_ahead = true;
+  EXPECT_TRUE(is<Turn>(next_phase(Straight{}, s, kParams)));
+  Turn turning;
+  turning.arc.yaw = 1.25;
+  const Transition t = next_phase(turning, s, kParams);
+  ASSERT_TRUE(is<Turn>(t));
+  EXPECT_EQ(std::get<Turn>(t.phase).arc.yaw, 1.25);
+  s.turn_ahead = false;
+  EXPECT_TRUE(is<Straight>(next_phase(turning, s, kParams)));
+}
+
+TEST(Phase, SearchesWhenTheGateIsNearAndInDoubt) {
+  Situation s = flying();
+  s.gate_x = -kParams.search_before + 0.05;
+  s.since_fix = 2.0;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "unseen, but known well enough";
+  s.lateral_sigma = kParams.max_lateral_sigma + 0.1;
+  EXPECT_TRUE(is<Search>(next_phase(Straight{}, s, kParams)));
+  s.since_fix = 0.05;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "just seen";
+  s.since_fix = 2.0;
+  s.gate_x = -4;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "still far";
+}
+
+TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
+  Situation s = flying();
+  s.gate_x = -2.3, s.since_fix = 0.1, s.speed = 0.2, s.lateral_sigma = 0.05, s.gate_y = 0.1;
+  EXPECT_TRUE(is<Straight>(next_phase(Search{9.0}, s, kParams)));
+  s.since_fix = 5;
+  EXPECT_TRUE(is<Search>(next_phase(Search{9.0}, s, kParams)));
+  s.time = 9.0 + kParams.search_timeout + 0.1;
+  const Transition t = next_phase(Search{9.0}, s, kParams);
+  EXPECT_TRUE(is<Land>(t));
+  EXPECT_EQ(t.reason, AbortReason::kGateNotFound);
+}
+
+TEST(Phase, EveryFlyingPhaseLandsWhenTheCourseIsDoneOrTheImuIsSilent) {
+  const std::vector<Phase> all{TakeOff{9.0}, Straight{}, Turn{}, Search{9.0}};
+  for (const Phase& phase : all) {
+    Situation done = flying();
+    done.course_done = true;
+    EXPECT_TRUE(is<Land>(next_phase(phase, done, kParams))) << name_of(phase);
+    EXPECT_EQ(next_phase(phase, done, kParams).reason, AbortReason::kNone);
+    Situation silent = flying();
+    silent.since_imu = kParams.imu_timeout + 0.01;
+    EXPECT_TRUE(is<Land>(next_phase(phase, silent, kParams))) << name_of(phase);
+    EXPECT_EQ(next_phase(phase, silent, kParams).reason, AbortReason::kSensorsLost);
+  }
+}
+
+TEST(Phase, MotorsGoOffWheneverItTipsOverInTheAirEvenWhileLanding) {
+  const std::vector<Phase> all{TakeOff{9.0}, Straight{}, Turn{}, Search{9.0}, Land{9.5}};
+  for (const Phase& phase : all) {
+    Situation s = flying();
+    s.tilt = kParams.max_tilt + 0.1;
+    const Transition t = next_phase(phase, s, kParams);
+    EXPECT_TRUE(is<Landed>(t)) << name_of(phase);
+    EXPECT_EQ(t.reason, AbortReason::kUpset) << name_of(phase);
+  }
+}
+
+TEST(Phase, LandingEndsOnTheFloorOrAfterAWhileAndForGood) {
+  Situation s = flying();
+  EXPECT_TRUE(is<Land>(next_phase(Land{9.0}, s, kParams)));
+  s.height = 0.05;
+  EXPECT_TRUE(is<Landed>(next_phase(Land{9.0}, s, kParams)));
+  s.height = 1.5, s.time = 60;
+  EXPECT_TRUE(is<Landed>(next_phase(Land{9.0}, s, kParams)));
+  test::for_all(200, [](Rng& rng) {
+    Situation any;
+    any.time = rng.uniform(0, 100), any.rest_samples = rng.uniform_index(2000), any.height = rng.uniform(-1, 3);
+    any.course_done = rng.uniform_index(2) == 0, any.turn_ahead = rng.uniform_index(2) == 0;
+    any.since_imu = rng.uniform(0, 1), any.tilt = rng.uniform(0, 3);
+    EXPECT_TRUE(is<Landed>(next_phase(Landed{}, any, kParams)));
+  });
+}
+
+TEST(Phase, EveryPhaseHasItsNameAndEveryReasonItsText) {
+  EXPECT_STREQ(name_of(OnGround{}), "ground");
+  EXPECT_STREQ(name_of(TakeOff{}), "take-off");
+  EXPECT_STREQ(name_of(Straight{}), "straight");
+  EXPECT_STREQ(name_of(Turn{}), "turn");
+  EXPECT_STREQ(name_of(Search{}), "search");
+  EXPECT_STREQ(name_of(Land{}), "land");
+  EXPECT_STREQ(name_of(Landed{}), "landed");
+  EXPECT_STREQ(text_of(AbortReason::kNone), "");
+  for (const AbortReason reason : {AbortReason::kGateNotFound, AbortReason::kNoClimb, AbortReason::kUpset, AbortReason::kSensorsLost})
+    EXPECT_FALSE(std::string{text_of(reason)}.empty());
+}
+
+}  // namespace
+}  // namespace gatefly

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/pilot.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/draw_gate.hpp"
+#include "support/for_all.hpp"
+#include "support/generators.hpp"
+
+// Every allocation of this program is counted. Not inlined: GCC would warn about new meeting free().
+namespace {
+std::atomic<long> allocations{0};
+}
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size != 0 ? size : 1)) return p;
+  throw std::bad_alloc{};
+}
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t align) {
+  ++allocations;
+  const auto a = static_cast<std::size_t>(align);
+  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+  throw std::bad_alloc{};
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+using Eigen::Vector3d;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+PilotConfig config() {
+  PilotConfig c;
+  c.track.gates = {{{4, 0, -1.5}, 0.0}, {{2, 4, -1.5}, kPi}};
+  c.track.laps = 2;
+  c.camera = bebop_rig();
+  return c;
+}
+
+Sensors at(int tick, const Imu& imu) {
+  Sensors s;
+  s.time = std::chrono::nanoseconds{static_cast<long long>(tick) * 1'953'125};  // 512 Hz
+  s.imu = imu;
+  return s;
+}
+
+Imu still() { return {Vector3d::Zero(), {0, 0, -9.81}}; }
+
+bool motors_off(const Command& c) {
+  for (const double w : c.motors)
+    if (w != 0.0) return false;
+  return true;
+}
+
+bool is_finite(const Command& c) {
+  for (const double w : c.motors)
+    if (!std::isfinite(w)) return false;
+  return std::isfinite(c.attitude.roll) && std::isfinite(c.attitude.pitch) && std::isfinite(c.attitude.yaw) && std::isfinite(c.attitude.thrust);
+}
+
+bool is_finite(const Estimate& e) {
+  return e.p_EB.allFinite() && e.v_E.allFinite() && e.sigma.allFinite() && e.accel_bias.allFinite() && std::isfinite(e.attitude.yaw);
+}
+
+template <class P>
+bool in(const Pilot& pilot) {
+  return std::holds_alternative<P>(pilot.phase());
+}
+
+// Runs a pilot until it has taken off; the next tick to use.
+int take_off(Pilot& pilot) {
+  for (int tick = 1; tick < 4000; ++tick) {
+    (void)pilot.step(at(tick, still()));
+    if (in<TakeOff>(pilot)) return tick + 1;
+  }
+  ADD_FAILURE() << "never took off";
+  return 4000;
+}
+
+// A climb as sensors see it, 0.8 m/s up to 1.5 m, level.
+int climb(Pilot& pilot, int tick) {
+  for (int i = 0; i < 1024; ++i, ++tick) {
+    Sensors s = at(tick, still());
+    const double height = std::min(1.5, 0.8 * i / 512.0);
+    if (i % 26 == 0) s.sonar = height;
+    if (i % 10 == 0) s.baro = height;
+    (void)pilot.step(s);
+  }
+  return tick;
+}
+
+TEST(Pilot, KeepsItsMotorsOffOnTheGroundAndTakesOffAfterItsRest) {
+  Pilot pilot{config()};
+  const int rest = PhaseParams{}.rest_samples;
+  for (int tick = 1; tick < rest; ++tick) {
+    EXPECT_TRUE(motors_off(pilot.step(at(tick, still())))) << tick;
+    EXPECT_TRUE(in<OnGround>(pilot)) << tick;
+  }
+  Command c;
+  for (int tick = rest; tick < rest + 10; ++tick) c = pilot.step(at(tick, still()));
+  EXPECT_TRUE(in<TakeOff>(pilot));
+  EXPECT_FALSE(motors_off(c));
+}
+
+TEST(Pilot, StaysOnTheGroundWhileItIsCarriedAboutOrDeaf) {
+  Pilot carried{config()}, deaf{config()};
+  Rng rng{2};
+  for (int tick = 1; tick < 5000; ++tick) {
+    EXPECT_TRUE(motors_off(carried.step(at(tick, {Vector3d{1.0, -0.8, 0.5}, Vector3d{0, 0, -9.81} + any_vector3(rng, 3)}))));
+    EXPECT_TRUE(motors_off(deaf.step(at(tick, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)}))));
+  }
+  EXPECT_TRUE(in<OnGround>(carried));
+  EXPECT_TRUE(in<OnGround>(deaf));
+}
+
+TEST(Pilot, StandsAtTheStartOfTheMap) {
+  PilotConfig c = config();
+  c.track.start = {0.2, -0.3};
+  c.track.start_heading = 0.1;
+  Pilot pilot{c};
+  for (int tick = 1; tick < 700; ++tick) (void)pilot.step(at(tick, still()));
+  const Estimate e = pilot.estimate();
+  EXPECT_NEAR(e.p_EB.x(), 0.2, 1e-9);
+  EXPECT_NEAR(e.p_EB.y(), -0.3, 1e-9);
+  EXPECT_NEAR(e.p_EB.z(), 0.0, 1e-9);
+  EXPECT_NEAR(e.attitude.yaw, 0.1, 1e-9);
+}
+
+TEST(Pilot, FliesForwardOnceItHasClimbed) {
+  Pilot pilot{config()};
+  int tick = climb(pilot, take_off(pilot));
+  EXPECT_TRUE(in<Straight>(pilot) || in<Turn>(pilot)) << name_of(pilot.phase());
+  EXPECT_NEAR(-pilot.estimate().p_EB.z(), 1.5, 0.15);
+  EXPECT_LT(pilot.step(at(tick, still())).attitude.pitch, -0.02) << "nose down: go";
+}
+
+TEST(Pilot, GivesUpWhenItDoesNotClimb) {
+  Pilot pilot{config()};
+  int tick = take_off(pilot);
+  for (int i = 0; i < 8 * 512; ++i, ++tick) {
+    Sensors s = at(tick, still());
+    if (i % 26 == 0) s.sonar = 0.03;
+    if (i % 10 == 0) s.baro = 0.0;
+    (void)pilot.step(s);
+  }
+  EXPECT_TRUE(pilot.landed()) << name_of(pilot.phase());
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kNoClimb);
+}
+
+TEST(Pilot, ASilentImuLeadsToALandingWithAReason) {
+  Pilot pilot{config()};
+  int tick = climb(pilot, take_off(pilot));
+  const Imu silent{Vector3d::Constant(kNan), Vector3d::Constant(kNan)};
+  for (int i = 0; i < 51; ++i) (void)pilot.step(at(tick++, silent));
+  EXPECT_FALSE(in<Land>(pilot)) << "0.1 s may pass";
+  for (int i = 0; i < 77; ++i) {
+    const Command c = pilot.step(at(tick++, silent));
+    EXPECT_TRUE(is_finite(c));
+  }
+  EXPECT_TRUE(in<Land>(pilot)) << name_of(pilot.phase());
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kSensorsLost);
+  for (int i = 0; i < 15 * 512; ++i) (void)pilot.step(at(tick++, silent));
+  EXPECT_TRUE(pilot.landed());
+  EXPECT_TRUE(motors_off(pilot.step(at(tick, silent))));
+}
+
+// Any garbage a broken sensor could send, in any order, for ten seconds; seeds 1..10.
+Sensors garbage(int tick, Rng& rng, const Image& noise) {
+  const auto wild = [&](double usual) {
+    switch (rng.uniform_index(40)) {
+      case 0: return kNan;
+      case 1: return std::numeric_limits<double>::infinity();
+      case 2: return rng.uniform(-1, 1) * 1e300;
+      case 3: return rng.uniform(-1, 1) * 1e6;
+      case 4: return 0.0;
+      default: return rng.uniform(-usual, usual);
+    }
+  };
+  Sensors s = at(tick, {});
+  s.imu.gyro_B = {wild(10), wild(10), wild(10)};
+  s.imu.accel_B = {wild(30), wild(30), wild(30) - 9.81};
+  if (rng.uniform_index(20) == 0) s.sonar = wild(5);
+  if (rng.uniform_index(10) == 0) s.baro = wild(10);
+  if (rng.uniform_index(100) == 0) s.image = rng.uniform_index(2) ? noise : Image{};
+  if (rng.uniform_index(50) == 0) s.time -= std::chrono::milliseconds{rng.uniform_index(2000)};
+  return s;
+}
+
+TEST(Pilot, GarbageLeavesEverythingFinite) {
+  Rng paint{1};
+  Canvas canvas{316, 160};
+  canvas.add_noise(paint, 60, 40);
+  const auto bytes = canvas.uyvy();
+  const Image noise{bytes.data(), PixelFormat::kUyvy, 316, 160};
+  const VehicleParams vehicle;
+  for_all(10, [&](Rng& rng) {
+    Pilot pilot{config()};
+    int tick = take_off(pilot);
+    const auto before = std::chrono::steady_clock::now();
+    for (int i = 0; i < 10 * 512; ++i) {
+      const Command c = pilot.step(garbage(tick++, rng, noise));
+      ASSERT_TRUE(is_finite(c)) << "tick " << i << " phase " << name_of(pilot.phase());
+      ASSERT_TRUE(is_finite(pilot.estimate())) << "tick " << i << " phase " << name_of(pilot.phase());
+      for (const double w : c.motors) ASSERT_LE(w, vehicle.max_speed + 1e-6);
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds{20}) << "bounded work";
+  });
+}
+
+TEST(Pilot, NoisySensorsOnAFlightKeepItFinite) {
+  for_all(10, [&](Rng& rng) {
+    Pilot pilot{config()};
+    int tick = climb(pilot, take_off(pilot));
+    for (int i = 0; i < 10 * 512; ++i) {
+      Sensors s = at(tick++, {any_vector3(rng, 1.0), Vector3d{0, 0, -9.81} + any_vector3(rng, 4.0)});
+      if (i % 26 == 0) s.sonar = rng.uniform(0, 3);
+      if (i % 10 == 0) s.baro = 1.5 + rng.uniform(-1, 1);
+      ASSERT_TRUE(is_finite(pilot.step(s)));
+      ASSERT_TRUE(is_finite(pilot.estimate()));
+    }
+  });
+}
+
+TEST(Pilot, SameInputsGiveTheSameOutputs) {
+  Canvas canvas{316, 160};
+  canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, bebop_rig());
+  const auto bytes = canvas.uyvy();
+  const Image image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+  Pilot a{config()}, b{config()};
+  Rng rng{4};
+  for (int tick = 1; tick < 4000; ++tick) {
+    Sensors s = at(tick, tick < 900 ? still() : Imu{any_vector3(rng, 0.3), Vector3d{0, 0, -9.9} + any_vector3(rng, 1)});
+    if (tick % 26 == 0) s.sonar = tick < 900 ? 0.05 : 1.3;
+    if (tick % 34 == 0) s.image = image;
+    const Command x = a.step(s), y = b.step(s);
+    ASSERT_EQ(x.motors, y.motors) << tick;
+    ASSERT_EQ(x.attitude.roll, y.attitude.roll) << tick;
+    ASSERT_EQ(a.estimate().p_EB, b.estimate().p_EB) << tick;
+  }
+}
+
+TEST(Pilot, RepeatedAndOlderStampsLetNoTimePass) {
+  Pilot pilot{config()};
+  int tick = climb(pilot, take_off(pilot));
+  (void)pilot.step(at(tick, still()));
+  const Vector3d p = pilot.estimate().p_EB;
+  const Imu moving{Vector3d{0.5, 0.5, 0.5}, {2, 2, -12}};
+  for (int i = 0; i < 500; ++i) EXPECT_TRUE(is_finite(pilot.step(at(tick - i % 3, moving))));
+  EXPECT_EQ(pilot.estimate().p_EB, p);
+}
+
+// The drone stands 3.5 m before the gate, where its map says: the picture confirms it and the fix is taken.
+TEST(Pilot, TakesAFixFromAGateInView) {
+  PilotConfig c = config();
+  c.track.gates[0].p_EG = {3.5, 0, -1.5};
+  Pilot pilot{c};
+  int tick = climb(pilot, take_off(pilot));
+  const Estimate before = pilot.estimate();
+  View view;
+  view.p_GB = before.p_EB - c.track.gates[0].p_EG;
+  view.attitude_GB = before.attitude;
+  Canvas canvas{316, 160};
+  canvas.draw_gate(view, c.camera);
+  const auto bytes = canvas.uyvy();
+  Sensors s = at(tick, still());
+  s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+  (void)pilot.step(s);
+  EXPECT_TRUE(pilot.sighting().seen);
+  EXPECT_EQ(pilot.sighting().source, Sighting::Source::kCorners);
+  EXPECT_LT(pilot.estimate().sigma.y(), before.sigma.y());
+  EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.15);
+}
+
+TEST(Pilot, AllocatesNothingOnceBuilt) {
+  Canvas canvas{316, 160};
+  Rng paint{1};
+  canvas.add_noise(paint);
+  canvas.draw_gate({{-3, 0.1, 0}, {0, 0, 0}}, bebop_rig());
+  const auto bytes = canvas.uyvy();
+  const Image image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+  Pilot pilot{config()};
+  Rng rng{6};
+  const long before = allocations;
+  for (int tick = 1; tick < 6000; ++tick) {
+    Sensors s = at(tick, tick < 900 ? still() : Imu{any_vector3(rng, 0.5), Vector3d{0, 0, -9.81} + any_vector3(rng, 1)});
+    if (tick % 26 == 0) s.sonar = tick < 900 ? 0.0 : 1.4;
+    if (tick % 10 == 0) s.baro = tick < 900 ? 0.0 : 1.4;
+    if (tick % 34 == 0) s.image = image;
+    (void)pilot.step(s);
+    (void)pilot.estimate();
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_FALSE(in<OnGround>(pilot));
+  const long counted = allocations;
+  operator delete(operator new(8));
+  EXPECT_GT(allocations, counted) << "the counter counts";
+}
+
+TEST(Pilot, RefusesACourseThatCannotBeFlown) {
+  PilotConfig c = config();
+  c.track.gates.clear();
+  EXPECT_THROW(Pilot{c}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gatefly

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/race/path.hpp"
+#include "support/for_all.hpp"
+#include "support/generators.hpp"
+#include "support/matchers.hpp"
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+Track oval() {
+  Track track;
+  track.gates = {{{4, 0, -1.5}, 0.0}, {{2, 4, -1.5}, kPi}};
+  track.laps = 2;
+  return track;
+}
+
+void expect_leg(const Path& leg, const Vector2d& from, double from_heading, const Vector2d& to, double to_heading) {
+  EXPECT_THAT(leg.at(0).position, IsNear(from, 1e-6));
+  EXPECT_NEAR(wrap_angle(leg.at(0).heading - from_heading), 0, 1e-6);
+  EXPECT_THAT(leg.at(leg.length()).position, IsNear(to, 1e-6));
+  EXPECT_NEAR(wrap_angle(leg.at(leg.length()).heading - to_heading), 0, 1e-6);
+  EXPECT_EQ(leg.at(leg.length()).curvature, 0.0) << "straight through the gate";
+  for (double s = 0; s < leg.length(); s += 0.02)
+    EXPECT_LT((leg.at(s).position - leg.at(s + 1e-6).position).norm(), 2e-6) << "a jump at " << s;
+}
+
+// Least distance from a leg to an upright box, on the floor plan.
+double room_to(const Path& leg, const MapObstacle& box) {
+  double least = 1e9;
+  for (double s = 0; s <= leg.length(); s += 0.02) {
+    const Vector2d d = leg.at(s).position - box.center;
+    const double c = std::cos(box.heading), si = std::sin(box.heading);
+    const Vector2d local{c * d.x() + si * d.y(), -si * d.x() + c * d.y()};
+    least = std::min(least, (local.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm());
+  }
+  return least;
+}
+
+std::string refusal(const Track& track, const PlanParams& params = {}) {
+  try {
+    (void)plan_race(track, params);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "planned";
+}
+
+TEST(Plan, LegsLeadThroughTheGatesInTheirDirection) {
+  const Track track = oval();
+  const RacePlan plan = plan_race(track, {});
+  ASSERT_EQ(plan.legs.size(), 2u);
+  expect_leg(plan.start, {0, 0}, 0, {4, 0}, 0);
+  expect_leg(plan.legs[0], {4, 0}, 0, {2, 4}, kPi);
+  expect_leg(plan.legs[1], {2, 4}, kPi, {4, 0}, 0);
+}
+
+TEST(Plan, ASingleLapEndsAtItsLastGate) {
+  Track track = oval();
+  track.laps = 1;
+  EXPECT_EQ(plan_race(track, {}).legs.size(), 1u);
+}
+
+TEST(Plan, RandomPairsOfGatesAreReachedOrRefusedWithAReason) {
+  int planned = 0;
+  for_all(60, [&](Rng& rng) {
+    Track track;
+    const double yaw = rng.uniform(-1, 1);
+    track.gates = {{{5, 0, -1.5}, 0.0}, {{5 + rng.uniform(3, 6), rng.uniform(-5, 5), rng.uniform(-2, -1.2)}, yaw}};
+    track.laps = 1;
+    try {
+      const RacePlan plan = plan_race(track, {});
+      ++planned;
+      expect_leg(plan.legs[0], {5, 0}, 0, track.gates[1].p_EG.head<2>(), yaw);
+      EXPECT_NEAR(plan.legs[0].z_at(plan.legs[0].length()), track.gates[1].p_EG.z(), 1e-9);
+      for (const Segment& segment : plan.legs[0].segments)
+        EXPECT_LE(std::abs(segment.curvature), 1 / PlanParams{}.min_radius + 1e-9);
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr("gate 2"));
+    }
+  });
+  EXPECT_GT(planned, 40);
+}
+
+TEST(Plan, ATurnedAndShiftedCourseHasTheTurnedAndShiftedPlan) {
+  const Track track = oval();
+  const RacePlan plan = plan_race(track, {});
+  const double turn = 0.7;
+  const Vector2d shift{30, -20};
+  const auto moved = [&](const Vector2d& p) {
+    return Vector2d{shift + Vector2d{std::cos(turn) * p.x() - std::sin(turn) * p.y(), std::sin(turn) * p.x() + std::cos(turn) * p.y()}};
+  };
+  Track other = track;
+  other.start = moved(track.start), other.start_heading += turn;
+  for (auto& gate : other.gates) {
+    const Vector2d p = moved(gate.p_EG.head<2>());
+    gate.p_EG = {p.x(), p.y(), gate.p_EG.z()}, gate.yaw_EG += turn;
+  }
+  const RacePlan again = plan_race(other, {});
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_NEAR(again.legs[i].length(), plan.legs[i].length(), 1e-6);
+    for (double s = 0; s < plan.legs[i].length(); s += 0.1)
+      EXPECT_THAT(again.legs[i].at(s).position, IsNear(moved(plan.legs[i].at(s).position), 1e-6));
+  }
+}
+
+TEST(Plan, KeepsItsClearanceToObstaclesAndFliesOverLowOnes) {
+  const PlanParams params;
+  Track track = oval();
+  track.obstacles = {{{6.5, 1.8}, {0.3, 0.3}, 0.4, 2.2}, {{3, 2}, {1, 1}, 0.0, 2.0}, {{0.2, 2.2}, {0.3, 0.3}, 0.0, 2.2}};
+  const RacePlan plan = plan_race(track, params);
+  for (const Path* leg : {&plan.start, &plan.legs[0], &plan.legs[1]})
+    for (const MapObstacle& obstacle : track.obstacles)
+      EXPECT_GT(room_to(*leg, obstacle), params.clearance + params.body_radius - 0.01);
+
+  Track low = oval();
+  low.obstacles = {{{2, 0}, {0.5, 0.5}, 0.0, 0.5}};  // a low table on the way to gate 1
+  EXPECT_EQ(refusal(low), "planned");
+}
+
+TEST(Plan, StaysInTheRoomOrSaysThatTheWallIsInTheWay) {
+  Track track = oval();
+  track.room_center = {3, 2}, track.room_size = {11, 10};
+  const RacePlan plan = plan_race(track, {});
+  for (const Path& leg : plan.legs)
+    for (double s = 0; s < leg.length(); s += 0.05) {
+      const Vector2d out = (leg.at(s).position - track.room_center).cwiseAbs() - 0.5 * track.room_size;
+      EXPECT_LT(out.maxCoeff(), 0.0);
+    }
+  track.room_center = {4, 2}, track.room_size = {1, 5};  // gates with their backs to the wall
+  EXPECT_THAT(refusal(track), HasSubstr("wall"));
+}
+
+TEST(Plan, ImpossibleCoursesAreRefusedWithTheReason) {
+  EXPECT_THAT(refusal(Track{}), HasSubstr("no gates"));
+
+  Track small = oval();
+  small.gates[1].side = 0.4;
+  EXPECT_THAT(refusal(small), HasSubstr("gate 2 is too small"));
+
+  Track low = oval();
+  low.gates[0].p_EG.z() = -0.4;
+  EXPECT_THAT(refusal(low), HasSubstr("gate 1 is too low"));
+
+  Track high = oval();
+  high.ceiling = 1.8;
+  EXPECT_THAT(refusal(high), HasSubstr("too high"));
+
+  Track blocked = oval();
+  blocked.obstacles = {{{4, 0}, {0.2, 0.2}, 0, 2.0}};
+  EXPECT_THAT(refusal(blocked), HasSubstr("obstacle 1 stands in the opening of gate 1"));
+
+  Track walled = oval();
+  walled.obstacles = {{{1.2, 0}, {0.3, 50}, 0, 3.0}};  // a wall across, between the pad and gate 1
+  EXPECT_THAT(refusal(walled), HasSubstr("from the start to gate 1"));
+  EXPECT_THAT(refusal(walled), HasSubstr("obstacle 1 is in the way"));
+
+  Track none = oval();
+  none.laps = 0;
+  EXPECT_THAT(refusal(none), HasSubstr("laps"));
+}
+
+// As long as the way there, there must be a way round again.
+TEST(Plan, ASingleGateCanBeFlownTwice) {
+  Track track;
+  track.gates = {{{4, 0, -1.5}, 0.0}};
+  track.laps = 2;
+  ASSERT_EQ(refusal(track), "planned");
+  const RacePlan plan = plan_race(track, {});
+  expect_leg(plan.legs[0], {4, 0}, 0, {4, 0}, 0);
+  EXPECT_GT(plan.legs[0].length(), 5.0);
+}
+
+}  // namespace
+}  // namespace gatefly
