@@ -32,7 +32,7 @@ class BarsAtPitch : public ::testing::TestWithParam<double> {};
 TEST_P(BarsAtPitch, BothBarsOfAGateTooNearToBeSeenWholeAreFound) {
   const CameraRig rig = bebop_rig();
   int found = 0;
-  constexpr int kViews = 40;
+  constexpr int kViews = 25;
   for_all(kViews, [&](Rng& rng) {
     const View view{{rng.uniform(-1.3, -0.9), rng.uniform(-0.15, 0.15), rng.uniform(-0.1, 0.1)},
                     {rng.uniform(-0.04, 0.04), GetParam() * kDegree, rng.uniform(-0.08, 0.08)}};

@@ -53,6 +53,23 @@ TEST(VelocityObserver, FollowsAnAccelerationWithoutLag) {
   }
 }
 
+// Level, coasting ahead, yawing to the right: in the body the velocity turns to the left.
+TEST(VelocityObserver, TurnsTheVelocityAgainstTheBodysTurn) {
+  const drag_model::Params model;
+  VelocityObserver observer{{}};
+  Vector3d v{1.5, 0, 0};
+  observer.start(v);
+  for (int i = 0; i < 512; ++i) {
+    Input u;
+    u.gyro_B = {0, 0, 2.0};
+    u.accel_B = {model.drag.x() * v.x(), model.drag.y() * v.y(), -model.gravity};
+    v += kDt * (Vector3d{u.accel_B.x(), u.accel_B.y(), 0} - u.gyro_B.cross(v));
+    observer.update(State::Zero(), u, model, kDt);
+    EXPECT_THAT(observer.v_B(), IsNear(v, 0.01));
+  }
+  EXPECT_LT(v.y(), -0.5);
+}
+
 TEST(VelocityObserver, QuietensTheAccelerometersVibration) {
   const drag_model::Params model;
   Rng rng{3};

@@ -71,8 +71,7 @@ TEST(FixFromCorners, AMirroredViewGivesTheMirroredFix) {
     if (!a) return;
     EXPECT_THAT(b->p_GB, IsNear(Vector3d{a->p_GB.x(), -a->p_GB.y(), a->p_GB.z()}, 1e-8));
     ASSERT_EQ(a->yaw_error.has_value(), b->yaw_error.has_value());
-    // The rays' weights come from the pixel to the *right*: mirrored to a percent, so the yaw to 1 mrad.
-    EXPECT_NEAR(b->yaw_error.value_or(0.0), -a->yaw_error.value_or(0.0), 1e-3);
+    EXPECT_NEAR(b->yaw_error.value_or(0.0), -a->yaw_error.value_or(0.0), 1e-8);
   });
 }
 
@@ -208,6 +207,47 @@ TEST(FixFromCorners, RefusesWhatNoGateCanHaveDrawn) {
   EXPECT_FALSE(fix(outside)) << "outside the lens";
   const View too_far{{-12, 0, 0.1}, {0, -0.08, 0}};
   EXPECT_FALSE(fix_from_corners(*corners_of(1, too_far, rig), R_of(too_far), 1.0, rig, {}));
+}
+
+TEST(FixFromLowerCorners, IsExactForExactCornersAndHonestAboutItsDoubt) {
+  const CameraRig rig = bebop_rig();
+  for_all(200, [&](Rng& rng) {
+    const View view{{rng.uniform(-3, -1.2), rng.uniform(-0.4, 0.4), rng.uniform(-0.3, 0.3)},
+                    {rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.1), rng.uniform(-0.2, 0.2)}};
+    const auto corners = corners_of(1.0, view, rig);
+    if (!corners) return;
+    const auto two = fix_from_lower_corners({(*corners)[3], (*corners)[2], 1.0}, R_of(view), 1.0, rig, {});
+    const auto four = fix_from_corners(*corners, R_of(view), 1.0, rig, {});
+    ASSERT_TRUE(two && four);
+    EXPECT_THAT(two->p_GB, IsNear(view.p_GB, 1e-6));
+    EXPECT_THAT(two->covariance, IsCovariance());
+    EXPECT_GT(two->covariance.trace(), four->covariance.trace()) << "two corners know less than four";
+    EXPECT_FALSE(two->yaw_error);
+  });
+}
+
+// 2000 trials, seed 41, 1.8 m; as CovarianceIsHonestAtThreeMetres.
+TEST(FixFromLowerCorners, CovarianceIsHonest) {
+  const CameraRig rig = bebop_rig();
+  const View view{{-1.8, 0.2, 0.1}, {0.0, -0.08, 0.05}};
+  const Quad truth = *corners_of(1.0, view, rig);
+  PoseParams params;
+  params.max_misfit = 1e6;
+  Rng rng{41};
+  double nees = 0;
+  int n = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Quad seen = noisy(truth, params.corner_sigma_px, rng);
+    const Vector3d turn{params.attitude_sigma * normal(rng), params.attitude_sigma * normal(rng), params.heading_sigma * normal(rng)};
+    const Eigen::Matrix3d off = Eigen::AngleAxisd{turn.norm(), turn.normalized()}.toRotationMatrix();
+    const auto fix = fix_from_lower_corners({seen[3], seen[2], 1.0}, {off * R_of(view).matrix}, 1.0, rig, params);
+    if (!fix) continue;
+    ++n;
+    const Vector3d error = fix->p_GB - view.p_GB;
+    nees += error.dot(fix->covariance.inverse() * error);
+  }
+  ASSERT_GT(n, 1950);
+  EXPECT_NEAR(nees / n, 3.0, 0.3 + 4 * 0.055);
 }
 
 // Bars at y = ±s/2; each seen at some height, not the same one.

@@ -79,9 +79,12 @@ AttitudeCommand Pilot::command_for(const Land& phase, double dt) {
 
 // Position hold: PD in the earth frame, turned into the body's heading.
 AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt) {
-  constexpr double kStiffness = 0.9, kDamping = 2.0, kMaxAccel = 1.8;  // [1/s²], [1/s], [m/s²]: ω 0.95, ζ 1
+  constexpr double kStiffness = 0.9, kDamping = 2.0, kMaxAccel = 1.8, kIntegral = 0.25;  // [1/s²], [1/s], [m/s²], [1/s³]: ω 0.95, ζ 1
   const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
-  Eigen::Vector2d accel = kStiffness * (p_E - p_EB().head<2>()).cwiseMax(-1.0).cwiseMin(1.0) - kDamping * v_E.head<2>();
+  const Eigen::Vector2d off = (p_E - p_EB().head<2>()).cwiseMax(-1.0).cwiseMin(1.0);
+  // A degree of tilt error in the AHRS would hold the drone 0.2 m beside the place.
+  hold_integral_ = (hold_integral_ + kIntegral * dt * off).cwiseMax(-0.5).cwiseMin(0.5);
+  Eigen::Vector2d accel = kStiffness * off + hold_integral_ - kDamping * v_E.head<2>();
   const double norm = accel.norm();
   if (norm > kMaxAccel) accel *= kMaxAccel / norm;
   const auto [s, co] = sincos(ahrs_.attitude().yaw);

@@ -16,7 +16,7 @@ bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
 
 bool gate_found_again(const Situation& now, const PhaseParams& params) {
   return now.since_fix < 0.3 && now.lateral_sigma < 0.6 * params.max_lateral_sigma &&
-         std::abs(now.gate_y) < 0.30 && now.gate_x < -1.0 && now.speed < 0.7;
+         std::abs(now.gate_y) < 0.50 && now.gate_x < -1.2 && now.speed < 0.7;
 }
 
 struct Next {

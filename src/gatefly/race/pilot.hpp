@@ -196,6 +196,7 @@ class Pilot {
   double heading_doubt_ = 0.0;  ///< Heading variance put into the position after a blind leg [rad²]; 0: not blind.
   int target_ = 0, passed_ = 0;
   double progress_ = 0.0;  ///< Metres along path().
+  Eigen::Vector2d hold_integral_ = Eigen::Vector2d::Zero();  ///< [m/s²]
   double hold_x_ = -2.0;   ///< Where to wait before the gate while searching [m].
 };
 

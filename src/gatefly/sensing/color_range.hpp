@@ -11,7 +11,7 @@ namespace gatefly {
 /// stand out from wood and brick is its saturation, which the detector tries from high to low.
 struct ColorRange {
   int y_min = 30, y_max = 250;   ///< [Li18 flight code: 20-228]
-  int u_min = 30, u_max = 126;   ///< Cb [ours; Li18 code: 66-194, offline 82-124]
+  int u_min = 30, u_max = 134;   ///< Cb [ours; Li18 code: 66-194, offline 82-124]
   int v_min = 132, v_max = 240;  ///< Cr [Li18 flight code, March 2018: 132-230]
   int min_chroma = 0;            ///< Distance of (Cb, Cr) from grey.
 

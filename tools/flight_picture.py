@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws a flight folder of `gatefly fly` as one picture: what the drone saw, and where it flew.
+
+    ./gatefly fly showroom --seed 1
+    ./tools/flight_picture.py out/showroom-1 docs/showroom.png
+
+Needs python3-numpy and python3-matplotlib. Gate outlines come from `gatefly detect` on the frames shown.
+"""
+import csv
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+GATEFLY = pathlib.Path(__file__).resolve().parent.parent / "gatefly"
+INK, TRUE, GUESS, GATE = "#22303c", "#0b7285", "#e8590c", "#f08c00"
+
+
+def upright_rgb(path, stored_width=160, stored_height=315):
+    raw = np.fromfile(path, np.uint8).reshape(stored_height, stored_width // 2, 4).astype(float)
+    y = raw[:, :, [1, 3]].reshape(stored_height, stored_width)
+    u, v = np.repeat(raw[:, :, 0], 2, 1) - 128, np.repeat(raw[:, :, 2], 2, 1) - 128
+    rgb = np.stack([y + 1.402 * v, y - 0.344136 * u - 0.714136 * v, y + 1.772 * u], -1)
+    return np.rot90(np.clip(rgb, 0, 255).astype(np.uint8))
+
+
+def detections(frames):
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "detections.csv"
+        subprocess.run([GATEFLY, "detect", *frames, "--csv", out, "--quiet"], stdout=subprocess.DEVNULL, check=False)
+        rows = {}
+        if out.exists():
+            for row in csv.DictReader(out.open()):
+                if row["method"] != "bars":
+                    rows[row["image"]] = [(float(row[c + "_u"]), float(row[c + "_v"])) for c in ("tl", "tr", "br", "bl")]
+        return rows
+
+
+def main(folder, picture):
+    folder = pathlib.Path(folder)
+    track = tomllib.loads((folder / "track.toml").read_text())
+    log = np.genfromtxt(folder / "log_si.csv", delimiter=",", names=True)
+    images = list(csv.DictReader((folder / "images.csv").open()))
+    air = [i for i in images if log["ot_z_m"][int(i["log_row"])] < -1.0]
+    shown = [air[int(k)] for k in np.linspace(0.02, 0.35, 8) * len(air)]
+    found = detections([folder / i["image"] for i in shown])
+
+    figure = plt.figure(figsize=(12, 5.6), dpi=110)
+    grid = figure.add_gridspec(4, 4, width_ratios=[1, 1, 0.05, 1.75], wspace=0.04, hspace=0.06,
+                               left=0.01, right=0.985, top=0.985, bottom=0.08)
+    for k, image in enumerate(shown):
+        ax = figure.add_subplot(grid[k // 2, k % 2])
+        ax.imshow(upright_rgb(folder / image["image"]))
+        quad = found.get(image["image"])
+        if quad:
+            ax.plot(*zip(*quad, quad[0]), color="#51ff8f", lw=1.6)
+        ax.text(6, 18, f"{float(image['t_s']):.1f} s", color="white", fontsize=8)
+        ax.set_xlim(0, 314), ax.set_ylim(159, 0), ax.axis("off")
+
+    ax = figure.add_subplot(grid[:, 3])
+    for box in track.get("obstacles", []):
+        n, e = box["position_m"]
+        dx, dy = box["box_m"][:2] if "box_m" in box else (2 * box["pole_m"][0],) * 2
+        ax.add_patch(plt.Rectangle((e - dy / 2, n - dx / 2), dy, dx, color="#dbe2e8"))
+    for number, gate in enumerate(track["gates"], 1):
+        n, e, _ = gate["position_m"]
+        yaw, half = math.radians(gate["heading_deg"]), gate.get("side_m", 1.0) / 2
+        across = np.array([-math.sin(yaw), math.cos(yaw)]) * half
+        ax.plot([e - across[1], e + across[1]], [n - across[0], n + across[0]], color=GATE, lw=4, solid_capstyle="round")
+        ax.annotate(str(number), (e, n), (7, 5), textcoords="offset points", color=INK, fontsize=9)
+    ax.plot(log["ot_y_m"], log["ot_x_m"], color=TRUE, lw=1.3, label="flown")
+    ax.plot(log["est_y_m"], log["est_x_m"], color=GUESS, lw=0.7, alpha=0.8, label="what the pilot believed")
+    ax.set_aspect("equal"), ax.set_xlabel("east [m]"), ax.set_ylabel("north [m]")
+    ax.legend(frameon=False, fontsize=8, loc="upper left"), ax.grid(alpha=0.25)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+    figure.savefig(picture)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])
