@@ -250,9 +250,9 @@ void Pilot::learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved)
   const Eigen::Vector2d difference = (fix.p_GB + moved - filter_.position()).head<2>();
   const Eigen::Matrix2d S = filter_.covariance().topLeftCorner<2, 2>() - heading_doubt_ * n * n.transpose() +
                             fix.covariance.topLeftCorner<2, 2>();
+  if (!(S(0, 0) > 0.0) || !(S.determinant() > 0.0)) return;
   const Eigen::Vector2d w = S.inverse() * n;
   const double information = w.dot(n);
-  if (!(information > 0.0)) return;
   correct_heading(-w.dot(difference) / information, 1.0 / information);
 }
 
@@ -323,12 +323,16 @@ void Pilot::follow_course() {
   if (finished() || std::holds_alternative<OnGround>(phase_)) return;
   const double total = path().length();
   progress_ = path().nearest(p_EB().head<2>(), std::max(0.0, progress_ - 0.5), std::min(progress_ + 0.8, total + 0.5));
-  if (total - progress_ < 1.5 && filter_.position().x() > 0.10) pass_gate();
+  // While searching, only what went through the opening has passed.
+  const bool on_course = std::holds_alternative<Straight>(phase_) || std::holds_alternative<Turn>(phase_);
+  const bool through = std::holds_alternative<Search>(phase_) && std::abs(filter_.position().y()) < 0.5 * gate().side;
+  if ((on_course || through) && total - progress_ < 1.5 && filter_.position().x() > 0.10) pass_gate();
 }
 
 void Pilot::pass_gate() {
   ++passed_;
   progress_ = 0.0;
+  heading_doubt_ = 0.0;  // it was about the way to the gate just passed
   last_corners_.reset();
   if (finished()) return;
   const MapGate from = gate();
