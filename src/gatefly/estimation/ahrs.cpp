@@ -23,7 +23,7 @@ void Ahrs::update_at_rest(const Imu& imu) {
   slow_gyro_ += kSlow * (imu.gyro_B - slow_gyro_);
   slow_accel_ += kSlow * (accel - slow_accel_);
   ++rest_samples_;
-  if (slow_gyro_.norm() > params_.rest_gyro || (slow_accel_ - accel_bias_).norm() > params_.rest_accel + 1.5) {
+  if (slow_gyro_.norm() > params_.rest_gyro || (slow_accel_ - accel_bias_).norm() > params_.rest_accel) {
     rest_samples_ = 0;  // moved: begin again
     gyro_bias_.setZero();
     accel_bias_.setZero();

@@ -14,7 +14,7 @@ struct AhrsParams {
   double gravity_factor = 30.0;   ///< Weight falls with |‖a‖ − g|: 1 − factor·|…|/(10 g). [Li18 code]
   double min_weight = 0.15;       ///< [Li18 flight code]
   double rest_gyro = 0.15;        ///< Below this rate, low-passed, the drone may be at rest [rad/s]. [ours]
-  double rest_accel = 1.0;        ///< Below this deviation from g it may be at rest [m/s²]. [ours]
+  double rest_accel = 2.5;        ///< Below this deviation from the mean so far it may be at rest [m/s²]. [ours]
   double gravity = 9.81;          ///< [m/s²]
   double heading_process = 4e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
   double scale_sigma = 0.01;      ///< Of the yaw gyro's scale: its error grows with the angle turned. [ours]
