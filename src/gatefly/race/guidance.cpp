@@ -68,12 +68,11 @@ AttitudeCommand Pilot::command_for(const Search& phase, double dt) {
 }
 
 AttitudeCommand Pilot::command_for(const Land& phase, double dt) {
-  // Brake for a second, then sink at 0.4 m/s.
-  const double since = time_ - phase.since;
-  AttitudeCommand c = hold(p_EB().head<2>(), ahrs_.attitude().yaw, p_EB().z(), dt);
-  const double sink = since < 1.0 ? 0.0 : 0.4;
-  const double v_z = (ahrs_.R_EB() * velocity_.v_B()).z();
-  c.thrust = thrust_for(2.5 * (v_z - sink));
+  // Brake for a second, then down at 0.5 m/s.
+  constexpr double kSink = 0.5;
+  const double sinking = std::max(0.0, time_ - phase.since - 1.0);
+  AttitudeCommand c = hold(p_EB().head<2>(), ahrs_.attitude().yaw, phase.z, 0.0);
+  c.thrust = thrust_for(vertical_accel(phase.z + kSink * sinking, sinking > 0.0 ? kSink : 0.0, dt));
   return c;
 }
 

@@ -26,6 +26,7 @@ struct Search {
 /// All gates passed, or given up: level, down.
 struct Land {
   double since = 0.0;  ///< [s]
+  double z = 0.0;      ///< Height when it began, z down [m]; the pilot fills it in.
 };
 /// Motors off.
 struct Landed {};

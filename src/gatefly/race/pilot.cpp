@@ -59,6 +59,8 @@ Command Pilot::step(const Sensors& sensors) {
   Transition next = next_phase(phase_, situation(), config_.phase);
   if (std::holds_alternative<Turn>(next.phase) && !std::holds_alternative<Turn>(phase_))
     std::get<Turn>(next.phase).arc = {.yaw = ahrs_.attitude().yaw, .v_F = {forward_speed(), 0, 0}};
+  if (std::holds_alternative<Land>(next.phase) && !std::holds_alternative<Land>(phase_))
+    std::get<Land>(next.phase).z = p_EB().z();
   if (std::holds_alternative<Search>(next.phase) && !std::holds_alternative<Search>(phase_)) {
     hold_x_ = std::min(-2.2, filter_.position().x() - 0.5);
     hold_integral_.setZero();
