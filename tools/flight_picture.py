@@ -5,14 +5,12 @@
     ./gatefly fly showroom --seed 1
     ./tools/flight_picture.py out/showroom-1 docs/showroom.png
 
-Needs python3-numpy and python3-matplotlib. Gate outlines come from `gatefly detect` on the frames shown.
+Needs python3-numpy and python3-matplotlib. The green outlines are what the pilot detected in flight.
 """
 import csv
 import math
 import pathlib
-import subprocess
 import sys
-import tempfile
 import tomllib
 
 import matplotlib
@@ -21,7 +19,6 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-GATEFLY = pathlib.Path(__file__).resolve().parent.parent / "gatefly"
 INK, TRUE, GUESS, GATE = "#22303c", "#0b7285", "#e8590c", "#f08c00"
 
 
@@ -33,16 +30,12 @@ def upright_rgb(path, stored_width=160, stored_height=315):
     return np.rot90(np.clip(rgb, 0, 255).astype(np.uint8))
 
 
-def detections(frames):
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "detections.csv"
-        subprocess.run([GATEFLY, "detect", *frames, "--csv", out, "--quiet"], stdout=subprocess.DEVNULL, check=False)
-        rows = {}
-        if out.exists():
-            for row in csv.DictReader(out.open()):
-                if row["method"] != "bars":
-                    rows[row["image"]] = [(float(row[c + "_u"]), float(row[c + "_v"])) for c in ("tl", "tr", "br", "bl")]
-        return rows
+def detections(folder):
+    rows = {}
+    for row in csv.DictReader((folder / "detections.csv").open()):
+        quad = [(float(row[c + "_u"]), float(row[c + "_v"])) for c in ("tl", "tr", "br", "bl")]
+        rows.setdefault(row["image"], []).append(quad)
+    return rows
 
 
 def main(folder, picture):
@@ -51,17 +44,17 @@ def main(folder, picture):
     log = np.genfromtxt(folder / "log_si.csv", delimiter=",", names=True)
     images = list(csv.DictReader((folder / "images.csv").open()))
     air = [i for i in images if log["ot_z_m"][int(i["log_row"])] < -1.0]
-    shown = [air[int(k)] for k in np.linspace(0.02, 0.35, 8) * len(air)]
-    found = detections([folder / i["image"] for i in shown])
+    found = detections(folder)
+    lap = [i for i in air[: len(air) // 3] if i["image"] in found]
+    shown = [lap[int(k)] for k in np.linspace(0.0, 0.95, 8) * len(lap)]
 
-    figure = plt.figure(figsize=(12, 5.6), dpi=110)
-    grid = figure.add_gridspec(4, 4, width_ratios=[1, 1, 0.05, 1.75], wspace=0.04, hspace=0.06,
-                               left=0.01, right=0.985, top=0.985, bottom=0.08)
+    figure = plt.figure(figsize=(12, 5.2), dpi=100)
+    grid = figure.add_gridspec(4, 4, width_ratios=[2.4, 2.4, 0.35, 6.2], wspace=0.02, hspace=0.04,
+                               left=0.005, right=0.99, top=0.985, bottom=0.10)
     for k, image in enumerate(shown):
         ax = figure.add_subplot(grid[k // 2, k % 2])
         ax.imshow(upright_rgb(folder / image["image"]))
-        quad = found.get(image["image"])
-        if quad:
+        for quad in found.get(image["image"], []):
             ax.plot(*zip(*quad, quad[0]), color="#51ff8f", lw=1.6)
         ax.text(6, 18, f"{float(image['t_s']):.1f} s", color="white", fontsize=8)
         ax.set_xlim(0, 314), ax.set_ylim(159, 0), ax.axis("off")

@@ -119,7 +119,7 @@ TEST(DragF, IsAlongTheVelocityWhenDragIsTheSameOnAllAxes) {
   });
 }
 
-// facts E10: a_y = (k_y - k_z) v sin φ cos φ sin θ, a_z = v sin θ cos θ (-k_x + k_y sin² φ + k_z cos² φ).
+// Level arc, drag in F: a_y = (k_y - k_z) v sin φ cos φ sin θ, a_z = v sin θ cos θ (-k_x + k_y sin² φ + k_z cos² φ).
 TEST(DragF, HasTheClosedFormOfForwardFlight) {
   for_all(200, [](Rng& rng) {
     const double v = rng.uniform(0, 3), phi = rng.uniform(-0.6, 0.6), theta = rng.uniform(-0.3, 0.3);

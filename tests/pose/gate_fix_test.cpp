@@ -150,7 +150,7 @@ struct TableRow {
 };
 class TruePixelNoise : public ::testing::TestWithParam<TableRow> {};
 
-// docs: facts §3, "with a true 3.5 px Gaussian", least squares, f = 168, no fisheye, camera 20° down, head-on.
+// re-simulated from the paper: "with a true 3.5 px Gaussian", least squares, f = 168, no fisheye, camera 20° down, head-on.
 // 5000 trials, seed 31: an RMSE's standard error is 1 %; the table has two or three digits.
 TEST_P(TruePixelNoise, GivesTheRecomputedTable) {
   Pinhole lens;

@@ -26,7 +26,7 @@ struct AhrsParams {
 ///
 /// Differs: the accelerometer is first freed from what a turn adds (ω × v, coordinated flight) and from
 /// its bias at rest; gyro biases are learnt at rest; heading, which gravity cannot see, is corrected by
-/// sightings of gates through a two-state Kalman filter (heading, yaw gyro bias) (deviations.md#ahrs).
+/// sightings of gates through a two-state Kalman filter (heading, yaw gyro bias) (docs/paper/deviations.md#ahrs).
 class Ahrs {
  public:
   explicit Ahrs(const AhrsParams& params) : params_{params} {}

@@ -22,7 +22,7 @@ struct Input {
 };
 
 struct Params {
-  Eigen::Vector2d drag{-0.52, -0.47};  ///< k_x, k_y of Eq. (13) [1/s], negative. [facts §4: 14 flights]
+  Eigen::Vector2d drag{-0.52, -0.47};  ///< k_x, k_y of Eq. (13) [1/s], negative. [14 recorded flights]
   double gravity = 9.81;               ///< [m/s²]
 };
 

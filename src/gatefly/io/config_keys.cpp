@@ -21,7 +21,7 @@ Key<Config> k(const char* name, double low, double high, Member member, const ch
 
 Key<Config> size_key() {
   Key<Config> size;
-  size.rule = {.name = "camera.size_px", .low = 16, .high = 4096, .source = "Bebop, scaler 1/8: facts §1",
+  size.rule = {.name = "camera.size_px", .low = 16, .high = 4096, .source = "Bebop, scaler 1/8",
                .kind = KeyRule::Kind::kNumbers, .count = 2, .whole = true};
   size.get = [](const Config& c) { return nlohmann::json{c.width, c.height}; };
   size.set = [](Config& c, const nlohmann::json& v) {
@@ -46,18 +46,18 @@ Key<Config> arm_key() {
 
 Keys camera_keys() {
   return {
-      choice<Config>("camera.model", {"dhane", "pinhole"}, AT(camera_model), "Dhane et al. 2012: facts §2"),
+      choice<Config>("camera.model", {"dhane", "pinhole"}, AT(camera_model), "Dhane et al. 2012"),
       size_key(),
       k("camera.focal_px", 10, 10000, AT(sim.camera.lens.focal_px), "Li18 flight code"),
-      k("camera.center_px", -4096, 8192, AT(sim.camera.lens.center_px), "facts §2: (157, 35 from below)"),
+      k("camera.center_px", -4096, 8192, AT(sim.camera.lens.center_px), "authors' flight code and data: (157, 35 from below)"),
       k("camera.distortion", 0.5, 2, AT(sim.camera.lens.k), "k; fit on flights 3, 4, 10: 1.03-1.08"),
-      k("camera.stored_rotation_deg", 0, 270, AT(stored_rotation_deg), "facts §1: sensor is turned"),
-      k("camera.tilt_deg", -90, 90, AT(sim.camera.tilt_down), "down; facts §2: 16-20", kDegree),
+      k("camera.stored_rotation_deg", 0, 270, AT(stored_rotation_deg), "the sensor is turned"),
+      k("camera.tilt_deg", -90, 90, AT(sim.camera.tilt_down), "down; authors' flight code and data: 16-20", kDegree),
       k("camera.position_m", -2, 2, AT(sim.camera.p_BC), "in the body frame; Bebop's nose"),
       k("camera.latency_ms", 0, 500, AT(camera_latency), "end of read-out to arrival; simulation.md", kMilli),
       k("camera.readout_ms", 0, 200, AT(sim.camera.readout), "first to last line; simulation.md", kMilli),
       k("camera.exposure_ms", 0.01, 100, AT(sim.camera.exposure), "longest; simulation.md", kMilli),
-      k("camera.rate_hz", 1, 120, AT(sim.sensors.camera_hz), "MT9F002_TARGET_FPS 15: facts §2"),
+      k("camera.rate_hz", 1, 120, AT(sim.sensors.camera_hz), "MT9F002_TARGET_FPS 15"),
   };
 }
 
@@ -71,7 +71,7 @@ Keys detection_keys() {
       k("color.cr_min", 0, 255, AT(pilot.color.v_min), box),
       k("color.cr_max", 0, 255, AT(pilot.color.v_max), box),
       k("color.min_chroma", 0, 181, AT(pilot.color.min_chroma), "distance of (Cb, Cr) from grey; ours"),
-      k("detector.samples", 1, 1000000, AT(pilot.snake.max_samples), "Li18 flight code, basement"),
+      k("detector.samples", 1, 1000000, AT(pilot.snake.max_samples), "ours, per saturation level; Li18 flight code: 10,000 in all"),
       k("detector.min_side_px", 1, 500, AT(pilot.snake.min_side_px), "σ_L; paper 25, flown 30; ours"),
       k("detector.min_color_fitness", 0, 1, AT(pilot.snake.min_color_fitness), "σ_cf; ours"),
       k("detector.sure_fitness", 0, 1, AT(pilot.snake.sure_fitness), "no lower level is tried above it; ours"),
@@ -83,12 +83,12 @@ Keys detection_keys() {
       k("detector.bars_min_ratio", 0, 1, AT(pilot.bars.min_ratio), "Li18 flight code"),
       k("detector.bars_smoothing_px", 1, 100, AT(pilot.bars.smoothing_px), "Li18 flight code"),
       k("detector.bars_min_gap_px", 1, 1000, AT(pilot.bars.min_gap_px), "ours: 1 m at 1.8 m spans 90 px"),
-      k("gate.side_m", 0.3, 5, AT(gate_side), "outer side; Bebop gates: facts §3"),
-      k("gate.bar_m", 0.005, 1, AT(gate_bar), "interfaces.md"),
-      choice<Config>("gate.corners", {"outer", "inner"}, AT(gate_corners), "interfaces.md"),
+      k("gate.side_m", 0.3, 5, AT(gate_side), "outer side; Bebop gates"),
+      k("gate.bar_m", 0.005, 1, AT(gate_bar), "docs/conventions.md"),
+      choice<Config>("gate.corners", {"outer", "inner"}, AT(gate_corners), "docs/conventions.md"),
       k("gate.map_sigma_m", 0.001, 5, AT(pilot.map_sigma), "ours"),
       k("gate.heading_sigma_deg", 0.01, 90, AT(pilot.gate_yaw_sigma), "ours", kDegree),
-      k("pose.corner_sigma_px", 0.1, 100, AT(pilot.pose.corner_sigma_px), "facts §1: 3 px robust"),
+      k("pose.corner_sigma_px", 0.1, 100, AT(pilot.pose.corner_sigma_px), "authors' detections: 3 px robust"),
       k("pose.attitude_sigma_deg", 0, 45, AT(pilot.pose.attitude_sigma), "ours", kDegree),
       k("pose.heading_sigma_deg", 0, 45, AT(pilot.pose.heading_sigma), "ours: map 3°, gyro", kDegree),
       k("pose.max_lateral_m", 0.1, 100, AT(pilot.pose.max_lateral), "Li18 flight code"),
@@ -111,7 +111,7 @@ Keys estimation_keys() {
       k("ahrs.heading_process", 0, 1, AT(pilot.ahrs.heading_process), "rad/√s; ours"),
       k("ahrs.bias_process", 0, 1, AT(pilot.ahrs.bias_process), "rad/s/√s; ours"),
       k("ahrs.start_heading_sigma_deg", 0, 90, AT(pilot.ahrs.start_heading_sigma), "ours", kDegree),
-      k("filter.drag_per_s", -5, -0.01, AT(pilot.filter.model.drag), "k_x, k_y; facts §4: 14 flights"),
+      k("filter.drag_per_s", -5, -0.01, AT(pilot.filter.model.drag), "k_x, k_y; 14 recorded flights"),
       k("filter.position_noise", 0, 100, AT(pilot.filter.position_noise), "m²/s; ours"),
       k("filter.vertical_noise", 0, 100, AT(pilot.filter.vertical_noise), "(m/s)²/s; ours"),
       k("filter.bias_noise", 0, 100, AT(pilot.filter.bias_noise), "(m/s²)²/s; ours"),
@@ -185,14 +185,14 @@ Keys vehicle_keys() {
 }
 
 Keys sim_keys() {
-  const char* logs = "real logs: facts §4";
+  const char* logs = "real logs";
   return {
       k("sim.timeout_s", 1, 3600, AT(timeout), "ours"),
       k("sim.bake_threads", 1, 64, AT(sim.bake_threads), "ours; the light map does not depend on it"),
       k("sim.size_m", 0.02, 2, AT(sim.vehicle.size), "with guards: simulation.md"),
       k("sim.propeller_radius_m", 0.01, 1, AT(sim.vehicle.propeller_radius), "Bebop"),
       k("sim.rotor_time_constant_ms", 1, 500, AT(sim.vehicle.rotor_time_constant), "Bebop", kMilli),
-      k("sim.rotor_drag_per_s", -5, 0, AT(sim.vehicle.rotor_drag), "at hover: facts §4"),
+      k("sim.rotor_drag_per_s", -5, 0, AT(sim.vehicle.rotor_drag), "at hover"),
       k("sim.body_drag_per_m", 0, 2, AT(sim.vehicle.body_drag), "ours"),
       k("sim.sag_time_s", 1, 3600, AT(sim.vehicle.sag_time), "ours"),
       k("sim.accel_bias_mps2", -5, 5, AT(sim.sensors.accel_bias), logs),

@@ -49,7 +49,8 @@ struct FlightFolder {
 /// @throws std::runtime_error one line with file and line: unreadable, damaged, time runs backwards.
 [[nodiscard]] FlightFolder read_flight_folder(const std::filesystem::path& directory);
 
-/// Writes a flight while it is flown: log_si.csv, images.csv, frame_00000.uyvy ...
+/// Writes a flight while it is flown: log_si.csv, images.csv, frame_00000.uyvy ..., and what the pilot saw
+/// in each frame: detections.csv.
 ///
 /// Everything goes to `<out>.partial`, which finish() renames, so that a folder that is there is whole;
 /// an unfinished one is removed by the destructor. Numbers have 17 digits: they read back exactly.
@@ -74,11 +75,12 @@ class FlightRecorder {
   void append(double value);
   void append(const Eigen::Vector3d& value);
   void append(const Attitude& attitude);
+  void record_frame(const closed_loop::Tick& tick);
   void flush(bool all);
   void check(const std::ofstream& file, const std::filesystem::path& path) const;
 
   std::filesystem::path out_, partial_;
-  std::ofstream log_, images_;
+  std::ofstream log_, images_, detections_;
   std::string buffer_;  ///< Of log_, written in large pieces.
   std::size_t row_ = 0, frame_ = 0;
   bool finished_ = false;

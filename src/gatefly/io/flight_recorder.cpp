@@ -50,17 +50,21 @@ FlightRecorder::FlightRecorder(fs::path out) : out_{std::move(out)} {
   if (error) throw std::runtime_error(out_.string() + ": cannot be written: " + error.message());
   log_.open(partial_ / "log_si.csv", std::ios::binary);
   images_.open(partial_ / "images.csv", std::ios::binary);
+  detections_.open(partial_ / "detections.csv", std::ios::binary);
   buffer_.reserve(kPiece + 4096);
   buffer_ = kHeader;
   images_ << "image,t_s,log_row,t_ns\n";
   check(log_, "log_si.csv");
+  detections_ << "image,gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v,fitness,method\n";
   check(images_, "images.csv");
+  check(detections_, "detections.csv");
 }
 
 FlightRecorder::~FlightRecorder() {
   if (finished_) return;
   log_.close();
   images_.close();
+  detections_.close();
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
 }
@@ -123,18 +127,28 @@ void FlightRecorder::record(const closed_loop::Tick& tick) {
              std::to_string(estimate.gates_passed) + "\n";
   flush(false);
 
-  if (!tick.frame.empty()) {
-    std::array<char, 32> name{};
-    std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
-    std::ofstream file(partial_ / name.data(), std::ios::binary);
-    file.write(reinterpret_cast<const char*>(tick.frame.data()), static_cast<std::streamsize>(tick.frame.size()));
-    file.flush();
-    check(file, name.data());
-    images_ << name.data() << ',' << text_of(seconds(sensors.time)) << ',' << row_ << ','
-            << sensors.time.count() << '\n';
-    check(images_, "images.csv");
-  }
+  if (!tick.frame.empty()) record_frame(tick);
   ++row_;
+}
+
+void FlightRecorder::record_frame(const closed_loop::Tick& tick) {
+  const std::chrono::nanoseconds time = tick.sensors.time;
+  std::array<char, 32> name{};
+  std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
+  std::ofstream file(partial_ / name.data(), std::ios::binary);
+  file.write(reinterpret_cast<const char*>(tick.frame.data()), static_cast<std::streamsize>(tick.frame.size()));
+  file.flush();
+  check(file, name.data());
+  images_ << name.data() << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count() << '\n';
+  check(images_, "images.csv");
+
+  int rank = 0;
+  for (const GateDetection& gate : tick.pilot.sighting().detections) {
+    detections_ << name.data() << ',' << rank++;
+    for (const auto& corner : gate.corners_px) detections_ << ',' << text_of(corner.x(), 6) << ',' << text_of(corner.y(), 6);
+    detections_ << ',' << text_of(gate.color_fitness, 4) << ",snake\n";
+  }
+  check(detections_, "detections.csv");
 }
 
 void FlightRecorder::add_file(const std::string& name, const std::string& content) {
@@ -145,8 +159,10 @@ void FlightRecorder::finish(const std::string& summary_json) {
   flush(true);
   log_.close();
   images_.close();
+  detections_.close();
   check(log_, "log_si.csv");
   check(images_, "images.csv");
+  check(detections_, "detections.csv");
   add_file("summary.json", summary_json);
 
   // Out of the way first, then in place: at no moment is there half a flight under the name.

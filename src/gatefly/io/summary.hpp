@@ -18,7 +18,7 @@ struct RaceIdentity {
   nlohmann::json config;  ///< Effective configuration: as_json(config).
 };
 
-/// summary.json as interfaces.md has it. Only "timings" may differ between two runs of one seed.
+/// summary.json with the keys people and scripts rely on. Only "timings" may differ between two runs of one seed.
 [[nodiscard]] nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race);
 
 }  // namespace gatefly::io

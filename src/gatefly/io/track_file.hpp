@@ -23,7 +23,7 @@ struct GateDefaults {
   double side = 1.0, bar = 0.05;  ///< [m]
 };
 
-/// Reads tracks/*.toml. Format: interfaces.md, "Track files".
+/// Reads tracks/*.toml. Format: see tracks/oval.toml.
 /// @throws std::runtime_error one line: file, key, value, what is allowed; the line for broken TOML.
 [[nodiscard]] TrackFile read_track(const std::filesystem::path& path, const GateDefaults& gates = {});
 

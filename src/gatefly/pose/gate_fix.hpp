@@ -21,7 +21,7 @@ struct CameraRig {
 };
 
 struct PoseParams {
-  double corner_sigma_px = 2.5;    ///< Independent part. [facts §1: 3 px robust; ours after line fits]
+  double corner_sigma_px = 2.5;    ///< Independent part. [authors' detections: 3 px robust; ours after line fits]
   double attitude_sigma = 0.02;    ///< Roll and pitch of the AHRS [rad]. [ours]
   double heading_sigma = 0.04;     ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
   double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]

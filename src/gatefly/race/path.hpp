@@ -47,7 +47,7 @@ struct PlanParams {
   double speed = 1.7;            ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
   double max_lateral = 3.2;      ///< v²/r an arc may ask for [m/s²]: 18° of roll. [ours]
   double min_radius = 0.7;       ///< [m] [Li18 code: 0.9]
-  double clearance = 0.35;       ///< From the body's outline to anything solid [m]. [simulation.md]
+  double clearance = 0.35;       ///< From the body's outline to anything solid [m]. [docs/simulation.md]
   double body_radius = 0.20;     ///< Half the Bebop's width with guards [m].
   double run_in = 2.5;           ///< Straight before a gate that is wanted [m]; [Li18 §4: a margin of 2 m]
 };

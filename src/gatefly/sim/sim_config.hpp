@@ -15,20 +15,20 @@ namespace gatefly::sim {
 struct VehicleTruth {
   double mass = 0.42;                               ///< [kg]
   Eigen::Vector3d inertia{0.0021, 0.0020, 0.0035};  ///< [kg m²]
-  Eigen::Vector3d size{0.38, 0.33, 0.09};           ///< With propeller guards [m]. [simulation.md]
+  Eigen::Vector3d size{0.38, 0.33, 0.09};           ///< With propeller guards [m]. [docs/simulation.md]
   double arm_x = 0.112, arm_y = 0.095;              ///< Rotor distance from the centre [m].
   double propeller_radius = 0.065;                  ///< [m]
   double thrust_coefficient = 1.72e-6;              ///< [N/(rad/s)²]
   double torque_coefficient = 0.016;                ///< [m]
   double rotor_time_constant = 0.020;               ///< [s]
   double min_speed = 0.0, max_speed = 1250.0;       ///< [rad/s]
-  Eigen::Vector3d rotor_drag{-0.50, -0.44, -0.15};  ///< At hover, grows with rotor speed [1/s]. [facts §4]
+  Eigen::Vector3d rotor_drag{-0.50, -0.44, -0.15};  ///< At hover, grows with rotor speed [1/s]. [recorded flights]
   double body_drag = 0.022;                         ///< Quadratic part [1/m]. [ours: makes k speed-dependent]
   double sag = 0.0;                                 ///< Thrust lost to the battery by `sag_time` (0..1).
   double sag_time = 120.0;                          ///< [s]
 };
 
-/// What the sensors really do. Standard deviations [SI]; from the real logs, facts §4.
+/// What the sensors really do. Standard deviations [SI]; from recorded flights.
 struct SensorTruth {
   Eigen::Vector3d accel_bias{0.08, -0.06, 0.3};       ///< At rest and in flight [m/s²].
   Eigen::Vector3d flight_bias{0, 0, 0};               ///< What vibration adds in flight [m/s²].
@@ -76,7 +76,7 @@ struct SimConfig {
   int bake_threads = 2;
 };
 
-/// Sizes of what one day varies: one standard deviation each, drawn cut at 2.5 σ. [simulation.md]
+/// Sizes of what one day varies: one standard deviation each, drawn cut at 2.5 σ. [docs/simulation.md]
 struct Randomize {
   double gate_position = 0.0, gate_heading = 0.0, gate_height = 0.0;  ///< [m], [rad], [m]
   double start_position = 0.0, start_heading = 0.0;                   ///< [m], [rad]
