@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include <Eigen/LU>
 
 #include "gatefly/geometry/math.hpp"
 
@@ -14,9 +11,6 @@ namespace {
 
 constexpr double kImuHz = 512.0;
 constexpr double kAccelCutoffHz = 20.0;  // [Li18 flight code]
-constexpr double kBlind = 1.0;           // without a fix for this long, a leg was flown blind [s]
-constexpr double kOpenGateFrom = 3.5;    // nearer than this the upper bar may be cut off [m]
-constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
 
 // Beyond any MEMS range a number is as broken as NaN, and would become one inside.
 bool is_usable(const Imu& imu) {
@@ -156,163 +150,6 @@ Pilot::Past Pilot::past(double time) const {
 RotationGB Pilot::R_GB(const Eigen::Matrix3d& R_EB) const { return {rotation_z(-gate().yaw_EG) * R_EB}; }
 
 Eigen::Vector3d Pilot::p_EB() const { return gate().p_EG + rotation_z(gate().yaw_EG) * filter_.position(); }
-
-void Pilot::look(const Image& image) {
-  sighting_ = {};
-  if (image.empty()) return;
-  image_width_ = image.width();
-  if (std::holds_alternative<OnGround>(phase_) || std::holds_alternative<Land>(phase_) ||
-      std::holds_alternative<Landed>(phase_))
-    return;
-  sighting_.detections = detect_gates(image, config_.color, config_.snake, rng_);
-  if (sighting_.detections.empty() && last_corners_)
-    sighting_.detections = detect_gates_near(image, config_.color, config_.snake, *last_corners_);
-  sighting_.seen = !sighting_.detections.empty();
-  last_corners_.reset();
-
-  doubt_heading_after_blind_leg();
-
-  // The candidate that fits best to where the gate should be.
-  int best = -1;
-  double best_distance2 = 1e9;
-  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
-    const GateDetection& candidate = sighting_.detections[i];
-    const Past then = past(capture_time(center(candidate.corners_px).x()));
-    const auto fix = fix_of(candidate, then);
-    if (!fix) continue;
-    const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-    const double distance2 = filter_.distance2(*fix, moved);
-    if (distance2 < best_distance2) best = static_cast<int>(i), best_distance2 = distance2;
-  }
-  if (best >= 0) {
-    const GateDetection& chosen = sighting_.detections[static_cast<std::size_t>(best)];
-    if (correct_with(chosen)) {
-      sighting_.used = best;
-      last_corners_ = chosen.corners_px;
-    }
-  }
-  // Near the gate parts of it are enough: the lower corners, then the side bars.
-  const double x = filter_.position().x();
-  if (sighting_.source == Sighting::Source::kNone && x > -kOpenGateFrom && x < 0.0) {
-    sighting_.open = detect_open_gate(image, config_.color, config_.snake, rng_);
-    if (sighting_.open) correct_with_lower_corners(*sighting_.open);
-  }
-  if (sighting_.source == Sighting::Source::kNone && x > -config_.pose.max_bars_distance && x < 0.0) {
-    sighting_.bars = detect_bars(image, config_.color, config_.bars, nadir_px());
-    if (sighting_.bars) correct_with_bars(*sighting_.bars);
-  }
-}
-
-void Pilot::accept_fix(Sighting::Source source) {
-  last_fix_ = time_;
-  heading_doubt_ = 0.0;
-  anchor_E_ = p_EB();
-  sighting_.source = source;
-}
-
-std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) const {
-  return fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
-}
-
-std::optional<Eigen::Vector2d> Pilot::nadir_px() const {
-  const Past then = past(capture_time(0.5 * image_width_));
-  return vanishing_point_px(config_.camera.lens, config_.camera.R_BC.matrix.transpose() * then.R_EB.row(2).transpose());
-}
-
-PoseParams Pilot::pose_params() const {
-  PoseParams params = config_.pose;
-  const double heading = ahrs_.heading_sigma();
-  params.heading_sigma = std::sqrt(heading * heading + config_.gate_yaw_sigma * config_.gate_yaw_sigma);
-  return params;
-}
-
-void Pilot::correct_heading(double error, double variance) {
-  const double before = ahrs_.attitude().yaw;
-  ahrs_.correct_heading(error, variance);
-  // The past was off by as much.
-  const Eigen::Matrix3d turn = rotation_z(wrap_angle(ahrs_.attitude().yaw - before));
-  for (auto& moment : history_) moment.R_EB = turn * moment.R_EB;
-}
-
-// A leg flown blind on a heading that is off by δ ends δ ẑ × p₀ beside where it should, p₀ being where it
-// began, seen from the next gate. Before the gate comes into view that belongs into the covariance ...
-void Pilot::doubt_heading_after_blind_leg() {
-  if (heading_doubt_ > 0.0 || time_ - last_fix_ < kBlind || last_fix_ < 0.0) return;
-  const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
-  const Eigen::Vector2d n{-p0.y(), p0.x()};
-  heading_doubt_ = ahrs_.heading_sigma() * ahrs_.heading_sigma();
-  filter_.doubt(heading_doubt_ * n * n.transpose());
-}
-
-// ... and when it does, the difference tells δ: the update of the state the filter does not carry.
-void Pilot::learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved) {
-  const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
-  const Eigen::Vector2d n{-p0.y(), p0.x()};
-  if (n.norm() < kLongLeg) return;
-  const Eigen::Vector2d difference = (fix.p_GB + moved - filter_.position()).head<2>();
-  const Eigen::Matrix2d S = filter_.covariance().topLeftCorner<2, 2>() - heading_doubt_ * n * n.transpose() +
-                            fix.covariance.topLeftCorner<2, 2>();
-  if (!(S(0, 0) > 0.0) || !(S.determinant() > 0.0)) return;
-  const Eigen::Vector2d w = S.inverse() * n;
-  const double information = w.dot(n);
-  correct_heading(-w.dot(difference) / information, 1.0 / information);
-}
-
-bool Pilot::correct_with(const GateDetection& seen) {
-  Past then = past(capture_time(center(seen.corners_px).x()));
-  auto fix = fix_of(seen, then);
-  if (!fix) return false;
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
-  if (heading_doubt_ > 0.0 && filter_.distance2(*fix, moved) < limit) {
-    learn_heading_from_leg(*fix, moved);
-    then = past(then.time);
-    fix = fix_of(seen, then);
-    if (!fix) return false;
-  }
-  if (filter_.correct(*fix, moved) == Fusion::kRefused) {
-    // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
-    if (!belongs_to_another_gate(seen)) filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
-    return false;
-  }
-  accept_fix(Sighting::Source::kCorners);
-  if (fix->yaw_error) {
-    const double gate_yaw = config_.gate_yaw_sigma;
-    // Neighbouring pictures share their errors: each counts as a third.
-    correct_heading(*fix->yaw_error, 3.0 * (fix->yaw_variance + gate_yaw * gate_yaw));
-  }
-  return true;
-}
-
-bool Pilot::belongs_to_another_gate(const GateDetection& seen) const {
-  const Past then = past(capture_time(center(seen.corners_px).x()));
-  for (int i = 0; i < static_cast<int>(config_.track.gates.size()); ++i) {
-    if (i == target_) continue;
-    const MapGate& other = config_.track.gates[static_cast<std::size_t>(i)];
-    const auto fix = fix_from_corners(seen.corners_px, {rotation_z(-other.yaw_EG) * then.R_EB}, other.side,
-                                      config_.camera, config_.pose);
-    if (!fix) continue;
-    const Eigen::Vector3d p_E = other.p_EG + rotation_z(other.yaw_EG) * fix->p_GB;
-    if ((p_E - p_EB()).head<2>().norm() < 1.0) return true;
-  }
-  return false;
-}
-
-void Pilot::correct_with_lower_corners(const OpenGate& seen) {
-  const Past then = past(capture_time(0.5 * (seen.bottom_left_px.x() + seen.bottom_right_px.x())));
-  const auto fix = fix_from_lower_corners(seen, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
-  if (!fix) return;
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  if (filter_.correct(*fix, moved) == Fusion::kAccepted) accept_fix(Sighting::Source::kCorners);
-}
-
-void Pilot::correct_with_bars(const GateBars& bars) {
-  const Past then = past(capture_time(0.5 * (bars.left_px.x() + bars.right_px.x())));
-  const auto fix = fix_from_bars(bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, pose_params());
-  if (!fix) return;
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  if (filter_.correct(*fix, moved) == Fusion::kAccepted) accept_fix(Sighting::Source::kBars);
-}
 
 const Path& Pilot::path() const {
   if (passed_ == 0) return plan_.start;
