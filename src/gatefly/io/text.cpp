@@ -98,7 +98,10 @@ void write_file(const fs::path& path, std::string_view content) {
   file.close();
   std::error_code error;
   fs::rename(partial, path, error);
-  if (error) throw std::runtime_error(path.string() + ": cannot be written: " + error.message());
+  if (!error) return;
+  const std::string reason = error.message();
+  fs::remove(partial, error);
+  throw std::runtime_error(path.string() + ": cannot be written: " + reason);
 }
 
 fs::path data_dir() { return GATEFLY_DATA_DIR; }

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/io/annotate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+namespace gatefly::io {
+namespace {
+
+constexpr int kLargestSide = 1600;  // [px]
+constexpr double kLargestScale = 3.0;
+
+/// Light letters on a dark plate, wholly inside the picture: readable on any background.
+void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d& above, const Color& color) {
+  const Lettering lettering{.color = look::kBackground, .size = 13.0, .bold = true};
+  Box plate{.x = above.x(), .y = above.y() - 26.0, .width = canvas.text_width(label, lettering) + 12.0, .height = 19.0};
+  plate.x = std::clamp(plate.x, 2.0, std::max(2.0, canvas.width() - plate.width - 2.0));
+  plate.y = std::clamp(plate.y, 2.0, std::max(2.0, canvas.height() - plate.height - 2.0));
+  canvas.fill(plate, color, 4.0);
+  canvas.text({plate.x + 6.0, plate.y + 14.0}, label, lettering);
+}
+
+std::string label_of(std::size_t rank, double fitness) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "gate %zu   %.2f", rank, fitness);
+  return text.data();
+}
+
+}  // namespace
+
+double annotation_scale(const Image& image) {
+  const double fits = static_cast<double>(kLargestSide) / std::max({image.width(), image.height(), 1});
+  return fits < 1.0 ? fits : std::min(std::floor(fits), kLargestScale);
+}
+
+void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vector2d& at, double scale,
+                    const Stroke& stroke) {
+  Quad corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = at + scale * (gate.corners_px[i] + Eigen::Vector2d{0.5, 0.5});
+  canvas.outline(corners, {.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0});
+  canvas.outline(corners, stroke);
+  for (const auto& corner : corners) {
+    canvas.disc(corner, 2.0 * stroke.width + 1.0, look::kBackground.faded(0.8));
+    canvas.circle(corner, 2.0 * stroke.width, stroke);
+  }
+  canvas.disc(corners[0], 2.0 * stroke.width, stroke.color);
+}
+
+void annotate(const Image& image, std::span<const GateDetection> gates, const std::filesystem::path& png) {
+  if (image.empty()) throw std::runtime_error(png.string() + ": cannot be written: the picture is empty");
+  const double scale = annotation_scale(image);
+  const auto enlarged = [scale](int side) { return std::max(1, static_cast<int>(std::lround(scale * side))); };
+  Canvas canvas(enlarged(image.width()), enlarged(image.height()));
+  canvas.image(image, {0, 0}, scale);
+
+  // The best last, on top of the others.
+  for (std::size_t rank = gates.size(); rank-- > 0;) {
+    const GateDetection& gate = gates[rank];
+    const Color color = look::kDetection.faded(rank == 0 ? 1.0 : 0.75);
+    draw_detection(canvas, gate, {0, 0}, scale, {.color = color, .width = rank == 0 ? 2.0 : 1.2});
+    const Eigen::Vector2d top_left = scale * gate.corners_px[0].cwiseMin(gate.corners_px[1]);
+    draw_label(canvas, label_of(rank, gate.color_fitness), top_left, color);
+  }
+  if (gates.empty()) draw_label(canvas, "no gate", {8.0, canvas.height() - 1.0}, look::kMuted);
+  canvas.write_png(png);
+}
+
+}  // namespace gatefly::io
