@@ -12,6 +12,7 @@
 #include "gatefly/closed_loop/race.hpp"
 #include "commands.hpp"
 #include "gatefly/io/flight_folder.hpp"
+#include "gatefly/io/flight_video.hpp"
 #include "gatefly/io/randomize.hpp"
 #include "gatefly/io/summary.hpp"
 #include "gatefly/io/text.hpp"
@@ -27,7 +28,7 @@ struct FlyOptions {
   std::string track = "showroom", vision = "rendered", out;
   std::uint64_t seed = 1;
   std::optional<int> laps;
-  bool json = false;
+  bool json = false, video = false;
 };
 
 fs::path cache_dir() {
@@ -152,8 +153,13 @@ int fly(const FlyOptions& options) {
   const fs::path out = options.out.empty() ? fs::path{"out"} / (fs::path{options.track}.stem().string() + "-" +
                                                                std::to_string(options.seed))
                                            : fs::path{options.out};
+  if (options.video) io::require_ffmpeg();
   io::FlightRecorder recorder(out);
   for (const auto& [name, content] : race.inputs) recorder.add_file(name, content);
+  std::optional<io::FlightVideo> video;
+  if (options.video)
+    video.emplace(recorder.place_for("flight.mp4"), race.config, race.identity.track + ", seed " + std::to_string(options.seed),
+                  options.vision != "ideal");
   catch_interrupt();
 
   Progress progress(options.common.quiet, 10.0);
@@ -162,6 +168,7 @@ int fly(const FlyOptions& options) {
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
   const auto on_tick = [&](const closed_loop::Tick& tick) {
     recorder.record(tick);
+    if (video) video->record(tick);
     last_p_EB = tick.truth.p_EB;
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
     if (progress.due(now)) {
@@ -178,6 +185,7 @@ int fly(const FlyOptions& options) {
     return kInterrupted;
   }
 
+  if (video) video->finish(outcome(result, last_p_EB));
   const std::string summary = io::summary(result, race.identity).dump(2) + "\n";
   recorder.finish(summary);
   if (options.json) {
@@ -207,6 +215,7 @@ void add_fly(CLI::App& app, Run& run) {
       ->check(CLI::IsMember({"rendered", "ideal"}))
       ->capture_default_str();
   command->add_option("--out", options->out, "folder for the flight [out/TRACK-SEED]")->type_name("DIR");
+  command->add_flag("--video", options->video, "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
   command->add_flag("--json", options->json, "print summary.json instead of a screen");
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return fly(*options); }; });

@@ -3,11 +3,13 @@
 """The program from outside: exit codes, one line on stderr, and that it says what is allowed.
 
 usage: cli_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
-Nothing here renders or flies: every case is refused before take-off, or only prints.
+Nothing here renders or flies but the few seconds of Video: every other case is refused before take-off, or
+only prints.
 """
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,8 +27,8 @@ class Cli(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
-    def run_it(self, *arguments):
-        environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+    def run_it(self, *arguments, **variables):
+        environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), **variables)
         return subprocess.run([GATEFLY, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder,
                               env=environment, timeout=120, check=False)
 
@@ -35,10 +37,10 @@ class Cli(unittest.TestCase):
         path.write_text(content, encoding="utf-8")
         return path
 
-    def refused(self, *arguments):
+    def refused(self, *arguments, **variables):
         """Runs what must be refused: exit 2, nothing on stdout, one line on stderr, nothing left behind."""
         before = sorted(path for path in self.folder.rglob("*"))
-        result = self.run_it(*arguments)
+        result = self.run_it(*arguments, **variables)
         self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
         self.assertEqual(result.stdout, "")
         self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
@@ -142,6 +144,31 @@ class Output(Cli):
         folder.mkdir()
         (folder / "chapter1.tex").write_text("years of work", encoding="utf-8")
         self.assertIn("no earlier flight", self.refused("fly", "oval", "--out", folder))
+
+
+class Video(Cli):
+    SHORT = ("--laps", "1", "--set", "sim.timeout_s=4")
+
+    def test_without_ffmpeg_nothing_flies(self):
+        self.assertIn("ffmpeg", self.refused("fly", "oval", "--video", *self.SHORT, PATH=str(self.folder)))
+
+    @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "there is no ffmpeg")
+    def test_the_film_plays_as_long_as_the_flight(self):
+        result = self.run_it("fly", "oval", "--video", "--json", *self.SHORT)
+        self.assertEqual(result.returncode, 1, result.stderr)  # four seconds are no race
+        flown = json.loads(result.stdout)["flight_time_s"]
+        film = self.folder / "out" / "oval-1" / "flight.mp4"
+        self.assertEqual(list(film.parent.glob("*.partial")), [])
+        probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-show_format", "-of", "json",
+                                film], capture_output=True, check=True)
+        answer = json.loads(probe.stdout)
+        (stream,) = answer["streams"]
+        self.assertEqual((stream["codec_name"], stream["pix_fmt"]), ("h264", "yuv420p"))
+        self.assertEqual((stream["width"], stream["height"]), (1280, 720))
+        seconds = float(answer["format"]["duration"])
+        self.assertGreaterEqual(seconds, flown)
+        self.assertLessEqual(seconds, flown + 2.5)  # the last frame is held for a while
+        self.assertAlmostEqual(int(stream["nb_read_frames"]), 20 * seconds, delta=1)
 
 
 class Configuration(Cli):

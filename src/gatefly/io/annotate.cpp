@@ -44,11 +44,12 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
     corners[i] = at + scale * (gate.corners_px[i] + Eigen::Vector2d{0.5, 0.5});
   canvas.outline(corners, {.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0});
   canvas.outline(corners, stroke);
+  // Rings, so that the corner itself stays in sight.
   for (const auto& corner : corners) {
-    canvas.disc(corner, 2.0 * stroke.width + 1.0, look::kBackground.faded(0.8));
-    canvas.circle(corner, 2.0 * stroke.width, stroke);
+    canvas.circle(corner, 2.5 * stroke.width, {.color = look::kBackground.faded(0.6), .width = stroke.width + 1.5});
+    canvas.circle(corner, 2.5 * stroke.width, stroke);
   }
-  canvas.disc(corners[0], 2.0 * stroke.width, stroke.color);
+  canvas.disc(corners[0], 1.2 * stroke.width, stroke.color);
 }
 
 void annotate(const Image& image, std::span<const GateDetection> gates, const std::filesystem::path& png) {

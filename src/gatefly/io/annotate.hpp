@@ -15,8 +15,8 @@ namespace gatefly::io {
 /// How much annotate() enlarges: whole steps up to 3; pictures with a side above 1600 px are made smaller.
 [[nodiscard]] double annotation_scale(const Image& image);
 
-/// A picture drawn at `at`, enlarged by `scale`, with a gate found in it: outline and corner marks,
-/// the first corner (top-left) filled. Corners are in upright pixels, pixel centres at integers.
+/// A picture drawn at `at`, enlarged by `scale`, with a gate found in it: outline, rings around the corners,
+/// the first corner (top-left) with a dot. Corners are in upright pixels, pixel centres at integers.
 void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vector2d& at, double scale,
                     const Stroke& stroke);
 

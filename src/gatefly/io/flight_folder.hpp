@@ -68,6 +68,9 @@ class FlightRecorder {
   /// Another file of the folder, e.g. a report, before finish().
   void add_file(const std::string& name, const std::string& content);
 
+  /// Where somebody else may write a file of the folder, before finish().
+  [[nodiscard]] std::filesystem::path place_for(const std::string& name) const { return partial_ / name; }
+
   /// Writes summary.json and gives the folder its name, in place of an earlier flight's.
   void finish(const std::string& summary_json);
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/io/canvas.hpp"
+#include "gatefly/io/flight_map.hpp"
+#include "gatefly/io/video_file.hpp"
+
+namespace gatefly::io {
+
+/// A flight as a film, drawn while it is flown, in real time: what the pilot saw, where it flew, how
+/// high and how fast. Draws only; the flight is the same without it.
+class FlightVideo {
+ public:
+  /// @param mp4       written as VideoFile says: whole or not at all.
+  /// @param title     e.g. "showroom, seed 1"
+  /// @param pictures  false when the race has none (ideal vision): the map takes their place.
+  /// @throws std::runtime_error when ffmpeg cannot be started.
+  FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race, std::string title, bool pictures);
+
+  /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
+  void record(const closed_loop::Tick& tick);
+  /// Holds the last frame with the outcome over it, then completes the file.
+  void finish(const std::string& outcome);
+
+ private:
+  void start(const closed_loop::Tick& tick);
+  void look(const closed_loop::Tick& tick);
+  void draw(const closed_loop::Tick& tick);
+  void draw_head(const closed_loop::Tick& tick);
+  void draw_status(const closed_loop::Tick& tick, const Box& box);
+  void draw_view(const closed_loop::Tick& tick);
+  void draw_map(const closed_loop::Tick& tick);
+
+  closed_loop::RaceConfig race_;
+  std::string title_;
+  bool pictures_;
+  Box left_, map_box_;
+  FlightMap map_;
+  VideoFile file_;
+  Canvas backdrop_, frame_, view_;  ///< What stays; the frame being drawn; the last picture with detections.
+  std::vector<Moment> moments_;     ///< One a frame.
+  std::vector<double> passes_;      ///< When the pilot counted a gate [s].
+  std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
+  Sighting::Source source_ = Sighting::Source::kNone;
+};
+
+}  // namespace gatefly::io
