@@ -119,12 +119,15 @@ std::string outcome(const closed_loop::RaceResult& result, const Eigen::Vector3d
   return "not finished: " + result.stop_reason + where;
 }
 
+/// "finished, 5 of 5 gates in 24.8 s".
+std::string verdict(const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB) {
+  return outcome(r, last_p_EB) + ", " + std::to_string(r.gates_passed) + " of " + std::to_string(r.gates_total) +
+         " gates" + (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
+}
+
 void print_screen(const Race& race, const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB,
                   const fs::path& out, bool quiet) {
-  std::cout << race.identity.track << ", seed " << race.identity.seed << ": " << outcome(r, last_p_EB) << ", "
-            << r.gates_passed << " of " << r.gates_total << " gates";
-  if (r.finished) std::cout << " in " << fixed(r.race_time, 1) << " s";
-  std::cout << '\n';
+  std::cout << race.identity.track << ", seed " << race.identity.seed << ": " << verdict(r, last_p_EB) << '\n';
   if (quiet) return;
 
   const auto line = [](const char* name, const std::string& text) {
@@ -158,8 +161,8 @@ int fly(const FlyOptions& options) {
   for (const auto& [name, content] : race.inputs) recorder.add_file(name, content);
   std::optional<io::FlightVideo> video;
   if (options.video)
-    video.emplace(recorder.place_for("flight.mp4"), race.config, race.identity.track + ", seed " + std::to_string(options.seed),
-                  options.vision != "ideal");
+    video.emplace(recorder.place_for("flight.mp4"), race.config,
+                  race.identity.track + ", seed " + std::to_string(options.seed), options.vision != "ideal");
   catch_interrupt();
 
   Progress progress(options.common.quiet, 10.0);
@@ -185,7 +188,7 @@ int fly(const FlyOptions& options) {
     return kInterrupted;
   }
 
-  if (video) video->finish(outcome(result, last_p_EB));
+  if (video) video->finish(verdict(result, last_p_EB));
   const std::string summary = io::summary(result, race.identity).dump(2) + "\n";
   recorder.finish(summary);
   if (options.json) {

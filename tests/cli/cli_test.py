@@ -159,8 +159,8 @@ class Video(Cli):
         flown = json.loads(result.stdout)["flight_time_s"]
         film = self.folder / "out" / "oval-1" / "flight.mp4"
         self.assertEqual(list(film.parent.glob("*.partial")), [])
-        probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-show_format", "-of", "json",
-                                film], capture_output=True, check=True)
+        probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_streams", "-show_format",
+                                "-of", "json", film], capture_output=True, check=True)
         answer = json.loads(probe.stdout)
         (stream,) = answer["streams"]
         self.assertEqual((stream["codec_name"], stream["pix_fmt"]), ("h264", "yuv420p"))

@@ -56,7 +56,8 @@ TEST_F(VideoFileTest, WhenFfmpegGivesUpItIsOneLineWithItsReason) {
   };
   EXPECT_THAT(film(folder_.path() / "missing" / "a.mp4", 64),
               AllOf(HasSubstr("a.mp4: cannot be written: ffmpeg: "), HasSubstr("No such file"), Not(HasSubstr("\n"))));
-  EXPECT_THAT(film(folder_.path() / "odd.mp4", 63), AllOf(HasSubstr("odd.mp4: cannot be written: ffmpeg: "), Not(HasSubstr("\n"))));
+  EXPECT_THAT(film(folder_.path() / "odd.mp4", 63),
+              AllOf(HasSubstr("odd.mp4: cannot be written: ffmpeg: "), Not(HasSubstr("\n"))));
   EXPECT_TRUE(nothing_left());
 }
 

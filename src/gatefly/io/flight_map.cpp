@@ -61,8 +61,9 @@ void FlightMap::draw_gate(Canvas& canvas, std::size_t gate, const Color& color) 
   const sim::WorldGate& g = world_.gates[gate];
   const Eigen::Vector2d center = g.p_EG.head<2>(), ahead = direction(g.yaw_EG), right{-ahead.y(), ahead.x()};
   const double bar = std::max(0.5 * g.side, 9.0 / scale_), tip = 13.0 / scale_;
-  const std::array<Eigen::Vector2d, 3> arrow{at(center + tip * ahead), at(center + 0.35 * tip * right + 0.25 * tip * ahead),
-                                             at(center - 0.35 * tip * right + 0.25 * tip * ahead)};
+  const std::array<Eigen::Vector2d, 3> arrow{at(center + tip * ahead),
+                                             at(center + tip * (0.25 * ahead + 0.35 * right)),
+                                             at(center + tip * (0.25 * ahead - 0.35 * right))};
   canvas.polygon(arrow, color);
   canvas.line(at(center - bar * right), at(center + bar * right), {.color = color, .width = 4.5});
   const Eigen::Vector2d beside = at(center + (bar + 13.0 / scale_) * right);
@@ -95,13 +96,14 @@ void FlightMap::draw_course(Canvas& canvas, const RacePlan& plan) const {
 }
 
 void FlightMap::draw_flown(Canvas& canvas, const Moment& from, const Moment& to, double strength) const {
+  // Darker, not translucent: translucent pieces show their overlapping ends as beads.
   canvas.line(at(from.true_p_EB.head<2>()), at(to.true_p_EB.head<2>()),
-              {.color = color_of_speed(to.true_speed).faded(strength), .width = 3.0});
+              {.color = between(look::kBackground, color_of_speed(to.true_speed), strength), .width = 3.0});
 }
 
 void FlightMap::draw_estimate(Canvas& canvas, const Moment& from, const Moment& to) const {
   canvas.line(at(from.est_p_EB.head<2>()), at(to.est_p_EB.head<2>()),
-              {.color = look::kEstimate.faded(0.8), .width = 1.1});
+              {.color = between(look::kBackground, look::kEstimate, 0.75), .width = 1.1});
 }
 
 void FlightMap::draw_target(Canvas& canvas, int gate) const {

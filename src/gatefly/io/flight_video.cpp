@@ -16,7 +16,7 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 720;  // [px]
 constexpr int kPicturesPerSecond = 20;
 constexpr double kMargin = 16.0, kHead = 62.0, kLegend = 34.0;  // [px]
-constexpr double kViewHeight = 320.0, kStatusHeight = 40.0;     // [px]
+constexpr double kStatusHeight = 40.0;  // [px]
 constexpr double kBright = 7.0;     // the way flown in these last seconds is drawn brightest
 constexpr double kWindow = 30.0;    // of the strips [s]
 constexpr double kHold = 2.0;       // of the last frame [s]
@@ -31,8 +31,12 @@ Box left_column(bool pictures) {
   return {.x = kMargin, .y = kHead, .width = pictures ? 632.0 : 360.0, .height = kHeight - kHead - kMargin};
 }
 
+/// The picture twice as large; without pictures, a line that says so.
+double view_height(bool pictures) { return pictures ? 320.0 : 56.0; }
+
 Box right_of(const Box& left) {
-  return {.x = left.right() + kMargin, .y = left.y, .width = kWidth - left.right() - 2.0 * kMargin, .height = left.height};
+  const double x = left.right() + kMargin;
+  return {.x = x, .y = left.y, .width = kWidth - kMargin - x, .height = left.height};
 }
 
 /// Where the map goes in its panel: room around it, the legend below.
@@ -69,7 +73,8 @@ class Strip {
     for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
       const double y = at(end_, level).y();
       canvas.line({area_.x, y}, {area_.right(), y}, {.color = look::kFaint.faded(0.6), .width = 1.0});
-      canvas.text({area_.x - 8, y + 4}, fixed("%.0f", level), {.color = look::kMuted, .size = 11, .align = Align::kRight});
+      canvas.text({area_.x - 8, y + 4}, fixed("%.0f", level),
+                  {.color = look::kMuted, .size = 11, .align = Align::kRight});
     }
     canvas.clip({.x = area_.x - 2, .y = area_.y - 6, .width = area_.width + 4, .height = area_.height + 12});
     for (const double pass : passes)
@@ -113,7 +118,7 @@ const char* name_of(Sighting::Source source) {
     case Sighting::Source::kBars: return "position from side bars";
     case Sighting::Source::kNone: break;
   }
-  return "flying blind";
+  return "IMU only";
 }
 
 /// Everything that the detector reported in one picture; what the pilot used is drawn strongest.
@@ -122,7 +127,8 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
   int rank = 0;
   for (const GateDetection& gate : sighting.detections) {
     const bool used = rank++ == sighting.used;
-    draw_detection(canvas, gate, {0, 0}, scale, {.color = look::kDetection.faded(used ? 1.0 : 0.6), .width = used ? 2.5 : 1.2});
+    draw_detection(canvas, gate, {0, 0}, scale,
+                   {.color = look::kDetection.faded(used ? 1.0 : 0.6), .width = used ? 2.5 : 1.2});
   }
   const Stroke stroke{.color = look::kDetection, .width = 2.5};
   if (sighting.open) {
@@ -143,7 +149,7 @@ FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::Ra
     : race_{race}, title_{std::move(title)}, pictures_{pictures}, left_{left_column(pictures)},
       map_box_{right_of(left_)}, map_{inside(map_box_), race},
       file_{mp4, kWidth, kHeight, kPicturesPerSecond}, backdrop_{kWidth, kHeight}, frame_{kWidth, kHeight},
-      view_{static_cast<int>(left_.width), static_cast<int>(kViewHeight), look::kPanel} {}
+      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), look::kPanel} {}
 
 void FlightVideo::start(const closed_loop::Tick& tick) {
   backdrop_.text({kMargin + 2, 32}, "gatefly", {.color = look::kGate, .size = 20, .bold = true});
@@ -152,7 +158,7 @@ void FlightVideo::start(const closed_loop::Tick& tick) {
   map_.draw_course(backdrop_, tick.pilot.plan());
   map_.draw_legend(backdrop_, {map_box_.x + 20, map_box_.bottom() - 0.5 * kLegend - 2});
   const std::string waiting = pictures_ ? "no picture yet" : "ideal vision: there are no pictures";
-  view_.text({0.5 * view_.width(), 0.5 * view_.height()}, waiting,
+  view_.text({0.5 * view_.width(), 0.5 * view_.height() + 5}, waiting,
              {.color = look::kMuted, .size = 15, .align = Align::kCenter});
 }
 
@@ -173,7 +179,7 @@ void FlightVideo::look(const closed_loop::Tick& tick) {
 void FlightVideo::record(const closed_loop::Tick& tick) {
   const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
   if (moments_.empty()) start(tick);
-  if (tick.sensors.image) look(tick);
+  if (pictures_ && tick.sensors.image) look(tick);
   source_ = tick.pilot.sighting().source;
   const Estimate estimate = tick.pilot.estimate();
   while (static_cast<int>(passes_.size()) < estimate.gates_passed) passes_.push_back(now);
@@ -194,7 +200,7 @@ void FlightVideo::draw(const closed_loop::Tick& tick) {
   frame_.paste(backdrop_, {0, 0});
   draw_head(tick);
   frame_.paste(view_, {left_.x, left_.y});
-  const Box status{.x = left_.x, .y = left_.y + kViewHeight, .width = left_.width, .height = kStatusHeight};
+  const Box status{.x = left_.x, .y = left_.y + view_height(pictures_), .width = left_.width, .height = kStatusHeight};
   draw_status(tick, status);
   const double strips = status.bottom() + 12.0;
   draw_strips(frame_, {left_.x, strips, left_.width, left_.bottom() - strips}, moments_, passes_);
@@ -226,7 +232,8 @@ void FlightVideo::draw_status(const closed_loop::Tick& tick, const Box& box) {
   const double width = 92.0;
   frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 25}, look::kInk, 5.0);
   frame_.text({box.x + 10 + 0.5 * width, line}, phase, plate);
-  frame_.text({box.x + width + 26, line}, "to gate " + std::to_string(tick.pilot.target_gate() + 1),
+  const std::string next = "to gate " + std::to_string(tick.pilot.target_gate() + 1);
+  frame_.text({box.x + width + 26, line}, tick.pilot.finished() ? "all gates passed" : next,
               {.color = look::kGate, .size = 15, .bold = true});
   if (!pictures_) return;
   frame_.text({box.x + 0.5 * box.width, line}, fixed("%.1f m/s", moments_.back().true_speed),
@@ -256,7 +263,7 @@ void FlightVideo::draw_map(const closed_loop::Tick& tick) {
   const std::size_t first = moments_.size() > recent ? moments_.size() - recent : 1;
   for (std::size_t i = first; i < moments_.size(); ++i) {
     const double age = static_cast<double>(moments_.size() - i) / static_cast<double>(recent);
-    map_.draw_flown(frame_, moments_[i - 1], moments_[i], 1.0 - 0.8 * age);
+    map_.draw_flown(frame_, moments_[i - 1], moments_[i], 1.0 - 0.6 * age);
   }
   map_.draw_drone(frame_, moments_.back(), tick.truth.attitude.yaw);
   frame_.unclip();
@@ -268,10 +275,10 @@ void FlightVideo::finish(const std::string& outcome) {
   lettering.size *= std::min(1.0, widest / frame_.text_width(outcome, lettering));
   const double width = frame_.text_width(outcome, lettering) + 48;
   const double middle = map_box_.x + 0.5 * map_box_.width;
-  const Box plate{.x = middle - 0.5 * width, .y = map_box_.y + 0.42 * map_box_.height, .width = width, .height = 52};
+  const Box plate{.x = middle - 0.5 * width, .y = map_box_.y + 8, .width = width, .height = 46};
   frame_.fill(plate, look::kInk.faded(0.25), 8.0);
   frame_.fill({plate.x + 1.5, plate.y + 1.5, plate.width - 3, plate.height - 3}, look::kBackground.faded(0.92), 7.0);
-  frame_.text({middle, plate.y + 33}, outcome, lettering);
+  frame_.text({middle, plate.y + 30}, outcome, lettering);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();
 }
