@@ -2,6 +2,7 @@
 #include "gatefly/io/config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <set>
@@ -69,7 +70,40 @@ void ordered(const Config& config, const char* low_key, double low, const char* 
                            " = " + text_of(high));
 }
 
+/// What camera.distortion has to hold for a model.
+struct LensRule {
+  std::string model;
+  std::vector<std::string> coefficients;
+  double low, high;
+};
+
+const LensRule& lens_rule(const std::string& model) {
+  static const std::array<LensRule, 4> rules{{{"dhane", {"k"}, 0.5, 2},
+                                              {"pinhole", {}, 0, 0},
+                                              {"brown-conrady", {"k1", "k2", "p1", "p2", "k3"}, -1000, 1000},
+                                              {"kannala-brandt", {"k1", "k2", "k3", "k4"}, -1000, 1000}}};
+  return *std::find_if(rules.begin(), rules.end() - 1, [&](const LensRule& rule) { return rule.model == model; });
+}
+
+void check_distortion(const Config& c) {
+  const LensRule& rule = lens_rule(c.camera_model);
+  const bool given = c.set_by.contains("camera.distortion");
+  if (!given && rule.coefficients.empty()) return;  // the default is Dhane's k
+  const bool fits = c.distortion.size() == rule.coefficients.size() &&
+                    std::all_of(c.distortion.begin(), c.distortion.end(),
+                                [&](double each) { return each >= rule.low && each <= rule.high; });
+  if (fits) return;
+  const std::string need = rule.coefficients.empty() ? "[]"
+                           : std::to_string(rule.coefficients.size()) + " number" +
+                                 (rule.coefficients.size() == 1 ? "" : "s") + " [" + joined(rule.coefficients) +
+                                 "] in " + text_of(rule.low) + ".." + text_of(rule.high);
+  throw std::runtime_error(c.set_by.at(given ? "camera.distortion" : "camera.model") + ": camera.distortion = " +
+                           shown(json(c.distortion)) + (given ? "" : " (the default)") + ", must be " + need +
+                           " with camera.model = \"" + c.camera_model + "\"");
+}
+
 void check(const Config& c) {
+  check_distortion(c);
   const ColorRange& color = c.pilot.color;
   ordered(c, "color.y_min", color.y_min, "color.y_max", color.y_max);
   ordered(c, "color.cb_min", color.u_min, "color.cb_max", color.u_max);
@@ -89,17 +123,24 @@ void check(const Config& c) {
                              std::to_string(c.stored_rotation_deg) + ", must be 0, 90, 180 or 270");
 }
 
+AnyCamera lens_of(const Config& c) {
+  const auto& d = c.distortion;
+  if (c.camera_model == "pinhole") return {Pinhole{c.focal_px, c.center_px}};
+  if (c.camera_model == "brown-conrady")
+    return {BrownConrady{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[4], 0.0}}, {d[2], d[3]}}};
+  if (c.camera_model == "kannala-brandt")
+    return {KannalaBrandt{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[2], d[3]}}}};
+  return {DhaneFisheye{c.focal_px, c.center_px, d[0]}};
+}
+
 /// What follows from the keys: the pilot's camera, and the simulator's nominal truth.
 void derive(Config& c) {
   sim::CameraTruth& camera = c.sim.camera;
   camera.stored_width = c.stored_width();
   camera.stored_height = c.stored_height();
-  if (c.camera_model == "pinhole") {
-    camera.lens.k = 1.0;  // Dhane's model with k = 1 is the straight lens.
-    c.pilot.camera.lens.model = Pinhole{camera.lens.focal_px, camera.lens.center_px};
-  } else {
-    c.pilot.camera.lens.model = camera.lens;
-  }
+  c.pilot.camera.lens = camera.lens = lens_of(c);
+  // Dhane's model with k = 1 is the straight lens, and has a k that a day can vary.
+  if (c.camera_model == "pinhole") camera.lens.model = DhaneFisheye{c.focal_px, c.center_px, 1.0};
   c.pilot.camera.R_BC = camera_mount(camera.tilt_down);
   c.pilot.camera.p_BC = camera.p_BC;
 

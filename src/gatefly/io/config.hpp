@@ -25,6 +25,8 @@ struct Config {
   int stored_rotation_deg = 90;  ///< Counter-clockwise turn that makes a stored picture upright.
   int width = 315, height = 160;  ///< Of the upright picture [px].
   std::string camera_model = "dhane";
+  Eigen::Vector2d focal_px = DhaneFisheye{}.focal_px, center_px = DhaneFisheye{}.center_px;
+  std::vector<double> distortion{DhaneFisheye{}.k};  ///< The model's coefficients, in its order.
   double camera_latency = 0.030;  ///< From the end of read-out to arrival [s].
   double gate_side = 1.0, gate_bar = 0.05;  ///< Where a file names none [m].
   std::string gate_corners = "outer";       ///< What labels and detections mean.

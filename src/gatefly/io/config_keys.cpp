@@ -31,6 +31,21 @@ Key<Config> size_key() {
   return size;
 }
 
+/// As many coefficients as the model has; how many that are is checked with the model. One may stand alone.
+Key<Config> distortion_key() {
+  Key<Config> distortion;
+  distortion.rule = {.name = "camera.distortion", .low = -1000, .high = 1000,
+                     .source = "dhane: k; fit on flights 3, 4, 10: 1.03-1.08",
+                     .kind = KeyRule::Kind::kNumberOrList, .count = 5};
+  distortion.get = [](const Config& c) {
+    return c.distortion.size() == 1 ? nlohmann::json(c.distortion[0]) : nlohmann::json(c.distortion);
+  };
+  distortion.set = [](Config& c, const nlohmann::json& v) {
+    c.distortion = v.is_array() ? v.get<std::vector<double>>() : std::vector<double>{v.get<double>()};
+  };
+  return distortion;
+}
+
 /// Two plain members as one pair.
 Key<Config> arm_key() {
   Key<Config> arm;
@@ -46,11 +61,12 @@ Key<Config> arm_key() {
 
 Keys camera_keys() {
   return {
-      choice<Config>("camera.model", {"dhane", "pinhole"}, AT(camera_model), "Dhane et al. 2012"),
+      choice<Config>("camera.model", {"dhane", "pinhole", "brown-conrady", "kannala-brandt"}, AT(camera_model),
+                     "Dhane et al. 2012"),
       size_key(),
-      k("camera.focal_px", 10, 10000, AT(sim.camera.lens.focal_px), "Li18 flight code"),
-      k("camera.center_px", -4096, 8192, AT(sim.camera.lens.center_px), "authors' flight code and data: (157, 35 from below)"),
-      k("camera.distortion", 0.5, 2, AT(sim.camera.lens.k), "k; fit on flights 3, 4, 10: 1.03-1.08"),
+      k("camera.focal_px", 10, 10000, AT(focal_px), "Li18 flight code"),
+      k("camera.center_px", -4096, 8192, AT(center_px), "authors' flight code and data: (157, 35 from below)"),
+      distortion_key(),
       k("camera.stored_rotation_deg", 0, 270, AT(stored_rotation_deg), "the sensor is turned"),
       k("camera.tilt_deg", -90, 90, AT(sim.camera.tilt_down), "down; authors' flight code and data: 16-20", kDegree),
       k("camera.position_m", -2, 2, AT(sim.camera.p_BC), "in the body frame; Bebop's nose"),

@@ -19,9 +19,16 @@ std::string allowed(const KeyRule& rule) {
     case KeyRule::Kind::kInteger: return "a whole number in " + range;
     case KeyRule::Kind::kNumbers:
       return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") + range;
+    case KeyRule::Kind::kNumberOrList:
+      return "a number or a list of at most " + std::to_string(rule.count) + ", in " + range;
     case KeyRule::Kind::kText: break;
   }
   return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
+}
+
+// 315.0 is as whole as 315.
+bool is_whole(const nlohmann::json& value) {
+  return value.is_number_integer() || (value.is_number() && std::floor(value.get<double>()) == value.get<double>());
 }
 
 bool in_range(const KeyRule& rule, const nlohmann::json& value) {
@@ -33,12 +40,16 @@ bool in_range(const KeyRule& rule, const nlohmann::json& value) {
 bool fits(const KeyRule& rule, const nlohmann::json& value) {
   switch (rule.kind) {
     case KeyRule::Kind::kNumber: return in_range(rule, value);
-    case KeyRule::Kind::kInteger: return value.is_number_integer() && in_range(rule, value);
+    case KeyRule::Kind::kInteger: return is_whole(value) && in_range(rule, value);
     case KeyRule::Kind::kNumbers:
       return value.is_array() && value.size() == rule.count &&
              std::all_of(value.begin(), value.end(), [&](const auto& v) {
-               return in_range(rule, v) && (!rule.whole || v.is_number_integer());
+               return in_range(rule, v) && (!rule.whole || is_whole(v));
              });
+    case KeyRule::Kind::kNumberOrList:
+      return in_range(rule, value) ||
+             (value.is_array() && value.size() <= rule.count &&
+              std::all_of(value.begin(), value.end(), [&](const auto& v) { return in_range(rule, v); }));
     case KeyRule::Kind::kText: break;
   }
   return value.is_string() && std::find(rule.choices.begin(), rule.choices.end(),

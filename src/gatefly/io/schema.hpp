@@ -16,13 +16,13 @@ namespace gatefly::io {
 
 /// What a configuration key may hold, and where its default comes from.
 struct KeyRule {
-  enum class Kind { kNumber, kInteger, kNumbers, kText };
+  enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText };
   std::string name;                  ///< "section.key", the unit at its end.
   double low = 0.0, high = 0.0;      ///< Of every number, in the key's unit, bounds included.
   std::string source = {};                ///< Of the default.
   std::vector<std::string> choices = {};  ///< Of a text.
   Kind kind = Kind::kNumber;
-  std::size_t count = 1;             ///< Of a list of numbers.
+  std::size_t count = 1;             ///< Of a list of numbers; the most of kNumberOrList.
   bool whole = false;                ///< Only whole numbers in a list.
 };
 

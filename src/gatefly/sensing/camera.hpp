@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/sensing/radial_polynomial.hpp"
+
 namespace gatefly {
 
 /// Maps between pixels (u right, v down, upright picture) [px] and the camera frame C (right, down,
@@ -43,12 +45,42 @@ struct DhaneFisheye {
   [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
 };
 
+/// A straight lens with radial and tangential distortion: most cameras' calibration. Brown 1966;
+/// OpenCV's calib3d, Kalibr's radtan (k3 = 0), Matlab's cameraParameters (pixels there count from 1).
+///
+/// With (x, y) = (X/Z, Y/Z), r² = x² + y², a = 1 + k1 r² + k2 r⁴ + k3 r⁶:
+///   x_d = a x + 2 p1 x y + p2 (r² + 2 x²), y_d = a y + p1 (r² + 2 y²) + 2 p2 x y.
+/// Nothing shows from where a r stops growing (radial.limit()) or where the tangential part turns the
+/// picture over; both directions answer nullopt there.
+struct BrownConrady {
+  Eigen::Vector2d focal_px{168.0, 168.0};
+  Eigen::Vector2d center_px{157.0, 124.0};
+  RadialPolynomial radial;                       ///< k1, k2, k3; k4 is OpenCV's of another model: 0.
+  Eigen::Vector2d tangential = Eigen::Vector2d::Zero();  ///< p1, p2.
+  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
+};
+
+/// A fisheye with a polynomial of the angle θ from the axis. Kannala and Brandt 2006; OpenCV's
+/// cv::fisheye, Kalibr's equidistant: θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸), drawn at f θ_d.
+///
+/// Nothing shows from where θ_d stops growing (radial.limit()), nor from 90° on.
+struct KannalaBrandt {
+  Eigen::Vector2d focal_px{168.0, 168.0};
+  Eigen::Vector2d center_px{157.0, 124.0};
+  RadialPolynomial radial;  ///< k1, k2, k3, k4, of θ.
+  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
+};
+
 static_assert(Camera<Pinhole>);
 static_assert(Camera<DhaneFisheye>);
+static_assert(Camera<BrownConrady>);
+static_assert(Camera<KannalaBrandt>);
 
 /// Whichever lens the configuration names, still without allocation.
 struct AnyCamera {
-  std::variant<DhaneFisheye, Pinhole> model;
+  std::variant<DhaneFisheye, Pinhole, BrownConrady, KannalaBrandt> model;
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
 };

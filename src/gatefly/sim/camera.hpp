@@ -17,7 +17,7 @@ namespace gatefly::sim {
 
 /// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
 struct CameraTruth {
-  DhaneFisheye lens;                       ///< Upright picture, 315 x 160.
+  AnyCamera lens;                          ///< Upright picture, 315 x 160.
   Eigen::Vector3d p_BC{0.10, 0.0, 0.0};    ///< Focal point in the body frame [m].
   double tilt_down = 0.349066;             ///< [rad]
   int stored_width = 160, stored_height = 315;  ///< Turned by 90°: a stored line is an upright column.
@@ -41,7 +41,7 @@ struct BodyPose {
   Eigen::Vector4d q_EB{1, 0, 0, 0};  ///< w, x, y, z; body to earth.
 };
 
-/// Casts the fisheye's pixels into the world with Embree and pushes the light through a sensor model.
+/// Casts the lens's pixels into the world with Embree and pushes the light through a sensor model.
 ///
 /// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked light
 /// map for the static room, direct shading of what a seed moves, auto-exposure with a lag, shot and

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <variant>
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -54,6 +55,23 @@ void add_decoys(World& world, int count, Stream& stream) {
     ++placed;
   }
 }
+
+/// What `camera_k` is to each model: Dhane's k is off by it; of the polynomials the first coefficient,
+/// by that part of itself: a fixed amount would fold a strong barrel back inside the picture.
+struct LensOff {
+  double k;
+  void operator()(DhaneFisheye& lens) const { lens.k += k; }
+  void operator()(Pinhole&) const {}
+  void operator()(BrownConrady& lens) const { lens.radial = scaled(lens.radial); }
+  void operator()(KannalaBrandt& lens) const { lens.radial = scaled(lens.radial); }
+
+ private:
+  [[nodiscard]] RadialPolynomial scaled(const RadialPolynomial& radial) const {
+    auto coefficients = radial.coefficients();
+    coefficients[0] *= 1.0 + k;
+    return RadialPolynomial{coefficients};
+  }
+};
 
 }  // namespace
 
@@ -114,9 +132,10 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.start.heading += start.normal_cut(sigma.start_heading);
 
   Stream camera{seed, "camera"};
-  real.camera.lens.focal_px *= 1.0 + camera.normal_cut(sigma.camera_focal);
-  real.camera.lens.center_px += Eigen::Vector2d{camera.normal_cut(sigma.camera_center_px), camera.normal_cut(sigma.camera_center_px)};
-  real.camera.lens.k += camera.normal_cut(sigma.camera_k);
+  const double zoom = 1.0 + camera.normal_cut(sigma.camera_focal);
+  const Eigen::Vector2d shift{camera.normal_cut(sigma.camera_center_px), camera.normal_cut(sigma.camera_center_px)};
+  std::visit([&](auto& lens) { lens.focal_px *= zoom, lens.center_px += shift; }, real.camera.lens.model);
+  std::visit(LensOff{camera.normal_cut(sigma.camera_k)}, real.camera.lens.model);
   real.camera.tilt_down += camera.normal_cut(sigma.camera_tilt);
   real.sensors.camera_latency = std::max(0.0, real.sensors.camera_latency + camera.normal_cut(sigma.camera_latency));
   real.sensors.latency_jitter = sigma.latency_jitter;

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sensing/radial_polynomial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+namespace gatefly {
+namespace {
+
+constexpr double kFarthest = 1e6;  // as camera.cpp's kMinForward: 1e-6 rad from the lens plane
+constexpr int kMaxSteps = 200;     // halving 1e12 down to the last bit of 1e-3 takes 102
+
+double value_of(std::span<const double> c, double s) {
+  double sum = 0.0;
+  for (std::size_t i = c.size(); i-- > 0;) sum = sum * s + c[i];
+  return sum;
+}
+
+struct Roots {
+  std::array<double, 4> at{};
+  std::size_t count = 0;
+};
+
+/// Where c[0] + c[1] s + ... changes its sign in (0, end), ascending; degree 4 at most.
+/// Between two roots of the derivative there is at most one, and halving cannot miss it.
+Roots sign_changes(std::span<const double> c, double end) {
+  Roots roots;
+  if (c.size() < 2) return roots;
+  std::array<double, 4> derivative{};
+  for (std::size_t i = 1; i < c.size(); ++i) derivative[i - 1] = static_cast<double>(i) * c[i];
+  const Roots turns = sign_changes({derivative.data(), c.size() - 1}, end);
+
+  double from = 0.0;
+  for (std::size_t i = 0; i <= turns.count; ++i) {
+    const double to = i < turns.count ? turns.at[i] : end;
+    double low = from, high = to;
+    from = to;
+    const bool positive = value_of(c, low) > 0.0;
+    if (positive == (value_of(c, high) > 0.0)) continue;
+    for (int step = 0; step < kMaxSteps; ++step) {
+      const double middle = 0.5 * (low + high);
+      ((value_of(c, middle) > 0.0) == positive ? low : high) = middle;
+    }
+    roots.at[roots.count++] = low;
+  }
+  return roots;
+}
+
+}  // namespace
+
+RadialPolynomial::RadialPolynomial(const Coefficients& k) : k_{k}, limit_{kFarthest} {
+  // g'(r) in s = r²: 1 + 3 k1 s + 5 k2 s² + 7 k3 s³ + 9 k4 s⁴
+  const std::array<double, 5> slope{1.0, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};
+  const Roots roots = sign_changes(slope, kFarthest * kFarthest);
+  if (roots.count > 0) limit_ = std::sqrt(roots.at[0]);
+  if (!std::all_of(k.begin(), k.end(), [](double each) { return std::isfinite(each); })) limit_ = 0.0;
+}
+
+double RadialPolynomial::factor(double r_squared) const {
+  const double s = r_squared;
+  return 1.0 + s * (k_[0] + s * (k_[1] + s * (k_[2] + s * k_[3])));
+}
+
+double RadialPolynomial::factor_slope(double r_squared) const {
+  const double s = r_squared;
+  return k_[0] + s * (2 * k_[1] + s * (3 * k_[2] + s * 4 * k_[3]));
+}
+
+std::optional<double> RadialPolynomial::inverse(double value) const {
+  if (!(value >= 0.0 && value < (*this)(limit_))) return std::nullopt;
+  double low = 0.0, high = limit_, r = std::min(value, 0.5 * limit_), last = high;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double error = (*this)(r) - value;
+    (error > 0.0 ? high : low) = r;
+    const double slope = factor(r * r) + 2.0 * r * r * factor_slope(r * r);
+    double next = r - error / slope;
+    const bool dawdles = !(std::abs(next - r) < 0.5 * last);
+    if (!(next >= low && next <= high) || dawdles) next = 0.5 * (low + high);
+    last = std::abs(next - r);
+    r = next;
+    if (last <= 1e-16 * r || error == 0.0) break;
+  }
+  return r;
+}
+
+}  // namespace gatefly
