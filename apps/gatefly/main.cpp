@@ -37,8 +37,7 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
   if (error.get_exit_code() == 0) return app.exit(error);
   const auto chosen = app.get_subcommands();
   CLI::App& command = chosen.empty() ? app : *chosen.front();
-  std::string what = error.what();
-  std::replace(what.begin(), what.end(), '\n', ' ');
+  const std::string what = io::one_line(error.what(), 4000);
   std::cerr << "gatefly" << (chosen.empty() ? "" : " " + command.get_name()) << ": " << what
             << flag_suggestion(command, arguments) << " (--help shows what there is)\n";
   return kUnusable;
@@ -58,7 +57,7 @@ int run_main(std::span<char* const> arguments) {
     const std::string name = arguments[1];
     const auto names = command_names(app);
     if (std::find(names.begin(), names.end(), name) == names.end()) {
-      std::cerr << "gatefly: no command '" << name << "'" << io::suggestion(name, names) << " (there are: "
+      std::cerr << "gatefly: no command '" << io::one_line(name) << "'" << io::suggestion(name, names) << " (there are: "
                 << io::joined(names) << ")\n";
       return kUnusable;
     }
@@ -78,6 +77,6 @@ int run_main(std::span<char* const> arguments) {
 int main(int argc, char** argv) try {
   return gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});
 } catch (const std::exception& error) {
-  std::cerr << "gatefly: " << error.what() << '\n';
+  std::cerr << "gatefly: " << gatefly::io::one_line(error.what(), 4000) << '\n';
   return gatefly::cli::kUnusable;
 }

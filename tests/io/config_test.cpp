@@ -55,7 +55,7 @@ TEST(Config, CameraIsThePilotsBeliefAndTheSimulatorsNominal) {
   EXPECT_NEAR(std::asin(forward_B.z()), 10 * kDegree, 1e-12);
   EXPECT_DOUBLE_EQ(config.sim.camera.tilt_down, 10 * kDegree);
   EXPECT_EQ(std::get<DhaneFisheye>(config.pilot.camera.lens.model).focal_px, Eigen::Vector2d(150, 151));
-  EXPECT_EQ(config.sim.camera.lens.focal_px, Eigen::Vector2d(150, 151));
+  EXPECT_EQ(std::get<DhaneFisheye>(config.sim.camera.lens.model).focal_px, Eigen::Vector2d(150, 151));
   EXPECT_EQ(config.sim.camera.stored_width, 180);
   EXPECT_EQ(config.sim.camera.stored_height, 320);
   EXPECT_DOUBLE_EQ(config.pilot.camera_timing.latency, 0.050 + 0.002 + 0.010);
@@ -64,7 +64,44 @@ TEST(Config, CameraIsThePilotsBeliefAndTheSimulatorsNominal) {
 TEST(Config, APinholeIsTheFisheyeWithoutDistortionInTheSimulator) {
   const Config config = with({"camera.model=pinhole"});
   EXPECT_TRUE(std::holds_alternative<Pinhole>(config.pilot.camera.lens.model));
-  EXPECT_EQ(config.sim.camera.lens.k, 1.0);
+  EXPECT_EQ(std::get<DhaneFisheye>(config.sim.camera.lens.model).k, 1.0);
+}
+
+TEST(Config, BrownConradysCoefficientsComeInOpenCvsOrderForPilotAndSimulator) {
+  const Config config = with({"camera.model=brown-conrady", "camera.distortion=[-0.3, 0.1, 0.002, -0.001, 0.05]",
+                              "camera.center_px=[150, 80]"});
+  for (const AnyCamera& camera : {config.pilot.camera.lens, config.sim.camera.lens}) {
+    const auto& lens = std::get<BrownConrady>(camera.model);
+    EXPECT_EQ(lens.distortion(), (BrownConrady::Coefficients{-0.3, 0.1, 0.002, -0.001, 0.05}));
+    EXPECT_EQ(lens.center_px, Eigen::Vector2d(150, 80));
+  }
+}
+
+TEST(Config, KannalaBrandtHasFourCoefficients) {
+  const Config config = with({"camera.model=kannala-brandt", "camera.distortion=[0.1, -0.02, 0.003, 0]"});
+  for (const AnyCamera& camera : {config.pilot.camera.lens, config.sim.camera.lens})
+    EXPECT_EQ(std::get<KannalaBrandt>(camera.model).radial.coefficients(),
+              (RadialPolynomial::Coefficients{0.1, -0.02, 0.003, 0.0}));
+}
+
+TEST(Config, AWrongNumberOfCoefficientsIsRefusedSayingHowManyTheModelNeeds) {
+  const auto error = [](const Settings& settings) { return test::error_of([&] { (void)with(settings); }); };
+  EXPECT_EQ(error({"camera.model=brown-conrady", "camera.distortion=[-0.3, 0.1]"}),
+            "--set: camera.distortion = [-0.3, 0.1], must be 5 numbers [k1, k2, p1, p2, k3] in -1000..1000 with "
+            "camera.model = \"brown-conrady\"");
+  EXPECT_THAT(error({"camera.model=kannala-brandt"}), HasSubstr("= [1.08] (the default), must be 4 numbers [k1, k2, k3, k4]"));
+  EXPECT_THAT(error({"camera.distortion=[]"}), HasSubstr("must be 1 number [k] in 0.5..2 with camera.model = \"dhane\""));
+  EXPECT_THAT(error({"camera.distortion=3"}), HasSubstr("= [3], must be 1 number [k] in 0.5..2"));
+  EXPECT_THAT(error({"camera.model=pinhole", "camera.distortion=1.08"}), HasSubstr("must be [] with"));
+  EXPECT_EQ(error({"camera.model=pinhole", "camera.distortion=[]"}), "");
+  EXPECT_THAT(error({"camera.model=kannala-brandt", "camera.distortion=[0, 0, nan, 0]"}), HasSubstr("nan"));
+  EXPECT_THAT(error({"camera.distortion=[1, 2, 3, 4, 5, 6]"}), HasSubstr("a list of at most 5"));
+}
+
+TEST(Config, AWholeNumberMayBeWrittenWithAPoint) {
+  const Config config = with({"detector.samples=1e3", "camera.size_px=[320.0, 160]"});
+  EXPECT_EQ(config.pilot.snake.max_samples, 1000);
+  EXPECT_EQ(config.width, 320);
 }
 
 TEST(Config, LaterFilesWinAndSettingsComeLast) {
@@ -98,7 +135,7 @@ TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_with("camera.tilt_deg=91"), HasSubstr("= 91, must be a number in -90..90"));
   EXPECT_THAT(error_with("camera.focal_px=[168.0]"), HasSubstr("must be 2 numbers"));
   EXPECT_THAT(error_with("camera.size_px=[315.5, 160]"), HasSubstr("whole numbers"));
-  EXPECT_THAT(error_with("camera.model=fish"), HasSubstr("one of \"dhane\", \"pinhole\""));
+  EXPECT_THAT(error_with("camera.model=fish"), HasSubstr("one of \"dhane\", \"pinhole\", \"brown-conrady\", \"kannala-brandt\""));
   EXPECT_THAT(error_with("camera.stored_rotation_deg=45"), HasSubstr("must be 0, 90, 180 or 270"));
   EXPECT_THAT(test::error_of([] { (void)with({"color.y_min=250", "color.y_max=240"}); }),
               HasSubstr("color.y_min = 250, must be at most color.y_max = 240"));
@@ -130,7 +167,7 @@ TEST(Config, ShowsEveryKeyWithItsSource) {
 }
 
 TEST(Config, ShippedFilesLoad) {
-  for (const char* name : {"configs/default.toml", "configs/flights.toml", "cameras/bebop.toml", "vehicles/bebop.toml"})
+  for (const char* name : {"configs/default.toml", "configs/flights.toml", "cameras/bebop.toml", "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
     EXPECT_NO_THROW((void)load_config(Files{data_dir() / name})) << name;
 }
 

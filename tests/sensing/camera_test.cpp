@@ -23,7 +23,7 @@ class EveryLens : public ::testing::Test {
  public:
   Lens lens;
 };
-using Lenses = ::testing::Types<Pinhole, DhaneFisheye, AnyCamera>;
+using Lenses = ::testing::Types<Pinhole, DhaneFisheye, BrownConrady, KannalaBrandt, AnyCamera>;
 TYPED_TEST_SUITE(EveryLens, Lenses);
 
 TYPED_TEST(EveryLens, ProjectAfterBearingIsTheIdentity) {

@@ -27,10 +27,31 @@ std::vector<std::string> key_names() {
   return names;
 }
 
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
 std::vector<std::string> section_names() {
   std::set<std::string> sections;
   for (const std::string& name : key_names()) sections.insert(name.substr(0, name.find('.')));
   return {sections.begin(), sections.end()};
+}
+
+/// What somebody who wrote `name` meant: the key of that name in another section, or of a like name in
+/// this one, or any like it.
+std::string key_suggestion(const std::string& name) {
+  const auto section = name.substr(0, name.find('.') + 1);  // "" when there is none
+  const std::string last = name.substr(section.size());
+  std::vector<std::string> same, beside;
+  for (const std::string& key : key_names()) {
+    if (key.substr(key.find('.') + 1) == last) same.push_back(key);
+    if (!section.empty() && key.starts_with(section)) beside.push_back(key.substr(section.size()));
+  }
+  if (!same.empty()) return ", did you mean '" + nearest(name, same) + "'?";
+  if (!suggestion(last, beside).empty()) return ", did you mean '" + section + nearest(last, beside) + "'?";
+  const std::string any = beside.empty() ? suggestion(name, key_names()) : "";
+  return any.empty() ? ", gatefly config --show lists them all" : any;
 }
 
 void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
@@ -42,10 +63,18 @@ void set_key(Config& config, const std::string& name, const json& value, const s
     const auto found = std::find_if(keys.begin(), keys.end(),
                                     [&](const auto& key) { return key.rule.name == name; });
     if (found == keys.end())
-      throw std::runtime_error(where + ": " + name + " is not a known key" + suggestion(name, key_names()));
+      throw std::runtime_error(where + ": " + one_line(name) + " is not a known key" + key_suggestion(name));
     found->set(config, checked(found->rule, value, where));
   }
   config.set_by[name] = where;
+}
+
+[[noreturn]] void unknown_section(const std::string& section, const json& content, const std::string& file) {
+  const std::string where = file + ": ";
+  if (!content.is_object())
+    throw std::runtime_error(where + one_line(section) + " stands outside every [section]" + key_suggestion(section));
+  throw std::runtime_error(where + "[" + one_line(section) + "] is not a known section" +
+                           suggestion(section, section_names()) + " (there are: " + joined(section_names()) + ")");
 }
 
 void read_config_file(Config& config, const std::filesystem::path& path) {
@@ -53,10 +82,10 @@ void read_config_file(Config& config, const std::filesystem::path& path) {
   for (const auto& [section, table] : content.items()) {
     const auto sections = section_names();
     if (std::find(sections.begin(), sections.end(), section) == sections.end())
-      throw std::runtime_error(path.string() + ": [" + section + "] is not a known section" +
-                               suggestion(section, sections));
+      unknown_section(section, table, path.string());
     if (!table.is_object())
-      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) + ", must be a table");
+      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) + ", must be a section: [" +
+                               section + "] on a line of its own, its keys below");
     for (const auto& [key, value] : table.items()) set_key(config, section + "." + key, value, path.string());
   }
 }
@@ -127,7 +156,7 @@ AnyCamera lens_of(const Config& c) {
   const auto& d = c.distortion;
   if (c.camera_model == "pinhole") return {Pinhole{c.focal_px, c.center_px}};
   if (c.camera_model == "brown-conrady")
-    return {BrownConrady{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[4], 0.0}}, {d[2], d[3]}}};
+    return {BrownConrady{c.focal_px, c.center_px, {d[0], d[1], d[2], d[3], d[4]}}};
   if (c.camera_model == "kannala-brandt")
     return {KannalaBrandt{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[2], d[3]}}}};
   return {DhaneFisheye{c.focal_px, c.center_px, d[0]}};
@@ -174,9 +203,10 @@ Config load_config(std::span<const std::filesystem::path> files, std::span<const
   for (const auto& file : files) read_config_file(config, file);
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw std::runtime_error("--set " + setting + ": must be section.key=value");
-    set_key(config, setting.substr(0, equals), parse_toml_value(setting.substr(equals + 1)), "--set");
+    const std::string name = trimmed(setting.substr(0, equals));
+    if (equals == std::string::npos || name.empty())
+      throw std::runtime_error("--set " + one_line(setting) + ": must be section.key=value");
+    set_key(config, name, parse_toml_value(setting.substr(equals + 1)), "--set");
   }
   check(config);
   derive(config);

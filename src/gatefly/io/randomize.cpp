@@ -81,7 +81,7 @@ void check_randomize(const std::string& key, const nlohmann::json& value, const 
   } else {
     std::vector<std::string> names{"level"};
     for (const auto& each : randomize_keys()) names.push_back(each.rule.name.substr(10));
-    throw std::runtime_error(where + ": randomize." + key + " is not a known key" + suggestion(key, names));
+    throw std::runtime_error(where + ": randomize." + one_line(key) + " is not a known key" + suggestion(key, names));
   }
 }
 

@@ -75,6 +75,15 @@ std::string joined(std::span<const std::string> words, std::string_view between)
   return text;
 }
 
+std::string one_line(std::string text, std::size_t most) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  if (text.size() <= most) return text;
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end) + "...";
+}
+
 std::string read_file(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) throw std::runtime_error(path.string() + ": is a folder, not a file");
@@ -118,8 +127,12 @@ fs::path find_toml(const std::string& name, const std::string& folder) {
     for (const auto& entry : fs::directory_iterator(place, error))
       if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
   }
+  // Not a folder: a pipe such as bash's <(...), or a device. A link to nowhere does not exist.
+  const fs::file_status status = fs::status(name, error);
+  if (fs::is_directory(status)) throw std::runtime_error(name + ": is a folder, not a file");
+  if (fs::exists(status)) return name;
   const std::vector<std::string> list{names.begin(), names.end()};
-  throw std::runtime_error(name + ": no such file, nor a name in " + folder + "/ (there are: " +
+  throw std::runtime_error((name.empty() ? "\"\"" : name) + ": no such file, nor a name in " + folder + "/ (there are: " +
                            joined(list) + ")" + suggestion(name, list));
 }
 

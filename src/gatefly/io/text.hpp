@@ -24,6 +24,9 @@ namespace gatefly::io {
 /// "a, b, c".
 [[nodiscard]] std::string joined(std::span<const std::string> words, std::string_view between = ", ");
 
+/// `text` on one line, cut after about `most` bytes: control characters become spaces, whole UTF-8 letters stay.
+[[nodiscard]] std::string one_line(std::string text, std::size_t most = 60);
+
 /// All bytes of a file. @throws std::runtime_error naming it and why it cannot be read.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 

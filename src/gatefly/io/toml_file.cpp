@@ -73,10 +73,9 @@ std::string shown(const json& value) {
   if (value.is_array()) {
     std::vector<std::string> parts;
     for (const json& part : value) parts.push_back(shown(part));
-    return "[" + joined(parts) + "]";
+    return one_line("[" + joined(parts) + "]", 200);
   }
-  const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
-  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
+  return one_line(value.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 Table::Table(const json& value, std::string file, std::string where)

@@ -17,54 +17,47 @@ bool in_front(const Eigen::Vector3d& p_C) {
   return p_C.allFinite() && p_C.z() > kMinForward * p_C.norm() && p_C.z() > 0.0;
 }
 
-/// Where Brown and Conrady's lens draws the point (x, y, 1), and how that moves with (x, y).
+// A point (x, y, 1) as Brown and Conrady's lens draws it, and how that moves with (x, y).
 struct Distorted {
   Eigen::Vector2d m;
   Eigen::Matrix2d jacobian;
-  bool seen;  ///< Inside the field of view.
 };
 
-Distorted distorted(const BrownConrady& lens, const Eigen::Vector2d& m) {
+Distorted distorted(const RadialPolynomial& radial, const Eigen::Vector2d& tangential, const Eigen::Vector2d& m) {
   const double x = m.x(), y = m.y(), s = m.squaredNorm();
-  const double p1 = lens.tangential.x(), p2 = lens.tangential.y();
-  const double a = lens.radial.factor(s);
-  Distorted d;
-  d.m = a * m + Eigen::Vector2d{2 * p1 * x * y + p2 * (s + 2 * x * x), p1 * (s + 2 * y * y) + 2 * p2 * x * y};
-  const double mixed = 2 * p1 * x + 2 * p2 * y;
+  const double p1 = tangential.x(), p2 = tangential.y();
+  const double a = radial.factor(s), mixed = 2 * p1 * x + 2 * p2 * y;
   const Eigen::Matrix2d shift{{2 * p1 * y + 6 * p2 * x, mixed}, {mixed, 6 * p1 * y + 2 * p2 * x}};
-  d.jacobian = a * Eigen::Matrix2d::Identity() + 2 * lens.radial.factor_slope(s) * m * m.transpose() + shift;
-  // Beyond the limit the determinant may be positive again: turned over twice.
-  d.seen = s < lens.radial.limit() * lens.radial.limit() && d.jacobian.determinant() > 0.0;
-  return d;
+  return {a * m + Eigen::Vector2d{2 * p1 * x * y + p2 * (s + 2 * x * x), p1 * (s + 2 * y * y) + 2 * p2 * x * y},
+          a * Eigen::Matrix2d::Identity() + 2 * radial.factor_slope(s) * m * m.transpose() + shift};
 }
 
-/// The point (x, y, 1) drawn at `m`. The radial part is undone exactly; from there Newton undoes the
-/// (small) tangential one, with steps halved until they stay in the field of view and come nearer.
-std::optional<Eigen::Vector2d> undistorted(const BrownConrady& lens, const Eigen::Vector2d& m) {
+// The point (x, y, 1) drawn at `drawn`. The radial part is undone by itself; from there Newton undoes
+// the (small) tangential one, with steps halved until they stay in the field of view and come nearer.
+std::optional<Eigen::Vector2d> undistorted(const RadialPolynomial& radial, const Eigen::Vector2d& tangential,
+                                           const Eigen::Vector2d& drawn) {
   constexpr int kMaxSteps = 50;
-  constexpr double kTolerance = 1e-13, kLeastPart = 1e-3;
-  const double drawn = m.norm();
-  if (drawn == 0.0 && lens.tangential.isZero(0.0)) return m;
-  const auto radius = lens.radial.inverse(drawn);
-  if (!radius && lens.tangential.isZero(0.0)) return std::nullopt;
+  constexpr double kTolerance = 1e-13, kLeastPart = 1e-4;
+  const double size = drawn.norm();
+  const auto radius = radial.inverse(size);
+  if (!radius && tangential.isZero(0.0)) return std::nullopt;
 
-  // The tangential part can draw a point outside the radial part's edge.
-  Eigen::Vector2d x = drawn > 0.0 ? Eigen::Vector2d{m * (radius.value_or(0.9 * lens.radial.limit()) / drawn)} : m;
-  Distorted now = distorted(lens, x);
-  if (!now.seen) now = distorted(lens, x = Eigen::Vector2d::Zero());
-  for (int step = 0; step < kMaxSteps && now.seen; ++step) {
-    const Eigen::Vector2d error = m - now.m;
-    if (error.norm() <= kTolerance * (1.0 + drawn)) return x;
+  // The tangential part may draw a little outside the radial part's edge.
+  Eigen::Vector2d m = drawn * (size > 0.0 ? radius.value_or(0.9 * radial.limit()) / size : 1.0);
+  Distorted now = distorted(radial, tangential, m);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Eigen::Vector2d error = drawn - now.m;
+    if (error.norm() <= kTolerance * (1.0 + size)) return m;
     const Eigen::Vector2d newton = now.jacobian.inverse() * error;
     double part = 1.0;
-    Distorted next = distorted(lens, x + newton);
-    while (part > kLeastPart && !(next.seen && (m - next.m).norm() < error.norm())) {
-      part *= 0.5;
-      next = distorted(lens, x + part * newton);
+    for (; part > kLeastPart; part *= 0.5) {
+      const Eigen::Vector2d next = m + part * newton;
+      if (!(next.norm() < radial.limit())) continue;
+      now = distorted(radial, tangential, next);
+      if ((drawn - now.m).norm() < error.norm()) break;
     }
     if (part <= kLeastPart) return std::nullopt;
-    x += part * newton;
-    now = next;
+    m += part * newton;
   }
   return std::nullopt;
 }
@@ -110,18 +103,33 @@ std::optional<Eigen::Vector3d> DhaneFisheye::bearing(const Eigen::Vector2d& px) 
   return Eigen::Vector3d{side.x(), side.y(), std::sqrt(1.0 - sine * sine)};
 }
 
+// With q = |(p1, p2)| r and c the cosine between m and (p2, p1), the jacobian in the directions along
+// and across m is ((g' + 6 q c, ±2 q √(1 - c²)), (., a + 2 q c)). g' > 7 q up to the limit makes a > 3.5 q
+// and the determinant positive for every c: the lens is then one-to-one within that disc.
+BrownConrady::BrownConrady(const Eigen::Vector2d& focal, const Eigen::Vector2d& center, const Coefficients& distortion)
+    : focal_px{focal},
+      center_px{center},
+      radial_{{distortion[0], distortion[1], distortion[4], 0.0}, 7.0 * Eigen::Vector2d{distortion[2], distortion[3]}.norm()},
+      tangential_{distortion[2], distortion[3]} {}
+
+BrownConrady::Coefficients BrownConrady::distortion() const {
+  const auto& k = radial_.coefficients();
+  return {k[0], k[1], tangential_.x(), tangential_.y(), k[2]};
+}
+
 std::optional<Eigen::Vector2d> BrownConrady::project(const Eigen::Vector3d& p_C) const {
   if (!in_front(p_C)) return std::nullopt;
-  const Distorted drawn = distorted(*this, p_C.head<2>() / p_C.z());
-  if (!drawn.seen) return std::nullopt;
-  return Eigen::Vector2d{center_px + focal_px.cwiseProduct(drawn.m)};
+  const Eigen::Vector2d m = p_C.head<2>() / p_C.z();
+  if (!(m.norm() < limit())) return std::nullopt;
+  return Eigen::Vector2d{center_px + focal_px.cwiseProduct(distorted(radial_, tangential_, m).m)};
 }
 
 std::optional<Eigen::Vector3d> BrownConrady::bearing(const Eigen::Vector2d& px) const {
   if (!px.allFinite()) return std::nullopt;
-  const auto m = undistorted(*this, (px - center_px).cwiseQuotient(focal_px));
+  const auto m = undistorted(radial_, tangential_, (px - center_px).cwiseQuotient(focal_px));
   if (!m) return std::nullopt;
-  return Eigen::Vector3d{m->x(), m->y(), 1.0}.normalized();
+  const Eigen::Vector3d bearing_C = Eigen::Vector3d{m->x(), m->y(), 1.0}.normalized();
+  return in_front(bearing_C) ? std::optional{bearing_C} : std::nullopt;
 }
 
 std::optional<Eigen::Vector2d> KannalaBrandt::project(const Eigen::Vector3d& p_C) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <optional>
 #include <variant>
@@ -50,15 +51,25 @@ struct DhaneFisheye {
 ///
 /// With (x, y) = (X/Z, Y/Z), r² = x² + y², a = 1 + k1 r² + k2 r⁴ + k3 r⁶:
 ///   x_d = a x + 2 p1 x y + p2 (r² + 2 x²), y_d = a y + p1 (r² + 2 y²) + 2 p2 x y.
-/// Nothing shows from where a r stops growing (radial.limit()) or where the tangential part turns the
-/// picture over; both directions answer nullopt there.
+/// Nothing shows from limit() on, where a r stops growing, a little earlier for the tangential part;
+/// both directions answer nullopt there.
 struct BrownConrady {
+  using Coefficients = std::array<double, 5>;  ///< k1, k2, p1, p2, k3, in OpenCV's order.
+
+  BrownConrady() = default;
+  /// Finds the limit; later changes of focal length and centre leave it as it is.
+  BrownConrady(const Eigen::Vector2d& focal, const Eigen::Vector2d& center, const Coefficients& distortion);
+
   Eigen::Vector2d focal_px{168.0, 168.0};
   Eigen::Vector2d center_px{157.0, 124.0};
-  RadialPolynomial radial;                       ///< k1, k2, k3; k4 is OpenCV's of another model: 0.
-  Eigen::Vector2d tangential = Eigen::Vector2d::Zero();  ///< p1, p2.
+  [[nodiscard]] Coefficients distortion() const;
+  [[nodiscard]] double limit() const { return radial_.limit(); }  ///< Of r.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
+
+ private:
+  RadialPolynomial radial_;
+  Eigen::Vector2d tangential_ = Eigen::Vector2d::Zero();
 };
 
 /// A fisheye with a polynomial of the angle θ from the axis. Kannala and Brandt 2006; OpenCV's

@@ -10,25 +10,26 @@ namespace gatefly {
 namespace {
 
 constexpr double kFarthest = 1e6;  // as camera.cpp's kMinForward: 1e-6 rad from the lens plane
-constexpr int kMaxSteps = 200;     // halving 1e12 down to the last bit of 1e-3 takes 102
+constexpr int kMaxSteps = 200;     // halving 1e6 down to the last bit of 1e-3 takes 83
+constexpr std::size_t kSlopeDegree = 8;  // of g'
 
-double value_of(std::span<const double> c, double s) {
+double value_of(std::span<const double> c, double r) {
   double sum = 0.0;
-  for (std::size_t i = c.size(); i-- > 0;) sum = sum * s + c[i];
+  for (std::size_t i = c.size(); i-- > 0;) sum = sum * r + c[i];
   return sum;
 }
 
 struct Roots {
-  std::array<double, 4> at{};
+  std::array<double, kSlopeDegree> at{};
   std::size_t count = 0;
 };
 
-/// Where c[0] + c[1] s + ... changes its sign in (0, end), ascending; degree 4 at most.
+/// Where c[0] + c[1] r + ... changes its sign in (0, end), ascending.
 /// Between two roots of the derivative there is at most one, and halving cannot miss it.
 Roots sign_changes(std::span<const double> c, double end) {
   Roots roots;
   if (c.size() < 2) return roots;
-  std::array<double, 4> derivative{};
+  std::array<double, kSlopeDegree> derivative{};
   for (std::size_t i = 1; i < c.size(); ++i) derivative[i - 1] = static_cast<double>(i) * c[i];
   const Roots turns = sign_changes({derivative.data(), c.size() - 1}, end);
 
@@ -50,12 +51,12 @@ Roots sign_changes(std::span<const double> c, double end) {
 
 }  // namespace
 
-RadialPolynomial::RadialPolynomial(const Coefficients& k) : k_{k}, limit_{kFarthest} {
-  // g'(r) in s = r²: 1 + 3 k1 s + 5 k2 s² + 7 k3 s³ + 9 k4 s⁴
-  const std::array<double, 5> slope{1.0, 3 * k[0], 5 * k[1], 7 * k[2], 9 * k[3]};
-  const Roots roots = sign_changes(slope, kFarthest * kFarthest);
-  if (roots.count > 0) limit_ = std::sqrt(roots.at[0]);
-  if (!std::all_of(k.begin(), k.end(), [](double each) { return std::isfinite(each); })) limit_ = 0.0;
+RadialPolynomial::RadialPolynomial(const Coefficients& k, double margin) : k_{k}, limit_{kFarthest} {
+  // g'(r) - margin r
+  const std::array<double, kSlopeDegree + 1> c{1.0, -margin,  3 * k[0], 0.0, 5 * k[1], 0.0, 7 * k[2], 0.0, 9 * k[3]};
+  const Roots roots = sign_changes(c, kFarthest);
+  if (roots.count > 0) limit_ = roots.at[0];
+  if (!std::all_of(c.begin(), c.end(), [](double each) { return std::isfinite(each); })) limit_ = 0.0;
 }
 
 double RadialPolynomial::factor(double r_squared) const {

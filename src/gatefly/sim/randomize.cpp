@@ -62,14 +62,15 @@ struct LensOff {
   double k;
   void operator()(DhaneFisheye& lens) const { lens.k += k; }
   void operator()(Pinhole&) const {}
-  void operator()(BrownConrady& lens) const { lens.radial = scaled(lens.radial); }
-  void operator()(KannalaBrandt& lens) const { lens.radial = scaled(lens.radial); }
-
- private:
-  [[nodiscard]] RadialPolynomial scaled(const RadialPolynomial& radial) const {
-    auto coefficients = radial.coefficients();
+  void operator()(BrownConrady& lens) const {
+    auto distortion = lens.distortion();
+    distortion[0] *= 1.0 + k;
+    lens = {lens.focal_px, lens.center_px, distortion};
+  }
+  void operator()(KannalaBrandt& lens) const {
+    auto coefficients = lens.radial.coefficients();
     coefficients[0] *= 1.0 + k;
-    return RadialPolynomial{coefficients};
+    lens.radial = RadialPolynomial{coefficients};
   }
 };
 
