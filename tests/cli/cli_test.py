@@ -201,6 +201,71 @@ class Configuration(Cli):
         self.assertIn("mine.toml: detector.samples = \"many\"", self.refused("config", "--config", path))
         self.assertIn("default", self.refused("config", "--config", "no-such"))
 
+    def config_file(self, content):
+        return self.refused("config", "--config", self.file("mine.toml", content))
+
+    def test_a_key_outside_or_in_the_wrong_section_is_told_its_own(self):
+        self.assertIn("tilt_deg stands outside every [section], did you mean 'camera.tilt_deg'?",
+                      self.config_file("tilt_deg = 3\n"))
+        self.assertIn("did you mean 'camera.tilt_deg'?", self.config_file("[detector]\ntilt_deg = 3\n"))
+        self.assertIn("did you mean 'camera.tilt_deg'?", self.refused("config", "--set", "tilt_deg=3"))
+        self.assertIn("must be a section", self.config_file("camera = 3\n"))
+
+    def test_an_unknown_section_lists_those_there_are(self):
+        self.assertIn("[xyz] is not a known section (there are: ahrs, camera,", self.config_file("[xyz]\na = 3\n"))
+
+    def test_a_key_like_no_other_is_told_where_they_are_listed(self):
+        self.assertIn("config --show", self.refused("config", "--set", "camera.zzzzzzzzzzzz=3"))
+
+    def test_a_key_given_twice_in_a_file_is_refused_and_the_last_set_wins(self):
+        self.assertIn("mine.toml:3:", self.config_file("[camera]\ntilt_deg = 3\ntilt_deg = 4\n"))
+        result = self.run_it("config", "--json", "--set", "camera.tilt_deg=3", "--set", "camera.tilt_deg=4")
+        self.assertEqual(json.loads(result.stdout)["camera"]["tilt_deg"], 4)
+
+    def test_spaces_around_a_set_key_do_not_matter(self):
+        result = self.run_it("config", "--json", "--set", " camera.tilt_deg = 3")
+        self.assertEqual(json.loads(result.stdout)["camera"]["tilt_deg"], 3)
+
+    def test_names_of_several_lines_or_any_length_are_shown_on_one(self):
+        self.config_file('[camera]\n"ti\\nlt" = 3\n')
+        self.config_file('["a\\nb"]\ntilt = 3\n')
+        self.refused("config", "--set", "camera.til\nt=a")
+        self.refused("fly\nhigh")
+        self.assertLess(len(self.config_file("[" + "y" * 100000 + "]\na = 1\n")), 500)
+        self.assertLess(len(self.config_file("[camera]\nfocal_px = " + str([0] * 100000) + "\n")), 500)
+        self.assertIn("kämera", self.refused("config", "--set", "kämera.tält=3"))
+
+    def test_a_folder_is_not_a_configuration(self):
+        (self.folder / "d.toml").mkdir()
+        self.assertIn("d.toml: is a folder, not a file", self.refused("config", "--config", "d.toml"))
+        self.assertIn("is a folder", self.refused("fly", "."))
+        self.assertIn('"": no such file', self.refused("config", "--config", ""))
+
+    def test_a_pipe_can_be_a_configuration(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        program = subprocess.Popen([GATEFLY, "config", "--json", "--config", str(pipe)], stdout=subprocess.PIPE, text=True)
+        pipe.write_text("[camera]\ntilt_deg = 7\n", encoding="utf-8")
+        self.assertEqual(json.loads(program.communicate(timeout=60)[0])["camera"]["tilt_deg"], 7)
+
+    def test_empty_file_changes_nothing_and_a_binary_one_is_refused(self):
+        self.assertEqual(self.run_it("config", "--json", "--config", self.file("empty.toml", "")).stdout,
+                         self.run_it("config", "--json").stdout)
+        noise = self.folder / "noise.toml"
+        noise.write_bytes(bytes(range(256)))
+        self.assertIn("noise.toml:", self.refused("config", "--config", noise))
+
+    def test_every_camera_model_wants_its_own_number_of_coefficients(self):
+        for model, needs in (("brown-conrady", "5 numbers [k1, k2, p1, p2, k3]"), ("kannala-brandt", "4 numbers")):
+            error = self.refused("config", "--set", f"camera.model={model}", "--set", "camera.distortion=[0.1, 0.2]")
+            self.assertIn(f"camera.distortion = [0.1, 0.2], must be {needs}", error)
+        self.assertIn('"kannala-brandt"', self.refused("config", "--set", "camera.model=fisheye"))
+
+    def test_show_gives_every_key_a_value_and_a_source(self):
+        for line in self.run_it("config", "--show").stdout.splitlines():
+            if line and not line.startswith("["):
+                self.assertRegex(line, r"^[a-z0-9_]+ += .+  # .*(default: .+|set by .+)$")
+
     def test_shipped_configurations_load(self):
         for path in (*ROOT.glob("configs/*.toml"), *ROOT.glob("cameras/*.toml"), *ROOT.glob("vehicles/*.toml")):
             with self.subTest(path=path.name):
