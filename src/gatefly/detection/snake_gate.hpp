@@ -28,6 +28,7 @@ struct SnakeGateParams {
 struct GateDetection {
   Quad corners_px{};           ///< Outer corners, sub-pixel; clockwise from top-left.
   double color_fitness = 0.0;  ///< cf in 0..1, Eq. (1).
+  bool whole = true;           ///< All four bars are in the picture; else corners outside are a guess.
 };
 
 /// Distinct gates of one picture, best first.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace gatefly {
 
@@ -10,6 +11,8 @@ namespace gatefly {
 template <class T, std::size_t N>
 class FixedList {
  public:
+  static constexpr std::size_t kCapacity = N;
+
   /// Appends; false, and nothing changed, when full.
   bool push_back(const T& value) {
     if (size_ == N) return false;
@@ -34,5 +37,12 @@ class FixedList {
   std::array<T, N> values_{};
   std::size_t size_ = 0;
 };
+
+/// Sorts a short list in place, stable: std::sort on a list of a few makes compilers fear for its end.
+template <class T, std::size_t N, class Before>
+void insertion_sort(FixedList<T, N>& list, Before before) {
+  for (std::size_t i = 1; i < list.size(); ++i)
+    for (std::size_t j = i; j > 0 && before(list[j], list[j - 1]); --j) std::swap(list[j], list[j - 1]);
+}
 
 }  // namespace gatefly

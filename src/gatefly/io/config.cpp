@@ -178,7 +178,8 @@ void derive(Config& c) {
                            .readout = camera.readout};
   c.sim.sensors.camera_latency = c.camera_latency;
 
-  c.pilot.snake.bar_ratio = c.gate_bar / c.gate_side;
+  c.pilot.snake.bar_ratio = c.pilot.detector.bar_ratio = c.gate_bar / c.gate_side;
+  c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
 
   const VehicleParams& known = c.pilot.vehicle;
   sim::VehicleTruth& vehicle = c.sim.vehicle;

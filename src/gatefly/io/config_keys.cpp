@@ -80,6 +80,7 @@ Keys camera_keys() {
 Keys detection_keys() {
   const char* box = "generic orange; ours";
   return {
+      k("color.rgb", 0, 1, AT(gate_rgb), "orange, as cameras see it; ours"),
       k("color.y_min", 0, 255, AT(pilot.color.y_min), box),
       k("color.y_max", 0, 255, AT(pilot.color.y_max), box),
       k("color.cb_min", 0, 255, AT(pilot.color.u_min), box),
@@ -87,6 +88,8 @@ Keys detection_keys() {
       k("color.cr_min", 0, 255, AT(pilot.color.v_min), box),
       k("color.cr_max", 0, 255, AT(pilot.color.v_max), box),
       k("color.min_chroma", 0, 181, AT(pilot.color.min_chroma), "distance of (Cb, Cr) from grey; ours"),
+      k("detector.min_score", -5, 10, AT(pilot.detector.min_score), "one such frame in two is a gate; docs/paper/results.md"),
+      k("detector.max_roll_deg", 0, 90, AT(pilot.detector.max_roll_deg), "turns that are tried; ours"),
       k("detector.samples", 1, 1000000, AT(pilot.snake.max_samples), "ours, per saturation level; Li18 flight code: 10,000 in all"),
       k("detector.min_side_px", 1, 500, AT(pilot.snake.min_side_px), "σ_L; paper 25, flown 30; ours"),
       k("detector.min_color_fitness", 0, 1, AT(pilot.snake.min_color_fitness), "σ_cf; ours"),

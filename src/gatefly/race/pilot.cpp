@@ -29,7 +29,8 @@ Pilot::Pilot(const PilotConfig& config)
       velocity_{config.velocity},
       altimeter_{config.altimeter},
       indi_{config.indi, config.vehicle},
-      rng_{config.seed} {
+      rng_{config.seed},
+      detector_{config.detector} {
   ahrs_.start(config_.track.start_heading);
 }
 
@@ -172,7 +173,6 @@ void Pilot::pass_gate() {
   ++passed_;
   progress_ = 0.0;
   heading_doubt_ = 0.0;  // it was about the way to the gate just passed
-  last_corners_.reset();
   if (finished()) return;
   const MapGate from = gate();
   target_ = (target_ + 1) % static_cast<int>(config_.track.gates.size());

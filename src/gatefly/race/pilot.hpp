@@ -12,6 +12,7 @@
 #include "gatefly/control/attitude_command.hpp"
 #include "gatefly/control/indi.hpp"
 #include "gatefly/control/lateral_pd.hpp"
+#include "gatefly/detection/careful_search.hpp"
 #include "gatefly/detection/gate_bars.hpp"
 #include "gatefly/detection/snake_gate.hpp"
 #include "gatefly/estimation/ahrs.hpp"
@@ -62,7 +63,9 @@ struct PilotConfig {
   Track track;
   CameraRig camera;
   CameraTiming camera_timing;
-  ColorRange color;
+  ColorRange color;                 ///< For parts of gates: bars, lower corners.
+  ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
+  CarefulSearchParams detector;
   SnakeGateParams snake;
   GateBarsParams bars;
   PoseParams pose;
@@ -180,6 +183,7 @@ class Pilot {
   Altitude altitude_;
   Indi indi_;
   Rng rng_;
+  CarefulSearch detector_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
   Sighting sighting_;
@@ -190,7 +194,6 @@ class Pilot {
   Eigen::Vector3d odometry_E_ = Eigen::Vector3d::Zero();
   std::array<Past, 128> history_{};  ///< 250 ms at 512 Hz.
   std::size_t history_count_ = 0;
-  std::optional<Quad> last_corners_;
   double image_width_ = 315.0;
   Eigen::Vector3d anchor_E_ = Eigen::Vector3d::Zero();  ///< Where the last fix was: the blind leg began there.
   double heading_doubt_ = 0.0;  ///< Heading variance put into the position after a blind leg [rad²]; 0: not blind.

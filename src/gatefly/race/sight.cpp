@@ -24,11 +24,9 @@ void Pilot::look(const Image& image) {
   if (std::holds_alternative<OnGround>(phase_) || std::holds_alternative<Land>(phase_) ||
       std::holds_alternative<Landed>(phase_))
     return;
-  sighting_.detections = detect_gates(image, config_.color, config_.snake, rng_);
-  if (sighting_.detections.empty() && last_corners_)
-    sighting_.detections = detect_gates_near(image, config_.color, config_.snake, *last_corners_);
+  for (const GateDetection& gate : detector_.detect(image, config_.gate_color))
+    if (gate.whole) (void)sighting_.detections.push_back(gate);
   sighting_.seen = !sighting_.detections.empty();
-  last_corners_.reset();
 
   doubt_heading_after_blind_leg();
 
@@ -48,7 +46,6 @@ void Pilot::look(const Image& image) {
     const GateDetection& chosen = sighting_.detections[static_cast<std::size_t>(best)];
     if (correct_with(chosen)) {
       sighting_.used = best;
-      last_corners_ = chosen.corners_px;
     }
   }
   // Near the gate parts of it are enough: the lower corners, then the side bars.

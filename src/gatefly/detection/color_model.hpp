@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly {
+
+/// How much a pixel speaks for the gate: two tables of log-likelihood ratios, one over its colour and
+/// one over how that differs from the colour around it.
+///
+/// The second is what makes a washed-out gate stand out from walls of nearly its colour. [ours: the
+/// paper tests a box in Y'CbCr.] Tables are fitted to labelled pictures or follow from a description.
+struct ColorModel {
+  static constexpr std::size_t kLuma = 16, kChroma = 32;  ///< Bins an axis.
+  static constexpr std::size_t kBins = kLuma * kChroma * kChroma;
+  static constexpr int kUnit = 16;  ///< Table value of one nat; values are within ±4 nats.
+
+  std::array<std::int8_t, kBins> absolute{}, relative{};
+
+  /// Bin of a colour: 16 grey levels a luma bin; 4 levels a chroma bin, from 64 to 191.
+  [[nodiscard]] static std::size_t bin(Yuv c) {
+    return (std::size_t{c.y} >> 4) * kChroma * kChroma + kColumn[c.u] * kChroma + kColumn[c.v];
+  }
+  /// Bin of a difference from the surroundings: 12 levels a luma bin, 3 a chroma bin, around zero.
+  [[nodiscard]] static std::size_t difference_bin(Yuv c, Yuv around) {
+    const auto at = [](int a, int b) { return static_cast<std::size_t>(a - b + 255); };
+    return kLumaStep[at(c.y, around.y)] * kChroma * kChroma + kChromaStep[at(c.u, around.u)] * kChroma + kChromaStep[at(c.v, around.v)];
+  }
+
+  /// From a description alone: the hue of an sRGB colour (0..1), wherever it is more colourful than grey and
+  /// than its surroundings. [ours; scales chosen on the authors' labelled pictures]
+  [[nodiscard]] static ColorModel described(const std::array<double, 3>& rgb);
+
+  /// Evidence of a pixel, mean of both tables, in 1 / kUnit nats.
+  [[nodiscard]] int evidence(Yuv c, Yuv around) const {
+    return (absolute[bin(c)] + relative[difference_bin(c, around)]) / 2;
+  }
+
+ private:
+  template <std::size_t N>
+  [[nodiscard]] static constexpr std::array<std::uint8_t, N> bins(int zero, int levels, std::size_t bins) {
+    const int count = static_cast<int>(bins);
+    std::array<std::uint8_t, N> table{};
+    for (int i = 0; i < static_cast<int>(N); ++i)
+      table[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::clamp(i < zero ? 0 : (i - zero) / levels, 0, count - 1));
+    return table;
+  }
+  static const std::array<std::uint8_t, 256> kColumn;
+  static const std::array<std::uint8_t, 511> kLumaStep, kChromaStep;
+};
+
+inline constexpr std::array<std::uint8_t, 256> ColorModel::kColumn = bins<256>(64, 4, kChroma);
+inline constexpr std::array<std::uint8_t, 511> ColorModel::kLumaStep = bins<511>(255 - 96, 12, kLuma);
+inline constexpr std::array<std::uint8_t, 511> ColorModel::kChromaStep = bins<511>(255 - 48, 3, kChroma);
+
+}  // namespace gatefly

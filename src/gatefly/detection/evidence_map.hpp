@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gatefly/detection/color_model.hpp"
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly {
+
+/// A picture as evidence for the gate, on a grid of at most kCells cells whatever the picture's size.
+class EvidenceMap {
+ public:
+  static constexpr int kCells = 20'000, kMargin = 1;
+
+  EvidenceMap();  ///< Allocates once; fill() never does.
+
+  /// Reads up to four pixels a cell. An empty image makes an empty map.
+  void fill(const Image& image, const ColorModel& color);
+
+  [[nodiscard]] int width() const { return width_; }    ///< [cells]
+  [[nodiscard]] int height() const { return height_; }  ///< [cells]
+  [[nodiscard]] int step() const { return step_; }      ///< Pixels a cell.
+
+  /// Evidence of a cell, within ±kLimit; outside the picture there is none of a gate.
+  [[nodiscard]] int at(int x, int y) const {
+    if (x < 0 || y < 0 || x >= width_ || y >= height_) return kOutside;
+    return evidence_[static_cast<std::size_t>(y * width_ + x)];
+  }
+  [[nodiscard]] const std::int8_t* cells() const { return evidence_.data(); }
+
+  /// Evidence of one pixel, from its colour and the cells around it.
+  [[nodiscard]] int at_pixel(const Image& image, const ColorModel& color, int u, int v) const;
+
+  static constexpr int kLimit = 40, kOutside = -16;  ///< 2.5 and -1 nats.
+
+ private:
+  void average_around();
+
+  int width_ = 0, height_ = 0, step_ = 1;
+  std::vector<std::uint8_t> y_, u_, v_;                 // mean colour of each cell
+  std::vector<std::uint8_t> around_y_, around_u_, around_v_;
+  std::vector<std::uint16_t> columns_;                  // running sums of the box filter
+  std::vector<std::int8_t> evidence_;
+};
+
+}  // namespace gatefly

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/detection/quad.hpp"
+
+namespace gatefly {
+
+/// How well a frame lies on the evidence, each in nats of a mean sample.
+struct FrameScore {
+  double total = -9.0;
+  double mean = 0.0, weakest = 0.0;  ///< Along the four sides; along the worst of them.
+  double inside = 0.0, outside = 0.0;  ///< Beside the sides and in the middle: a gate is empty there.
+  std::array<double, 4> side{};  ///< Top, right, bottom, left.
+};
+
+/// What decides whether a frame is a gate. [chosen on labelled pictures, docs/paper/results.md]
+struct FrameWeights {
+  double weakest = 0.6, inside = 0.9, outside = 0.8;
+};
+
+/// Fits frames to evidence: any function (x, y) of whole cells or pixels, in 1/16 nats.
+template <class Evidence>
+class FrameFit {
+ public:
+  explicit FrameFit(const Evidence& evidence, const FrameWeights& weights = {}) : evidence_{evidence}, weights_{weights} {}
+
+  [[nodiscard]] FrameScore score(const Quad& q) const {
+    FrameScore s;
+    double length = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) length += 0.25 * (q[(i + 1) % 4] - q[i]).norm();
+    const double off = std::max(off_min_, 0.09 * length);
+    s.weakest = 1e9;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d a = q[i], d = q[(i + 1) % 4] - a;
+      const Eigen::Vector2d in = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
+      s.side[i] = along(a, d);
+      s.mean += 0.25 * s.side[i];
+      s.weakest = std::min(s.weakest, s.side[i]);
+      s.inside += 0.25 * std::max(-1.0, along(a + 0.12 * d + off * in, 0.76 * d));
+      s.outside += 0.25 * std::max(-1.0, along(a - off * in, d));
+    }
+    s.inside = std::max(s.inside, middle(q));
+    s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside - weights_.outside * s.outside;
+    return s;
+  }
+
+  /// Every side moved to the best line within `reach` of it at either end; the new corners.
+  [[nodiscard]] std::optional<Quad> moved(const Quad& q, int reach) const {
+    std::array<Line, 4> lines;
+    for (std::size_t i = 0; i < 4; ++i) lines[i] = best_line(q[i], q[(i + 1) % 4], reach);
+    return corners(lines);
+  }
+
+  /// Every side through the middle of the bar, sub-pixel, within `reach` of it.
+  [[nodiscard]] std::optional<Quad> centered(const Quad& q, int reach) const {
+    std::array<Line, 4> lines;
+    for (std::size_t i = 0; i < 4; ++i) lines[i] = middle_line(q[i], q[(i + 1) % 4], reach);
+    return corners(lines);
+  }
+
+  void set_least_offset(double cells) { off_min_ = cells; }
+
+ private:
+  struct Line {
+    Eigen::Vector2d a, b;
+  };
+  static constexpr int kStations = 12, kMostReach = 6;
+
+  [[nodiscard]] int at(const Eigen::Vector2d& p) const {
+    // To the nearest; std::floor is a call on older processors.
+    constexpr int kAbove = 1 << 14;
+    return evidence_(static_cast<int>(p.x() + (kAbove + 0.5)) - kAbove, static_cast<int>(p.y() + (kAbove + 0.5)) - kAbove);
+  }
+
+  [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
+    const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, 24);
+    const Eigen::Vector2d step = d / n;
+    Eigen::Vector2d p = a + 0.5 * step;
+    int sum = 0;
+    for (int k = 0; k < n; ++k, p += step) sum += at(p);
+    return sum / (16.0 * n);
+  }
+
+  [[nodiscard]] double middle(const Quad& q) const {
+    constexpr int kGrid = 5;
+    int sum = 0;
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j) {
+        const double u = 0.22 + 0.14 * i, v = 0.22 + 0.14 * j;
+        sum += std::max(-16, at((1 - v) * ((1 - u) * q[0] + u * q[1]) + v * ((1 - u) * q[3] + u * q[2])));
+      }
+    return sum / (16.0 * kGrid * kGrid);
+  }
+
+  // The strip beside a side, station by station.
+  struct Strip {
+    std::array<std::array<int, 2 * kMostReach + 1>, kStations> value;
+    Eigen::Vector2d normal;
+  };
+  [[nodiscard]] static double station(int j) { return 0.06 + 0.88 * j / (kStations - 1); }
+  [[nodiscard]] Strip strip(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+    Strip s;
+    const Eigen::Vector2d d = b - a;
+    s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
+    for (int j = 0; j < kStations; ++j) {
+      const Eigen::Vector2d p = a + station(j) * d;
+      for (int o = -reach; o <= reach; ++o)
+        s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)] = at(p + o * s.normal);
+    }
+    return s;
+  }
+
+  [[nodiscard]] Line best_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+    reach = std::min(reach, kMostReach);
+    const Strip s = strip(a, b, reach);
+    int best = -1 << 20, best_from = 0, best_to = 0;
+    for (int from = -reach; from <= reach; ++from)
+      for (int to = -reach; to <= reach; ++to) {
+        int sum = -2 * (std::abs(from) + std::abs(to));  // of equals, the nearest
+        for (int j = 0; j < kStations; ++j) {
+          // (from (1 - t) + to t), rounded; in 1/1024
+          const int t = kStationT[static_cast<std::size_t>(j)];
+          const int o = (from * (1024 - t) + to * t + 512 + 1024 * kMostReach) >> 10;
+          sum += s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o)];
+        }
+        if (sum > best) best = sum, best_from = from, best_to = to;
+      }
+    return {a + best_from * s.normal, b + best_to * s.normal};
+  }
+
+  [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+    reach = std::min(reach, kMostReach);
+    const Strip s = strip(a, b, reach);
+    // Weighted least squares of the bar's middle at every station that shows it.
+    std::array<double, kStations> middle{}, weight{};
+    for (int j = 0; j < kStations; ++j) {
+      double sum = 0.0, moment = 0.0;
+      for (int o = -reach; o <= reach; ++o) {
+        const double w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
+        sum += w, moment += w * o;
+      }
+      if (sum > 8.0) middle[static_cast<std::size_t>(j)] = moment / sum, weight[static_cast<std::size_t>(j)] = 1.0;
+    }
+    double from = 0.0, to = 0.0;
+    for (int pass = 0; pass < 3; ++pass) {
+      double aa = 1e-3, ab = 0, bb = 1e-3, ya = 0, yb = 0;  // middle = from (1 - t) + to t
+      for (int j = 0; j < kStations; ++j) {
+        const double t = station(j), w = weight[static_cast<std::size_t>(j)], y = middle[static_cast<std::size_t>(j)];
+        const double residual = y - (from * (1 - t) + to * t);
+        const double robust = pass == 0 ? w : w / (1.0 + residual * residual);
+        aa += robust * (1 - t) * (1 - t), ab += robust * t * (1 - t), bb += robust * t * t;
+        ya += robust * (1 - t) * y, yb += robust * t * y;
+      }
+      const double det = aa * bb - ab * ab;
+      if (!(det > 1e-6)) return {a, b};
+      from = (bb * ya - ab * yb) / det, to = (aa * yb - ab * ya) / det;
+    }
+    from = std::clamp<double>(from, -reach, reach), to = std::clamp<double>(to, -reach, reach);
+    return {a + from * s.normal, b + to * s.normal};
+  }
+
+  [[nodiscard]] static std::optional<Quad> corners(const std::array<Line, 4>& lines) {
+    Quad q;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Line &before = lines[(i + 3) % 4], &after = lines[i];
+      const Eigen::Vector2d d = before.b - before.a, e = after.b - after.a, to = after.a - before.a;
+      const double cross = d.x() * e.y() - d.y() * e.x();
+      if (!(std::abs(cross) > 0.2 * d.norm() * e.norm())) return std::nullopt;
+      q[i] = before.a + (to.x() * e.y() - to.y() * e.x()) / cross * d;
+    }
+    return q;
+  }
+
+  static constexpr std::array<int, kStations> kStationT = [] {
+    std::array<int, kStations> t{};
+    for (int j = 0; j < kStations; ++j) t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * (0.06 + 0.88 * j / (kStations - 1)));
+    return t;
+  }();
+
+  const Evidence& evidence_;
+  FrameWeights weights_;
+  double off_min_ = 1.5;
+};
+
+/// Whether a quad can be a picture of a square frame: convex, no side much shorter than its opposite.
+[[nodiscard]] inline bool is_frame_shaped(const Quad& q, double least_side, double most_aspect) {
+  double shortest = 1e9, longest = 0.0;
+  std::array<double, 4> length{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d a = q[(i + 1) % 4] - q[i], b = q[(i + 2) % 4] - q[(i + 1) % 4];
+    length[i] = a.norm();
+    shortest = std::min(shortest, length[i]), longest = std::max(longest, length[i]);
+    if (!(a.x() * b.y() - a.y() * b.x() > 0.4 * a.norm() * b.norm())) return false;
+  }
+  const auto alike = [](double a, double b) { return a < 1.8 * b && b < 1.8 * a; };
+  return alike(length[0], length[2]) && alike(length[1], length[3]) && shortest > least_side && longest < most_aspect * shortest;
+}
+
+}  // namespace gatefly

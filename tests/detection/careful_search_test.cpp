@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/careful_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/draw_gate.hpp"
+#include "support/for_all.hpp"
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+
+const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
+
+GateDetections gates_in(const Canvas& canvas) {
+  static CarefulSearch search;
+  const auto bytes = canvas.yuv444();
+  return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, kOrange);
+}
+
+double worst_corner(const Quad& a, const Quad& b) {
+  double best = 1e9;  // over the cyclic orders: which corner is "top-left" of a gate on its edge is a matter of taste
+  for (std::size_t turn = 0; turn < 4; ++turn) {
+    double worst = 0;
+    for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, (a[(i + turn) % 4] - b[i]).norm());
+    best = std::min(best, worst);
+  }
+  return best;
+}
+
+struct Place {
+  double distance, roll_deg;
+};
+void PrintTo(const Place& p, std::ostream* out) { *out << p.distance << " m, roll " << p.roll_deg << " deg"; }
+
+class CarefulSearchFrom : public ::testing::TestWithParam<Place> {};
+
+// 20 views each, clean frame, noisy wall: found, and the median of the worst corners is small.
+TEST_P(CarefulSearchFrom, FindsTheOuterCorners) {
+  const CameraRig rig = bebop_rig();
+  std::vector<double> errors;
+  int views = 0;
+  for_all(20, [&](Rng& rng) {
+    const View view{{-GetParam().distance, rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.5)},
+                    {GetParam().roll_deg * kDegree + rng.uniform(-0.05, 0.05), rng.uniform(-0.1, 0.0), rng.uniform(-0.2, 0.2)}};
+    const auto corners = corners_of(1.0, view, rig);
+    if (!corners || !inside_picture(*corners, 315, 160, 4)) return;
+    ++views;
+    Canvas canvas(315, 160);
+    canvas.draw_gate(view, rig);
+    canvas.add_noise(rng);
+    const auto found = gates_in(canvas);
+    if (!found.empty() && worst_corner(found[0].corners_px, *corners) < 6.0) errors.push_back(worst_corner(found[0].corners_px, *corners));
+  });
+  ASSERT_GE(views, 5);
+  EXPECT_GE(static_cast<int>(errors.size()), views - views / 10);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 1.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, CarefulSearchFrom,
+                         ::testing::Values(Place{2.0, 0}, Place{3.0, 0}, Place{4.5, 0}, Place{6.0, 0}, Place{3.0, 30},
+                                           Place{3.0, -45}, Place{3.5, 60}));
+
+TEST(CarefulSearch, AWashedOutGateIsFound) {
+  const CameraRig rig = bebop_rig();
+  int found = 0;
+  for_all(10, [&](Rng& rng) {
+    const View view{{-3.0, rng.uniform(-0.3, 0.3), 0.1}, {}};
+    Canvas canvas(315, 160);
+    canvas.draw_gate(view, rig, 1.0, 0.05, {150, 116, 140});  // a few levels from the wall's grey
+    canvas.add_noise(rng, 8.0, 2.0);
+    const auto gates = gates_in(canvas);
+    found += !gates.empty() && worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()) < 6.0;
+  });
+  EXPECT_GE(found, 9);
+}
+
+TEST(CarefulSearch, NoiseIsNoGate) {
+  for_all(30, [](Rng& rng) {
+    Canvas canvas(315, 160);
+    canvas.add_noise(rng, 60.0, 20.0);
+    EXPECT_TRUE(gates_in(canvas).empty());
+  });
+}
+
+TEST(CarefulSearch, AFilledSquareIsNoGate) {
+  const CameraRig rig = bebop_rig();
+  Canvas canvas(315, 160);
+  canvas.draw_gate({{-3.0, 0, 0}, {}}, rig, 1.0, 0.5);
+  EXPECT_TRUE(gates_in(canvas).empty());
+}
+
+TEST(CarefulSearch, TwoGatesAreTwo) {
+  const CameraRig rig = bebop_rig();
+  const View near{{-3.0, 0.9, 0}, {}}, far{{-4.5, -1.6, 0}, {}};
+  Canvas canvas(315, 160);
+  canvas.draw_gate(near, rig), canvas.draw_gate(far, rig);
+  const auto gates = gates_in(canvas);
+  ASSERT_EQ(gates.size(), 2u);
+  for (const View& view : {near, far}) {
+    const Quad truth = corners_of(1.0, view, rig).value();
+    EXPECT_LT(std::min(worst_corner(gates[0].corners_px, truth), worst_corner(gates[1].corners_px, truth)), 2.5);
+  }
+}
+
+TEST(CarefulSearch, AGateCutByTheBorderIsNotCalledWhole) {
+  const CameraRig rig = bebop_rig();
+  for (const double sideways : {1.0, 2.05, 2.2}) {
+    const View view{{-2.0, sideways, 0.2}, {}};
+    const Quad truth = corners_of(1.0, view, rig).value();
+    const bool is_whole = inside_picture(truth, 315, 160, 0.0);
+    Canvas canvas(315, 160);
+    canvas.draw_gate(view, rig);
+    for (const auto& gate : gates_in(canvas)) EXPECT_EQ(gate.whole, is_whole) << sideways;
+  }
+}
+
+TEST(CarefulSearch, ALargePictureOfTheSameSceneShowsTheSameGate) {
+  CameraRig rig = bebop_rig();
+  rig.lens.model = DhaneFisheye{{672, 672}, {628, 496}, 1.08};
+  const View view{{-3.5, 0.3, 0.2}, {0.1, -0.05, 0.1}};
+  Canvas canvas(1260, 640);
+  canvas.draw_gate(view, rig);
+  const auto gates = gates_in(canvas);
+  ASSERT_EQ(gates.size(), 1u);
+  EXPECT_LT(worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()), 4.0);
+}
+
+TEST(CarefulSearch, TheSamePictureTwiceIsTheSameAnswer) {
+  const CameraRig rig = bebop_rig();
+  Canvas canvas(315, 160);
+  Rng rng{3};
+  canvas.draw_gate({{-3.0, 0.2, 0}, {}}, rig), canvas.add_noise(rng);
+  const auto first = gates_in(canvas);
+  Canvas other(315, 160);
+  (void)gates_in(other);  // what was looked at before leaves no trace
+  const auto second = gates_in(canvas);
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(worst_corner(first[i].corners_px, second[i].corners_px), 0.0);
+}
+
+TEST(CarefulSearch, NastyPicturesHaveNoGateAndDoNoHarm) {
+  CarefulSearch search;
+  EXPECT_TRUE(search.detect(Image{}, kOrange).empty());
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {1, 3000}, {3000, 1}, {15, 9}, {16, 16}, {17, 4000}, {4000, 17}, {2000, 1500}}) {
+    const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    std::vector<std::uint8_t> plain(3 * count), checkered(3 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool odd = (i % static_cast<std::size_t>(width) + i / static_cast<std::size_t>(width)) % 2 != 0;
+      const Yuv orange = yuv_of_rgb(255, 102, 0);
+      plain[3 * i] = orange.y, plain[3 * i + 1] = orange.u, plain[3 * i + 2] = orange.v;
+      checkered[3 * i] = odd ? orange.y : 16, checkered[3 * i + 1] = odd ? orange.u : 128, checkered[3 * i + 2] = odd ? orange.v : 128;
+    }
+    EXPECT_TRUE(search.detect({plain.data(), PixelFormat::kYuv444, width, height}, kOrange).empty()) << width << " x " << height;
+    EXPECT_TRUE(search.detect({checkered.data(), PixelFormat::kYuv444, width, height}, kOrange).empty()) << width << " x " << height;
+  }
+}
+
+}  // namespace
+}  // namespace gatefly

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/color_model.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gatefly {
+namespace {
+
+const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
+constexpr Yuv kGrey{110, 128, 128};
+
+TEST(ColorModel, ItsOwnColourSpeaksForIt) {
+  const Yuv orange = yuv_of_rgb(255, 102, 0);
+  EXPECT_GT(kOrange.evidence(orange, kGrey), 2 * ColorModel::kUnit);
+}
+
+TEST(ColorModel, GreyAndTheOppositeHueSpeakAgainstIt) {
+  for (int y = 0; y < 256; y += 15) {
+    const auto luma = static_cast<std::uint8_t>(y);
+    EXPECT_LT(kOrange.evidence({luma, 128, 128}, kGrey), 0);
+    EXPECT_LT(kOrange.evidence({luma, 190, 70}, kGrey), -ColorModel::kUnit);
+  }
+}
+
+// A wall of the gate's own colour: what does not differ from its surroundings says less.
+TEST(ColorModel, TheSameColourSaysLessWhereAllIsOfThatColour) {
+  const Yuv pale{140, 112, 146};
+  EXPECT_GT(kOrange.evidence(pale, kGrey), kOrange.evidence(pale, pale) + ColorModel::kUnit / 2);
+}
+
+// A washed-out gate: nearly grey, but a little more orange than the wall.
+TEST(ColorModel, AFewLevelsTowardsTheHueAreEvidenceOfDifference) {
+  const Yuv wall{150, 124, 124}, washed_out{170, 116, 133};
+  EXPECT_GT(kOrange.relative[ColorModel::difference_bin(washed_out, wall)], 0);
+}
+
+TEST(ColorModel, MoreColourIsNeverLessEvidence) {
+  int before = -1000;
+  for (int chroma = 0; chroma <= 60; chroma += 4) {
+    const Yuv c{120, static_cast<std::uint8_t>(128 - chroma * 3 / 4), static_cast<std::uint8_t>(128 + chroma * 2 / 3)};
+    const int now = kOrange.evidence(c, kGrey);
+    EXPECT_GE(now, before) << "chroma " << chroma;
+    before = now;
+  }
+}
+
+TEST(ColorModel, EveryColourHasABin) {
+  for (int a = 0; a < 256; a += 5)
+    for (int b = 0; b < 256; b += 5) {
+      const auto x = static_cast<std::uint8_t>(a), y = static_cast<std::uint8_t>(b);
+      EXPECT_LT(ColorModel::bin({x, y, x}), ColorModel::kBins);
+      EXPECT_LT(ColorModel::difference_bin({x, y, x}, {y, x, y}), ColorModel::kBins);
+    }
+}
+
+}  // namespace
+}  // namespace gatefly
