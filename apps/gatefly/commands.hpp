@@ -32,6 +32,8 @@ using Run = std::function<int()>;
 void add_fly(CLI::App& app, Run& run);
 void add_config(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
+void add_detect(CLI::App& app, Run& run);
+void add_score(CLI::App& app, Run& run);
 
 /// Flags that every subcommand has.
 struct CommonOptions {

@@ -51,6 +51,8 @@ int run_main(std::span<char* const> arguments) {
   Run run;
   add_fly(app, run);
   add_replay(app, run);
+  add_detect(app, run);
+  add_score(app, run);
   add_config(app, run);
 
   if (arguments.size() > 1 && arguments[1][0] != '-') {

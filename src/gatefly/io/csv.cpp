@@ -55,6 +55,10 @@ Csv::Csv(const std::filesystem::path& path) : file_{path.string()}, content_{rea
 
 std::string Csv::place(std::size_t row) const { return file_ + ":" + std::to_string(row + 2); }
 
+std::string Csv::place(std::size_t row, const std::string& column) const {
+  return place(row) + ":" + std::to_string(index_of(column) + 1);
+}
+
 bool Csv::has(const std::string& column) const {
   return std::find(header_.begin(), header_.end(), column) != header_.end();
 }

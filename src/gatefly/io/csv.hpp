@@ -28,6 +28,8 @@ class Csv {
   [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;
   /// The file's line of a row, as an editor counts, with the file's name: "log_si.csv:12".
   [[nodiscard]] std::string place(std::size_t row) const;
+  /// With the column, counted from 1: "log_si.csv:12:3".
+  [[nodiscard]] std::string place(std::size_t row, const std::string& column) const;
 
  private:
   [[nodiscard]] std::size_t index_of(const std::string& column) const;

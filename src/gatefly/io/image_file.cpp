@@ -12,6 +12,7 @@
 #include <string>
 
 #include <jpeglib.h>
+#include <png.h>
 
 #include "gatefly/io/text.hpp"
 
@@ -59,7 +60,8 @@ bool read_header(Decoder& decoder, const std::string& file) {
   if (setjmp(decoder.escape) != 0) return false;
   start(decoder, file);
   jpeg_read_header(&decoder.jpeg, TRUE);
-  decoder.jpeg.out_color_space = decoder.jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_YCbCr;
+  if (decoder.jpeg.jpeg_color_space != JCS_GRAYSCALE && decoder.jpeg.jpeg_color_space != JCS_RGB)
+    decoder.jpeg.out_color_space = JCS_YCbCr;  // the others come as they are stored
   jpeg_calc_output_dimensions(&decoder.jpeg);
   return true;
 }
@@ -96,6 +98,7 @@ ImageFile decode_jpeg(const std::string& path, const std::string& file) {
   const bool grey = decoder.jpeg.num_components == 1;
   if (!grey && decoder.jpeg.num_components != 3) fail("it has neither 1 nor 3 colour channels");
   ImageFile image;
+  if (decoder.jpeg.jpeg_color_space == JCS_RGB) image.format = PixelFormat::kRgb;
   image.stored_width = static_cast<int>(decoder.jpeg.output_width);
   image.stored_height = static_cast<int>(decoder.jpeg.output_height);
   if (image.stored_width > kLargestSide || image.stored_height > kLargestSide) fail("it is larger than 16384 px");
@@ -104,6 +107,25 @@ ImageFile decode_jpeg(const std::string& path, const std::string& file) {
   decoder.bytes = image.bytes.data();
   if (!read_lines(decoder)) fail(decoder.message.data());
   if (grey) image.bytes = with_neutral_chroma(image.bytes);
+  return image;
+}
+
+ImageFile decode_png(const std::string& path, const std::string& file) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  struct Closer {
+    png_image& png;
+    ~Closer() { png_image_free(&png); }
+  } closer{png};
+  const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": not a usable PNG: " + why); };
+
+  if (png_image_begin_read_from_memory(&png, file.data(), file.size()) == 0) fail(png.message);
+  if (png.width > kLargestSide || png.height > kLargestSide) fail("it is larger than 16384 px");
+  png.format = PNG_FORMAT_RGB;  // grey, palettes, 16 bit become 8-bit RGB; what is transparent lies on black
+  ImageFile image{.bytes = {}, .format = PixelFormat::kRgb, .stored_width = static_cast<int>(png.width),
+                  .stored_height = static_cast<int>(png.height)};
+  image.bytes.resize(image_bytes(image.format, image.stored_width, image.stored_height));
+  if (png_image_finish_read(&png, nullptr, image.bytes.data(), 0, nullptr) == 0) fail(png.message);
   return image;
 }
 
@@ -151,16 +173,29 @@ ImageFile decode_uyvy(const std::string& path, const std::string& file, int widt
           .stored_height = height};
 }
 
-}  // namespace
-
-ImageFile read_image(const std::filesystem::path& path, int uyvy_width, int uyvy_height) {
+/// The name's ending in small letters: ".jpg".
+std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
   std::transform(kind.begin(), kind.end(), kind.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (kind != ".jpg" && kind != ".jpeg" && kind != ".ppm" && kind != ".uyvy")
-    throw std::runtime_error(path.string() + ": not a picture: its name must end in .jpg, .jpeg, .ppm or .uyvy");
-  const std::string file = read_file(path);
+  return kind;
+}
+
+}  // namespace
+
+bool is_picture(const std::filesystem::path& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".jpg" || kind == ".jpeg" || kind == ".png" || kind == ".ppm" || kind == ".uyvy";
+}
+
+bool is_raw(const std::filesystem::path& path) { return kind_of(path) == ".uyvy"; }
+
+ImageFile read_image(const std::filesystem::path& path, int uyvy_width, int uyvy_height) {
+  if (!is_picture(path))
+    throw std::runtime_error(path.string() + ": not a picture: its name must end in .jpg, .jpeg, .png, .ppm or .uyvy");
+  const std::string kind = kind_of(path), file = read_file(path);
   if (file.empty()) throw std::runtime_error(path.string() + ": is empty");
+  if (kind == ".png") return decode_png(path.string(), file);
   if (kind == ".ppm") return decode_ppm(path.string(), file);
   if (kind == ".uyvy") return decode_uyvy(path.string(), file, uyvy_width, uyvy_height);
   return decode_jpeg(path.string(), file);

@@ -22,7 +22,13 @@ struct ImageFile {
   }
 };
 
-/// Reads .jpg/.jpeg straight to full-range Y'CbCr, .ppm (P6, 8 bit), or raw .uyvy.
+/// Whether the name ends as those that read_image() knows, in small or capital letters.
+[[nodiscard]] bool is_picture(const std::filesystem::path& path);
+
+/// Whether it is a raw .uyvy, which does not know its own size.
+[[nodiscard]] bool is_raw(const std::filesystem::path& path);
+
+/// Reads .jpg/.jpeg straight to full-range Y'CbCr, .png and .ppm (P6, 8 bit) as RGB, or raw .uyvy.
 ///
 /// @param uyvy_width,uyvy_height  stored size of the camera; only a .uyvy needs it.
 /// @throws std::runtime_error one line with the path: unreadable, empty, corrupt, wrong size.

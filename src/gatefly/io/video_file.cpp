@@ -11,60 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-extern char** environ;
+#include "gatefly/io/subprocess.hpp"
 
 namespace gatefly::io {
 namespace {
-
-/// Starts a program of PATH with these files as stdin and stderr (-1: none), in a process group of its
-/// own: Ctrl-C is for us to handle. Answers errno, 0 when it runs.
-int start(std::vector<std::string> words, int input, int errors, pid_t& pid) {
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&files);
-  posix_spawnattr_init(&attributes);
-  const auto connect = [&](int from, int to) {
-    if (from >= 0) posix_spawn_file_actions_adddup2(&files, from, to);
-    else posix_spawn_file_actions_addopen(&files, to, "/dev/null", O_RDWR, 0);
-  };
-  connect(input, STDIN_FILENO);
-  connect(-1, STDOUT_FILENO);
-  connect(errors, STDERR_FILENO);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  const int error = posix_spawnp(&pid, arguments[0], &files, &attributes, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
-  return error;
-}
-
-/// 0 when the program ended well.
-int wait_for(pid_t pid) {
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0)
-    if (errno != EINTR) return -1;
-  return status;
-}
-
-/// The last line of an open file that says something.
-std::string last_line(std::FILE* file) {
-  std::rewind(file);
-  std::string line, last;
-  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
-    if (c != '\n') line += static_cast<char>(c);
-    else if (!line.empty()) last = std::exchange(line, {});
-  }
-  return line.empty() ? last : line;
-}
 
 std::vector<std::string> encoder(int width, int height, int pictures_per_second, const std::string& file) {
   return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y",
@@ -79,7 +32,7 @@ std::vector<std::string> encoder(int width, int height, int pictures_per_second,
 
 void require_ffmpeg() {
   pid_t pid = -1;
-  const int error = start({"ffmpeg", "-version"}, -1, -1, pid);
+  const int error = start({"ffmpeg", "-version"}, {}, pid);
   if (error != 0 || wait_for(pid) != 0)
     throw std::runtime_error("ffmpeg: " + (error != 0 ? std::string{std::strerror(error)} : "does not run") +
                              "; a video needs it (apt-get install ffmpeg)");
@@ -91,8 +44,8 @@ VideoFile::VideoFile(std::filesystem::path path, int width, int height, int pict
   int ends[2] = {-1, -1};
   if (!messages_ || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::runtime_error(path_.string() + ": cannot be written: " + std::strerror(errno));
-  const int error = start(encoder(width, height, pictures_per_second, partial_.string()), ends[1],
-                          fileno(messages_.get()), ffmpeg_);
+  const int error = start(encoder(width, height, pictures_per_second, partial_.string()),
+                          {.input = ends[1], .errors = fileno(messages_.get())}, ffmpeg_);
   ::close(ends[1]);
   pipe_ = ends[0];
   if (error == 0) return;

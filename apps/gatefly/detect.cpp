@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "gatefly/detection/outline.hpp"
+#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/io/annotate.hpp"
+#include "gatefly/io/detections_file.hpp"
+#include "gatefly/io/image_file.hpp"
+#include "gatefly/io/pictures.hpp"
+#include "gatefly/io/text.hpp"
+#include "gatefly/io/video_reader.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DetectOptions {
+  CommonOptions common;
+  std::vector<std::string> paths;
+  bool all = false, json = false;
+  std::optional<int> rotate_deg;
+  std::string csv, annotate, data;
+};
+
+/// What came out of all pictures.
+struct Findings {
+  std::vector<io::DetectionRow> rows;
+  int pictures = 0, with_gate = 0, unusable = 0;
+  double seconds = 0.0;  ///< Spent on detection alone.
+};
+
+constexpr std::uint64_t kSeed = 1;  // of every picture: its answer does not depend on its neighbours
+
+std::vector<GateDetection> gates_in(const Image& image, const io::Config& config, bool all) {
+  Rng rng{kSeed};
+  const GateDetections found = detect_gates(image, config.pilot.color, config.pilot.snake, rng);
+  std::vector<GateDetection> gates(found.begin(), found.end());
+  if (!all && gates.size() > 1) gates.resize(1);
+  if (config.gate_corners == "inner")
+    for (GateDetection& gate : gates)
+      gate.corners_px = scaled(gate.corners_px, 1.0 - 2.0 * config.pilot.snake.bar_ratio);
+  return gates;
+}
+
+/// One picture: detected, added to the findings, drawn.
+void look_at(const io::ImageFile& file, const std::string& name, const DetectOptions& options,
+             const io::Config& config, Findings& findings) {
+  const Image image = file.view(config.stored_rotation_deg);
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<GateDetection> gates = gates_in(image, config, options.all);
+  findings.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ++findings.pictures;
+  findings.with_gate += !gates.empty();
+  for (std::size_t i = 0; i < gates.size(); ++i)
+    findings.rows.push_back({.image = name, .gate = static_cast<int>(i), .corners_px = gates[i].corners_px,
+                             .fitness = gates[i].color_fitness, .method = "snake"});
+  if (options.annotate.empty()) return;
+  fs::create_directories(options.annotate);
+  io::annotate(image, gates, fs::path{options.annotate} / (name + ".png"));
+}
+
+using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
+
+/// Every picture of a file: itself, or a video's frames "f7.avi#12".
+void each_picture(const fs::path& path, const io::Config& config, const Look& look) {
+  const std::string name = path.filename().string();
+  if (name.find_first_of(",\"\r\n") != std::string::npos)
+    throw std::runtime_error(path.string() + ": its name must be without comma, quote and line break to stand in a CSV");
+  if (io::is_picture(path)) return look(io::read_image(path, config.stored_width(), config.stored_height()), name);
+  io::VideoReader video(path);
+  for (int frame = 0; !interrupted(); ++frame) {
+    const auto picture = video.next();
+    if (!picture) return;
+    look(*picture, name + "#" + std::to_string(frame));
+  }
+}
+
+void complain(const std::string& what) { std::cerr << "gatefly detect: " << what << '\n'; }
+
+/// All files that the command line names; what cannot be used is said and counted.
+std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings) {
+  std::vector<fs::path> files;
+  std::map<std::string, fs::path> folder_of;
+  bool warned = false;
+  for (const std::string& path : options.paths) try {
+      for (const fs::path& file : io::picture_files(io::find_data(path, options.data))) {
+        files.push_back(file);
+        const auto [other, is_new] = folder_of.try_emplace(file.filename().string(), file.parent_path());
+        if (!is_new && !std::exchange(warned, true))
+          complain("warning: " + file.string() + " and one in '" + other->second.string() +
+                   "' have the same name, and so have their rows");
+      }
+    } catch (const std::exception& error) {
+      complain(error.what());
+      ++findings.unusable;
+    }
+  return files;
+}
+
+Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
+  Findings findings;
+  const std::vector<fs::path> files = all_files(options, findings);
+  Progress progress(options.common.quiet, 500.0);
+  double done = 0.0;
+  for (const fs::path& path : files) {
+    if (interrupted()) break;
+    try {
+      each_picture(path, config, [&](const io::ImageFile& file, const std::string& name) {
+        look_at(file, name, options, config, findings);
+        if (progress.due(findings.pictures))
+          progress.update(done / static_cast<double>(files.size()), std::to_string(findings.pictures) + " pictures, " +
+                                                                      std::to_string(findings.with_gate) +
+                                                                      " with a gate");
+      });
+    } catch (const std::exception& error) {
+      progress.clear();
+      complain(error.what());
+      ++findings.unusable;
+    }
+    ++done;
+  }
+  return findings;
+}
+
+nlohmann::ordered_json as_json(const Findings& findings) {
+  nlohmann::ordered_json detections = nlohmann::ordered_json::array();
+  for (const io::DetectionRow& row : findings.rows) {
+    nlohmann::ordered_json corners = nlohmann::ordered_json::array();
+    for (const auto& corner : row.corners_px) corners.push_back({corner.x(), corner.y()});
+    detections.push_back({{"image", row.image}, {"gate", row.gate}, {"corners_px", corners},
+                          {"fitness", row.fitness}, {"method", row.method}});
+  }
+  return {{"pictures", findings.pictures}, {"with_gate", findings.with_gate}, {"unusable", findings.unusable},
+          {"detections", detections}};
+}
+
+void print_summary(const Findings& findings, const std::string& csv) {
+  std::cout << std::fixed << std::setprecision(2) << findings.with_gate << " of " << findings.pictures
+            << " pictures show a gate, " << 1e3 * findings.seconds / std::max(findings.pictures, 1)
+            << " ms each to detect: " << csv << '\n';
+}
+
+/// gatefly detect: exit 0 something detected, 1 nothing, 2 unusable input (the rest is done), 130 Ctrl-C.
+int detect(const DetectOptions& options) {
+  const bool to_file = !options.csv.empty() && options.csv != "-";
+  if (options.json && options.csv == "-") throw std::runtime_error("--json and --csv -: both want stdout; name a file");
+  if (to_file && (fs::is_directory(options.csv) || !fs::is_directory(fs::absolute(options.csv).parent_path())))
+    throw std::runtime_error("--csv " + options.csv + ": cannot be written: must be a file in a folder that is there");
+  CommonOptions common = options.common;
+  if (options.rotate_deg) common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
+  const io::Config config = load(common);
+
+  catch_interrupt();
+  const Findings findings = look_everywhere(options, config);
+  if (interrupted()) {
+    complain("interrupted, no rows kept");
+    return kInterrupted;
+  }
+  if (findings.pictures == 0) return kUnusable;
+  if (findings.unusable > 0)
+    complain(std::to_string(findings.unusable) + " could not be used, " + std::to_string(findings.pictures) +
+             " pictures were done");
+
+  if (to_file) io::write_file(options.csv, io::detections_csv(findings.rows));
+  if (options.json) std::cout << as_json(findings).dump(2) << '\n';
+  else if (!to_file) std::cout << io::detections_csv(findings.rows);
+  else if (!options.common.quiet) print_summary(findings, options.csv);
+  if (findings.unusable > 0) return kUnusable;
+  return findings.with_gate > 0 ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void add_detect(CLI::App& app, Run& run) {
+  auto options = std::make_shared<DetectOptions>();
+  CLI::App* command = app.add_subcommand("detect", "gates in images, folders, or a video");
+  command->footer(
+      "Example:\n  gatefly detect --rotate 0 photo.png clip.mp4 --annotate out/drawn\n"
+      "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv out/found.csv\n\n"
+      "A folder means its jpg, png and ppm files; raw .uyvy (of the camera's size) only when named; anything else is\n"
+      "read as a video by ffmpeg. Exit code 0: a gate was detected; 1: none; 2: something could not be used (the\n"
+      "rest is done); 130: Ctrl-C.");
+  command->add_option("PATH", options->paths, "images, folders, videos")->required();
+  command->add_flag("--all", options->all, "every gate, best first, instead of the best");
+  command->add_option("--rotate", options->rotate_deg,
+                      "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->type_name("DEG");
+  command->add_option("--csv", options->csv, "where rows go instead of stdout (-)")->type_name("FILE");
+  command->add_option("--annotate", options->annotate, "draw every picture with its gates: DIR/<image>.png")
+      ->type_name("DIR");
+  command->add_option("--data", options->data, "where a PATH is looked for that is not here [$GATEFLY_DATA]")
+      ->type_name("DIR");
+  command->add_flag("--json", options->json, "print JSON");
+  add_common(*command, options->common);
+  command->callback([options, &run] { run = [options] { return detect(*options); }; });
+}
+
+}  // namespace gatefly::cli
