@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -112,7 +113,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
 Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
   Findings findings;
   const std::vector<fs::path> files = all_files(options, findings);
-  Progress progress(options.common.quiet, 500.0);
+  Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;
   for (const fs::path& path : files) {
     if (interrupted()) break;

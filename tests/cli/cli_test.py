@@ -55,7 +55,7 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "config"):
+        for command in ("fly", "config", "detect", "score"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -169,6 +169,148 @@ class Video(Cli):
         self.assertGreaterEqual(seconds, flown)
         self.assertLessEqual(seconds, flown + 2.5)  # the last frame is held for a while
         self.assertAlmostEqual(int(stream["nb_read_frames"]), 20 * seconds, delta=1)
+
+
+def picture(gate=True, width=160, height=120):
+    """A PPM of an orange square frame on grey."""
+    def frame(u, v):
+        out = max(abs(u - 80), abs(v - 60))
+        return gate and 36 <= out <= 40
+    pixels = b"".join(b"\xe0\x60\x20" if frame(u, v) else b"\x70\x70\x70" for v in range(height) for u in range(width))
+    return b"P6\n%d %d\n255\n" % (width, height) + pixels
+
+
+class Pictures(Cli):
+    HEADER = "image,gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v,fitness,method"
+
+    def picture(self, name, **what):
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(picture(**what))
+        return path
+
+    def corners(self, row):
+        return [float(x) for x in row.split(",")[2:10]]
+
+    def test_a_gate_is_one_row_with_its_outer_corners(self):
+        result = self.run_it("detect", "--rotate", "0", self.picture("a.ppm"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        header, row = result.stdout.splitlines()
+        self.assertEqual(header, self.HEADER)
+        self.assertTrue(row.startswith("a.ppm,0,") and row.endswith(",snake"), row)
+        for got, wanted in zip(self.corners(row), (39.5, 19.5, 120.5, 19.5, 120.5, 100.5, 39.5, 100.5)):
+            self.assertAlmostEqual(got, wanted, delta=2.0)
+
+    def test_rotate_turns_the_stored_picture_counter_clockwise(self):
+        path = self.picture("a.ppm")
+        (row,) = self.run_it("detect", "--rotate", "90", path).stdout.splitlines()[1:]
+        self.assertLess(max(self.corners(row)[0::2]), 120)  # the upright picture is 120 wide and 160 high
+        self.assertEqual(self.run_it("detect", "--set", "camera.stored_rotation_deg=90", path).stdout.splitlines()[1], row)
+        self.assertIn("--rotate", self.refused("detect", "--rotate", "45", path))
+
+    def test_the_answer_of_a_picture_does_not_depend_on_its_neighbours(self):
+        paths = [self.picture(name) for name in ("a.ppm", "b.ppm")]
+        rows = self.run_it("detect", "--rotate", "0", *paths).stdout.splitlines()[1:]
+        self.assertEqual(rows[0].split(",")[1:], rows[1].split(",")[1:])
+
+    def test_nothing_detected_is_exit_1_with_a_header(self):
+        for name, size in (("none.ppm", {"gate": False}), ("one.ppm", {"width": 1, "height": 1}), ("line.ppm", {"height": 1})):
+            result = self.run_it("detect", self.picture(name, **size))
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (1, self.HEADER + "\n", ""))
+
+    def test_json_holds_the_same_rows(self):
+        path = self.picture("a.ppm")
+        answer = json.loads(self.run_it("detect", "--rotate", "0", "--json", path).stdout)
+        row = self.run_it("detect", "--rotate", "0", path).stdout.splitlines()[1]
+        (found,) = answer["detections"]
+        self.assertEqual((answer["pictures"], answer["with_gate"], answer["unusable"]), (1, 1, 0))
+        for got, wanted in zip(sum(found["corners_px"], []), self.corners(row)):
+            self.assertAlmostEqual(got, wanted, places=3)
+
+    def test_a_bad_file_in_a_folder_is_named_and_the_rest_is_done(self):
+        for name in ("set/a.ppm", "set/c.ppm"):
+            self.picture(name)
+        (self.folder / "set" / "b.jpg").write_bytes(b"\xff\xd8\xff\xe0 torn")
+        (self.folder / "set" / "labels.csv").write_text("not a picture", encoding="utf-8")
+        csv = self.folder / "found.csv"
+        result = self.run_it("detect", "--rotate", "0", "set", "--csv", csv, "--annotate", "drawn")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("set/b.jpg: not a usable JPEG", result.stderr)
+        self.assertIn("1 could not be used, 2 pictures were done", result.stderr)
+        self.assertEqual([row.split(",")[0] for row in csv.read_text().splitlines()[1:]], ["a.ppm", "c.ppm"])
+        self.assertEqual(sorted(path.name for path in (self.folder / "drawn").iterdir()), ["a.ppm.png", "c.ppm.png"])
+
+    def test_unusable_pictures_are_one_line_and_leave_nothing(self):
+        jpeg = self.folder / "torn.jpg"
+        jpeg.write_bytes(b"\xff\xd8\xff\xe0")
+        self.assertIn("torn.jpg", self.refused("detect", jpeg, "--csv", "found.csv", "--annotate", "drawn"))
+        for name, content in (("empty.jpg", b""), ("empty.png", b""), ("a.png", b"\x89PNG\r\n"), ("a.ppm", b"P6 9 9 255 x"),
+                              ("a.uyvy", b"1234567"), ("notes.txt", b"hello"), ("empty.avi", b"")):
+            (self.folder / name).write_bytes(content)
+            self.assertIn(name, self.refused("detect", name))
+        self.assertIn("even width", self.refused("detect", "a.uyvy", "--rotate", "0", "--set", "camera.size_px=[17, 20]"))
+        self.assertIn("no-such", self.refused("detect", "no-such"))
+        (self.folder / "bare").mkdir()
+        self.assertIn("bare: holds no", self.refused("detect", "bare"))
+        self.assertIn("--csv", self.refused("detect", self.picture("b.ppm"), "--csv", "nowhere/found.csv"))
+        self.assertIn("ffmpeg", self.refused("detect", "notes.txt", PATH=str(self.folder)))
+        self.assertIn("no-such-folder", self.refused("detect", "b.ppm", "--data", "no-such-folder"))
+
+    def test_pictures_are_found_in_the_data_folder(self):
+        self.picture("data/a.ppm")
+        for given in (("--data", "data"), ()):
+            result = self.run_it("detect", "--rotate", "0", "a.ppm", *given, GATEFLY_DATA=str(self.folder / "data"))
+            self.assertEqual(result.returncode, 0, result.stderr)
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "there is no ffmpeg")
+    def test_frames_of_a_video_are_counted_from_0(self):
+        for i in range(3):
+            self.picture(f"{i}.ppm", gate=i != 1)
+        subprocess.run(["ffmpeg", "-v", "error", "-i", "%d.ppm", "-c:v", "mjpeg", "-q:v", "2", "f.avi"], cwd=self.folder, check=True)
+        result = self.run_it("detect", "--rotate", "0", "f.avi")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([row.split(",")[0] for row in result.stdout.splitlines()[1:]], ["f.avi#0", "f.avi#2"])
+
+
+class Scores(Cli):
+    LABELS = "image,has_gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\na.jpg,1,0,0,40,0,40,40,0,40\nb.jpg,0,,,,,,,,\n"
+    FOUND = Pictures.HEADER + "\na.jpg,0,1,0,41,0,41,40,1,40,0.9,snake\nb.jpg,0,0,0,40,0,40,40,0,40,0.8,snake\n"
+
+    def score(self, found, labels, *more):
+        return ("score", "--detections", self.file("found.csv", found), "--labels", self.file("labels.csv", labels), *more)
+
+    def test_json_and_screen_say_the_same(self):
+        arguments = self.score(self.FOUND, self.LABELS)
+        answer = json.loads(self.run_it(*arguments, "--json").stdout)
+        self.assertEqual((answer["pictures"], answer["labelled_gates"], answer["hits"], answer["false_positives"]), (2, 1, 1, 1))
+        self.assertEqual((answer["true_positive_rate"], answer["false_positives_per_image"]), (1.0, 0.5))
+        self.assertEqual(answer["corner_error_px"]["best_order"], {"median": 1.0, "p90": 1.0})
+        screen = self.run_it(*arguments)
+        self.assertEqual((screen.returncode, screen.stderr), (0, ""))
+        for text in ("1 of 1 (rate 1.000)", "1 (0.500 per image)", "median 1.0 px", "30-45 px 1/1"):
+            self.assertIn(text, screen.stdout)
+
+    def test_ignore_forgives(self):
+        ignore = self.file("ignore.csv", "image,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\nb.jpg,40,40,0,0,40,0,0,40\n")
+        answer = json.loads(self.run_it(*self.score(self.FOUND, self.LABELS, "--ignore", ignore, "--json")).stdout)
+        self.assertEqual((answer["false_positives"], answer["neither"]), (0, 1))
+
+    def test_rates_of_nothing_are_null(self):
+        answer = json.loads(self.run_it(*self.score(Pictures.HEADER + "\n", self.LABELS.splitlines()[0] + "\n", "--json")).stdout)
+        self.assertIsNone(answer["true_positive_rate"])
+        self.assertIsNone(answer["false_positives_per_image"])
+
+    def test_a_picture_without_label_is_a_warning(self):
+        result = self.run_it(*self.score(self.FOUND + "z.jpg,0,0,0,40,0,40,40,0,40,0.8,snake\n", self.LABELS))
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("1 detections name pictures that are not in the labels: z.jpg", result.stderr)
+
+    def test_broken_files_are_refused_with_line_and_column(self):
+        self.assertIn("found.csv:2:3: tl_u = 'left'", self.refused(*self.score(self.FOUND.replace("0,1,0", "0,left,0", 1), self.LABELS)))
+        self.assertIn("labels.csv:2:2: has_gate = '7'", self.refused(*self.score(self.FOUND, self.LABELS.replace("1,0", "7,0", 1))))
+        self.assertIn("nowhere.csv", self.refused("score", "--detections", "nowhere.csv", "--labels", "labels.csv"))
+        self.assertIn("--rule", self.refused(*self.score(self.FOUND, self.LABELS, "--rule", "iou60")))
+        self.assertIn("--labels", self.refused("score", "--detections", "found.csv"))
 
 
 class Configuration(Cli):

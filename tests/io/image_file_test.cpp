@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <jpeglib.h>
+#include <png.h>
 
 #include "temp_folder.hpp"
 
@@ -47,6 +48,20 @@ std::string flat_jpeg(JSAMPLE y, JSAMPLE cb, JSAMPLE cr, bool grey = false) {
   jpeg_destroy_compress(&jpeg);
   std::string file(reinterpret_cast<char*>(bytes), size);
   std::free(bytes);
+  return file;
+}
+
+/// A PNG of one row of pixels in a format of libpng's.
+std::string png_of(std::uint32_t format, const std::string& pixels) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.format = format;
+  png.width = static_cast<png_uint_32>(pixels.size() / PNG_IMAGE_PIXEL_SIZE(format));
+  png.height = 1;
+  png_alloc_size_t size = 0;
+  png_image_write_to_memory(&png, nullptr, &size, 0, pixels.data(), 0, nullptr);
+  std::string file(size, '\0');
+  png_image_write_to_memory(&png, file.data(), &size, 0, pixels.data(), 0, nullptr);
   return file;
 }
 
@@ -89,6 +104,30 @@ TEST(ImageFile, AnyDamagedByteIsReadOrRefusedButNeverCrashes) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
     (void)error_reading("a.jpg", damaged);
+  }
+}
+
+TEST(ImageFile, PngOfAnyKindIsRgb) {
+  const test::TempFolder folder;
+  const auto first = [&](std::uint32_t format, const std::string& pixels) {
+    return read_image(folder.file("a.png", png_of(format, pixels))).view(0).at(1, 0);
+  };
+  const Yuv orange = yuv_of_rgb(0xff, 0x80, 0x20);
+  EXPECT_EQ(first(PNG_FORMAT_RGB, "abc\xff\x80\x20").v, orange.v);
+  EXPECT_EQ(first(PNG_FORMAT_RGBA, "abc\xff\xff\x80\x20\xff").u, orange.u);
+  const Yuv grey = first(PNG_FORMAT_GRAY, "aMb");
+  EXPECT_EQ(grey.y, 'M');
+  EXPECT_EQ(grey.u, 128);
+}
+
+TEST(ImageFile, EveryTruncationOfAPngIsAnErrorAndNeverACrash) {
+  const std::string whole = png_of(PNG_FORMAT_RGB, "abcdefghi");
+  for (std::size_t size = 0; size + 12 < whole.size(); ++size)  // the last 12 bytes only say that it ends
+    EXPECT_THAT(error_reading("a.png", whole.substr(0, size)), AllOf(HasSubstr("a.png"), Not(HasSubstr("\n")))) << size;
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
+    (void)error_reading("a.png", damaged);
   }
 }
 

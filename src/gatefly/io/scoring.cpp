@@ -19,6 +19,11 @@ using Triangle = std::array<Eigen::Vector2d, 3>;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
+bool cross_each_other(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                      const Eigen::Vector2d& d) {
+  return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 && cross(d - c, a - c) * cross(d - c, b - c) < 0.0;
+}
+
 /// A polygon cut along the diagonal that lies inside it.
 std::array<Triangle, 2> triangles(const Quad& p) {
   const double side_1 = cross(p[2] - p[0], p[1] - p[0]), side_3 = cross(p[2] - p[0], p[3] - p[0]);
@@ -119,12 +124,12 @@ Rule rule_of(const std::string& name) {
 }
 
 Quad polygon(const Quad& quad) {
-  const Eigen::Vector2d middle = center(quad);
-  Quad sorted = quad;
-  std::stable_sort(sorted.begin(), sorted.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return std::atan2(a.y() - middle.y(), a.x() - middle.x()) < std::atan2(b.y() - middle.y(), b.x() - middle.x());
-  });
-  return sorted;
+  // Sides that cross are the diagonals of a convex polygon.
+  Quad p = quad;
+  if (cross_each_other(p[0], p[1], p[2], p[3])) std::swap(p[1], p[2]);
+  else if (cross_each_other(p[1], p[2], p[3], p[0])) std::swap(p[2], p[3]);
+  if (area(p) < 0) std::swap(p[1], p[3]);
+  return p;
 }
 
 double polygon_area(const Quad& quad) { return std::abs(area(polygon(quad))); }

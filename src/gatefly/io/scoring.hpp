@@ -24,7 +24,7 @@ enum class Rule {
 /// The rule of a name: overlap70, overlap70-authors, iou50, iou75. @throws std::invalid_argument for others.
 [[nodiscard]] Rule rule_of(const std::string& name);
 
-/// The corners as a polygon that does not cross itself: by angle around their centre, clockwise as seen.
+/// The corners as a polygon that does not cross itself, clockwise as seen.
 [[nodiscard]] Quad polygon(const Quad& quad);
 
 /// Area of polygon(quad) [px²].
