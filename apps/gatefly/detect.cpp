@@ -189,7 +189,7 @@ void add_detect(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand("detect", "gates in images, folders, or a video");
   command->footer(
       "Example:\n  gatefly detect --rotate 0 photo.png clip.mp4 --annotate out/drawn\n"
-      "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv out/found.csv\n\n"
+      "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv found.csv\n\n"
       "A folder means its jpg, png and ppm files; raw .uyvy (of the camera's size) only when named; anything else is\n"
       "read as a video by ffmpeg. Exit code 0: a gate was detected; 1: none; 2: something could not be used (the\n"
       "rest is done); 130: Ctrl-C.");

@@ -140,7 +140,7 @@ void add_score(CLI::App& app, Run& run) {
   auto options = std::make_shared<ScoreOptions>();
   CLI::App* command = app.add_subcommand("score", "detections against labels");
   command->footer(
-      "Example:\n  gatefly score --detections out/found.csv --labels ../shared/data/tudelft_bebop_gates/cyberzoo/labels.csv\n\n"
+      "Example:\n  gatefly score --detections found.csv --labels ../shared/data/tudelft_bebop_gates/cyberzoo/labels.csv\n\n"
       "overlap70: a hit covers at least 70 % of both areas, one per labelled gate; everything else is a false\n"
       "positive. overlap70-authors: whatever covers a label that much is none, and identical pictures count each\n"
       "time. iou50, iou75: shared area by the area of both. Corner errors are of all four corners of all hits, in\n"

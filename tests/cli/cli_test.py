@@ -313,6 +313,38 @@ class Scores(Cli):
         self.assertIn("--labels", self.refused("score", "--detections", "found.csv"))
 
 
+class RealPictures(Cli):
+    GATES = pathlib.Path(os.environ.get("GATEFLY_DATA", "../shared/data")) / "tudelft_bebop_gates"
+
+    def setUp(self):
+        super().setUp()
+        self.gates = (ROOT / self.GATES).resolve()
+        if not self.gates.is_dir():
+            self.skipTest(f"no real pictures at {self.gates} (set GATEFLY_DATA)")
+
+    def test_pictures_and_labels_count_as_the_data_says(self):
+        nothing = self.file("none.csv", Pictures.HEADER + "\n")
+        for name, rule, pictures, gates in (("basement32_hq", "overlap70", 32, 28), ("distance51", "iou50", 51, 51),
+                                            ("cyberzoo", "overlap70", 299, 150), ("basement580", "overlap70", 398, 142),
+                                            ("basement580", "overlap70-authors", 580, 212)):
+            with self.subTest(name=name, rule=rule):
+                result = self.run_it("score", "--json", "--detections", nothing, "--rule", rule,
+                                     "--labels", self.gates / name / "labels.csv")
+                answer = json.loads(result.stdout)
+                self.assertEqual((answer["pictures"], answer["labelled_gates"]), (pictures, gates))
+
+    def test_every_real_picture_can_be_read(self):
+        result = self.run_it("detect", "--json", *(self.gates / name for name in ("basement32_hq", "distance51")),
+                             *sorted((self.gates / "distance51").glob("*.uyvy")))
+        answer = json.loads(result.stdout)
+        self.assertEqual((result.returncode, answer["pictures"], answer["unusable"]), (0, 32 + 51 + 51, 0))
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "there is no ffmpeg")
+    def test_the_film_of_a_lap_has_all_its_frames(self):
+        result = self.run_it("detect", "--json", "--config", "basement", self.gates / "basement_lap_video" / "f7.avi")
+        self.assertEqual(json.loads(result.stdout)["pictures"], 540)
+
+
 class Configuration(Cli):
     def test_show_lists_every_section_with_units_and_sources(self):
         result = self.run_it("config", "--show", "--set", "control.speed_mps=1.25")
