@@ -14,7 +14,7 @@
 
 #include "commands.hpp"
 #include "gatefly/detection/outline.hpp"
-#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/detection/careful_search.hpp"
 #include "gatefly/io/annotate.hpp"
 #include "gatefly/io/detections_file.hpp"
 #include "gatefly/io/image_file.hpp"
@@ -42,31 +42,36 @@ struct Findings {
   double seconds = 0.0;  ///< Spent on detection alone.
 };
 
-constexpr std::uint64_t kSeed = 1;  // of every picture: its answer does not depend on its neighbours
+/// The gates of a picture, best first.
+class Detector {
+ public:
+  Detector(const io::Config& config, bool all) : color_{config.pilot.gate_color}, search_{config.pilot.detector}, all_{all} {}
 
-std::vector<GateDetection> gates_in(const Image& image, const io::Config& config, bool all) {
-  Rng rng{kSeed};
-  const GateDetections found = detect_gates(image, config.pilot.color, config.pilot.snake, rng);
-  std::vector<GateDetection> gates(found.begin(), found.end());
-  if (!all && gates.size() > 1) gates.resize(1);
-  if (config.gate_corners == "inner")
-    for (GateDetection& gate : gates)
-      gate.corners_px = scaled(gate.corners_px, 1.0 - 2.0 * config.pilot.snake.bar_ratio);
-  return gates;
-}
+  [[nodiscard]] std::vector<GateDetection> operator()(const Image& image) {
+    const GateDetections found = search_.detect(image, color_);
+    std::vector<GateDetection> gates(found.begin(), found.end());
+    if (!all_ && gates.size() > 1) gates.resize(1);
+    return gates;
+  }
+
+ private:
+  ColorModel color_;
+  CarefulSearch search_;
+  bool all_;
+};
 
 /// One picture: detected, added to the findings, drawn.
 void look_at(const io::ImageFile& file, const std::string& name, const DetectOptions& options,
-             const io::Config& config, Findings& findings) {
+             const io::Config& config, Detector& detector, Findings& findings) {
   const Image image = file.view(config.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<GateDetection> gates = gates_in(image, config, options.all);
+  const std::vector<GateDetection> gates = detector(image);
   findings.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
   findings.with_gate += !gates.empty();
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back({.image = name, .gate = static_cast<int>(i), .corners_px = gates[i].corners_px,
-                             .fitness = gates[i].color_fitness, .method = "snake"});
+                             .fitness = gates[i].color_fitness, .method = "frames"});
   if (options.annotate.empty()) return;
   fs::create_directories(options.annotate);
   io::annotate(image, gates, fs::path{options.annotate} / (name + ".png"));
@@ -112,6 +117,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
 
 Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
   Findings findings;
+  Detector detector(config, options.all);
   const std::vector<fs::path> files = all_files(options, findings);
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;
@@ -119,7 +125,7 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
     if (interrupted()) break;
     try {
       each_picture(path, config, [&](const io::ImageFile& file, const std::string& name) {
-        look_at(file, name, options, config, findings);
+        look_at(file, name, options, config, detector, findings);
         if (progress.due(findings.pictures))
           progress.update(done / static_cast<double>(files.size()), std::to_string(findings.pictures) + " pictures, " +
                                                                       std::to_string(findings.with_gate) +

@@ -108,7 +108,7 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
       if (now.total > score.total - 0.3) q = *centered, score = now;
     }
     if (score.total < params_.min_score || score.inside > params_.max_inside) continue;
-    (void)found.push_back({clockwise_from_top_left(scaled(q, 1.0 / (1.0 - params_.bar_ratio))), confidence_of(score.total), is_inside(q, image)});
+    (void)found.push_back({clockwise_from_top_left(scaled(q, params_.corner_scale)), confidence_of(score.total), is_inside(q, image)});
   }
   insertion_sort(found, [](const auto& a, const auto& b) { return a.color_fitness > b.color_fitness; });
   return found;

@@ -15,7 +15,7 @@ struct CarefulSearchParams {
   double max_inside = 0.5;    ///< Evidence in the opening [nats]: a filled square is no gate.
   double min_side_px = 10.0;  ///< Of the bars' centre lines.
   double max_aspect = 3.2;
-  double bar_ratio = 0.05;    ///< Bar width / outer side of the gate.
+  double corner_scale = 1.0 / 0.95;  ///< From the bars' middle lines to the corners that are meant: outer ones.
   FrameWeights weights;
 };
 

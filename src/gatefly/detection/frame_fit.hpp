@@ -73,7 +73,7 @@ class FrameFit {
   struct Line {
     Eigen::Vector2d a, b;
   };
-  static constexpr int kStations = 12, kMostReach = 6;
+  static constexpr int kStations = 12, kMiddles = 32, kMostReach = 6;
 
   [[nodiscard]] int at(const Eigen::Vector2d& p) const {
     // To the nearest; std::floor is a call on older processors.
@@ -102,17 +102,19 @@ class FrameFit {
   }
 
   // The strip beside a side, station by station.
+  template <int kCount>
   struct Strip {
-    std::array<std::array<int, 2 * kMostReach + 1>, kStations> value;
+    std::array<std::array<int, 2 * kMostReach + 1>, static_cast<std::size_t>(kCount)> value;
     Eigen::Vector2d normal;
   };
-  [[nodiscard]] static double station(int j) { return 0.06 + 0.88 * j / (kStations - 1); }
-  [[nodiscard]] Strip strip(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
-    Strip s;
+  [[nodiscard]] static constexpr double station(int j, int count) { return 0.06 + 0.88 * j / (count - 1); }
+  template <int kCount>
+  [[nodiscard]] Strip<kCount> strip(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+    Strip<kCount> s;
     const Eigen::Vector2d d = b - a;
     s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
-    for (int j = 0; j < kStations; ++j) {
-      const Eigen::Vector2d p = a + station(j) * d;
+    for (int j = 0; j < kCount; ++j) {
+      const Eigen::Vector2d p = a + station(j, kCount) * d;
       for (int o = -reach; o <= reach; ++o)
         s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)] = at(p + o * s.normal);
     }
@@ -121,7 +123,7 @@ class FrameFit {
 
   [[nodiscard]] Line best_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
     reach = std::min(reach, kMostReach);
-    const Strip s = strip(a, b, reach);
+    const Strip<kStations> s = strip<kStations>(a, b, reach);
     int best = -1 << 20, best_from = 0, best_to = 0;
     for (int from = -reach; from <= reach; ++from)
       for (int to = -reach; to <= reach; ++to) {
@@ -139,10 +141,10 @@ class FrameFit {
 
   [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
     reach = std::min(reach, kMostReach);
-    const Strip s = strip(a, b, reach);
+    const Strip<kMiddles> s = strip<kMiddles>(a, b, reach);
     // Weighted least squares of the bar's middle at every station that shows it.
-    std::array<double, kStations> middle{}, weight{};
-    for (int j = 0; j < kStations; ++j) {
+    std::array<double, kMiddles> middle{}, weight{};
+    for (int j = 0; j < kMiddles; ++j) {
       double sum = 0.0, moment = 0.0;
       for (int o = -reach; o <= reach; ++o) {
         const double w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
@@ -153,8 +155,8 @@ class FrameFit {
     double from = 0.0, to = 0.0;
     for (int pass = 0; pass < 3; ++pass) {
       double aa = 1e-3, ab = 0, bb = 1e-3, ya = 0, yb = 0;  // middle = from (1 - t) + to t
-      for (int j = 0; j < kStations; ++j) {
-        const double t = station(j), w = weight[static_cast<std::size_t>(j)], y = middle[static_cast<std::size_t>(j)];
+      for (int j = 0; j < kMiddles; ++j) {
+        const double t = station(j, kMiddles), w = weight[static_cast<std::size_t>(j)], y = middle[static_cast<std::size_t>(j)];
         const double residual = y - (from * (1 - t) + to * t);
         const double robust = pass == 0 ? w : w / (1.0 + residual * residual);
         aa += robust * (1 - t) * (1 - t), ab += robust * t * (1 - t), bb += robust * t * t;
@@ -182,7 +184,7 @@ class FrameFit {
 
   static constexpr std::array<int, kStations> kStationT = [] {
     std::array<int, kStations> t{};
-    for (int j = 0; j < kStations; ++j) t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * (0.06 + 0.88 * j / (kStations - 1)));
+    for (int j = 0; j < kStations; ++j) t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * station(j, kStations));
     return t;
   }();
 

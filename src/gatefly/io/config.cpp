@@ -178,7 +178,9 @@ void derive(Config& c) {
                            .readout = camera.readout};
   c.sim.sensors.camera_latency = c.camera_latency;
 
-  c.pilot.snake.bar_ratio = c.pilot.detector.bar_ratio = c.gate_bar / c.gate_side;
+  const double bar = c.gate_bar / c.gate_side;
+  c.pilot.snake.bar_ratio = bar;
+  c.pilot.detector.corner_scale = (c.gate_corners == "outer" ? 1.0 : c.gate_corners == "inner" ? 1.0 - 2.0 * bar : 1.0 - bar) / (1.0 - bar);
   c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
 
   const VehicleParams& known = c.pilot.vehicle;

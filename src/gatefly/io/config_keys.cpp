@@ -104,7 +104,7 @@ Keys detection_keys() {
       k("detector.bars_min_gap_px", 1, 1000, AT(pilot.bars.min_gap_px), "ours: 1 m at 1.8 m spans 90 px"),
       k("gate.side_m", 0.3, 5, AT(gate_side), "outer side; Bebop gates"),
       k("gate.bar_m", 0.005, 1, AT(gate_bar), "docs/conventions.md"),
-      choice<Config>("gate.corners", {"outer", "inner"}, AT(gate_corners), "docs/conventions.md"),
+      choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate_corners), "docs/conventions.md"),
       k("gate.map_sigma_m", 0.001, 5, AT(pilot.map_sigma), "ours"),
       k("gate.heading_sigma_deg", 0.01, 90, AT(pilot.gate_yaw_sigma), "ours", kDegree),
       k("pose.corner_sigma_px", 0.1, 100, AT(pilot.pose.corner_sigma_px), "authors' detections: 3 px robust"),
