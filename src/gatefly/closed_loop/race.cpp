@@ -177,8 +177,8 @@ struct IdealSimulator {
 
   [[nodiscard]] const sim::Sight& sight() const { return body.sight(); }
   [[nodiscard]] double bake_seconds() const { return 0.0; }
-  void expose(std::uint32_t frame, double t_start, std::span<const sim::BodyPose> history) {
-    seen = vision.look(frame, t_start, history);
+  void expose(std::uint32_t, double t_start, std::span<const sim::BodyPose> history) {
+    seen = vision.look(t_start, history);
   }
   void deliver(Sensors& sensors) const {
     SeenGates& gates = sensors.seen.emplace();

@@ -42,6 +42,9 @@ struct BodyPose {
   Eigen::Vector4d q_EB{1, 0, 0, 0};  ///< w, x, y, z; body to earth.
 };
 
+/// The pose at `t` between the two nearest ones (the quaternion not normalised); ends are held.
+[[nodiscard]] BodyPose interpolated(std::span<const BodyPose> history, double t);
+
 /// Casts the lens's pixels into the world with Embree and pushes the light through a sensor model.
 ///
 /// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked light
