@@ -84,7 +84,7 @@ class CameraFeed {
       ++frame_;
       if (!lost) {
         watch.time([&] { simulator.expose(frame_, next_start_, history_); });
-        middle_ = next_start_ + 0.5 * span_;
+        start_ = next_start_;
         arrival_ = next_start_ + span_ + truth_.camera_latency + jitter;
         pending_ = true;
       }
@@ -95,9 +95,11 @@ class CameraFeed {
     return true;
   }
 
-  /// Pose in the middle of the delivered frame's exposure.
+  /// When the delivered frame began its exposure [s].
+  [[nodiscard]] double start() const { return start_; }
+  /// Pose in the middle of it.
   [[nodiscard]] sim::BodyPose middle_pose() const {
-    const auto later = std::lower_bound(history_.begin(), history_.end(), middle_,
+    const auto later = std::lower_bound(history_.begin(), history_.end(), start_ + 0.5 * span_,
                                         [](const sim::BodyPose& p, double t) { return p.t < t; });
     return later == history_.end() ? history_.back() : *later;
   }
@@ -107,7 +109,7 @@ class CameraFeed {
   double span_;
   sim::Stream schedule_;
   std::vector<sim::BodyPose> history_;
-  double next_start_ = 0.2, arrival_ = 0.0, middle_ = 0.0;
+  double next_start_ = 0.2, arrival_ = 0.0, start_ = 0.0;
   std::uint32_t frame_ = 0;
   bool pending_ = false;
 };
@@ -277,7 +279,8 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
       ++book.error_count;
     }
     const Tick record{sensors, command, pilot, {s.p_EB, s.v_E, attitude_of_body(s)},
-                      frame ? simulator.picture() : std::span<const std::uint8_t>{}};
+                      frame ? simulator.picture() : std::span<const std::uint8_t>{},
+                      frame ? std::optional{camera.start()} : std::nullopt};
     if (on_tick && !on_tick(record)) result.stop_reason = "stopped";
     if (result.stop_reason.empty() && referee.finished() && (pilot.landed() || now > finish_time + 8.0)) result.stop_reason = "finished";
     if (result.stop_reason.empty() && pilot.landed() && !referee.finished()) result.stop_reason = "abort";

@@ -47,6 +47,9 @@ struct SeenPicture {
 [[nodiscard]] std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camera, const Sight& sight,
                                                   double t_start, std::span<const BodyPose> history);
 
+/// Whether a whole gate is big and square enough for the detector to be asked for it.
+[[nodiscard]] bool detectable(const std::array<Eigen::Vector2d, 4>& corners_px);
+
 /// Detections without pictures: what is in view, with the misses, errors and false alarms of a detector.
 ///
 /// One picture is independent of the next: a real detector's misses come in rows (docs/simulation.md).
@@ -59,7 +62,8 @@ class IdealVision {
   [[nodiscard]] SeenPicture look(double t_start, std::span<const BodyPose> history);
 
  private:
-  [[nodiscard]] Eigen::Vector2d noisy(const Eigen::Vector2d& px);
+  [[nodiscard]] Eigen::Vector2d noisy(const Eigen::Vector2d& px, double sigma_px);
+  [[nodiscard]] Eigen::Vector2d outlier();
   void add_whole_gates(const std::vector<GateView>& views, SeenPicture& seen);
   void add_parts(const std::vector<GateView>& views, SeenPicture& seen);
   void add_false_alarm(SeenPicture& seen);

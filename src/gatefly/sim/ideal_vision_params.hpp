@@ -20,6 +20,7 @@ struct DetectorStatistics {
   double outlier_low_px = 0.0, outlier_high_px = 0.0;  ///< ... of this length.
   double false_alarms = 0.0;           ///< Per picture: quads that are no gate.
   double open_rate = 0.0;              ///< Of gates cut off above, within reach.
+  double open_sigma_px = 0.0;          ///< Each coordinate of its two lower corners.
   double bars_rate = 0.0;              ///< Of pairs of side bars, within reach.
   double bars_sigma_px = 0.0;          ///< Of the middle of a bar, across.
 };
