@@ -134,7 +134,7 @@ class Fleet {
 
 /// Statistics of all runs of a whole folder; prints and writes them.
 void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds, const CampaignOptions& options) {
-  std::vector<RunRow> rows;
+  std::vector<io::RunRow> rows;
   for (const std::uint64_t seed : seeds) rows.push_back(folder.row(seed).value());
   const nlohmann::ordered_json campaign = folder.finish(rows);
   if (options.json) std::cout << campaign.dump(2) << '\n';

@@ -35,7 +35,7 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
 }  // namespace
 
 CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::string fly)
-    : path_{std::move(path)}, arguments_{std::move(arguments)}, fly_{std::move(fly)} {
+    : path_{std::move(path)}, arguments_(std::move(arguments)), fly_{std::move(fly)} {  // braces would make an array
   std::error_code error;
   if (fs::exists(path_ / "campaign.json", error)) {
     const std::string other = difference(read_campaign(path_).at("arguments"), arguments_);
@@ -76,26 +76,26 @@ void CampaignFolder::keep(std::uint64_t seed, const std::string& summary_json) c
   io::write_file(file_of(seed), summary_json);
 }
 
-std::optional<RunRow> CampaignFolder::row(std::uint64_t seed) const {
+std::optional<io::RunRow> CampaignFolder::row(std::uint64_t seed) const {
   if (!fs::exists(file_of(seed))) return std::nullopt;
   try {
-    const RunRow row = row_of(nlohmann::json::parse(io::read_file(file_of(seed))));
+    const io::RunRow row = io::row_of(nlohmann::json::parse(io::read_file(file_of(seed))));
     if (row.seed == seed) return row;
   } catch (const nlohmann::json::exception&) {  // damaged by somebody else: as if it were not there
   }
   return std::nullopt;
 }
 
-nlohmann::ordered_json CampaignFolder::finish(const std::vector<RunRow>& rows) const {
+nlohmann::ordered_json CampaignFolder::finish(const std::vector<io::RunRow>& rows) const {
   nlohmann::ordered_json json = as_json();
-  json["result"] = campaign_result(rows);
-  const auto failed = std::find_if(rows.begin(), rows.end(), [](const RunRow& row) { return !row.finished; });
+  json["result"] = io::campaign_result(rows);
+  const auto failed = std::find_if(rows.begin(), rows.end(), [](const io::RunRow& row) { return !row.finished; });
   if (failed != rows.end()) {
     std::string command = fly_;
     if (const auto at = command.find("{seed}"); at != std::string::npos) command.replace(at, 6, std::to_string(failed->seed));
     json["replay"] = command;
   }
-  io::write_file(path_ / "runs.csv", runs_csv(rows));
+  io::write_file(path_ / "runs.csv", io::runs_csv(rows));
   io::write_file(path_ / "campaign.json", json.dump(2) + "\n");
   return json;
 }

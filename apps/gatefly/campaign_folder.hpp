@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "campaign_report.hpp"
+#include "gatefly/io/campaign_statistics.hpp"
 
 namespace gatefly::cli {
 
@@ -31,11 +31,11 @@ class CampaignFolder {
   /// Stores a run; from any thread.
   void keep(std::uint64_t seed, const std::string& summary_json) const;
   /// A stored run; nullopt when there is none that can be read.
-  [[nodiscard]] std::optional<RunRow> row(std::uint64_t seed) const;
+  [[nodiscard]] std::optional<io::RunRow> row(std::uint64_t seed) const;
   [[nodiscard]] std::filesystem::path file_of(std::uint64_t seed) const;
 
   /// Writes runs.csv and campaign.json; answers the latter.
-  nlohmann::ordered_json finish(const std::vector<RunRow>& rows) const;
+  nlohmann::ordered_json finish(const std::vector<io::RunRow>& rows) const;
 
  private:
   [[nodiscard]] nlohmann::ordered_json as_json() const;

@@ -44,7 +44,7 @@ struct Tick {
   const Pilot& pilot;
   Truth truth;
   std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
-  std::optional<double> exposed;        ///< When what the pilot sees now began its exposure [s].
+  std::optional<double> exposed = std::nullopt;  ///< When what the pilot sees now began its exposure [s].
 };
 
 struct StageTime {
