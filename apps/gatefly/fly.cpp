@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdlib>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "commands.hpp"
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/flight_video.hpp"
-#include "gatefly/io/randomize.hpp"
 #include "gatefly/io/summary.hpp"
-#include "gatefly/io/text.hpp"
-#include "gatefly/io/track_file.hpp"
+#include "race_options.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -24,85 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 struct FlyOptions {
-  CommonOptions common;
-  std::string track = "showroom", vision = "rendered", out;
+  RaceOptions race;
+  std::string out;
   std::uint64_t seed = 1;
-  std::optional<int> laps;
   bool json = false, video = false;
 };
-
-fs::path cache_dir() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  if (cache != nullptr && *cache != '\0') return fs::path{cache} / "gatefly";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && *home != '\0') return fs::path{home} / ".cache" / "gatefly";
-  return fs::temp_directory_path() / "gatefly-cache";
-}
-
-/// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
-/// Nothing drawn goes to the pilot.
-struct Race {
-  closed_loop::RaceConfig config;
-  io::RaceIdentity identity;
-  std::map<std::string, std::string> inputs;  ///< Track, configuration and settings as given, for replay.
-};
-
-void refuse_unflyable(const io::Config& config) {
-  if (config.stored_rotation_deg != 90)
-    throw std::runtime_error("camera.stored_rotation_deg = " + std::to_string(config.stored_rotation_deg) +
-                             ", must be 90 in the simulator");
-  if (config.gate_corners != "outer")
-    throw std::runtime_error("gate.corners = \"" + config.gate_corners + "\", must be \"outer\" to fly");
-}
-
-Race make_race(const FlyOptions& options) {
-  const io::Config config = load(options.common);
-  refuse_unflyable(config);
-  const fs::path path = io::find_track(options.track);
-  io::TrackFile file = io::read_track(path, {.side = config.gate_side, .bar = config.gate_bar});
-  if (options.laps) file.track.laps = *options.laps;
-
-  Race race;
-  race.config.timeout = config.timeout;
-  race.config.pilot = config.pilot;
-  race.config.pilot.track = file.track;
-  race.config.pilot.seed = 1;
-
-  sim::SimConfig nominal = config.sim;
-  nominal.world = file.world;
-  nominal.start = file.start;
-  nominal.cache_dir = cache_dir();
-  const sim::Randomize randomize = io::randomized(file.randomize, config.randomize, "[randomize]");
-  race.config.sim = sim::drawn(nominal, randomize, options.seed);
-
-  race.identity = {.track = file.track.name, .seed = options.seed, .version = GATEFLY_VERSION,
-                   .config = io::as_json(config)};
-  for (const auto& key : io::randomize_keys())
-    race.identity.config["randomize"][key.rule.name.substr(10)] = key.get(randomize);
-  race.identity.config["laps"] = file.track.laps;
-
-  race.inputs["track.toml"] = io::read_file(path);
-  int number = 0;
-  for (const auto& given : io::config_files(options.common.configs))
-    race.inputs["config-" + std::to_string(number++) + ".toml"] = io::read_file(given);
-  std::string& settings = race.inputs["settings.txt"];
-  for (const auto& setting : options.common.settings) settings += setting + "\n";
-  settings += "laps=" + std::to_string(file.track.laps) + "\n";
-
-  // Whether there is a way at all, before anything is written or rendered.
-  try {
-    const Pilot plans{race.config.pilot};
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
-  }
-  return race;
-}
-
-std::string fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
 
 std::string place(const Eigen::Vector3d& p) {
   return "(" + fixed(p.x(), 2) + ", " + fixed(p.y(), 2) + ", " + fixed(p.z(), 2) + ")";
@@ -151,21 +71,22 @@ void print_screen(const Race& race, const closed_loop::RaceResult& r, const Eige
 
 /// gatefly fly: one closed-loop race. Exit 0 finished, 1 not, 2 unusable input, 130 Ctrl-C.
 int fly(const FlyOptions& options) {
-  if (options.vision == "ideal") throw std::runtime_error("--vision ideal: not available yet");
-  const Race race = make_race(options);
-  const fs::path out = options.out.empty() ? fs::path{"out"} / (fs::path{options.track}.stem().string() + "-" +
+  const RaceMaker maker(options.race);
+  const Race race = maker.race(options.seed);
+  const fs::path out = options.out.empty() ? fs::path{"out"} / (fs::path{options.race.track}.stem().string() + "-" +
                                                                std::to_string(options.seed))
                                            : fs::path{options.out};
+  const bool quiet = options.race.common.quiet;
   if (options.video) io::require_ffmpeg();
   io::FlightRecorder recorder(out);
-  for (const auto& [name, content] : race.inputs) recorder.add_file(name, content);
+  for (const auto& [name, content] : maker.inputs()) recorder.add_file(name, content);
   std::optional<io::FlightVideo> video;
   if (options.video)
     video.emplace(recorder.place_for("flight.mp4"), race.config,
-                  race.identity.track + ", seed " + std::to_string(options.seed), options.vision != "ideal");
+                  race.identity.track + ", seed " + std::to_string(options.seed), options.race.vision != "ideal");
   catch_interrupt();
 
-  Progress progress(options.common.quiet, 10.0);
+  Progress progress(quiet, 10.0);
   const double total = static_cast<double>(race.config.pilot.track.laps) *
                        static_cast<double>(race.config.pilot.track.gates.size());
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
@@ -194,7 +115,7 @@ int fly(const FlyOptions& options) {
   if (options.json) {
     std::cout << summary;
   } else {
-    print_screen(race, result, last_p_EB, out, options.common.quiet);
+    print_screen(race, result, last_p_EB, out, quiet);
   }
   return result.finished ? kDone : kAnswerIsNo;
 }
@@ -205,22 +126,18 @@ void add_fly(CLI::App& app, Run& run) {
   auto options = std::make_shared<FlyOptions>();
   CLI::App* command = app.add_subcommand("fly", "one closed-loop race in the simulator");
   command->footer(
-      "Example:\n  gatefly fly showroom --seed 7 --laps 1 --set control.speed_mps=1.5\n\n"
+      "Example:\n  gatefly fly showroom --seed 7 --laps 1 --set control.speed_mps=1.5\n"
+      "  gatefly fly oval --vision ideal\n\n"
+      "An ideal flight has no pictures: replay needs a rendered one.\n"
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
-  command->add_option("TRACK", options->track, "a name in tracks/ or a file")->capture_default_str();
+  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")->capture_default_str();
   command->add_option("--seed", options->seed, "the day: what [randomize] draws")
-      ->check([](const std::string& text) {
-        return text.starts_with('-') ? "must be a whole number, 0 or more" : std::string{};
-      })
-      ->capture_default_str();
-  command->add_option("--laps", options->laps, "instead of the track's own number")->check(CLI::Range(1, 100));
-  command->add_option("--vision", options->vision, "rendered pictures, or ideal detections (not available yet)")
-      ->check(CLI::IsMember({"rendered", "ideal"}))
+      ->check(check_seed)
       ->capture_default_str();
   command->add_option("--out", options->out, "folder for the flight [out/TRACK-SEED]")->type_name("DIR");
   command->add_flag("--video", options->video, "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
   command->add_flag("--json", options->json, "print summary.json instead of a screen");
-  add_common(*command, options->common);
+  add_race_options(*command, options->race);
   command->callback([options, &run] { run = [options] { return fly(*options); }; });
 }
 

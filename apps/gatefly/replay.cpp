@@ -208,7 +208,17 @@ std::optional<bool> same_as_recorded(const Recording& recording, const closed_lo
   return true;
 }
 
+/// A flight on ideal vision left no pictures; what it saw was drawn and is not kept.
+void refuse_ideal(const fs::path& directory) {
+  if (!fs::exists(directory / "summary.json")) return;
+  const auto summary = nlohmann::json::parse(io::read_file(directory / "summary.json"), nullptr, false);
+  if (summary.is_object() && summary.value("vision", "rendered") == "ideal")
+    throw std::runtime_error(directory.string() +
+                             ": flown with --vision ideal, has no pictures to replay; fly it with --vision rendered");
+}
+
 int replay(const ReplayOptions& options) {
+  refuse_ideal(options.directory);
   if (options.estimator != "drag")
     throw std::runtime_error("--estimator " + options.estimator + ": not available yet (there is: drag)");
   const Recording recording = read(options);

@@ -9,10 +9,13 @@ only prints.
 import json
 import os
 import pathlib
+import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 GATEFLY = ""
@@ -55,7 +58,7 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "config", "detect", "score"):
+        for command in ("fly", "config", "detect", "score", "campaign"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -90,8 +93,161 @@ class CommandLine(Cli):
         self.assertIn("--laps", self.refused("fly", "--laps", "0"))
         self.assertIn("--vision", self.refused("fly", "--vision", "real"))
 
-    def test_ideal_vision_is_not_available_yet(self):
-        self.assertIn("not available yet", self.refused("fly", "--vision", "ideal"))
+
+class IdealVision(Cli):
+    def test_same_seed_same_summary_and_it_says_ideal(self):
+        flights = []
+        for name in ("one", "two"):
+            result = self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--json", "--out", name)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            summary = json.loads(result.stdout)
+            del summary["timings"]
+            flights.append(summary)
+        self.assertEqual(flights[0], flights[1])
+        self.assertEqual(flights[0]["vision"], "ideal")
+        self.assertGreater(flights[0]["detection"]["true_positives"], 0)
+        logs = [(self.folder / name / "log_si.csv").read_bytes() for name in ("one", "two")]
+        self.assertEqual(logs[0], logs[1])
+        self.assertEqual(list((self.folder / "one").glob("*.uyvy")), [])
+
+    def test_a_flight_without_pictures_is_not_replayed(self):
+        self.assertEqual(self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--out", "blind").returncode, 0)
+        self.assertIn("--vision ideal", self.refused("replay", "blind"))
+
+    def test_another_detector_flies_another_flight(self):
+        errors = []
+        for detector in ("ours", "paper"):
+            result = self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--json", "--out", detector,
+                                 "--set", f"sim.ideal_detector={detector}")
+            errors.append(json.loads(result.stdout)["detection"]["true_positives"])
+        self.assertGreater(errors[0], errors[1])
+        self.assertIn("ours", self.refused("fly", "oval", "--set", "sim.ideal_detector=theirs"))
+
+
+class Campaign(Cli):
+    FLIGHT = ("--vision", "ideal", "--laps", "1")
+
+    def campaign(self, out, *arguments, runs=6):
+        return self.run_it("campaign", "oval", "--runs", runs, *self.FLIGHT, "--out", out, *arguments)
+
+    def results(self, out):
+        return [(self.folder / out / name).read_bytes() for name in ("runs.csv", "campaign.json")]
+
+    def test_a_row_for_every_seed_and_their_statistics(self):
+        result = self.campaign("all", "--first-seed", "11", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        header, *rows = (self.folder / "all" / "runs.csv").read_text().splitlines()
+        self.assertEqual(header, "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
+                                 "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches")
+        cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
+        self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
+        answer = json.loads(result.stdout)
+        self.assertEqual(answer, json.loads((self.folder / "all" / "campaign.json").read_text()))
+        finished = sum(cell["finished"] == "1" for cell in cells)
+        self.assertEqual(answer["result"]["finished"], finished)
+        low, high = answer["result"]["completion_wilson95"]
+        self.assertLess(low, finished / 6)
+        self.assertGreaterEqual(high, finished / 6)
+        for cell in cells:  # what fly says of the same seed
+            run = json.loads((self.folder / "all" / f"run_{int(cell['seed']):06}.json").read_text())
+            self.assertEqual(float(cell["time_s"]), run["race_time_s"])
+        alone = json.loads(self.run_it("fly", "oval", *self.FLIGHT, "--seed", "13", "--json").stdout)
+        flown = json.loads((self.folder / "all" / "run_000013.json").read_text())
+        for summary in (alone, flown):
+            del summary["timings"]
+        self.assertEqual(alone, flown)
+
+    def test_the_number_of_jobs_changes_nothing(self):
+        for jobs in ("1", "3"):
+            self.assertEqual(self.campaign("jobs" + jobs, "--jobs", jobs).returncode, 0)
+        self.assertEqual(self.results("jobs1"), self.results("jobs3"))
+
+    def test_interrupted_or_killed_it_flies_only_what_is_missing(self):
+        arguments = ("campaign", "oval", "--runs", "40", "--vision", "ideal", "--jobs", "2", "--quiet", "--out")
+        self.assertEqual(self.run_it(*arguments, "whole").returncode, 0)
+        for name, sent, code in (("interrupted", signal.SIGINT, 130), ("killed", signal.SIGKILL, -signal.SIGKILL)):
+            out = self.folder / name
+            process = subprocess.Popen([GATEFLY, *arguments, name], cwd=self.folder, stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE, text=True)
+            deadline = time.monotonic() + 60
+            while len(list(out.glob("run_*.json"))) < 4 and time.monotonic() < deadline:
+                time.sleep(0.01)
+            process.send_signal(sent)
+            stdout, stderr = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, code, stderr)
+            self.assertEqual(stdout, "")
+            kept = {path: path.stat().st_mtime_ns for path in out.glob("run_*.json")}
+            self.assertGreaterEqual(len(kept), 4)
+            self.assertLess(len(kept), 40)
+            if sent == signal.SIGINT:
+                self.assertIn(f"{len(kept)} of 40 runs kept", stderr)
+            self.assertFalse((out / "runs.csv").exists())
+
+            self.assertEqual(self.run_it(*arguments, name).returncode, 0)
+            for path, written in kept.items():
+                self.assertEqual(path.stat().st_mtime_ns, written, path)
+            self.assertEqual(self.results(name), self.results("whole"))
+            self.assertEqual(list(out.glob("*.partial")), [])
+
+    def test_a_damaged_run_is_flown_again(self):
+        self.assertEqual(self.campaign("hurt").returncode, 0)
+        before = self.results("hurt")
+        (self.folder / "hurt" / "run_000003.json").write_text('{"seed": 3, "fini', encoding="utf-8")
+        self.assertEqual(self.campaign("hurt").returncode, 0)
+        self.assertEqual(self.results("hurt"), before)
+
+    def test_shards_together_are_the_whole(self):
+        self.assertEqual(self.campaign("whole", runs=7).returncode, 0)
+        for shard in ("1", "2", "3"):
+            self.assertEqual(self.campaign("part" + shard, "--shard", shard + "/3", runs=7).returncode, 0)
+        self.assertEqual(len(list((self.folder / "part2").glob("run_*.json"))), 2)
+        self.assertIn("seed 2", self.refused("campaign", "--merge", "part1", "part3", "--out", "merged"))
+        result = self.run_it("campaign", "--merge", "part1", "part2", "part3", "--out", "merged")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.results("merged"), self.results("whole"))
+
+    def test_shards_of_different_campaigns_are_not_merged(self):
+        self.assertEqual(self.campaign("one", "--shard", "1/2", runs=2).returncode, 0)
+        self.assertEqual(self.campaign("two", "--shard", "2/2", "--set", "control.speed_mps=1.5", runs=2).returncode, 0)
+        error = self.refused("campaign", "--merge", "one", "two", "--out", "merged")
+        self.assertIn("two", error)
+        self.assertIn("config.control.speed_mps", error)
+
+    def test_a_folder_with_other_arguments_is_refused(self):
+        self.assertEqual(self.campaign("mine", runs=1).returncode, 0)
+        error = self.refused("campaign", "oval", "--runs", "2", *self.FLIGHT, "--out", "mine")
+        self.assertIn("runs was 1, is 2", error)
+        error = self.refused("campaign", "oval", "--runs", "1", *self.FLIGHT, "--out", "mine",
+                             "--set", "control.speed_mps=1.5")
+        self.assertIn("config.control.speed_mps", error)
+        thesis = self.folder / "thesis"
+        thesis.mkdir()
+        (thesis / "chapter1.tex").write_text("years of work", encoding="utf-8")
+        self.assertIn("thesis", self.refused("campaign", "oval", "--runs", "1", *self.FLIGHT, "--out", thesis))
+
+    def test_the_printed_command_flies_the_failed_run_again(self):
+        track = self.file("my track.toml", (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8"))
+        result = self.run_it("campaign", track, "--runs", "2", *self.FLIGHT, "--set", "sim.timeout_s=5", "--out", "late")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("2 x timeout (seed 1, 2)", result.stdout)
+        (line,) = [line for line in result.stdout.splitlines() if "fly one again" in line]
+        program, *arguments = shlex.split(line.split("again", 1)[1])
+        self.assertEqual(program, "gatefly")
+        again = self.run_it(*arguments, "--json")
+        self.assertEqual(again.returncode, 1, again.stderr)
+        summaries = [json.loads(again.stdout), json.loads((self.folder / "late" / "run_000001.json").read_text())]
+        for summary in summaries:
+            del summary["timings"]
+        self.assertEqual(summaries[0], summaries[1])
+
+    def test_unusable_arguments(self):
+        self.assertIn("--runs", self.refused("campaign", "oval"))
+        self.assertIn("--runs", self.refused("campaign", "oval", "--runs", "0"))
+        self.assertIn("--first-seed", self.refused("campaign", "oval", "--runs", "1", "--first-seed", "-1"))
+        for shard in ("3/2", "0/2", "1", "1/2/3", "a/b", "-1/2"):
+            self.assertIn("--shard", self.refused("campaign", "oval", "--runs", "2", "--shard", shard))
+        self.assertIn("--out", self.refused("campaign", "--merge", "a", "b"))
+        self.assertIn("campaign.json", self.refused("campaign", "--merge", "a", "b", "--out", "c"))
 
 
 class Tracks(Cli):

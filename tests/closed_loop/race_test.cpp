@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole races: rendered pictures in, motor commands out.
+// Whole races: rendered pictures or ideal detections in, motor commands out.
 #include "gatefly/closed_loop/race.hpp"
 
 #include <atomic>
@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <new>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -157,6 +158,56 @@ TEST(Race, BlindfoldedThePilotLooksForTheGateAndThenGivesUpWithAReason) {
   EXPECT_FALSE(result.finished);
   EXPECT_EQ(result.stop_reason, "abort");
   EXPECT_EQ(result.abort_reason, "the next gate was not found");
+}
+
+RaceConfig ideal_race_on(const std::string& track, std::uint64_t seed, int laps) {
+  RaceConfig race = race_on(track, seed, laps);
+  race.vision = Vision::kIdeal;
+  return race;
+}
+
+TEST(IdealRace, FinishesBothCourses) {
+  for (const auto& [track, seed, gates] : {std::tuple{"oval", 1001, 6}, {"showroom", 1002, 15}}) {
+    const RaceResult result = fly(ideal_race_on(track, static_cast<std::uint64_t>(seed), 3), {});
+    EXPECT_TRUE(result.finished) << track << ' ' << result.stop_reason << ' ' << result.crash_object;
+    EXPECT_EQ(result.gates_passed, gates);
+    EXPECT_GT(result.true_positives, 40);
+    EXPECT_EQ(result.bake_seconds, 0.0);
+  }
+}
+
+TEST(IdealRace, SameSeedSameBytesAndAnotherSeedAnotherFlight) {
+  const Trace one = flown(ideal_race_on("oval", 1003, 1)), two = flown(ideal_race_on("oval", 1003, 1)),
+              other = flown(ideal_race_on("oval", 1004, 1));
+  EXPECT_TRUE(same_bytes(one.answers, two.answers));
+  EXPECT_FALSE(same_bytes(one.answers, other.answers));
+  EXPECT_TRUE(one.frames.empty());
+}
+
+TEST(IdealRace, ThePilotsStepAllocatesNothing) {
+  RaceConfig race = ideal_race_on("oval", 1005, 3);
+  race.allocations = [] { return g_allocations.load(); };
+  const RaceResult result = fly(race, {});
+  EXPECT_GT(result.true_positives, 40);
+  EXPECT_EQ(result.step_allocations, 0u);
+}
+
+TEST(IdealRace, ThePilotsAnswersFollowFromItsSensorsAlone) {
+  const RaceConfig race = ideal_race_on("oval", 1007, 1);
+  const Trace trace = flown(race);
+  Pilot pilot{race.pilot};
+  std::vector<std::array<double, 8>> answers;
+  for (const Sensors& sensors : trace.sensors) answers.push_back(answer_of(pilot.step(sensors)));
+  EXPECT_TRUE(same_bytes(trace.answers, answers));
+}
+
+TEST(IdealRace, AWallThatThePilotDoesNotKnowOfIsACrashWithAName) {
+  RaceConfig race = ideal_race_on("oval", 1001, 1);
+  race.sim.world.obstacles.push_back({{race.sim.world.gates[0].p_EG.head<2>()}, {0.1, 3.0}, 0.0, 0.0, 3.0, false});
+  const std::string wall = "obstacle " + std::to_string(race.sim.world.obstacles.size());
+  const RaceResult result = fly(race, {});
+  EXPECT_EQ(result.stop_reason, "crash");
+  EXPECT_TRUE(result.crash_object == wall || result.crash_object.starts_with("gate 1")) << result.crash_object;
 }
 
 }  // namespace

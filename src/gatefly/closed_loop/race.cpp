@@ -9,8 +9,10 @@
 #include "gatefly/closed_loop/scorer.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sim/body.hpp"
+#include "gatefly/sim/ideal_vision.hpp"
 #include "gatefly/sim/referee.hpp"
 #include "gatefly/sim/sensors.hpp"
+#include "gatefly/sim/twin_body.hpp"
 
 namespace gatefly::closed_loop {
 namespace {
@@ -19,7 +21,12 @@ constexpr int kSonarEvery = 26;   // IMU ticks: 20 Hz
 constexpr int kBaroEvery = 20;    // 25 Hz
 constexpr double kAirborne = 0.15;  // from here on, a contact is a crash [m]
 
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+/// Of this thread: a campaign flies several races at once, each in a thread of its own.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 Attitude attitude_of_body(const sim::BodyState& s) {
   return attitude_of(rotation_EB(Quaternion{s.q_EB(0), s.q_EB(1), s.q_EB(2), s.q_EB(3)}));
@@ -68,15 +75,16 @@ class CameraFeed {
     history_.push_back({t, state.p_EB, state.q_EB});
   }
 
-  /// Renders when an exposure has ended; true when a frame arrives at `t`.
-  bool advance(double t, sim::CameraRenderer& renderer, Stopwatch& watch) {
+  /// Exposes when a frame's time has ended; true when a frame arrives at `t`.
+  template <class Simulator>
+  bool advance(double t, Simulator& simulator, Stopwatch& watch) {
     if (t >= next_start_ + span_ && !pending_) {
       const double jitter = std::abs(schedule_.normal_cut(truth_.latency_jitter));
       const bool lost = schedule_.uniform() < truth_.frame_loss;
       ++frame_;
       if (!lost) {
-        watch.time([&] { renderer.render(frame_, next_start_, history_, bytes_); });
-        middle_ = next_start_ + 0.5 * span_;
+        watch.time([&] { simulator.expose(frame_, next_start_, history_); });
+        start_ = next_start_;
         arrival_ = next_start_ + span_ + truth_.camera_latency + jitter;
         pending_ = true;
       }
@@ -87,10 +95,11 @@ class CameraFeed {
     return true;
   }
 
-  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-  /// Pose in the middle of the delivered frame's exposure.
+  /// When the delivered frame began its exposure [s].
+  [[nodiscard]] double start() const { return start_; }
+  /// Pose in the middle of it.
   [[nodiscard]] sim::BodyPose middle_pose() const {
-    const auto later = std::lower_bound(history_.begin(), history_.end(), middle_,
+    const auto later = std::lower_bound(history_.begin(), history_.end(), start_ + 0.5 * span_,
                                         [](const sim::BodyPose& p, double t) { return p.t < t; });
     return later == history_.end() ? history_.back() : *later;
   }
@@ -100,8 +109,7 @@ class CameraFeed {
   double span_;
   sim::Stream schedule_;
   std::vector<sim::BodyPose> history_;
-  std::vector<std::uint8_t> bytes_;
-  double next_start_ = 0.2, arrival_ = 0.0, middle_ = 0.0;
+  double next_start_ = 0.2, arrival_ = 0.0, start_ = 0.0;
   std::uint32_t frame_ = 0;
   bool pending_ = false;
 };
@@ -137,13 +145,63 @@ void fill(RaceResult& result, const Logbook& book, int gates_per_lap, double mot
   if (book.error_count > 0) result.estimation_rmse = (book.error2 / book.error_count).cwiseSqrt();
 }
 
-}  // namespace
+/// MuJoCo's body, and pictures.
+struct RenderedSimulator {
+  explicit RenderedSimulator(const sim::SimConfig& config)
+      : truth{config.camera},
+        renderer{config.world, config.camera, config.light, config.seed, config.cache_dir, config.bake_threads},
+        body{config} {}
 
-RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick) {
+  [[nodiscard]] const sim::Sight& sight() const { return renderer; }
+  [[nodiscard]] double bake_seconds() const { return renderer.bake_seconds(); }
+  void expose(std::uint32_t frame, double t_start, std::span<const sim::BodyPose> history) {
+    renderer.render(frame, t_start, history, bytes);
+  }
+  void deliver(Sensors& sensors) const {
+    sensors.image = Image{bytes.data(), PixelFormat::kUyvy, truth.stored_width, truth.stored_height, 90};
+  }
+  [[nodiscard]] std::span<const std::uint8_t> picture() const { return bytes; }
+
+  sim::CameraTruth truth;
+  sim::CameraRenderer renderer;
+  sim::Body body;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// The twin body, and detections without pictures.
+struct IdealSimulator {
+  explicit IdealSimulator(const sim::SimConfig& config)
+      : body{config},
+        vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
+        width{config.camera.stored_height} {}  // the upright picture's
+  IdealSimulator(const IdealSimulator&) = delete;
+  IdealSimulator& operator=(const IdealSimulator&) = delete;
+
+  [[nodiscard]] const sim::Sight& sight() const { return body.sight(); }
+  [[nodiscard]] double bake_seconds() const { return 0.0; }
+  void expose(std::uint32_t, double t_start, std::span<const sim::BodyPose> history) {
+    seen = vision.look(t_start, history);
+  }
+  void deliver(Sensors& sensors) const {
+    SeenGates& gates = sensors.seen.emplace();
+    gates.image_width = width;
+    for (const auto& gate : seen.gates) (void)gates.gates.push_back({gate.corners_px, gate.fitness});
+    if (seen.lower) gates.open = OpenGate{seen.lower->left_px, seen.lower->right_px, 1.0};
+    if (seen.bars) gates.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
+  }
+  [[nodiscard]] std::span<const std::uint8_t> picture() const { return {}; }
+
+  sim::TwinBody body;
+  sim::IdealVision vision;
+  int width;
+  sim::SeenPicture seen;
+};
+
+template <class Simulator>
+RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick) {
   Pilot pilot{config.pilot};
-  sim::CameraRenderer renderer{config.sim.world,    config.sim.camera,    config.sim.light,
-                               config.sim.seed,     config.sim.cache_dir, config.sim.bake_threads};
-  sim::Body body{config.sim};
+  Simulator simulator{config.sim};
+  auto& body = simulator.body;
   sim::Referee referee{config.sim.world, config.sim.vehicle, config.pilot.track.laps};
   sim::ImuModel imu{config.sim.sensors, config.sim.seed};
   sim::SonarModel sonar{config.sim.sensors, config.sim.seed};
@@ -154,7 +212,7 @@ RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>&
 
   RaceResult result;
   result.gates_total = referee.total();
-  result.bake_seconds = renderer.bake_seconds();
+  result.bake_seconds = simulator.bake_seconds();
   const double cpu_start = cpu_seconds();
   const auto wall_start = std::chrono::steady_clock::now();
 
@@ -198,12 +256,10 @@ RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>&
     Sensors sensors;
     sensors.time = std::chrono::nanoseconds{std::llround(now * 1e9)};
     sensors.imu = imu.measure(body.state(), dt);
-    if (tick % kSonarEvery == 0) sensors.sonar = sonar.measure(body.state(), &renderer);
+    if (tick % kSonarEvery == 0) sensors.sonar = sonar.measure(body.state(), &simulator.sight());
     if (tick % kBaroEvery == 0) sensors.baro = baro.measure(body.state(), kBaroEvery / 512.0);
-    const bool frame = camera.advance(now, renderer, camera_watch);
-    if (frame)
-      sensors.image = Image{camera.bytes().data(), PixelFormat::kUyvy, config.sim.camera.stored_width,
-                            config.sim.camera.stored_height, 90};
+    const bool frame = camera.advance(now, simulator, camera_watch);
+    if (frame) simulator.deliver(sensors);
 
     // The pilot thinks, the motors obey.
     const std::uint64_t allocated = config.allocations ? config.allocations() : 0;
@@ -213,7 +269,7 @@ RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>&
     if (motors_on < 0.0 && motors[0] > 0.0) motors_on = now;
 
     // The books.
-    if (frame) scorer.score(camera.middle_pose(), pilot.sighting(), pilot.target_gate(), renderer);
+    if (frame) scorer.score(camera.middle_pose(), pilot.sighting(), pilot.target_gate(), simulator.sight());
     const bool searching = std::holds_alternative<Search>(pilot.phase());
     result.searches += searching && !was_searching;
     was_searching = searching;
@@ -223,7 +279,8 @@ RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>&
       ++book.error_count;
     }
     const Tick record{sensors, command, pilot, {s.p_EB, s.v_E, attitude_of_body(s)},
-                      frame ? std::span<const std::uint8_t>{camera.bytes()} : std::span<const std::uint8_t>{}};
+                      frame ? simulator.picture() : std::span<const std::uint8_t>{},
+                      frame ? std::optional{camera.start()} : std::nullopt};
     if (on_tick && !on_tick(record)) result.stop_reason = "stopped";
     if (result.stop_reason.empty() && referee.finished() && (pilot.landed() || now > finish_time + 8.0)) result.stop_reason = "finished";
     if (result.stop_reason.empty() && pilot.landed() && !referee.finished()) result.stop_reason = "abort";
@@ -243,6 +300,13 @@ RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>&
   result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   result.timings = {step_watch.result(), image_watch.result(), camera_watch.result(), physics_watch.result()};
   return result;
+}
+
+}  // namespace
+
+RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick) {
+  return config.vision == Vision::kIdeal ? fly_in<IdealSimulator>(config, on_tick)
+                                         : fly_in<RenderedSimulator>(config, on_tick);
 }
 
 }  // namespace gatefly::closed_loop

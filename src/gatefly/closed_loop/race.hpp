@@ -16,7 +16,14 @@
 
 namespace gatefly::closed_loop {
 
+/// Where the pilot's sightings come from.
+enum class Vision {
+  kRendered,  ///< Pictures are rendered and really detected; MuJoCo moves the body.
+  kIdeal,     ///< Corners drawn from the detector's statistics; the twin body. Hundreds of times real time.
+};
+
 struct RaceConfig {
+  Vision vision = Vision::kRendered;
   PilotConfig pilot;
   sim::SimConfig sim;  ///< Already drawn for the seed.
   double timeout = 240.0;  ///< Of the whole flight [s].
@@ -37,6 +44,7 @@ struct Tick {
   const Pilot& pilot;
   Truth truth;
   std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
+  std::optional<double> exposed = std::nullopt;  ///< When what the pilot sees now began its exposure [s].
 };
 
 struct StageTime {

@@ -16,7 +16,7 @@ bool overlaps(const Quad& a, const Quad& b, double part) {
 }  // namespace
 
 std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
-                                         const sim::CameraRenderer* scene) const {
+                                         const sim::Sight* scene) const {
   const Eigen::Matrix3d R_EB =
       rotation_EB(Quaternion{pose.q_EB(0), pose.q_EB(1), pose.q_EB(2), pose.q_EB(3)}).matrix;
   const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
@@ -40,7 +40,7 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   return quad;
 }
 
-void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::CameraRenderer& scene) {
+void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::Sight& scene) {
   ++frames_;
   const auto wanted = visible_gate(pose, world_.gates[static_cast<std::size_t>(target)], &scene);
   with_gate_ += wanted.has_value();

@@ -15,7 +15,7 @@ class Scorer {
   Scorer(const sim::World& world, const sim::CameraTruth& camera) : world_{world}, camera_{camera} {}
 
   /// One delivered frame, exposed around `pose`.
-  void score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::CameraRenderer& scene);
+  void score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::Sight& scene);
 
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] int frames_with_gate() const { return with_gate_; }  ///< Target whole and unhidden.
@@ -24,7 +24,7 @@ class Scorer {
 
   /// Where a gate's outer corners are in the picture; nullopt unless all are inside and unhidden.
   [[nodiscard]] std::optional<Quad> visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
-                                                 const sim::CameraRenderer* scene) const;
+                                                 const sim::Sight* scene) const;
 
  private:
   sim::World world_;

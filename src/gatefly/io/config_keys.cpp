@@ -206,6 +206,8 @@ Keys vehicle_keys() {
 Keys sim_keys() {
   const char* logs = "real logs";
   return {
+      choice<Config>("sim.ideal_detector", {"ours", "paper"}, AT(sim.ideal_vision.detector),
+                     "whose statistics --vision ideal draws from: simulation.md"),
       k("sim.timeout_s", 1, 3600, AT(timeout), "ours"),
       k("sim.bake_threads", 1, 64, AT(sim.bake_threads), "ours; the light map does not depend on it"),
       k("sim.size_m", 0.02, 2, AT(sim.vehicle.size), "with guards: simulation.md"),

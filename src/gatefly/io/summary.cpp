@@ -42,6 +42,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["timings"] = timings;
   json["seed"] = race.seed;
   json["track"] = race.track;
+  json["vision"] = race.vision;
   json["version"] = race.version;
   json["config"] = race.config;
   return json;

@@ -14,6 +14,7 @@ namespace gatefly::io {
 struct RaceIdentity {
   std::string track;      ///< The track's name.
   std::uint64_t seed = 1;
+  std::string vision = "rendered";  ///< Or "ideal".
   std::string version;    ///< Of gatefly.
   nlohmann::json config;  ///< Effective configuration: as_json(config).
 };

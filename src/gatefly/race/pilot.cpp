@@ -47,7 +47,7 @@ Command Pilot::step(const Sensors& sensors) {
 
   // detect -> pose: ... and a gate in view pulls it back
   sighting_.seen = false;
-  if (sensors.image) look(*sensors.image);
+  if (sensors.image || sensors.seen) look(sensors);
 
   // race: how far along the course, and what that asks for
   follow_course();

@@ -28,6 +28,14 @@
 
 namespace gatefly {
 
+/// What somebody else has already found in a picture: the simulator's ideal vision.
+struct SeenGates {
+  GateDetections gates;                          ///< Best first.
+  std::optional<OpenGate> open = std::nullopt;   ///< One cut off above.
+  std::optional<GateBars> bars = std::nullopt;   ///< One too near to be whole.
+  int image_width = 315;                         ///< Of the upright picture [px].
+};
+
 /// What arrives in one tick. Everything but the IMU is slower and mostly absent.
 struct Sensors {
   std::chrono::nanoseconds time{0};           ///< Of the IMU sample; must not run backwards.
@@ -35,6 +43,7 @@ struct Sensors {
   std::optional<double> sonar = std::nullopt;  ///< Range to what is below, along body z [m].
   std::optional<double> baro = std::nullopt;   ///< Height above the pad [m].
   std::optional<Image> image = std::nullopt;   ///< Arrived now, exposed `latency` ago; read in this call only.
+  std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
 };
 
 /// What the drone does next.
@@ -135,7 +144,10 @@ class Pilot {
   void sense(const Imu& imu, double dt);
   void estimate_motion(double dt);
   void measure_height(const Sensors& sensors);
-  void look(const Image& image);
+  void look(const Sensors& sensors);
+  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors);
+  [[nodiscard]] std::optional<OpenGate> open_gate(const Sensors& sensors);
+  [[nodiscard]] std::optional<GateBars> side_bars(const Sensors& sensors) const;
   void accept_fix(Sighting::Source source);
   void doubt_heading_after_blind_leg();
   void learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved);

@@ -17,15 +17,32 @@ constexpr double kLongLeg = 2.5;         // shorter ones say nothing about headi
 
 }  // namespace
 
-void Pilot::look(const Image& image) {
+GateDetections Pilot::whole_gates(const Sensors& sensors) {
+  if (sensors.seen) return sensors.seen->gates;
+  GateDetections whole;
+  for (const GateDetection& gate : detector_.detect(*sensors.image, config_.gate_color))
+    if (gate.whole) (void)whole.push_back(gate);
+  return whole;
+}
+
+std::optional<OpenGate> Pilot::open_gate(const Sensors& sensors) {
+  if (sensors.seen) return sensors.seen->open;
+  return detect_open_gate(*sensors.image, config_.color, config_.snake, rng_);
+}
+
+std::optional<GateBars> Pilot::side_bars(const Sensors& sensors) const {
+  if (sensors.seen) return sensors.seen->bars;
+  return detect_bars(*sensors.image, config_.color, config_.bars, nadir_px());
+}
+
+void Pilot::look(const Sensors& sensors) {
   sighting_ = {};
-  if (image.empty()) return;
-  image_width_ = image.width();
+  if (!sensors.seen && sensors.image->empty()) return;
+  image_width_ = sensors.seen ? sensors.seen->image_width : sensors.image->width();
   if (std::holds_alternative<OnGround>(phase_) || std::holds_alternative<Land>(phase_) ||
       std::holds_alternative<Landed>(phase_))
     return;
-  for (const GateDetection& gate : detector_.detect(image, config_.gate_color))
-    if (gate.whole) (void)sighting_.detections.push_back(gate);
+  sighting_.detections = whole_gates(sensors);
   sighting_.seen = !sighting_.detections.empty();
 
   doubt_heading_after_blind_leg();
@@ -51,11 +68,11 @@ void Pilot::look(const Image& image) {
   // Near the gate parts of it are enough: the lower corners, then the side bars.
   const double x = filter_.position().x();
   if (sighting_.source == Sighting::Source::kNone && x > -kOpenGateFrom && x < 0.0) {
-    sighting_.open = detect_open_gate(image, config_.color, config_.snake, rng_);
+    sighting_.open = open_gate(sensors);
     if (sighting_.open) correct_with_lower_corners(*sighting_.open);
   }
   if (sighting_.source == Sighting::Source::kNone && x > -config_.pose.max_bars_distance && x < 0.0) {
-    sighting_.bars = detect_bars(image, config_.color, config_.bars, nadir_px());
+    sighting_.bars = side_bars(sensors);
     if (sighting_.bars) correct_with_bars(*sighting_.bars);
   }
 }

@@ -41,19 +41,6 @@ double hashed(std::uint32_t a, std::uint32_t b) {
   return (x ^ (x >> 16)) * 0x1p-32;
 }
 
-BodyPose interpolated(std::span<const BodyPose> history, double t) {
-  if (history.empty()) return {};
-  const auto after =
-      std::upper_bound(history.begin(), history.end(), t,
-                       [](double time, const BodyPose& pose) { return time < pose.t; });
-  if (after == history.begin()) return history.front();
-  if (after == history.end()) return history.back();
-  const BodyPose& one = *(after - 1);
-  const BodyPose& two = *after;
-  const double s = (t - one.t) / (two.t - one.t), sign = one.q_EB.dot(two.q_EB) < 0.0 ? -1.0 : 1.0;
-  return {t, one.p_EB + s * (two.p_EB - one.p_EB), one.q_EB + s * (sign * two.q_EB - one.q_EB)};
-}
-
 Eye eye_of(const BodyPose& pose, const Eigen::Vector3d& p_BC) {
   const double norm = pose.q_EB.norm();
   const Eigen::Vector4d q =
@@ -205,6 +192,19 @@ void CameraRenderer::Impl::meter(double t_start, std::span<const BodyPose> histo
       radiances.push_back(picture[static_cast<std::size_t>(line * camera.stored_width + x)]);
   }
   sensor.meter(radiances);
+}
+
+BodyPose interpolated(std::span<const BodyPose> history, double t) {
+  if (history.empty()) return {};
+  const auto after =
+      std::upper_bound(history.begin(), history.end(), t,
+                       [](double time, const BodyPose& pose) { return time < pose.t; });
+  if (after == history.begin()) return history.front();
+  if (after == history.end()) return history.back();
+  const BodyPose& one = *(after - 1);
+  const BodyPose& two = *after;
+  const double s = (t - one.t) / (two.t - one.t), sign = one.q_EB.dot(two.q_EB) < 0.0 ? -1.0 : 1.0;
+  return {t, one.p_EB + s * (two.p_EB - one.p_EB), one.q_EB + s * (sign * two.q_EB - one.q_EB)};
 }
 
 CameraRenderer::CameraRenderer(const World& world, const CameraTruth& camera,

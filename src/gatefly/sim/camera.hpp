@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/sensing/camera.hpp"
+#include "gatefly/sim/sight.hpp"
 #include "gatefly/sim/world.hpp"
 
 namespace gatefly::sim {
@@ -41,19 +42,22 @@ struct BodyPose {
   Eigen::Vector4d q_EB{1, 0, 0, 0};  ///< w, x, y, z; body to earth.
 };
 
+/// The pose at `t` between the two nearest ones (the quaternion not normalised); ends are held.
+[[nodiscard]] BodyPose interpolated(std::span<const BodyPose> history, double t);
+
 /// Casts the lens's pixels into the world with Embree and pushes the light through a sensor model.
 ///
 /// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked light
 /// map for the static room, direct shading of what a seed moves, auto-exposure with a lag, shot and
 /// read noise, clipping, white balance, gamma, chroma subsampling to UYVY.
-class CameraRenderer {
+class CameraRenderer final : public Sight {
  public:
   /// Builds the scene. The light map of the static room (walls, obstacles, clutter; one per light
   /// group, independent of the seed) is baked, or read from `cache_dir` under a hash of the scene.
   /// @throws std::runtime_error when Embree cannot start.
   CameraRenderer(const World& world, const CameraTruth& camera, const LightConditions& light,
                  std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads);
-  ~CameraRenderer();
+  ~CameraRenderer() override;
 
   /// One frame, `stored_width * stored_height * 2` bytes of UYVY.
   ///
@@ -64,12 +68,9 @@ class CameraRenderer {
   void render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
               std::vector<std::uint8_t>& uyvy);
 
-  /// Whether a point of the earth frame is hidden from another by anything solid.
-  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& to_E) const;
-
-  /// Distance from `from_E` along the unit `direction_E` to the first solid thing, at most `max` [m].
+  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& to_E) const override;
   [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
-                             double max) const;
+                             double max) const override;
 
   /// Seconds the bake took; 0 when it came from the cache.
   [[nodiscard]] double bake_seconds() const;

@@ -4,26 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gatefly/geometry/attitude.hpp"
-#include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/collisions.hpp"
 
 namespace gatefly::sim {
 
 Referee::Referee(const World& world, const VehicleTruth& vehicle, int laps)
     : world_{world}, total_{static_cast<int>(world.gates.size()) * laps} {
-  const Eigen::Vector3d half = 0.5 * vehicle.size;
-  for (const double x : {-1.0, 1.0})
-    for (const double y : {-1.0, 1.0})
-      for (const double z : {-1.0, 1.0})
-        points_.push_back({half.cwiseProduct(Eigen::Vector3d{x, y, z})});
-  constexpr int kRim = 12;  // points on each propeller's rim
-  for (const double x : {-1.0, 1.0})
-    for (const double y : {-1.0, 1.0})
-      for (int i = 0; i < kRim; ++i) {
-        const auto [s, c] = sincos(2 * kPi * i / kRim);
-        points_.push_back({{x * vehicle.arm_x + vehicle.propeller_radius * c,
-                            y * vehicle.arm_y + vehicle.propeller_radius * s, -half.z()}});
-      }
+  for (const Eigen::Vector3d& point : outline_of(vehicle)) points_.push_back({point});
 }
 
 Eigen::Vector3d Referee::in_gate(const Eigen::Vector3d& p_E) const {
@@ -41,8 +28,7 @@ std::optional<GatePass> Referee::update(const BodyState& state, double time) {
   if (finished() || world_.gates.empty()) return std::nullopt;
   const WorldGate& gate = world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
   const double half_opening = 0.5 * gate.side - gate.bar;
-  const Eigen::Matrix3d R_EB =
-      rotation_EB(Quaternion{state.q_EB(0), state.q_EB(1), state.q_EB(2), state.q_EB(3)}).matrix;
+  const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);
 
   const bool first = last_G_.empty();
   if (first) last_G_.resize(points_.size() + 1);

@@ -6,7 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/sim/body.hpp"
+#include "gatefly/sim/body_state.hpp"
+#include "gatefly/sim/sim_config.hpp"
 #include "gatefly/sim/world.hpp"
 
 namespace gatefly::sim {

@@ -49,7 +49,7 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
   return imu;
 }
 
-std::optional<double> SonarModel::measure(const BodyState& state, const CameraRenderer* scene) {
+std::optional<double> SonarModel::measure(const BodyState& state, const Sight* scene) {
   const Eigen::Matrix3d R_EB = R_of(state);
   const double jitter = truth_.sonar_noise * noise_.normal();
   if (R_EB(2, 2) < 0.7) return std::nullopt;

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "gatefly/sensing/imu.hpp"
-#include "gatefly/sim/body.hpp"
-#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/random.hpp"
+#include "gatefly/sim/sight.hpp"
 #include "gatefly/sim/sim_config.hpp"
 
 namespace gatefly::sim {
@@ -32,7 +32,7 @@ class ImuModel {
 class SonarModel {
  public:
   SonarModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "sonar"} {}
-  [[nodiscard]] std::optional<double> measure(const BodyState& state, const CameraRenderer* scene);
+  [[nodiscard]] std::optional<double> measure(const BodyState& state, const Sight* scene);
 
  private:
   SensorTruth truth_;

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/ideal_vision_params.hpp"
 #include "gatefly/sim/world.hpp"
 
 namespace gatefly::sim {
@@ -69,6 +70,7 @@ struct SimConfig {
   SensorTruth sensors;
   CameraTruth camera;
   LightConditions light;
+  IdealVisionParams ideal_vision;  ///< Used when no pictures are rendered.
   StartTruth start;
   Wind wind;
   std::uint64_t seed = 1;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "gatefly/io/campaign_statistics.hpp"
+
+namespace gatefly::cli {
+
+/// A campaign on disk: campaign.json (arguments, then the result), run_000017.json a seed, runs.csv.
+///
+/// Every file is written under another name and renamed: what is there is whole, so that a campaign that
+/// was killed can go on. Everything that is computed, is computed from these files.
+class CampaignFolder {
+ public:
+  /// Makes the folder, or goes on with the campaign in it.
+  /// @param arguments  what it is flown with; `first_seed`, `runs` and `shard` say which seeds.
+  /// @param fly        the command that flies one of them, "{seed}" in it.
+  /// @throws std::runtime_error when it belongs to other arguments or to something else.
+  CampaignFolder(std::filesystem::path path, nlohmann::json arguments, std::string fly);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::vector<std::uint64_t> seeds() const;
+
+  /// Stores a run; from any thread.
+  void keep(std::uint64_t seed, const std::string& summary_json) const;
+  /// A stored run; nullopt when there is none that can be read.
+  [[nodiscard]] std::optional<io::RunRow> row(std::uint64_t seed) const;
+  [[nodiscard]] std::filesystem::path file_of(std::uint64_t seed) const;
+
+  /// Writes runs.csv and campaign.json; answers the latter.
+  nlohmann::ordered_json finish(const std::vector<io::RunRow>& rows) const;
+
+ private:
+  [[nodiscard]] nlohmann::ordered_json as_json() const;
+
+  std::filesystem::path path_;
+  nlohmann::json arguments_;
+  std::string fly_;
+};
+
+/// One campaign from the shards of it. @throws std::runtime_error when they do not belong together, or a
+/// run is missing.
+[[nodiscard]] CampaignFolder merged(const std::filesystem::path& out, const std::vector<std::filesystem::path>& shards);
+
+}  // namespace gatefly::cli

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "race_options.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include "gatefly/io/randomize.hpp"
+#include "gatefly/io/text.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path cache_dir() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return fs::path{cache} / "gatefly";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return fs::path{home} / ".cache" / "gatefly";
+  return fs::temp_directory_path() / "gatefly-cache";
+}
+
+void refuse_unflyable(const io::Config& config) {
+  if (config.stored_rotation_deg != 90)
+    throw std::runtime_error("camera.stored_rotation_deg = " + std::to_string(config.stored_rotation_deg) +
+                             ", must be 90 in the simulator");
+  if (config.gate_corners != "outer")
+    throw std::runtime_error("gate.corners = \"" + config.gate_corners + "\", must be \"outer\" to fly");
+}
+
+/// An argument as a shell wants it.
+std::string quoted(const std::string& text) {
+  const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view{"._-/=+,:"}.find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return text;
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string{"'\\''"} : std::string{c};
+  return result + "'";
+}
+
+}  // namespace
+
+std::string check_seed(const std::string& text) {
+  return text.starts_with('-') ? "must be a whole number, 0 or more" : std::string{};
+}
+
+void add_race_options(CLI::App& command, RaceOptions& options) {
+  command.add_option("--laps", options.laps, "instead of the track's own number")->check(CLI::Range(1, 100));
+  command
+      .add_option("--vision", options.vision,
+                  "rendered: pictures, really detected; ideal: detections drawn from the detector's statistics, fast")
+      ->check(CLI::IsMember({"rendered", "ideal"}))
+      ->capture_default_str();
+  add_common(command, options.common);
+}
+
+RaceMaker::RaceMaker(const RaceOptions& options) {
+  const io::Config config = load(options.common);
+  refuse_unflyable(config);
+  const fs::path path = io::find_track(options.track);
+  io::TrackFile file = io::read_track(path, {.side = config.gate_side, .bar = config.gate_bar});
+  if (options.laps) file.track.laps = *options.laps;
+
+  nominal_.vision = options.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
+  nominal_.timeout = config.timeout;
+  nominal_.pilot = config.pilot;
+  nominal_.pilot.track = file.track;
+  nominal_.pilot.seed = 1;
+  nominal_.sim = config.sim;
+  nominal_.sim.world = file.world;
+  nominal_.sim.start = file.start;
+  nominal_.sim.cache_dir = cache_dir();
+  randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
+
+  identity_ = {.track = file.track.name, .seed = 0, .vision = options.vision, .version = GATEFLY_VERSION,
+               .config = io::as_json(config)};
+  for (const auto& key : io::randomize_keys())
+    identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
+  identity_.config["laps"] = file.track.laps;
+
+  inputs_["track.toml"] = io::read_file(path);
+  int number = 0;
+  for (const auto& given : io::config_files(options.common.configs))
+    inputs_["config-" + std::to_string(number++) + ".toml"] = io::read_file(given);
+  std::string& settings = inputs_["settings.txt"];
+  for (const auto& setting : options.common.settings) settings += setting + "\n";
+  settings += "laps=" + std::to_string(file.track.laps) + "\n";
+
+  // Whether there is a way at all, before anything is written or rendered.
+  try {
+    const Pilot plans{nominal_.pilot};
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
+  }
+}
+
+Race RaceMaker::race(std::uint64_t seed) const {
+  Race race{nominal_, identity_};
+  race.config.sim = sim::drawn(nominal_.sim, randomize_, seed);
+  race.identity.seed = seed;
+  return race;
+}
+
+std::string fly_command(const RaceOptions& options, const std::string& seed) {
+  std::string command = "gatefly fly " + quoted(options.track) + " --seed " + seed;
+  if (options.laps) command += " --laps " + std::to_string(*options.laps);
+  if (options.vision != "rendered") command += " --vision " + options.vision;
+  for (const auto& config : options.common.configs) command += " --config " + quoted(config);
+  for (const auto& setting : options.common.settings) command += " --set " + quoted(setting);
+  return command;
+}
+
+std::string fixed(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace gatefly::io {
+
+/// What a campaign keeps of one race's summary.json.
+struct RunRow {
+  std::uint64_t seed = 0;
+  bool finished = false;
+  int gates = 0, gates_total = 0;
+  double time = 0.0;                         ///< Motors on to the last gate passed [s].
+  double mean_speed = 0.0, max_speed = 0.0;  ///< [m/s]
+  std::string cause;                         ///< "finished", "crash: gate 1 left bar", "abort: ...", "timeout".
+  std::vector<double> rmse;                  ///< Of the estimate, x y z [m].
+  int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
+};
+
+/// @throws std::exception when it is not the summary of a race.
+[[nodiscard]] RunRow row_of(const nlohmann::json& summary);
+
+struct Interval {
+  double low = 0.0, high = 1.0;
+};
+
+/// 95 % interval of a probability after `hits` of `trials`. Wilson 1927.
+[[nodiscard]] Interval wilson95(int hits, int trials);
+
+/// Value below which the part `q` of them lies, interpolated; 0 when there are none.
+[[nodiscard]] double quantile(std::vector<double> values, double q);
+
+/// runs.csv, one row a seed.
+[[nodiscard]] std::string runs_csv(const std::vector<RunRow>& rows);
+
+/// Rates, quantiles and causes: what campaign.json says about its runs. The same rows, the same bytes.
+[[nodiscard]] nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows);
+
+}  // namespace gatefly::io

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/attitude.hpp"
+
+namespace gatefly::sim {
+
+inline constexpr double kGravity = 9.81;  ///< [m/s²]
+
+/// The body's true motion, earth frame NED and body frame FRD.
+struct BodyState {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
+  Eigen::Vector3d v_E = Eigen::Vector3d::Zero();
+  Eigen::Vector4d q_EB{1, 0, 0, 0};  ///< w, x, y, z
+  Eigen::Vector3d rate_B = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specific_force_B{0, 0, -kGravity};  ///< What an ideal accelerometer reads [m/s²].
+  std::array<double, 4> rotor_speed{};                ///< [rad/s]
+};
+
+/// Orientation from a quaternion w, x, y, z.
+[[nodiscard]] inline Eigen::Matrix3d R_EB_of(const Eigen::Vector4d& q_EB) {
+  return rotation_EB(Quaternion{q_EB(0), q_EB(1), q_EB(2), q_EB(3)}).matrix;
+}
+
+}  // namespace gatefly::sim
