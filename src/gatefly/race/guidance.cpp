@@ -78,12 +78,15 @@ AttitudeCommand Pilot::command_for(const Land& phase, double dt) {
 
 // Position hold: PD in the earth frame, turned into the body's heading.
 AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt) {
-  constexpr double kStiffness = 0.9, kDamping = 2.0, kMaxAccel = 1.8, kIntegral = 0.25;  // [1/s²], [1/s], [m/s²], [1/s³]: ω 0.95, ζ 1
+  constexpr double kStiffness = 0.9, kDamping = 2.0, kIntegral = 0.25;  // [1/s²], [1/s], [1/s³]: ω 0.95, ζ 1
   const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
-  const Eigen::Vector2d off = (p_E - p_EB().head<2>()).cwiseMax(-1.0).cwiseMin(1.0);
+  // Whoever comes fast brakes first: pulling to the side at once would fly an arc into a wall.
+  const double slow = std::clamp(1.5 - v_E.head<2>().norm(), 0.0, 1.0);
+  const Eigen::Vector2d off = slow * (p_E - p_EB().head<2>()).cwiseMax(-1.0).cwiseMin(1.0);
   // A degree of tilt error in the AHRS would hold the drone 0.2 m beside the place.
   hold_integral_ = (hold_integral_ + kIntegral * dt * off).cwiseMax(-0.5).cwiseMin(0.5);
   Eigen::Vector2d accel = kStiffness * off + hold_integral_ - kDamping * v_E.head<2>();
+  const double kMaxAccel = slow < 1.0 ? 3.5 : 1.8;  // [m/s²]; braking from 1.7 m/s within 0.9 m, roll's lag included
   const double norm = accel.norm();
   if (norm > kMaxAccel) accel *= kMaxAccel / norm;
   const auto [s, co] = sincos(ahrs_.attitude().yaw);
@@ -102,6 +105,11 @@ double Pilot::forward_speed() const { return velocity_.v_B().x(); }
 double Pilot::wanted_speed() const {
   double speed = config_.plan.speed;
   const double x = filter_.position().x();
+  // A short way from the last turn to the gate leaves little time to come onto its axis.
+  const Segment& last = path().segments.back();
+  const Segment& turn = path().segments[path().segments.size() > 1 ? path().segments.size() - 2 : 0];
+  if (path().length() - progress_ < last.length + turn.length)
+    speed = std::min(speed, std::max(config_.speed.slowest, last.length / config_.speed.settle));
   const bool unsure = time_ - last_fix_ > 0.6 && filter_.covariance()(drag_model::kY, drag_model::kY) > 0.04;
   if (unsure && x > -config_.speed.unsure_before && x < 0.0) speed = std::min(speed, config_.speed.unsure);
   const double reach = config_.speed.brake_lead * std::clamp(forward_speed(), 0.5, 6.0);

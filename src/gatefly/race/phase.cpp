@@ -8,6 +8,7 @@ namespace {
 
 bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
   if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
+  if (now.to_go > params.search_before + 0.8) return false;  // a turn that leads past the gate's plane first
   const bool unseen = now.since_fix > 0.4 && now.lateral_sigma > params.max_lateral_sigma;
   // A late detection that leaves no room is a reason to go around, too.
   const bool off_axis = std::abs(now.gate_y_ahead) > params.max_miss;

@@ -47,6 +47,7 @@ struct Situation {
   double height = 0.0;           ///< Above the pad [m].
   bool course_done = false;      ///< Every gate of every lap passed.
   bool turn_ahead = false;       ///< The path curves at the look-ahead point.
+  double to_go = 10.0;           ///< Along the path to the gate [m].
   double gate_x = -10.0;         ///< Along the gate's axis, negative before it [m].
   double gate_y = 0.0;           ///< To the right of the axis [m].
   double gate_y_ahead = 0.0;     ///< What gate_y will be in the gate's plane [m].
@@ -61,8 +62,8 @@ struct PhaseParams {
   int rest_samples = 768;           ///< 1.5 s at 512 Hz. [ours]
   double go_height = 0.7;           ///< Start forward flight above this [m]. [ours]
   double climb_timeout = 6.0;       ///< [s]
-  double search_before = 1.6;       ///< Decide between here ...  [m] [ours]
-  double search_until = 0.9;        ///< ... and here before the gate: 1 m stops 1.7 m/s [m]. [ours]
+  double search_before = 1.9;       ///< Decide between here ...  [m] [ours]
+  double search_until = 1.1;        ///< ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]
   double max_lateral_sigma = 0.22;  ///< More doubt than this about y: no pass. [ours: opening 0.9, body 0.38]
   double max_miss = 0.20;           ///< Expected farther off the axis than this: go around. [ours: 0.27 touches]
   double search_timeout = 15.0;     ///< [s]

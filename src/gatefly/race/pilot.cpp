@@ -60,6 +60,7 @@ Command Pilot::step(const Sensors& sensors) {
     hold_x_ = std::min(-2.2, filter_.position().x() - 0.5);
     hold_integral_.setZero();
   }
+  if (std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase)) approach_from_here();
   phase_ = next.phase;
   if (next.reason != AbortReason::kNone) abort_reason_ = next.reason;
 
@@ -153,6 +154,7 @@ RotationGB Pilot::R_GB(const Eigen::Matrix3d& R_EB) const { return {rotation_z(-
 Eigen::Vector3d Pilot::p_EB() const { return gate().p_EG + rotation_z(gate().yaw_EG) * filter_.position(); }
 
 const Path& Pilot::path() const {
+  if (approach_) return *approach_;
   if (passed_ == 0) return plan_.start;
   const std::size_t n = plan_.legs.size();
   if (n == 0) return plan_.start;
@@ -169,8 +171,19 @@ void Pilot::follow_course() {
   if ((on_course || through) && total - progress_ < 1.5 && filter_.position().x() > 0.10) pass_gate();
 }
 
+// From where it waited the drone flies straight on along the gate's axis: the leg's own way may end in an arc.
+void Pilot::approach_from_here() {
+  const double before = std::max(1.0, -filter_.position().x() + 0.5);
+  const Eigen::Vector3d start = gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{-before, 0, 0};
+  approach_.emplace();
+  (void)approach_->segments.push_back({.start = start.head<2>(), .heading = gate().yaw_EG, .curvature = 0.0, .length = before});
+  approach_->z_start = approach_->z_end = gate().p_EG.z();
+  progress_ = 0.5;
+}
+
 void Pilot::pass_gate() {
   ++passed_;
+  approach_.reset();
   progress_ = 0.0;
   heading_doubt_ = 0.0;  // it was about the way to the gate just passed
   if (finished()) return;
@@ -201,6 +214,7 @@ Situation Pilot::situation() const {
   now.rest_samples = ahrs_.rest_samples();
   now.height = -p_EB().z();
   now.course_done = finished();
+  now.to_go = path().length() - progress_;
   now.gate_x = filter_.position().x();
   now.gate_y = filter_.position().y();
   now.lateral_sigma = std::sqrt(filter_.covariance()(drag_model::kY, drag_model::kY));

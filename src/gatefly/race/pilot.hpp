@@ -58,6 +58,8 @@ struct SpeedParams {
   double min_pitch = -12.0 * kDegree;    ///< As nose up: braking.
   double roll_lead = 0.16;               ///< Roll starts this long before the curve [s]: INDI's lag. [ours]
   double brake_lead = 0.7;               ///< Slow down this long before the curve [s]. [ours]
+  double settle = 1.3;                   ///< From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
+  double slowest = 1.0;                  ///< ... unless that asks for less than this [m/s]. [ours]
   double unsure = 1.1;                   ///< Towards a gate that has not been seen from here [m/s]. [ours]
   double unsure_before = 3.0;            ///< ... once it is nearer than this [m]. [ours]
 };
@@ -159,6 +161,7 @@ class Pilot {
   void correct_with_bars(const GateBars& bars);
   void follow_course();
   void pass_gate();
+  void approach_from_here();
   AttitudeCommand command(double dt);
   AttitudeCommand command_for(const TakeOff& phase, double dt);
   AttitudeCommand command_for(const Straight& phase, double dt);
@@ -210,6 +213,7 @@ class Pilot {
   Eigen::Vector3d anchor_E_ = Eigen::Vector3d::Zero();  ///< Where the last fix was: the blind leg began there.
   double heading_doubt_ = 0.0;  ///< Heading variance put into the position after a blind leg [rad²]; 0: not blind.
   int target_ = 0, passed_ = 0;
+  std::optional<Path> approach_;  // instead of the leg's own way, after a search
   double progress_ = 0.0;  ///< Metres along path().
   Eigen::Vector2d hold_integral_ = Eigen::Vector2d::Zero();  ///< [m/s²]
   double hold_x_ = -2.0;   ///< Where to wait before the gate while searching [m].
