@@ -156,7 +156,8 @@ class Pilot {
   void correct_heading(double error, double variance);
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
   bool correct_with(const GateDetection& gate);
-  bool belongs_to_another_gate(const GateDetection& gate) const;
+  [[nodiscard]] double surprise(const GateDetection& seen, const MapGate& gate, bool from_behind) const;
+  [[nodiscard]] bool belongs_to_another_gate(const GateDetection& gate) const;
   void correct_with_lower_corners(const OpenGate& gate);
   void correct_with_bars(const GateBars& bars);
   void follow_course();

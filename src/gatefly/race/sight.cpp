@@ -54,7 +54,7 @@ void Pilot::look(const Sensors& sensors) {
     const GateDetection& candidate = sighting_.detections[i];
     const Past then = past(capture_time(center(candidate.corners_px).x()));
     const auto fix = fix_of(candidate, then);
-    if (!fix) continue;
+    if (!fix || belongs_to_another_gate(candidate)) continue;
     const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
     const double distance2 = filter_.distance2(*fix, moved);
     if (distance2 < best_distance2) best = static_cast<int>(i), best_distance2 = distance2;
@@ -146,7 +146,7 @@ bool Pilot::correct_with(const GateDetection& seen) {
   }
   if (filter_.correct(*fix, moved) == Fusion::kRefused) {
     // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
-    if (!belongs_to_another_gate(seen)) filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
+    filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
     return false;
   }
   accept_fix(Sighting::Source::kCorners);
@@ -158,17 +158,25 @@ bool Pilot::correct_with(const GateDetection& seen) {
   return true;
 }
 
-bool Pilot::belongs_to_another_gate(const GateDetection& seen) const {
+// How far from where it believes to be the drone would be, had it seen this gate; from before it or from behind.
+double Pilot::surprise(const GateDetection& seen, const MapGate& gate, bool from_behind) const {
   const Past then = past(capture_time(center(seen.corners_px).x()));
-  for (int i = 0; i < static_cast<int>(config_.track.gates.size()); ++i) {
-    if (i == target_) continue;
-    const MapGate& other = config_.track.gates[static_cast<std::size_t>(i)];
-    const auto fix = fix_from_corners(seen.corners_px, {rotation_z(-other.yaw_EG) * then.R_EB}, other.side,
-                                      config_.camera, config_.pose);
-    if (!fix) continue;
-    const Eigen::Vector3d p_E = other.p_EG + rotation_z(other.yaw_EG) * fix->p_GB;
-    if ((p_E - p_EB()).head<2>().norm() < 1.0) return true;
-  }
+  const double yaw = gate.yaw_EG + (from_behind ? kPi : 0.0);
+  const auto fix = fix_from_corners(seen.corners_px, {rotation_z(-yaw) * then.R_EB}, gate.side, config_.camera, config_.pose);
+  if (!fix) return 1e9;
+  const Eigen::Vector3d p_E = gate.p_EG + rotation_z(yaw) * fix->p_GB + odometry_E_ - then.odometry_E;
+  return (p_E - p_EB()).norm();
+}
+
+// The map says which gates there are: a sighting is of the one that surprises least.
+bool Pilot::belongs_to_another_gate(const GateDetection& seen) const {
+  constexpr double kKnown = 1.5;  // farther off it says nothing [m]
+  const double expected = std::min(kKnown, surprise(seen, gate(), false));
+  for (int i = 0; i < static_cast<int>(config_.track.gates.size()); ++i)
+    for (const bool from_behind : {false, true})
+      if ((i != target_ || from_behind) &&
+          surprise(seen, config_.track.gates[static_cast<std::size_t>(i)], from_behind) < expected)
+        return true;
   return false;
 }
 
