@@ -13,8 +13,8 @@ namespace gatefly::sim {
 namespace {
 
 constexpr double kEdgeOn = 0.2;        // seen at less than this much depth its frame is a line [m]
-constexpr double kMinSide = 20.0;      // what the detector asks of a gate: detection/snake_gate.hpp [px]
-constexpr double kMaxAspect = 1.8;     // the same
+constexpr double kMinSide = 20.0;      // a gate of 1 m at pose.max_distance_m: farther ones are not used [px]
+constexpr double kMaxAspect = 1.8;     // detection/snake_gate.hpp
 constexpr double kOpenReach = 3.5;     // nearer than this the upper bar may be cut off: race/sight.cpp [m]
 constexpr double kBarsReach = 1.8;     // [Li18 flight code]
 constexpr double kMinBar = 0.35;       // part of the picture's height: detection/gate_bars.hpp
@@ -118,19 +118,18 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
 }  // namespace
 
 DetectorStatistics statistics_of(const std::string& detector) {
-  // [ours: tools/detector_statistics oval 1001 8, showroom 1001 4: 12 rendered races, 8,103 pictures]
+  // [ours: tools/detector_statistics oval 1001 8, showroom 1001 4: 12 rendered races, 8,154 pictures]
   if (detector == "ours")
-    return {.hits = {{2.0, 0.99}, {2.5, 0.98}, {3.0, 0.88}, {3.5, 0.81}, {4.5, 0.96}, {6.0, 0.90}, {6.5, 0.86},
-                     {7.5, 0.63}, {9.0, 0.51}},
-            .corner_sigma_px = 0.5,  // u 0.35, v 0.6
-            .outlier_rate = 0.04,    // 99 % are within 3-11 px
-            .outlier_low_px = 2.0,
+    return {.hits = {{7.0, 0.997}, {11.0, 0.85}},
+            .corner_sigma_px = 0.4,  // u 0.32, v 0.44
+            .outlier_rate = 0.01,    // 0.9 % of the u are off by more than 5 px
+            .outlier_low_px = 3.0,
             .outlier_high_px = 10.0,
-            .false_alarms = 0.011,
-            .open_rate = 0.94,
-            .open_sigma_px = 1.2,
+            .false_alarms = 0.016,
+            .open_rate = 0.92,
+            .open_sigma_px = 1.0,  // u 1.3, v 0.6
             .bars_rate = 0.98,
-            .bars_sigma_px = 2.3};
+            .bars_sigma_px = 2.1};
   // Li18, table of true positives by distance; 3 px and 5-8 % outliers: the authors' recorded detections.
   if (detector == "paper")
     return {.hits = {{2.0, 0.70}, {3.0, 0.57}, {4.0, 0.29}, {5.0, 0.10}},
