@@ -289,6 +289,46 @@ class Tracks(Cli):
         self.assertIn("noise.toml", self.refused("fly", path))
 
 
+class Courses(Cli):
+    """tests/courses: written by an organiser who has not seen the planner."""
+
+    def test_impossible_courses_are_refused_with_the_reason(self):
+        reasons = {
+            "gate_above_ceiling": "gates[1].position_m = [3.5, 4, -4.5], must be below the ceiling",
+            "gate_in_floor": "the lower bar is 0.05 m above the floor",
+            "gate_outside_room": "must be inside the room",
+            "gate_too_small": "gate 2 is too small to fly through",
+            "no_room_to_turn": "no way from gate 1 to gate 2",
+            "pole_in_gate": "obstacle 1 stands in the opening of gate 2",
+            "start_in_box": "the start is in obstacle 1",
+            "wall_between_gates": "no way from gate 1 to gate 2: obstacle 1 is in the way",
+        }
+        courses = sorted((ROOT / "tests" / "courses" / "impossible").glob("*.toml"))
+        self.assertEqual([course.stem for course in courses], sorted(reasons))
+        for course in courses:
+            error = self.refused("fly", course)
+            self.assertIn(course.name, error)
+            self.assertIn(reasons[course.stem], error)
+
+    def test_every_other_course_has_a_way_and_is_begun(self):
+        for course in sorted([*(ROOT / "tests" / "courses").glob("*.toml"), *(ROOT / "tracks").glob("*.toml")]):
+            result = self.run_it("fly", course, "--vision", "ideal", "--laps", "1", "--json", "--out", "flown-" + course.stem)
+            self.assertIn(result.returncode, (0, 1), result.stderr)
+            self.assertGreaterEqual(json.loads(result.stdout)["gates_passed"], 1, course)
+
+
+class Interrupted(Cli):
+    def test_ctrl_c_in_flight_keeps_nothing_and_says_so(self):
+        process = subprocess.Popen([GATEFLY, "fly", "showroom", "--laps", "100", "--vision", "ideal", "--out", "flown"],
+                                   cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(0.7)
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, stdout), (130, ""))
+        self.assertEqual(stderr.splitlines()[-1], "gatefly fly: interrupted, nothing kept")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+
 class Output(Cli):
     def test_out_that_cannot_be_written(self):
         file = self.file("taken", "x")

@@ -167,6 +167,10 @@ TEST(Plan, ImpossibleCoursesAreRefusedWithTheReason) {
   EXPECT_THAT(refusal(walled), HasSubstr("from the start to gate 1"));
   EXPECT_THAT(refusal(walled), HasSubstr("obstacle 1 is in the way"));
 
+  Track boxed = oval();
+  boxed.obstacles = {{boxed.start, {1.0, 1.0}, 0, 1.0}};
+  EXPECT_THAT(refusal(boxed), HasSubstr("the start is in obstacle 1"));
+
   Track none = oval();
   none.laps = 0;
   EXPECT_THAT(refusal(none), HasSubstr("laps"));

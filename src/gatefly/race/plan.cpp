@@ -10,6 +10,14 @@
 namespace gatefly {
 namespace {
 
+// Two digits after the point, without noughts at the end.
+std::string short_text(double value) {
+  std::string text = std::to_string(std::round(value * 100.0) / 100.0);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
 struct Pose2 {
   Eigen::Vector2d position;
   double heading;
@@ -99,7 +107,7 @@ class Planner {
     // The cheapest that is clear; room beyond the clearance is worth a detour.
     const Candidate* best = nullptr;
     double best_cost = 1e9;
-    std::string blocked = "no turn of radius >= " + std::to_string(params_.min_radius) + " m leads there";
+    std::string blocked = "no turn of radius >= " + short_text(params_.min_radius) + " m leads there";
     for (const auto& candidate : candidates) {
       if (candidate.cost >= best_cost) break;
       const Room room = room_around(candidate.path, from_gate, to_gate);
@@ -223,6 +231,10 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
             distance_to(track.obstacles[k], gate.p_EG.head<2>() + s * pass) < params.body_radius)
           throw std::invalid_argument("obstacle " + std::to_string(k + 1) + " stands in the opening of " + name);
   }
+
+  for (std::size_t k = 0; k < track.obstacles.size(); ++k)
+    if (distance_to(track.obstacles[k], track.start) < params.body_radius)
+      throw std::invalid_argument("the start is in obstacle " + std::to_string(k + 1));
 
   const Planner planner{track, params};
   RacePlan plan;
