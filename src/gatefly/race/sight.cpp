@@ -162,7 +162,10 @@ bool Pilot::correct_with(const GateDetection& seen) {
 double Pilot::surprise(const GateDetection& seen, const MapGate& gate, bool from_behind) const {
   const Past then = past(capture_time(center(seen.corners_px).x()));
   const double yaw = gate.yaw_EG + (from_behind ? kPi : 0.0);
-  const auto fix = fix_from_corners(seen.corners_px, {rotation_z(-yaw) * then.R_EB}, gate.side, config_.camera, config_.pose);
+  PoseParams anywhere = config_.pose;  // gates of other legs are seen from the side and from afar
+  anywhere.max_lateral = anywhere.max_distance = 30.0;
+  anywhere.max_misfit *= 4.0;
+  const auto fix = fix_from_corners(seen.corners_px, {rotation_z(-yaw) * then.R_EB}, gate.side, config_.camera, anywhere);
   if (!fix) return 1e9;
   const Eigen::Vector3d p_E = gate.p_EG + rotation_z(yaw) * fix->p_GB + odometry_E_ - then.odometry_E;
   return (p_E - p_EB()).norm();
