@@ -79,7 +79,7 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
   const int width = set.picture(moments.front().picture).width(), height = set.picture(moments.front().picture).height();
   io::Canvas sheet(static_cast<int>(kLongest) * (width + kGap) + kGap,
                    kTop + static_cast<int>(kSequences.size()) * (height + kCaption + kGap));
-  sheet.text({kGap, 32.0}, "The paper's detector while a gate is approached: label, found, and what is no gate",
+  sheet.text({kGap, 32.0}, "The paper's detector while a gate is approached: label (dashed), found (cyan), found but no gate (pink)",
              {.size = 17.0, .bold = true});
   for (const Moment& moment : moments) {
     const io::Box tile{.x = kGap + static_cast<double>(moment.place) * (width + kGap),

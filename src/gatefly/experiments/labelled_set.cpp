@@ -53,14 +53,16 @@ RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, in
 }
 
 double distance_from_area(double area_px2) {
-  // px², m: read off the authors' curve, a straight line between two of its points.
+  // px², m: read off the authors' curve, a straight line between two of its points. It ends at 6000 px²;
+  // nearer, the size in the picture goes with 1 / distance.
   constexpr std::array<std::pair<double, double>, 8> kCurve{
       {{100, 8.0}, {300, 7.2}, {600, 6.2}, {1000, 5.2}, {1500, 4.3}, {2500, 3.35}, {4000, 2.6}, {6000, 1.9}}};
+  if (area_px2 > kCurve.back().first) return kCurve.back().second * std::sqrt(kCurve.back().first / area_px2);
   std::size_t i = 1;
   while (i + 1 < kCurve.size() && area_px2 > kCurve[i].first) ++i;
   const auto [near_area, near] = kCurve[i];
   const auto [far_area, far] = kCurve[i - 1];
-  return std::max(0.0, far + (area_px2 - far_area) / (near_area - far_area) * (near - far));
+  return far + (area_px2 - far_area) / (near_area - far_area) * (near - far);
 }
 
 std::string fixed(double value, int digits) {

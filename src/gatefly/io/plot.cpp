@@ -108,7 +108,7 @@ std::vector<double> ticks(double low, double high, int count) {
   const double digits = raw / power;
   const double step = power * (digits <= 1.0 ? 1.0 : digits <= 2.0 ? 2.0 : digits <= 5.0 ? 5.0 : 10.0);
   // Whole multiples: sums of steps would drift.
-  for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) list.push_back(i * step);
+  for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) list.push_back(i * step + 0.0);  // + 0.0: never -0
   return list;
 }
 

@@ -12,16 +12,16 @@ namespace gatefly::io {
 
 /// One curve of a plot.
 struct PlotSeries {
-  std::string name;                     ///< In the legend.
-  std::vector<Eigen::Vector2d> points;  ///< In order. What is not finite, or not above 0 on a log axis, is left out.
+  std::string name = {};                     ///< In the legend.
+  std::vector<Eigen::Vector2d> points = {};  ///< In order. What is not finite, or not above 0 on a log axis, is left out.
   Color color = look::kDetection;
   bool line = true;      ///< Joins the points.
   bool rings = false;    ///< Rings instead of discs: somebody else's points beside ours.
 };
 
 struct Plot {
-  std::string title, x_label, y_label;
-  std::vector<PlotSeries> series;
+  std::string title = {}, x_label = {}, y_label = {};
+  std::vector<PlotSeries> series = {};
   bool log_x = false;
   bool y_from_0 = true;
 };
