@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iomanip>
@@ -15,6 +17,7 @@
 #include "commands.hpp"
 #include "gatefly/detection/outline.hpp"
 #include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/paper_detector.hpp"
 #include "gatefly/io/annotate.hpp"
 #include "gatefly/io/detections_file.hpp"
 #include "gatefly/io/image_file.hpp"
@@ -45,16 +48,36 @@ struct Findings {
 /// The gates of a picture, best first.
 class Detector {
  public:
-  Detector(const io::Config& config, bool all) : color_{config.pilot.gate_color}, search_{config.pilot.detector}, all_{all} {}
+  Detector(const io::Config& config, bool all)
+      : mode_{config.detector_mode}, color_{config.pilot.gate_color}, search_{config.pilot.detector}, all_{all} {}
 
   [[nodiscard]] std::vector<GateDetection> operator()(const Image& image) {
-    const GateDetections found = search_.detect(image, color_);
-    std::vector<GateDetection> gates(found.begin(), found.end());
+    std::vector<GateDetection> gates = mode_ == "ours" ? ours(image) : mode_ == "paper" ? paper(image) : flown(image);
     if (!all_ && gates.size() > 1) gates.resize(1);
     return gates;
   }
 
  private:
+  static constexpr std::uint64_t kSeed = 1;  // of every picture: its answer does not depend on its neighbours
+
+  [[nodiscard]] std::vector<GateDetection> ours(const Image& image) {
+    const GateDetections found = search_.detect(image, color_);
+    return {found.begin(), found.end()};
+  }
+  [[nodiscard]] static std::vector<GateDetection> paper(const Image& image) {
+    Rng rng{kSeed};
+    PaperDetections found = detect_as_paper(image, {}, rng);
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto& a, const auto& b) { return a.color_fitness > b.color_fitness; });
+    return {found.begin(), found.end()};
+  }
+  [[nodiscard]] static std::vector<GateDetection> flown(const Image& image) {
+    Rng rng{kSeed};
+    const auto found = detect_as_flown(image, {}, rng);
+    return found ? std::vector{*found} : std::vector<GateDetection>{};
+  }
+
+  std::string mode_;
   ColorModel color_;
   CarefulSearch search_;
   bool all_;

@@ -54,6 +54,7 @@ int run_main(std::span<char* const> arguments) {
   add_detect(app, run);
   add_score(app, run);
   add_campaign(app, run);
+  add_reproduce(app, run);
   add_config(app, run);
 
   if (arguments.size() > 1 && arguments[1][0] != '-') {

@@ -31,6 +31,8 @@ void refuse_unflyable(const io::Config& config) {
                              ", must be 90 in the simulator");
   if (config.gate_corners != "outer")
     throw std::runtime_error("gate.corners = \"" + config.gate_corners + "\", must be \"outer\" to fly");
+  if (config.detector_mode != "ours")
+    throw std::runtime_error("detector.mode = \"" + config.detector_mode + "\", must be \"ours\" to fly");
 }
 
 /// An argument as a shell wants it.

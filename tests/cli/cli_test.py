@@ -541,7 +541,59 @@ class RealPictures(Cli):
         self.assertEqual(json.loads(result.stdout)["pictures"], 540)
 
 
+    def test_the_papers_detectors_are_modes_of_detect(self):
+        for mode in ("paper", "flown"):
+            result = self.run_it("detect", "--json", "--all", "--set", f"detector.mode={mode}", self.gates / "basement32_hq")
+            answer = json.loads(result.stdout)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertGreaterEqual(answer["with_gate"], 10)
+            most = max(row["gate"] for row in answer["detections"])
+            self.assertTrue(most > 0 if mode == "paper" else most == 0, most)
+
+    def test_reproduce_writes_whole_results(self):
+        result = self.run_it("reproduce", "tpr-distance", "approach-sequence", "--quick", "--data", self.gates.parent)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("paper", result.stdout)
+        for name in ("tpr-distance", "approach-sequence"):
+            folder = self.folder / "out" / "reproduce" / name
+            self.assertEqual(sorted(path.name for path in folder.iterdir()), ["plot.png", "result.csv", "result.json"])
+            self.assertTrue(json.loads((folder / "result.json").read_text())["quick"])
+        again = self.run_it("reproduce", "tpr-distance", "--quick", "--json", "--data", self.gates.parent)
+        self.assertEqual(json.loads(again.stdout)["tpr-distance"],
+                         json.loads((self.folder / "out/reproduce/tpr-distance/result.json").read_text()))
+
+
+class Reproduce(Cli):
+    NAMES = ("roc-length", "roc-fitness", "tpr-distance", "approach-sequence")
+
+    def test_list_needs_no_data(self):
+        result = self.run_it("reproduce", "--list", GATEFLY_DATA="/nowhere")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        for name in self.NAMES:
+            self.assertIn(name, result.stdout)
+        listed = json.loads(self.run_it("reproduce", "--list", "--json").stdout)
+        self.assertEqual([entry["name"] for entry in listed][:4], list(self.NAMES))
+
+    def test_unknown_names_and_none_at_all(self):
+        self.assertIn("did you mean 'roc-length'", self.refused("reproduce", "roc-lenght"))
+        self.assertIn("--all", self.refused("reproduce"))
+
+    def test_without_data_one_line_and_nothing_written(self):
+        for name in self.NAMES:
+            error = self.refused("reproduce", name, GATEFLY_DATA=str(self.folder / "nowhere"))
+            self.assertIn("tudelft_bebop_gates", error)
+            self.assertIn("--data", error)
+        self.assertIn("no-such", self.refused("reproduce", "--all", "--data", "no-such"))
+        (self.folder / "data" / "tudelft_bebop_gates").mkdir(parents=True)
+        for name in self.NAMES:
+            self.refused("reproduce", name, "--data", "data")
+
+
 class Configuration(Cli):
+    def test_a_race_is_flown_by_our_own_detector(self):
+        self.assertIn("detector.mode", self.refused("fly", "oval", "--set", "detector.mode=paper"))
+        self.assertIn("must be", self.refused("detect", "a.ppm", "--set", "detector.mode=papr"))
+
     def test_show_lists_every_section_with_units_and_sources(self):
         result = self.run_it("config", "--show", "--set", "control.speed_mps=1.25")
         self.assertEqual(result.returncode, 0)

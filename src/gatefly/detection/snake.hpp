@@ -19,8 +19,8 @@ inline double distance(Pixel a, Pixel b) {
 /// Follows a bar from `p` in direction (du, dv), one of them ±1: Li18 Algorithm 2, any of its branches.
 ///
 /// Ahead, ahead and to one side, ahead and to the other; over a hole of one pixel as well [2018 flight
-/// code]. Ends at the border at the latest.
-inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv) {
+/// code] unless `over_holes` is false. Ends at the border at the latest.
+inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv, bool over_holes = true) {
   const int side_u = dv != 0 ? 1 : 0, side_v = du != 0 ? 1 : 0;
   for (;;) {
     if (is_gate(p.u + du, p.v + dv)) {
@@ -29,7 +29,7 @@ inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv) {
       p = {p.u + du - side_u, p.v + dv - side_v};
     } else if (is_gate(p.u + du + side_u, p.v + dv + side_v)) {
       p = {p.u + du + side_u, p.v + dv + side_v};
-    } else if (is_gate(p.u + 2 * du, p.v + 2 * dv)) {
+    } else if (over_holes && is_gate(p.u + 2 * du, p.v + 2 * dv)) {
       p = {p.u + 2 * du, p.v + 2 * dv};
     } else {
       return p;

@@ -31,6 +31,7 @@ struct Config {
   Eigen::Vector3d gate_rgb{1.0, 0.4, 0.0};  ///< What a gate looks like, sRGB 0..1; its hue counts.
   double gate_side = 1.0, gate_bar = 0.05;  ///< Where a file names none [m].
   std::string gate_corners = "outer";       ///< What labels and detections mean.
+  std::string detector_mode = "ours";       ///< "paper", "flown": Li18's two, with their own colours and numbers.
   std::string control_mode = "ours";
   double timeout = 240.0;  ///< Of one simulated flight [s].
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].

@@ -88,6 +88,8 @@ Keys detection_keys() {
       k("color.cr_min", 0, 255, AT(pilot.color.v_min), box),
       k("color.cr_max", 0, 255, AT(pilot.color.v_max), box),
       k("color.min_chroma", 0, 181, AT(pilot.color.min_chroma), "distance of (Cb, Cr) from grey; ours"),
+      choice<Config>("detector.mode", {"ours", "paper", "flown"}, AT(detector_mode),
+                     "of detect; paper: ROC study, flown: basement, March 2018, each with its own colours and numbers"),
       k("detector.min_score", -5, 10, AT(pilot.detector.min_score), "one such frame in two is a gate; docs/paper/results.md"),
       k("detector.max_roll_deg", 0, 90, AT(pilot.detector.max_roll_deg), "turns that are tried; ours"),
       k("detector.samples", 1, 1000000, AT(pilot.snake.max_samples), "ours, per saturation level; Li18 flight code: 10,000 in all"),

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/experiments/experiment.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <system_error>
+
+#include "gatefly/io/pictures.hpp"
+
+namespace gatefly::experiments {
+
+std::span<const Experiment> all() {
+  static const std::array<Experiment, 4> list{{
+      {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
+      {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
+      {"tpr-distance", "true positive rate by distance", tpr_distance},
+      {"approach-sequence", "what is found picture by picture while a gate is approached", approach_sequence},
+  }};
+  return list;
+}
+
+std::filesystem::path data_folder(const std::string& name, const Options& options) {
+  const std::filesystem::path folder = io::find_data(name, options.data);
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error))
+    throw std::runtime_error(name + ": there is no such folder" +
+                             (options.data.empty() ? " (name the folder of real data by --data or $GATEFLY_DATA)"
+                                                   : " in " + options.data));
+  return folder;
+}
+
+}  // namespace gatefly::experiments

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "gatefly/io/canvas.hpp"
+
+namespace gatefly::experiments {
+
+/// What an experiment is told.
+struct Options {
+  std::string data;    ///< Folder of real data; "": $GATEFLY_DATA, else ../shared/data.
+  bool quick = false;  ///< Fewer points and repeats: seconds instead of minutes.
+  std::function<void(double part, const std::string& text)> progress = [](double, const std::string&) {};
+  std::function<bool()> stopped = [] { return false; };  ///< Asked often; true ends it by Stopped.
+};
+
+/// Thrown by an experiment that was told to stop.
+struct Stopped {};
+
+/// One line of the table that is printed.
+struct Comparison {
+  std::string what, paper, ours;
+};
+
+struct Result {
+  std::vector<Comparison> table;
+  nlohmann::ordered_json json;  ///< The same and more, as numbers.
+  std::string csv;              ///< With its header.
+  io::Canvas picture;
+};
+
+struct Experiment {
+  std::string name, what;
+  /// @throws std::runtime_error one line: data that is missing or wrong.
+  Result (*run)(const Options& options);
+};
+
+/// All that there are, in the paper's order.
+[[nodiscard]] std::span<const Experiment> all();
+
+/// A folder below the real data. @throws std::runtime_error saying how to name it when it is not there.
+[[nodiscard]] std::filesystem::path data_folder(const std::string& name, const Options& options);
+
+Result roc_length(const Options& options);
+Result roc_fitness(const Options& options);
+Result tpr_distance(const Options& options);
+Result approach_sequence(const Options& options);
+
+}  // namespace gatefly::experiments

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/experiments/labelled_set.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <iomanip>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+namespace gatefly::experiments {
+
+void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next{0};
+  const auto worker = [&] {
+    for (std::size_t i = next++; i < count; i = next++) work(i);
+  };
+  std::vector<std::jthread> others;
+  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) others.emplace_back(worker);
+  worker();
+}
+
+LabelledSet::LabelledSet(const std::filesystem::path& folder) : labels{io::read_labels(folder / "labels.csv")} {
+  for (const io::LabelledPicture& picture : labels.pictures) files.push_back(io::read_image(folder / picture.image));
+}
+
+std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params, int repeat) {
+  std::vector<io::PictureToScore> pictures(set.size());
+  in_parallel(set.size(), [&](std::size_t i) {
+    Rng rng{1'000'003u * static_cast<std::uint64_t>(repeat) + i};
+    const PaperDetections found = detect_as_paper(set.picture(i), params, rng);
+    pictures[i].gates = set.labels.pictures[i].gates;
+    for (const GateDetection& gate : found) pictures[i].detections.push_back(gate.corners_px);
+  });
+  return pictures;
+}
+
+RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats, const Options& options) {
+  RocPoint point{.min_side_px = params.min_side_px, .min_color_fitness = params.min_color_fitness};
+  double squares = 0.0;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    if (options.stopped()) throw Stopped{};
+    const io::Score score = io::score(run_paper(set, params, repeat), io::Rule::kOverlap70Authors);
+    const double tpr = score.true_positive_rate();
+    point.tpr += tpr / repeats, squares += tpr * tpr / repeats;
+    point.fp_per_image += score.false_positives_per_image() / repeats;
+  }
+  point.tpr_std = std::sqrt(std::max(0.0, squares - point.tpr * point.tpr));
+  return point;
+}
+
+double distance_from_area(double area_px2) {
+  // px², m: read off the authors' curve, a straight line between two of its points. It ends at 6000 px²;
+  // nearer, the size in the picture goes with 1 / distance.
+  constexpr std::array<std::pair<double, double>, 8> kCurve{
+      {{100, 8.0}, {300, 7.2}, {600, 6.2}, {1000, 5.2}, {1500, 4.3}, {2500, 3.35}, {4000, 2.6}, {6000, 1.9}}};
+  if (area_px2 > kCurve.back().first) return kCurve.back().second * std::sqrt(kCurve.back().first / area_px2);
+  std::size_t i = 1;
+  while (i + 1 < kCurve.size() && area_px2 > kCurve[i].first) ++i;
+  const auto [near_area, near] = kCurve[i];
+  const auto [far_area, far] = kCurve[i - 1];
+  return far + (area_px2 - far_area) / (near_area - far_area) * (near - far);
+}
+
+std::string fixed(double value, int digits) {
+  if (!std::isfinite(value)) return "-";
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+}  // namespace gatefly::experiments

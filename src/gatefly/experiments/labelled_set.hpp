@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/experiments/experiment.hpp"
+#include "gatefly/io/image_file.hpp"
+#include "gatefly/io/labels_file.hpp"
+#include "gatefly/io/scoring.hpp"
+
+namespace gatefly::experiments {
+
+/// Calls work(i) for every i below `count` on all cores. What it writes must belong to its i alone.
+void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work);
+
+/// Every row of a labels.csv with its picture, decoded.
+struct LabelledSet {
+  io::Labels labels;
+  std::vector<io::ImageFile> files;  ///< One for each of labels.pictures; turned as the Bebop stores them.
+
+  /// @throws std::runtime_error one line: a file is missing or wrong.
+  explicit LabelledSet(const std::filesystem::path& folder);
+  [[nodiscard]] std::size_t size() const { return files.size(); }
+  [[nodiscard]] Image picture(std::size_t i) const { return files[i].view(90); }
+};
+
+/// One run of the paper's detector over a set; the repeat's number seeds it. Same numbers, same answer.
+[[nodiscard]] std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params,
+                                                        int repeat);
+
+/// Hits and false positives of several runs, counted as the authors did.
+struct RocPoint {
+  double min_side_px = 0.0, min_color_fitness = 0.0;
+  double tpr = 0.0, tpr_std = 0.0;  ///< Mean and standard deviation over the runs.
+  double fp_per_image = 0.0;
+};
+[[nodiscard]] RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats,
+                                 const Options& options);
+
+/// Distance to a 1 m gate from its labelled area, as the authors' analysis has it [m].
+[[nodiscard]] double distance_from_area(double area_px2);
+
+/// "0.487", "-" for NaN.
+[[nodiscard]] std::string fixed(double value, int digits);
+
+}  // namespace gatefly::experiments
