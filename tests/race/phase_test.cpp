@@ -66,6 +66,7 @@ TEST(Phase, TurnsWhereThePathCurvesAndTheArcKeepsItsPrediction) {
 TEST(Phase, SearchesWhenTheGateIsNearAndInDoubt) {
   Situation s = flying();
   s.gate_x = -kParams.search_before + 0.05;
+  s.to_go = -s.gate_x;
   s.since_fix = 2.0;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "unseen, but known well enough";
   s.lateral_sigma = kParams.max_lateral_sigma + 0.1;
@@ -73,6 +74,9 @@ TEST(Phase, SearchesWhenTheGateIsNearAndInDoubt) {
   s.since_fix = 0.05;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "just seen";
   s.since_fix = 2.0;
+  s.to_go = 6.0;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "on a turn that leads past the gate's plane first";
+  s.to_go = 4.0;
   s.gate_x = -4;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "still far";
 }
