@@ -2,6 +2,8 @@
 #include "gatefly/detection/careful_search.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "gatefly/detection/outline.hpp"
 
@@ -52,6 +54,49 @@ Fitted pulled(const Fit& fit, Fitted f, double least_side, double most_aspect) {
   return f;
 }
 
+// The same on pixels, and through the middle of the bars.
+template <class Fit>
+Fitted finished(const Fit& fit, Quad q, const CarefulSearchParams& params) {
+  const auto has_shape = [&](const std::optional<Quad>& quad) { return quad && is_frame_shaped(*quad, params.min_side_px, params.max_aspect); };
+  FrameScore score = fit.score(q);
+  for (const int reach : {3, 2, 1}) {
+    const auto moved = fit.moved(q, reach);
+    if (!has_shape(moved)) break;
+    const FrameScore now = fit.score(*moved);
+    if (now.total > score.total) q = *moved, score = now;
+  }
+  const double size = std::sqrt(std::abs(area(q)));
+  const auto centered = fit.centered(q, std::clamp(static_cast<int>(0.07 * size + 0.5), 2, 5));
+  if (has_shape(centered)) {
+    const FrameScore now = fit.score(*centered);
+    if (now.total > score.total - 0.3) q = *centered, score = now;  // sub-pixel is worth a little evidence
+  }
+  return {q, score};
+}
+
+using BestFrames = FixedList<Fitted, 8>;
+
+// One frame a place, the best ones.
+void keep(BestFrames& best, const Fitted& frame) {
+  const auto known = std::find_if(best.begin(), best.end(), [&](const Fitted& b) { return same_place(b.quad, frame.quad); });
+  if (known != best.end()) {
+    if (better_here(frame, *known)) *known = frame;
+  } else if (!best.push_back(frame)) {
+    const auto worst = std::max_element(best.begin(), best.end(), better);
+    if (better(frame, *worst)) *worst = frame;
+  }
+}
+
+// Pixels to cells of `step` pixels: the middle of a cell is a whole number in both.
+Quad to_cells(Quad q, double step) {
+  for (auto& p : q) p = ((p.array() + 0.5) / step - 0.5).matrix();
+  return q;
+}
+Quad to_pixels(Quad q, double step) {
+  for (auto& p : q) p = ((p.array() + 0.5) * step - 0.5).matrix();
+  return q;
+}
+
 }  // namespace
 
 GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color) {
@@ -62,53 +107,25 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
   templates_.search(map_, params_.max_roll_deg, candidates);
 
   const double step = map_.step(), least_side = params_.min_side_px / step;
-  const auto to_cells = [step](Quad q) {
-    for (auto& p : q) p = ((p.array() + 0.5) / step - 0.5).matrix();
-    return q;
-  };
-  const auto to_pixels = [step](Quad q) {
-    for (auto& p : q) p = ((p.array() + 0.5) * step - 0.5).matrix();
-    return q;
-  };
-  const auto cell_evidence = [this](int x, int y) { return map_.at(x, y); };
-  const auto pixel_evidence = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
-  const FrameFit<decltype(cell_evidence)> coarse{cell_evidence, params_.weights};
-  FrameFit<decltype(pixel_evidence)> fine{pixel_evidence, params_.weights};
-  fine.set_least_offset(3.0);
-
-  FixedList<Fitted, 8> best;
+  const auto of_cell = [this](int x, int y) { return map_.at(x, y); };
+  const FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights};
+  BestFrames best;
   for (std::size_t i = 0; i < std::min(candidates.size(), kTried); ++i) {
-    const Quad q = to_cells(candidates[i].corners_px);
-    const Fitted fitted = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
-    if (!is_frame_shaped(fitted.quad, least_side, params_.max_aspect)) continue;
-    const auto known = std::find_if(best.begin(), best.end(), [&](const Fitted& b) { return same_place(b.quad, fitted.quad); });
-    if (known != best.end()) {
-      if (better_here(fitted, *known)) *known = fitted;
-    } else if (!best.push_back(fitted)) {
-      const auto worst = std::max_element(best.begin(), best.end(), better);
-      if (better(fitted, *worst)) *worst = fitted;
-    }
+    const Quad q = to_cells(candidates[i].corners_px, step);
+    const Fitted frame = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
+    if (is_frame_shaped(frame.quad, least_side, params_.max_aspect)) keep(best, frame);
   }
   insertion_sort(best, better);
 
-  for (const Fitted& coarse_fit : best) {
-    if (found.full() || coarse_fit.score.total < params_.min_score - 1.5) break;
-    Quad q = to_pixels(coarse_fit.quad);
-    FrameScore score = fine.score(q);
-    for (const int reach : {3, 2, 1}) {
-      const auto moved = fine.moved(q, reach);
-      if (!moved || !is_frame_shaped(*moved, params_.min_side_px, params_.max_aspect)) break;
-      const FrameScore now = fine.score(*moved);
-      if (now.total > score.total) q = *moved, score = now;
-    }
-    const double size = std::sqrt(std::abs(area(q)));
-    const auto centered = fine.centered(q, std::clamp(static_cast<int>(0.07 * size + 0.5), 2, 5));
-    if (centered && is_frame_shaped(*centered, params_.min_side_px, params_.max_aspect)) {
-      const FrameScore now = fine.score(*centered);
-      if (now.total > score.total - 0.3) q = *centered, score = now;
-    }
-    if (score.total < params_.min_score || score.inside > params_.max_inside) continue;
-    (void)found.push_back({clockwise_from_top_left(scaled(q, params_.corner_scale)), confidence_of(score.total), is_inside(q, image)});
+  const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
+  FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights};
+  fine.set_least_offset(3.0);
+  for (const Fitted& rough : best) {
+    if (found.full() || rough.score.total < params_.min_score - 1.5) break;
+    const Fitted frame = finished(fine, to_pixels(rough.quad, step), params_);
+    if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
+    (void)found.push_back({clockwise_from_top_left(scaled(frame.quad, params_.corner_scale)),
+                           confidence_of(frame.score.total), is_inside(frame.quad, image)});
   }
   insertion_sort(found, [](const auto& a, const auto& b) { return a.color_fitness > b.color_fitness; });
   return found;
