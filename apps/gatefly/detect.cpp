@@ -68,7 +68,7 @@ class Detector {
     Rng rng{kSeed};
     PaperDetections found = detect_as_paper(image, {}, rng);
     std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.color_fitness > b.color_fitness; });
+                     [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
     return {found.begin(), found.end()};
   }
   [[nodiscard]] static std::vector<GateDetection> flown(const Image& image) {
@@ -94,7 +94,7 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
   findings.with_gate += !gates.empty();
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back({.image = name, .gate = static_cast<int>(i), .corners_px = gates[i].corners_px,
-                             .fitness = gates[i].color_fitness, .method = "frames"});
+                             .fitness = gates[i].fitness, .method = "frames"});
   if (options.annotate.empty()) return;
   fs::create_directories(options.annotate);
   io::annotate(image, gates, fs::path{options.annotate} / (name + ".png"));

@@ -84,25 +84,6 @@ TEST(InsideFraction, TellsAFrameFromAPoster) {
   EXPECT_DOUBLE_EQ(inside_fraction(frame.mask(), frame.line), 1.0);
 }
 
-TEST(CornersByHistogram, FindTheBarsFromSeveralPixelsAway) {
-  const Frame frame;
-  for (const double off : {-8.0, -3.0, 0.0, 5.0, 9.0}) {
-    const Quad found = corners_by_histogram(frame.mask(), moved(frame.line, off, -off), 0.4);
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_THAT(found[i], IsNear(frame.line[i], 1.01)) << off;
-  }
-}
-
-TEST(CornersByHistogram, KeepTheirPlaceWhereNothingIsColoured) {
-  const Frame frame;
-  const Quad nowhere{{{150, 120}, {190, 120}, {190, 145}, {150, 145}}};
-  const Quad outside = moved(nowhere, 5000, -5000);
-  const Quad a = corners_by_histogram(frame.mask(), nowhere, 0.1), b = corners_by_histogram(frame.mask(), outside, 0.4);
-  for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(a[i], nowhere[i]);
-    EXPECT_EQ(b[i], outside[i]);
-  }
-}
-
 TEST(CornersByLines, AreTheCentreLinesCorners) {
   const Frame frame;
   const Quad found = corners_by_lines(frame.mask(), moved(frame.line, 1, -1));

@@ -70,7 +70,7 @@ TEST(PaperDetector, FindsACleanGateAtItsCorners) {
     const auto found = paper(picture);
     ASSERT_EQ(found.size(), 1u);
     expect_corners(found[0].corners_px, square(u, v, side));
-    EXPECT_DOUBLE_EQ(found[0].color_fitness, 1.0);
+    EXPECT_DOUBLE_EQ(found[0].fitness, 1.0);
   });
 }
 
@@ -87,7 +87,7 @@ TEST(PaperDetector, ColourFitnessMustBeExceeded) {
   picture.paint(20, 12, 30, 12, false);  // a hole in the upper bar, wider than the tolerance
   const auto all = paper(picture, {.min_color_fitness = 0.0});
   ASSERT_FALSE(all.empty());
-  const double fitness = all[0].color_fitness;
+  const double fitness = all[0].fitness;
   EXPECT_GT(fitness, 0.9);
   EXPECT_LT(fitness, 0.98);  // 11 px of 120 less 4 px of tolerance
   EXPECT_EQ(paper(picture, {.min_color_fitness = fitness}).size(), 0u);
@@ -120,7 +120,7 @@ TEST(FlownDetector, FindsACleanGateAtItsCorners) {
   const auto gate = flown(picture);
   ASSERT_TRUE(gate.has_value());
   expect_corners(gate->corners_px, square(40, 20, 50));
-  EXPECT_DOUBLE_EQ(gate->color_fitness, 1.0);
+  EXPECT_DOUBLE_EQ(gate->fitness, 1.0);
 }
 
 TEST(FlownDetector, MinimumLengthMustBeExceeded) {

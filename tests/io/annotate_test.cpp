@@ -28,7 +28,7 @@ struct Picture {
 };
 
 GateDetection square(double from, double to, double fitness) {
-  return {.corners_px = {{{from, from}, {to, from}, {to, to}, {from, to}}}, .color_fitness = fitness};
+  return {.corners_px = {{{from, from}, {to, from}, {to, to}, {from, to}}}, .fitness = fitness};
 }
 
 /// Width and height as a PNG's first chunk says (bytes 16 to 23, big-endian).

@@ -99,26 +99,26 @@ TEST(Config, AWrongNumberOfCoefficientsIsRefusedSayingHowManyTheModelNeeds) {
 }
 
 TEST(Config, AWholeNumberMayBeWrittenWithAPoint) {
-  const Config config = with({"detector.samples=1e3", "camera.size_px=[320.0, 160]"});
-  EXPECT_EQ(config.pilot.snake.max_samples, 1000);
+  const Config config = with({"detector.open_samples=1e3", "camera.size_px=[320.0, 160]"});
+  EXPECT_EQ(config.pilot.open_gate.max_samples, 1000);
   EXPECT_EQ(config.width, 320);
 }
 
 TEST(Config, LaterFilesWinAndSettingsComeLast) {
   const test::TempFolder folder;
-  const Files files{folder.file("a.toml", "[detector]\nsamples = 100\nmin_side_px = 11\n[color]\ny_min = 7\n"),
-                    folder.file("b.toml", "[detector]\nsamples = 200\nmin_side_px = 22\n")};
+  const Files files{folder.file("a.toml", "[detector]\nopen_samples = 100\nmin_side_px = 11\n[color]\ny_min = 7\n"),
+                    folder.file("b.toml", "[detector]\nopen_samples = 200\nmin_side_px = 22\n")};
   const Config config = load_config(files, Settings{"detector.min_side_px=33"});
   EXPECT_EQ(config.pilot.color.y_min, 7);
-  EXPECT_EQ(config.pilot.snake.max_samples, 200);
-  EXPECT_EQ(config.pilot.snake.min_side_px, 33);
+  EXPECT_EQ(config.pilot.open_gate.max_samples, 200);
+  EXPECT_EQ(config.pilot.detector.min_side_px, 33);
   EXPECT_EQ(config.set_by.at("color.y_min"), files[0].string());
-  EXPECT_EQ(config.set_by.at("detector.samples"), files[1].string());
+  EXPECT_EQ(config.set_by.at("detector.open_samples"), files[1].string());
   EXPECT_EQ(config.set_by.at("detector.min_side_px"), "--set");
 }
 
 TEST(Config, UnknownKeySuggestsTheNearest) {
-  EXPECT_THAT(error_with("detector.sampels=3"), AllOf(HasSubstr("--set"), HasSubstr("'detector.samples'")));
+  EXPECT_THAT(error_with("detector.open_sampels=3"), AllOf(HasSubstr("--set"), HasSubstr("'detector.open_samples'")));
   EXPECT_THAT(error_with("randomize.gate_positon_m=3"), HasSubstr("'gate_position_m'"));
   const test::TempFolder folder;
   const auto file = folder.file("a.toml", "[kamera]\ntilt_deg = 3\n");
@@ -127,8 +127,8 @@ TEST(Config, UnknownKeySuggestsTheNearest) {
 }
 
 TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
-  EXPECT_EQ(error_with("detector.samples=2.5"),
-            "--set: detector.samples = 2.5, must be a whole number in 1..1000000");
+  EXPECT_EQ(error_with("detector.open_samples=2.5"),
+            "--set: detector.open_samples = 2.5, must be a whole number in 1..1000000");
   EXPECT_THAT(error_with("camera.tilt_deg=nan"), HasSubstr("camera.tilt_deg = nan, must be a number in -90..90"));
   EXPECT_THAT(error_with("camera.tilt_deg=inf"), HasSubstr("must be"));
   EXPECT_THAT(error_with("camera.tilt_deg=\"steep\""), HasSubstr("\"steep\", must be a number"));

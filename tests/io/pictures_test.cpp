@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/detection/careful_search.hpp"
 #include "gatefly/io/image_file.hpp"
 #include "gatefly/io/video_file.hpp"
 #include "gatefly/io/video_reader.hpp"
@@ -67,8 +67,7 @@ TEST(Pictures, ARawFrameAndItsPpmShowTheSameGate) {
   const ImageFile raw = read_image(folder.file("a.uyvy", text_of_bytes(canvas.uyvy())), 314, 160);
   const ImageFile ppm = read_image(folder.file("a.ppm", ppm_of(canvas)));
   const auto best = [](const ImageFile& file) {
-    Rng rng{1};
-    return detect_gates(file.view(0), ColorRange{}, SnakeGateParams{}, rng);
+    return CarefulSearch{}.detect(file.view(0), ColorModel::described({1.0, 0.4, 0.0}));
   };
   const auto a = best(raw), b = best(ppm);
   ASSERT_EQ(a.size(), 1u);

@@ -127,7 +127,7 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
     (void)found.push_back({clockwise_from_top_left(scaled(frame.quad, params_.corner_scale)),
                            confidence_of(frame.score.total), is_inside(frame.quad, image)});
   }
-  insertion_sort(found, [](const auto& a, const auto& b) { return a.color_fitness > b.color_fitness; });
+  insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return found;
 }
 

@@ -5,7 +5,7 @@
 #include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/detection/gate_templates.hpp"
-#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/detection/gate_detection.hpp"
 
 namespace gatefly {
 

@@ -186,7 +186,7 @@ void GateTemplates::search_level(const Level& level, GateCandidates& found) {
 }
 
 // The best place of every neighbourhood.
-void GateTemplates::collect(const Level& level, double size, GateCandidates& found) const {
+void GateTemplates::collect(const Level& level, double size, GateCandidates& found) {
   constexpr int kCell = 3;
   for (int cy = kMargin; cy < height_ - kMargin; cy += kCell)
     for (int cx = kMargin; cx < width_ - kMargin; cx += kCell) {
@@ -199,7 +199,7 @@ void GateTemplates::collect(const Level& level, double size, GateCandidates& fou
     }
 }
 
-void GateTemplates::keep(const Level& level, double size, int x, int y, int score, GateCandidates& found) const {
+void GateTemplates::keep(const Level& level, double size, int x, int y, int score, GateCandidates& found) {
   const int id = which_[static_cast<std::size_t>(y * width_ + x)] - 1, shapes = static_cast<int>(kShapes.size());
   const Shape shape = kShapes[static_cast<std::size_t>(id % shapes)];
   const auto [sine, cosine] = sincos((id / shapes - level.rolls()) * kRollStep * kPi / 180.0);

@@ -36,14 +36,14 @@ class GateTemplates {
   void start(const EvidenceMap& map);
   void halve();
   void search_level(const Level& level, GateCandidates& found);
-  void collect(const Level& level, double size, GateCandidates& found) const;
-  void keep(const Level& level, double size, int x, int y, int score, GateCandidates& found) const;
+  void collect(const Level& level, double size, GateCandidates& found);
+  void keep(const Level& level, double size, int x, int y, int score, GateCandidates& found);
 
   std::vector<std::uint8_t> peak_, mean_;      // the pyramid's present level
   std::vector<std::uint8_t> upright_, level_;  // sums along the sides of frames
   std::vector<std::uint8_t> best_, which_;     // best frame of each place
   int width_ = 0, height_ = 0;                 // of the level, with its margin [cells]
-  mutable std::size_t worst_ = 0;              // of a full list
+  std::size_t worst_ = 0;                      // of a full list
 };
 
 }  // namespace gatefly

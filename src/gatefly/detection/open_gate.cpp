@@ -14,12 +14,12 @@ constexpr int kBorder = 2;  // a bar that ends this near to the border goes on b
 
 Eigen::Vector2d vector_of(Pixel p) { return {p.u, p.v}; }
 
-std::optional<OpenGate> checked(const ColorMask& is_gate, const Quad& rough, const SnakeGateParams& params) {
+std::optional<OpenGate> checked(const ColorMask& is_gate, const Quad& rough, const OpenGateParams& params) {
   const Quad lines = corners_by_lines(is_gate, rough);
   const Eigen::Vector2d along = lines[2] - lines[3];  // bottom, left to right
   const double width = along.norm();
   const double left = (lines[3] - lines[0]).norm(), right = (lines[2] - lines[1]).norm();
-  if (width < 2.0 * params.min_side_px || std::min(left, right) < 0.35 * width || std::max(left, right) > 1.2 * width)
+  if (width < params.min_width_px || std::min(left, right) < 0.35 * width || std::max(left, right) > 1.2 * width)
     return std::nullopt;
   const OutlineFitness fitness = outline_fitness(is_gate, lines);
   const double weakest = std::min({fitness.side[1], fitness.side[2], fitness.side[3]});
@@ -33,17 +33,17 @@ std::optional<OpenGate> checked(const ColorMask& is_gate, const Quad& rough, con
                   (fitness.side[1] + fitness.side[2] + fitness.side[3]) / 3.0};
 }
 
-std::optional<OpenGate> search(const ColorMask& is_gate, const SnakeGateParams& params, Rng& rng) {
+std::optional<OpenGate> search(const ColorMask& is_gate, const OpenGateParams& params, Rng& rng) {
   std::optional<OpenGate> best;
   int checks_left = 8;
-  for (int sample = 0; sample < params.max_samples / 2 && checks_left > 0; ++sample) {
+  for (int sample = 0; sample < params.max_samples && checks_left > 0; ++sample) {
     const Pixel P0{rng.uniform_index(is_gate.width()), rng.uniform_index(is_gate.height())};
     if (!is_gate(P0.u, P0.v)) continue;
     const Pixel top = snake(is_gate, P0, 0, -1);
     if (top.v > kBorder) continue;
     const Pixel foot = snake(is_gate, P0, 0, +1);
     const Pixel other_foot = search_horizontal(is_gate, foot);
-    if (distance(foot, other_foot) < 2.0 * params.min_side_px) continue;
+    if (distance(foot, other_foot) < params.min_width_px) continue;
     const Pixel other_top = snake(is_gate, other_foot, 0, -1);
     if (other_top.v > kBorder) continue;
     --checks_left;
@@ -51,8 +51,8 @@ std::optional<OpenGate> search(const ColorMask& is_gate, const SnakeGateParams& 
     const Quad rough{vector_of(on_the_left ? top : other_top), vector_of(on_the_left ? other_top : top),
                      vector_of(on_the_left ? other_foot : foot), vector_of(on_the_left ? foot : other_foot)};
     const auto gate = checked(is_gate, rough, params);
-    if (gate && (!best || gate->color_fitness > best->color_fitness)) best = gate;
-    if (best && best->color_fitness > params.sure_fitness) break;
+    if (gate && (!best || gate->fitness > best->fitness)) best = gate;
+    if (best && best->fitness > params.sure_fitness) break;
   }
   return best;
 }
@@ -60,7 +60,7 @@ std::optional<OpenGate> search(const ColorMask& is_gate, const SnakeGateParams& 
 }  // namespace
 
 std::optional<OpenGate> detect_open_gate(const Image& image, const ColorRange& color,
-                                         const SnakeGateParams& params, Rng& rng) {
+                                         const OpenGateParams& params, Rng& rng) {
   if (image.empty()) return std::nullopt;
   for (const int level : params.chroma_levels) {
     ColorRange range = color;

@@ -156,16 +156,6 @@ double inside_fraction(const ColorMask& is_gate, const Quad& quad) {
   return static_cast<double>(colored) / (kGrid * kGrid);
 }
 
-Quad corners_by_histogram(const ColorMask& is_gate, const Quad& rough, double window) {
-  Quad refined = rough;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double half_size = 0.25 * ((rough[(i + 1) % 4] - rough[i]).norm() +
-                                     (rough[(i + 3) % 4] - rough[i]).norm());
-    refined[i] = corner_by_histogram(is_gate, rough[i], window * half_size);
-  }
-  return refined;
-}
-
 Quad corners_by_lines(const ColorMask& is_gate, const Quad& rough) {
   constexpr int kScans = 12;
   // Two lines a side, one for each half: fisheye bars are bent.

@@ -20,10 +20,6 @@ struct OutlineFitness {
 /// Part of the central box (half the gate's size) that is coloured: a gate is empty inside.
 [[nodiscard]] double inside_fraction(const ColorMask& is_gate, const Quad& quad);
 
-/// Each corner moved to the mode of the row and column histograms of coloured pixels in its window.
-/// Li18 §3.1 says centroid; the flight code takes the mode, which a stray patch does not pull.
-[[nodiscard]] Quad corners_by_histogram(const ColorMask& is_gate, const Quad& rough, double window);
-
 /// The corners of the bars' centre lines, sub-pixel: the middles of the coloured runs across each half
 /// side, a line through them, neighbouring lines intersected. A corner whose lines fail keeps its place.
 [[nodiscard]] Quad corners_by_lines(const ColorMask& is_gate, const Quad& rough);

@@ -210,7 +210,7 @@ PaperDetections detect_as_paper(const Image& image, const PaperDetectorParams& p
     const bool known = std::any_of(accepted.begin(), accepted.end(), [&](const GateDetection& other) {
       return same_gate(gate.corners_px, other.corners_px, params.same_gate);
     });
-    if (gate.color_fitness > params.min_color_fitness && !known) accepted.push_back(gate);
+    if (gate.fitness > params.min_color_fitness && !known) accepted.push_back(gate);
   }
   return accepted;
 }
@@ -236,7 +236,7 @@ std::optional<GateDetection> detect_as_flown(const Image& image, const FlownDete
   constexpr std::size_t kRefined = 10;
   for (std::size_t i = improving.size() - std::min(improving.size(), kRefined); i < improving.size(); ++i) {
     const auto gate = flown_gate(is_gate, improving[i].corners(), improving[i].side, params);
-    if (gate && (!best || gate->color_fitness > best->color_fitness)) best = gate;
+    if (gate && (!best || gate->fitness > best->fitness)) best = gate;
   }
   if (best || !previous) return best;
   return flown_gate(is_gate, *previous, side_length(*previous, 0), params);

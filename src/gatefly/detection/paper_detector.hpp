@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "gatefly/detection/quad.hpp"
-#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/geometry/rng.hpp"
 #include "gatefly/sensing/color_range.hpp"

@@ -65,7 +65,7 @@ void annotate(const Image& image, std::span<const GateDetection> gates, const st
     const Color color = look::kDetection.faded(rank == 0 ? 1.0 : 0.75);
     draw_detection(canvas, gate, {0, 0}, scale, {.color = color, .width = rank == 0 ? 2.0 : 1.2});
     const Eigen::Vector2d top_left = scale * gate.corners_px[0].cwiseMin(gate.corners_px[1]);
-    draw_label(canvas, label_of(rank, gate.color_fitness), top_left, color);
+    draw_label(canvas, label_of(rank, gate.fitness), top_left, color);
   }
   if (gates.empty()) draw_label(canvas, "no gate", {8.0, canvas.height() - 1.0}, look::kMuted);
   canvas.write_png(png);

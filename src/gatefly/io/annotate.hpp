@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/io/canvas.hpp"
 #include "gatefly/sensing/image.hpp"
 

@@ -179,7 +179,7 @@ void derive(Config& c) {
   c.sim.sensors.camera_latency = c.camera_latency;
 
   const double bar = c.gate_bar / c.gate_side;
-  c.pilot.snake.bar_ratio = bar;
+  c.pilot.open_gate.bar_ratio = bar;
   c.pilot.detector.corner_scale = (c.gate_corners == "outer" ? 1.0 : c.gate_corners == "inner" ? 1.0 - 2.0 * bar : 1.0 - bar) / (1.0 - bar);
   c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
 

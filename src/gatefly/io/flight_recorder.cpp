@@ -146,7 +146,7 @@ void FlightRecorder::record_frame(const closed_loop::Tick& tick) {
   for (const GateDetection& gate : tick.pilot.sighting().detections) {
     detections_ << name.data() << ',' << rank++;
     for (const auto& corner : gate.corners_px) detections_ << ',' << text_of(corner.x(), 6) << ',' << text_of(corner.y(), 6);
-    detections_ << ',' << text_of(gate.color_fitness, 4) << ",frames\n";
+    detections_ << ',' << text_of(gate.fitness, 4) << ",frames\n";
   }
   check(detections_, "detections.csv");
 }

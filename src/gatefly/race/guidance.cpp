@@ -86,9 +86,9 @@ AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, do
   // A degree of tilt error in the AHRS would hold the drone 0.2 m beside the place.
   hold_integral_ = (hold_integral_ + kIntegral * dt * off).cwiseMax(-0.5).cwiseMin(0.5);
   Eigen::Vector2d accel = kStiffness * off + hold_integral_ - kDamping * v_E.head<2>();
-  const double kMaxAccel = slow < 1.0 ? 3.5 : 1.8;  // [m/s²]; braking from 1.7 m/s within 0.9 m, roll's lag included
+  const double most = slow < 1.0 ? 3.5 : 1.8;  // [m/s²]; braking from 1.7 m/s within 0.9 m, roll's lag included
   const double norm = accel.norm();
-  if (norm > kMaxAccel) accel *= kMaxAccel / norm;
+  if (norm > most) accel *= most / norm;
   const auto [s, co] = sincos(ahrs_.attitude().yaw);
   const double forward = co * accel.x() + s * accel.y(), right = -s * accel.x() + co * accel.y();
   AttitudeCommand c;

@@ -14,7 +14,8 @@
 #include "gatefly/control/lateral_pd.hpp"
 #include "gatefly/detection/careful_search.hpp"
 #include "gatefly/detection/gate_bars.hpp"
-#include "gatefly/detection/snake_gate.hpp"
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/open_gate.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/drag_filter.hpp"
@@ -77,7 +78,7 @@ struct PilotConfig {
   ColorRange color;                 ///< For parts of gates: bars, lower corners.
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
   CarefulSearchParams detector;
-  SnakeGateParams snake;
+  OpenGateParams open_gate;
   GateBarsParams bars;
   PoseParams pose;
   AhrsParams ahrs;

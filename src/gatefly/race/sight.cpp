@@ -27,7 +27,7 @@ GateDetections Pilot::whole_gates(const Sensors& sensors) {
 
 std::optional<OpenGate> Pilot::open_gate(const Sensors& sensors) {
   if (sensors.seen) return sensors.seen->open;
-  return detect_open_gate(*sensors.image, config_.color, config_.snake, rng_);
+  return detect_open_gate(*sensors.image, config_.color, config_.open_gate, rng_);
 }
 
 std::optional<GateBars> Pilot::side_bars(const Sensors& sensors) const {

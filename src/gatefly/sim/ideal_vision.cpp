@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kEdgeOn = 0.2;        // seen at less than this much depth its frame is a line [m]
 constexpr double kMinSide = 20.0;      // a gate of 1 m at pose.max_distance_m: farther ones are not used [px]
-constexpr double kMaxAspect = 1.8;     // detection/snake_gate.hpp
+constexpr double kMaxAspect = 1.8;     // seen more from the side no statistics were taken
 constexpr double kOpenReach = 3.5;     // nearer than this the upper bar may be cut off: race/sight.cpp [m]
 constexpr double kBarsReach = 1.8;     // [Li18 flight code]
 constexpr double kMinBar = 0.35;       // part of the picture's height: detection/gate_bars.hpp
