@@ -16,7 +16,7 @@
 
 #include "commands.hpp"
 #include "gatefly/detection/outline.hpp"
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/gate_search.hpp"
 #include "gatefly/detection/paper_detector.hpp"
 #include "gatefly/io/annotate.hpp"
 #include "gatefly/io/detections_file.hpp"
@@ -45,14 +45,15 @@ struct Findings {
   double seconds = 0.0;  ///< Spent on detection alone.
 };
 
-/// The gates of a picture, best first.
+/// The gates of a picture, best first, as `detector.mode` says.
 class Detector {
  public:
   Detector(const io::Config& config, bool all)
-      : mode_{config.detector_mode}, color_{config.pilot.gate_color}, search_{config.pilot.detector}, all_{all} {}
+      : mode_{config.detector_mode}, color_{config.pilot.gate_color}, search_{config.pilot.detector},
+        snakes_{config.pilot.detector}, careful_{config.pilot.detector}, all_{all} {}
 
   [[nodiscard]] std::vector<GateDetection> operator()(const Image& image) {
-    std::vector<GateDetection> gates = mode_ == "ours" ? ours(image) : mode_ == "paper" ? paper(image) : flown(image);
+    std::vector<GateDetection> gates = any(image);
     if (!all_ && gates.size() > 1) gates.resize(1);
     return gates;
   }
@@ -60,16 +61,23 @@ class Detector {
  private:
   static constexpr std::uint64_t kSeed = 1;  // of every picture: its answer does not depend on its neighbours
 
-  [[nodiscard]] std::vector<GateDetection> ours(const Image& image) {
-    const GateDetections found = search_.detect(image, color_);
-    return {found.begin(), found.end()};
+  template <class Gates>
+  [[nodiscard]] static std::vector<GateDetection> listed(const Gates& gates) {
+    return {gates.begin(), gates.end()};
+  }
+  [[nodiscard]] std::vector<GateDetection> any(const Image& image) {
+    if (mode_ == "fast") return listed(snakes_.detect(image, color_));
+    if (mode_ == "careful") return listed(careful_.detect(image, color_));
+    if (mode_ == "paper") return paper(image);
+    if (mode_ == "flown") return flown(image);
+    return listed(search_.detect(image, color_));
   }
   [[nodiscard]] static std::vector<GateDetection> paper(const Image& image) {
     Rng rng{kSeed};
-    PaperDetections found = detect_as_paper(image, {}, rng);
+    std::vector<GateDetection> found = listed(detect_as_paper(image, {}, rng));
     std::stable_sort(found.begin(), found.end(),
                      [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
-    return {found.begin(), found.end()};
+    return found;
   }
   [[nodiscard]] static std::vector<GateDetection> flown(const Image& image) {
     Rng rng{kSeed};
@@ -79,7 +87,9 @@ class Detector {
 
   std::string mode_;
   ColorModel color_;
-  CarefulSearch search_;
+  GateSearch search_;
+  SnakeSearch snakes_;
+  CarefulSearch careful_;
   bool all_;
 };
 
@@ -94,7 +104,7 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
   findings.with_gate += !gates.empty();
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back({.image = name, .gate = static_cast<int>(i), .corners_px = gates[i].corners_px,
-                             .fitness = gates[i].fitness, .method = "frames"});
+                             .fitness = gates[i].fitness, .method = io::name_of(gates[i].method)});
   if (options.annotate.empty()) return;
   fs::create_directories(options.annotate);
   io::annotate(image, gates, fs::path{options.annotate} / (name + ".png"));

@@ -393,7 +393,7 @@ class Pictures(Cli):
         self.assertEqual(result.returncode, 0, result.stderr)
         header, row = result.stdout.splitlines()
         self.assertEqual(header, self.HEADER)
-        self.assertTrue(row.startswith("a.ppm,0,") and row.endswith(",frames"), row)
+        self.assertTrue(row.startswith("a.ppm,0,") and row.endswith(",snake"), row)
         for got, wanted in zip(self.corners(row), (39.5, 19.5, 120.5, 19.5, 120.5, 100.5, 39.5, 100.5)):
             self.assertAlmostEqual(got, wanted, delta=2.0)
 

@@ -9,6 +9,7 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/worst_corner.hpp"
 
 namespace gatefly {
 namespace {
@@ -21,16 +22,6 @@ GateDetections gates_in(const Canvas& canvas) {
   static CarefulSearch search;
   const auto bytes = canvas.yuv444();
   return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, kOrange);
-}
-
-double worst_corner(const Quad& a, const Quad& b) {
-  double best = 1e9;  // over the cyclic orders: which corner is "top-left" of a gate on its edge is a matter of taste
-  for (std::size_t turn = 0; turn < 4; ++turn) {
-    double worst = 0;
-    for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, (a[(i + turn) % 4] - b[i]).norm());
-    best = std::min(best, worst);
-  }
-  return best;
 }
 
 struct Place {

@@ -34,6 +34,24 @@ std::vector<std::uint8_t> numbered() {
   return bytes;
 }
 
+TEST(Image, ARowVisitsWhatIsThere) {
+  std::vector<std::uint8_t> bytes(3 * 8 * 6);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(37 * i);
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb, PixelFormat::kYuv444})
+    for (const int turn : {0, 90, 180, 270}) {
+      const Image image{bytes.data(), format, 8, 6, turn};
+      for (int v = 0; v < image.height(); ++v) {
+        int u = 1;
+        image.visit_row(1, v, 2, (image.width() - 1) / 2, [&](Yuv c) {
+          const Yuv same = image.at(u, v);
+          EXPECT_TRUE(c.y == same.y && c.u == same.u && c.v == same.v) << turn << " deg, " << u << ", " << v;
+          u += 2;
+        });
+        EXPECT_EQ(u, 1 + (image.width() - 1) / 2 * 2);
+      }
+    }
+}
+
 TEST(Image, IsAddressedUprightHoweverItIsStored) {
   const auto bytes = numbered();
   const Image as_is{bytes.data(), PixelFormat::kYuv444, 3, 2, 0};

@@ -68,9 +68,9 @@ class Canvas {
     }
   }
   void fill(const std::array<double, 3>& color) { std::fill(pixels_.begin(), pixels_.end(), color); }
-  /// Back to grey, from column `from` to column `to`.
-  void blank(int from, int to) {
-    for (int v = 0; v < height_; ++v)
+  /// Back to grey, from column `from` to column `to`, from row `top` to row `bottom`.
+  void blank(int from, int to, int top = 0, int bottom = 1 << 20) {
+    for (int v = std::max(0, top); v < std::min(height_, bottom); ++v)
       for (int u = std::max(0, from); u < std::min(width_, to); ++u) at(u, v) = {110, 128, 128};
   }
 

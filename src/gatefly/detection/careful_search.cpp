@@ -12,37 +12,18 @@ namespace {
 
 constexpr std::size_t kTried = 48;  // places that are looked at closely [of 24, 48, 96: two thirds of the cost of 96, a gate in 300 less]
 
-struct Fitted {
-  Quad quad;
-  FrameScore score;
-};
-
-bool same_place(const Quad& a, const Quad& b) {
-  const double shared = shared_area(a, b);
-  return shared > 0.5 * std::min(std::abs(area(a)), std::abs(area(b)));
-}
-
-// Part of such frames that were gates, on the authors' labelled pictures.
-double confidence_of(double score) { return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45))); }
-
-bool is_inside(const Quad& bars, const Image& image) {
-  return std::all_of(bars.begin(), bars.end(), [&](const auto& p) {
-    return p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image.width() - 2.0 && p.y() <= image.height() - 2.0;
-  });
-}
-
-bool better(const Fitted& a, const Fitted& b) { return a.score.total > b.score.total; }
+bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
 // Of two frames in one place: a post in the opening makes a frame of each half, so size counts.
-bool better_here(const Fitted& a, const Fitted& b) {
+bool better_here(const Frame& a, const Frame& b) {
   constexpr double kNatsPerDoubling = 0.5;  // [of 0, .5, 1, 1.7: the most gates of all labelled sets]
-  const auto worth = [](const Fitted& f) { return f.score.total + kNatsPerDoubling * std::log2(std::max(1.0, std::abs(area(f.quad)))); };
+  const auto worth = [](const Frame& f) { return f.score.total + kNatsPerDoubling * std::log2(std::max(1.0, std::abs(area(f.quad)))); };
   return worth(a) > worth(b);
 }
 
 // Side by side onto the evidence, as long as it helps. Lengths in cells.
 template <class Fit>
-Fitted pulled(const Fit& fit, Fitted f, double least_side, double most_aspect) {
+Frame pulled(const Fit& fit, Frame f, double least_side, double most_aspect) {
   const double size = std::sqrt(std::abs(area(f.quad)));
   for (const double part : {0.16, 0.12, 0.08}) {
     const auto moved = fit.moved(f.quad, std::clamp(static_cast<int>(part * size + 0.5), 1, 5));
@@ -56,7 +37,7 @@ Fitted pulled(const Fit& fit, Fitted f, double least_side, double most_aspect) {
 
 // The same on pixels, and through the middle of the bars.
 template <class Fit>
-Fitted finished(const Fit& fit, Quad q, const CarefulSearchParams& params) {
+Frame finished(const Fit& fit, Quad q, const GateSearchParams& params) {
   const auto has_shape = [&](const std::optional<Quad>& quad) { return quad && is_frame_shaped(*quad, params.min_side_px, params.max_aspect); };
   FrameScore score = fit.score(q);
   for (const int reach : {3, 2, 1}) {
@@ -74,27 +55,17 @@ Fitted finished(const Fit& fit, Quad q, const CarefulSearchParams& params) {
   return {q, score};
 }
 
-using BestFrames = FixedList<Fitted, 8>;
+using BestFrames = FixedList<Frame, 8>;
 
 // One frame a place, the best ones.
-void keep(BestFrames& best, const Fitted& frame) {
-  const auto known = std::find_if(best.begin(), best.end(), [&](const Fitted& b) { return same_place(b.quad, frame.quad); });
+void keep(BestFrames& best, const Frame& frame) {
+  const auto known = std::find_if(best.begin(), best.end(), [&](const Frame& b) { return same_place(b.quad, frame.quad); });
   if (known != best.end()) {
     if (better_here(frame, *known)) *known = frame;
   } else if (!best.push_back(frame)) {
     const auto worst = std::max_element(best.begin(), best.end(), better);
     if (better(frame, *worst)) *worst = frame;
   }
-}
-
-// Pixels to cells of `step` pixels: the middle of a cell is a whole number in both.
-Quad to_cells(Quad q, double step) {
-  for (auto& p : q) p = ((p.array() + 0.5) / step - 0.5).matrix();
-  return q;
-}
-Quad to_pixels(Quad q, double step) {
-  for (auto& p : q) p = ((p.array() + 0.5) * step - 0.5).matrix();
-  return q;
 }
 
 }  // namespace
@@ -112,7 +83,7 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
   BestFrames best;
   for (std::size_t i = 0; i < std::min(candidates.size(), kTried); ++i) {
     const Quad q = to_cells(candidates[i].corners_px, step);
-    const Fitted frame = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
+    const Frame frame = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
     if (is_frame_shaped(frame.quad, least_side, params_.max_aspect)) keep(best, frame);
   }
   insertion_sort(best, better);
@@ -120,12 +91,11 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
   const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
   FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights};
   fine.set_least_offset(3.0);
-  for (const Fitted& rough : best) {
+  for (const Frame& rough : best) {
     if (found.full() || rough.score.total < params_.min_score - 1.5) break;
-    const Fitted frame = finished(fine, to_pixels(rough.quad, step), params_);
+    const Frame frame = finished(fine, to_pixels(rough.quad, step), params_);
     if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
-    (void)found.push_back({clockwise_from_top_left(scaled(frame.quad, params_.corner_scale)),
-                           confidence_of(frame.score.total), is_inside(frame.quad, image)});
+    (void)found.push_back(detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale));
   }
   insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return found;

@@ -24,12 +24,12 @@ struct ColorModel {
 
   /// Bin of a colour: 16 grey levels a luma bin; 4 levels a chroma bin, from 64 to 191.
   [[nodiscard]] static std::size_t bin(Yuv c) {
-    return (std::size_t{c.y} >> 4) * kChroma * kChroma + kColumn[c.u] * kChroma + kColumn[c.v];
+    return std::size_t{kLumaAt[c.y]} + kUAt[c.u] + kVAt[c.v];
   }
   /// Bin of a difference from the surroundings: 12 levels a luma bin, 3 a chroma bin, around zero.
   [[nodiscard]] static std::size_t difference_bin(Yuv c, Yuv around) {
     const auto at = [](int a, int b) { return static_cast<std::size_t>(a - b + 255); };
-    return kLumaStep[at(c.y, around.y)] * kChroma * kChroma + kChromaStep[at(c.u, around.u)] * kChroma + kChromaStep[at(c.v, around.v)];
+    return std::size_t{kLumaStep[at(c.y, around.y)]} + kUStep[at(c.u, around.u)] + kVStep[at(c.v, around.v)];
   }
 
   /// From a description alone: the hue of an sRGB colour (0..1), wherever it is more colourful than grey and
@@ -42,20 +42,23 @@ struct ColorModel {
   }
 
  private:
+  // Where a value's bins begin in a table: `levels` values a bin from `zero` on, what is beyond in the outer ones.
   template <std::size_t N>
-  [[nodiscard]] static constexpr std::array<std::uint8_t, N> bins(int zero, int levels, std::size_t bins) {
-    const int count = static_cast<int>(bins);
-    std::array<std::uint8_t, N> table{};
+  [[nodiscard]] static constexpr std::array<std::uint16_t, N> bins(int zero, int levels, std::size_t count, std::size_t size) {
+    std::array<std::uint16_t, N> table{};
     for (int i = 0; i < static_cast<int>(N); ++i)
-      table[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::clamp(i < zero ? 0 : (i - zero) / levels, 0, count - 1));
+      table[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(size * std::min(i < zero ? std::size_t{0} : static_cast<std::size_t>((i - zero) / levels), count - 1));
     return table;
   }
-  static const std::array<std::uint8_t, 256> kColumn;
-  static const std::array<std::uint8_t, 511> kLumaStep, kChromaStep;
+  static const std::array<std::uint16_t, 256> kLumaAt, kUAt, kVAt;
+  static const std::array<std::uint16_t, 511> kLumaStep, kUStep, kVStep;
 };
 
-inline constexpr std::array<std::uint8_t, 256> ColorModel::kColumn = bins<256>(64, 4, kChroma);
-inline constexpr std::array<std::uint8_t, 511> ColorModel::kLumaStep = bins<511>(255 - 96, 12, kLuma);
-inline constexpr std::array<std::uint8_t, 511> ColorModel::kChromaStep = bins<511>(255 - 48, 3, kChroma);
+inline constexpr std::array<std::uint16_t, 256> ColorModel::kLumaAt = bins<256>(0, 16, kLuma, kChroma * kChroma);
+inline constexpr std::array<std::uint16_t, 256> ColorModel::kUAt = bins<256>(64, 4, kChroma, kChroma);
+inline constexpr std::array<std::uint16_t, 256> ColorModel::kVAt = bins<256>(64, 4, kChroma, 1);
+inline constexpr std::array<std::uint16_t, 511> ColorModel::kLumaStep = bins<511>(255 - 96, 12, kLuma, kChroma * kChroma);
+inline constexpr std::array<std::uint16_t, 511> ColorModel::kUStep = bins<511>(255 - 48, 3, kChroma, kChroma);
+inline constexpr std::array<std::uint16_t, 511> ColorModel::kVStep = bins<511>(255 - 48, 3, kChroma, 1);
 
 }  // namespace gatefly

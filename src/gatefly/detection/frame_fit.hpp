@@ -10,7 +10,10 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/outline.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
 
@@ -27,8 +30,15 @@ struct FrameWeights {
   double weakest = 0.6, inside = 0.9, outside = 0.8;
 };
 
+/// How closely a frame is looked at.
+struct FrameEffort {
+  int samples = 24;   ///< Of a side, for its score; at most.
+  int stations = 12;  ///< Of a side, to move it.
+  int middles = 32;   ///< Of a side, to centre it.
+};
+
 /// Fits frames to evidence: any function (x, y) of whole cells or pixels, in 1/16 nats.
-template <class Evidence>
+template <class Evidence, FrameEffort kEffort = FrameEffort{}>
 class FrameFit {
  public:
   explicit FrameFit(const Evidence& evidence, const FrameWeights& weights = {}) : evidence_{evidence}, weights_{weights} {}
@@ -67,22 +77,23 @@ class FrameFit {
     return corners(lines);
   }
 
-  void set_least_offset(double cells) { off_min_ = cells; }
-
- private:
-  struct Line {
-    Eigen::Vector2d a, b;
-  };
-  static constexpr int kStations = 12, kMiddles = 32, kMostReach = 6;
-
+  /// Evidence at the nearest cell.
   [[nodiscard]] int at(const Eigen::Vector2d& p) const {
     // To the nearest; std::floor is a call on older processors.
     constexpr int kAbove = 1 << 14;
     return evidence_(static_cast<int>(p.x() + (kAbove + 0.5)) - kAbove, static_cast<int>(p.y() + (kAbove + 0.5)) - kAbove);
   }
 
+  void set_least_offset(double cells) { off_min_ = cells; }
+
+ private:
+  struct Line {
+    Eigen::Vector2d a, b;
+  };
+  static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 6;
+
   [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
-    const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, 24);
+    const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, kEffort.samples);
     const Eigen::Vector2d step = d / n;
     Eigen::Vector2d p = a + 0.5 * step;
     int sum = 0;
@@ -143,7 +154,7 @@ class FrameFit {
     reach = std::min(reach, kMostReach);
     const Strip<kMiddles> s = strip<kMiddles>(a, b, reach);
     // Weighted least squares of the bar's middle at every station that shows it.
-    std::array<double, kMiddles> middle{}, weight{};
+    std::array<double, static_cast<std::size_t>(kMiddles)> middle{}, weight{};
     for (int j = 0; j < kMiddles; ++j) {
       double sum = 0.0, moment = 0.0;
       for (int o = -reach; o <= reach; ++o) {
@@ -182,8 +193,8 @@ class FrameFit {
     return q;
   }
 
-  static constexpr std::array<int, kStations> kStationT = [] {
-    std::array<int, kStations> t{};
+  static constexpr std::array<int, static_cast<std::size_t>(kStations)> kStationT = [] {
+    std::array<int, static_cast<std::size_t>(kStations)> t{};
     for (int j = 0; j < kStations; ++j) t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * station(j, kStations));
     return t;
   }();
@@ -205,6 +216,28 @@ class FrameFit {
   }
   const auto alike = [](double a, double b) { return a < 1.8 * b && b < 1.8 * a; };
   return alike(length[0], length[2]) && alike(length[1], length[3]) && shortest > least_side && longest < most_aspect * shortest;
+}
+
+/// A frame that was fitted: the bars' middle lines.
+struct Frame {
+  Quad quad;
+  FrameScore score;
+};
+
+[[nodiscard]] inline bool same_place(const Quad& a, const Quad& b) {
+  const double shared = shared_area(a, b);
+  return shared > 0.5 * std::min(std::abs(area(a)), std::abs(area(b)));
+}
+
+/// Part of frames with this score that were gates, on the authors' labelled pictures.
+[[nodiscard]] inline double confidence_of(double score) { return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45))); }
+
+/// What a frame says to the outside: corners `corner_scale` away from the bars' middle lines, and a confidence.
+[[nodiscard]] inline GateDetection detection_of(const Frame& frame, DetectionMethod method, const Image& image, double corner_scale) {
+  const bool whole = std::all_of(frame.quad.begin(), frame.quad.end(), [&](const auto& p) {
+    return p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image.width() - 2.0 && p.y() <= image.height() - 2.0;
+  });
+  return {clockwise_from_top_left(scaled(frame.quad, corner_scale)), confidence_of(frame.score.total), method, whole};
 }
 
 }  // namespace gatefly

@@ -6,10 +6,14 @@
 
 namespace gatefly {
 
+/// How a gate was found: along its bars, or by trying frames everywhere.
+enum class DetectionMethod { kSnake, kFrames };
+
 /// What every detector answers with.
 struct GateDetection {
   Quad corners_px{};     ///< Outer corners, sub-pixel; clockwise from top-left.
   double fitness = 0.0;  ///< 0..1. Careful search: part of such frames that were gates; paper's: cf, Eq. (1).
+  DetectionMethod method = DetectionMethod::kSnake;
   bool whole = true;     ///< All four bars are in the picture; else corners outside are a guess.
 };
 

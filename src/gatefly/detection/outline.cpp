@@ -12,45 +12,6 @@ namespace {
 
 int nearest(double x) { return static_cast<int>(std::floor(x + 0.5)); }
 
-// Argmax of a histogram; a plateau or later ties give the middle of first and last.
-template <std::size_t N>
-double mode(const std::array<int, N>& histogram, int size) {
-  int best = 0;
-  double first = 0, last = 0;
-  for (int i = 0; i < size; ++i) {
-    const int count = histogram[static_cast<std::size_t>(i)];
-    if (count > best) {
-      best = count;
-      first = last = i;
-    } else if (count == best && best > 0) {
-      last = i;
-    }
-  }
-  return 0.5 * (first + last);
-}
-
-Eigen::Vector2d corner_by_histogram(const ColorMask& is_gate, const Eigen::Vector2d& rough,
-                                    double half_width) {
-  constexpr int kMaxWindow = 160;
-  const int h = std::clamp(nearest(half_width), 2, kMaxWindow / 2 - 1);
-  const int u0 = std::max(0, nearest(rough.x()) - h), u1 = std::min(is_gate.width() - 1, nearest(rough.x()) + h);
-  const int v0 = std::max(0, nearest(rough.y()) - h), v1 = std::min(is_gate.height() - 1, nearest(rough.y()) + h);
-  if (u1 < u0 || v1 < v0) return rough;
-
-  std::array<int, kMaxWindow> columns{}, rows{};
-  int hits = 0;
-  const int stride = 1 + h / 16;  // large windows have thick bars; the line fit is fine again
-  for (int v = v0; v <= v1; v += stride)
-    for (int u = u0; u <= u1; u += stride)
-      if (is_gate(u, v)) {
-        ++columns[static_cast<std::size_t>(u - u0)];
-        ++rows[static_cast<std::size_t>(v - v0)];
-        ++hits;
-      }
-  if (hits == 0) return rough;
-  return {u0 + mode(columns, u1 - u0 + 1), v0 + mode(rows, v1 - v0 + 1)};
-}
-
 struct Line {
   Eigen::Vector2d point, direction;
 };

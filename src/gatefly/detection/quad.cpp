@@ -67,4 +67,14 @@ Eigen::Vector2d center(const Quad& quad) {
   return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
 }
 
+Quad to_cells(Quad quad_px, double cell) {
+  for (auto& p : quad_px) p = to_cells(p, cell);
+  return quad_px;
+}
+
+Quad to_pixels(Quad quad_cells, double cell) {
+  for (auto& p : quad_cells) p = ((p.array() + 0.5) * cell - 0.5).matrix();
+  return quad_cells;
+}
+
 }  // namespace gatefly

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/io/csv.hpp"
 
@@ -19,6 +20,9 @@ struct DetectionRow {
   double fitness = 0.0;
   std::string method = "snake";  ///< "bars": only the u of two bars counts.
 };
+
+/// Column `method` of detections.csv.
+[[nodiscard]] inline const char* name_of(DetectionMethod method) { return method == DetectionMethod::kFrames ? "frames" : "snake"; }
 
 /// detections.csv with its header; corners keep 7 digits.
 [[nodiscard]] std::string detections_csv(std::span<const DetectionRow> rows);

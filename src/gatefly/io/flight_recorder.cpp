@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "gatefly/io/detections_file.hpp"
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/text.hpp"
 
@@ -146,7 +147,7 @@ void FlightRecorder::record_frame(const closed_loop::Tick& tick) {
   for (const GateDetection& gate : tick.pilot.sighting().detections) {
     detections_ << name.data() << ',' << rank++;
     for (const auto& corner : gate.corners_px) detections_ << ',' << text_of(corner.x(), 6) << ',' << text_of(corner.y(), 6);
-    detections_ << ',' << text_of(gate.fitness, 4) << ",frames\n";
+    detections_ << ',' << text_of(gate.fitness, 4) << ',' << name_of(gate.method) << '\n';
   }
   check(detections_, "detections.csv");
 }

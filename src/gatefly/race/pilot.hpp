@@ -12,9 +12,9 @@
 #include "gatefly/control/attitude_command.hpp"
 #include "gatefly/control/indi.hpp"
 #include "gatefly/control/lateral_pd.hpp"
-#include "gatefly/detection/careful_search.hpp"
 #include "gatefly/detection/gate_bars.hpp"
 #include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/gate_search.hpp"
 #include "gatefly/detection/open_gate.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
@@ -77,7 +77,7 @@ struct PilotConfig {
   CameraTiming camera_timing;
   ColorRange color;                 ///< For parts of gates: bars, lower corners.
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
-  CarefulSearchParams detector;
+  GateSearchParams detector;
   OpenGateParams open_gate;
   GateBarsParams bars;
   PoseParams pose;
@@ -200,7 +200,7 @@ class Pilot {
   Altitude altitude_;
   Indi indi_;
   Rng rng_;
-  CarefulSearch detector_;
+  GateSearch detector_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
   Sighting sighting_;

@@ -23,25 +23,21 @@ Yuv yuv_of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
 
 Image::Image(const std::uint8_t* bytes, PixelFormat format, int stored_width, int stored_height,
              int stored_rotation_deg)
-    : bytes_{bytes}, format_{format}, stride_{stored_width} {
+    : bytes_{bytes}, format_{format}, along_v_{stored_width} {
   if (bytes == nullptr || stored_width <= 0 || stored_height <= 0) return;
   if (format == PixelFormat::kUyvy && stored_width % 2 != 0) return;  // pairs cannot be halved
   width_ = stored_width;
   height_ = stored_height;
+  const std::ptrdiff_t line = stored_width, last_line = line * (stored_height - 1);
   switch (stored_rotation_deg) {
     case 90:  // the stored right edge becomes the top
       width_ = stored_height, height_ = stored_width;
-      x0_ = stored_width - 1, xu_ = 0, xv_ = -1;
-      y0_ = 0, yu_ = 1, yv_ = 0;
+      first_ = line - 1, along_u_ = line, along_v_ = -1;
       break;
-    case 180:
-      x0_ = stored_width - 1, xu_ = -1, xv_ = 0;
-      y0_ = stored_height - 1, yu_ = 0, yv_ = -1;
-      break;
+    case 180: first_ = last_line + line - 1, along_u_ = -1, along_v_ = -line; break;
     case 270:
       width_ = stored_height, height_ = stored_width;
-      x0_ = 0, xu_ = 0, xv_ = 1;
-      y0_ = stored_height - 1, yu_ = -1, yv_ = 0;
+      first_ = last_line, along_u_ = -line, along_v_ = 1;
       break;
     default: break;
   }

@@ -41,35 +41,52 @@ class Image {
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool empty() const { return width_ == 0; }
   [[nodiscard]] bool contains(int u, int v) const {
-    return u >= 0 && v >= 0 && u < width_ && v < height_;
+    return static_cast<unsigned>(u) < static_cast<unsigned>(width_) && static_cast<unsigned>(v) < static_cast<unsigned>(height_);
   }
 
   /// Colour at an upright pixel; (u, v) must be inside.
   [[nodiscard]] Yuv at(int u, int v) const {
-    const int x = x0_ + xu_ * u + xv_ * v;
-    const int y = y0_ + yu_ * u + yv_ * v;
+    const std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
     switch (format_) {
       case PixelFormat::kUyvy: {
-        const std::uint8_t* pair = bytes_ + 2 * (y * stride_ + (x & ~1));
-        return {pair[(x & 1) ? 3 : 1], pair[0], pair[2]};
+        const std::uint8_t* pair = bytes_ + 2 * (i & ~std::ptrdiff_t{1});
+        return {pair[(i & 1) ? 3 : 1], pair[0], pair[2]};
       }
       case PixelFormat::kRgb: {
-        const std::uint8_t* p = bytes_ + 3 * (y * stride_ + x);
+        const std::uint8_t* p = bytes_ + 3 * i;
         return yuv_of_rgb(p[0], p[1], p[2]);
       }
       case PixelFormat::kYuv444: break;
     }
-    const std::uint8_t* p = bytes_ + 3 * (y * stride_ + x);
+    const std::uint8_t* p = bytes_ + 3 * i;
     return {p[0], p[1], p[2]};
+  }
+
+  /// Calls visit(Yuv) for every `step`-th pixel of upright row v from column u on, `count` of them; all must be inside.
+  template <class Visit>
+  void visit_row(int u, int v, int step, int count, Visit visit) const {
+    std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
+    const std::ptrdiff_t next = along_u_ * step;
+    // The layout is asked once a row; what `visit` writes could be members, were they not copied.
+    const std::uint8_t* const bytes = bytes_;
+    if (format_ == PixelFormat::kUyvy) {
+      for (int k = 0; k < count; ++k, i += next) {
+        const std::uint8_t* const pair = bytes + 2 * (i & ~std::ptrdiff_t{1});
+        visit(Yuv{pair[(i & 1) ? 3 : 1], pair[0], pair[2]});
+      }
+    } else if (format_ == PixelFormat::kRgb) {
+      for (int k = 0; k < count; ++k, i += next) visit(yuv_of_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]));
+    } else {
+      for (int k = 0; k < count; ++k, i += next) visit(Yuv{bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]});
+    }
   }
 
  private:
   const std::uint8_t* bytes_ = nullptr;
   PixelFormat format_ = PixelFormat::kYuv444;
   int width_ = 0, height_ = 0;  // upright
-  int stride_ = 0;              // stored pixels a line
-  // stored x = x0 + xu u + xv v, likewise y.
-  int x0_ = 0, xu_ = 1, xv_ = 0, y0_ = 0, yu_ = 0, yv_ = 1;
+  // Stored pixels are counted line by line (lines of pairs are even); upright (u, v) is the one at first + along_u u + along_v v.
+  std::ptrdiff_t first_ = 0, along_u_ = 1, along_v_ = 0;
 };
 
 }  // namespace gatefly

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gatefly/detection/frame_fit.hpp"
+
+namespace gatefly {
+
+/// What counts as a gate, for the fast and for the careful search.
+struct GateSearchParams {
+  double min_score = 2.5;     ///< Of FrameScore::total: one in two such frames is a gate. [docs/paper/results.md]
+  double sure_score = 3.5;    ///< Of the fast search: no careful one follows. [of 2.5, 3, 3.5, 4: the labelled sets' best]
+  double max_inside = 0.5;    ///< Evidence in the opening [nats]: a filled square is no gate.
+  double max_roll_deg = 60.0;  ///< Of the careful search.
+  double min_side_px = 10.0;  ///< Of the bars' centre lines.
+  double max_aspect = 3.2;
+  double corner_scale = 1.0 / 0.95;  ///< From the bars' middle lines to the corners that are meant: outer ones.
+  FrameWeights weights;
+};
+
+}  // namespace gatefly

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/snake_search.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/detection/gate_search.hpp"
+#include "support/draw_gate.hpp"
+#include "support/for_all.hpp"
+#include "support/worst_corner.hpp"
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+
+const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
+
+template <class Search>
+GateDetections found_by(Search& search, const Canvas& canvas) {
+  const auto bytes = canvas.yuv444();
+  return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, kOrange);
+}
+
+GateDetections gates_in(const Canvas& canvas) {
+  static SnakeSearch search;
+  return found_by(search, canvas);
+}
+
+struct Place {
+  double distance, roll_deg;
+};
+void PrintTo(const Place& p, std::ostream* out) { *out << p.distance << " m, roll " << p.roll_deg << " deg"; }
+
+class SnakeSearchFrom : public ::testing::TestWithParam<Place> {};
+
+// 20 views each, noisy wall: four of five are found, and the median of the worst corners is small.
+TEST_P(SnakeSearchFrom, FindsTheOuterCorners) {
+  const CameraRig rig = bebop_rig();
+  std::vector<double> errors;
+  int views = 0;
+  for_all(20, [&](Rng& rng) {
+    const View view{{-GetParam().distance, rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.5)},
+                    {GetParam().roll_deg * kDegree + rng.uniform(-0.05, 0.05), rng.uniform(-0.1, 0.0), rng.uniform(-0.2, 0.2)}};
+    const auto corners = corners_of(1.0, view, rig);
+    if (!corners || !inside_picture(*corners, 315, 160, 4)) return;
+    ++views;
+    Canvas canvas(315, 160);
+    canvas.draw_gate(view, rig);
+    canvas.add_noise(rng);
+    const auto found = gates_in(canvas);
+    if (!found.empty() && worst_corner(found[0].corners_px, *corners) < 6.0) errors.push_back(worst_corner(found[0].corners_px, *corners));
+  });
+  ASSERT_GE(views, 5);
+  EXPECT_GE(static_cast<int>(errors.size()), views - views / 5);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, SnakeSearchFrom,
+                         ::testing::Values(Place{2.0, 0}, Place{3.0, 0}, Place{4.0, 0}, Place{2.5, 30}, Place{2.5, -45}, Place{2.5, 60}));
+
+TEST(SnakeSearch, FollowsABarOverAHole) {
+  const CameraRig rig = bebop_rig();
+  const View view{{-2.0, 0, 0.1}, {}};
+  Canvas canvas(315, 160);
+  canvas.draw_gate(view, rig);
+  const Quad truth = corners_of(1.0, view, rig).value();
+  const int left = static_cast<int>(truth[0].x()), middle = static_cast<int>(0.5 * (truth[0].y() + truth[3].y()));
+  canvas.blank(left - 6, left + 8, middle - 5, middle + 5);
+  const auto gates = gates_in(canvas);
+  ASSERT_EQ(gates.size(), 1u);
+  EXPECT_LT(worst_corner(gates[0].corners_px, truth), 3.0);
+}
+
+TEST(SnakeSearch, TwoGatesAreTwo) {
+  const CameraRig rig = bebop_rig();
+  const View near{{-2.5, 0.8, 0}, {}}, far{{-3.5, -1.4, 0}, {}};
+  Canvas canvas(315, 160);
+  canvas.draw_gate(near, rig), canvas.draw_gate(far, rig);
+  const auto gates = gates_in(canvas);
+  ASSERT_EQ(gates.size(), 2u);
+  for (const View& view : {near, far}) {
+    const Quad truth = corners_of(1.0, view, rig).value();
+    EXPECT_LT(std::min(worst_corner(gates[0].corners_px, truth), worst_corner(gates[1].corners_px, truth)), 3.0);
+  }
+}
+
+TEST(SnakeSearch, TheSameSceneInAnySizeShowsTheSameGate) {
+  const View view{{-3.0, 0.3, 0.2}, {0.1, -0.05, 0.1}};
+  for (const int times : {1, 2, 3, 4}) {
+    CameraRig rig = bebop_rig();
+    rig.lens.model = DhaneFisheye{{168.0 * times, 168.0 * times}, {157.0 * times, 124.0 * times}, 1.08};
+    Canvas canvas(315 * times, 160 * times);
+    canvas.draw_gate(view, rig);
+    const auto gates = gates_in(canvas);
+    ASSERT_EQ(gates.size(), 1u) << times;
+    EXPECT_LT(worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()), 2.5 * times) << times;
+  }
+}
+
+TEST(SnakeSearch, NoiseAndFilledSquaresAreNoGates) {
+  for_all(30, [](Rng& rng) {
+    Canvas canvas(315, 160);
+    canvas.add_noise(rng, 60.0, 20.0);
+    EXPECT_TRUE(gates_in(canvas).empty());
+  });
+  Canvas canvas(315, 160);
+  canvas.draw_gate({{-3.0, 0, 0}, {}}, bebop_rig(), 1.0, 0.5);
+  EXPECT_TRUE(gates_in(canvas).empty());
+}
+
+TEST(SnakeSearch, WhatWasLookedAtBeforeLeavesNoTrace) {
+  Canvas canvas(315, 160), other(640, 480);
+  Rng rng{3};
+  canvas.draw_gate({{-3.0, 0.2, 0}, {}}, bebop_rig()), canvas.add_noise(rng), other.fill({120, 90, 190});
+  const auto first = gates_in(canvas);
+  (void)gates_in(other);
+  const auto second = gates_in(canvas);
+  ASSERT_EQ(first.size(), 1u);
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_EQ(worst_corner(first[0].corners_px, second[0].corners_px), 0.0);
+}
+
+TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
+  const CameraRig rig = bebop_rig();
+  GateSearch search;
+  for_all(10, [&](Rng& rng) {
+    const View view{{-3.0, rng.uniform(-0.3, 0.3), 0.1}, {}};
+    const Quad truth = corners_of(1.0, view, rig).value();
+    for (const bool washed_out : {false, true}) {
+      Canvas canvas(315, 160);
+      if (washed_out) canvas.draw_gate(view, rig, 1.0, 0.05, {120, 121, 134});
+      else canvas.draw_gate(view, rig);
+      canvas.add_noise(rng, 8.0, 2.0);
+      const auto gates = found_by(search, canvas);
+      ASSERT_FALSE(gates.empty()) << washed_out;
+      EXPECT_LT(worst_corner(gates[0].corners_px, truth), 6.0);
+      EXPECT_EQ(gates[0].method == DetectionMethod::kFrames, washed_out);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace gatefly
