@@ -103,8 +103,7 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
   ++findings.pictures;
   findings.with_gate += !gates.empty();
   for (std::size_t i = 0; i < gates.size(); ++i)
-    findings.rows.push_back({.image = name, .gate = static_cast<int>(i), .corners_px = gates[i].corners_px,
-                             .fitness = gates[i].fitness, .method = io::name_of(gates[i].method)});
+    findings.rows.push_back(io::row_of(name, static_cast<int>(i), gates[i]));
   if (options.annotate.empty()) return;
   fs::create_directories(options.annotate);
   io::annotate(image, gates, fs::path{options.annotate} / (name + ".png"));
@@ -180,7 +179,7 @@ nlohmann::ordered_json as_json(const Findings& findings) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();
     for (const auto& corner : row.corners_px) corners.push_back({corner.x(), corner.y()});
     detections.push_back({{"image", row.image}, {"gate", row.gate}, {"corners_px", corners},
-                          {"fitness", row.fitness}, {"method", row.method}});
+                          {"fitness", row.fitness}, {"method", row.method}, {"corner_fitness", row.corner_fitness}});
   }
   return {{"pictures", findings.pictures}, {"with_gate", findings.with_gate}, {"unusable", findings.unusable},
           {"detections", detections}};

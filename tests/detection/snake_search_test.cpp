@@ -125,6 +125,40 @@ TEST(SnakeSearch, WhatWasLookedAtBeforeLeavesNoTrace) {
   EXPECT_EQ(worst_corner(first[0].corners_px, second[0].corners_px), 0.0);
 }
 
+// Two thirds of a bar washed out: its two corners are less sure, the other two are as sure as ever.
+TEST(GateSearch, CornersOfABrokenBarAreDoubtful) {
+  const CameraRig rig = bebop_rig();
+  GateSearch search{{.min_score = 0.5}};
+  const View view{{-2.5, 0, 0.1}, {}};
+  const Quad truth = corners_of(1.0, view, rig).value();
+  Canvas canvas(315, 160);
+  canvas.draw_gate(view, rig);
+  const int right = static_cast<int>(truth[1].x()), middle = static_cast<int>(0.5 * (truth[1].y() + truth[2].y()));
+  canvas.blank(right - 6, right + 6, middle - 18, middle + 18);
+  const auto gates = found_by(search, canvas);
+  const auto gate = std::find_if(gates.begin(), gates.end(), [&](const auto& g) { return worst_corner(g.corners_px, truth) < 8.0; });
+  ASSERT_NE(gate, gates.end());
+  const auto& fitness = gate->corner_fitness;  // TL, TR, BR, BL
+  EXPECT_GT(std::min(fitness[0], fitness[3]), 0.9);
+  EXPECT_LT(std::max(fitness[1], fitness[2]), 0.8);
+}
+
+TEST(GateSearch, ACornerOutsideThePictureHasNoFitness) {
+  const CameraRig rig = bebop_rig();
+  const View view{{-2.0, 2.2, 0.2}, {}};  // its left bar is cut off
+  Canvas canvas(315, 160);
+  canvas.draw_gate(view, rig);
+  GateSearch search;
+  for (const auto& gate : found_by(search, canvas))
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d& p = gate.corners_px[i];
+      if (p.x() < 0 || p.y() < 0 || p.x() > 314 || p.y() > 159) {
+        EXPECT_EQ(gate.corner_fitness[i], 0.0);
+        EXPECT_FALSE(gate.whole);
+      }
+    }
+}
+
 TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
   const CameraRig rig = bebop_rig();
   GateSearch search;

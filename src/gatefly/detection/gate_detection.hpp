@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
@@ -13,6 +15,7 @@ enum class DetectionMethod { kSnake, kFrames };
 struct GateDetection {
   Quad corners_px{};     ///< Outer corners, sub-pixel; clockwise from top-left.
   double fitness = 0.0;  ///< 0..1. Careful search: part of such frames that were gates; paper's: cf, Eq. (1).
+  std::array<double, 4> corner_fitness{1.0, 1.0, 1.0, 1.0};  ///< 0..1; 0 for what is not in the picture.
   DetectionMethod method = DetectionMethod::kSnake;
   bool whole = true;     ///< All four bars are in the picture; else corners outside are a guess.
 };

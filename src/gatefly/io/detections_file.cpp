@@ -16,15 +16,28 @@ double coordinate(const Quad& quad, std::size_t k) { return quad[k / 2][static_c
 
 }  // namespace
 
+DetectionRow row_of(const std::string& image, int rank, const GateDetection& gate) {
+  return {.image = image, .gate = rank, .corners_px = gate.corners_px, .fitness = gate.fitness,
+          .method = gate.method == DetectionMethod::kFrames ? "frames" : "snake", .corner_fitness = gate.corner_fitness};
+}
+
+std::string detections_header() {
+  std::string line = "image,gate";
+  for (const char* name : kCorners) line += std::string{","} + name;
+  return line + ",fitness,method,tl_fitness,tr_fitness,br_fitness,bl_fitness\n";
+}
+
+std::string line_of(const DetectionRow& row) {
+  std::string line = row.image + ',' + std::to_string(row.gate);
+  for (std::size_t k = 0; k < kCorners.size(); ++k) line += ',' + text_of(coordinate(row.corners_px, k), 7);
+  line += ',' + text_of(row.fitness, 4) + ',' + row.method;
+  for (const double fitness : row.corner_fitness) line += ',' + text_of(fitness, 3);
+  return line + '\n';
+}
+
 std::string detections_csv(std::span<const DetectionRow> rows) {
-  std::string csv = "image,gate";
-  for (const char* name : kCorners) csv += std::string{","} + name;
-  csv += ",fitness,method\n";
-  for (const DetectionRow& row : rows) {
-    csv += row.image + ',' + std::to_string(row.gate);
-    for (std::size_t k = 0; k < kCorners.size(); ++k) csv += ',' + text_of(coordinate(row.corners_px, k), 7);
-    csv += ',' + text_of(row.fitness, 4) + ',' + row.method + '\n';
-  }
+  std::string csv = detections_header();
+  for (const DetectionRow& row : rows) csv += line_of(row);
   return csv;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -19,15 +20,19 @@ struct DetectionRow {
   Quad corners_px{};      ///< As listed; upright picture, pixel centres at integers.
   double fitness = 0.0;
   std::string method = "snake";  ///< "bars": only the u of two bars counts.
+  std::array<double, 4> corner_fitness{1.0, 1.0, 1.0, 1.0};  ///< 0: the corner is not in the picture.
 };
 
-/// Column `method` of detections.csv.
-[[nodiscard]] inline const char* name_of(DetectionMethod method) { return method == DetectionMethod::kFrames ? "frames" : "snake"; }
+[[nodiscard]] DetectionRow row_of(const std::string& image, int rank, const GateDetection& gate);
 
-/// detections.csv with its header; corners keep 7 digits.
+/// The columns of detections.csv, and one row of it; each ends its line. Corners keep 7 digits.
+[[nodiscard]] std::string detections_header();
+[[nodiscard]] std::string line_of(const DetectionRow& row);
+
+/// The whole of detections.csv.
 [[nodiscard]] std::string detections_csv(std::span<const DetectionRow> rows);
 
-/// Reads what detections_csv() or another program wrote: image and corners; gate, fitness, method when there.
+/// Reads what detections_csv() or another program wrote: image and corners; gate, fitness, method when there, not the corners' own fitness.
 /// @throws std::runtime_error "file:line:column: ..." with the value and what is allowed.
 [[nodiscard]] std::vector<DetectionRow> read_detections(const std::filesystem::path& path);
 

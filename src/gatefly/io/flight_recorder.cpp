@@ -56,7 +56,7 @@ FlightRecorder::FlightRecorder(fs::path out) : out_{std::move(out)} {
   buffer_ = kHeader;
   images_ << "image,t_s,log_row,t_ns\n";
   check(log_, "log_si.csv");
-  detections_ << "image,gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v,fitness,method\n";
+  detections_ << detections_header();
   check(images_, "images.csv");
   check(detections_, "detections.csv");
 }
@@ -144,11 +144,7 @@ void FlightRecorder::record_frame(const closed_loop::Tick& tick) {
   check(images_, "images.csv");
 
   int rank = 0;
-  for (const GateDetection& gate : tick.pilot.sighting().detections) {
-    detections_ << name.data() << ',' << rank++;
-    for (const auto& corner : gate.corners_px) detections_ << ',' << text_of(corner.x(), 6) << ',' << text_of(corner.y(), 6);
-    detections_ << ',' << text_of(gate.fitness, 4) << ',' << name_of(gate.method) << '\n';
-  }
+  for (const GateDetection& gate : tick.pilot.sighting().detections) detections_ << line_of(row_of(name.data(), rank++, gate));
   check(detections_, "detections.csv");
 }
 
