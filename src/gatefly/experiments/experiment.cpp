@@ -10,11 +10,12 @@
 namespace gatefly::experiments {
 
 std::span<const Experiment> all() {
-  static const std::array<Experiment, 4> list{{
+  static const std::array<Experiment, 5> list{{
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
       {"approach-sequence", "what is found picture by picture while a gate is approached", approach_sequence},
+      {"blind-real", "drift without a fix on real flights: drag filter beside the 15-state inertial one", blind_real},
   }};
   return list;
 }

@@ -52,5 +52,6 @@ Result roc_length(const Options& options);
 Result roc_fitness(const Options& options);
 Result tpr_distance(const Options& options);
 Result approach_sequence(const Options& options);
+Result blind_real(const Options& options);
 
 }  // namespace gatefly::experiments

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/baseline/imu15.hpp"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::baseline {
+
+void Imu15::start(const Eigen::Vector3d& p_EB, const Attitude& attitude, const Eigen::Vector3d& accel_bias,
+                  const Eigen::Vector3d& gyro_bias) {
+  p_ = p_EB, v_.setZero(), q_ = quaternion_of(attitude), accel_bias_ = accel_bias, gyro_bias_ = gyro_bias;
+  P_.setZero();
+  P_.diagonal().segment<3>(kP) = params_.start_position_sigma.cwiseAbs2();
+  P_.diagonal().segment<3>(kV).setConstant(params_.start_velocity_sigma * params_.start_velocity_sigma);
+  P_.diagonal().segment<3>(kTheta) = Eigen::Vector3d{params_.start_tilt_sigma, params_.start_tilt_sigma, params_.start_heading_sigma}.cwiseAbs2();
+  P_.diagonal().segment<3>(kAccelBias) = params_.start_bias_sigma.cwiseAbs2();
+  P_.diagonal().segment<3>(kGyroBias).setConstant(params_.start_gyro_sigma * params_.start_gyro_sigma);
+}
+
+void Imu15::predict(const Imu& imu, double dt) {
+  if (!(dt > 0.0) || dt > 1.0 || !imu.accel_B.allFinite() || !imu.gyro_B.allFinite()) return;
+  const Eigen::Matrix3d R = rotation_EB(q_).matrix;
+  const Eigen::Vector3d force_E = R * (imu.accel_B - accel_bias_);
+  const Eigen::Vector3d accel_E = force_E + Eigen::Vector3d{0, 0, params_.gravity};
+  p_ += dt * v_ + 0.5 * dt * dt * accel_E;
+  v_ += dt * accel_E;
+  q_ = integrated(q_, imu.gyro_B - gyro_bias_, dt);
+
+  Covariance Phi = Covariance::Identity();
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  Phi.block<3, 3>(kP, kV) = dt * I;
+  Phi.block<3, 3>(kP, kTheta) = -0.5 * dt * dt * skew(force_E);
+  Phi.block<3, 3>(kP, kAccelBias) = -0.5 * dt * dt * R;
+  Phi.block<3, 3>(kV, kTheta) = -dt * skew(force_E);
+  Phi.block<3, 3>(kV, kAccelBias) = -dt * R;
+  Phi.block<3, 3>(kTheta, kGyroBias) = -dt * R;
+  Covariance P = Phi * P_ * Phi.transpose();
+  const auto add = [&](int at, double density) { P.diagonal().segment<3>(at).array() += density * density * dt; };
+  add(kV, params_.accel_noise), add(kTheta, params_.gyro_noise), add(kAccelBias, params_.accel_walk), add(kGyroBias, params_.gyro_walk);
+  P_ = 0.5 * (P + P.transpose());
+}
+
+template <int N>
+void Imu15::correct(const Eigen::Matrix<double, N, 1>& innovation, const Eigen::Matrix<double, N, kStates>& H,
+                    const Eigen::Matrix<double, N, 1>& sigma) {
+  if (!innovation.allFinite()) return;
+  const Eigen::Matrix<double, N, N> noise = sigma.cwiseAbs2().asDiagonal();
+  const Eigen::Matrix<double, N, N> S = H * P_ * H.transpose() + noise;
+  const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(H * P_).transpose();
+  const Eigen::Matrix<double, kStates, 1> error = K * innovation;
+  const Covariance I_KH = Covariance::Identity() - K * H, joseph = I_KH * P_ * I_KH.transpose() + K * noise * K.transpose();
+  P_ = 0.5 * (joseph + joseph.transpose());
+  p_ += error.segment<3>(kP), v_ += error.segment<3>(kV);
+  accel_bias_ += error.segment<3>(kAccelBias), gyro_bias_ += error.segment<3>(kGyroBias);
+  // The attitude's error is a small turn in the earth frame: the same turn in the body's.
+  const Eigen::Vector3d turn_B = rotation_EB(q_).matrix.transpose() * error.segment<3>(kTheta);
+  q_ = integrated(q_, turn_B, 1.0);
+}
+
+void Imu15::correct_position(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
+  Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
+  H.block<3, 3>(0, kP).setIdentity();
+  correct<3>(p_EB - p_, H, sigma);
+}
+
+void Imu15::correct_altitude(double z, double sigma) {
+  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
+  H(0, kP + 2) = 1.0;
+  correct<1>(Eigen::Matrix<double, 1, 1>{z - p_.z()}, H, Eigen::Matrix<double, 1, 1>{sigma});
+}
+
+void Imu15::correct_heading(double yaw, double sigma) {
+  // ψ = atan2(R10, R00): dψ/dθ of a small turn in the earth frame.
+  const Eigen::Matrix3d R = rotation_EB(q_).matrix;
+  const double level2 = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
+  if (level2 < 1e-6) return;
+  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
+  H.segment<3>(kTheta) = Eigen::RowVector3d{-R(0, 0) * R(2, 0), -R(1, 0) * R(2, 0), level2} / level2;
+  correct<1>(Eigen::Matrix<double, 1, 1>{wrap_angle(yaw - attitude().yaw)}, H, Eigen::Matrix<double, 1, 1>{sigma});
+}
+
+}  // namespace gatefly::baseline
