@@ -93,7 +93,7 @@ TEST(NastyPictures, SettingsAtTheirEndsAreSurvived) {
       for (const double score : {-5.0, 10.0})
         for (const double aspect : {1.0, 20.0}) {
           DetectorSettings s;
-          s.careful.max_roll_deg = roll, s.careful.min_side_px = side, s.careful.min_score = score, s.careful.max_aspect = aspect;
+          s.search.max_roll_deg = roll, s.search.min_side_px = side, s.search.min_score = score, s.search.max_aspect = aspect;
           EXPECT_EQ(complaint(canvas, s), "");
         }
   DetectorSettings s;

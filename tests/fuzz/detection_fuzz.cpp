@@ -76,10 +76,10 @@ gatefly::test::DetectorSettings settings_of(Bytes& in) {
   gatefly::test::DetectorSettings s = defaults;
   const auto one_of = [&](std::initializer_list<double> values) { return values.begin()[static_cast<std::size_t>(in.next()) % values.size()]; };
   // The ends of what a configuration allows, and what a lens may make of straight down.
-  s.careful.max_roll_deg = one_of({60, 0, 9, 90});
-  s.careful.min_side_px = one_of({10, 1, 500});
-  s.careful.min_score = one_of({2.5, -5, 10});
-  s.careful.max_aspect = one_of({3.2, 1, 20});
+  s.search.max_roll_deg = one_of({60, 0, 9, 90});
+  s.search.min_side_px = one_of({10, 1, 500});
+  s.search.min_score = one_of({2.5, -5, 10});
+  s.search.max_aspect = one_of({3.2, 1, 20});
   s.bars.smoothing_px = static_cast<int>(one_of({5, 1, 100}));
   s.open.min_width_px = one_of({40, 1, 500});
   s.color.min_chroma = static_cast<int>(one_of({0, 20, 255}));

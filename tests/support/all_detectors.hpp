@@ -9,6 +9,7 @@
 #include "gatefly/detection/gate_bars.hpp"
 #include "gatefly/detection/open_gate.hpp"
 #include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/snake_search.hpp"
 
 namespace gatefly::test {
 
@@ -16,7 +17,7 @@ namespace gatefly::test {
 struct DetectorSettings {
   ColorModel model = ColorModel::described({1.0, 0.4, 0.0});
   ColorRange color;
-  CarefulSearchParams careful;
+  GateSearchParams search;
   OpenGateParams open;
   GateBarsParams bars;
   std::optional<Eigen::Vector2d> nadir_px;
@@ -27,7 +28,9 @@ struct DetectorSettings {
 class AllDetectors {
  public:
   [[nodiscard]] std::string complaint(const Image& image, const DetectorSettings& settings) {
-    CarefulSearch careful{settings.careful};
+    SnakeSearch snakes{settings.search};
+    if (const auto what = wrong(snakes.detect(image, settings.model), image); !what.empty()) return "snakes: " + what;
+    CarefulSearch careful{settings.search};
     if (const auto what = wrong(careful.detect(image, settings.model), image); !what.empty()) return "careful: " + what;
     Rng rng{1};
     if (const auto what = wrong(detect_as_paper(image, {}, rng), image); !what.empty()) return "paper: " + what;
