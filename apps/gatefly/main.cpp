@@ -56,6 +56,7 @@ int run_main(std::span<char* const> arguments) {
   add_campaign(app, run);
   add_reproduce(app, run);
   add_identify(app, run);
+  add_bench(app, run);
   add_config(app, run);
 
   if (arguments.size() > 1 && arguments[1][0] != '-') {

@@ -58,7 +58,7 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "config", "detect", "score", "campaign"):
+        for command in ("fly", "config", "detect", "score", "campaign", "bench"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -72,6 +72,27 @@ class Help(Cli):
         result = self.run_it("--version")
         self.assertEqual(result.returncode, 0)
         self.assertRegex(result.stdout, r"^gatefly \d+\.\d+\.\d+\n$")
+
+
+class Bench(Cli):
+    def test_costs_of_a_pattern_stand_beside_their_baseline(self):
+        result = self.run_it("bench", "--pictures", "checker:8", "gate", "--stage", "snakes", "flown", "--quick", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        stages = json.loads(result.stdout)["detection"]
+        self.assertEqual([stage["name"] for stage in stages], ["snakes", "flown"])
+        for stage in stages:
+            self.assertGreater(stage["median_us"], 0)
+            self.assertLessEqual(stage["median_us"], stage["max_us"])
+
+    def test_one_call_a_picture_names_the_pictures(self):
+        result = self.run_it("bench", "--once", "--stage", "careful", "--pictures", "all", "noise:4:0.1:0")
+        self.assertEqual((result.returncode, result.stdout.splitlines()), (0, ["all:0.5:0.5:0.5", "noise:4:0.1:0"]))
+
+    def test_what_it_does_not_know_is_said(self):
+        self.assertIn("did you mean 'careful'", self.refused("bench", "--stage", "carefull", "--pictures", "all"))
+        self.assertIn("there are: gate, all, checker", self.refused("bench", "--pictures", "chess:8"))
+        self.assertIn("must be in 1..60", self.refused("bench", "--pictures", "checker:0"))
+        self.assertIn("one --stage", self.refused("bench", "--once", "--pictures", "all"))
 
 
 class CommandLine(Cli):

@@ -42,19 +42,22 @@ std::optional<GateBars> detect_bars(const Image& image, const ColorRange& color,
   const int columns = std::min(image.width(), kMaxColumns);
   if (columns < 3 || image.height() < 2) return std::nullopt;
 
-  // Where the line from straight down through a pixel cuts the middle row.
+  // Every second row of the Bebop's 160, as many of larger pictures: the cost grows with the side.
+  const int row_step = std::max(2, image.height() / 80);
+  // Where the line from straight down through a pixel cuts the middle row; -1 outside.
   const double middle = 0.5 * image.height();
   const auto column_of = [&](int u, int v) {
     if (!nadir_px || std::abs(nadir_px->y() - v) < 0.3 * image.height()) return u;
     const double scale = (nadir_px->y() - middle) / (nadir_px->y() - v);
-    return static_cast<int>(std::floor(nadir_px->x() + (u - nadir_px->x()) * scale + 0.5));
+    const double column = nadir_px->x() + (u - nadir_px->x()) * scale + 0.5;
+    return column >= 0.0 && column < columns ? static_cast<int>(column) : -1;
   };
   Histogram count{}, sum_u{}, sum_v{};
-  for (int v = 0; v < image.height(); v += 2)
+  for (int v = 0; v < image.height(); v += row_step)
     for (int u = 0; u < columns; ++u)
       if (is_gate(u, v)) {
         const int column = column_of(u, v);
-        if (column < 0 || column >= columns) continue;
+        if (column < 0) continue;
         count[index(column)] += 1.0;
         sum_u[index(column)] += u;
         sum_v[index(column)] += v;
@@ -71,7 +74,7 @@ std::optional<GateBars> detect_bars(const Image& image, const ColorRange& color,
   const int first = highest(smooth, columns, -1, 0);
   const int second = first < 0 ? -1 : highest(smooth, columns, first, params.min_gap_px);
   if (second < 0) return std::nullopt;
-  const double rows = 0.5 * image.height();
+  const double rows = static_cast<double>(image.height()) / row_step;
   const double high = smooth[index(first)], low = smooth[index(second)];
   if (0.5 * (high + low) < params.min_height * rows || low < params.min_ratio * high ||
       !has_valley_between(smooth, first, second))

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/bench/detection_stages.hpp"
+
+#include <utility>
+
+#include "gatefly/bench/opencv_baseline.hpp"
+#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/gate_bars.hpp"
+#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/open_gate.hpp"
+#include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/snake_search.hpp"
+
+namespace gatefly::bench {
+namespace {
+
+constexpr const char* kBaseline = "opencv";
+
+/// Compilers may not leave out what computes this.
+template <class T>
+void keep(const T& result) {
+  asm volatile("" : : "g"(&result) : "memory");
+}
+
+/// A detector with detect(image, color model).
+template <class Detector, class Params>
+auto with_model(const Params& params, const ColorModel& color) {
+  return [detector = std::make_shared<Detector>(params), color](const Picture& picture) { keep(detector->detect(picture.view(), color)); };
+}
+
+}  // namespace
+
+std::vector<Stage> detection_stages(std::shared_ptr<const std::vector<Picture>> pictures, const PilotConfig& config) {
+  std::vector<Stage> stages;
+  const auto add = [&](const std::string& name, const std::string& what, auto look) {
+    stages.push_back({.name = name, .what = what, .inputs = pictures->size(),
+                      .call = [pictures, look](std::size_t i) { look((*pictures)[i]); },
+                      .baseline = has_opencv() && name != kBaseline ? kBaseline : ""});
+  };
+  if (has_opencv()) add(kBaseline, "UYVY, BGR, HSV, inRange, findContours, approxPolyDP", [](const Picture& p) { keep(opencv_quads(p)); });
+  add("snakes", "our fast search", with_model<SnakeSearch>(config.detector, config.gate_color));
+  add("careful", "our search of the whole picture", with_model<CarefulSearch>(config.detector, config.gate_color));
+  add("ours", "the careful one when the fast one is not sure", with_model<GateSearch>(config.detector, config.gate_color));
+  add("open", "gates cut off above", [=](const Picture& p) {
+    Rng rng{1};
+    keep(detect_open_gate(p.view(), config.color, config.open_gate, rng));
+  });
+  add("bars", "two side bars", [=](const Picture& p) { keep(detect_bars(p.view(), config.color, config.bars)); });
+  add("flown", "Li18's detector as flown", [](const Picture& p) {
+    Rng rng{1};
+    keep(detect_as_flown(p.view(), {}, rng));
+  });
+  add("paper", "Li18's detector as in its ROC study", [](const Picture& p) {
+    Rng rng{1};
+    keep(detect_as_paper(p.view(), {}, rng));
+  });
+  return stages;
+}
+
+}  // namespace gatefly::bench

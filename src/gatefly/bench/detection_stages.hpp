@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "gatefly/bench/picture.hpp"
+#include "gatefly/bench/stage.hpp"
+#include "gatefly/race/pilot.hpp"
+
+namespace gatefly::bench {
+
+/// All that looks for gates, each on every picture; the baseline first when OpenCV is there.
+[[nodiscard]] std::vector<Stage> detection_stages(std::shared_ptr<const std::vector<Picture>> pictures, const PilotConfig& config);
+
+}  // namespace gatefly::bench

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "gatefly/bench/picture.hpp"
+#include "gatefly/bench/stage.hpp"
+#include "gatefly/closed_loop/race.hpp"
+
+namespace gatefly::bench {
+
+/// What the pilot was given and saw in the first seconds of a race.
+struct RecordedFlight {
+  struct Moment {
+    Imu imu;
+    Attitude attitude;
+    Eigen::Vector3d v_B = Eigen::Vector3d::Zero();
+    AttitudeCommand command;
+    double dt = 1.0 / 512.0;
+  };
+  struct Sight {
+    Quad corners_px{};
+    RotationGB R_GB;
+  };
+  std::vector<Moment> moments;     ///< In the air.
+  std::vector<Picture> pictures;   ///< In the air.
+  std::vector<Sight> sights;       ///< Gates that corrected the pilot's position.
+  std::vector<closed_loop::StageTime> timings;  ///< The race's own: whole steps.
+};
+
+/// Flies until so many pictures were taken in the air. @param stopped  asked often; true ends it early.
+[[nodiscard]] RecordedFlight recorded_flight(const closed_loop::RaceConfig& race, std::size_t pictures, const std::function<bool()>& stopped);
+
+/// What follows detection, and the planner.
+[[nodiscard]] std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight, const PilotConfig& config);
+
+}  // namespace gatefly::bench

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/bench/opencv_baseline.hpp"
+
+#ifdef GATEFLY_HAS_OPENCV
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#endif
+
+namespace gatefly::bench {
+
+#ifdef GATEFLY_HAS_OPENCV
+
+bool has_opencv() { return true; }
+
+int opencv_quads(const Picture& picture) {
+  cv::setNumThreads(1);
+  // Of OpenCV's own making: buffers are kept from call to call.
+  static thread_local cv::Mat bgr, hsv, mask;
+  static thread_local std::vector<std::vector<cv::Point>> contours;
+  static thread_local std::vector<cv::Point> polygon;
+  const cv::Mat uyvy(picture.stored_height, picture.stored_width, CV_8UC2, const_cast<std::uint8_t*>(picture.uyvy.data()));
+  cv::cvtColor(uyvy, bgr, cv::COLOR_YUV2BGR_UYVY);
+  cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
+  cv::inRange(hsv, cv::Scalar(3, 90, 70), cv::Scalar(25, 255, 255), mask);
+  cv::findContours(mask, contours, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);
+  int quads = 0;
+  for (const auto& contour : contours) {
+    if (cv::contourArea(contour) < 100.0) continue;
+    cv::approxPolyDP(contour, polygon, 0.04 * cv::arcLength(contour, true), true);
+    quads += polygon.size() == 4 && cv::isContourConvex(polygon);
+  }
+  return quads;
+}
+
+std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d, 4>& bearings_C, double side) {
+  std::vector<cv::Point2d> seen;
+  for (const auto& b : bearings_C) seen.emplace_back(b.x() / b.z(), b.y() / b.z());
+  const double h = 0.5 * side;
+  const std::vector<cv::Point3d> gate{{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
+  cv::Vec3d rotation, translation;
+  if (!cv::solvePnP(gate, seen, cv::Matx33d::eye(), cv::noArray(), rotation, translation)) return std::nullopt;
+  return Eigen::Vector3d{translation[0], translation[1], translation[2]};
+}
+
+#else
+
+bool has_opencv() { return false; }
+int opencv_quads(const Picture&) { return 0; }
+std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d, 4>&, double) { return std::nullopt; }
+
+#endif
+
+}  // namespace gatefly::bench

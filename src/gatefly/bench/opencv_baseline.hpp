@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "gatefly/bench/picture.hpp"
+#include "gatefly/detection/quad.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
+#include "gatefly/sensing/color_range.hpp"
+
+// What everybody would write first, with OpenCV, to compare with. One thread.
+
+namespace gatefly::bench {
+
+/// Whether OpenCV was there when this was built; what follows answers nothing without it.
+[[nodiscard]] bool has_opencv();
+
+/// UYVY -> BGR -> HSV -> inRange (orange) -> findContours -> approxPolyDP: convex quads, in the stored picture.
+/// @return how many.
+[[nodiscard]] int opencv_quads(const Picture& picture);
+
+/// Camera position in the gate's frame from the four outer corners' directions, by cv::solvePnP.
+[[nodiscard]] std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d, 4>& bearings_C, double side);
+
+}  // namespace gatefly::bench
