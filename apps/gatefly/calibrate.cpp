@@ -166,7 +166,7 @@ Boards find_boards(const CalibrateOptions& options) {
                                                                     std::to_string(boards.pictures) + " pictures");
   }
   progress.clear();
-  if (!interrupted()) refuse_without_boards(boards, options);
+  if (!interrupted() && boards.pictures > 0) refuse_without_boards(boards, options);
   return boards;
 }
 
@@ -323,6 +323,7 @@ int run_calibrate(const CalibrateOptions& options) {
     complain("interrupted, nothing written");
     return kInterrupted;
   }
+  if (boards.pictures == 0) return kUnusable;  // each was said
   CalibrationOptions how;
   how.model = lens_model(options.model);
   how.zero = options.zero;

@@ -187,7 +187,7 @@ class RealCorners : public ::testing::Test {
     const char* given = std::getenv("GATEFLY_DATA");
     const std::filesystem::path source = std::getenv("GATEFLY_SOURCE_DIR") == nullptr ? "." : std::getenv("GATEFLY_SOURCE_DIR");
     folder_ = (given != nullptr ? std::filesystem::path{given} : source / "../shared/data") / "fisheye_calibration";
-    if (!std::filesystem::is_directory(folder_)) GTEST_SKIP() << "no real data: " << folder_ << " is not there";
+    if (!std::filesystem::is_directory(folder_)) GTEST_SKIP() << "no real corner lists at " << folder_ << " (set GATEFLY_DATA)";
   }
   std::filesystem::path folder_;
 };
