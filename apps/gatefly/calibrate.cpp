@@ -18,8 +18,12 @@
 #include "gatefly/calibration/calibration.hpp"
 #include "gatefly/calibration/camera_file.hpp"
 #include "gatefly/calibration/corner_list.hpp"
+#include "gatefly/calibration/mount.hpp"
 #include "gatefly/calibration/residual_picture.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/image_file.hpp"
+#include "gatefly/io/labels_file.hpp"
 #include "gatefly/io/pictures.hpp"
 #include "gatefly/io/text.hpp"
 
@@ -32,8 +36,9 @@ using namespace calibration;
 struct CalibrateOptions {
   CommonOptions common;
   std::vector<std::string> paths, zero;
-  std::string out, from, to = "toml", model, camera, report, data, pattern, size;
+  std::string out, from, to = "toml", model, camera, report, data, pattern, size, tilt_from;
   double square = 0.0;
+  std::optional<double> gate_height;
   int rotate_deg = 0;
   bool json = false;
 };
@@ -301,11 +306,47 @@ void write_camera(const CameraFile& camera, const CalibrateOptions& options, std
   else if (!options.out.empty()) io::write_file(options.out, text);
 }
 
+/// The first gate of each picture, where it has exactly one.
+std::vector<Quad> single_gates(const io::Labels& labels) {
+  std::vector<Quad> gates;
+  for (const io::LabelledPicture& picture : labels.pictures)
+    if (picture.gates.size() == 1) gates.push_back(picture.gates[0]);
+  return gates;
+}
+
+/// Adds the mount angle to the camera, and what it rests on to the comments.
+void add_tilt(CameraFile& camera, const CalibrateOptions& options, std::vector<std::string>& comments) {
+  if (options.tilt_from.empty()) return;
+  const io::Config config = load(options.common);
+  const fs::path path = io::find_data(options.tilt_from, options.data);
+  const bool flight = fs::is_directory(path);
+  const io::Labels labels = io::read_labels(flight ? path / "labels.csv" : path);
+  Mount mount;
+  try {
+    mount = flight ? mount_from_flight(io::read_flight_folder(path), labels, camera.lens, config.gate_side, config.sim.camera.p_BC)
+                   : mount_from_level(single_gates(labels), camera.lens, config.gate_side, options.gate_height);
+  } catch (const std::exception& error) {
+    throw std::runtime_error("--tilt-from " + options.tilt_from + ": " + error.what());
+  }
+  camera.tilt_down = mount.tilt_down;
+  comments.push_back("Tilt " + with_sigma(mount.tilt_down / kDegree, mount.tilt_sigma / kDegree) + " deg down, roll " +
+                     with_sigma(mount.roll / kDegree, mount.roll_sigma / kDegree) + " deg, from " + std::to_string(mount.pictures) +
+                     " pictures of a gate (" + path.filename().string() + "), RMS " + fixed(mount.rms_px, 2) + " px" +
+                     (flight ? "; fitted with it: heading offset " + fixed(mount.heading_offset / kDegree, 1) + " deg, pictures " +
+                                   fixed(1e3 * mount.time_offset, 0) + " ms, gate at (" + fixed(mount.p_EG.x(), 2) + ", " +
+                                   fixed(mount.p_EG.y(), 2) + ", " + fixed(mount.p_EG.z(), 2) + ") m."
+                             : "; a drone that stood askew by a degree makes it a degree."));
+  if (!options.json && !options.common.quiet && options.out != "-") std::cout << comments.back() << '\n';
+}
+
 int convert(const CalibrateOptions& options) {
   if (!options.paths.empty()) throw std::runtime_error("--from " + options.from + ": takes the camera from that file, no pictures besides");
   if (options.out.empty()) throw std::runtime_error("--from " + options.from + ": --out is missing: where to (- for stdout)");
   const fs::path path = io::find_data(options.from, options.data);
-  write_camera(read_camera(path, options.camera), options, {"From " + path.filename().string() + " by gatefly calibrate."});
+  CameraFile camera = read_camera(path, options.camera);
+  std::vector<std::string> comments{"From " + path.filename().string() + " by gatefly calibrate."};
+  add_tilt(camera, options, comments);
+  write_camera(camera, options, comments);
   return kDone;
 }
 
@@ -328,7 +369,10 @@ int run_calibrate(const CalibrateOptions& options) {
   how.model = lens_model(options.model);
   how.zero = options.zero;
   const Calibration answer = calibration::calibrate(boards.views, boards.size_px, how);
-  write_camera({short_lens(answer.best().fit), answer.size_px, options.rotate_deg, {}}, options, provenance(answer));
+  CameraFile camera{short_lens(answer.best().fit), answer.size_px, options.rotate_deg, {}};
+  std::vector<std::string> comments = provenance(answer);
+  add_tilt(camera, options, comments);
+  write_camera(camera, options, comments);
   if (!options.report.empty()) residual_picture(answer).write_png(options.report);
   if (options.json) std::cout << as_json(answer, boards).dump(2) << '\n';
   else if (!options.common.quiet && options.out != "-") print(answer, boards, options);
@@ -374,6 +418,11 @@ void add_calibrate(CLI::App& app, Run& run) {
   command->add_option("--from", options->from, "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
       ->type_name("FILE");
   command->add_option("--camera", options->camera, "which of a camchain's cameras")->type_name("NAME");
+  command->add_option("--tilt-from", options->tilt_from, "mount angle from a labels.csv of gates that a level drone saw,\nor from a flight folder with labels.csv and motion capture")
+      ->type_name("FILE|DIR");
+  command->add_option("--gate-height-m", options->gate_height, "for a labels.csv: the gates' middle above the camera, to 5 cm")
+      ->check(CLI::Range(-10.0, 10.0))
+      ->type_name("METRES");
   command->add_option("--report", options->report, "draw all residuals")->type_name("PNG");
   command->add_option("--data", options->data, "where a PATH is looked for that is not here [$GATEFLY_DATA]")->type_name("DIR");
   command->add_flag("--json", options->json, "print JSON");
