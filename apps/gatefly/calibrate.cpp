@@ -398,16 +398,16 @@ void add_calibrate(CLI::App& app, Run& run) {
       "can be had from these pictures, the reason is said; or a picture could not be read (the rest was done).");
   command->add_option("PATH", options->paths, "pictures, folders of them, corner lists (.csv)");
   command->add_option("--out", options->out, "where the camera goes (- for stdout)")->type_name("FILE");
-  command->add_option("--pattern", options->pattern, "inner corners of the checkerboard")->type_name("COLUMNSxROWS");
-  command->add_option("--square-m", options->square, "side of a square")->check(CLI::Range(1e-4, 10.0))->type_name("METRES");
-  command->add_option("--size", options->size, "of the stored pictures behind a corner list")->type_name("WxH");
-  command->add_option("--rotate", options->rotate_deg, "turn stored pictures (and listed corners) counter-clockwise [0]")
+  CLI::Option* pattern = command->add_option("--pattern", options->pattern, "inner corners of the checkerboard")->type_name("COLUMNSxROWS");
+  CLI::Option* square = command->add_option("--square-m", options->square, "side of a square")->check(CLI::Range(1e-4, 10.0))->type_name("METRES");
+  CLI::Option* size = command->add_option("--size", options->size, "of the stored pictures behind a corner list")->type_name("WxH");
+  CLI::Option* rotate = command->add_option("--rotate", options->rotate_deg, "turn stored pictures (and listed corners) counter-clockwise [0]")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->type_name("DEG");
-  command->add_option("--model", options->model, "this lens instead of the recommended one")
+  CLI::Option* model = command->add_option("--model", options->model, "this lens instead of the recommended one")
       ->check(CLI::IsMember({"pinhole", "dhane", "kannala-brandt", "brown-conrady"}))
       ->type_name("MODEL");
-  command->add_option("--zero", options->zero, "distortion coefficients that stay 0: p1,p2 is no tangential distortion, k3 is\nKalibr's radtan")
+  CLI::Option* zero = command->add_option("--zero", options->zero, "distortion coefficients that stay 0: p1,p2 is no tangential distortion, k3 is\nKalibr's radtan")
       ->check(CLI::IsMember({"k1", "k2", "k3", "k4", "p1", "p2"}))
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -415,17 +415,20 @@ void add_calibrate(CLI::App& app, Run& run) {
   command->add_option("--to", options->to, "what to write: toml (ours), kalibr (camchain), ros (camera_info) [toml]")
       ->check(CLI::IsMember({"toml", "kalibr", "ros"}))
       ->type_name("FORMAT");
-  command->add_option("--from", options->from, "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
-      ->type_name("FILE");
-  command->add_option("--camera", options->camera, "which of a camchain's cameras")->type_name("NAME");
-  command->add_option("--tilt-from", options->tilt_from, "mount angle from a labels.csv of gates that a level drone saw,\nor from a flight folder with labels.csv and motion capture")
+  CLI::Option* from =
+      command->add_option("--from", options->from, "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
+          ->type_name("FILE");
+  command->add_option("--camera", options->camera, "which of a camchain's cameras")->needs(from)->type_name("NAME");
+  CLI::Option* tilt = command->add_option("--tilt-from", options->tilt_from, "mount angle from a labels.csv of gates that a level drone saw,\nor from a flight folder with labels.csv and motion capture")
       ->type_name("FILE|DIR");
   command->add_option("--gate-height-m", options->gate_height, "for a labels.csv: the gates' middle above the camera, to 5 cm")
       ->check(CLI::Range(-10.0, 10.0))
+      ->needs(tilt)
       ->type_name("METRES");
-  command->add_option("--report", options->report, "draw all residuals")->type_name("PNG");
+  CLI::Option* report = command->add_option("--report", options->report, "draw all residuals")->type_name("PNG");
   command->add_option("--data", options->data, "where a PATH is looked for that is not here [$GATEFLY_DATA]")->type_name("DIR");
-  command->add_flag("--json", options->json, "print JSON");
+  CLI::Option* json = command->add_flag("--json", options->json, "print JSON");
+  for (CLI::Option* other : {pattern, square, size, rotate, model, zero, report, json}) from->excludes(other);
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return run_calibrate(*options); }; });
 }

@@ -446,6 +446,9 @@ class Calibrate(Cli):
         found = self.run_it("detect", "a.ppm", "--config", "camera.toml")  # no --rotate: the camera says 0
         self.assertEqual(found.returncode, 0, found.stderr)
         self.assertEqual(len(found.stdout.splitlines()), 2)
+        flown = self.run_it("fly", "oval", "--vision", "ideal", "--json", "--config", "camera.toml", "--set", "sim.timeout_s=2")
+        self.assertEqual(flown.returncode, 1, flown.stderr)  # two seconds are no race
+        self.assertEqual(json.loads(flown.stdout)["config"]["camera"]["model"], "pinhole")
 
     def test_json_holds_every_model_and_picture(self):
         answer = json.loads(self.run_it("calibrate", self.corners("c.csv", 9), "--size", "320x240", "--json").stdout)
@@ -491,6 +494,30 @@ class Calibrate(Cli):
         self.assertIn("u_px", self.refused("calibrate", self.file("x.csv", "image,X_m,Y_m\na,0,0\n"), "--size", "320x240"))
         self.assertIn("neither", self.refused("calibrate", "--from", self.file("x.yaml", "a: 1\n"), "--out", "c.toml"))
         self.assertIn("--out", self.refused("calibrate", "--from", "x.yaml"))
+        self.assertIn("--from", self.refused("calibrate", "--from", "x.yaml", "--out", "c.toml", "--model", "pinhole"))
+        self.assertIn("--tilt-from", self.refused("calibrate", corners, "--size", "320x240", "--gate-height-m", "1"))
+
+    def test_the_tilt_comes_from_gates_that_a_level_drone_saw(self):
+        """A pinhole of 200 px, 15 degrees down; a 1 m gate ahead, 1.5 m and more away."""
+        self.file("cam.toml", '[camera]\nmodel = "pinhole"\nsize_px = [320, 240]\nfocal_px = [200, 200]\n'
+                              'center_px = [160, 120]\ndistortion = []\n')
+        rows = ["image,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v"]
+        c, s = math.cos(math.radians(15)), math.sin(math.radians(15))
+        for k in range(4):
+            pixels = []
+            for right, down in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+                ahead = 1.5 + 0.1 * k
+                z = c * ahead + s * down
+                pixels += [160 + 200 * right / z, 120 + 200 * (c * down - s * ahead) / z]
+            rows.append(f"{k}.png," + ",".join(f"{p:.3f}" for p in pixels))
+        labels = self.file("labels.csv", "\n".join(rows) + "\n")
+        result = self.run_it("calibrate", "--from", "cam.toml", "--tilt-from", labels, "--out", "tilted.toml")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.folder / "tilted.toml", "rb") as file:
+            self.assertAlmostEqual(tomllib.load(file)["camera"]["tilt_deg"], 15, delta=0.05)
+        self.file("two.csv", "\n".join(rows[:3]) + "\n")
+        self.assertIn("at least 3", self.refused("calibrate", "--from", "cam.toml", "--tilt-from", "two.csv", "--out", "x.toml"))
+        self.assertIn("no-such", self.refused("calibrate", "--from", "cam.toml", "--tilt-from", "no-such.csv", "--out", "x.toml"))
 
     def test_a_picture_that_cannot_be_read_is_named_and_the_rest_is_done(self):
         broken = self.file("broken.ppm", "P6\n")
