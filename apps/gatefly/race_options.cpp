@@ -26,9 +26,6 @@ fs::path cache_dir() {
 }
 
 void refuse_unflyable(const io::Config& config) {
-  if (config.stored_rotation_deg != 90)
-    throw std::runtime_error("camera.stored_rotation_deg = " + std::to_string(config.stored_rotation_deg) +
-                             ", must be 90 in the simulator");
   if (config.gate_corners != "outer")
     throw std::runtime_error("gate.corners = \"" + config.gate_corners + "\", must be \"outer\" to fly");
   if (config.detector_mode != "ours")
@@ -62,7 +59,12 @@ void add_race_options(CLI::App& command, RaceOptions& options) {
   add_common(command, options.common);
 }
 
-RaceMaker::RaceMaker(const RaceOptions& options) {
+RaceMaker::RaceMaker(const RaceOptions& given_options) {
+  RaceOptions options = given_options;
+  // The simulated sensor is always mounted turned, whichever way the camera's own is.
+  constexpr int kSimulated = 90;
+  if (load(options.common).stored_rotation_deg != kSimulated)
+    options.common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
   const io::Config config = load(options.common);
   refuse_unflyable(config);
   const fs::path path = io::find_track(options.track);

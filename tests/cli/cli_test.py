@@ -7,6 +7,7 @@ Nothing here renders or flies but the few seconds of Video: every other case is 
 only prints.
 """
 import json
+import math
 import os
 import pathlib
 import shlex
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 import unittest
 
 GATEFLY = ""
@@ -58,7 +60,7 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "config", "detect", "score", "campaign", "bench"):
+        for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -395,6 +397,155 @@ def picture(gate=True, width=160, height=120):
         return gate and 36 <= out <= 40
     pixels = b"".join(b"\xe0\x60\x20" if frame(u, v) else b"\x70\x70\x70" for v in range(height) for u in range(width))
     return b"P6\n%d %d\n255\n" % (width, height) + pixels
+
+
+def tilted(tilt, turn):
+    """The rotation by `tilt` about the direction `turn` in the picture, row by row."""
+    c, s = math.cos(tilt), math.sin(tilt)
+    x, y = math.cos(turn), math.sin(turn)
+    return [[c + x * x * (1 - c), x * y * (1 - c), y * s],
+            [x * y * (1 - c), c + y * y * (1 - c), -x * s],
+            [-y * s, x * s, c]]
+
+
+def board_picture(tilt, turn, width=240, height=180, focal=200.0):
+    """A PPM of a board of 7x5 inner corners, 30 mm squares, tilted about the direction `turn`, 0.26 m away."""
+    rotation = tilted(tilt, turn)
+    normal = [row[2] for row in rotation]
+    origin = [sum(row[k] * (-0.09, -0.06)[k] for k in range(2)) + (0, 0, 0.26)[i] for i, row in enumerate(rotation)]
+    ahead = sum(n * o for n, o in zip(normal, origin))
+    pixels = bytearray()
+    for v in range(height):
+        for u in range(width):
+            ray = ((u - 118) / focal, (v - 91) / focal, 1.0)
+            distance = ahead / sum(n * r for n, r in zip(normal, ray))
+            p = [distance * r - o for r, o in zip(ray, origin)]
+            i, j = (sum(rotation[k][column] * p[k] for k in range(3)) / 0.03 for column in range(2))
+            grey = 230.0
+            if -1 < i < 7 and -1 < j < 5:
+                edge = 0.03 * focal / distance * math.sin(math.pi * i) * math.sin(math.pi * j) / math.pi
+                grey = 128 + 100 * max(-1.0, min(1.0, 2 * edge))
+            pixels += bytes((round(grey),)) * 3
+    return b"P6\n%d %d\n255\n" % (width, height) + bytes(pixels)
+
+
+class Calibrate(Cli):
+    """A camera of 200 px, its centre at (118, 91), and eight pictures that it took of a board."""
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="gatefly-board-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.boards = pathlib.Path(folder.name)
+        for k in range(8):
+            (cls.boards / f"{k}.ppm").write_bytes(board_picture(0.3 + 0.03 * k, 0.8 * k))
+
+    BOARD = ("--pattern", "7x5", "--square-m", "0.03")
+
+    def corners(self, name, count, warp=0.0):
+        """A corner list of a 5x4 board through a pinhole of 200 px; `warp` bends the board."""
+        rows = ["image,X_m,Y_m,u_px,v_px"]
+        for k in range(count):
+            rotation = tilted(0.3 + 0.03 * k, 0.8 * k)
+            for i in range(20):
+                x, y = 0.03 * (i % 5), 0.03 * (i // 5)
+                p = [row[0] * (x - 0.06) + row[1] * (y - 0.045) for row in rotation]
+                z = 0.3 + p[2] + warp * math.sin(7 * i + k)
+                rows.append(f"{k}.png,{x},{y},{160 + 200 * p[0] / z:.4f},{120 + 200 * p[1] / z:.4f}")
+        return self.file(name, "\n".join(rows) + "\n")
+
+    def test_pictures_become_a_camera_that_detect_takes(self):
+        result = self.run_it("calibrate", self.boards, *self.BOARD, "--model", "pinhole", "--out", "camera.toml", "--report", "r.png")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        self.assertTrue((self.folder / "r.png").read_bytes().startswith(b"\x89PNG"))
+        with open(self.folder / "camera.toml", "rb") as file:
+            camera = tomllib.load(file)["camera"]
+        self.assertEqual((camera["model"], camera["size_px"], camera["stored_rotation_deg"]), ("pinhole", [240, 180], 0))
+        for got, wanted in zip(camera["focal_px"] + camera["center_px"], (200, 200, 118, 91)):
+            self.assertAlmostEqual(got, wanted, delta=1.0)
+        (self.folder / "a.ppm").write_bytes(picture())
+        found = self.run_it("detect", "a.ppm", "--config", "camera.toml")  # no --rotate: the camera says 0
+        self.assertEqual(found.returncode, 0, found.stderr)
+        self.assertEqual(len(found.stdout.splitlines()), 2)
+        flown = self.run_it("fly", "oval", "--vision", "ideal", "--json", "--config", "camera.toml", "--set", "sim.timeout_s=2")
+        self.assertEqual(flown.returncode, 1, flown.stderr)  # two seconds are no race
+        self.assertEqual(json.loads(flown.stdout)["config"]["camera"]["model"], "pinhole")
+
+    def test_json_holds_every_model_and_picture(self):
+        answer = json.loads(self.run_it("calibrate", self.corners("c.csv", 9), "--size", "320x240", "--json").stdout)
+        self.assertEqual([each["model"] for each in answer["models"]], ["pinhole", "dhane", "kannala-brandt", "brown-conrady"])
+        self.assertEqual(len(answer["pictures"]), 9)
+        self.assertAlmostEqual(answer["models"][0]["parameters"]["fx"]["value"], 200, delta=0.1)
+
+    def test_kalibr_and_ros_and_back(self):
+        self.run_it("calibrate", self.corners("c.csv", 9), "--size", "320x240", "--model", "kannala-brandt", "--out", "a.toml")
+        for form in ("kalibr", "ros"):
+            self.assertEqual(self.run_it("calibrate", "--from", "a.toml", "--to", form, "--out", form + ".yaml").returncode, 0)
+            self.assertEqual(self.run_it("calibrate", "--from", form + ".yaml", "--out", form + ".toml").returncode, 0)
+            first, back = ([line for line in (self.folder / name).read_text().splitlines() if not line.startswith("#")]
+                           for name in ("a.toml", form + ".toml"))
+            self.assertEqual(first, back)
+        refusal = self.refused("calibrate", "--from", ROOT / "cameras" / "bebop.toml", "--to", "ros", "--out", "b.yaml")
+        self.assertIn("Dhane", refusal)
+
+    def test_what_gives_no_camera_is_refused_with_the_reason(self):
+        self.assertIn("7x5", self.refused("calibrate", self.boards, "--pattern", "9x6", "--square-m", "0.03", "--out", "c.toml"))
+        grey = [self.file(f"grey{k}.ppm", "P6\n160 120\n255\n" + 57600 * "p") for k in range(5)]
+        self.assertIn("shows nothing", self.refused("calibrate", *grey, *self.BOARD, "--out", "c.toml"))
+        self.assertIn("at least 5", self.refused("calibrate", self.boards / "1.ppm", *self.BOARD, "--out", "c.toml"))
+        size = ("--size", "320x240", "--out", "c.toml")
+        self.assertIn("at least 5", self.refused("calibrate", self.corners("four.csv", 4), *size))
+        self.assertIn("0.3 %", self.refused("calibrate", self.corners("bent.csv", 9, warp=0.05), *size))
+        rows = self.corners("c.csv", 1).read_text().splitlines()
+        same = [rows[0], *(row.replace("0.png", f"{k}.png") for k in range(9) for row in rows[1:])]
+        self.assertIn("alike", self.refused("calibrate", self.file("same.csv", "\n".join(same) + "\n"), *size))
+
+    def test_wrong_use_is_one_line(self):
+        corners = self.corners("c.csv", 9)
+        self.assertIn("--from", self.refused("calibrate"))
+        self.assertIn("--pattern", self.refused("calibrate", self.boards))
+        self.assertIn("--square-m", self.refused("calibrate", self.boards, "--pattern", "7x5"))
+        self.assertIn("nine", self.refused("calibrate", self.boards, "--pattern", "nine", "--square-m", "0.03"))
+        self.assertIn("--size", self.refused("calibrate", corners))
+        self.assertIn("outside", self.refused("calibrate", corners, "--size", "100x100"))
+        self.assertIn("--pattern 9x6 has 54", self.refused("calibrate", corners, "--size", "320x240", "--pattern", "9x6"))
+        self.assertIn("--model", self.refused("calibrate", corners, "--size", "320x240", "--model", "omni"))
+        self.assertIn("--out", self.refused("calibrate", corners, "--size", "320x240", "--out", "nowhere/c.toml"))
+        self.assertIn("no-such", self.refused("calibrate", "no-such.csv", "--size", "320x240"))
+        self.assertIn("u_px", self.refused("calibrate", self.file("x.csv", "image,X_m,Y_m\na,0,0\n"), "--size", "320x240"))
+        self.assertIn("neither", self.refused("calibrate", "--from", self.file("x.yaml", "a: 1\n"), "--out", "c.toml"))
+        self.assertIn("--out", self.refused("calibrate", "--from", "x.yaml"))
+        self.assertIn("--from", self.refused("calibrate", "--from", "x.yaml", "--out", "c.toml", "--model", "pinhole"))
+        self.assertIn("--tilt-from", self.refused("calibrate", corners, "--size", "320x240", "--gate-height-m", "1"))
+
+    def test_the_tilt_comes_from_gates_that_a_level_drone_saw(self):
+        """A pinhole of 200 px, 15 degrees down; a 1 m gate ahead, 1.5 m and more away."""
+        self.file("cam.toml", '[camera]\nmodel = "pinhole"\nsize_px = [320, 240]\nfocal_px = [200, 200]\n'
+                              'center_px = [160, 120]\ndistortion = []\n')
+        rows = ["image,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v"]
+        c, s = math.cos(math.radians(15)), math.sin(math.radians(15))
+        for k in range(4):
+            pixels = []
+            for right, down in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+                ahead = 1.5 + 0.1 * k
+                z = c * ahead + s * down
+                pixels += [160 + 200 * right / z, 120 + 200 * (c * down - s * ahead) / z]
+            rows.append(f"{k}.png," + ",".join(f"{p:.3f}" for p in pixels))
+        labels = self.file("labels.csv", "\n".join(rows) + "\n")
+        result = self.run_it("calibrate", "--from", "cam.toml", "--tilt-from", labels, "--out", "tilted.toml")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.folder / "tilted.toml", "rb") as file:
+            self.assertAlmostEqual(tomllib.load(file)["camera"]["tilt_deg"], 15, delta=0.05)
+        self.file("two.csv", "\n".join(rows[:3]) + "\n")
+        self.assertIn("at least 3", self.refused("calibrate", "--from", "cam.toml", "--tilt-from", "two.csv", "--out", "x.toml"))
+        self.assertIn("no-such", self.refused("calibrate", "--from", "cam.toml", "--tilt-from", "no-such.csv", "--out", "x.toml"))
+
+    def test_a_picture_that_cannot_be_read_is_named_and_the_rest_is_done(self):
+        broken = self.file("broken.ppm", "P6\n")
+        result = self.run_it("calibrate", "-q", self.boards, broken, *self.BOARD, "--out", "c.toml")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("broken.ppm", result.stderr)
+        self.assertTrue((self.folder / "c.toml").exists())
 
 
 class Pictures(Cli):
