@@ -36,6 +36,7 @@ void add_detect(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_campaign(CLI::App& app, Run& run);
 void add_reproduce(CLI::App& app, Run& run);
+void add_tune(CLI::App& app, Run& run);
 
 /// Flags that every subcommand has.
 struct CommonOptions {

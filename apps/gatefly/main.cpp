@@ -53,6 +53,7 @@ int run_main(std::span<char* const> arguments) {
   add_replay(app, run);
   add_detect(app, run);
   add_score(app, run);
+  add_tune(app, run);
   add_campaign(app, run);
   add_reproduce(app, run);
   add_config(app, run);
