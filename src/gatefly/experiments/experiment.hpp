@@ -52,5 +52,7 @@ Result roc_length(const Options& options);
 Result roc_fitness(const Options& options);
 Result tpr_distance(const Options& options);
 Result approach_sequence(const Options& options);
+Result own_detector(const Options& options);
+Result detection_failures(const Options& options);
 
 }  // namespace gatefly::experiments
