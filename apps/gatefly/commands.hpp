@@ -39,6 +39,7 @@ void add_reproduce(CLI::App& app, Run& run);
 void add_identify(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 void add_calibrate(CLI::App& app, Run& run);
+void add_tune(CLI::App& app, Run& run);
 
 /// Flags that every subcommand has.
 struct CommonOptions {

@@ -54,6 +54,7 @@ int run_main(std::span<char* const> arguments) {
   add_detect(app, run);
   add_score(app, run);
   add_calibrate(app, run);
+  add_tune(app, run);
   add_campaign(app, run);
   add_reproduce(app, run);
   add_identify(app, run);

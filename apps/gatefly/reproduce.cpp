@@ -69,9 +69,9 @@ std::string padded(const std::string& text, std::size_t columns) {
 }
 
 void print_table(const Experiment& experiment, const Result& result, double seconds, const fs::path& folder) {
-  std::cout << experiment.name << ": " << experiment.what << "\n  " << padded("", 26) << padded("paper", 18) << "ours\n";
+  std::cout << experiment.name << ": " << experiment.what << "\n  " << padded("", 30) << padded("paper", 18) << "ours\n";
   for (const experiments::Comparison& row : result.table)
-    std::cout << "  " << padded(row.what, 26) << padded(row.paper, 18) << row.ours << '\n';
+    std::cout << "  " << padded(row.what, 30) << padded(row.paper, 18) << row.ours << '\n';
   std::cout << "  " << io::text_of(seconds, 3) << " s; plot, CSV and JSON in " << folder.string() << '\n';
 }
 

@@ -60,7 +60,7 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune"):
+        for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune", "reproduce"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -641,6 +641,95 @@ class Pictures(Cli):
         self.assertEqual([row.split(",")[0] for row in result.stdout.splitlines()[1:]], ["f.avi#0", "f.avi#2"])
 
 
+class Tune(Cli):
+    """Twelve pictures of a gate, here and there, whose colour is told by labels or described."""
+
+    def album(self, color, count=12):
+        folder = self.folder / "album"
+        folder.mkdir()
+        rows = ["image,has_gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v"]
+        for i in range(count):
+            u0, v0, half = 60 + 4 * i, 50 + 2 * (i % 5), 30 + i % 4
+
+            def pixel(u, v):
+                out = max(abs(u - u0), abs(v - v0))
+                return color if half - 3 <= out <= half else bytes((100 + (u * 7 + v * 13 + i) % 24,) * 3)
+            (folder / f"p{i}.ppm").write_bytes(b"P6\n160 120\n255\n" + b"".join(pixel(u, v) for v in range(120) for u in range(160)))
+            left, right, top, bottom = u0 - half, u0 + half, v0 - half, v0 + half
+            rows.append(f"p{i}.ppm,1,{left},{top},{right},{top},{right},{bottom},{left},{bottom}")
+        return folder, self.file("labels.csv", "\n".join(rows) + "\n")
+
+    def found(self, folder, *arguments):
+        result = self.run_it("detect", "--rotate", "0", "--json", folder, *arguments)
+        return json.loads(result.stdout)["with_gate"]
+
+    def test_labels_teach_a_colour_that_nobody_described(self):
+        folder, labels = self.album(b"\x30\xa0\x40")
+        self.assertLess(self.found(folder), 3)
+        result = self.run_it("tune", "--labels", labels, "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("12 labelled gates", result.stdout)
+        self.assertLessEqual(len(result.stdout.splitlines()), 24)
+        self.assertEqual(sorted(path.name for path in self.folder.glob("mine*")),
+                         ["mine.colors.toml", "mine.roc.csv", "mine.roc.png", "mine.toml"])
+        self.assertEqual(self.found(folder, "--config", self.folder / "mine.toml"), 12)
+        self.assertIn("mine.colors.toml", self.run_it("config", "--show", "--config", self.folder / "mine.toml").stdout)
+
+    def test_a_described_colour_learns_from_its_own_detections(self):
+        folder, _ = self.album(b"\x30\xa0\x40")
+        result = self.run_it("tune", "--describe", "green", "--rotate", "0", "--json", folder, "--out", "mine.toml")
+        answer = json.loads(result.stdout)
+        self.assertEqual((result.returncode, answer["learnt"], answer["estimated"], answer["pictures"]), (0, True, True, 12))
+        self.assertGreaterEqual(answer["confident_detections"], 10)
+        self.assertEqual(self.found(folder, "--config", self.folder / "mine.toml"), 12)
+
+    def test_a_description_that_finds_nothing_is_kept_and_that_is_said(self):
+        folder, _ = self.album(b"\x30\xa0\x40")
+        result = self.run_it("tune", "--describe", "magenta", "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("too few gates", result.stdout)
+        self.assertEqual([path.name for path in self.folder.glob("mine*")], ["mine.toml"])
+        self.assertEqual(self.run_it("config", "--config", self.folder / "mine.toml").returncode, 0)
+
+    def test_labels_and_pictures_that_do_not_belong_together(self):
+        folder, labels = self.album(b"\xe0\x60\x20", count=6)
+        other = self.file("other.csv", "image,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\nx.jpg,1,1,9,1,9,9,1,9\n")
+        self.assertIn("names none of the 6 pictures", self.refused("tune", "--labels", other, folder, "--out", "mine.toml"))
+        (folder / "p5.ppm").unlink()
+        (folder / "new.ppm").write_bytes(picture())
+        result = self.run_it("tune", "--labels", labels, "--rotate", "0", "--json", folder, "--out", "mine.toml")
+        left_out = json.loads(result.stdout)["left_out"]
+        self.assertEqual((result.returncode, left_out["without_label"], left_out["labels_without_picture"]), (0, 1, 1))
+
+    def test_a_picture_that_cannot_be_read_is_named_and_identical_ones_count_once(self):
+        folder, labels = self.album(b"\xe0\x60\x20", count=6)
+        (folder / "p5.ppm").write_bytes(b"P6 nonsense")
+        (folder / "p4.ppm").write_bytes((folder / "p3.ppm").read_bytes())
+        result = self.run_it("tune", "--labels", labels, "--rotate", "0", "--json", folder, "--out", "mine.toml")
+        answer = json.loads(result.stdout)
+        self.assertEqual((result.returncode, answer["pictures"], answer["left_out"]["unusable"], answer["left_out"]["duplicates"]), (2, 4, 1, 1))
+        self.assertIn("p5.ppm", result.stderr)
+
+    def test_wrong_use_is_one_line_and_leaves_nothing(self):
+        folder, labels = self.album(b"\xe0\x60\x20", count=2)
+        self.assertIn("IMAGES", self.refused("tune", "--out", "mine.toml"))
+        self.assertIn("--out", self.refused("tune", folder))
+        self.assertIn("did you mean 'orange'", self.refused("tune", "--describe", "oragne", folder, "--out", "mine.toml"))
+        self.assertIn("no hue", self.refused("tune", "--describe", "white", folder, "--out", "mine.toml"))
+        self.assertIn("--out", self.refused("tune", folder, "--out", "no/such/mine.toml"))
+        self.assertIn("none.csv", self.refused("tune", "--labels", "none.csv", folder, "--out", "mine.toml"))
+        self.assertIn("no-such", self.refused("tune", "no-such", "--out", "mine.toml"))
+        self.assertIn("--false-per-image", self.refused("tune", folder, "--false-per-image", "2", "--out", "mine.toml"))
+
+    def test_a_broken_table_is_one_line_with_both_files(self):
+        self.file("colors.toml", "version = 1\nabsolute = [\n  \"AAA")
+        config = self.file("mine.toml", "[color]\ntable = \"colors.toml\"\n")
+        for command in (("detect", self.file("a.ppm", "")), ("fly", "oval"), ("config",)):
+            error = self.refused(*command, "--config", config)
+            self.assertIn("mine.toml: color.table: ", error)
+            self.assertIn("colors.toml:", error)
+
+
 class Scores(Cli):
     LABELS = "image,has_gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\na.jpg,1,0,0,40,0,40,40,0,40\nb.jpg,0,,,,,,,,\n"
     FOUND = Pictures.CONTRACT + "\na.jpg,0,1,0,41,0,41,40,1,40,0.9,snake\nb.jpg,0,0,0,40,0,40,40,0,40,0.8,snake\n"
@@ -737,7 +826,7 @@ class RealPictures(Cli):
 
 
 class Reproduce(Cli):
-    NAMES = ("roc-length", "roc-fitness", "tpr-distance", "approach-sequence")
+    NAMES = ("roc-length", "roc-fitness", "tpr-distance", "approach-sequence", "own-detector", "detection-failures")
 
     def test_list_needs_no_data(self):
         result = self.run_it("reproduce", "--list", GATEFLY_DATA="/nowhere")
@@ -745,7 +834,7 @@ class Reproduce(Cli):
         for name in self.NAMES:
             self.assertIn(name, result.stdout)
         listed = json.loads(self.run_it("reproduce", "--list", "--json").stdout)
-        self.assertEqual([entry["name"] for entry in listed][:4], list(self.NAMES))
+        self.assertEqual([entry["name"] for entry in listed][:6], list(self.NAMES))
 
     def test_unknown_names_and_none_at_all(self):
         self.assertIn("did you mean 'roc-length'", self.refused("reproduce", "roc-lenght"))

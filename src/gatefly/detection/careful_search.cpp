@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kTried = 48;  // places that are looked at closely [of 24, 48, 96: two thirds of the cost of 96, a gate in 300 less]
 
+constexpr double kWideBar = 4.0;  // cells; wider ones need no look at single pixels
+
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
 // Of two frames in one place: a post in the opening makes a frame of each half, so size counts.
@@ -37,8 +39,8 @@ Frame pulled(const Fit& fit, Frame f, double least_side, double most_aspect) {
 
 // The same on pixels, and through the middle of the bars.
 template <class Fit>
-Frame finished(const Fit& fit, Quad q, const GateSearchParams& params) {
-  const auto has_shape = [&](const std::optional<Quad>& quad) { return quad && is_frame_shaped(*quad, params.min_side_px, params.max_aspect); };
+Frame finished(const Fit& fit, Quad q, double least_side, const GateSearchParams& params) {
+  const auto has_shape = [&](const std::optional<Quad>& quad) { return quad && is_frame_shaped(*quad, least_side, params.max_aspect); };
   FrameScore score = fit.score(q);
   for (const int reach : {3, 2, 1}) {
     const auto moved = fit.moved(q, reach);
@@ -47,7 +49,8 @@ Frame finished(const Fit& fit, Quad q, const GateSearchParams& params) {
     if (now.total > score.total) q = *moved, score = now;
   }
   const double size = std::sqrt(std::abs(area(q)));
-  const auto centered = fit.centered(q, std::clamp(static_cast<int>(0.07 * size + 0.5), 2, 5));
+  const double around = std::min(0.0437 * size, 5.0);
+  const auto centered = fit.centered(q, std::max(2, static_cast<int>(0.5 * params.bar() * size + around + 0.5)));
   if (has_shape(centered)) {
     const FrameScore now = fit.score(*centered);
     if (now.total > score.total - 0.3) q = *centered, score = now;  // sub-pixel is worth a little evidence
@@ -79,7 +82,8 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
 
   const double step = map_.step(), least_side = params_.min_side_px / step;
   const auto of_cell = [this](int x, int y) { return map_.at(x, y); };
-  const FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights};
+  FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights, params_.bar()};
+  coarse.set_cell_size(step);
   BestFrames best;
   for (std::size_t i = 0; i < std::min(candidates.size(), kTried); ++i) {
     const Quad q = to_cells(candidates[i].corners_px, step);
@@ -89,11 +93,17 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
   insertion_sort(best, better);
 
   const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
-  FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights};
+  FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights, params_.bar()};
   fine.set_least_offset(3.0);
   for (const Frame& rough : best) {
     if (found.full() || rough.score.total < params_.min_score - 1.5) break;
-    const Frame frame = finished(fine, to_pixels(rough.quad, step), params_);
+    Frame frame;
+    if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
+      frame = finished(coarse, rough.quad, least_side, params_);
+      frame.quad = to_pixels(frame.quad, step);
+    } else {
+      frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
+    }
     if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
     (void)found.push_back(detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale));
   }

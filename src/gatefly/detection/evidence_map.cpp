@@ -79,9 +79,7 @@ void EvidenceMap::fill(const Image& image, const ColorModel& color) {
 
 int EvidenceMap::at_pixel(const Image& image, const ColorModel& color, int u, int v) const {
   if (!image.contains(u, v) || width_ == 0) return kOutside;
-  const int x = std::min(u / step_, width_ - 1), y = std::min(v / step_, height_ - 1);
-  const auto k = static_cast<std::size_t>(y * width_ + x);
-  return std::clamp(color.evidence(image.at(u, v), {around_y_[k], around_u_[k], around_v_[k]}), -kLimit, kLimit);
+  return std::clamp(color.evidence(image.at(u, v), around(u, v)), -kLimit, kLimit);
 }
 
 }  // namespace gatefly

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -29,6 +31,12 @@ class EvidenceMap {
     return evidence_[static_cast<std::size_t>(y * width_ + x)];
   }
   [[nodiscard]] const std::int8_t* cells() const { return evidence_.data(); }
+
+  /// Mean colour of the cells around a pixel. @param u,v  inside a picture that has cells.
+  [[nodiscard]] Yuv around(int u, int v) const {
+    const auto k = static_cast<std::size_t>(std::min(v / step_, height_ - 1) * width_ + std::min(u / step_, width_ - 1));
+    return {around_y_[k], around_u_[k], around_v_[k]};
+  }
 
   /// Evidence of one pixel, from its colour and the cells around it.
   [[nodiscard]] int at_pixel(const Image& image, const ColorModel& color, int u, int v) const;

@@ -28,6 +28,7 @@ struct FrameScore {
 /// What decides whether a frame is a gate. [chosen on labelled pictures, docs/paper/results.md]
 struct FrameWeights {
   double weakest = 0.6, inside = 0.9, outside = 0.8;
+  double size = 0.3;  ///< With every doubling of the side, 0 at 50 px: long sides are seldom like bars by chance.
 };
 
 /// How closely a frame is looked at.
@@ -41,25 +42,34 @@ struct FrameEffort {
 template <class Evidence, FrameEffort kEffort = FrameEffort{}>
 class FrameFit {
  public:
-  explicit FrameFit(const Evidence& evidence, const FrameWeights& weights = {}) : evidence_{evidence}, weights_{weights} {}
+  /// @param bar  bar width / side of the bars' middle lines.
+  explicit FrameFit(const Evidence& evidence, const FrameWeights& weights = {}, double bar = kThinBar)
+      : evidence_{evidence}, weights_{weights}, half_bar_{0.5 * bar} {}
 
   [[nodiscard]] FrameScore score(const Quad& q) const {
     FrameScore s;
     double length = 0.0;
     for (std::size_t i = 0; i < 4; ++i) length += 0.25 * (q[(i + 1) % 4] - q[i]).norm();
-    const double off = std::max(off_min_, 0.09 * length);
+    const double off = std::max(off_min_, (half_bar_ + kBeside) * length);
+    const int lines = lines_beside(length);
     s.weakest = 1e9;
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector2d a = q[i], d = q[(i + 1) % 4] - a;
       const Eigen::Vector2d in = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
       s.side[i] = along(a, d);
+      for (int k = 1; k <= lines; ++k) {
+        const Eigen::Vector2d beside = 0.6 * half_bar_ * length * k / lines * in;
+        s.side[i] += along(a + beside, d) + along(a - beside, d);
+      }
+      s.side[i] /= 1 + 2 * lines;
       s.mean += 0.25 * s.side[i];
       s.weakest = std::min(s.weakest, s.side[i]);
       s.inside += 0.25 * std::max(-1.0, along(a + 0.12 * d + off * in, 0.76 * d));
       s.outside += 0.25 * std::max(-1.0, along(a - off * in, d));
     }
     s.inside = std::max(s.inside, middle(q));
-    s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside - weights_.outside * s.outside;
+    s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside - weights_.outside * s.outside +
+              weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0);
     return s;
   }
 
@@ -85,12 +95,19 @@ class FrameFit {
   }
 
   void set_least_offset(double cells) { off_min_ = cells; }
+  void set_cell_size(double px) { cell_px_ = px; }
 
  private:
   struct Line {
     Eigen::Vector2d a, b;
   };
-  static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 6;
+  static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12, kMostLines = 3;
+  // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
+  static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637;
+
+  // A wide bar is looked at along several lines, so that letters and patterns on it do not matter: so many on
+  // either side of the middle one.
+  [[nodiscard]] int lines_beside(double length) const { return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines); }
 
   [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
     const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, kEffort.samples);
@@ -133,8 +150,10 @@ class FrameFit {
   }
 
   [[nodiscard]] Line best_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
-    reach = std::min(reach, kMostReach);
-    const Strip<kStations> s = strip<kStations>(a, b, reach);
+    const int half = std::min(static_cast<int>(0.6 * half_bar_ * (b - a).norm()), kMostReach / 2);
+    reach = std::min(reach, kMostReach - half);
+    Strip<kStations> s = strip<kStations>(a, b, half > 1 ? reach + half : reach);
+    if (half > 1) widen(s, reach, half);
     int best = -1 << 20, best_from = 0, best_to = 0;
     for (int from = -reach; from <= reach; ++from)
       for (int to = -reach; to <= reach; ++to) {
@@ -148,6 +167,19 @@ class FrameFit {
         if (sum > best) best = sum, best_from = from, best_to = to;
       }
     return {a + best_from * s.normal, b + best_to * s.normal};
+  }
+
+  // Every value becomes the mean of those within `half` of it: of a bar's width instead of a line.
+  template <int kCount>
+  static void widen(Strip<kCount>& s, int reach, int half) {
+    for (auto& value : s.value) {
+      const auto narrow = value;
+      for (int o = -reach; o <= reach; ++o) {
+        int sum = 0;
+        for (int k = -half; k <= half; ++k) sum += narrow[static_cast<std::size_t>(o + k + kMostReach)];
+        value[static_cast<std::size_t>(o + kMostReach)] = sum / (2 * half + 1);
+      }
+    }
   }
 
   [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
@@ -201,7 +233,7 @@ class FrameFit {
 
   const Evidence& evidence_;
   FrameWeights weights_;
-  double off_min_ = 1.5;
+  double half_bar_, off_min_ = 1.5, cell_px_ = 1.0;
 };
 
 /// Whether a quad can be a picture of a square frame: convex, no side much shorter than its opposite.
@@ -231,6 +263,8 @@ struct Frame {
 
 /// Part of frames with this score that were gates, on the authors' labelled pictures.
 [[nodiscard]] inline double confidence_of(double score) { return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45))); }
+/// Back from a confidence.
+[[nodiscard]] inline double score_of(double confidence) { return 2.45 + std::log(confidence / (1.0 - confidence)) / 2.2; }
 
 /// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides; as above.
 [[nodiscard]] inline double corner_confidence_of(double side) { return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side)); }

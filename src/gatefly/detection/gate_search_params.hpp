@@ -14,7 +14,11 @@ struct GateSearchParams {
   double min_side_px = 10.0;  ///< Of the bars' centre lines.
   double max_aspect = 3.2;
   double corner_scale = 1.0 / 0.95;  ///< From the bars' middle lines to the corners that are meant: outer ones.
+  double bar_ratio = 0.05;           ///< Bar width / outer side of the gate.
   FrameWeights weights;
+
+  /// Bar width / side of the bars' middle lines.
+  [[nodiscard]] double bar() const { return bar_ratio / (1.0 - bar_ratio); }
 };
 
 }  // namespace gatefly

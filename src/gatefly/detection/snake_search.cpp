@@ -282,8 +282,9 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   average_around();
   const int cell = std::max(1, step_ / 2);
   const auto at = [&](int x, int y) { return evidence(image, color, x * cell + cell / 2, y * cell + cell / 2); };
-  FrameFit<decltype(at), kEffort> fit{at, params_.weights};
+  FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
   fit.set_least_offset(3.0);
+  fit.set_cell_size(cell);
   FixedList<Frame, Pairs::kCapacity> frames;
   const auto in_place_of = [&](const Quad& q) { return std::find_if(frames.begin(), frames.end(), [&](const Frame& f) { return same_place(f.quad, q); }); };
   for (const Pair& pair : pairs_of(follow_bars(image, color))) {

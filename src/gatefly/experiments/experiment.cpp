@@ -10,11 +10,13 @@
 namespace gatefly::experiments {
 
 std::span<const Experiment> all() {
-  static const std::array<Experiment, 5> list{{
+  static const std::array<Experiment, 7> list{{
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
       {"approach-sequence", "what is found picture by picture while a gate is approached", approach_sequence},
+      {"own-detector", "our detector, colours fitted to one half of the pictures and scored on the other", own_detector},
+      {"detection-failures", "the pictures where our detector is most wrong, by name", detection_failures},
       {"blind-real", "drift without a fix on real flights: drag filter beside the 15-state inertial one", blind_real},
   }};
   return list;

@@ -53,5 +53,7 @@ Result roc_fitness(const Options& options);
 Result tpr_distance(const Options& options);
 Result approach_sequence(const Options& options);
 Result blind_real(const Options& options);
+Result own_detector(const Options& options);
+Result detection_failures(const Options& options);
 
 }  // namespace gatefly::experiments

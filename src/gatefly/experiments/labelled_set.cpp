@@ -11,6 +11,8 @@
 #include <thread>
 #include <utility>
 
+#include "gatefly/io/text.hpp"
+
 namespace gatefly::experiments {
 
 void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work) {
@@ -23,7 +25,10 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work
   worker();
 }
 
-LabelledSet::LabelledSet(const std::filesystem::path& folder) : labels{io::read_labels(folder / "labels.csv")} {
+LabelledSet::LabelledSet(const std::filesystem::path& folder, const std::string& labels_file, int rotation_deg)
+    : labels{io::read_labels(folder / labels_file)}, stored_rotation_deg{rotation_deg} {
+  std::stable_sort(labels.pictures.begin(), labels.pictures.end(),
+                   [](const auto& a, const auto& b) { return io::counts_before(a.image, b.image); });
   for (const io::LabelledPicture& picture : labels.pictures) files.push_back(io::read_image(folder / picture.image));
 }
 

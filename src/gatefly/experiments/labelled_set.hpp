@@ -21,12 +21,14 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work
 /// Every row of a labels.csv with its picture, decoded.
 struct LabelledSet {
   io::Labels labels;
-  std::vector<io::ImageFile> files;  ///< One for each of labels.pictures; turned as the Bebop stores them.
+  std::vector<io::ImageFile> files;  ///< One for each of labels.pictures.
+  int stored_rotation_deg = 90;      ///< As the Bebop stores them.
 
+  /// Pictures in the order of their numbers.
   /// @throws std::runtime_error one line: a file is missing or wrong.
-  explicit LabelledSet(const std::filesystem::path& folder);
+  explicit LabelledSet(const std::filesystem::path& folder, const std::string& labels_file = "labels.csv", int rotation_deg = 90);
   [[nodiscard]] std::size_t size() const { return files.size(); }
-  [[nodiscard]] Image picture(std::size_t i) const { return files[i].view(90); }
+  [[nodiscard]] Image picture(std::size_t i) const { return files[i].view(stored_rotation_deg); }
 };
 
 /// One run of the paper's detector over a set; the repeat's number seeds it. Same numbers, same answer.

@@ -11,6 +11,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/io/color_model_file.hpp"
 #include "gatefly/io/randomize.hpp"
 #include "gatefly/io/text.hpp"
 #include "gatefly/io/toml_file.hpp"
@@ -54,6 +55,12 @@ std::string key_suggestion(const std::string& name) {
   return any.empty() ? ", gatefly config --show lists them all" : any;
 }
 
+/// A file named in another is looked for beside it.
+std::string beside(const std::string& where, const std::string& name) {
+  if (name.empty() || where == "--set") return name;
+  return (std::filesystem::path{where}.parent_path() / name).lexically_normal().string();
+}
+
 void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
   if (name.starts_with("randomize.")) {
     check_randomize(name.substr(10), value, where);
@@ -64,7 +71,9 @@ void set_key(Config& config, const std::string& name, const json& value, const s
                                     [&](const auto& key) { return key.rule.name == name; });
     if (found == keys.end())
       throw std::runtime_error(where + ": " + one_line(name) + " is not a known key" + key_suggestion(name));
-    found->set(config, checked(found->rule, value, where));
+    json allowed = checked(found->rule, value, where);
+    if (found->rule.kind == KeyRule::Kind::kFile) allowed = beside(where, allowed.get<std::string>());
+    found->set(config, allowed);
   }
   config.set_by[name] = where;
 }
@@ -180,6 +189,7 @@ void derive(Config& c) {
 
   const double bar = c.gate_bar / c.gate_side;
   c.pilot.open_gate.bar_ratio = bar;
+  c.pilot.detector.bar_ratio = bar;
   c.pilot.detector.corner_scale = (c.gate_corners == "outer" ? 1.0 : c.gate_corners == "inner" ? 1.0 - 2.0 * bar : 1.0 - bar) / (1.0 - bar);
   c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
 
@@ -192,6 +202,15 @@ void derive(Config& c) {
   vehicle.thrust_coefficient = known.thrust_coefficient;
   vehicle.torque_coefficient = known.torque_coefficient;
   vehicle.max_speed = known.max_speed;
+}
+
+void read_color_table(Config& c) {
+  if (c.color_table.empty()) return;
+  try {
+    c.pilot.gate_color = read_color_model(c.color_table);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(c.set_by.at("color.table") + ": color.table: " + error.what());
+  }
 }
 
 }  // namespace
@@ -213,6 +232,7 @@ Config load_config(std::span<const std::filesystem::path> files, std::span<const
   }
   check(config);
   derive(config);
+  read_color_table(config);
   return config;
 }
 

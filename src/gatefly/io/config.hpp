@@ -29,6 +29,7 @@ struct Config {
   std::vector<double> distortion{DhaneFisheye{}.k};  ///< The model's coefficients, in its order.
   double camera_latency = 0.030;  ///< From the end of read-out to arrival [s].
   Eigen::Vector3d gate_rgb{1.0, 0.4, 0.0};  ///< What a gate looks like, sRGB 0..1; its hue counts.
+  std::string color_table;  ///< File of a fitted colour model, in place of gate_rgb; "": none. From the working directory.
   double gate_side = 1.0, gate_bar = 0.05;  ///< Where a file names none [m].
   std::string gate_corners = "outer";       ///< What labels and detections mean.
   std::string detector_mode = "ours";       ///< "paper", "flown": Li18's two, with their own colours and numbers.

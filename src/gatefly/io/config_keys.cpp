@@ -81,6 +81,7 @@ Keys detection_keys() {
   const char* box = "generic orange; ours";
   return {
       k("color.rgb", 0, 1, AT(gate_rgb), "orange, as cameras see it; ours"),
+      file_name<Config>("color.table", AT(color_table), "none: color.rgb; gatefly tune writes one"),
       k("color.y_min", 0, 255, AT(pilot.color.y_min), box),
       k("color.y_max", 0, 255, AT(pilot.color.y_max), box),
       k("color.cb_min", 0, 255, AT(pilot.color.u_min), box),
@@ -95,6 +96,7 @@ Keys detection_keys() {
       k("detector.max_roll_deg", 0, 90, AT(pilot.detector.max_roll_deg), "turns that are tried; ours"),
       k("detector.min_side_px", 1, 500, AT(pilot.detector.min_side_px), "of the bars' middle lines; ours"),
       k("detector.max_inside", -3, 3, AT(pilot.detector.max_inside), "evidence in the opening, nats; ours"),
+      k("detector.size_bonus", 0, 5, AT(pilot.detector.weights.size), "score with every doubling of the side; labelled sets"),
       k("detector.max_aspect", 1, 20, AT(pilot.detector.max_aspect), "longest side / shortest; ours"),
       k("detector.open_samples", 1, 1000000, AT(pilot.open_gate.max_samples), "gates cut off above, per saturation level; ours"),
       k("detector.open_min_width_px", 1, 500, AT(pilot.open_gate.min_width_px), "of their lower bar; ours"),

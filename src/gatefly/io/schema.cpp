@@ -21,6 +21,7 @@ std::string allowed(const KeyRule& rule) {
       return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") + range;
     case KeyRule::Kind::kNumberOrList:
       return "a number or a list of at most " + std::to_string(rule.count) + ", in " + range;
+    case KeyRule::Kind::kFile: return "the name of a file, or \"\" for none";
     case KeyRule::Kind::kText: break;
   }
   return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
@@ -50,6 +51,7 @@ bool fits(const KeyRule& rule, const nlohmann::json& value) {
       return in_range(rule, value) ||
              (value.is_array() && value.size() <= rule.count &&
               std::all_of(value.begin(), value.end(), [&](const auto& v) { return in_range(rule, v); }));
+    case KeyRule::Kind::kFile: return value.is_string();
     case KeyRule::Kind::kText: break;
   }
   return value.is_string() && std::find(rule.choices.begin(), rule.choices.end(),

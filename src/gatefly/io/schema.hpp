@@ -16,7 +16,7 @@ namespace gatefly::io {
 
 /// What a configuration key may hold, and where its default comes from.
 struct KeyRule {
-  enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText };
+  enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText, kFile };
   std::string name;                  ///< "section.key", the unit at its end.
   double low = 0.0, high = 0.0;      ///< Of every number, in the key's unit, bounds included.
   std::string source = {};                ///< Of the default.
@@ -82,6 +82,14 @@ Key<Target> choice(std::string name, std::vector<std::string> choices, Member me
                  .kind = KeyRule::Kind::kText};
   result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
   result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<std::string>(); };
+  return result;
+}
+
+/// A key whose member is the name of a file, or "" for none.
+template <class Target, class Member>
+Key<Target> file_name(std::string name, Member member, std::string source) {
+  Key<Target> result = choice<Target>(std::move(name), {}, member, std::move(source));
+  result.rule.kind = KeyRule::Kind::kFile;
   return result;
 }
 

@@ -18,6 +18,9 @@ namespace gatefly::io {
 /// ", did you mean 'x'?" when a candidate is near enough to be meant, else "".
 [[nodiscard]] std::string suggestion(std::string_view word, std::span<const std::string> candidates);
 
+/// Order of names as people count: "img_9" before "img_10".
+[[nodiscard]] bool counts_before(std::string_view a, std::string_view b);
+
 /// The shortest text that reads back as the same number; `digits` > 0 rounds to that many first.
 [[nodiscard]] std::string text_of(double value, int digits = 0);
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gatefly/experiments/labelled_set.hpp"
+#include "gatefly/io/config.hpp"
+#include "gatefly/tuning/roc.hpp"
+#include "gatefly/tuning/tune.hpp"
+
+namespace gatefly::experiments {
+
+/// A set of real pictures, ready for our detector: identical pictures once, what is no mistake on the ignored list.
+struct OwnSet {
+  std::string name;
+  LabelledSet files;
+  io::Config config;                                ///< Shipped: basement, cyberzoo, washington.
+  std::vector<tuning::LabelledImage> first, second;  ///< Halves of the set's rows.
+  std::vector<std::string> names;                   ///< Of the pictures of both.
+  tuning::Judging judging;
+
+  [[nodiscard]] std::size_t size() const { return first.size() + second.size(); }
+  [[nodiscard]] const tuning::LabelledImage& picture(std::size_t i) const { return i < first.size() ? first[i] : second[i - first.size()]; }
+  [[nodiscard]] int gates() const;
+};
+
+/// The names of all sets, the small ones first.
+[[nodiscard]] const std::vector<std::string>& own_set_names();
+
+/// @throws std::runtime_error one line: data that is missing or wrong.
+[[nodiscard]] OwnSet own_set(const std::string& name, const Options& options);
+
+/// How the gate's colours are known.
+enum class Colors { kDescribed, kOwnDetections, kLabels };
+
+/// Every picture searched with the colours that the other half taught, on all cores.
+[[nodiscard]] std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors);
+
+}  // namespace gatefly::experiments
