@@ -50,7 +50,7 @@ class Detector {
  public:
   Detector(const io::Config& config, bool all)
       : mode_{config.detector_mode}, color_{config.pilot.gate_color}, search_{config.pilot.detector},
-        snakes_{config.pilot.detector}, careful_{config.pilot.detector}, all_{all} {}
+        snakes_{config.pilot.detector}, all_{all} {}
 
   [[nodiscard]] std::vector<GateDetection> operator()(const Image& image) {
     std::vector<GateDetection> gates = any(image);
@@ -67,10 +67,10 @@ class Detector {
   }
   [[nodiscard]] std::vector<GateDetection> any(const Image& image) {
     if (mode_ == "fast") return listed(snakes_.detect(image, color_));
-    if (mode_ == "careful") return listed(careful_.detect(image, color_));
+    if (mode_ == "careful") return listed(search_.detect_all(image, color_));
     if (mode_ == "paper") return paper(image);
     if (mode_ == "flown") return flown(image);
-    return listed(search_.detect(image, color_));
+    return listed(all_ ? search_.detect_all(image, color_) : search_.detect(image, color_));
   }
   [[nodiscard]] static std::vector<GateDetection> paper(const Image& image) {
     Rng rng{kSeed};
@@ -89,7 +89,6 @@ class Detector {
   ColorModel color_;
   GateSearch search_;
   SnakeSearch snakes_;
-  CarefulSearch careful_;
   bool all_;
 };
 

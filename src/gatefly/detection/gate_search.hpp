@@ -11,8 +11,11 @@ class GateSearch {
  public:
   explicit GateSearch(const GateSearchParams& params = {}) : params_{params}, snakes_{params}, careful_{params} {}
 
-  /// Distinct gates, best first. Allocates nothing.
+  /// Distinct gates, best first; those that stand out, if there are any. Allocates nothing.
   [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
+
+  /// All distinct gates, best first, by the careful search. Allocates nothing.
+  [[nodiscard]] GateDetections detect_all(const Image& image, const ColorModel& color) { return careful_.detect(image, color); }
 
  private:
   GateSearchParams params_;

@@ -148,7 +148,9 @@ class Pilot {
   void estimate_motion(double dt);
   void measure_height(const Sensors& sensors);
   void look(const Sensors& sensors);
-  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors);
+  enum class Effort { kSure, kAll };  ///< kSure: what stands out is enough.
+  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, Effort effort);
+  void correct_with_best_gate();
   [[nodiscard]] std::optional<OpenGate> open_gate(const Sensors& sensors);
   [[nodiscard]] std::optional<GateBars> side_bars(const Sensors& sensors) const;
   void accept_fix(Sighting::Source source);

@@ -17,10 +17,11 @@ constexpr double kLongLeg = 2.5;         // shorter ones say nothing about headi
 
 }  // namespace
 
-GateDetections Pilot::whole_gates(const Sensors& sensors) {
+GateDetections Pilot::whole_gates(const Sensors& sensors, Effort effort) {
   if (sensors.seen) return sensors.seen->gates;
+  const Image& image = *sensors.image;
   GateDetections whole;
-  for (const GateDetection& gate : detector_.detect(*sensors.image, config_.gate_color))
+  for (const GateDetection& gate : effort == Effort::kAll ? detector_.detect_all(image, config_.gate_color) : detector_.detect(image, config_.gate_color))
     if (gate.whole) (void)whole.push_back(gate);
   return whole;
 }
@@ -42,28 +43,16 @@ void Pilot::look(const Sensors& sensors) {
   if (std::holds_alternative<OnGround>(phase_) || std::holds_alternative<Land>(phase_) ||
       std::holds_alternative<Landed>(phase_))
     return;
-  sighting_.detections = whole_gates(sensors);
+  sighting_.detections = whole_gates(sensors, Effort::kSure);
   sighting_.seen = !sighting_.detections.empty();
 
   doubt_heading_after_blind_leg();
-
-  // The candidate that fits best to where the gate should be.
-  int best = -1;
-  double best_distance2 = 1e9;
-  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
-    const GateDetection& candidate = sighting_.detections[i];
-    const Past then = past(capture_time(center(candidate.corners_px).x()));
-    const auto fix = fix_of(candidate, then);
-    if (!fix || belongs_to_another_gate(candidate)) continue;
-    const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-    const double distance2 = filter_.distance2(*fix, moved);
-    if (distance2 < best_distance2) best = static_cast<int>(i), best_distance2 = distance2;
-  }
-  if (best >= 0) {
-    const GateDetection& chosen = sighting_.detections[static_cast<std::size_t>(best)];
-    if (correct_with(chosen)) {
-      sighting_.used = best;
-    }
+  correct_with_best_gate();
+  const bool was_quick = sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
+  if (sighting_.source == Sighting::Source::kNone && was_quick) {
+    // Another gate stood out; the one that is looked for may be there, too.
+    sighting_.detections = whole_gates(sensors, Effort::kAll);
+    correct_with_best_gate();
   }
   // Near the gate parts of it are enough: the lower corners, then the side bars.
   const double x = filter_.position().x();
@@ -75,6 +64,22 @@ void Pilot::look(const Sensors& sensors) {
     sighting_.bars = side_bars(sensors);
     if (sighting_.bars) correct_with_bars(*sighting_.bars);
   }
+}
+
+// The candidate that fits best to where the gate should be.
+void Pilot::correct_with_best_gate() {
+  int best = -1;
+  double best_distance2 = 1e9;
+  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
+    const GateDetection& candidate = sighting_.detections[i];
+    const Past then = past(capture_time(center(candidate.corners_px).x()));
+    const auto fix = fix_of(candidate, then);
+    if (!fix || belongs_to_another_gate(candidate)) continue;
+    const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
+    const double distance2 = filter_.distance2(*fix, moved);
+    if (distance2 < best_distance2) best = static_cast<int>(i), best_distance2 = distance2;
+  }
+  if (best >= 0 && correct_with(sighting_.detections[static_cast<std::size_t>(best)])) sighting_.used = best;
 }
 
 void Pilot::accept_fix(Sighting::Source source) {
