@@ -30,7 +30,7 @@ bool add_bars(GateObservations& seen, const GateBars& bars, double bar_distance,
 
 /// What is known before looking, one standard deviation each.
 struct PosePrior {
-  Attitude attitude_GB;                                        ///< Of the AHRS at exposure; yaw relative to the gate.
+  Attitude attitude_GB = {};                                   ///< Of the AHRS at exposure; yaw relative to the gate.
   double roll_sigma = 0.02, pitch_sigma = 0.02;                ///< [rad] [ours: as PoseParams]
   double yaw_sigma = 0.04;                                     ///< [rad] [ours: as PoseParams]
   double z = 0.0;                                              ///< Height below the gate's centre [m].
