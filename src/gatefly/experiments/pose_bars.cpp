@@ -47,7 +47,7 @@ Errors errors_of(const Line& line, double distance, int trials) {
   const Attitude attitude{0, 0, -line.bearing};
   const Eigen::Vector3d p_GB = rotation_z(-line.bearing) * Eigen::Vector3d{-distance, 0, 0};
   PoseParams anywhere;
-  anywhere.min_bars_distance = 0.0, anywhere.max_bars_distance = anywhere.max_lateral = 1e3;
+  anywhere.min_bars_distance = 0.0, anywhere.max_bars_distance = anywhere.max_bars_lateral = 1e3;
   const double sigma_px = line.gaussian ? 3.5 : 5.0 / std::sqrt(3.0);
   sim::Stream random(static_cast<std::uint64_t>(std::lround(100.0 * distance)), std::string("pose-bars/") + line.name);
   Errors errors;

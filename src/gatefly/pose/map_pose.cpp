@@ -80,24 +80,33 @@ double outlier_cost(const Sight& sight, const MapPoseParams& params) {
   return 2.0 * std::log(share) + (sight.line ? 1.0 : 2.0) * std::log(std::max(1.0, ratio));
 }
 
-double paid_for_outliers(const Problem& problem, Active active) {
+/// What a fit pays for what it leaves out: each is N(0, outlier σ²) around where it should show.
+double paid_for_outliers(const Problem& problem, Active active, const Fit& fit) {
+  constexpr double kBehind = 25.0;  // where it cannot show at all: five outlier sigmas
   double cost = 0.0;
-  for (std::size_t i = 0; i < problem.sights.size(); ++i)
-    if ((active >> i & 1u) == 0) cost += outlier_cost(problem.sights[i], problem.params);
+  for (std::size_t i = 0; i < problem.sights.size(); ++i) {
+    if ((active >> i & 1u) != 0) continue;
+    const auto with = normal_at(fit.pose, problem.sights, active | 1u << i, problem.prior, problem.rig);
+    const double ratio = problem.sights[i].variance_px / (problem.params.outlier_sigma_px * problem.params.outlier_sigma_px);
+    cost += outlier_cost(problem.sights[i], problem.params) + (with ? (with->cost - fit.normal.cost) * ratio : kBehind);
+  }
   return cost;
 }
 
-bool same(const Hypothesis& a, const Hypothesis& b) {
+/// Squared distance of two positions in units of their doubt.
+double distance2(const Hypothesis& a, const Hypothesis& b) {
   const Eigen::Vector3d off = (a.moments.mean - b.moments.mean).head<3>();
   const Eigen::Matrix3d P = (a.moments.covariance + b.moments.covariance).topLeftCorner<3, 3>();
-  return a.active == b.active && off.dot(P.inverse() * off) < 0.1;
+  return off.dot(P.inverse() * off);
 }
+
+bool same(const Hypothesis& a, const Hypothesis& b) { return a.active == b.active && distance2(a, b) < 0.1; }
 
 /// Adds a fit, in place of the same one or the worst if there is no room.
 void consider(Hypotheses& list, const Fit& fit, Active active, const Problem& problem) {
   const auto moments = moments_of(fit);
   if (!moments) return;
-  const Hypothesis one{active, fit, *moments, fit.normal.cost + paid_for_outliers(problem, active)};
+  const Hypothesis one{active, fit, *moments, fit.normal.cost + paid_for_outliers(problem, active, fit)};
   Hypothesis* place = nullptr;
   for (Hypothesis& other : list)
     if (same(one, other)) place = &other;
@@ -178,6 +187,15 @@ Moments mean_of(const Hypotheses& list, const Problem& problem) {
   return {best.moments.mean + off, caution * (second / total - off * off.transpose())};
 }
 
+/// Whether leaving out something else is almost as good an explanation, but of another position.
+bool ambiguous(const Hypotheses& list, const MapPoseParams& params) {
+  constexpr double kElsewhere = 9.0;  // three standard deviations
+  const Hypothesis& best = best_of(list);
+  return std::any_of(list.begin(), list.end(), [&](const Hypothesis& one) {
+    return one.active != best.active && one.cost - best.cost < params.least_advantage && distance2(one, best) > kElsewhere;
+  });
+}
+
 NoPose doubt_of(const MapPose& pose, bool converged, const CameraRig& rig, const MapPoseParams& params) {
   const Eigen::Vector3d camera_G = pose.p_GB + rotation_EB(pose.attitude_GB).matrix * rig.p_BC;
   const double distance = camera_G.norm();
@@ -235,6 +253,7 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
                      .dof = degrees_of_freedom(*sights, best.active, prior), .dropped = all & ~best.active};
   const NoPose doubt = doubt_of(pose, best.fit.converged, rig, params);
   if (doubt != NoPose::kNone) return refused(doubt);
+  if (ambiguous(list, params)) return refused(NoPose::kAmbiguous);
   return {pose, NoPose::kNone};
 }
 
@@ -245,8 +264,8 @@ double surprise_of(double chi2, int dof) {
 }
 
 const char* text_of(NoPose reason) {
-  constexpr std::array<const char*, 9> kTexts{"none",    "not a number", "outside the lens", "too few", "behind",
-                                              "edge-on", "too far",      "not converged",    "misfit"};
+  constexpr std::array<const char*, 10> kTexts{"none",    "not a number", "outside the lens", "too few", "behind",
+                                              "edge-on", "too far",      "not converged",    "misfit", "ambiguous"};
   return kTexts[static_cast<std::size_t>(reason)];
 }
 
