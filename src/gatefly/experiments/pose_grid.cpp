@@ -88,10 +88,12 @@ void run(Cell& cell, int trials) {
     const MapPoseAnswer answer = map_pose(seen, prior, rig);
     cell.map.add(position_of(answer), p_GB);
     cell.nees += nees_of(answer, p_GB);
-    cell.rays.add(by_rays(px, measured, rig, 1.0), p_GB);
-    cell.sqpnp.add(by_pnp(Pnp::kSqpnp, px, rig, 1.0), p_GB);
-    cell.ippe.add(by_pnp(Pnp::kIppe, px, rig, 1.0), p_GB);
-    cell.p3p.add(by_pnp(Pnp::kP3p, px, rig, 1.0), p_GB);
+    if (answer.pose) {  // what ours refuses nobody is asked
+      cell.rays.add(by_rays(px, measured, rig, 1.0), p_GB);
+      cell.sqpnp.add(by_pnp(Pnp::kSqpnp, px, rig, 1.0), p_GB);
+      cell.ippe.add(by_pnp(Pnp::kIppe, px, rig, 1.0), p_GB);
+      cell.p3p.add(by_pnp(Pnp::kP3p, px, rig, 1.0), p_GB);
+    }
 
     GateObservations good = seen;
     if (random.uniform() < kOutlierShare) {
