@@ -309,6 +309,24 @@ TEST(MapPose, SurvivesOneGrossOutlier) {
   EXPECT_GT(std::sqrt(rays / without), 2.0) << "it must have mattered";
 }
 
+// 1 m before the gate with an attitude to 5° any three of four corners fit well, each with another position.
+TEST(MapPose, RefusesWhenWhatIsLeftOutDecidesWhereTheGateIs) {
+  const CameraRig rig = bebop_rig();
+  const View view{{-1.1, 0, 0.1}, {0, -0.08, 0}};
+  Rng rng{29};
+  int ambiguous = 0, right = 0, wrong = 0;
+  for (int i = 0; i < 300; ++i) {
+    Quad px = noisy(*corners_of(1.0, view, rig), 1.0, rng);
+    const double angle = rng.uniform(-kPi, kPi);
+    px[static_cast<std::size_t>(rng.uniform_index(4))] += 15.0 * Vector2d{gatefly::cos(angle), gatefly::sin(angle)};
+    const auto answer = map_pose(corners_seen(px, 1.0), prior_of(off_by(view.attitude_GB, 0.087, rng), 0.087), rig);
+    ambiguous += answer.reason == NoPose::kAmbiguous;
+    if (answer.pose) ++((answer.pose->p_GB - view.p_GB).norm() < 0.15 ? right : wrong);
+  }
+  EXPECT_GT(ambiguous, 30);
+  EXPECT_GT(right, 10 * wrong);
+}
+
 TEST(MapPose, RefusesAFrameMadeOfTheBarsOfTwoGates) {
   const CameraRig rig = bebop_rig();
   Rng rng{5};
