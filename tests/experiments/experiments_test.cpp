@@ -47,6 +47,7 @@ TEST(Experiments, HaveNamesOfTheirOwn) {
 
 TEST(Experiments, WithoutDataSayHowToNameIt) {
   for (const Experiment& experiment : all()) try {
+      if (!experiment.needs_data) continue;
       (void)experiment.run({.data = fs::temp_directory_path().string()});
       FAIL() << experiment.name;
     } catch (const std::runtime_error& error) {

@@ -40,6 +40,7 @@ struct Experiment {
   std::string name, what;
   /// @throws std::runtime_error one line: data that is missing or wrong.
   Result (*run)(const Options& options);
+  bool needs_data = true;  ///< Else everything is simulated.
 };
 
 /// All that there are, in the paper's order.
@@ -55,5 +56,9 @@ Result approach_sequence(const Options& options);
 Result blind_real(const Options& options);
 Result own_detector(const Options& options);
 Result detection_failures(const Options& options);
+Result pose_ls_p3p(const Options& options);
+Result pose_bars(const Options& options);
+Result pose_grid(const Options& options);
+Result pose_real(const Options& options);
 
 }  // namespace gatefly::experiments

@@ -92,6 +92,7 @@ void draw_series(Canvas& canvas, const PlotSeries& series, const Axis& x, const 
 
 void draw_legend(Canvas& canvas, const Plot& plot, Eigen::Vector2d at) {
   for (const PlotSeries& series : plot.series) {
+    if (series.name.empty()) continue;  // shares the colour of a named one
     if (series.line) canvas.line({at.x(), at.y() - 4.5}, {at.x() + 26.0, at.y() - 4.5}, {.color = series.color, .width = 1.6});
     draw_mark(canvas, series, {at.x() + 13.0, at.y() - 4.5});
     canvas.text({at.x() + 34.0, at.y()}, series.name);

@@ -12,7 +12,7 @@ namespace gatefly::io {
 
 /// One curve of a plot.
 struct PlotSeries {
-  std::string name = {};                     ///< In the legend.
+  std::string name = {};                     ///< In the legend; "" is not.
   std::vector<Eigen::Vector2d> points = {};  ///< In order. What is not finite, or not above 0 on a log axis, is left out.
   Color color = look::kDetection;
   bool line = true;      ///< Joins the points.

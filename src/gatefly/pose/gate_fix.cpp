@@ -187,7 +187,7 @@ std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, d
   const double y = 0.5 * bar_distance - x * tan_right;  // camera, right of the gate's axis
   const Eigen::Vector3d camera_G{-x, y, 0.0};
   const Eigen::Vector3d p_GB = camera_G - R_GB * rig.p_BC;
-  if (x < params.min_bars_distance || x > params.max_bars_distance || std::abs(p_GB.y()) > 0.8 * bar_distance)
+  if (x < params.min_bars_distance || x > params.max_bars_distance || std::abs(p_GB.y()) > params.max_bars_lateral * bar_distance)
     return std::nullopt;
 
   // Each bearing with the corner noise; x_G = -s/spread, y_G = s/2 - s tan α₂ / spread.

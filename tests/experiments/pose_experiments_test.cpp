@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slices of the pose studies; the whole ones are `gatefly reproduce pose-...`.
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/experiments/experiment.hpp"
+#include "gatefly/experiments/pnp.hpp"
+#include "gatefly/experiments/pose_trial.hpp"
+
+namespace gatefly::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Pnp, EveryWayFindsTheCameraFromExactCorners) {
+  if (!has_pnp()) GTEST_SKIP() << kNoPnp;
+  const CameraRig rig = study_rig();
+  const Eigen::Vector3d p_GB{-2.0, 0.4, 0.1};
+  const Attitude attitude{0.1, -0.1, -0.3};  // a gate seen askew has one solution only
+  const Quad px = corners_seen_from(p_GB, attitude, rig);
+  for (const Pnp method : {Pnp::kP3p, Pnp::kP3pOfFour, Pnp::kIppe, Pnp::kIppeSquare, Pnp::kSqpnp, Pnp::kIterative}) {
+    const auto found = by_pnp(method, px, rig, 1.0);
+    ASSERT_TRUE(found) << static_cast<int>(method);
+    EXPECT_LT((*found - p_GB).norm(), 1e-3) << static_cast<int>(method);
+  }
+  EXPECT_LT((*by_rays(px, attitude, rig, 1.0) - p_GB).norm(), 1e-9);
+}
+
+// 500 trials: an RMSE's standard error is 3 %, so that a few points may fall out of 10 %.
+TEST(PoseStudies, LeastSquaresGivesTheAuthorsCurvesAndTheRecomputedTable) {
+  const Result result = pose_ls_p3p({.quick = true});
+  int curves = 0;
+  for (const auto& curve : result.json.at("curves")) {
+    const std::string name = curve.at("curve");
+    if (name.rfind("LS", 0) != 0) continue;
+    ++curves;
+    EXPECT_GE(curve.at("within").get<int>(), curve.at("compared").get<int>() - 1) << curve.at("study") << " " << name;
+  }
+  EXPECT_EQ(curves, 9);
+}
+
+TEST(PoseStudies, SideBarsGiveTheAuthorsCurves) {
+  const Result result = pose_bars({.quick = true});
+  EXPECT_EQ(result.json.at("lines").size(), 8u);
+  for (const auto& line : result.json.at("lines")) EXPECT_GE(line.at("within").get<int>(), 4) << line.at("line");
+}
+
+// 50 trials a cell: single cells scatter by 10 %, most must keep what all keep with 1,000.
+TEST(PoseStudies, OurPoseIsRarelySecondBest) {
+  const Result result = pose_grid({.quick = true});
+  EXPECT_LT(result.json.at("most_refused").get<double>(), 0.1);
+  for (const auto& claim : result.json.at("claims"))
+    EXPECT_GE(claim.at("kept").get<double>(), 0.85 * claim.at("cells").get<double>()) << claim;
+}
+
+class RealPoses : public ::testing::Test {
+ protected:
+  static fs::path data() {
+    if (const char* named = std::getenv("GATEFLY_DATA")) return named;
+    return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
+  }
+  void SetUp() override {
+    if (!fs::is_directory(data() / "tudelft_bebop_flights")) GTEST_SKIP() << "no real data at " << data() << " (set GATEFLY_DATA)";
+  }
+};
+
+TEST_F(RealPoses, DistancesAreRightWithinSixPercentAndFlightElevenWithinItsLimits) {
+  const Result result = pose_real({.data = data().string()});
+  const auto& distances = result.json.at("distance51").at("distances");
+  ASSERT_EQ(distances.size(), 5u);
+  for (const auto& at : distances) {
+    const double truth = at.at("true_m");
+    EXPECT_NEAR(at.at("mean_m").get<double>(), truth, 0.06 * truth);
+    if (has_pnp()) EXPECT_LT(at.at("std_m").get<double>(), 1.1 * at.at("pnp_std_m").get<double>());
+  }
+  const auto& flight = result.json.at("flight_11");
+  for (const char* axis : {"rmse_x_m", "rmse_y_m"}) {
+    EXPECT_LE(flight.at("labels").at(axis).get<double>(), 0.12);
+    EXPECT_LE(flight.at("detections").at(axis).get<double>(), 0.20);
+  }
+  EXPECT_GE(flight.at("detections").at("frames").get<int>(), 17);
+  EXPECT_LT(flight.at("fitted").at("rms_px").get<double>(), 2.0);
+}
+
+}  // namespace
+}  // namespace gatefly::experiments
