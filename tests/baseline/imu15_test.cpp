@@ -2,6 +2,7 @@
 #include "gatefly/baseline/imu15.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/Eigenvalues>
@@ -43,15 +44,23 @@ struct Flown {
   }
 };
 
-TEST(Imu15, FollowsACircleWithoutFixesWhenItsImuIsPerfect) {
+// Twenty circles, 10 s with fixes and 2 s without: off by no more than it says, nearly always.
+TEST(Imu15, KnowsHowFarItDriftsWithoutFixes) {
   const Circle circle;
-  Flown flown{Imu15{Imu15Params{}}};
-  flown.filter.start(circle.p(0), {}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
-  // At rest before: the velocity is told by the first fixes.
-  Rng rng{1};
-  flown.fly(circle, 10.0, Eigen::Vector3d::Zero(), true, rng);
-  flown.fly(circle, 2.0, Eigen::Vector3d::Zero(), false, rng);
-  EXPECT_LT((flown.filter.position() - circle.p(flown.t)).norm(), 0.15);
+  Imu15Params params;
+  params.start_velocity_sigma = 2.0;  // it starts in full flight
+  int within = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Flown flown{Imu15{params}};
+    flown.filter.start(circle.p(0), {}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+    Rng rng{seed};
+    flown.fly(circle, 10.0, Eigen::Vector3d::Zero(), true, rng);
+    flown.fly(circle, 2.0, Eigen::Vector3d::Zero(), false, rng);
+    const double sigma = std::sqrt(flown.filter.covariance().topLeftCorner<3, 3>().trace());
+    within += (flown.filter.position() - circle.p(flown.t)).norm() < 2.0 * sigma;
+    EXPECT_LT(sigma, 1.0);
+  }
+  EXPECT_GE(within, 18);
 }
 
 TEST(Imu15, LearnsTheAccelerometersBias) {
@@ -63,7 +72,7 @@ TEST(Imu15, LearnsTheAccelerometersBias) {
   flown.fly(circle, 30.0, bias, true, rng);
   EXPECT_LT((flown.filter.accel_bias() - bias).norm(), 0.08);
   EXPECT_LT((flown.filter.position() - circle.p(flown.t)).norm(), 0.08);
-  EXPECT_LT((flown.filter.velocity().norm() - circle.speed), 0.1);
+  EXPECT_NEAR(flown.filter.velocity().norm(), circle.speed, 0.1);
 }
 
 TEST(Imu15, ItsCovarianceStaysOneAndGrowsOnlyWhileNothingIsSeen) {
@@ -81,7 +90,9 @@ TEST(Imu15, ItsCovarianceStaysOneAndGrowsOnlyWhileNothingIsSeen) {
 }
 
 TEST(Imu15, AHeadingTurnsTheEstimateTheShortWay) {
-  Imu15 filter{Imu15Params{}};
+  Imu15Params params;
+  params.start_tilt_sigma = 1e-4;  // else heading and tilt share what was wrong
+  Imu15 filter{params};
   filter.start(Eigen::Vector3d::Zero(), {0.1, -0.2, 3.1}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   for (int i = 0; i < 200; ++i) filter.correct_heading(-3.1, 0.01);
   EXPECT_NEAR(wrap_angle(filter.attitude().yaw + 3.1), 0.0, 0.01);

@@ -51,7 +51,7 @@ TEST(Experiments, WithoutDataSayHowToNameIt) {
       (void)experiment.run({.data = fs::temp_directory_path().string()});
       FAIL() << experiment.name;
     } catch (const std::runtime_error& error) {
-      EXPECT_THAT(error.what(), HasSubstr("tudelft_bebop_gates"));
+      EXPECT_THAT(error.what(), HasSubstr("there is no such folder"));
     }
 }
 

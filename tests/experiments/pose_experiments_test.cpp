@@ -31,7 +31,7 @@ TEST(Pnp, EveryWayFindsTheCameraFromExactCorners) {
 
 // 500 trials: an RMSE's standard error is 3 %, so that a few points may fall out of 10 %.
 TEST(PoseStudies, LeastSquaresGivesTheAuthorsCurvesAndTheRecomputedTable) {
-  const Result result = pose_ls_p3p({.quick = true});
+  const Result result = pose_ls_p3p({.data = {}, .quick = true});
   int curves = 0;
   for (const auto& curve : result.json.at("curves")) {
     const std::string name = curve.at("curve");
@@ -43,14 +43,14 @@ TEST(PoseStudies, LeastSquaresGivesTheAuthorsCurvesAndTheRecomputedTable) {
 }
 
 TEST(PoseStudies, SideBarsGiveTheAuthorsCurves) {
-  const Result result = pose_bars({.quick = true});
+  const Result result = pose_bars({.data = {}, .quick = true});
   EXPECT_EQ(result.json.at("lines").size(), 8u);
   for (const auto& line : result.json.at("lines")) EXPECT_GE(line.at("within").get<int>(), 4) << line.at("line");
 }
 
 // 50 trials a cell: single cells scatter by 10 %, most must keep what all keep with 1,000.
 TEST(PoseStudies, OurPoseIsRarelySecondBest) {
-  const Result result = pose_grid({.quick = true});
+  const Result result = pose_grid({.data = {}, .quick = true});
   EXPECT_LT(result.json.at("most_refused").get<double>(), 0.1);
   for (const auto& claim : result.json.at("claims"))
     EXPECT_GE(claim.at("kept").get<double>(), 0.85 * claim.at("cells").get<double>()) << claim;
@@ -74,7 +74,9 @@ TEST_F(RealPoses, DistancesAreRightWithinSixPercentAndFlightElevenWithinItsLimit
   for (const auto& at : distances) {
     const double truth = at.at("true_m");
     EXPECT_NEAR(at.at("mean_m").get<double>(), truth, 0.06 * truth);
-    if (has_pnp()) EXPECT_LT(at.at("std_m").get<double>(), 1.1 * at.at("pnp_std_m").get<double>());
+    if (has_pnp()) {
+      EXPECT_LT(at.at("std_m").get<double>(), 1.1 * at.at("pnp_std_m").get<double>());
+    }
   }
   const auto& flight = result.json.at("flight_11");
   for (const char* axis : {"rmse_x_m", "rmse_y_m"}) {

@@ -10,7 +10,7 @@ namespace gatefly::baseline {
 
 struct Imu15Params {
   double accel_noise = 0.1;    ///< [m/s²/√Hz]
-  double gyro_noise = 0.007;   ///< [rad/s/√Hz]
+  double gyro_noise = 0.02;    ///< [rad/s/√Hz; accelerometer and gyro: of .03, .1, .3, 1 and .002, .007, .02, .05 the least drift on real flights]
   double accel_walk = 0.014;   ///< Of the bias [m/s²/√s]; squared, the drag filter's.
   double gyro_walk = 2e-4;     ///< Of the bias [rad/s/√s]
   double gravity = 9.81;       ///< [m/s²]
