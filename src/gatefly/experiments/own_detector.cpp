@@ -16,10 +16,13 @@ constexpr std::array kFalsePerImage{0.01, 0.02, 0.03, 0.05, 0.1};
 struct Model {
   Colors colors;
   const char *key, *name;
+  bool fast = false;
 };
-constexpr std::array<Model, 3> kModels{{{Colors::kLabels, "labels", "labels"},
+constexpr std::array<Model, 5> kModels{{{Colors::kLabels, "labels", "labels"},
                                         {Colors::kOwnDetections, "own_detections", "no labels"},
-                                        {Colors::kDescribed, "described", "described"}}};
+                                        {Colors::kDescribed, "described", "described"},
+                                        {Colors::kLabels, "fast_labels", "fast, labels", true},
+                                        {Colors::kDescribed, "fast_described", "fast, described", true}}};
 
 /// Corner errors of the hits above a threshold, in the best cyclic order [px], sorted.
 std::vector<double> corner_errors_of(const OwnSet& set, const std::vector<tuning::Judged>& judged, double min_score) {
@@ -81,15 +84,15 @@ Result own_detector(const Options& options) {
     auto models = nlohmann::ordered_json::object();
     for (const Model& model : kModels) {
       if (options.stopped()) throw Stopped{};
-      options.progress((static_cast<double>(s) + 0.3 * static_cast<double>(&model - kModels.data())) / static_cast<double>(count), set.name + ", " + model.name);
-      const std::vector<tuning::Judged> judged = judged_by_halves(set, model.colors);
+      options.progress((static_cast<double>(s) + 0.2 * static_cast<double>(&model - kModels.data())) / static_cast<double>(count), set.name + ", " + model.name);
+      const std::vector<tuning::Judged> judged = judged_by_halves(set, model.colors, model.fast);
       const tuning::Roc roc = tuning::roc_of(judged, set.size(), set.gates());
       result.table.push_back({set.name + ", " + model.name, paper_text(set.name), row_text(roc)});
       models[model.key] = json_of(set, judged, roc);
       for (const tuning::Operating& point : roc.points)
         result.csv += set.name + "," + model.key + "," + io::text_of(point.min_score, 6) + "," + io::text_of(point.true_positive_rate, 6) +
                       "," + io::text_of(point.false_per_image, 6) + "\n";
-      if (model.colors == Colors::kLabels) plot.series.push_back(curve(set.name, roc, kColors[s]));
+      if (model.colors == Colors::kLabels && !model.fast) plot.series.push_back(curve(set.name, roc, kColors[s]));
     }
     const auto& corners = models["labels"]["corner_error_px"];
     if (!corners.is_null())

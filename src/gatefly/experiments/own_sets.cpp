@@ -80,7 +80,7 @@ OwnSet own_set(const std::string& name, const Options& options) {
   return set;
 }
 
-std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors) {
+std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors, bool fast) {
   const auto learnt = [&](tuning::Pictures half) {
     const ColorModel& described = set.config.pilot.gate_color;
     if (colors == Colors::kDescribed) return described;
@@ -89,7 +89,8 @@ std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors) {
   };
   std::array<ColorModel, 2> models;
   in_parallel(2, [&](std::size_t i) { models[i] = learnt(i == 0 ? set.second : set.first); });
-  const tuning::Judging judging = colors == Colors::kDescribed ? set.judging : tuning::with_fitted_colors(set.judging);
+  tuning::Judging judging = colors == Colors::kDescribed ? set.judging : tuning::with_fitted_colors(set.judging);
+  judging.fast = fast;
   std::vector<std::vector<tuning::Judged>> by_picture(set.size());
   in_parallel(set.size(), [&](std::size_t i) {
     by_picture[i] = tuning::judged_in(set.picture(i), models[i < set.first.size() ? 0 : 1], judging);

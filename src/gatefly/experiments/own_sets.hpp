@@ -34,7 +34,7 @@ struct OwnSet {
 /// How the gate's colours are known.
 enum class Colors { kDescribed, kOwnDetections, kLabels };
 
-/// Every picture searched with the colours that the other half taught, on all cores.
-[[nodiscard]] std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors);
+/// Every picture searched with the colours that the other half taught, on all cores; by the fast search alone if asked.
+[[nodiscard]] std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors, bool fast = false);
 
 }  // namespace gatefly::experiments

@@ -30,6 +30,7 @@ struct Judging {
   GateSearchParams detector = {};  ///< Its min_score is not used.
   double lowest = 0.5;           ///< Score down to which gates are looked for.
   bool all = false;              ///< Every gate of a picture, by the careful search; else the best, as `gatefly detect` gives.
+  bool fast = false;             ///< By the fast search alone.
   io::Rule rule = io::Rule::kOverlap70;
   bool nearest = false;          ///< Only the first labelled gate counts.
 };
