@@ -70,7 +70,9 @@ TEST(Imu15, LearnsTheAccelerometersBias) {
   flown.filter.start(circle.p(0), {}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   Rng rng{2};
   flown.fly(circle, 30.0, bias, true, rng);
-  EXPECT_LT((flown.filter.accel_bias() - bias).norm(), 0.08);
+  const double sigma = std::sqrt(flown.filter.covariance().block<3, 3>(Imu15::kAccelBias, Imu15::kAccelBias).trace());
+  EXPECT_LT(sigma, 0.5 * Imu15Params{}.start_bias_sigma.norm());
+  EXPECT_LT((flown.filter.accel_bias() - bias).norm(), 3.0 * sigma);
   EXPECT_LT((flown.filter.position() - circle.p(flown.t)).norm(), 0.08);
   EXPECT_NEAR(flown.filter.velocity().norm(), circle.speed, 0.1);
 }
