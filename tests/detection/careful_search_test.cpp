@@ -9,6 +9,7 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/views_of_a_gate.hpp"
 #include "support/worst_corner.hpp"
 
 namespace gatefly {
@@ -24,34 +25,14 @@ GateDetections gates_in(const Canvas& canvas) {
   return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, kOrange);
 }
 
-struct Place {
-  double distance, roll_deg;
-};
-void PrintTo(const Place& p, std::ostream* out) { *out << p.distance << " m, roll " << p.roll_deg << " deg"; }
-
 class CarefulSearchFrom : public ::testing::TestWithParam<Place> {};
 
 // 20 views each, clean frame, noisy wall: found, and the median of the worst corners is small.
 TEST_P(CarefulSearchFrom, FindsTheOuterCorners) {
-  const CameraRig rig = bebop_rig();
-  std::vector<double> errors;
-  int views = 0;
-  for_all(20, [&](Rng& rng) {
-    const View view{{-GetParam().distance, rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.5)},
-                    {GetParam().roll_deg * kDegree + rng.uniform(-0.05, 0.05), rng.uniform(-0.1, 0.0), rng.uniform(-0.2, 0.2)}};
-    const auto corners = corners_of(1.0, view, rig);
-    if (!corners || !inside_picture(*corners, 315, 160, 4)) return;
-    ++views;
-    Canvas canvas(315, 160);
-    canvas.draw_gate(view, rig);
-    canvas.add_noise(rng);
-    const auto found = gates_in(canvas);
-    if (!found.empty() && worst_corner(found[0].corners_px, *corners) < 6.0) errors.push_back(worst_corner(found[0].corners_px, *corners));
-  });
-  ASSERT_GE(views, 5);
-  EXPECT_GE(static_cast<int>(errors.size()), views - views / 10);
-  std::sort(errors.begin(), errors.end());
-  EXPECT_LT(errors[errors.size() / 2], 1.5);
+  const FoundCorners corners = found_corners(GetParam(), gates_in);
+  ASSERT_GE(corners.views, 5);
+  EXPECT_GE(corners.found(), corners.views - corners.views / 10);
+  EXPECT_LT(corners.median(), 1.5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, CarefulSearchFrom,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 constexpr int kGroup = 4;                        // samples of a row whose mean is taken; rows are as many samples apart
 constexpr int kMostColumns = 160, kMostRows = 40;
-constexpr int kLimit = 40, kOutside = -16;       // as EvidenceMap: 2.5 and -1 nats
+constexpr int kLimit = EvidenceMap::kLimit, kOutside = EvidenceMap::kOutside;
 constexpr int kBar = 6;                          // evidence of a sample on a bar
 constexpr int kHopeless = -16;                   // of a colour alone: no bar, whatever is around
 constexpr int kWidest = 5;                       // samples; what is wider is no upright bar
