@@ -79,7 +79,7 @@ TEST(DragFilter, CovarianceStaysACovarianceWhateverHappens) {
         (void)filter.correct(fix, any_vector3(rng, 0.1));
       }
       if (i % 26 == 0) (void)filter.correct_altitude(filter.position().z() + rng.uniform(-2, 2), 0.04);
-      if (i == 150) filter.change_frame(rotation_z(rng.uniform(-3, 3)), any_vector3(rng, 5), 0.1);
+      if (i == 150) filter.change_frame(rotation_z(rng.uniform(-3, 3)), any_vector3(rng, 5), {0.1, 0.05, 0.05});
     }
     EXPECT_THAT(filter.covariance(), IsCovariance());
     EXPECT_TRUE(filter.state().allFinite());
@@ -204,9 +204,9 @@ TEST(DragFilter, ChangingFramesThereAndBackChangesNothing) {
     const drag_model::StateMatrix P = filter.covariance();
     const Matrix3d R = rotation_z(rng.uniform(-3, 3));
     const Vector3d offset = any_vector3(rng, 8);
-    filter.change_frame(R, offset, 0.0);
+    filter.change_frame(R, offset, {});
     EXPECT_NEAR((filter.covariance().topLeftCorner<3, 3>().trace()), (P.topLeftCorner<3, 3>().trace()), 1e-12);
-    filter.change_frame(R.transpose(), -(R.transpose() * offset), 0.0);
+    filter.change_frame(R.transpose(), -(R.transpose() * offset), {});
     EXPECT_THAT(filter.state(), IsNear(x, 1e-9));
     EXPECT_THAT(filter.covariance(), IsNear(P, 1e-12));
   });

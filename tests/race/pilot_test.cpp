@@ -284,7 +284,7 @@ TEST(Pilot, TakesAFixFromAGateInView) {
   (void)pilot.step(s);
   EXPECT_TRUE(pilot.sighting().seen);
   EXPECT_EQ(pilot.sighting().source, Sighting::Source::kCorners);
-  EXPECT_LT(pilot.estimate().sigma.y(), before.sigma.y());
+  EXPECT_LT(pilot.estimate().covariance_GB(1, 1), before.covariance_GB(1, 1));
   EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.15);
 }
 

@@ -208,6 +208,7 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
   sim::BaroModel baro{config.sim.sensors, config.sim.seed};
   CameraFeed camera{config.sim};
   Scorer scorer{config.sim.world, config.sim.camera};
+  ConsistencyWatch consistency{config.sim.world.gates};
   Stopwatch step_watch{"pilot_step"}, image_watch{"pilot_step_with_image"}, camera_watch{"camera"}, physics_watch{"physics"};
 
   RaceResult result;
@@ -274,6 +275,7 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
     result.searches += searching && !was_searching;
     was_searching = searching;
     const sim::BodyState& s = body.state();
+    if (!referee.finished()) consistency.update(pilot, s.p_EB, now, frame);
     if (!book.passes.empty() && !referee.finished()) {
       book.error2 += (pilot.estimate().p_EB - s.p_EB).cwiseAbs2();
       ++book.error_count;
@@ -292,6 +294,7 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
     result.abort_reason = pilot.abort_reason() == AbortReason::kNone ? "landed before the last gate" : text_of(pilot.abort_reason());
   result.flight_time = body.time();
   fill(result, book, static_cast<int>(config.sim.world.gates.size()), motors_on);
+  result.consistency = consistency.result();
   result.frames = scorer.frames();
   result.frames_with_gate = scorer.frames_with_gate();
   result.true_positives = scorer.true_positives();

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/closed_loop/consistency.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/sim/sim_config.hpp"
 
@@ -65,6 +66,7 @@ struct RaceResult {
   std::string abort_reason;                  ///< In words; empty when not aborted.
   std::vector<Eigen::Vector2d> gate_offsets; ///< Lateral, vertical (down) at each pass [m].
   Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();  ///< Earth frame, first to last gate [m].
+  Consistency consistency;                   ///< Whether the pilot knew how wrong it was.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
   int searches = 0;                          ///< How often the pilot had to look for a gate.
   double flight_time = 0.0;                  ///< Simulated [s].

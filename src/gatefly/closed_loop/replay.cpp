@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "gatefly/closed_loop/inertial_follower.hpp"
+
 namespace gatefly::closed_loop {
 namespace {
 
@@ -14,15 +16,16 @@ bool is_finite(const Command& c) {
 }
 
 bool is_finite(const Estimate& e) {
-  return e.p_EB.allFinite() && e.v_E.allFinite() && e.accel_bias.allFinite() && e.sigma.allFinite() &&
+  return e.p_EB.allFinite() && e.v_E.allFinite() && e.accel_bias.allFinite() && e.covariance_GB.allFinite() &&
          std::isfinite(e.attitude.roll) && std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
 }
 
 }  // namespace
 
 ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
-                    const std::function<Image(std::size_t)>& load_picture) {
+                    const std::function<Image(std::size_t)>& load_picture, Estimator estimator) {
   Pilot pilot{config};
+  InertialFollower inertial;
   ReplayResult result;
   result.estimates.reserve(ticks.size());
   result.commands.reserve(ticks.size());
@@ -33,7 +36,8 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     const Command command = pilot.step(sensors);
     const double t = std::chrono::duration<double>(sensors.time).count();
 
-    EstimateRow row{t, pilot.estimate()};
+    inertial.update(sensors, pilot);
+    EstimateRow row{t, estimator == Estimator::kDrag ? pilot.estimate() : inertial.estimate(pilot)};
     if (tick.picture) {
       row.source = pilot.sighting().source;
       result.pictures.push_back({*tick.picture, t, pilot.sighting()});

@@ -45,10 +45,17 @@ struct ReplayResult {
   int rmse_samples = 0;                  ///< 0: the log has no truth there.
 };
 
+/// Whose estimates a replay reports.
+enum class Estimator {
+  kDrag,   ///< The pilot's own.
+  kImu15,  ///< The classic inertial filter's, fed with what the pilot sees; the pilot flies on by its own.
+};
+
 /// Feeds a recorded flight to the very Pilot::step that flies the simulator.
 ///
 /// @param load_picture  answers the view of picture i; it must stay valid until the next call.
 [[nodiscard]] ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
-                                  const std::function<Image(std::size_t)>& load_picture);
+                                  const std::function<Image(std::size_t)>& load_picture,
+                                  Estimator estimator = Estimator::kDrag);
 
 }  // namespace gatefly::closed_loop

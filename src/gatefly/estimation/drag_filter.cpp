@@ -81,7 +81,7 @@ Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
   return Fusion::kAccepted;
 }
 
-Fusion DragFilter::correct_altitude(double z_G, double sigma) {
+Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
   const double innovation = z_G - x_(kZ);
   const double S = P_(kZ, kZ) + sigma * sigma;
   if (!std::isfinite(innovation) || !(innovation * innovation < 25.0 * S)) {
@@ -92,15 +92,19 @@ Fusion DragFilter::correct_altitude(double z_G, double sigma) {
   Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
   H(kZ) = 1.0;
   update<1>(x_, P_, Eigen::Matrix<double, 1, 1>{innovation}, H, Eigen::Matrix<double, 1, 1>{sigma * sigma});
+  P_(kZ, kZ) = std::max(P_(kZ, kZ), height_sigma * height_sigma);
   return Fusion::kAccepted;
 }
 
-void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double map_sigma) {
+void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, const MapDoubt& doubt) {
   x_.segment<3>(kX) = R * position() + offset;
   StateMatrix T = StateMatrix::Identity();
   T.topLeftCorner<3, 3>() = R;
   P_ = T * P_ * T.transpose();
-  P_.diagonal().segment<3>(kX).array() += map_sigma * map_sigma;
+  const Eigen::Vector3d sigma{doubt.position, doubt.position, doubt.height};
+  P_.diagonal().segment<3>(kX) += sigma.cwiseAbs2();
+  const Eigen::Vector2d turned = doubt.yaw * Eigen::Vector2d{-x_(drag_model::kY), x_(kX)};
+  P_.topLeftCorner<2, 2>() += turned * turned.transpose();
 }
 
 }  // namespace gatefly

@@ -42,7 +42,8 @@ class DragFilter {
   Fusion correct(const Fix& fix, const Eigen::Vector3d& moved);
 
   /// Height as a z coordinate of the frame [m]; what to believe is the altimeter's business.
-  Fusion correct_altitude(double z_G, double sigma);
+  /// `height_sigma` of the gate above the floor, which no altitude can tell: position.z stays as uncertain as that [m].
+  Fusion correct_altitude(double z_G, double sigma, double height_sigma = 0.0);
 
   /// Squared Mahalanobis distance of a fix.
   [[nodiscard]] double distance2(const Fix& fix, const Eigen::Vector3d& moved) const;
@@ -50,9 +51,15 @@ class DragFilter {
   /// More doubt about the position on the floor plan [m²].
   void doubt(const Eigen::Matrix2d& covariance) { P_.topLeftCorner<2, 2>() += covariance; }
 
-  /// Goes over to another gate's frame: p' = R p + offset; `map_sigma` is how well the map knows the one
-  /// gate relative to the other [m].
-  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double map_sigma);
+  /// How well the map knows one gate relative to another.
+  struct MapDoubt {
+    double position = 0.0, height = 0.0;  ///< On the floor plan, and of the centre above the floor [m].
+    double yaw = 0.0;                     ///< [rad]
+  };
+
+  /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place, height and heading
+  /// is as if the drone were elsewhere.
+  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, const MapDoubt& doubt);
 
   [[nodiscard]] const drag_model::State& state() const { return x_; }
   [[nodiscard]] const drag_model::StateMatrix& covariance() const { return P_; }

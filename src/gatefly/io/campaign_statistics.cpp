@@ -31,6 +31,25 @@ nlohmann::ordered_json quantiles(const std::vector<double>& values) {
   return json;
 }
 
+closed_loop::ChiSquareCount count_of(const nlohmann::json& json) {
+  return {json.at("samples").get<int>(), json.at("sum_per_dof").get<double>(), json.at("inside").get<int>()};
+}
+double mean_of(const closed_loop::ChiSquareCount& c) { return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0; }
+double inside_of(const closed_loop::ChiSquareCount& c) { return c.samples > 0 ? static_cast<double>(c.inside) / c.samples : 0.0; }
+
+nlohmann::ordered_json pooled(const std::vector<RunRow>& rows) {
+  closed_loop::Consistency all;
+  const auto add = [](closed_loop::ChiSquareCount& to, const closed_loop::ChiSquareCount& from) {
+    to.samples += from.samples, to.sum_per_dof += from.sum_per_dof, to.inside += from.inside;
+  };
+  for (const RunRow& row : rows)
+    add(all.nees, row.consistency.nees), add(all.nis, row.consistency.nis), all.divergences += row.consistency.divergences;
+  const auto json = [](const closed_loop::ChiSquareCount& c) {
+    return nlohmann::ordered_json{{"samples", c.samples}, {"mean_per_dof", mean_of(c)}, {"inside_95", inside_of(c)}};
+  };
+  return {{"nees", json(all.nees)}, {"nis", json(all.nis)}, {"divergences", all.divergences}};
+}
+
 }  // namespace
 
 RunRow row_of(const nlohmann::json& summary) {
@@ -49,6 +68,10 @@ RunRow row_of(const nlohmann::json& summary) {
   row.true_positives = summary.at("detection").at("true_positives").get<int>();
   row.false_positives = summary.at("detection").at("false_positives").get<int>();
   row.searches = summary.at("searches").get<int>();
+  if (summary.contains("consistency")) {
+    const auto& consistency = summary.at("consistency");
+    row.consistency = {count_of(consistency.at("nees")), count_of(consistency.at("nis")), consistency.at("divergences").get<int>()};
+  }
   return row;
 }
 
@@ -73,14 +96,17 @@ double quantile(std::vector<double> values, double q) {
 std::string runs_csv(const std::vector<RunRow>& rows) {
   std::string csv =
       "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
-      "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches\n";
+      "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
+      "nees_mean,nees_inside,nis_mean,nis_inside,divergences\n";
   for (const RunRow& r : rows) {
     csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) + "," +
            std::to_string(r.gates_total) + "," + text_of(r.time) + "," + text_of(r.mean_speed) + "," +
            text_of(r.max_speed) + "," + cell(r.cause);
     for (const double error : r.rmse) csv += "," + text_of(error);
     for (const int count : {r.frames, r.true_positives, r.false_positives, r.searches}) csv += "," + std::to_string(count);
-    csv += "\n";
+    for (const auto& count : {r.consistency.nees, r.consistency.nis})
+      csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
+    csv += "," + std::to_string(r.consistency.divergences) + "\n";
   }
   return csv;
 }
@@ -109,6 +135,7 @@ nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   json["gates_total"] = gates_total;
   json["race_time_s"] = quantiles(times);
   json["mean_speed_mps"] = quantiles(speeds);
+  json["consistency"] = pooled(rows);
   json["causes"] = nlohmann::ordered_json::array();
   for (const auto& [cause, seeds] : ranked)
     json["causes"].push_back({{"cause", cause}, {"count", seeds.size()}, {"seeds", seeds}});

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/closed_loop/consistency.hpp"
+
 namespace gatefly::io {
 
 /// What a campaign keeps of one race's summary.json.
@@ -19,6 +21,7 @@ struct RunRow {
   std::string cause;                         ///< "finished", "crash: gate 1 left bar", "abort: ...", "timeout".
   std::vector<double> rmse;                  ///< Of the estimate, x y z [m].
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
+  closed_loop::Consistency consistency;      ///< Nothing in it when an older summary has none.
 };
 
 /// @throws std::exception when it is not the summary of a race.

@@ -33,6 +33,12 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["abort_reason"] = result.abort_reason;
   json["gate_offsets_m"] = offsets;
   json["estimation_rmse_m"] = Json::array({rmse.x(), rmse.y(), rmse.z()});
+  const auto counted = [](const closed_loop::ChiSquareCount& count) {
+    return Json{{"samples", count.samples}, {"sum_per_dof", count.sum_per_dof}, {"inside", count.inside}};
+  };
+  json["consistency"] = {{"nees", counted(result.consistency.nees)},
+                         {"nis", counted(result.consistency.nis)},
+                         {"divergences", result.consistency.divergences}};
   json["detection"] = {{"frames", result.frames},
                        {"with_gate_visible", result.frames_with_gate},
                        {"true_positives", result.true_positives},

@@ -11,6 +11,8 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/pose/map_pose.hpp"
 #include "gatefly/pose/ray_intersection.hpp"
 
 namespace gatefly {
@@ -20,6 +22,10 @@ namespace {
 std::array<Eigen::Vector3d, 4> corners_G(double side) {
   const double h = 0.5 * side;
   return {{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+}
+
+bool within_reach(const Eigen::Vector3d& p_GB, const PoseParams& params) {
+  return p_GB.x() <= 0.0 && std::abs(p_GB.y()) <= params.max_lateral && p_GB.norm() <= params.max_distance;
 }
 
 // Angle that one pixel covers at `px` [rad].
@@ -132,9 +138,7 @@ std::optional<Intersection> intersection_of(const Sights& sights, const Rotation
   fix.p_GB = *camera_G - R_GB * rig.p_BC;
   const Eigen::Matrix3d A_inverse = A.inverse();
   fix.covariance = A_inverse * B * A_inverse + attitude_covariance(*camera_G, params);
-  if (fix.p_GB.x() > 0.0 || std::abs(fix.p_GB.y()) > params.max_lateral ||
-      fix.p_GB.norm() > params.max_distance || !fix.covariance.allFinite())
-    return std::nullopt;
+  if (!within_reach(fix.p_GB, params) || !fix.covariance.allFinite()) return std::nullopt;
   return Intersection{fix, *camera_G, cost / static_cast<double>(2 * sights.rays.size() - 3)};
 }
 
@@ -155,6 +159,25 @@ std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const Rotation
     met->fix.yaw_variance = yaw->variance;
   }
   return met->fix;
+}
+
+std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
+                                        const CameraRig& rig, const PoseParams& params) {
+  GateObservations corners;
+  add_corners(corners, outer_corners_px, side, params.corner_sigma_px);
+  const PosePrior prior{.attitude_GB = attitude_of(RotationEB{R_GB.matrix}), .roll_sigma = params.attitude_sigma,
+                        .pitch_sigma = params.attitude_sigma, .yaw_sigma = params.heading_sigma};
+  const auto [pose, reason] = map_pose(corners, prior, rig);
+  if (!pose || !within_reach(pose->p_GB, params)) return std::nullopt;
+  Fix fix{.p_GB = pose->p_GB, .covariance = pose->covariance.topLeftCorner<3, 3>()};
+  // Take the prior out again: the filter that uses this has its own.
+  const double before = prior.yaw_sigma * prior.yaw_sigma, after = pose->covariance(5, 5);
+  const double measured = 1.0 / std::max(1e-9, 1.0 / after - 1.0 / before);
+  if (measured < 0.5) {  // beyond 40° it says nothing
+    fix.yaw_error = wrap_angle(pose->attitude_GB.yaw - prior.attitude_GB.yaw) * measured / after;
+    fix.yaw_variance = measured;
+  }
+  return fix;
 }
 
 std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB, double side,

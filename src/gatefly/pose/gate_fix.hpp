@@ -54,6 +54,13 @@ struct Fix {
                                                   double side, const CameraRig& rig,
                                                   const PoseParams& params);
 
+/// The same by the most probable pose (map_pose.hpp): corners that no gate in this attitude could show are refused. Ours.
+///
+/// What the corners say about the heading is in `yaw_error`, the assumed heading taken out again.
+/// @return nullopt for another gate, for a frame put together from two, for one too far off.
+[[nodiscard]] std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
+                                                      const CameraRig& rig, const PoseParams& params);
+
 /// Position from the two lower corners of a gate that is cut off above; no heading. Ours.
 [[nodiscard]] std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB,
                                                         double side, const CameraRig& rig,

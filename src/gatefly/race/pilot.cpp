@@ -125,7 +125,7 @@ void Pilot::measure_height(const Sensors& sensors) {
   if (std::holds_alternative<OnGround>(phase_)) return;
   const double floor_z = -gate().p_EG.z();  // the floor, in the gate's frame
   const auto fuse = [&](const std::optional<Height>& height) {
-    if (height) (void)filter_.correct_altitude(floor_z - height->value, height->sigma);
+    if (height) (void)filter_.correct_altitude(floor_z - height->value, height->sigma, config_.gate_height_sigma);
   };
   if (sensors.baro && std::abs(*sensors.baro) < 1000.0) fuse(altimeter_.baro(*sensors.baro, time_));
   const double upright = ahrs_.R_EB().matrix(2, 2);
@@ -193,7 +193,7 @@ void Pilot::pass_gate() {
   // p_G' = R_G'E (p_EG + R_EG p_G - p_EG')
   const Eigen::Matrix3d R = rotation_z(from.yaw_EG - to.yaw_EG);
   const Eigen::Vector3d offset = rotation_z(-to.yaw_EG) * (from.p_EG - to.p_EG);
-  filter_.change_frame(R, offset, config_.map_sigma);
+  filter_.change_frame(R, offset, {config_.map_sigma, config_.gate_height_sigma, config_.gate_yaw_sigma});
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - to.yaw_EG);
 }
 
@@ -233,7 +233,9 @@ Estimate Pilot::estimate() const {
   e.v_E = ahrs_.R_EB() * velocity_.v_B();
   e.attitude = ahrs_.attitude();
   e.accel_bias = filter_.state().segment<3>(drag_model::kBiasX);
-  e.sigma = filter_.covariance().diagonal().head<3>().cwiseSqrt();
+  e.gyro_bias = ahrs_.gyro_bias();
+  e.p_GB = filter_.position();
+  e.covariance_GB = filter_.covariance().topLeftCorner<3, 3>();
   e.gates_passed = passed_;
   return e;
 }

@@ -65,6 +65,11 @@ struct SpeedParams {
   double unsure_before = 3.0;            ///< ... once it is nearer than this [m]. [ours]
 };
 
+struct LookParams {
+  double ahead = 1.8;             ///< The nose points to the place on the way this far ahead [m]. [ours; paper: along the way]
+  double most = 40.0 * kDegree;   ///< ... but not farther from the way than this. [ours: half the view]
+};
+
 struct CameraTiming {
   double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
   double readout = 0.020;  ///< First to last upright column [s].
@@ -88,11 +93,13 @@ struct PilotConfig {
   LateralParams lateral;
   AltitudeParams altitude;
   SpeedParams speed;
+  LookParams look;
   IndiParams indi;
   VehicleParams vehicle;
   PlanParams plan;
   PhaseParams phase;
   double map_sigma = 0.12;          ///< How well gates are known relative to each other [m]. [ours]
+  double gate_height_sigma = 0.05;  ///< Of a gate's centre above the floor [m]. [docs/simulation.md]
   double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
   std::uint64_t seed = 1;           ///< Of the detector's samples.
 };
@@ -103,8 +110,19 @@ struct Estimate {
   Eigen::Vector3d v_E = Eigen::Vector3d::Zero();   ///< [m/s]
   Attitude attitude;
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
-  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< Of the position, in the gate's frame [m].
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< [rad/s]
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< The position in the frame of the target gate [m] ...
+  Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and how sure it is [m²].
   int gates_passed = 0;
+};
+
+/// What corrected the filter, as another filter would want it.
+struct FixOnCourse {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();            ///< Of now, not of the exposure [m].
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m²]; earth axes.
+  bool has_height = true;
+  std::optional<double> yaw = std::nullopt;  ///< Heading the gate tells [rad] ...
+  double yaw_sigma = 0.0;                    ///< ... and how well.
 };
 
 /// What became of the last picture.
@@ -114,6 +132,9 @@ struct Sighting {
   GateDetections detections;          ///< Best first; the one that was used is `used`.
   int used = -1;                      ///< Index into detections; -1 when none (or bars).
   Source source = Source::kNone;      ///< What corrected the filter, if anything did.
+  std::optional<FixOnCourse> fix;
+  double innovation2 = 0.0;           ///< How much it surprised: squared innovation in units of its covariance ...
+  int innovation_dof = 0;             ///< ... and its degrees of freedom; 0: nothing corrected.
   std::optional<GateBars> bars;
   std::optional<OpenGate> open;       ///< Looked for when no whole gate was of use.
 };
@@ -153,7 +174,7 @@ class Pilot {
   void correct_with_best_gate();
   [[nodiscard]] std::optional<OpenGate> open_gate(const Sensors& sensors);
   [[nodiscard]] std::optional<GateBars> side_bars(const Sensors& sensors) const;
-  void accept_fix(Sighting::Source source);
+  bool fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source);
   void doubt_heading_after_blind_leg();
   void learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved);
   void correct_heading(double error, double variance);
@@ -172,6 +193,7 @@ class Pilot {
   AttitudeCommand command_for(Turn& phase, double dt);
   AttitudeCommand command_for(const Search& phase, double dt);
   AttitudeCommand command_for(const Land& phase, double dt);
+  [[nodiscard]] AttitudeCommand looking_ahead(AttitudeCommand along_path) const;
   AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt);
 
   [[nodiscard]] int total_gates() const { return static_cast<int>(config_.track.gates.size()) * config_.track.laps; }

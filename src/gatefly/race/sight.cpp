@@ -82,15 +82,27 @@ void Pilot::correct_with_best_gate() {
   if (best >= 0 && correct_with(sighting_.detections[static_cast<std::size_t>(best)])) sighting_.used = best;
 }
 
-void Pilot::accept_fix(Sighting::Source source) {
+bool Pilot::fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source) {
+  const double innovation2 = filter_.distance2(fix, moved);
+  if (filter_.correct(fix, moved) == Fusion::kRefused) return false;
+  const Eigen::Matrix3d R_EG = rotation_z(gate().yaw_EG);
+  FixOnCourse& used = sighting_.fix.emplace();
+  used.p_EB = gate().p_EG + R_EG * (fix.p_GB + moved);
+  used.covariance = R_EG * fix.covariance * R_EG.transpose();
+  used.has_height = fix.has_height;
+  if (fix.yaw_error) used.yaw = wrap_angle(ahrs_.attitude().yaw + *fix.yaw_error);
+  used.yaw_sigma = std::sqrt(fix.yaw_variance + config_.gate_yaw_sigma * config_.gate_yaw_sigma);
+  sighting_.innovation2 = innovation2;
+  sighting_.innovation_dof = fix.has_height ? 3 : 2;
   last_fix_ = time_;
   heading_doubt_ = 0.0;
   anchor_E_ = p_EB();
   sighting_.source = source;
+  return true;
 }
 
 std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) const {
-  return fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
+  return map_fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
 }
 
 std::optional<Eigen::Vector2d> Pilot::nadir_px() const {
@@ -149,12 +161,11 @@ bool Pilot::correct_with(const GateDetection& seen) {
     fix = fix_of(seen, then);
     if (!fix) return false;
   }
-  if (filter_.correct(*fix, moved) == Fusion::kRefused) {
+  if (!fuse(*fix, moved, Sighting::Source::kCorners)) {
     // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
     filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
     return false;
   }
-  accept_fix(Sighting::Source::kCorners);
   if (fix->yaw_error) {
     const double gate_yaw = config_.gate_yaw_sigma;
     // Neighbouring pictures share their errors: each counts as a third.
@@ -193,7 +204,7 @@ void Pilot::correct_with_lower_corners(const OpenGate& seen) {
   const auto fix = fix_from_lower_corners(seen, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
   if (!fix) return;
   const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  if (filter_.correct(*fix, moved) == Fusion::kAccepted) accept_fix(Sighting::Source::kCorners);
+  (void)fuse(*fix, moved, Sighting::Source::kCorners);
 }
 
 void Pilot::correct_with_bars(const GateBars& bars) {
@@ -201,7 +212,7 @@ void Pilot::correct_with_bars(const GateBars& bars) {
   const auto fix = fix_from_bars(bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, pose_params());
   if (!fix) return;
   const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  if (filter_.correct(*fix, moved) == Fusion::kAccepted) accept_fix(Sighting::Source::kBars);
+  (void)fuse(*fix, moved, Sighting::Source::kBars);
 }
 
 }  // namespace gatefly

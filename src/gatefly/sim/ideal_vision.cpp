@@ -173,13 +173,14 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera, const Id
     : world_{world},
       camera_{camera},
       statistics_{statistics_of(params.detector)},
+      ghosts_{params.ghosts},
       sight_{sight},
       stream_{seed, "ideal vision"} {}
 
 SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history) {
   SeenPicture seen;
   const auto views = gates_in_view(world_, camera_, sight_, t_start, history);
-  add_whole_gates(views, seen);
+  add_whole_gates(ghosts_ > 0.0 ? haunted(views, t_start, history) : views, seen);
   add_parts(views, seen);
   add_false_alarm(seen);
   return seen;
@@ -194,6 +195,24 @@ Eigen::Vector2d IdealVision::outlier() {
   if (stream_.uniform() >= s.outlier_rate) return {0.0, 0.0};
   const auto [sine, cosine] = sincos(2 * kPi * stream_.uniform());
   return stream_.uniform(s.outlier_low_px, s.outlier_high_px) * Eigen::Vector2d{cosine, sine};
+}
+
+// Some of the gates in view, seen as if the drone were elsewhere.
+std::vector<GateView> IdealVision::haunted(std::vector<GateView> views, double t_start, std::span<const BodyPose> history) {
+  constexpr double kFarthest = 3.0;  // [m]
+  World moved = world_;
+  for (WorldGate& gate : moved.gates) {
+    const Eigen::Vector3d direction{stream_.normal(), stream_.normal(), 0.3 * stream_.normal()};
+    gate.p_EG += kFarthest * stream_.uniform() * direction.normalized();
+  }
+  const auto ghosts = gates_in_view(moved, camera_, sight_, t_start, history);
+  for (GateView& view : views) {
+    if (stream_.uniform() >= ghosts_) continue;
+    const auto ghost = std::find_if(ghosts.begin(), ghosts.end(), [&](const GateView& other) { return other.gate == view.gate; });
+    view.whole = view.whole && ghost != ghosts.end() && ghost->whole;
+    if (view.whole) view.corners_px = ghost->corners_px;
+  }
+  return views;
 }
 
 void IdealVision::add_whole_gates(const std::vector<GateView>& views, SeenPicture& seen) {

@@ -64,6 +64,7 @@ class IdealVision {
  private:
   [[nodiscard]] Eigen::Vector2d noisy(const Eigen::Vector2d& px, double sigma_px);
   [[nodiscard]] Eigen::Vector2d outlier();
+  [[nodiscard]] std::vector<GateView> haunted(std::vector<GateView> views, double t_start, std::span<const BodyPose> history);
   void add_whole_gates(const std::vector<GateView>& views, SeenPicture& seen);
   void add_parts(const std::vector<GateView>& views, SeenPicture& seen);
   void add_false_alarm(SeenPicture& seen);
@@ -71,6 +72,7 @@ class IdealVision {
   World world_;
   CameraTruth camera_;
   DetectorStatistics statistics_;
+  double ghosts_;
   const Sight& sight_;
   Stream stream_;
 };

@@ -27,6 +27,7 @@ struct DetectorStatistics {
 
 struct IdealVisionParams {
   std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
+  double ghosts = 0.0;            ///< Part of the whole gates that are seen as from a place up to 3 m away.
 };
 
 /// @throws std::invalid_argument for another name than "ours" and "paper".

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/race/pilot.hpp"
+#include "gatefly/sim/world.hpp"
+
+namespace gatefly::closed_loop {
+
+/// Squared errors in units of their covariance, which ought to be chi-square distributed.
+struct ChiSquareCount {
+  int samples = 0;
+  double sum_per_dof = 0.0;  ///< Of chi-square / degrees of freedom; its mean should be 1.
+  int inside = 0;            ///< In the middle 95 % of the distribution.
+
+  /// dof 1 to 3; others are not counted.
+  void add(double chi2, int dof);
+};
+
+/// Whether the pilot's covariance is true: NEES of its position, NIS of its fixes. Bar-Shalom et al. 2001, §5.4.
+struct Consistency {
+  ChiSquareCount nees;        ///< 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
+  ChiSquareCount nis;         ///< Of every fix that was used.
+  int divergences = 0;        ///< Farther off than 1 m for more than 1 s although a gate was seen in that time.
+};
+
+/// Fills it while a race goes on.
+class ConsistencyWatch {
+ public:
+  explicit ConsistencyWatch(std::vector<sim::WorldGate> gates) : gates_{std::move(gates)} {}
+
+  /// One tick. @param picture  whether the pilot has just looked.
+  void update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time, bool picture);
+  [[nodiscard]] const Consistency& result() const { return result_; }
+
+ private:
+  std::vector<sim::WorldGate> gates_;
+  Consistency result_;
+  double next_ = 0.0, far_since_ = -1.0;
+  bool seen_while_far_ = false, counted_ = false;
+};
+
+}  // namespace gatefly::closed_loop
