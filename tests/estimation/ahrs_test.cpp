@@ -69,7 +69,7 @@ TEST(Ahrs, IntegratesTheGyroWithoutItsBias) {
   const Vector3d bias{0.02, -0.01, 0.03};
   Ahrs ahrs = at_rest(bias, Vector3d::Zero());
   // Half a second of yaw at 1 rad/s, level.
-  for (int i = 0; i < 256; ++i) ahrs.update({bias + Vector3d{0, 0, 1}, kUp}, kUp, Vector3d::Zero(), kDt);
+  for (int i = 0; i < 256; ++i) ahrs.update({bias + Vector3d{0, 0, 1}, kUp}, Vector3d::Zero(), kDt);
   EXPECT_NEAR(ahrs.attitude().yaw, 0.5, 1e-3);
   EXPECT_NEAR(ahrs.attitude().roll, 0, 1e-4);
   EXPECT_THAT(ahrs.rate_B(), IsNear(Vector3d{0, 0, 1}, 1e-3));
@@ -81,7 +81,7 @@ TEST(Ahrs, GravityCorrectsTheTilt) {
     Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero(), 0.5);
     const Attitude truth{rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), 0.5};
     const Vector3d accel = rotation_EB(truth).matrix.transpose() * kUp;
-    for (int i = 0; i < 200 * 512; ++i) ahrs.update({Vector3d::Zero(), accel}, accel, Vector3d::Zero(), kDt);
+    for (int i = 0; i < 200 * 512; ++i) ahrs.update({Vector3d::Zero(), accel}, Vector3d::Zero(), kDt);
     EXPECT_NEAR(ahrs.attitude().roll, truth.roll, 0.003);
     EXPECT_NEAR(ahrs.attitude().pitch, truth.pitch, 0.003);
   });
@@ -90,7 +90,7 @@ TEST(Ahrs, GravityCorrectsTheTilt) {
 TEST(Ahrs, FindsAGyroBiasThatCameAfterTheCalibration) {
   Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero());
   const Vector3d drift{0.01, -0.008, 0};
-  for (int i = 0; i < 200 * 512; ++i) ahrs.update({drift, kUp}, kUp, Vector3d::Zero(), kDt);
+  for (int i = 0; i < 200 * 512; ++i) ahrs.update({drift, kUp}, Vector3d::Zero(), kDt);
   EXPECT_NEAR(ahrs.gyro_bias().x(), drift.x(), 0.001);
   EXPECT_NEAR(ahrs.gyro_bias().y(), drift.y(), 0.001);
   EXPECT_NEAR(ahrs.attitude().roll, 0, 0.003);
@@ -108,7 +108,7 @@ TEST(Ahrs, ACoordinatedTurnDoesNotLookLevel) {
   const Vector3d v_B{v, 0, 0};
   // f = a - g: centripetal acceleration to the right, thrust up.
   const Vector3d accel = R_FB.transpose() * Vector3d{0, v * yaw_rate, -g};
-  for (int i = 0; i < 10 * 512; ++i) ahrs.update({gyro, accel}, accel, v_B, kDt);
+  for (int i = 0; i < 10 * 512; ++i) ahrs.update({gyro, accel}, v_B, kDt);
   EXPECT_NEAR(ahrs.attitude().roll, roll, 0.01);
   EXPECT_NEAR(ahrs.attitude().pitch, 0, 0.01);
   EXPECT_NEAR(wrap_angle(ahrs.attitude().yaw - yaw_rate * 10), 0, 0.02);
@@ -120,7 +120,7 @@ TEST(Ahrs, HeadingConvergesToWhatGatesSayAndFindsTheYawBias) {
   Rng rng{9};
   const double before = ahrs.heading_sigma();
   for (int i = 0; i < 60 * 512; ++i) {
-    ahrs.update({Vector3d{0, 0, drift}, kUp}, kUp, Vector3d::Zero(), kDt);
+    ahrs.update({Vector3d{0, 0, drift}, kUp}, Vector3d::Zero(), kDt);
     if (i % 51 == 0) ahrs.correct_heading(wrap_angle(truth - ahrs.attitude().yaw) + 0.05 * normal(rng), 0.05 * 0.05);
   }
   EXPECT_NEAR(ahrs.attitude().yaw, truth, 0.03);
@@ -132,7 +132,7 @@ TEST(Ahrs, HeadingDoubtGrowsWithoutGates) {
   Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero());
   double last = ahrs.heading_sigma();
   for (int second = 0; second < 10; ++second) {
-    for (int i = 0; i < 512; ++i) ahrs.update({Vector3d::Zero(), kUp}, kUp, Vector3d::Zero(), kDt);
+    for (int i = 0; i < 512; ++i) ahrs.update({Vector3d::Zero(), kUp}, Vector3d::Zero(), kDt);
     EXPECT_GT(ahrs.heading_sigma(), last);
     last = ahrs.heading_sigma();
   }
@@ -155,7 +155,7 @@ TEST(Ahrs, StaysARotationThroughAHardFlight) {
     Ahrs ahrs = at_rest(any_vector3(rng, 0.02), any_vector3(rng, 0.2));
     for (int i = 0; i < 2000; ++i) {
       const Vector3d accel = kUp + any_vector3(rng, 12);
-      ahrs.update({any_vector3(rng, 10), accel}, accel, any_vector3(rng, 3), i % 100 == 0 ? 0.0 : kDt);
+      ahrs.update({any_vector3(rng, 10), accel}, any_vector3(rng, 3), i % 100 == 0 ? 0.0 : kDt);
       if (i % 50 == 0) ahrs.correct_heading(rng.uniform(-0.2, 0.2), 0.01);
     }
     EXPECT_THAT(ahrs.R_EB().matrix, IsRotation());
@@ -164,7 +164,7 @@ TEST(Ahrs, StaysARotationThroughAHardFlight) {
 
 TEST(Ahrs, WeightlessnessOnlyIntegrates) {
   Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero());
-  for (int i = 0; i < 512; ++i) ahrs.update({Vector3d::Zero(), Vector3d::Zero()}, Vector3d::Zero(), Vector3d::Zero(), kDt);
+  for (int i = 0; i < 512; ++i) ahrs.update({Vector3d::Zero(), Vector3d::Zero()}, Vector3d::Zero(), kDt);
   EXPECT_NEAR(ahrs.attitude().roll, 0, 1e-12);
   EXPECT_TRUE(ahrs.R_EB().matrix.allFinite());
 }
