@@ -16,6 +16,7 @@ void Ahrs::start(double yaw) {
 void Ahrs::set(const Attitude& attitude) {
   q_ = quaternion_of(attitude);
   force_E_ = {0.0, 0.0, -params_.gravity};
+  accel_E_.setZero();
   v_E_.reset();
 }
 
@@ -45,15 +46,18 @@ void Ahrs::update(const Imu& imu, const Eigen::Vector3d& v_B, double dt) {
   q_ = integrated(q_, rate_B_, dt);
   const Eigen::Matrix3d R = R_EB().matrix;
 
-  // f = a − g: what the average of f keeps without the change of velocity points up.
+  // f = a − g: what the average of f keeps without that of v̇ points up.
   const Eigen::Vector3d v_E = R * v_B;
-  const double g = params_.gravity, part = std::min(1.0, dt / params_.gravity_time);
-  force_E_ += part * (R * (imu.accel_B - accel_bias_) - force_E_) - (v_E - v_E_.value_or(v_E)) / params_.gravity_time;
+  const double g = params_.gravity, time = params_.gravity_time, part = std::min(1.0, dt / time);
+  force_E_ += part * (R * (imu.accel_B - accel_bias_) - force_E_);
+  accel_E_ += (v_E - v_E_.value_or(v_E)) / time - part * accel_E_;
   v_E_ = v_E;
+  const Eigen::Vector3d up_E = force_E_ - accel_E_;
 
-  const double off = std::abs(force_E_.norm() - g) / g;
+  // The velocity is known to a part only: the more it changes, the less is left to believe.
+  const double off = (std::abs(up_E.norm() - g) + accel_E_.norm()) / g;
   const double weight = std::clamp(1.0 - params_.gravity_factor * off / 10.0, params_.min_weight, 1.0);
-  const Eigen::Vector3d error_B = R.transpose() * Eigen::Vector3d{-force_E_.y(), force_E_.x(), 0.0} / g;
+  const Eigen::Vector3d error_B = R.transpose() * Eigen::Vector3d{-up_E.y(), up_E.x(), 0.0} / g;
   Eigen::Vector3d bias_step = weight * params_.omega * params_.omega * dt * error_B;
   bias_step.z() = 0.0;  // the yaw gyro's bias belongs to the heading filter
   gyro_bias_ -= bias_step;
@@ -61,7 +65,7 @@ void Ahrs::update(const Imu& imu, const Eigen::Vector3d& v_B, double dt) {
   q_ = integrated(q_, gain * error_B, dt);
 
   // Tilt: Ṗ = −2kP + k²S + Q; what the average is off by is noise that lasts as long as the average.
-  const double S = 2.0 * params_.gravity_time * (force_E_ / g + Eigen::Vector3d::UnitZ()).squaredNorm() / 3.0;
+  const double S = 2.0 * params_.gravity_time * (up_E / g + Eigen::Vector3d::UnitZ()).squaredNorm() / 3.0;
   tilt_P_ += dt * (gain * gain * S + params_.tilt_process * params_.tilt_process);
   tilt_P_ /= 1.0 + 2.0 * gain * dt;
 

@@ -13,9 +13,9 @@ namespace gatefly {
 struct AhrsParams {
   double omega = 0.20;            ///< Natural frequency of the gravity correction [rad/s]. [Li18 code: 0.063]
   double zeta = 0.9;              ///< [Li18 flight code]
-  double gravity_factor = 30.0;   ///< Weight falls with |‖a‖ − g|: 1 − factor·|…|/(10 g). [Li18 code]
+  double gravity_factor = 30.0;   ///< Weight 1 − factor·(|‖f‖ − g| + ‖v̇‖)/(10 g), of averages. [Li18 code: no v̇]
   double min_weight = 0.15;       ///< [Li18 flight code]
-  double gravity_time = 1.0;      ///< The specific force is averaged over this, in the earth frame [s]. [ours]
+  double gravity_time = 0.5;      ///< The specific force is averaged over this, in the earth frame [s]. [ours]
   double tilt_process = 3e-3;     ///< Growth of the tilt's standard deviation [rad/√s]. [ours]
   double gyro_delay = 2.5e-3;     ///< How old a rate may be: doubt only [s]. [BROAD: 2.4 ms]
   double accel_bias_sigma = 0.08; ///< Of what rest does not teach of the accelerometer's bias [m/s²]. [ours]
@@ -75,7 +75,7 @@ class Ahrs {
   Eigen::Vector3d slow_gyro_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d slow_accel_ = Eigen::Vector3d::Zero();
   int rest_samples_ = 0;
-  Eigen::Vector3d force_E_ = Eigen::Vector3d::Zero();  // averaged; without acceleration and error it is −g
+  Eigen::Vector3d force_E_ = Eigen::Vector3d::Zero(), accel_E_ = Eigen::Vector3d::Zero();  // averages
   std::optional<Eigen::Vector3d> v_E_;
   double tilt_P_ = 0.0;
   Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity() * 1e-4;  // heading error, yaw gyro bias

@@ -56,7 +56,7 @@ Attitude attitude_for(const Pace& pace, double yaw, const Eigen::Vector3d& drag)
 }  // namespace
 
 std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed) {
-  const sim::SimConfig world = sim::drawn({}, sim::randomize_level("race"), seed);
+  const sim::SimConfig world = sim::drawn({}, sim::randomize_level(course.level), seed);
   const Eigen::Vector3d drag{world.vehicle.rotor_drag.x(), world.vehicle.rotor_drag.y(), 0.0};
   sim::ImuModel sensor(world.sensors, seed);
   const Course c(course);

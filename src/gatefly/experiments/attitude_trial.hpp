@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "gatefly/estimation/ahrs.hpp"
@@ -23,12 +24,13 @@ struct Moment {
 struct TurnCourse {
   double radius = 1.5;  ///< [m]
   double speed = 1.6;   ///< [m/s]
-  int turns = 4;        ///< Of 180°, 1.5 s of straight flight between them, left and right in turn.
+  int turns = 1;        ///< Of 180°, 1.5 s of straight flight between them, left and right in turn.
+  std::string level = "race";  ///< How far the drone is from the one that is known: none, race, hard.
 };
 
 /// Rest, speeding up, level coordinated turns: exact motion with drag, sensors of the simulator.
 ///
-/// Drag, biases, scales and what appears in flight are drawn for the seed as for a race.
+/// Drag, biases, scales and what appears in flight are drawn for the seed as for a race of that level.
 [[nodiscard]] std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed);
 
 /// AHRS, drag filter and velocity as the pilot has them, with an altimeter but without any gate.
