@@ -31,8 +31,8 @@ struct AhrsParams {
 /// Attitude from gyro and gravity: a complementary filter on the quaternion. Euston et al. 2008, Li18 §2.
 ///
 /// Differs: the specific force is freed from its bias at rest and from the change of the velocity that drag
-/// shows (a turn, braking), and averaged in the earth frame, where hands and rotors shake about zero; its error
-/// is told; gyro biases are learnt at rest; heading, which gravity cannot see, is corrected by sightings of
+/// shows (a turn, braking), and averaged in the earth frame, where all shaking is about zero [Laidig & Seel 2022];
+/// its doubt is told; gyro biases are learnt at rest; heading, which gravity cannot see, is corrected by sightings of
 /// gates through a two-state Kalman filter (heading, yaw gyro bias) (docs/paper/deviations.md#ahrs).
 class Ahrs {
  public:
