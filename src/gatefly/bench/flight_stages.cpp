@@ -66,7 +66,7 @@ std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight, c
   auto ahrs = std::make_shared<Ahrs>(config.ahrs);
   stages.push_back({.name = "ahrs", .what = "attitude, one IMU sample", .inputs = moments, .call = [=](std::size_t i) {
                       const auto& m = flight->moments[i];
-                      ahrs->update(m.imu, m.imu.accel_B, m.v_B, m.dt);
+                      ahrs->update(m.imu, m.v_B, m.dt);
                     }, .at_once = kAtOnce});
   auto filter = std::make_shared<DragFilter>(config.filter);
   stages.push_back({.name = "predict", .what = "drag filter, one IMU sample", .inputs = moments, .call = [=](std::size_t i) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "gatefly/geometry/attitude.hpp"
@@ -9,10 +11,14 @@
 namespace gatefly {
 
 struct AhrsParams {
-  double omega = 0.10;            ///< Natural frequency of the gravity correction [rad/s]. [Li18 code: 0.063]
+  double omega = 0.20;            ///< Natural frequency of the gravity correction [rad/s]. [Li18 code: 0.063]
   double zeta = 0.9;              ///< [Li18 flight code]
-  double gravity_factor = 30.0;   ///< Weight falls with |‖a‖ − g|: 1 − factor·|…|/(10 g). [Li18 code]
+  double gravity_factor = 30.0;   ///< Weight 1 − factor·(|‖f‖ − g| + ‖v̇‖)/(10 g), of averages. [Li18 code: no v̇]
   double min_weight = 0.15;       ///< [Li18 flight code]
+  double gravity_time = 0.5;      ///< The specific force is averaged over this, in the earth frame [s]. [ours]
+  double tilt_process = 3e-3;     ///< Growth of the tilt's standard deviation [rad/√s]. [ours]
+  double gyro_delay = 2.5e-3;     ///< How old a rate may be: doubt only [s]. [BROAD: 2.4 ms]
+  double accel_bias_sigma = 0.08; ///< Of what rest does not teach of the accelerometer's bias [m/s²]. [ours]
   double rest_gyro = 0.15;        ///< Below this rate, low-passed, the drone may be at rest [rad/s]. [ours]
   double rest_accel = 2.5;        ///< Below this deviation from the mean so far it may be at rest [m/s²]. [ours]
   double gravity = 9.81;          ///< [m/s²]
@@ -24,9 +30,10 @@ struct AhrsParams {
 
 /// Attitude from gyro and gravity: a complementary filter on the quaternion. Euston et al. 2008, Li18 §2.
 ///
-/// Differs: the accelerometer is first freed from what a turn adds (ω × v, coordinated flight) and from
-/// its bias at rest; gyro biases are learnt at rest; heading, which gravity cannot see, is corrected by
-/// sightings of gates through a two-state Kalman filter (heading, yaw gyro bias) (docs/paper/deviations.md#ahrs).
+/// Differs: the specific force is freed from its bias at rest and from the change of the velocity that drag
+/// shows (a turn, braking), and averaged in the earth frame, where all shaking is about zero [Laidig & Seel 2022];
+/// its doubt is told; gyro biases are learnt at rest; heading, which gravity cannot see, is corrected by sightings of
+/// gates through a two-state Kalman filter (heading, yaw gyro bias) (docs/paper/deviations.md#ahrs).
 class Ahrs {
  public:
   explicit Ahrs(const AhrsParams& params) : params_{params} {}
@@ -39,15 +46,14 @@ class Ahrs {
   void update_at_rest(const Imu& imu);
 
   /// One step in flight.
-  /// @param accel_B  specific force, low-passed [m/s²].
-  /// @param v_B      velocity as the filter sees it, for the centripetal part [m/s].
-  void update(const Imu& imu, const Eigen::Vector3d& accel_B, const Eigen::Vector3d& v_B, double dt);
+  /// @param v_B  velocity as the filter sees it; its change is no gravity [m/s]. Unknown: zero.
+  void update(const Imu& imu, const Eigen::Vector3d& v_B, double dt);
 
   /// A gate says the heading is off by `error` [rad]. Used only when within 4 σ.
   void correct_heading(double error, double variance);
 
   /// Attitude from outside (a log's own), where the question is not attitude.
-  void set(const Attitude& attitude) { q_ = quaternion_of(attitude); }
+  void set(const Attitude& attitude);
 
   [[nodiscard]] RotationEB R_EB() const { return rotation_EB(q_); }
   [[nodiscard]] Attitude attitude() const { return attitude_of(R_EB()); }
@@ -57,6 +63,8 @@ class Ahrs {
   [[nodiscard]] const Eigen::Vector3d& accel_bias() const { return accel_bias_; }
   [[nodiscard]] int rest_samples() const { return rest_samples_; }
   [[nodiscard]] double heading_sigma() const;
+  /// Standard deviation of roll and of pitch [rad]. Widens with rotation and with what moves the specific force.
+  [[nodiscard]] double tilt_sigma() const;
 
  private:
   AhrsParams params_;
@@ -67,6 +75,9 @@ class Ahrs {
   Eigen::Vector3d slow_gyro_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d slow_accel_ = Eigen::Vector3d::Zero();
   int rest_samples_ = 0;
+  Eigen::Vector3d force_E_ = Eigen::Vector3d::Zero(), accel_E_ = Eigen::Vector3d::Zero();  // averages
+  std::optional<Eigen::Vector3d> v_E_;
+  double tilt_P_ = 0.0;
   Eigen::Matrix2d P_ = Eigen::Matrix2d::Identity() * 1e-4;  // heading error, yaw gyro bias
 };
 

@@ -99,7 +99,7 @@ void Pilot::sense(const Imu& imu, double dt) {
     return;
   }
   input_.accel_B = accel_filter_.update(imu.accel_B);
-  ahrs_.update(imu, input_.accel_B, velocity_.v_B(), dt);
+  ahrs_.update(imu, velocity_.v_B(), dt);
   const Attitude attitude = ahrs_.attitude();
   input_.roll = attitude.roll;
   input_.pitch = attitude.pitch;
