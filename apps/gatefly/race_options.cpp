@@ -75,7 +75,6 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   nominal_.timeout = config.timeout;
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
-  nominal_.pilot.seed = 1;
   nominal_.sim = config.sim;
   nominal_.sim.world = file.world;
   nominal_.sim.start = file.start;

@@ -142,10 +142,6 @@ void check_distortion(const Config& c) {
 
 void check(const Config& c) {
   check_distortion(c);
-  const ColorRange& color = c.pilot.color;
-  ordered(c, "color.y_min", color.y_min, "color.y_max", color.y_max);
-  ordered(c, "color.cb_min", color.u_min, "color.cb_max", color.u_max);
-  ordered(c, "color.cr_min", color.v_min, "color.cr_max", color.v_max);
   ordered(c, "pose.min_bars_distance_m", c.pilot.pose.min_bars_distance, "pose.max_bars_distance_m",
           c.pilot.pose.max_bars_distance);
   ordered(c, "vehicle.min_rotor_radps", c.pilot.vehicle.min_speed, "vehicle.max_rotor_radps",
@@ -188,7 +184,6 @@ void derive(Config& c) {
   c.sim.sensors.camera_latency = c.camera_latency;
 
   const double bar = c.gate_bar / c.gate_side;
-  c.pilot.open_gate.bar_ratio = bar;
   c.pilot.detector.bar_ratio = bar;
   c.pilot.detector.corner_scale = (c.gate_corners == "outer" ? 1.0 : c.gate_corners == "inner" ? 1.0 - 2.0 * bar : 1.0 - bar) / (1.0 - bar);
   c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});

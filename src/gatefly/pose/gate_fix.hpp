@@ -5,8 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/detection/gate_bars.hpp"
-#include "gatefly/detection/open_gate.hpp"
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/frames.hpp"
 #include "gatefly/sensing/camera.hpp"
