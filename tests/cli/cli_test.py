@@ -881,8 +881,8 @@ class Configuration(Cli):
         self.assertIn("section.key=value", self.refused("config", "--set", "camera.tilt_deg"))
 
     def test_config_file_errors_name_the_file(self):
-        path = self.file("mine.toml", "[detector]\nopen_samples = \"many\"\n")
-        self.assertIn("mine.toml: detector.open_samples = \"many\"", self.refused("config", "--config", path))
+        path = self.file("mine.toml", "[control]\nrest_samples = \"many\"\n")
+        self.assertIn("mine.toml: control.rest_samples = \"many\"", self.refused("config", "--config", path))
         self.assertIn("default", self.refused("config", "--config", "no-such"))
 
     def config_file(self, content):

@@ -11,7 +11,6 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/gate_detection.hpp"
-#include "gatefly/detection/outline.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/sensing/image.hpp"
 

@@ -61,7 +61,20 @@ std::string beside(const std::string& where, const std::string& name) {
   return (std::filesystem::path{where}.parent_path() / name).lexically_normal().string();
 }
 
+/// Keys of the colour box and of the searches that used it: known, so that older files still load.
+bool is_retired(const std::string& name) {
+  static const std::set<std::string> retired{
+      "color.y_min", "color.y_max", "color.cb_min", "color.cb_max", "color.cr_min", "color.cr_max", "color.min_chroma",
+      "detector.open_samples", "detector.open_min_width_px", "detector.bars_min_height", "detector.bars_min_ratio",
+      "detector.bars_smoothing_px", "detector.bars_min_gap_px"};
+  return retired.contains(name);
+}
+
 void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
+  if (is_retired(name)) {
+    config.notes.push_back(where + ": " + name + " has no effect any more: color.rgb or color.table says what a gate looks like");
+    return;
+  }
   if (name.starts_with("randomize.")) {
     check_randomize(name.substr(10), value, where);
     config.randomize[name.substr(10)] = value;
