@@ -230,14 +230,13 @@ std::optional<Candidate> part_of(const Pair& pair, const Image& image, const Fit
     found.whole = found.whole && level && !part.is_cut(pair.left, end) && !part.is_cut(pair.right, end);
     for (std::size_t i = 0; i < 2; ++i) {
       const std::size_t k = end == End::kTop ? i : 3 - i;  // TL TR BR BL
-      const Vector2d crossing = level ? part.corner(*bars[i], *level, i == 0, end) : Vector2d{-1, -1};
-      if (!part.in_view(crossing)) {
-        gate.corners_px[k] = beyond(*bars[i], end == End::kTop ? 0.0 : image.height() - 1.0);
-        continue;
-      }
+      gate.corners_px[k] = beyond(*bars[i], end == End::kTop ? 0.0 : image.height() - 1.0);
+      if (!level) continue;
       // From the middle lines out to the corners that are meant.
       const Vector2d sideways = 0.5 * (params.corner_scale - 1.0) * (level->right - level->left), down{-sideways.y(), sideways.x()};
-      gate.corners_px[k] = crossing + (i == 0 ? -sideways : sideways) + (end == End::kTop ? -down : down);
+      const Vector2d corner = part.corner(*bars[i], *level, i == 0, end) + (i == 0 ? -sideways : sideways) + (end == End::kTop ? -down : down);
+      if (!part.in_view(corner)) continue;
+      gate.corners_px[k] = corner;
       gate.corner_fitness[k] = corner_confidence_of(std::min(evidence[i], level->mean));
     }
   }
