@@ -118,29 +118,38 @@ class Part {
 
   [[nodiscard]] Level along(const Vector2d& left, const Vector2d& right, double sag) const {
     Level level{.left = left, .right = right, .sag = sag};
-    int sum = 0, positive = 0, first = -1, last = -1;
-    for (int k = 0; k < kLevelSamples; ++k) {
+    const auto at = [&](int k) -> Vector2d {
       const double t = (k + 0.5) / kLevelSamples;
-      const Vector2d p = left + t * (right - left) + Vector2d{0.0, 4.0 * t * (1.0 - t) * sag};
-      if (!in_view(p)) continue;
-      const int e = fit_.at(p);
-      if (level.samples == 0) first = e;
-      last = e, sum += e, positive += e > 0, ++level.samples;
+      return left + t * (right - left) + Vector2d{0.0, 4.0 * t * (1.0 - t) * sag};
+    };
+    int from = 0, to = kLevelSamples - 1;
+    while (from <= to && !in_view(at(from))) ++from;
+    while (to >= from && !in_view(at(to))) --to;
+    const int samples = to - from + 1;
+    if (samples < kLeastLevelSamples) return level;
+    // It joins the bars: both its ends are on it.
+    const int first = fit_.at(at(from)), last = first < 0 ? first : fit_.at(at(to));
+    if (last < 0) return level;
+    int sum = first + last, positive = (first > 0) + (last > 0);
+    for (int k = from + 1; k < to; ++k) {
+      const int e = fit_.at(at(k));
+      sum += e, positive += e > 0;
     }
-    if (level.samples < kLeastLevelSamples || first < 0 || last < 0) return level;  // it joins the bars
-    level.mean = sum / (16.0 * level.samples);
-    level.positive = static_cast<double>(positive) / level.samples;
+    level.samples = samples;
+    level.mean = sum / (16.0 * samples);
+    level.positive = static_cast<double>(positive) / samples;
     return level;
   }
 
   /// The level bar at an end, the one with the most evidence.
   [[nodiscard]] std::optional<Level> level_at(End end) const {
     const double outwards = end == End::kTop ? -1.0 : 1.0;
+    const bool one_is_cut = is_cut(pair_.left, end) != is_cut(pair_.right, end);  // the other end of the level bar is beyond the border
     const auto rows = [&](const Bar& bar) {
       FixedList<double, 16> y;
       const double last = end == End::kTop ? bar.top : bar.bottom;
       for (int k = -1; k <= 5; ++k) y.push_back(last + outwards * 0.5 * k * stride_);
-      if (is_cut(bar, end))
+      if (one_is_cut && is_cut(bar, end))
         for (int k = 1; k <= 6; ++k) y.push_back(last + outwards * (2.5 * stride_ + 0.13 * k * pair_.apart));
       return y;
     };
@@ -202,48 +211,60 @@ class Part {
   int stride_;
 };
 
+constexpr std::array kEnds{End::kTop, End::kBottom};
+
+/// A pair and what joins it.
 struct Candidate {
-  GatePart part;
+  const Pair* pair = nullptr;
+  std::array<double, 2> evidence{};  // of the left and the right bar
+  std::array<std::optional<Level>, 2> levels{};
   double score = 0.0;
-  bool whole = false;  // all in view, and not near to the border
+  bool whole = true;  // all is in view, and not near to the border
 };
 
-// What the pair is part of; nullopt when it is part of nothing.
+// The pair with its level bars; nullopt when it is part of no gate.
 template <class Fit>
-std::optional<Candidate> part_of(const Pair& pair, const Image& image, const Fit& fit, int stride, const GateSearchParams& params) {
+std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, const Fit& fit, int stride, const GateSearchParams& params) {
   const Part<Fit> part{pair, image, fit, stride};
-  const std::array<const Bar*, 2> bars{&pair.left, &pair.right};
-  const std::array<double, 2> evidence{part.along(pair.left), part.along(pair.right)};
+  Candidate found{.pair = &pair, .evidence = {part.along(pair.left), part.along(pair.right)}};
+  const auto [weaker, stronger] = std::minmax(found.evidence[0], found.evidence[1]);
   const double inside = part.inside();
-  double sum = evidence[0] + evidence[1], weakest = std::min(evidence[0], evidence[1]);
-  if (inside > params.max_inside || weakest < kAlike * std::max(evidence[0], evidence[1])) return std::nullopt;
-  Candidate found{.part = {.gate = {.corner_fitness = {0.0, 0.0, 0.0, 0.0}, .method = DetectionMethod::kBars, .whole = false},
-                           .bars = {pair.left.on_curve(0.5 * (pair.left.top + pair.left.bottom)), pair.right.on_curve(0.5 * (pair.right.top + pair.right.bottom))}},
-                  .whole = true};
-  GateDetection& gate = found.part.gate;
+  if (inside > params.max_inside || weaker < kAlike * stronger) return std::nullopt;
+  double sum = weaker + stronger, weakest = weaker;
   int sides = 2;
-  for (const End end : {End::kTop, End::kBottom}) {
-    const auto level = part.level_at(end);
-    const bool near_border = part.is_cut(pair.left, end, kNearBorder) && part.is_cut(pair.right, end, kNearBorder);
-    if (!level && !near_border) return std::nullopt;
+  for (std::size_t e = 0; e < 2; ++e) {
+    const auto both_end_within = [&](double rows) { return part.is_cut(pair.left, kEnds[e], rows) && part.is_cut(pair.right, kEnds[e], rows); };
+    const auto level = found.levels[e] = part.level_at(kEnds[e]);
+    if (!level && !both_end_within(kNearBorder)) return std::nullopt;
     if (level) sum += level->mean, ++sides, weakest = std::min(weakest, level->mean);
-    found.whole = found.whole && level && !part.is_cut(pair.left, end) && !part.is_cut(pair.right, end);
-    for (std::size_t i = 0; i < 2; ++i) {
-      const std::size_t k = end == End::kTop ? i : 3 - i;  // TL TR BR BL
-      gate.corners_px[k] = beyond(*bars[i], end == End::kTop ? 0.0 : image.height() - 1.0);
-      if (!level) continue;
-      // From the middle lines out to the corners that are meant.
-      const Vector2d sideways = 0.5 * (params.corner_scale - 1.0) * (level->right - level->left), down{-sideways.y(), sideways.x()};
-      const Vector2d corner = part.corner(*bars[i], *level, i == 0, end) + (i == 0 ? -sideways : sideways) + (end == End::kTop ? -down : down);
-      if (!part.in_view(corner)) continue;
-      gate.corners_px[k] = corner;
-      gate.corner_fitness[k] = corner_confidence_of(std::min(evidence[i], level->mean));
-    }
+    found.whole = found.whole && level && !part.is_cut(pair.left, kEnds[e]) && !part.is_cut(pair.right, kEnds[e]);
   }
   // As FrameFit::score, of what is in view.
-  found.score = sum / sides + params.weights.weakest * weakest - params.weights.inside * inside + params.weights.size * std::log2(std::max(1.0, pair.apart) / 50.0);
-  gate.fitness = confidence_of(found.score);
-  if (found.score < params.min_score) return std::nullopt;
+  const FrameWeights& weights = params.weights;
+  found.score = sum / sides + weights.weakest * weakest - weights.inside * inside + weights.size * std::log2(std::max(1.0, pair.apart) / 50.0);
+  return found.score < params.min_score ? std::nullopt : std::optional{found};
+}
+
+template <class Fit>
+GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit, int stride, double corner_scale) {
+  const Part<Fit> part{*candidate.pair, image, fit, stride};
+  const std::array<const Bar*, 2> bars{&candidate.pair->left, &candidate.pair->right};
+  const auto middle = [](const Bar& bar) { return bar.on_curve(0.5 * (bar.top + bar.bottom)); };
+  GatePart found{.gate = {.fitness = confidence_of(candidate.score), .corner_fitness = {0.0, 0.0, 0.0, 0.0}, .method = DetectionMethod::kBars, .whole = false},
+                 .bars = {middle(*bars[0]), middle(*bars[1])}};
+  for (std::size_t e = 0; e < 2; ++e)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::size_t k = e == 0 ? i : 3 - i;  // TL TR BR BL
+      found.gate.corners_px[k] = beyond(*bars[i], e == 0 ? 0.0 : image.height() - 1.0);
+      const auto& level = candidate.levels[e];
+      if (!level) continue;
+      // From the middle lines out to the corners that are meant.
+      const Vector2d sideways = 0.5 * (corner_scale - 1.0) * (level->right - level->left), down{-sideways.y(), sideways.x()};
+      const Vector2d corner = part.corner(*bars[i], *level, i == 0, kEnds[e]) + (i == 0 ? -sideways : sideways) + (e == 0 ? -down : down);
+      if (!part.in_view(corner)) continue;
+      found.gate.corners_px[k] = corner;
+      found.gate.corner_fitness[k] = corner_confidence_of(std::min(candidate.evidence[i], level->mean));
+    }
   return found;
 }
 
@@ -267,10 +288,11 @@ std::optional<GatePart> PartSearch::detect(const Image& image, const ColorModel&
   const FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
   std::optional<Candidate> best;
   for (const Pair& pair : pairs) {
-    const auto candidate = part_of(pair, image, fit, bars_.stride(), params_);
+    const auto candidate = candidate_of(pair, image, fit, bars_.stride(), params_);
     if (candidate && (!best || candidate->score > best->score)) best = candidate;
   }
-  return best && !best->whole ? std::optional{best->part} : std::nullopt;
+  if (!best || best->whole) return std::nullopt;
+  return part_of(*best, image, fit, bars_.stride(), params_.corner_scale);
 }
 
 }  // namespace gatefly
