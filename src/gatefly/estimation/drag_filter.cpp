@@ -22,8 +22,7 @@ void update(State& x, StateMatrix& P, const Eigen::Matrix<double, N, 1>& innovat
             const Eigen::Matrix<double, N, kStates>& H, const Eigen::Matrix<double, N, N>& R) {
   const Eigen::Matrix<double, N, N> S = H * P * H.transpose() + R;
   // K = P Hᵀ S⁻¹, by solving S Kᵀ = H P: S is never inverted.
-  const Eigen::Matrix<double, N, kStates> K_transposed = S.ldlt().solve(H * P);
-  const Eigen::Matrix<double, kStates, N> K = K_transposed.transpose();
+  const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(H * P).transpose();
   x += K * innovation;
   const StateMatrix I_KH = StateMatrix::Identity() - K * H;
   const StateMatrix joseph = I_KH * P * I_KH.transpose() + K * R * K.transpose();
