@@ -156,6 +156,7 @@ BarFinder::Bars BarFinder::find(const Image& image, const ColorModel& color) {
   rows_ = groups_ = 0;
   if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars;
   read(image, color);
+  if (rows_ == 0 || groups_ == 0) return bars;  // long and thin
   average_around();
   FixedList<Snake, 24> snakes;
   const auto finish = [&](const Snake& snake) {
