@@ -43,7 +43,9 @@ void add_common(CLI::App& command, CommonOptions& options) {
 }
 
 io::Config load(const CommonOptions& options) {
-  return io::load_config(io::config_files(options.configs), options.settings);
+  io::Config config = io::load_config(io::config_files(options.configs), options.settings);
+  for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+  return config;
 }
 
 bool Progress::due(double at) {

@@ -63,7 +63,7 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   RaceOptions options = given_options;
   // The simulated sensor is always mounted turned, whichever way the camera's own is.
   constexpr int kSimulated = 90;
-  if (load(options.common).stored_rotation_deg != kSimulated)
+  if (io::load_config(io::config_files(options.common.configs), options.common.settings).stored_rotation_deg != kSimulated)
     options.common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
   const io::Config config = load(options.common);
   refuse_unflyable(config);
@@ -75,7 +75,6 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   nominal_.timeout = config.timeout;
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
-  nominal_.pilot.seed = 1;
   nominal_.sim = config.sim;
   nominal_.sim.world = file.world;
   nominal_.sim.start = file.start;

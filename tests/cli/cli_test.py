@@ -390,10 +390,10 @@ class Video(Cli):
         self.assertAlmostEqual(int(stream["nb_read_frames"]), 20 * seconds, delta=1)
 
 
-def picture(gate=True, width=160, height=120):
-    """A PPM of an orange square frame on grey."""
+def picture(gate=True, width=160, height=120, up=0):
+    """A PPM of an orange square frame on grey, so many rows above the middle."""
     def frame(u, v):
-        out = max(abs(u - 80), abs(v - 60))
+        out = max(abs(u - 80), abs(v + up - 60))
         return gate and 36 <= out <= 40
     pixels = b"".join(b"\xe0\x60\x20" if frame(u, v) else b"\x70\x70\x70" for v in range(height) for u in range(width))
     return b"P6\n%d %d\n255\n" % (width, height) + pixels
@@ -569,6 +569,24 @@ class Pictures(Cli):
         self.assertTrue(row.startswith("a.ppm,0,") and row.split(",")[11] == "snake", row)
         for got, wanted in zip(self.corners(row), (39.5, 19.5, 120.5, 19.5, 120.5, 100.5, 39.5, 100.5)):
             self.assertAlmostEqual(got, wanted, delta=2.0)
+
+    def test_a_gate_that_the_border_cuts_is_a_row_of_bars_which_score_leaves_out(self):
+        cut = self.picture("cut.ppm", up=50)
+        result = self.run_it("detect", "--rotate", "0", cut, "--csv", "-", "--annotate", "drawn")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        (row,) = result.stdout.splitlines()[1:]
+        self.assertEqual(row.split(",")[11], "bars")
+        for got, wanted in zip(self.corners(row)[4:], (120.5, 50.5, 39.5, 50.5)):
+            self.assertAlmostEqual(got, wanted, delta=2.0)
+        upper, lower = [float(x) for x in row.split(",")[12:14]], [float(x) for x in row.split(",")[14:16]]
+        self.assertEqual(upper, [0, 0])
+        self.assertGreater(min(lower), 0.5)
+        self.assertTrue((self.folder / "drawn" / "cut.ppm.png").exists())
+        answer = json.loads(self.run_it("detect", "--rotate", "0", "--json", cut).stdout)
+        self.assertEqual((answer["with_gate"], answer["with_part"]), (0, 1))
+        labels = self.file("labels.csv", "image,has_gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\ncut.ppm,0,,,,,,,,\n")
+        found = self.file("found.csv", result.stdout)
+        self.assertIn("1 rows of bars", self.run_it("score", "--detections", found, "--labels", labels).stdout)
 
     def test_rotate_turns_the_stored_picture_counter_clockwise(self):
         path = self.picture("a.ppm")
@@ -855,6 +873,16 @@ class Configuration(Cli):
     def test_a_race_is_flown_by_our_own_detector(self):
         self.assertIn("detector.mode", self.refused("fly", "oval", "--set", "detector.mode=paper"))
         self.assertIn("must be", self.refused("detect", "a.ppm", "--set", "detector.mode=papr"))
+        log = "t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,0,0,0,0,0,-9.8\n0.002,0,0,0,0,0,-9.8\n"
+        (self.folder / "flight").mkdir()
+        self.file("flight/log_si.csv", log)
+        self.assertIn('detector.mode = "fast", must be "ours" to replay', self.refused("replay", "flight", "--set", "detector.mode=fast"))
+
+    def test_a_key_of_the_colour_box_is_said_to_have_no_effect(self):
+        result = self.run_it("config", "--show", "--set", "color.y_min=30")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("color.y_min has no effect any more", result.stderr)
+        self.assertNotIn("y_min", result.stdout)
 
     def test_show_lists_every_section_with_units_and_sources(self):
         result = self.run_it("config", "--show", "--set", "control.speed_mps=1.25")
@@ -881,8 +909,8 @@ class Configuration(Cli):
         self.assertIn("section.key=value", self.refused("config", "--set", "camera.tilt_deg"))
 
     def test_config_file_errors_name_the_file(self):
-        path = self.file("mine.toml", "[detector]\nopen_samples = \"many\"\n")
-        self.assertIn("mine.toml: detector.open_samples = \"many\"", self.refused("config", "--config", path))
+        path = self.file("mine.toml", "[control]\nrest_samples = \"many\"\n")
+        self.assertIn("mine.toml: control.rest_samples = \"many\"", self.refused("config", "--config", path))
         self.assertIn("default", self.refused("config", "--config", "no-such"))
 
     def config_file(self, content):

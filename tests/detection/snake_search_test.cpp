@@ -109,7 +109,9 @@ TEST(SnakeSearch, WhatWasLookedAtBeforeLeavesNoTrace) {
 // Two thirds of a bar washed out: its two corners are less sure, the other two are as sure as ever.
 TEST(GateSearch, CornersOfABrokenBarAreDoubtful) {
   const CameraRig rig = bebop_rig();
-  GateSearch search{{.min_score = 0.5}};
+  GateSearchParams params;
+  params.min_score = 0.5;
+  GateSearch search{params};
   const View view{{-2.5, 0, 0.1}, {}};
   const Quad truth = corners_of(1.0, view, rig).value();
   Canvas canvas(315, 160);

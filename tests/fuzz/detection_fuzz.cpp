@@ -75,15 +75,15 @@ gatefly::test::DetectorSettings settings_of(Bytes& in) {
   static const gatefly::test::DetectorSettings defaults;
   gatefly::test::DetectorSettings s = defaults;
   const auto one_of = [&](std::initializer_list<double> values) { return values.begin()[static_cast<std::size_t>(in.next()) % values.size()]; };
-  // The ends of what a configuration allows, and what a lens may make of straight down.
+  // The ends of what a configuration allows.
   s.search.max_roll_deg = one_of({60, 0, 9, 90});
   s.search.min_side_px = one_of({10, 1, 500});
   s.search.min_score = one_of({2.5, -5, 10});
   s.search.max_aspect = one_of({3.2, 1, 20});
-  s.bars.smoothing_px = static_cast<int>(one_of({5, 1, 100}));
-  s.open.min_width_px = one_of({40, 1, 500});
-  s.color.min_chroma = static_cast<int>(one_of({0, 20, 255}));
-  if (const double far = one_of({0, 300, -300, 1e6, 1e12, -1e300}); far != 0.0) s.nadir_px = {far, 0.5 * far};
+  s.search.bar_ratio = one_of({0.05, 0.002, 0.45});
+  s.search.corner_scale = one_of({1.05, 0.1, 2.0});
+  s.search.max_inside = one_of({0.5, -3, 3});
+  s.search.sure_score = one_of({3.5, -5, 20});
   const double corner = in.next();
   if (in.next() % 4 == 0) s.previous = Quad{{{0, 0}, {corner, 0}, {corner, corner}, {0, 2 * corner}}};
   return s;

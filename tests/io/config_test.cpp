@@ -99,26 +99,34 @@ TEST(Config, AWrongNumberOfCoefficientsIsRefusedSayingHowManyTheModelNeeds) {
 }
 
 TEST(Config, AWholeNumberMayBeWrittenWithAPoint) {
-  const Config config = with({"detector.open_samples=1e3", "camera.size_px=[320.0, 160]"});
-  EXPECT_EQ(config.pilot.open_gate.max_samples, 1000);
+  const Config config = with({"control.rest_samples=1e3", "camera.size_px=[320.0, 160]"});
+  EXPECT_EQ(config.pilot.phase.rest_samples, 1000);
   EXPECT_EQ(config.width, 320);
 }
 
 TEST(Config, LaterFilesWinAndSettingsComeLast) {
   const test::TempFolder folder;
-  const Files files{folder.file("a.toml", "[detector]\nopen_samples = 100\nmin_side_px = 11\n[color]\ny_min = 7\n"),
-                    folder.file("b.toml", "[detector]\nopen_samples = 200\nmin_side_px = 22\n")};
+  const Files files{folder.file("a.toml", "[control]\nrest_samples = 100\n[detector]\nmin_side_px = 11\n[gate]\nbar_m = 0.07\n"),
+                    folder.file("b.toml", "[control]\nrest_samples = 200\n[detector]\nmin_side_px = 22\n")};
   const Config config = load_config(files, Settings{"detector.min_side_px=33"});
-  EXPECT_EQ(config.pilot.color.y_min, 7);
-  EXPECT_EQ(config.pilot.open_gate.max_samples, 200);
+  EXPECT_EQ(config.gate_bar, 0.07);
+  EXPECT_EQ(config.pilot.phase.rest_samples, 200);
   EXPECT_EQ(config.pilot.detector.min_side_px, 33);
-  EXPECT_EQ(config.set_by.at("color.y_min"), files[0].string());
-  EXPECT_EQ(config.set_by.at("detector.open_samples"), files[1].string());
+  EXPECT_EQ(config.set_by.at("gate.bar_m"), files[0].string());
+  EXPECT_EQ(config.set_by.at("control.rest_samples"), files[1].string());
   EXPECT_EQ(config.set_by.at("detector.min_side_px"), "--set");
 }
 
+TEST(Config, KeysOfTheColourBoxStillLoadAndAreSaidToHaveNoEffect) {
+  const Config config = with({"color.y_min=7", "detector.open_samples=100"});
+  ASSERT_EQ(config.notes.size(), 2u);
+  EXPECT_THAT(config.notes[0], AllOf(HasSubstr("--set"), HasSubstr("color.y_min has no effect any more"), HasSubstr("color.table")));
+  EXPECT_TRUE(config.set_by.empty());
+  EXPECT_TRUE(with({}).notes.empty());
+}
+
 TEST(Config, UnknownKeySuggestsTheNearest) {
-  EXPECT_THAT(error_with("detector.open_sampels=3"), AllOf(HasSubstr("--set"), HasSubstr("'detector.open_samples'")));
+  EXPECT_THAT(error_with("control.rest_sampels=3"), AllOf(HasSubstr("--set"), HasSubstr("'control.rest_samples'")));
   EXPECT_THAT(error_with("randomize.gate_positon_m=3"), HasSubstr("'gate_position_m'"));
   const test::TempFolder folder;
   const auto file = folder.file("a.toml", "[kamera]\ntilt_deg = 3\n");
@@ -127,8 +135,8 @@ TEST(Config, UnknownKeySuggestsTheNearest) {
 }
 
 TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
-  EXPECT_EQ(error_with("detector.open_samples=2.5"),
-            "--set: detector.open_samples = 2.5, must be a whole number in 1..1000000");
+  EXPECT_EQ(error_with("control.rest_samples=2.5"),
+            "--set: control.rest_samples = 2.5, must be a whole number in 1..100000");
   EXPECT_THAT(error_with("camera.tilt_deg=nan"), HasSubstr("camera.tilt_deg = nan, must be a number in -90..90"));
   EXPECT_THAT(error_with("camera.tilt_deg=inf"), HasSubstr("must be"));
   EXPECT_THAT(error_with("camera.tilt_deg=\"steep\""), HasSubstr("\"steep\", must be a number"));
@@ -137,8 +145,8 @@ TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_with("camera.size_px=[315.5, 160]"), HasSubstr("whole numbers"));
   EXPECT_THAT(error_with("camera.model=fish"), HasSubstr("one of \"dhane\", \"pinhole\", \"brown-conrady\", \"kannala-brandt\""));
   EXPECT_THAT(error_with("camera.stored_rotation_deg=45"), HasSubstr("must be 0, 90, 180 or 270"));
-  EXPECT_THAT(test::error_of([] { (void)with({"color.y_min=250", "color.y_max=240"}); }),
-              HasSubstr("color.y_min = 250, must be at most color.y_max = 240"));
+  EXPECT_THAT(test::error_of([] { (void)with({"pose.min_bars_distance_m=3", "pose.max_bars_distance_m=2"}); }),
+              HasSubstr("pose.min_bars_distance_m = 3, must be at most pose.max_bars_distance_m = 2"));
   EXPECT_THAT(error_with("gate.bar_m=0.6"), HasSubstr("gate.side_m"));
   EXPECT_THAT(error_with("control.speed_mps"), HasSubstr("section.key=value"));
   EXPECT_THAT(error_with("control.speed_mps="), HasSubstr("must be a number"));

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "gatefly/detection/careful_search.hpp"
-#include "gatefly/detection/gate_bars.hpp"
-#include "gatefly/detection/open_gate.hpp"
+#include "gatefly/detection/gate_search.hpp"
 #include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/part_search.hpp"
 #include "gatefly/detection/snake_search.hpp"
 
 namespace gatefly::test {
@@ -16,11 +16,7 @@ namespace gatefly::test {
 /// What all detectors are told.
 struct DetectorSettings {
   ColorModel model = ColorModel::described({1.0, 0.4, 0.0});
-  ColorRange color;
   GateSearchParams search;
-  OpenGateParams open;
-  GateBarsParams bars;
-  std::optional<Eigen::Vector2d> nadir_px;
   std::optional<Quad> previous;
 };
 
@@ -32,18 +28,19 @@ class AllDetectors {
     if (const auto what = wrong(snakes.detect(image, settings.model), image); !what.empty()) return "snakes: " + what;
     CarefulSearch careful{settings.search};
     if (const auto what = wrong(careful.detect(image, settings.model), image); !what.empty()) return "careful: " + what;
+    GateSearch search{settings.search};
+    if (const auto what = wrong(search.detect(image, settings.model), image); !what.empty()) return "both: " + what;
+    if (const auto what = wrong(search.detect_all(image, settings.model), image); !what.empty()) return "all: " + what;
+    PartSearch parts{settings.search};
+    if (const auto part = parts.detect(image, settings.model)) {
+      if (const auto what = wrong(part->gate, image); !what.empty()) return "part: " + what;
+      if (!is_near(part->bars.left_px, image) || !is_near(part->bars.right_px, image)) return "bars: far outside";
+      if (part->bars.left_px.x() > part->bars.right_px.x()) return "bars: left is right";
+    }
     Rng rng{1};
     if (const auto what = wrong(detect_as_paper(image, {}, rng), image); !what.empty()) return "paper: " + what;
     if (const auto gate = detect_as_flown(image, {}, rng, settings.previous))
       if (const auto what = wrong(*gate, image); !what.empty()) return "flown: " + what;
-    if (const auto gate = detect_open_gate(image, settings.color, settings.open, rng)) {
-      if (!is_near(gate->bottom_left_px, image) || !is_near(gate->bottom_right_px, image)) return "open: corner far outside";
-      if (!is_part(gate->fitness)) return "open: fitness";
-    }
-    if (const auto bars = detect_bars(image, settings.color, settings.bars, settings.nadir_px)) {
-      if (!is_near(bars->left_px, image) || !is_near(bars->right_px, image)) return "bars: far outside";
-      if (bars->left_px.x() > bars->right_px.x()) return "bars: left is right";
-    }
     return "";
   }
 

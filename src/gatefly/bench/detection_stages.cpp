@@ -5,10 +5,9 @@
 
 #include "gatefly/bench/opencv_baseline.hpp"
 #include "gatefly/detection/careful_search.hpp"
-#include "gatefly/detection/gate_bars.hpp"
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/open_gate.hpp"
 #include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/part_search.hpp"
 #include "gatefly/detection/snake_search.hpp"
 
 namespace gatefly::bench {
@@ -41,11 +40,7 @@ std::vector<Stage> detection_stages(std::shared_ptr<const std::vector<Picture>> 
   add("snakes", "our fast search", with_model<SnakeSearch>(config.detector, config.gate_color));
   add("careful", "our search of the whole picture", with_model<CarefulSearch>(config.detector, config.gate_color));
   add("ours", "the careful one when the fast one is not sure", with_model<GateSearch>(config.detector, config.gate_color));
-  add("open", "gates cut off above", [=](const Picture& p) {
-    Rng rng{1};
-    keep(detect_open_gate(p.view(), config.color, config.open_gate, rng));
-  });
-  add("bars", "two side bars", [=](const Picture& p) { keep(detect_bars(p.view(), config.color, config.bars)); });
+  add("parts", "gates that the border cuts", with_model<PartSearch>(config.detector, config.gate_color));
   add("flown", "Li18's detector as flown", [](const Picture& p) {
     Rng rng{1};
     keep(detect_as_flown(p.view(), {}, rng));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "gatefly/detection/outline.hpp"
+#include "gatefly/detection/quad.hpp"
 
 namespace gatefly {
 namespace {

@@ -14,11 +14,6 @@ class ColorMask {
   [[nodiscard]] bool operator()(int u, int v) const {
     return image_.contains(u, v) && color_.contains(image_.at(u, v));
   }
-  /// The same with a tolerance of one pixel up, down, left and right.
-  [[nodiscard]] bool near(int u, int v) const {
-    return (*this)(u, v) || (*this)(u - 1, v) || (*this)(u + 1, v) || (*this)(u, v - 1) ||
-           (*this)(u, v + 1);
-  }
   [[nodiscard]] int width() const { return image_.width(); }
   [[nodiscard]] int height() const { return image_.height(); }
 

@@ -11,7 +11,6 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/gate_detection.hpp"
-#include "gatefly/detection/outline.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -87,6 +86,20 @@ class FrameFit {
     return corners(lines);
   }
 
+  struct Line {
+    Eigen::Vector2d a, b;
+  };
+  /// A line through the middle of the bar, sub-pixel, within `reach` of a and b.
+  [[nodiscard]] Line centered_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const { return middle_line(a, b, reach); }
+
+  /// Where two lines cross; nullopt when they are nearly parallel.
+  [[nodiscard]] static std::optional<Eigen::Vector2d> crossing(const Line& before, const Line& after) {
+    const Eigen::Vector2d d = before.b - before.a, e = after.b - after.a, to = after.a - before.a;
+    const double cross = d.x() * e.y() - d.y() * e.x();
+    if (!(std::abs(cross) > 0.2 * d.norm() * e.norm())) return std::nullopt;
+    return before.a + (to.x() * e.y() - to.y() * e.x()) / cross * d;
+  }
+
   /// Evidence at the nearest cell.
   [[nodiscard]] int at(const Eigen::Vector2d& p) const {
     // To the nearest; std::floor is a call on older processors.
@@ -98,9 +111,6 @@ class FrameFit {
   void set_cell_size(double px) { cell_px_ = px; }
 
  private:
-  struct Line {
-    Eigen::Vector2d a, b;
-  };
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12, kMostLines = 3;
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
   static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637;
@@ -216,11 +226,9 @@ class FrameFit {
   [[nodiscard]] static std::optional<Quad> corners(const std::array<Line, 4>& lines) {
     Quad q;
     for (std::size_t i = 0; i < 4; ++i) {
-      const Line &before = lines[(i + 3) % 4], &after = lines[i];
-      const Eigen::Vector2d d = before.b - before.a, e = after.b - after.a, to = after.a - before.a;
-      const double cross = d.x() * e.y() - d.y() * e.x();
-      if (!(std::abs(cross) > 0.2 * d.norm() * e.norm())) return std::nullopt;
-      q[i] = before.a + (to.x() * e.y() - to.y() * e.x()) / cross * d;
+      const auto corner = crossing(lines[(i + 3) % 4], lines[i]);
+      if (!corner) return std::nullopt;
+      q[i] = *corner;
     }
     return q;
   }

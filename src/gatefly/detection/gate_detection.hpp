@@ -2,14 +2,17 @@
 #pragma once
 
 #include <array>
+#include <optional>
+
+#include <Eigen/Core>
 
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
 
-/// How a gate was found: along its bars, or by trying frames everywhere.
-enum class DetectionMethod { kSnake, kFrames };
+/// How a gate was found: along its bars, by trying frames everywhere, or by two side bars that the border cuts.
+enum class DetectionMethod { kSnake, kFrames, kBars };
 
 /// What every detector answers with.
 struct GateDetection {
@@ -22,5 +25,28 @@ struct GateDetection {
 
 /// Distinct gates of one picture, best first.
 using GateDetections = FixedList<GateDetection, 6>;
+
+/// The lower corners of a gate: all that is needed of one whose upper bar is above the picture.
+struct OpenGate {
+  Eigen::Vector2d bottom_left_px, bottom_right_px;  ///< Outer corners, sub-pixel.
+  double fitness = 0.0;                             ///< Of the bars in view, 0..1.
+};
+
+/// The two side bars of a gate that no longer fits into the picture.
+struct GateBars {
+  Eigen::Vector2d left_px, right_px;  ///< On the middle line of each bar, halfway along what is in view.
+};
+
+/// A gate that the border cuts: two side bars, and what else of it is in the picture.
+struct GatePart {
+  GateDetection gate;  ///< `whole` is false; a corner of fitness 0 is not in view: there its bar leaves the picture.
+  GateBars bars;
+
+  /// The lower corners, when both are in view.
+  [[nodiscard]] std::optional<OpenGate> lower_corners() const {
+    if (!(gate.corner_fitness[2] > 0.0 && gate.corner_fitness[3] > 0.0)) return std::nullopt;
+    return OpenGate{gate.corners_px[3], gate.corners_px[2], gate.fitness};
+  }
+};
 
 }  // namespace gatefly

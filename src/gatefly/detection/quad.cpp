@@ -67,6 +67,13 @@ Eigen::Vector2d center(const Quad& quad) {
   return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
 }
 
+Quad scaled(const Quad& quad, double factor) {
+  const Eigen::Vector2d middle = center(quad);
+  Quad out;
+  for (std::size_t i = 0; i < 4; ++i) out[i] = middle + factor * (quad[i] - middle);
+  return out;
+}
+
 Quad to_cells(Quad quad_px, double cell) {
   for (auto& p : quad_px) p = to_cells(p, cell);
   return quad_px;

@@ -8,7 +8,7 @@
 
 #include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/frame_fit.hpp"
-#include "gatefly/detection/outline.hpp"
+#include "gatefly/detection/quad.hpp"
 #include "gatefly/experiments/own_sets.hpp"
 #include "gatefly/io/annotate.hpp"
 #include "gatefly/io/text.hpp"

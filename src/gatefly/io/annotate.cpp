@@ -24,9 +24,9 @@ void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d&
   canvas.text({plate.x + 6.0, plate.y + 14.0}, label, lettering);
 }
 
-std::string label_of(std::size_t rank, double fitness) {
+std::string label_of(std::size_t rank, const GateDetection& gate) {
   std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "gate %zu   %.2f", rank, fitness);
+  std::snprintf(text.data(), text.size(), "%s %zu   %.2f", gate.method == DetectionMethod::kBars ? "part" : "gate", rank, gate.fitness);
   return text.data();
 }
 
@@ -42,14 +42,22 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
   Quad corners;
   for (std::size_t i = 0; i < corners.size(); ++i)
     corners[i] = at + scale * (gate.corners_px[i] + Eigen::Vector2d{0.5, 0.5});
-  canvas.outline(corners, {.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0});
-  canvas.outline(corners, stroke);
-  // Rings, so that the corner itself stays in sight.
-  for (const auto& corner : corners) {
-    canvas.circle(corner, 2.5 * stroke.width, {.color = look::kBackground.faded(0.6), .width = stroke.width + 1.5});
-    canvas.circle(corner, 2.5 * stroke.width, stroke);
+  const bool is_part = gate.method == DetectionMethod::kBars;
+  const auto in_view = [&](std::size_t i) { return !is_part || gate.corner_fitness[i] > 0.0; };
+  for (const Stroke& each : {Stroke{.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0}, stroke}) {
+    if (!is_part) canvas.outline(corners, each);
+    // Of a part its side bars, and the level ones as far as they are known.
+    if (is_part) canvas.line(corners[0], corners[3], each), canvas.line(corners[1], corners[2], each);
+    if (is_part && (in_view(0) || in_view(1))) canvas.line(corners[0], corners[1], each);
+    if (is_part && (in_view(2) || in_view(3))) canvas.line(corners[2], corners[3], each);
   }
-  canvas.disc(corners[0], 1.2 * stroke.width, stroke.color);
+  // Rings, so that the corner itself stays in sight.
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!in_view(i)) continue;
+    canvas.circle(corners[i], 2.5 * stroke.width, {.color = look::kBackground.faded(0.6), .width = stroke.width + 1.5});
+    canvas.circle(corners[i], 2.5 * stroke.width, stroke);
+  }
+  if (in_view(0)) canvas.disc(corners[0], 1.2 * stroke.width, stroke.color);
 }
 
 void annotate(const Image& image, std::span<const GateDetection> gates, const std::filesystem::path& png) {
@@ -65,7 +73,7 @@ void annotate(const Image& image, std::span<const GateDetection> gates, const st
     const Color color = look::kDetection.faded(rank == 0 ? 1.0 : 0.75);
     draw_detection(canvas, gate, {0, 0}, scale, {.color = color, .width = rank == 0 ? 2.0 : 1.2});
     const Eigen::Vector2d top_left = scale * gate.corners_px[0].cwiseMin(gate.corners_px[1]);
-    draw_label(canvas, label_of(rank, gate.fitness), top_left, color);
+    draw_label(canvas, label_of(rank, gate), top_left, color);
   }
   if (gates.empty()) draw_label(canvas, "no gate", {8.0, canvas.height() - 1.0}, look::kMuted);
   canvas.write_png(png);

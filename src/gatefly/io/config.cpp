@@ -61,7 +61,20 @@ std::string beside(const std::string& where, const std::string& name) {
   return (std::filesystem::path{where}.parent_path() / name).lexically_normal().string();
 }
 
+/// Keys of the colour box and of the searches that used it: known, so that older files still load.
+bool is_retired(const std::string& name) {
+  static const std::set<std::string> retired{
+      "color.y_min", "color.y_max", "color.cb_min", "color.cb_max", "color.cr_min", "color.cr_max", "color.min_chroma",
+      "detector.open_samples", "detector.open_min_width_px", "detector.bars_min_height", "detector.bars_min_ratio",
+      "detector.bars_smoothing_px", "detector.bars_min_gap_px"};
+  return retired.contains(name);
+}
+
 void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
+  if (is_retired(name)) {
+    config.notes.push_back(where + ": " + name + " has no effect any more: color.rgb or color.table says what a gate looks like");
+    return;
+  }
   if (name.starts_with("randomize.")) {
     check_randomize(name.substr(10), value, where);
     config.randomize[name.substr(10)] = value;
@@ -142,10 +155,6 @@ void check_distortion(const Config& c) {
 
 void check(const Config& c) {
   check_distortion(c);
-  const ColorRange& color = c.pilot.color;
-  ordered(c, "color.y_min", color.y_min, "color.y_max", color.y_max);
-  ordered(c, "color.cb_min", color.u_min, "color.cb_max", color.u_max);
-  ordered(c, "color.cr_min", color.v_min, "color.cr_max", color.v_max);
   ordered(c, "pose.min_bars_distance_m", c.pilot.pose.min_bars_distance, "pose.max_bars_distance_m",
           c.pilot.pose.max_bars_distance);
   ordered(c, "vehicle.min_rotor_radps", c.pilot.vehicle.min_speed, "vehicle.max_rotor_radps",
@@ -188,7 +197,6 @@ void derive(Config& c) {
   c.sim.sensors.camera_latency = c.camera_latency;
 
   const double bar = c.gate_bar / c.gate_side;
-  c.pilot.open_gate.bar_ratio = bar;
   c.pilot.detector.bar_ratio = bar;
   c.pilot.detector.corner_scale = (c.gate_corners == "outer" ? 1.0 : c.gate_corners == "inner" ? 1.0 - 2.0 * bar : 1.0 - bar) / (1.0 - bar);
   c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});

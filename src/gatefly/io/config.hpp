@@ -36,6 +36,7 @@ struct Config {
   std::string control_mode = "ours";
   double timeout = 240.0;  ///< Of one simulated flight [s].
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
+  std::vector<std::string> notes;  ///< Lines about keys that have no effect any more.
   std::map<std::string, std::string> set_by;  ///< Key -> file or "--set"; others have their default.
 
   Config();

@@ -78,17 +78,9 @@ Keys camera_keys() {
 }
 
 Keys detection_keys() {
-  const char* box = "generic orange; ours";
   return {
       k("color.rgb", 0, 1, AT(gate_rgb), "orange, as cameras see it; ours"),
       file_name<Config>("color.table", AT(color_table), "none: color.rgb; gatefly tune writes one"),
-      k("color.y_min", 0, 255, AT(pilot.color.y_min), box),
-      k("color.y_max", 0, 255, AT(pilot.color.y_max), box),
-      k("color.cb_min", 0, 255, AT(pilot.color.u_min), box),
-      k("color.cb_max", 0, 255, AT(pilot.color.u_max), box),
-      k("color.cr_min", 0, 255, AT(pilot.color.v_min), box),
-      k("color.cr_max", 0, 255, AT(pilot.color.v_max), box),
-      k("color.min_chroma", 0, 181, AT(pilot.color.min_chroma), "distance of (Cb, Cr) from grey; ours"),
       choice<Config>("detector.mode", {"ours", "fast", "careful", "paper", "flown"}, AT(detector_mode),
                      "of detect; paper: ROC study, flown: basement, March 2018, each with its own colours and numbers"),
       k("detector.min_score", -5, 10, AT(pilot.detector.min_score), "one such frame in two is a gate; docs/paper/results.md"),
@@ -98,12 +90,6 @@ Keys detection_keys() {
       k("detector.max_inside", -3, 3, AT(pilot.detector.max_inside), "evidence in the opening, nats; ours"),
       k("detector.size_bonus", 0, 5, AT(pilot.detector.weights.size), "score with every doubling of the side; labelled sets"),
       k("detector.max_aspect", 1, 20, AT(pilot.detector.max_aspect), "longest side / shortest; ours"),
-      k("detector.open_samples", 1, 1000000, AT(pilot.open_gate.max_samples), "gates cut off above, per saturation level; ours"),
-      k("detector.open_min_width_px", 1, 500, AT(pilot.open_gate.min_width_px), "of their lower bar; ours"),
-      k("detector.bars_min_height", 0, 1, AT(pilot.bars.min_height), "Li18 flight code: 9 of 31.7 hits"),
-      k("detector.bars_min_ratio", 0, 1, AT(pilot.bars.min_ratio), "Li18 flight code"),
-      k("detector.bars_smoothing_px", 1, 100, AT(pilot.bars.smoothing_px), "Li18 flight code"),
-      k("detector.bars_min_gap_px", 1, 1000, AT(pilot.bars.min_gap_px), "ours: 1 m at 1.8 m spans 90 px"),
       k("gate.side_m", 0.3, 5, AT(gate_side), "outer side; Bebop gates"),
       k("gate.bar_m", 0.005, 1, AT(gate_bar), "docs/conventions.md"),
       choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate_corners), "docs/conventions.md"),

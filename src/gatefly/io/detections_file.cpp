@@ -14,11 +14,15 @@ constexpr std::array<const char*, 8> kCorners{"tl_u", "tl_v", "tr_u", "tr_v", "b
 
 double coordinate(const Quad& quad, std::size_t k) { return quad[k / 2][static_cast<Eigen::Index>(k % 2)]; }
 
+std::string name_of(DetectionMethod method) {
+  return method == DetectionMethod::kFrames ? "frames" : method == DetectionMethod::kBars ? "bars" : "snake";
+}
+
 }  // namespace
 
 DetectionRow row_of(const std::string& image, int rank, const GateDetection& gate) {
   return {.image = image, .gate = rank, .corners_px = gate.corners_px, .fitness = gate.fitness,
-          .method = gate.method == DetectionMethod::kFrames ? "frames" : "snake", .corner_fitness = gate.corner_fitness};
+          .method = name_of(gate.method), .corner_fitness = gate.corner_fitness};
 }
 
 std::string detections_header() {

@@ -5,8 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/detection/gate_bars.hpp"
-#include "gatefly/detection/open_gate.hpp"
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/frames.hpp"
 #include "gatefly/sensing/camera.hpp"
@@ -22,7 +21,7 @@ struct CameraRig {
 
 struct PoseParams {
   double corner_sigma_px = 2.5;    ///< Independent part. [authors' detections: 3 px robust; ours after line fits]
-  double attitude_sigma = 0.02;    ///< Roll and pitch of the AHRS [rad]. [ours]
+  double attitude_sigma = 0.017;   ///< Roll and pitch of the camera; the pilot adds the AHRS's own doubt [rad]. [docs/simulation.md: mount 1°]
   double heading_sigma = 0.04;     ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
   double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
   double max_distance = 9.0;       ///< [m] [ours: a 1 m gate is 19 px there]

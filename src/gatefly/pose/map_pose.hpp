@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/detection/gate_bars.hpp"
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/fixed_list.hpp"

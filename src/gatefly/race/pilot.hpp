@@ -12,10 +12,9 @@
 #include "gatefly/control/attitude_command.hpp"
 #include "gatefly/control/indi.hpp"
 #include "gatefly/control/lateral_pd.hpp"
-#include "gatefly/detection/gate_bars.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/open_gate.hpp"
+#include "gatefly/detection/part_search.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/drag_filter.hpp"
@@ -80,11 +79,8 @@ struct PilotConfig {
   Track track;
   CameraRig camera;
   CameraTiming camera_timing;
-  ColorRange color;                 ///< For parts of gates: bars, lower corners.
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
   GateSearchParams detector;
-  OpenGateParams open_gate;
-  GateBarsParams bars;
   PoseParams pose;
   AhrsParams ahrs;
   DragFilterParams filter;
@@ -101,7 +97,6 @@ struct PilotConfig {
   double map_sigma = 0.12;          ///< How well gates are known relative to each other [m]. [ours]
   double gate_height_sigma = 0.05;  ///< Of a gate's centre above the floor [m]. [docs/simulation.md]
   double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
-  std::uint64_t seed = 1;           ///< Of the detector's samples.
 };
 
 /// What the pilot believes. For logs, displays and tests; nothing flies by it but the pilot.
@@ -172,8 +167,7 @@ class Pilot {
   enum class Effort { kSure, kAll };  ///< kSure: what stands out is enough.
   [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, Effort effort);
   void correct_with_best_gate();
-  [[nodiscard]] std::optional<OpenGate> open_gate(const Sensors& sensors);
-  [[nodiscard]] std::optional<GateBars> side_bars(const Sensors& sensors) const;
+  void correct_with_parts(const Sensors& sensors);
   bool fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source);
   void doubt_heading_after_blind_leg();
   void learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved);
@@ -204,7 +198,6 @@ class Pilot {
   [[nodiscard]] RotationGB R_GB(const Eigen::Matrix3d& R_EB) const;
   [[nodiscard]] Eigen::Vector3d p_EB() const;
   [[nodiscard]] double capture_time(double u_px) const;
-  [[nodiscard]] std::optional<Eigen::Vector2d> nadir_px() const;
   [[nodiscard]] PoseParams pose_params() const;
   [[nodiscard]] double lateral_at_gate() const;
   [[nodiscard]] double forward_speed() const;
@@ -223,8 +216,8 @@ class Pilot {
   Altimeter altimeter_;
   Altitude altitude_;
   Indi indi_;
-  Rng rng_;
   GateSearch detector_;
+  PartSearch parts_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
   Sighting sighting_;

@@ -26,16 +26,6 @@ GateDetections Pilot::whole_gates(const Sensors& sensors, Effort effort) {
   return whole;
 }
 
-std::optional<OpenGate> Pilot::open_gate(const Sensors& sensors) {
-  if (sensors.seen) return sensors.seen->open;
-  return detect_open_gate(*sensors.image, config_.color, config_.open_gate, rng_);
-}
-
-std::optional<GateBars> Pilot::side_bars(const Sensors& sensors) const {
-  if (sensors.seen) return sensors.seen->bars;
-  return detect_bars(*sensors.image, config_.color, config_.bars, nadir_px());
-}
-
 void Pilot::look(const Sensors& sensors) {
   sighting_ = {};
   if (!sensors.seen && sensors.image->empty()) return;
@@ -54,16 +44,23 @@ void Pilot::look(const Sensors& sensors) {
     sighting_.detections = whole_gates(sensors, Effort::kAll);
     correct_with_best_gate();
   }
-  // Near the gate parts of it are enough: the lower corners, then the side bars.
   const double x = filter_.position().x();
-  if (sighting_.source == Sighting::Source::kNone && x > -kOpenGateFrom && x < 0.0) {
-    sighting_.open = open_gate(sensors);
-    if (sighting_.open) correct_with_lower_corners(*sighting_.open);
+  if (sighting_.source == Sighting::Source::kNone && x > -kOpenGateFrom && x < 0.0) correct_with_parts(sensors);
+}
+
+// Near the gate parts of it are enough: the lower corners, then the side bars.
+void Pilot::correct_with_parts(const Sensors& sensors) {
+  const bool near = filter_.position().x() > -config_.pose.max_bars_distance;
+  std::optional<GateBars> bars;
+  if (sensors.seen) {
+    sighting_.open = sensors.seen->open, bars = sensors.seen->bars;
+  } else if (const auto part = parts_.detect(*sensors.image, config_.gate_color)) {
+    sighting_.open = part->lower_corners(), bars = part->bars;
   }
-  if (sighting_.source == Sighting::Source::kNone && x > -config_.pose.max_bars_distance && x < 0.0) {
-    sighting_.bars = side_bars(sensors);
-    if (sighting_.bars) correct_with_bars(*sighting_.bars);
-  }
+  if (sighting_.open) correct_with_lower_corners(*sighting_.open);
+  if (sighting_.source != Sighting::Source::kNone || !near) return;
+  sighting_.bars = bars;
+  if (bars) correct_with_bars(*bars);
 }
 
 // The candidate that fits best to where the gate should be.
@@ -105,15 +102,10 @@ std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) co
   return map_fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
 }
 
-std::optional<Eigen::Vector2d> Pilot::nadir_px() const {
-  const Past then = past(capture_time(0.5 * image_width_));
-  return vanishing_point_px(config_.camera.lens, config_.camera.R_BC.matrix.transpose() * then.R_EB.row(2).transpose());
-}
-
 PoseParams Pilot::pose_params() const {
   PoseParams params = config_.pose;
-  const double heading = ahrs_.heading_sigma();
-  params.heading_sigma = std::sqrt(heading * heading + config_.gate_yaw_sigma * config_.gate_yaw_sigma);
+  params.attitude_sigma = std::hypot(config_.pose.attitude_sigma, ahrs_.tilt_sigma());
+  params.heading_sigma = std::hypot(ahrs_.heading_sigma(), config_.gate_yaw_sigma);
   return params;
 }
 

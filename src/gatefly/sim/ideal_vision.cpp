@@ -17,7 +17,7 @@ constexpr double kMinSide = 20.0;      // a gate of 1 m at pose.max_distance_m: 
 constexpr double kMaxAspect = 1.8;     // seen more from the side no statistics were taken
 constexpr double kOpenReach = 3.5;     // nearer than this the upper bar may be cut off: race/sight.cpp [m]
 constexpr double kBarsReach = 1.8;     // [Li18 flight code]
-constexpr double kMinBar = 0.35;       // part of the picture's height: detection/gate_bars.hpp
+constexpr double kMinBar = 0.35;       // part of the picture's height that shows a bar [Li18 flight code: 0.28]
 constexpr double kMinGap = 40.0;       // between two bars: the same [px]
 constexpr int kBarSamples = 12;
 

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/bar_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gatefly {
+namespace {
+
+constexpr int kMostColumns = 160, kMostRows = 40;
+constexpr int kLimit = EvidenceMap::kLimit;
+constexpr int kBar = 6;           // evidence of a sample on a bar
+constexpr int kHopeless = -16;    // of a colour alone: no bar, whatever is around
+constexpr int kStrongest = 60;    // evidence of a crossing that counts
+constexpr int kLeast = 3;         // rows of a bar
+constexpr int kLeastToBend = 6;   // rows of a bar whose bend is looked at
+
+}  // namespace
+
+/// A bar so far, in samples and rows.
+struct BarFinder::Snake {
+  float x = 0.0f, slope = 0.0f;  ///< At the last row; samples a row.
+  int first = 0, last = 0, count = 0, strength = 0;
+  float sum_x = 0.0f, sum_xy = 0.0f;  ///< With rows from the first on.
+  int sum_y = 0, sum_yy = 0, sum_yyy = 0, sum_yyyy = 0, width = 0;
+  double sum_xyy = 0.0;
+
+  void cross(float at, int row, int evidence, int wide) {
+    const int rows = row - last;
+    if (count == 1) slope = (at - x) / static_cast<float>(rows);
+    if (count > 1) slope += 0.5f * ((at - x) / static_cast<float>(rows) - slope);
+    const int y = row - first;
+    sum_x += at, sum_xy += at * static_cast<float>(y), sum_y += y, sum_yy += y * y;
+    sum_xyy += static_cast<double>(at) * (y * y), sum_yyy += y * y * y, sum_yyyy += y * y * y * y, width += wide;
+    x = at, last = row, ++count, strength += evidence;
+  }
+};
+
+BarFinder::BarFinder(int widest, int around) : widest_{widest}, reach_{around} {
+  absolute_.resize(kMostColumns * kMostRows);
+  for (auto& sums : sums_) sums.resize(kMostColumns / kGroup * kMostRows);
+  for (auto& mean : around_) mean.resize(kMostColumns / kGroup * kMostRows);
+}
+
+// What each sample's colour alone says, and the sums of groups.
+void BarFinder::read(const Image& image, const ColorModel& color) {
+  step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns, (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
+  stride_ = kGroup * step_;
+  per_stride_ = 65536u / static_cast<std::uint32_t>(stride_) + 1;
+  groups_ = image.width() / stride_, rows_ = image.height() / stride_;
+  const int groups = groups_;  // bytes are written below: members would be read again each time
+  for (int r = 0; r < rows_; ++r) {
+    std::int8_t* out = absolute_.data() + r * groups * kGroup;
+    std::array<std::uint16_t*, 3> sums;
+    for (std::size_t k = 0; k < 3; ++k) sums[k] = sums_[k].data() + r * groups;
+    std::array<Yuv, kMostColumns> row;
+    Yuv* next = row.data();
+    image.visit_row(first_column(), row_px(r), step_, groups * kGroup, [&](Yuv c) {
+      *out++ = color.absolute[ColorModel::bin(c)];
+      *next++ = c;
+    });
+    for (int g = 0; g < groups; ++g) {
+      const Yuv* const s = row.data() + g * kGroup;
+      sums[0][g] = static_cast<std::uint16_t>(s[0].y + s[2].y);
+      sums[1][g] = static_cast<std::uint16_t>(s[0].u + s[2].u);
+      sums[2][g] = static_cast<std::uint16_t>(s[0].v + s[2].v);
+    }
+  }
+}
+
+// Mean of the groups around each; what is beyond the border is as at the border.
+void BarFinder::average_around() {
+  const int groups = groups_, rows = rows_, reach = reach_;
+  const std::uint32_t side = 2 * static_cast<std::uint32_t>(reach) + 1, per_sum = 65536 / (side * side * 2) + 1;
+  std::array<std::uint16_t, kMostColumns / kGroup> column{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint16_t* const sums = sums_[k].data();
+    for (int r = 0; r < rows; ++r) {
+      // Running sums, down each column and along the row.
+      const auto row_at = [&](int i) { return sums + std::clamp(i, 0, rows - 1) * groups; };
+      const std::uint16_t *const enters = row_at(r + reach), *const leaves = row_at(r - reach - 1);
+      if (r == 0) {
+        column.fill(0);
+        for (int i = -reach; i <= reach; ++i)
+          for (int g = 0; g < groups; ++g) column[static_cast<std::size_t>(g)] = static_cast<std::uint16_t>(column[static_cast<std::size_t>(g)] + row_at(i)[g]);
+      } else {
+        for (int g = 0; g < groups; ++g) column[static_cast<std::size_t>(g)] = static_cast<std::uint16_t>(column[static_cast<std::size_t>(g)] + enters[g] - leaves[g]);
+      }
+      const auto column_at = [&](int g) { return std::uint32_t{column[static_cast<std::size_t>(std::clamp(g, 0, groups - 1))]}; };
+      std::uint32_t sum = 0;
+      for (int g = -reach; g <= reach; ++g) sum += column_at(g);
+      std::uint8_t* const out = around_[k].data() + r * groups;
+      for (int g = 0; g < groups; ++g) {
+        out[g] = static_cast<std::uint8_t>((sum * per_sum) >> 16);
+        sum += column_at(g + reach + 1) - column_at(g - reach);
+      }
+    }
+  }
+}
+
+Bar BarFinder::bar_of(const Snake& s) const {
+  const double n = s.count, n_y = s.sum_y, spread = n * s.sum_yy - n_y * n_y;  // three rows or more: not zero
+  const double slope = (n * s.sum_xy - s.sum_x * n_y) / spread, x = (s.sum_x - slope * n_y) / n;
+  // Samples and rows to pixels.
+  Bar bar{.slope = slope / kGroup, .top = s.first * stride_ + 0.5 * (stride_ - 1), .bottom = s.last * stride_ + 0.5 * (stride_ - 1),
+          .strength = static_cast<double>(s.strength)};
+  bar.at_0 = (x + 0.5) * step_ - 0.5 - bar.slope * bar.top;
+  bar.width = static_cast<double>(s.width) / n * step_;
+  bar.curve = {bar.at_0, bar.slope, 0.0};
+  if (s.count < kLeastToBend) return bar;
+  // What is left of y² beside a line, a + b y, is what a bend looks like.
+  const double n_yy = s.sum_yy, n_yyy = s.sum_yyy;
+  const double b = (n * n_yyy - n_y * n_yy) / spread, a = (n_yy - b * n_y) / n;
+  const double bend = (s.sum_xyy - a * s.sum_x - b * s.sum_xy) / (s.sum_yyyy - a * n_yy - b * n_yyy) * step_;  // px / row²
+  const double row = stride_, top = bar.top;
+  bar.curve += bend * Eigen::Vector3d{top * top / (row * row) + b * top / row - a, -2.0 * top / (row * row) - b / row, 1.0 / (row * row)};
+  return bar;
+}
+
+// Where a row crosses something of a bar's colour and width.
+template <class Visit>
+void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const {
+  int start = 0, sum = 0, moment = 0, end = 0;  // of the present crossing; none while sum is 0
+  const auto finish = [&] {
+    if (sum > 0 && end - start <= widest_)
+      visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
+    sum = moment = 0;
+  };
+  const std::int8_t* absolute = absolute_.data() + row * groups_ * kGroup;
+  for (int g = 0; g < groups_; ++g, absolute += kGroup) {
+    if (std::max(std::max(absolute[0], absolute[1]), std::max(absolute[2], absolute[3])) < kHopeless) {
+      finish();
+      continue;
+    }
+    const Yuv mean = around(row * groups_ + g);
+    for (int k = 0; k < kGroup; ++k) {
+      const int c = g * kGroup + k;
+      int e = -kLimit;
+      if (absolute[k] >= kHopeless)
+        e = (absolute[k] + color.relative[ColorModel::difference_bin(image.at(c * step_ + first_column(), row_px(row)), mean)]) / 2;
+      if (e < kBar) {
+        finish();
+        continue;
+      }
+      if (sum == 0) start = c;
+      e = std::min(e, kLimit);
+      end = c + 1, sum += e, moment += e * (c - start);
+    }
+  }
+  finish();
+}
+
+BarFinder::Bars BarFinder::find(const Image& image, const ColorModel& color) {
+  const auto weaker = [](const Bar& a, const Bar& b) { return a.strength < b.strength; };
+  Bars bars;
+  rows_ = groups_ = 0;
+  if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars;
+  read(image, color);
+  if (rows_ == 0 || groups_ == 0) return bars;  // long and thin
+  average_around();
+  FixedList<Snake, 24> snakes;
+  const auto finish = [&](const Snake& snake) {
+    if (snake.count < kLeast) return;
+    const Bar bar = bar_of(snake);
+    if (bars.push_back(bar)) return;
+    Bar& weakest = *std::min_element(bars.begin(), bars.end(), weaker);
+    if (weaker(weakest, bar)) weakest = bar;
+  };
+  const auto cross = [&](float x, int row, int strength, int width) {
+    Snake* mine = nullptr;
+    float nearest = 1e9f;
+    for (Snake& s : snakes) {
+      const int rows = row - s.last;
+      if (rows == 0) continue;
+      const float off = std::abs(x - s.x - s.slope * static_cast<float>(rows));
+      const float reach = s.count == 1 ? 4.0f * static_cast<float>(rows) : 1.5f + 0.5f * static_cast<float>(rows);  // 45 deg at first
+      if (off < reach && off < nearest) nearest = off, mine = &s;
+    }
+    if (mine == nullptr) {
+      if (!snakes.push_back({.first = row, .last = row})) return;
+      mine = &snakes.back();
+    }
+    mine->cross(x, row, strength, width);
+  };
+  for (int r = 0; r < rows_; ++r) {
+    each_crossing(image, color, r, [&](float x, int strength, int width) { cross(x, r, strength, width); });
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < snakes.size(); ++i) {
+      if (r - snakes[i].last < 2) snakes[left++] = snakes[i];
+      else finish(snakes[i]);
+    }
+    while (snakes.size() > left) snakes.pop_back();
+  }
+  for (const Snake& snake : snakes) finish(snake);
+  return bars;
+}
+
+}  // namespace gatefly

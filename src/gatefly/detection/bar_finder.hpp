@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/evidence_map.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly {
+
+/// An upright bar between two rows: a line, x = at_0 + slope y [px].
+struct Bar {
+  double at_0 = 0.0, slope = 0.0, top = 0.0, bottom = 0.0, strength = 0.0;
+  double width = 0.0;  ///< Along the rows, mean [px].
+  Eigen::Vector3d curve = Eigen::Vector3d::Zero();  ///< x = c₀ + c₁ y + c₂ y²: a lens bends long bars.
+
+  [[nodiscard]] double x(double y) const { return at_0 + slope * y; }
+  [[nodiscard]] Eigen::Vector2d at(double y) const { return {x(y), y}; }
+  [[nodiscard]] double length() const { return bottom - top; }
+  [[nodiscard]] Eigen::Vector2d on_curve(double y) const { return {curve[0] + y * (curve[1] + y * curve[2]), y}; }
+};
+
+/// Finds bars: Li18's snakes (Algorithm 2), in strides, on colour evidence.
+///
+/// Every eighth row is read, every second pixel of it (at 315 x 160; larger pictures in larger strides). A bar
+/// crosses several rows: a snake follows it from row to row, one may be missing. [ours]
+class BarFinder {
+ public:
+  static constexpr int kGroup = 4;  ///< Samples of a row whose mean is taken; rows are as many samples apart.
+  using Bars = FixedList<Bar, 24>;
+
+  /// @param widest  what is wider is no bar [samples].
+  /// @param around  a colour's surroundings reach so many groups to each side: wider than the widest bar.
+  BarFinder(int widest, int around);
+
+  /// The strongest bars; none in a picture that is too small. Allocates nothing.
+  [[nodiscard]] Bars find(const Image& image, const ColorModel& color);
+
+  /// Evidence of any pixel of the picture that was searched last, in 1/16 nats; outside there is none of a gate.
+  [[nodiscard]] int evidence(const Image& image, const ColorModel& color, int u, int v) const {
+    if (!image.contains(u, v)) return EvidenceMap::kOutside;
+    const int g = std::min(static_cast<int>((static_cast<std::uint32_t>(u) * per_stride_) >> 16), groups_ - 1);
+    const int r = std::min(static_cast<int>((static_cast<std::uint32_t>(v) * per_stride_) >> 16), rows_ - 1);
+    return std::clamp(color.evidence(image.at(u, v), around(r * groups_ + g)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
+  }
+
+  [[nodiscard]] int step() const { return step_; }      ///< Pixels from sample to sample.
+  [[nodiscard]] int stride() const { return stride_; }  ///< Pixels from row to row.
+
+ private:
+  struct Snake;
+
+  void read(const Image& image, const ColorModel& color);
+  void average_around();
+  template <class Visit>
+  void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const;
+  [[nodiscard]] Bar bar_of(const Snake& snake) const;
+
+  [[nodiscard]] Yuv around(int group) const {
+    const auto i = static_cast<std::size_t>(group);
+    return {around_[0][i], around_[1][i], around_[2][i]};
+  }
+  [[nodiscard]] int first_column() const { return step_ / 2; }
+  [[nodiscard]] int row_px(int row) const { return row * stride_ + stride_ / 2; }
+
+  int widest_, reach_;
+  int step_ = 0, stride_ = 0;
+  int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
+  std::uint32_t per_stride_ = 0;                     // 2^16 / stride_
+  std::vector<std::int8_t> absolute_;                // evidence of each sample's colour alone
+  std::array<std::vector<std::uint16_t>, 3> sums_;   // of each group's y, u, v, and of columns of groups
+  std::array<std::vector<std::uint8_t>, 3> around_;  // mean of the groups around each
+};
+
+}  // namespace gatefly

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/part_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
+
+namespace gatefly {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kWidest = 16, kAround = 3;  // samples; groups, 56 px at 315 x 160: a bar of 5 cm is 28 px wide at 0.3 m
+constexpr double kLeastLength = 0.25;   // of a bar in view / the picture's height
+constexpr double kLeastApart = 0.12;    // of two bars / the picture's width: a gate of 1 m at 4 m
+constexpr double kLeastShared = 0.5;    // of the rows of both bars / those of either
+constexpr double kMostWidth = 0.2;      // of a bar / the distance of both, blurred
+constexpr double kMostTaper = 2.0;      // distance of the bars at one end / at the other
+constexpr double kHighest = 2.0;        // bars' length in view / their distance: a gate seen from aside
+constexpr double kLowest = 0.3;         // the same of what is left of a near gate
+constexpr double kAlike = 0.5;          // evidence of the weaker bar / of the stronger one: they have one colour
+constexpr int kLevelSamples = 8, kLeastLevelSamples = 3, kBarSamples = 16;
+constexpr double kLeastLevel = 0.5;     // of a level bar in view [nats]
+constexpr double kNearBorder = 4.9;     // rows in which too little of a level bar may be in view
+constexpr FrameEffort kEffort{.samples = 12, .stations = 8, .middles = 12};
+
+// Where a bar is at row y: along its curve, straight on beyond its ends.
+Vector2d beyond(const Bar& bar, double y) {
+  const double on = std::clamp(y, bar.top, bar.bottom);
+  return {bar.on_curve(on).x() + (y - on) * (bar.curve[1] + 2.0 * bar.curve[2] * on), y};
+}
+
+// Whether b is the same bar as a, farther down: what is behind a bar may hide some rows of it.
+bool goes_on(const Bar& a, const Bar& b, int stride) {
+  const double gap = b.top - a.bottom, y = 0.5 * (a.bottom + b.top);
+  return gap > -1.5 * stride && gap < 4.5 * stride &&
+         std::abs(beyond(a, y).x() - beyond(b, y).x()) < 0.5 * stride + 0.3 * std::max(a.width, b.width);
+}
+
+Bar joined(const Bar& a, const Bar& b, int stride) {
+  Bar bar{.top = a.top, .bottom = b.bottom, .strength = a.strength + b.strength, .width = (a.width * a.length() + b.width * b.length()) / (a.length() + b.length())};
+  // One parabola through the rows of both.
+  const double middle = 0.5 * (bar.top + bar.bottom), half = 0.5 * bar.length();
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  for (const Bar* piece : {&a, &b})
+    for (double y = piece->top; y <= piece->bottom; y += stride) {
+      const double t = (y - middle) / half;
+      const Eigen::Vector3d powers{1.0, t, t * t};
+      A += powers * powers.transpose(), x += piece->on_curve(y).x() * powers;
+    }
+  const Eigen::Vector3d c = A.ldlt().solve(x);
+  const double m = middle / half;
+  bar.curve = {c[0] - c[1] * m + c[2] * m * m, (c[1] - 2.0 * c[2] * m) / half, c[2] / (half * half)};
+  return bar;
+}
+
+void join_pieces(BarFinder::Bars& bars, int stride) {
+  for (std::size_t i = 0; i < bars.size(); ++i)
+    for (std::size_t j = 0; j < bars.size(); ++j) {
+      if (i == j || !goes_on(bars[i], bars[j], stride)) continue;
+      bars[i] = joined(bars[i], bars[j], stride);
+      bars[j] = bars.back(), bars.pop_back();
+      if (i == bars.size()) i = j;  // it was the last one, and took the place
+      j = static_cast<std::size_t>(-1);
+    }
+}
+
+struct Pair {
+  Bar left, right;
+  double top = 0.0, bottom = 0.0, apart = 0.0;  // rows that both show, distance in the middle of them
+  double worth = 0.0;
+};
+
+std::optional<Pair> pair_of(const Bar& l, const Bar& r, const Image& image) {
+  Pair p{.left = l, .right = r, .top = std::max(l.top, r.top), .bottom = std::min(l.bottom, r.bottom)};
+  const double least = kLeastLength * image.height(), shared = p.bottom - p.top;
+  if (std::min(l.length(), r.length()) < least || shared < kLeastShared * std::max(l.length(), r.length())) return std::nullopt;
+  const auto apart = [&](double y) { return r.on_curve(y).x() - l.on_curve(y).x(); };
+  const double above = apart(p.top), below = apart(p.bottom);
+  p.apart = apart(0.5 * (p.top + p.bottom));
+  if (std::min({above, below, p.apart}) < kLeastApart * image.width() || std::max(above, below) > kMostTaper * std::min(above, below)) return std::nullopt;
+  if (std::max(l.width, r.width) > kMostWidth * p.apart || shared > kHighest * p.apart || shared < kLowest * p.apart) return std::nullopt;
+  p.worth = (l.strength + r.strength) * shared / std::max(l.length(), r.length());
+  return p;
+}
+
+// Which end of the bars: +1 their lower one.
+enum class End { kTop = -1, kBottom = 1 };
+
+/// What joins the bars at one end.
+struct Level {
+  Vector2d left{0, 0}, right{0, 0};  // where it meets the bars' middle lines
+  double sag = 0.0;      // how far its middle hangs below [px]
+  double mean = -9.0;    // evidence of what is in view [nats]
+  double positive = 0.0;
+  int samples = 0;       // in view
+};
+
+template <class Fit>
+class Part {
+ public:
+  Part(const Pair& pair, const Image& image, const Fit& fit, int stride) : pair_{pair}, image_{image}, fit_{fit}, stride_{stride} {}
+
+  [[nodiscard]] bool in_view(const Vector2d& p) const {
+    return p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image_.width() - 2.0 && p.y() <= image_.height() - 2.0;
+  }
+  /// Whether a bar ends within so many rows of the border, or leaves at the side.
+  [[nodiscard]] bool is_cut(const Bar& bar, End end, double within_rows = 1.9) const {
+    const double near = within_rows * stride_, y = end == End::kTop ? bar.top : bar.bottom, x = bar.on_curve(y).x();
+    return (end == End::kTop ? y < near : y > image_.height() - 1.0 - near) || x < 0.75 * stride_ || x > image_.width() - 1.0 - 0.75 * stride_;
+  }
+
+  [[nodiscard]] Level along(const Vector2d& left, const Vector2d& right, double sag) const {
+    Level level{.left = left, .right = right, .sag = sag};
+    const auto at = [&](int k) -> Vector2d {
+      const double t = (k + 0.5) / kLevelSamples;
+      return left + t * (right - left) + Vector2d{0.0, 4.0 * t * (1.0 - t) * sag};
+    };
+    int from = 0, to = kLevelSamples - 1;
+    while (from <= to && !in_view(at(from))) ++from;
+    while (to >= from && !in_view(at(to))) --to;
+    const int samples = to - from + 1;
+    if (samples < kLeastLevelSamples) return level;
+    // It joins the bars: both its ends are on it.
+    const int first = fit_.at(at(from)), last = first < 0 ? first : fit_.at(at(to));
+    if (last < 0) return level;
+    int sum = first + last, positive = (first > 0) + (last > 0);
+    for (int k = from + 1; k < to; ++k) {
+      const int e = fit_.at(at(k));
+      sum += e, positive += e > 0;
+    }
+    level.samples = samples;
+    level.mean = sum / (16.0 * samples);
+    level.positive = static_cast<double>(positive) / samples;
+    return level;
+  }
+
+  /// The level bar at an end, the one with the most evidence.
+  [[nodiscard]] std::optional<Level> level_at(End end) const {
+    const double outwards = end == End::kTop ? -1.0 : 1.0;
+    const bool one_is_cut = is_cut(pair_.left, end) != is_cut(pair_.right, end);  // the other end of the level bar is beyond the border
+    const auto rows = [&](const Bar& bar) {
+      FixedList<double, 16> y;
+      const double last = end == End::kTop ? bar.top : bar.bottom;
+      for (int k = -1; k <= 5; ++k) y.push_back(last + outwards * 0.5 * k * stride_);
+      if (one_is_cut && is_cut(bar, end))
+        for (int k = 1; k <= 6; ++k) y.push_back(last + outwards * (2.5 * stride_ + 0.13 * k * pair_.apart));
+      return y;
+    };
+    const auto worth = [](const Level& l) { return l.mean * l.samples; };
+    Level best;
+    const auto lefts = rows(pair_.left), rights = rows(pair_.right);
+    for (const double yl : lefts)
+      for (const double yr : rights) {
+        if (std::abs(yl - yr) > 0.8 * pair_.apart) continue;
+        for (const double part : {0.0, 0.05}) {  // lenses bend it outwards
+          const Level level = along(beyond(pair_.left, yl), beyond(pair_.right, yr), outwards * part * pair_.apart);
+          if (worth(level) > worth(best)) best = level;
+        }
+      }
+    if (best.mean < 0.0) return std::nullopt;
+    for (const double part : {-0.03, 0.02, 0.08}) {
+      const Level level = along(best.left, best.right, outwards * part * pair_.apart);
+      if (worth(level) > worth(best)) best = level;
+    }
+    if (best.mean < kLeastLevel || best.positive < 0.7) return std::nullopt;
+    return best;
+  }
+
+  /// Mean evidence of a bar in view [nats].
+  [[nodiscard]] double along(const Bar& bar) const {
+    int sum = 0;
+    for (int k = 0; k < kBarSamples; ++k) sum += fit_.at(bar.on_curve(bar.top + bar.length() * (k + 0.5) / kBarSamples));
+    return sum / (16.0 * kBarSamples);
+  }
+
+  /// Mean evidence between the bars [nats].
+  [[nodiscard]] double inside() const {
+    constexpr int kGrid = 6;
+    int sum = 0;
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j) {
+        const double t = 0.2 + 0.6 * i / (kGrid - 1), y = pair_.top + (pair_.bottom - pair_.top) * (0.1 + 0.8 * j / (kGrid - 1));
+        sum += std::max(-16, fit_.at((1.0 - t) * beyond(pair_.left, y) + t * beyond(pair_.right, y)));
+      }
+    return sum / (16.0 * kGrid * kGrid);
+  }
+
+  /// The corner between a side bar and a level one, sub-pixel: near it both are straight, whatever the lens does.
+  [[nodiscard]] Vector2d corner(const Bar& bar, const Level& level, bool is_left, End end) const {
+    const Vector2d rough = is_left ? level.left : level.right, other = is_left ? level.right : level.left;
+    const double inwards = end == End::kTop ? 1.0 : -1.0, reach = 0.4 * std::min(bar.length(), pair_.apart);
+    const int around = std::clamp(static_cast<int>(0.6 * bar.width + 3.5), 3, 12);
+    const Vector2d middle = 0.5 * (rough + other) + Vector2d{0.0, level.sag};
+    const auto side = fit_.centered_line(beyond(bar, rough.y() + inwards * 0.15 * reach), beyond(bar, rough.y() + inwards * reach), around);
+    const auto across = fit_.centered_line(rough + 0.1 * (middle - rough), rough + 0.9 * (middle - rough), around);
+    const auto met = Fit::crossing(side, across);
+    return met && (*met - rough).norm() < 2.0 * around ? *met : rough;
+  }
+
+ private:
+  const Pair& pair_;
+  const Image& image_;
+  const Fit& fit_;
+  int stride_;
+};
+
+constexpr std::array kEnds{End::kTop, End::kBottom};
+
+/// A pair and what joins it.
+struct Candidate {
+  const Pair* pair = nullptr;
+  std::array<double, 2> evidence{};  // of the left and the right bar
+  std::array<std::optional<Level>, 2> levels{};
+  double score = 0.0;
+  bool whole = true;  // all is in view, and not near to the border
+};
+
+// The pair with its level bars; nullopt when it is part of no gate.
+template <class Fit>
+std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, const Fit& fit, int stride, const GateSearchParams& params) {
+  const Part<Fit> part{pair, image, fit, stride};
+  Candidate found{.pair = &pair, .evidence = {part.along(pair.left), part.along(pair.right)}};
+  const auto [weaker, stronger] = std::minmax(found.evidence[0], found.evidence[1]);
+  const double inside = part.inside();
+  if (inside > params.max_inside || weaker < kAlike * stronger) return std::nullopt;
+  double sum = weaker + stronger, weakest = weaker;
+  int sides = 2;
+  for (std::size_t e = 0; e < 2; ++e) {
+    const auto both_end_within = [&](double rows) { return part.is_cut(pair.left, kEnds[e], rows) && part.is_cut(pair.right, kEnds[e], rows); };
+    const auto level = found.levels[e] = part.level_at(kEnds[e]);
+    if (!level && !both_end_within(kNearBorder)) return std::nullopt;
+    if (level) sum += level->mean, ++sides, weakest = std::min(weakest, level->mean);
+    found.whole = found.whole && level && !part.is_cut(pair.left, kEnds[e]) && !part.is_cut(pair.right, kEnds[e]);
+  }
+  // As FrameFit::score, of what is in view.
+  const FrameWeights& weights = params.weights;
+  found.score = sum / sides + weights.weakest * weakest - weights.inside * inside + weights.size * std::log2(std::max(1.0, pair.apart) / 50.0);
+  return found.score < params.min_score ? std::nullopt : std::optional{found};
+}
+
+template <class Fit>
+GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit, int stride, double corner_scale) {
+  const Part<Fit> part{*candidate.pair, image, fit, stride};
+  const std::array<const Bar*, 2> bars{&candidate.pair->left, &candidate.pair->right};
+  const auto middle = [](const Bar& bar) { return bar.on_curve(0.5 * (bar.top + bar.bottom)); };
+  GatePart found{.gate = {.fitness = confidence_of(candidate.score), .corner_fitness = {0.0, 0.0, 0.0, 0.0}, .method = DetectionMethod::kBars, .whole = false},
+                 .bars = {middle(*bars[0]), middle(*bars[1])}};
+  for (std::size_t e = 0; e < 2; ++e)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::size_t k = e == 0 ? i : 3 - i;  // TL TR BR BL
+      found.gate.corners_px[k] = beyond(*bars[i], e == 0 ? 0.0 : image.height() - 1.0);
+      const auto& level = candidate.levels[e];
+      if (!level) continue;
+      // From the middle lines out to the corners that are meant.
+      const Vector2d sideways = 0.5 * (corner_scale - 1.0) * (level->right - level->left), down{-sideways.y(), sideways.x()};
+      const Vector2d corner = part.corner(*bars[i], *level, i == 0, kEnds[e]) + (i == 0 ? -sideways : sideways) + (e == 0 ? -down : down);
+      if (!part.in_view(corner)) continue;
+      found.gate.corners_px[k] = corner;
+      found.gate.corner_fitness[k] = corner_confidence_of(std::min(candidate.evidence[i], level->mean));
+    }
+  return found;
+}
+
+}  // namespace
+
+PartSearch::PartSearch(const GateSearchParams& params) : params_{params}, bars_{kWidest, kAround} {}
+
+std::optional<GatePart> PartSearch::detect(const Image& image, const ColorModel& color) {
+  BarFinder::Bars bars = bars_.find(image, color);
+  join_pieces(bars, bars_.stride());
+  FixedList<Pair, 3> pairs;
+  const auto better = [](const Pair& a, const Pair& b) { return a.worth > b.worth; };
+  for (const Bar& l : bars)
+    for (const Bar& r : bars) {
+      const auto pair = pair_of(l, r, image);
+      if (!pair || pairs.push_back(*pair)) continue;
+      Pair& worst = *std::max_element(pairs.begin(), pairs.end(), better);
+      if (better(*pair, worst)) worst = *pair;
+    }
+  const auto at = [&](int u, int v) { return bars_.evidence(image, color, u, v); };
+  const FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
+  std::optional<Candidate> best;
+  for (const Pair& pair : pairs) {
+    const auto candidate = candidate_of(pair, image, fit, bars_.stride(), params_);
+    if (candidate && (!best || candidate->score > best->score)) best = candidate;
+  }
+  if (!best || best->whole) return std::nullopt;
+  return part_of(*best, image, fit, bars_.stride(), params_.corner_scale);
+}
+
+}  // namespace gatefly

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "gatefly/detection/bar_finder.hpp"
+#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly {
+
+/// Finds a gate that the border cuts: Li18 §3.1, last paragraph, and its lower or upper corners where they are in view.
+///
+/// The same bars as for whole gates. Two that could be the sides of one gate: where both leave the picture, nothing more
+/// is asked; else a level bar must join them, as far as it is in the picture. In place of the paper's column histogram.
+/// [ours, docs/paper/deviations.md#bars]
+class PartSearch {
+ public:
+  explicit PartSearch(const GateSearchParams& params = {});
+
+  /// The largest such gate; nullopt when there is none, or when it is whole. Allocates nothing.
+  [[nodiscard]] std::optional<GatePart> detect(const Image& image, const ColorModel& color);
+
+ private:
+  GateSearchParams params_;
+  BarFinder bars_;
+};
+
+}  // namespace gatefly
