@@ -151,8 +151,7 @@ TEST(Race, ThePilotsAnswersFollowFromItsSensorsAlone) {
 
 TEST(Race, BlindfoldedThePilotLooksForTheGateAndThenGivesUpWithAReason) {
   RaceConfig race = race_on("oval", 1001, 1);
-  race.pilot.color = {0, 0, 0, 0, 0, 0, 0};  // sees no colour at all
-  race.pilot.gate_color = {};
+  race.pilot.gate_color = {};  // sees no colour at all
   race.pilot.phase.search_timeout = 2.0;  // nobody hovers blind for long: it drifts 0.2 m/s
   const RaceResult result = fly(race, {});
   EXPECT_FALSE(result.finished);
