@@ -163,8 +163,6 @@ Keys control_keys() {
       k("control.min_pitch_deg", -45, 0, AT(pilot.speed.min_pitch), "braking; ours", kDegree),
       k("control.roll_lead_ms", 0, 2000, AT(pilot.speed.roll_lead), "INDI's lag; ours", kMilli),
       k("control.brake_lead_ms", 0, 5000, AT(pilot.speed.brake_lead), "ours", kMilli),
-      k("control.look_ahead_m", 0.05, 20, AT(pilot.look.ahead), "where the nose points; ours"),
-      k("control.max_look_deg", 0, 90, AT(pilot.look.most), "off the way; ours", kDegree),
       k("control.attitude_gain_per_s2", 0, 2000, AT(pilot.indi.attitude_gain), "Li18 code: 200"),
       k("control.rate_gain_per_s", 0, 500, AT(pilot.indi.rate_gain), "Li18 code: 28"),
       k("control.yaw_attitude_gain_per_s2", 0, 500, AT(pilot.indi.yaw_attitude_gain), "ours"),

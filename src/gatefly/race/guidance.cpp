@@ -12,17 +12,6 @@ namespace {
 
 constexpr double kMaxRoll = 38.0 * kDegree;  // turn and correction together
 
-// The same thrust vector with the nose elsewhere: R_y(θ) R_x(φ) ẑ, seen from the new heading.
-AttitudeCommand with_heading(AttitudeCommand command, double yaw, double yaw_now) {
-  const auto [s, c] = sincos(wrap_angle(yaw_now - command.yaw));
-  const double forward = sin(command.pitch) * cos(command.roll), right = -sin(command.roll);
-  const double down = cos(command.pitch) * cos(command.roll);
-  command.pitch = atan2(c * forward + s * right, down);
-  command.roll = -asin(-s * forward + c * right);
-  command.yaw = yaw;
-  return command;
-}
-
 }  // namespace
 
 AttitudeCommand Pilot::command(double dt) {
@@ -42,13 +31,15 @@ AttitudeCommand Pilot::command_for(const TakeOff&, double dt) {
   return c;
 }
 
-// Li18 Eq. (22): roll by PD on the distance to the line; the pitch holds the speed.
+// Li18 Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the speed.
 AttitudeCommand Pilot::command_for(const Straight&, double dt) {
+  const PathPoint here = path().at(progress_);
   AttitudeCommand c;
   c.roll = cross_track_roll(progress_);
   c.pitch = pitch_for_speed(wanted_speed());
+  c.yaw = here.heading;
   c.thrust = thrust_for(vertical_accel(path().z_at(progress_), 0.0, dt));
-  return looking_ahead(c);
+  return c;
 }
 
 // Li18 Eq. (29) gives roll and heading; the drag filter still knows where the arc is, so the same PD trims it.
@@ -62,26 +53,9 @@ AttitudeCommand Pilot::command_for(Turn& phase, double dt) {
   arc.gravity = config_.filter.model.gravity;
   AttitudeCommand c = gatefly::step(phase.arc, dt, arc);
   c.roll = std::clamp(c.roll + cross_track_roll(progress_), -kMaxRoll, kMaxRoll);
+  c.yaw = path().at(progress_ + 0.5 * lead).heading;
   c.thrust = thrust_for(vertical_accel(path().z_at(progress_), 0.0, dt));
-  return looking_ahead(c);
-}
-
-// The nose, and with it the camera, points to a place on the way a little ahead (the paper: along the way), so that
-// the next gate comes into view before the turn is over.
-AttitudeCommand Pilot::looking_ahead(AttitudeCommand along_path) const {
-  const auto heading_at = [&](double s) {
-    const PathPoint here = path().at(s);
-    const Eigen::Vector2d ahead = path().at(s + config_.look.ahead).position - here.position;
-    const double off = wrap_angle(atan2(ahead.y(), ahead.x()) - here.heading);
-    return here.heading + std::clamp(off, -config_.look.most, config_.look.most);
-  };
-  constexpr double kStep = 0.05;
-  const double speed = std::max(0.0, forward_speed());
-  const double soon = progress_ + 0.5 * config_.speed.roll_lead * speed;
-  const double yaw = heading_at(soon);
-  along_path.yaw = path().at(progress_).heading;
-  along_path.yaw_rate = speed * wrap_angle(heading_at(soon + kStep) - yaw) / kStep;
-  return with_heading(along_path, wrap_angle(yaw), ahrs_.attitude().yaw);
+  return c;
 }
 
 AttitudeCommand Pilot::command_for(const Search& phase, double dt) {
@@ -125,12 +99,7 @@ AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, do
   return c;
 }
 
-// Along the way.
-double Pilot::forward_speed() const {
-  const auto [s, c] = sincos(path().at(progress_).heading);
-  const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
-  return c * v_E.x() + s * v_E.y();
-}
+double Pilot::forward_speed() const { return velocity_.v_B().x(); }
 
 // As fast as wanted, slower ahead of and in an arc.
 double Pilot::wanted_speed() const {

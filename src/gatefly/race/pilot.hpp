@@ -64,11 +64,6 @@ struct SpeedParams {
   double unsure_before = 3.0;            ///< ... once it is nearer than this [m]. [ours]
 };
 
-struct LookParams {
-  double ahead = 1.8;             ///< The nose points to the place on the way this far ahead [m]. [ours; paper: along the way]
-  double most = 40.0 * kDegree;   ///< ... but not farther from the way than this. [ours: half the view]
-};
-
 struct CameraTiming {
   double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
   double readout = 0.020;  ///< First to last upright column [s].
@@ -89,7 +84,6 @@ struct PilotConfig {
   LateralParams lateral;
   AltitudeParams altitude;
   SpeedParams speed;
-  LookParams look;
   IndiParams indi;
   VehicleParams vehicle;
   PlanParams plan;
@@ -159,6 +153,15 @@ class Pilot {
     Eigen::Vector3d odometry_E = Eigen::Vector3d::Zero();
   };
 
+  struct Candidate {  ///< What might correct the filter.
+    Fix fix;
+    Eigen::Vector3d moved;    ///< Since the exposure, in the gate's frame [m].
+    double time = 0.0;        ///< Of the exposure [s].
+    double distance2 = 0.0;   ///< From where the filter believes to be, squared, in units of the doubt.
+    Sighting::Source source = Sighting::Source::kNone;
+    int detection = -1;       ///< Index of a whole gate; -1: a part of one.
+  };
+
   double advance_clock(std::chrono::nanoseconds time);
   void sense(const Imu& imu, double dt);
   void estimate_motion(double dt);
@@ -166,18 +169,18 @@ class Pilot {
   void look(const Sensors& sensors);
   enum class Effort { kSure, kAll };  ///< kSure: what stands out is enough.
   [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, Effort effort);
-  void correct_with_best_gate();
-  void correct_with_parts(const Sensors& sensors);
+  [[nodiscard]] std::optional<Candidate> best_whole_gate() const;
+  [[nodiscard]] std::optional<Candidate> best_part(const Sensors& sensors);
+  [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection = -1) const;
+  [[nodiscard]] bool convincing(const std::optional<Candidate>& candidate) const;
   bool fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source);
   void doubt_heading_after_blind_leg();
   void learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved);
   void correct_heading(double error, double variance);
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
-  bool correct_with(const GateDetection& gate);
+  bool correct_with(Candidate seen);
   [[nodiscard]] double surprise(const GateDetection& seen, const MapGate& gate, bool from_behind) const;
   [[nodiscard]] bool belongs_to_another_gate(const GateDetection& gate) const;
-  void correct_with_lower_corners(const OpenGate& gate);
-  void correct_with_bars(const GateBars& bars);
   void follow_course();
   void pass_gate();
   void approach_from_here();
@@ -187,7 +190,6 @@ class Pilot {
   AttitudeCommand command_for(Turn& phase, double dt);
   AttitudeCommand command_for(const Search& phase, double dt);
   AttitudeCommand command_for(const Land& phase, double dt);
-  [[nodiscard]] AttitudeCommand looking_ahead(AttitudeCommand along_path) const;
   AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt);
 
   [[nodiscard]] int total_gates() const { return static_cast<int>(config_.track.gates.size()) * config_.track.laps; }

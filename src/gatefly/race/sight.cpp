@@ -12,7 +12,7 @@ namespace gatefly {
 namespace {
 
 constexpr double kBlind = 1.0;           // without a fix for this long, a leg was flown blind [s]
-constexpr double kOpenGateFrom = 3.5;    // nearer than this the upper bar may be cut off [m]
+constexpr double kOpenGateFrom = 4.5;    // nearer than this the upper bar may be cut off [m]
 constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
 
 }  // namespace
@@ -35,48 +35,69 @@ void Pilot::look(const Sensors& sensors) {
     return;
   sighting_.detections = whole_gates(sensors, Effort::kSure);
   sighting_.seen = !sighting_.detections.empty();
-
   doubt_heading_after_blind_leg();
-  correct_with_best_gate();
+
+  auto best = best_whole_gate();
   const bool was_quick = sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
-  if (sighting_.source == Sighting::Source::kNone && was_quick) {
+  if (!convincing(best) && was_quick) {
     // Another gate stood out; the one that is looked for may be there, too.
     sighting_.detections = whole_gates(sensors, Effort::kAll);
-    correct_with_best_gate();
+    best = best_whole_gate();
   }
   const double x = filter_.position().x();
-  if (sighting_.source == Sighting::Source::kNone && x > -kOpenGateFrom && x < 0.0) correct_with_parts(sensors);
+  if (!convincing(best) && x > -kOpenGateFrom && x < 0.0) {
+    // Near the gate parts of it are enough. A frame may be put together from bars of two gates: what surprises less counts.
+    const auto part = best_part(sensors);
+    if (part && (!best || part->distance2 < best->distance2)) best = part;
+  }
+  if (best) (void)correct_with(*best);
 }
 
-// Near the gate parts of it are enough: the lower corners, then the side bars.
-void Pilot::correct_with_parts(const Sensors& sensors) {
-  const bool near = filter_.position().x() > -config_.pose.max_bars_distance;
+bool Pilot::convincing(const std::optional<Candidate>& candidate) const {
+  constexpr double kConvincing = 4.0;  // squared distance: one in four of right ones is farther off
+  return candidate && candidate->distance2 < kConvincing;
+}
+
+// The frame that fits best to where the gate should be.
+std::optional<Pilot::Candidate> Pilot::best_whole_gate() const {
+  std::optional<Candidate> best;
+  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
+    const GateDetection& gate = sighting_.detections[i];
+    const Past then = past(capture_time(center(gate.corners_px).x()));
+    const auto fix = fix_of(gate, then);
+    if (!fix || belongs_to_another_gate(gate)) continue;
+    const auto one = candidate(*fix, then, Sighting::Source::kCorners, static_cast<int>(i));
+    if (!best || one.distance2 < best->distance2) best = one;
+  }
+  return best;
+}
+
+// The lower corners, or the side bars.
+std::optional<Pilot::Candidate> Pilot::best_part(const Sensors& sensors) {
   std::optional<GateBars> bars;
   if (sensors.seen) {
     sighting_.open = sensors.seen->open, bars = sensors.seen->bars;
   } else if (const auto part = parts_.detect(*sensors.image, config_.gate_color)) {
     sighting_.open = part->lower_corners(), bars = part->bars;
   }
-  if (sighting_.open) correct_with_lower_corners(*sighting_.open);
-  if (sighting_.source != Sighting::Source::kNone || !near) return;
+  std::optional<Candidate> corners;
+  if (sighting_.open) {
+    const Past then = past(capture_time(0.5 * (sighting_.open->bottom_left_px.x() + sighting_.open->bottom_right_px.x())));
+    if (const auto fix = fix_from_lower_corners(*sighting_.open, R_GB(then.R_EB), gate().side, config_.camera, pose_params()))
+      corners = candidate(*fix, then, Sighting::Source::kCorners);
+  }
+  const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
+  if ((corners && corners->distance2 < limit) || filter_.position().x() < -config_.pose.max_bars_distance) return corners;
   sighting_.bars = bars;
-  if (bars) correct_with_bars(*bars);
+  if (!bars) return corners;
+  const Past then = past(capture_time(0.5 * (bars->left_px.x() + bars->right_px.x())));
+  const auto fix = fix_from_bars(*bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, pose_params());
+  return fix ? candidate(*fix, then, Sighting::Source::kBars) : corners;
 }
 
-// The candidate that fits best to where the gate should be.
-void Pilot::correct_with_best_gate() {
-  int best = -1;
-  double best_distance2 = 1e9;
-  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
-    const GateDetection& candidate = sighting_.detections[i];
-    const Past then = past(capture_time(center(candidate.corners_px).x()));
-    const auto fix = fix_of(candidate, then);
-    if (!fix || belongs_to_another_gate(candidate)) continue;
-    const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-    const double distance2 = filter_.distance2(*fix, moved);
-    if (distance2 < best_distance2) best = static_cast<int>(i), best_distance2 = distance2;
-  }
-  if (best >= 0 && correct_with(sighting_.detections[static_cast<std::size_t>(best)])) sighting_.used = best;
+Pilot::Candidate Pilot::candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection) const {
+  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
+  return {fix, moved, then.time, filter_.distance2(fix, moved), source, detection};
 }
 
 bool Pilot::fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source) {
@@ -141,27 +162,25 @@ void Pilot::learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved)
   correct_heading(-w.dot(difference) / information, 1.0 / information);
 }
 
-bool Pilot::correct_with(const GateDetection& seen) {
-  Past then = past(capture_time(center(seen.corners_px).x()));
-  auto fix = fix_of(seen, then);
-  if (!fix) return false;
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
+bool Pilot::correct_with(Candidate seen) {
+  const bool whole = seen.detection >= 0;
   const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
-  if (heading_doubt_ > 0.0 && filter_.distance2(*fix, moved) < limit) {
-    learn_heading_from_leg(*fix, moved);
-    then = past(then.time);
-    fix = fix_of(seen, then);
-    if (!fix) return false;
+  if (whole && heading_doubt_ > 0.0 && seen.distance2 < limit) {
+    learn_heading_from_leg(seen.fix, seen.moved);
+    const auto again = fix_of(sighting_.detections[static_cast<std::size_t>(seen.detection)], past(seen.time));
+    if (!again) return false;
+    seen.fix = *again;
   }
-  if (!fuse(*fix, moved, Sighting::Source::kCorners)) {
+  if (!fuse(seen.fix, seen.moved, seen.source)) {
     // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
-    filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
+    if (whole) filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
     return false;
   }
-  if (fix->yaw_error) {
+  sighting_.used = seen.detection;
+  if (seen.fix.yaw_error) {
     const double gate_yaw = config_.gate_yaw_sigma;
     // Neighbouring pictures share their errors: each counts as a third.
-    correct_heading(*fix->yaw_error, 3.0 * (fix->yaw_variance + gate_yaw * gate_yaw));
+    correct_heading(*seen.fix.yaw_error, 3.0 * (seen.fix.yaw_variance + gate_yaw * gate_yaw));
   }
   return true;
 }
@@ -189,22 +208,6 @@ bool Pilot::belongs_to_another_gate(const GateDetection& seen) const {
           surprise(seen, config_.track.gates[static_cast<std::size_t>(i)], from_behind) < expected)
         return true;
   return false;
-}
-
-void Pilot::correct_with_lower_corners(const OpenGate& seen) {
-  const Past then = past(capture_time(0.5 * (seen.bottom_left_px.x() + seen.bottom_right_px.x())));
-  const auto fix = fix_from_lower_corners(seen, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
-  if (!fix) return;
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  (void)fuse(*fix, moved, Sighting::Source::kCorners);
-}
-
-void Pilot::correct_with_bars(const GateBars& bars) {
-  const Past then = past(capture_time(0.5 * (bars.left_px.x() + bars.right_px.x())));
-  const auto fix = fix_from_bars(bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, pose_params());
-  if (!fix) return;
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  (void)fuse(*fix, moved, Sighting::Source::kBars);
 }
 
 }  // namespace gatefly
