@@ -161,7 +161,8 @@ class Campaign(Cli):
         self.assertEqual(result.returncode, 0, result.stderr)
         header, *rows = (self.folder / "all" / "runs.csv").read_text().splitlines()
         self.assertEqual(header, "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
-                                 "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches")
+                                 "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
+                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences")
         cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
         self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
         answer = json.loads(result.stdout)

@@ -196,6 +196,25 @@ TEST(DragFilter, ShiftingDroneAndFixesTogetherChangesNothing) {
   });
 }
 
+// A gate 5 m ahead whose heading is off by δ moves the drone 5 δ to the side.
+TEST(DragFilter, AGatesUncertainHeadingIsDoubtAcrossTheWay) {
+  DragFilter filter = started({-5, 0, 0});
+  const drag_model::StateMatrix before = filter.covariance();
+  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(), {.position = 0.0, .height = 0.3, .yaw = 0.06});
+  EXPECT_NEAR(filter.covariance()(1, 1) - before(1, 1), 0.3 * 0.3, 1e-12);
+  EXPECT_NEAR(filter.covariance()(0, 0) - before(0, 0), 0.0, 1e-12);
+  EXPECT_NEAR(filter.covariance()(2, 2) - before(2, 2), 0.3 * 0.3, 1e-12);
+}
+
+// A thousand heights say nothing about how high the gate hangs.
+TEST(DragFilter, AltitudeDoesNotTellTheHeightOfTheGate) {
+  DragFilter filter = started({-5, 0, 0});
+  for (int i = 0; i < 1000; ++i) (void)filter.correct_altitude(0.0, 0.04, 0.05);
+  EXPECT_NEAR(filter.covariance()(2, 2), 0.05 * 0.05, 1e-9);
+  for (int i = 0; i < 1000; ++i) (void)filter.correct_altitude(0.0, 0.04);
+  EXPECT_LT(filter.covariance()(2, 2), 0.01 * 0.01);
+}
+
 TEST(DragFilter, ChangingFramesThereAndBackChangesNothing) {
   for_all(100, [](Rng& rng) {
     DragFilter filter = started(any_vector3(rng, 3));

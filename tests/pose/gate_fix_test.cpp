@@ -93,6 +93,31 @@ TEST(FixFromCorners, YawErrorIsWhatHasToBeAdded) {
     }
 }
 
+// The prior has been taken out of it: the whole error, although heading and corners were weighed against each other.
+TEST(MapFixFromCorners, YawErrorIsWhatHasToBeAdded) {
+  const CameraRig rig = bebop_rig();
+  for (const double error : {-0.05, 0.05})
+    for (const double y : {-0.8, 0.0, 0.8}) {
+      const View view{{-2.5, y, 0.1}, {0.05, -0.08, -0.2 * y}};
+      View assumed = view;
+      assumed.attitude_GB.yaw -= error;
+      const auto fix = map_fix_from_corners(*corners_of(1.0, view, rig), R_of(assumed), 1.0, rig, {.heading_sigma = 0.07});
+      ASSERT_TRUE(fix && fix->yaw_error);
+      EXPECT_NEAR(*fix->yaw_error, error, 0.2 * std::abs(error)) << "y " << y;
+    }
+}
+
+// Gates in a row: the lower bar and a side of the near one with the other side of one 3 m behind it.
+TEST(MapFixFromCorners, AFrameOfTwoGatesIsNoGate) {
+  const CameraRig rig = bebop_rig();
+  const View view{{-2.5, 0.1, 0.0}, {0.0, -0.05, 0.0}}, behind{{-5.5, 0.1, 0.0}, {0.0, -0.05, 0.0}};
+  Quad mixed = *corners_of(1.0, view, rig);
+  ASSERT_TRUE(map_fix_from_corners(mixed, R_of(view), 1.0, rig, {}));
+  const Quad far = *corners_of(1.0, behind, rig);
+  mixed[0] = far[0], mixed[3] = {far[3].x(), mixed[3].y()};
+  EXPECT_FALSE(map_fix_from_corners(mixed, R_of(view), 1.0, rig, {}));
+}
+
 // 2000 trials, seed 11, 2.5 px: mean within 4 standard errors of 0, variance as reported within 15 %.
 TEST(FixFromCorners, YawErrorIsUnbiasedAndAsUncertainAsItSays) {
   const CameraRig rig = bebop_rig();

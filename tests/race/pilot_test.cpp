@@ -76,7 +76,7 @@ bool is_finite(const Command& c) {
 }
 
 bool is_finite(const Estimate& e) {
-  return e.p_EB.allFinite() && e.v_E.allFinite() && e.sigma.allFinite() && e.accel_bias.allFinite() && std::isfinite(e.attitude.yaw);
+  return e.p_EB.allFinite() && e.v_E.allFinite() && e.covariance_GB.allFinite() && e.accel_bias.allFinite() && std::isfinite(e.attitude.yaw);
 }
 
 template <class P>
@@ -286,6 +286,27 @@ TEST(Pilot, TakesAFixFromAGateInView) {
   EXPECT_EQ(pilot.sighting().source, Sighting::Source::kCorners);
   EXPECT_LT(pilot.estimate().covariance_GB(1, 1), before.covariance_GB(1, 1));
   EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.15);
+}
+
+// A frame of the bars of two gates says 1 m farther; the lower corners of the gate, whose top is cut off, say right here.
+TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
+  PilotConfig c = config();
+  c.track.gates[0].p_EG = {2.5, 0, -1.9};
+  Pilot pilot{c};
+  int tick = climb(pilot, take_off(pilot));
+  const Estimate before = pilot.estimate();
+  View view{.p_GB = before.p_EB - c.track.gates[0].p_EG, .attitude_GB = before.attitude};
+  const Quad corners = *corners_of(1.0, view, c.camera);
+  view.p_GB.x() -= 0.8;
+  SeenGates seen;
+  (void)seen.gates.push_back({*corners_of(1.0, view, c.camera), 1.0});
+  seen.open = OpenGate{corners[3], corners[2], 1.0};
+  Sensors s = at(tick, still());
+  s.seen = seen;
+  (void)pilot.step(s);
+  EXPECT_EQ(pilot.sighting().source, Sighting::Source::kCorners);
+  EXPECT_EQ(pilot.sighting().used, -1);
+  EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.05);
 }
 
 TEST(Pilot, AllocatesNothingOnceBuilt) {

@@ -167,7 +167,8 @@ std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const Rota
   add_corners(corners, outer_corners_px, side, params.corner_sigma_px);
   const PosePrior prior{.attitude_GB = attitude_of(RotationEB{R_GB.matrix}), .roll_sigma = params.attitude_sigma,
                         .pitch_sigma = params.attitude_sigma, .yaw_sigma = params.heading_sigma};
-  const auto [pose, reason] = map_pose(corners, prior, rig);
+  // Three good corners and a bad one are a frame of two gates, and the three fit a gate elsewhere: nothing is left out.
+  const auto [pose, reason] = map_pose(corners, prior, rig, {.max_outliers = 0.0});
   if (!pose || !within_reach(pose->p_GB, params)) return std::nullopt;
   Fix fix{.p_GB = pose->p_GB, .covariance = pose->covariance.topLeftCorner<3, 3>()};
   // Take the prior out again: the filter that uses this has its own.

@@ -54,7 +54,7 @@ void Pilot::look(const Sensors& sensors) {
 }
 
 bool Pilot::convincing(const std::optional<Candidate>& candidate) const {
-  constexpr double kConvincing = 4.0;  // squared distance: one in four of right ones is farther off
+  constexpr double kConvincing = 1.5;  // squared distance: one in four of the right ones in races is farther off
   return candidate && candidate->distance2 < kConvincing;
 }
 
