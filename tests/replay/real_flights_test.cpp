@@ -24,7 +24,7 @@ fs::path flights() {
   return fs::path{source == nullptr ? "." : source} / ".." / "shared" / "data" / "tudelft_bebop_flights";
 }
 
-closed_loop::ReplayResult replayed(const fs::path& directory) {
+closed_loop::ReplayResult replayed(const fs::path& directory, closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
   const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
   const io::FlightFolder folder = io::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
@@ -43,7 +43,7 @@ closed_loop::ReplayResult replayed(const fs::path& directory) {
   return closed_loop::replay(pilot, ticks, [&](std::size_t i) {
     picture = io::read_image(folder.images[i].path);
     return picture.view(config.stored_rotation_deg);
-  });
+  }, estimator);
 }
 
 TEST(RealFlight, ElevenIsFollowedToTheGateWithin04Metres) {
@@ -58,6 +58,18 @@ TEST(RealFlight, ElevenIsFollowedToTheGateWithin04Metres) {
   int seen = 0;
   for (const auto& row : result.pictures) seen += row.sighting.seen && row.picture >= 18 && row.picture <= 36;
   EXPECT_GE(seen, 12) << "of the 19 pictures labelled in the air";
+}
+
+// The same fixes through the inertial filter: another estimate, and as near.
+TEST(RealFlight, TheInertialFilterFollowsElevenOnThePilotsFixes) {
+  const fs::path directory = flights() / "flight_11";
+  if (!fs::exists(directory)) GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
+  const auto drag = replayed(directory), inertial = replayed(directory, closed_loop::Estimator::kImu15);
+  EXPECT_TRUE(inertial.finite);
+  EXPECT_EQ(inertial.gates_passed, drag.gates_passed);
+  EXPECT_NE(inertial.rmse, drag.rmse);
+  EXPECT_LT(inertial.rmse.x(), 0.4);
+  EXPECT_LT(inertial.rmse.y(), 0.4);
 }
 
 TEST(RealFlight, TenFlightsReplayWithoutANonFiniteNumber) {

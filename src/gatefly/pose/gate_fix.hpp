@@ -28,7 +28,7 @@ struct PoseParams {
   double min_bars_distance = 0.3;  ///< [m] [Li18 flight code]
   double max_bars_distance = 1.8;  ///< [m] [Li18 flight code]
   double max_bars_lateral = 0.8;   ///< |y| beyond this part of the bars' distance is no fix. [ours: beside the opening]
-  double max_misfit = 4.0;         ///< Mean squared corner residual / σ²; 1 is expected. [ours]
+  double max_misfit = 4.0;         ///< Of rays: mean squared corner residual / σ²; 1 is expected. [ours]
   double bars_sigma = 0.05;        ///< What a bar's middle may be off at 1 m: lean, curtains behind it [m]. [ours]
 };
 
