@@ -61,17 +61,23 @@ std::vector<Experiment> chosen(const ReproduceOptions& options) {
   return list;
 }
 
-/// `text` and blanks up to `columns` letters; a letter may be several bytes of UTF-8.
+/// A letter may be several bytes of UTF-8.
+std::size_t letters(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+/// `text` and blanks up to `columns` letters.
 std::string padded(const std::string& text, std::size_t columns) {
-  const auto letters = static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-  return text + std::string(columns > letters ? columns - letters : 0, ' ');
+  return text + std::string(columns > letters(text) ? columns - letters(text) : 0, ' ');
 }
 
 void print_table(const Experiment& experiment, const Result& result, double seconds, const fs::path& folder) {
-  std::cout << experiment.name << ": " << experiment.what << "\n  " << padded("", 30) << padded("paper", 18) << "ours\n";
+  std::size_t first = 28, second = 16;
   for (const experiments::Comparison& row : result.table)
-    std::cout << "  " << padded(row.what, 30) << padded(row.paper, 18) << row.ours << '\n';
+    first = std::max(first, letters(row.what)), second = std::max(second, letters(row.paper));
+  std::cout << experiment.name << ": " << experiment.what << "\n  " << padded("", first + 2) << padded("paper", second + 2) << "ours\n";
+  for (const experiments::Comparison& row : result.table)
+    std::cout << "  " << padded(row.what, first + 2) << padded(row.paper, second + 2) << row.ours << '\n';
   std::cout << "  " << io::text_of(seconds, 3) << " s; plot, CSV and JSON in " << folder.string() << '\n';
 }
 
