@@ -4,7 +4,7 @@
 # Turns a part of a film of `gatefly fly --video` into the small moving picture at the top of the README:
 #
 #   ./gatefly fly showroom --seed 1 --laps 1 --video
-#   tools/moving_picture.sh out/showroom-1/flight.mp4 docs/showroom.webp 11 15
+#   tools/moving_picture.sh out/showroom-1/flight.mp4 docs/showroom.webp 11 13
 #
 # Needs ffmpeg. An animated WebP, because a GIF of the same looks is five times as large.
 set -euo pipefail
@@ -18,5 +18,5 @@ film="$1" picture="$2" from="${3:-0}" seconds="${4:-15}"
 partial="$picture.partial"
 trap 'rm -f "$partial"' EXIT
 ffmpeg -nostdin -v error -y -ss "$from" -t "$seconds" -i "file:$film" -vf "fps=10,scale=960:-1:flags=lanczos" \
-  -c:v libwebp_anim -quality 55 -compression_level 6 -loop 0 -f webp "file:$partial"
+  -c:v libwebp_anim -quality 42 -compression_level 6 -loop 0 -f webp "file:$partial"
 mv "$partial" "$picture"
