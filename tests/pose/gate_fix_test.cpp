@@ -14,6 +14,7 @@
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
+#include "support/views_of_a_gate.hpp"
 
 namespace gatefly {
 namespace {
@@ -23,20 +24,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 RotationGB R_of(const View& view) { return {rotation_EB(view.attitude_GB).matrix}; }
-
-View any_view(Rng& rng) {
-  return {{rng.uniform(-5, -1.5), rng.uniform(-1, 1), rng.uniform(-0.6, 0.6)},
-          {rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.1), rng.uniform(-0.3, 0.3)}};
-}
-
-Quad noisy(const Quad& quad, double sigma, Rng& rng) {
-  Quad out = quad;
-  for (auto& p : out) {
-    p.x() += sigma * normal(rng);
-    p.y() += sigma * normal(rng);
-  }
-  return out;
-}
 
 TEST(FixFromCorners, IsExactForExactCornersAndAttitude) {
   const CameraRig rig = bebop_rig();

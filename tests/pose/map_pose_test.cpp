@@ -19,6 +19,7 @@
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
+#include "support/views_of_a_gate.hpp"
 
 // Every allocation of this program is counted. Not inlined: GCC would warn about new meeting free().
 namespace {
@@ -41,20 +42,6 @@ using Eigen::Vector3d;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-View any_view(Rng& rng) {
-  return {{rng.uniform(-5, -1.5), rng.uniform(-1, 1), rng.uniform(-0.6, 0.6)},
-          {rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.1), rng.uniform(-0.3, 0.3)}};
-}
-
-Quad noisy(const Quad& quad, double sigma, Rng& rng) {
-  Quad out = quad;
-  for (auto& p : out) {
-    p.x() += sigma * normal(rng);
-    p.y() += sigma * normal(rng);
-  }
-  return out;
-}
 
 GateObservations corners_seen(const Quad& px, double sigma_px, double side = 1.0) {
   GateObservations seen;

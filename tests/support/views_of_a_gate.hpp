@@ -8,9 +8,26 @@
 #include "gatefly/detection/gate_detection.hpp"
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/generators.hpp"
 #include "support/worst_corner.hpp"
 
 namespace gatefly::test {
+
+/// From 1.5 to 5 m before the gate, up to 1 m beside its axis, tilted as in flight.
+inline View any_view(Rng& rng) {
+  return {{rng.uniform(-5, -1.5), rng.uniform(-1, 1), rng.uniform(-0.6, 0.6)},
+          {rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.1), rng.uniform(-0.3, 0.3)}};
+}
+
+/// Every coordinate with normal noise [px].
+inline Quad noisy(const Quad& quad, double sigma, Rng& rng) {
+  Quad out = quad;
+  for (auto& p : out) {
+    p.x() += sigma * normal(rng);
+    p.y() += sigma * normal(rng);
+  }
+  return out;
+}
 
 /// From where a gate is looked at.
 struct Place {

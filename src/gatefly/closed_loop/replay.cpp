@@ -36,8 +36,8 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     const Command command = pilot.step(sensors);
     const double t = std::chrono::duration<double>(sensors.time).count();
 
-    inertial.update(sensors, pilot);
-    EstimateRow row{t, estimator == Estimator::kDrag ? pilot.estimate() : inertial.estimate(pilot)};
+    if (estimator == Estimator::kImu15) inertial.update(sensors, pilot);
+    EstimateRow row{t, estimator == Estimator::kImu15 ? inertial.estimate(pilot) : pilot.estimate()};
     if (tick.picture) {
       row.source = pilot.sighting().source;
       result.pictures.push_back({*tick.picture, t, pilot.sighting()});
