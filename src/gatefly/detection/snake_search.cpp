@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/corner_refinement.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -134,7 +135,10 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
     else if (frame->score.total > same->score.total) *same = *frame;
   }
   insertion_sort(frames, [](const Frame& a, const Frame& b) { return a.score.total > b.score.total; });
-  for (const Frame& frame : frames) (void)found.push_back(detection_of({to_pixels(frame.quad, cell), frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
+  for (const Frame& frame : frames) {
+    const Quad rough = to_pixels(frame.quad, cell);
+    (void)found.push_back(detection_of({refined_corners(image, rough, params_.bar() * std::sqrt(std::abs(area(rough)))), frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
+  }
   return found;
 }
 
