@@ -72,7 +72,7 @@ class Detector {
     if (mode_ == "careful") return listed(search_.detect_all(image, color_));
     if (mode_ == "paper") return paper(image);
     if (mode_ == "flown") return flown(image);
-    return listed(all_ ? search_.detect_all(image, color_) : search_.detect(image, color_));
+    return listed(all_ ? search_.detect_all(image, color_) : search_.detect_best(image, color_));
   }
   /// A gate that the border cuts, after the whole ones; where there are some, only if all are asked for.
   void add_part(const Image& image, std::vector<GateDetection>& gates) {

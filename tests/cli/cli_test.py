@@ -816,6 +816,26 @@ class RealPictures(Cli):
         answer = json.loads(result.stdout)
         self.assertEqual((result.returncode, answer["pictures"], answer["unusable"]), (0, 32 + 51 + 51, 0))
 
+    def test_raw_pictures_and_their_jpegs_show_the_same_gates(self):
+        def corners_in_view(kind, *options):
+            pictures = sorted((self.gates / "distance51").glob("*." + kind))
+            answer = json.loads(self.run_it("detect", "--json", "--config", "cyberzoo", *options, *pictures).stdout)
+            found = {}
+            for row in answer["detections"]:
+                if row["method"] != "bars":
+                    gate = {k: corner for k, (corner, fitness) in enumerate(zip(row["corners_px"], row["corner_fitness"])) if fitness > 0}
+                    found.setdefault(row["image"].split(".")[0], []).append(gate)
+            return found
+
+        for options in ((), ("--all",)):
+            raw, jpeg = corners_in_view("uyvy", *options), corners_in_view("jpg", *options)
+            self.assertEqual((sorted(raw), len(raw)), (sorted(jpeg), 51))
+            for name, gates in raw.items():
+                self.assertEqual(len(gates), len(jpeg[name]), name)
+                for gate in gates:  # of equally sure gates either may be the first
+                    off = min(max(math.dist(gate[k], other[k]) for k in gate) for other in jpeg[name] if gate.keys() == other.keys())
+                    self.assertLessEqual(off, 1.0, f"{name} {options}")
+
     @unittest.skipUnless(shutil.which("ffmpeg"), "there is no ffmpeg")
     def test_the_film_of_a_lap_has_all_its_frames(self):
         result = self.run_it("detect", "--json", "--config", "basement", self.gates / "basement_lap_video" / "f7.avi")

@@ -142,6 +142,26 @@ TEST(GateSearch, ACornerOutsideThePictureHasNoFitness) {
     }
 }
 
+// Two gates beyond doubt: noise must not choose between them.
+TEST(GateSearch, OfEquallySureGatesTheMostCentralOneIsTheAnswer) {
+  const CameraRig rig = bebop_rig();
+  const View ahead{{-3.0, 0.2, 0.1}, {}}, aside{{-3.0, -1.6, 0.1}, {}};
+  const Quad truth = corners_of(1.0, ahead, rig).value();
+  GateSearch search;
+  for_all(10, [&](Rng& rng) {
+    Canvas canvas(315, 160);
+    canvas.draw_gate(ahead, rig);
+    canvas.draw_gate(aside, rig);
+    canvas.add_noise(rng, 8.0, 2.0);
+    const auto bytes = canvas.yuv444();
+    const Image image{bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()};
+    for (const auto& gates : {search.detect_best(image, kOrange), search.detect_all(image, kOrange)}) {
+      ASSERT_EQ(gates.size(), 2u);
+      EXPECT_LT(worst_corner(gates[0].corners_px, truth), 3.0);
+    }
+  });
+}
+
 TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
   const CameraRig rig = bebop_rig();
   GateSearch search;

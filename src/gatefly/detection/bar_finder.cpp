@@ -7,7 +7,6 @@
 namespace gatefly {
 namespace {
 
-constexpr int kMostColumns = 160, kMostRows = 40;
 constexpr int kLimit = EvidenceMap::kLimit;
 constexpr int kBar = 6;           // evidence of a sample on a bar
 constexpr int kHopeless = -16;    // of a colour alone: no bar, whatever is around
@@ -38,8 +37,8 @@ struct BarFinder::Snake {
 
 BarFinder::BarFinder(int widest, int around) : widest_{widest}, reach_{around} {
   absolute_.resize(kMostColumns * kMostRows);
-  for (auto& sums : sums_) sums.resize(kMostColumns / kGroup * kMostRows);
-  for (auto& mean : around_) mean.resize(kMostColumns / kGroup * kMostRows);
+  for (auto& sums : sums_) sums.resize(kMostGroups * kMostRows);
+  for (auto& mean : around_) mean.resize(kMostGroups * kMostRows);
 }
 
 // What each sample's colour alone says, and the sums of groups.
@@ -52,7 +51,7 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
   for (int r = 0; r < rows_; ++r) {
     std::int8_t* out = absolute_.data() + r * groups * kGroup;
     std::array<std::uint16_t*, 3> sums;
-    for (std::size_t k = 0; k < 3; ++k) sums[k] = sums_[k].data() + r * groups;
+    for (std::size_t k = 0; k < 3; ++k) sums[k] = sums_[k].data() + r * kMostGroups;
     std::array<Yuv, kMostColumns> row;
     Yuv* next = row.data();
     image.visit_row(first_column(), row_px(r), step_, groups * kGroup, [&](Yuv c) {
@@ -70,30 +69,35 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
 
 // Mean of the groups around each; what is beyond the border is as at the border.
 void BarFinder::average_around() {
-  const int groups = groups_, rows = rows_, reach = reach_;
-  const std::uint32_t side = 2 * static_cast<std::uint32_t>(reach) + 1, per_sum = 65536 / (side * side * 2) + 1;
-  std::array<std::uint16_t, kMostColumns / kGroup> column{};
+  constexpr int kMostReach = 4;
+  const int groups = groups_, rows = rows_, reach = reach_, side = 2 * reach + 1;
+  const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
+  // Sums down each column, and what is beyond the border on either side. Loops of one length, which the compiler takes
+  // eight at a time; what is right of the picture does no harm.
+  std::array<std::uint16_t, kMostGroups + 2 * kMostReach> column{};
+  std::array<std::uint16_t, kMostGroups> around;
+  std::uint16_t* const inner = column.data() + kMostReach;
+  const auto each = [](const auto& visit) {
+    for (std::size_t g = 0; g < kMostGroups; ++g) visit(g);
+  };
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint16_t* const sums = sums_[k].data();
+    const auto row_at = [&](int i) { return sums_[k].data() + std::clamp(i, 0, rows - 1) * kMostGroups; };
+    each([&](std::size_t g) { inner[g] = 0; });
+    for (int i = -reach - 1; i < reach; ++i) {
+      const std::uint16_t* const row = row_at(i);
+      each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + row[g]); });
+    }
     for (int r = 0; r < rows; ++r) {
-      // Running sums, down each column and along the row.
-      const auto row_at = [&](int i) { return sums + std::clamp(i, 0, rows - 1) * groups; };
       const std::uint16_t *const enters = row_at(r + reach), *const leaves = row_at(r - reach - 1);
-      if (r == 0) {
-        column.fill(0);
-        for (int i = -reach; i <= reach; ++i)
-          for (int g = 0; g < groups; ++g) column[static_cast<std::size_t>(g)] = static_cast<std::uint16_t>(column[static_cast<std::size_t>(g)] + row_at(i)[g]);
-      } else {
-        for (int g = 0; g < groups; ++g) column[static_cast<std::size_t>(g)] = static_cast<std::uint16_t>(column[static_cast<std::size_t>(g)] + enters[g] - leaves[g]);
+      each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + enters[g] - leaves[g]); });
+      for (int i = 1; i <= reach; ++i) inner[-i] = inner[0], inner[groups - 1 + i] = inner[groups - 1];
+      each([&](std::size_t g) { around[g] = inner[g]; });
+      for (int i = 1; i <= reach; ++i) {
+        const std::uint16_t *const left = inner - i, *const right = inner + i;
+        each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(around[g] + left[g] + right[g]); });
       }
-      const auto column_at = [&](int g) { return std::uint32_t{column[static_cast<std::size_t>(std::clamp(g, 0, groups - 1))]}; };
-      std::uint32_t sum = 0;
-      for (int g = -reach; g <= reach; ++g) sum += column_at(g);
-      std::uint8_t* const out = around_[k].data() + r * groups;
-      for (int g = 0; g < groups; ++g) {
-        out[g] = static_cast<std::uint8_t>((sum * per_sum) >> 16);
-        sum += column_at(g + reach + 1) - column_at(g - reach);
-      }
+      std::uint8_t* const out = around_[k].data() + r * kMostGroups;
+      each([&](std::size_t g) { out[g] = static_cast<std::uint8_t>((std::uint32_t{around[g]} * per_sum) >> 16); });
     }
   }
 }
@@ -132,7 +136,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
       finish();
       continue;
     }
-    const Yuv mean = around(row * groups_ + g);
+    const Yuv mean = around(row * kMostGroups + g);
     for (int k = 0; k < kGroup; ++k) {
       const int c = g * kGroup + k;
       int e = -kLimit;

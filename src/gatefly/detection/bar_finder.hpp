@@ -48,7 +48,7 @@ class BarFinder {
     if (!image.contains(u, v)) return EvidenceMap::kOutside;
     const int g = std::min(static_cast<int>((static_cast<std::uint32_t>(u) * per_stride_) >> 16), groups_ - 1);
     const int r = std::min(static_cast<int>((static_cast<std::uint32_t>(v) * per_stride_) >> 16), rows_ - 1);
-    return std::clamp(color.evidence(image.at(u, v), around(r * groups_ + g)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
+    return std::clamp(color.evidence(image.at(u, v), around(r * kMostGroups + g)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
   }
 
   [[nodiscard]] int step() const { return step_; }      ///< Pixels from sample to sample.
@@ -56,6 +56,7 @@ class BarFinder {
 
  private:
   struct Snake;
+  static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
   void read(const Image& image, const ColorModel& color);
   void average_around();
@@ -75,7 +76,7 @@ class BarFinder {
   int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
   std::uint32_t per_stride_ = 0;                     // 2^16 / stride_
   std::vector<std::int8_t> absolute_;                // evidence of each sample's colour alone
-  std::array<std::vector<std::uint16_t>, 3> sums_;   // of each group's y, u, v, and of columns of groups
+  std::array<std::vector<std::uint16_t>, 3> sums_;   // of each group's y, u, v; rows of kMostGroups
   std::array<std::vector<std::uint8_t>, 3> around_;  // mean of the groups around each
 };
 

@@ -7,17 +7,19 @@
 #include <cstddef>
 #include <optional>
 
-#include "gatefly/geometry/fixed_list.hpp"
+#include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
 namespace {
 
-constexpr int kMostLines = 32, kWidest = 31;  // lines of pixels; pixels of a line
+constexpr int kWidest = 31;                   // pixels of a line
 constexpr double kMargin = 2.0;               // beside a bar [px]
 constexpr double kEnds = 2.0;                 // beside the half of the bar that crosses at either end [px]
-constexpr int kLeastContrast = 4;             // grey levels between the colours of a bar and of what is beside it
-constexpr double kLeastShown = 0.35;          // of a bar's width, on a line that counts
-constexpr double kStill = 0.05, kLeap = 3.0;  // px
+constexpr float kLeastContrast = 4.0f;        // grey levels between the colours of a bar and of what is beside it
+constexpr float kLeastShown = 0.35f;          // of a bar's width, on a line that counts
+constexpr float kFarther = 0.8f;              // how much less a pixel at the end of a line counts than one in its middle
+constexpr int kLeastLines = 4;
+constexpr double kStill = 0.2, kLeap = 3.0;  // px
 
 // A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always cross the bar.
 struct Side {
@@ -32,6 +34,7 @@ struct Side {
   [[nodiscard]] double along(const Eigen::Vector2d& p) const { return level ? p.x() : p.y(); }
   [[nodiscard]] double across(const Eigen::Vector2d& p) const { return level ? p.y() : p.x(); }
   [[nodiscard]] double x(double y) const { return at_0 + slope * y; }
+  void lean_like(const Side& other, double y) { at_0 = x(y) - other.slope * y, slope = other.slope; }
   /// n · p = c, as (n, c).
   [[nodiscard]] Eigen::Vector3d equation() const { return level ? Eigen::Vector3d{-slope, 1.0, at_0} : Eigen::Vector3d{1.0, -slope, at_0}; }
 };
@@ -39,119 +42,100 @@ struct Side {
 std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
   const Eigen::Vector3d m = before.equation(), n = after.equation();
   const double det = m[0] * n[1] - m[1] * n[0];
-  if (!(std::abs(det) > 0.2 * m.head<2>().norm() * n.head<2>().norm())) return std::nullopt;
+  if (!(det * det > 0.04 * m.head<2>().squaredNorm() * n.head<2>().squaredNorm())) return std::nullopt;
   return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
 }
 
-struct Color {
-  int y = 0, u = 0, v = 0;
-  Color& operator+=(const Color& c) { return y += c.y, u += c.u, v += c.v, *this; }
-};
-
-/// The middle of a bar where a line of pixels crosses it.
-struct Crossing {
-  double y, x;
-};
-using Crossings = FixedList<Crossing, kMostLines>;
-
-/// Pixels across one side, line by line, and what of each is bar.
+/// Pixels across one side, in lines, and where each line crosses the bar.
+template <int kLines>
 class Strip {
  public:
-  Strip(const Image& image, const Side& side, double from, double to, double bar_px, int lines) {
-    const double lean = std::sqrt(1.0 + side.slope * side.slope), half_bar = 0.5 * bar_px * lean;
+  using Lines = Eigen::Array<float, kLines, 1>;
+
+  Strip(const Image& image, const Side& side, double from, double to, double bar_px) {
+    const double lean = std::sqrt(1.0 + side.slope * side.slope), half_bar = std::min(0.5 * bar_px * lean, 1e6);
     const int reach = static_cast<int>(half_bar + kMargin * lean + 0.5), breadth = side.level ? image.height() : image.width();
     step_ = 1 + 2 * reach / kWidest;
-    wide_ = 1 + 2 * (reach / step_);
-    const int first = std::max(0, static_cast<int>(std::ceil(from))), last = std::min((side.level ? image.width() : image.height()) - 1, static_cast<int>(std::floor(to)));
-    lines = std::min({lines, kMostLines, last - first + 1});
-    const int core = static_cast<int>(std::max(0.6, 0.5 * half_bar) / step_);
+    half_ = reach / step_;
+    const int first = static_cast<int>(std::clamp(from + 1.0, 0.0, 1e6));
+    const int last = static_cast<int>(std::max(-1.0, std::min((side.level ? image.width() : image.height()) - 1.0, to)));
+    const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_;
     for (int k = 0; k < lines; ++k) {
       const int y = first + (last - first) * k / std::max(1, lines - 1);
-      const int middle = static_cast<int>(std::lround(std::clamp(side.x(y), -1e6, 1e6))), x = middle - step_ * (wide_ / 2);
-      if (x < 0 || x + step_ * (wide_ - 1) >= breadth) continue;
-      Line& line = lines_[static_cast<std::size_t>(count_++)];
-      line.y = y, line.x = x;
-      for (int i = 0; i < wide_; ++i) {
-        const Yuv c = side.level ? image.at(y, x + i * step_) : image.at(x + i * step_, y);
-        line.pixels[static_cast<std::size_t>(i)] = {c.y, c.u, c.v};
-      }
-      for (int i = wide_ / 2 - core; i <= wide_ / 2 + core; ++i) bar_ += line.pixels[static_cast<std::size_t>(i)], ++bar_count_;
-      for (const int i : {0, 1}) {
-        before_ += line.pixels[static_cast<std::size_t>(i)];
-        behind_ += line.pixels[static_cast<std::size_t>(wide_ - 1 - i)];
-      }
+      const double x = side.x(y);
+      if (!(x >= beyond && x < breadth - beyond - 1)) continue;
+      const int middle = static_cast<int>(x + 0.5);
+      int i = 0;
+      const auto take = [&](Yuv c) {
+        colors_[0](count_, i) = c.y, colors_[1](count_, i) = c.u, colors_[2](count_, i) = c.v;
+        ++i;
+      };
+      const int n = 2 * half_ + 1;
+      if (side.level) image.visit_column(y, middle - beyond, step_, n, take);
+      else image.visit_row(middle - beyond, y, step_, n, take);
+      y_[count_] = static_cast<float>(y), off_[count_] = static_cast<float>((x - middle) / step_);
+      ++count_;
+    }
+    const int core = static_cast<int>(std::max(0.6, 0.5 * half_bar)) / step_;
+    const auto mean = [&](const auto& color, int column, int columns) { return color.middleCols(column, columns).topRows(count_).sum() / static_cast<float>(std::max(1, count_ * columns)); };
+    for (int k = 0; k < 3; ++k) {
+      const auto& color = colors_[static_cast<std::size_t>(k)];
+      bar_[k] = mean(color, half_ - core, 2 * core + 1), before_[k] = mean(color, 0, 2), behind_[k] = mean(color, 2 * half_ - 1, 2);
     }
   }
 
-  /// None where the bar does not differ from what is beside it.
-  [[nodiscard]] Crossings crossings(double bar_px) const {
-    Crossings found;
-    if (count_ == 0) return found;
-    // How far a pixel is on the way from the colour beside, which changes evenly from one flank to the other, to the bar's.
-    using Vector = Eigen::Vector3f;
-    const auto mean = [](const Color& sum, int n) -> Vector { return Vector{static_cast<float>(sum.y), static_cast<float>(sum.u), static_cast<float>(sum.v)} / static_cast<float>(n); };
-    const Vector before = mean(before_, 2 * count_), behind = mean(behind_, 2 * count_);
-    const Vector contrast = mean(bar_, bar_count_) - 0.5f * (before + behind);
-    if (contrast.squaredNorm() < kLeastContrast * kLeastContrast) return found;
-    const Vector scale = contrast / contrast.squaredNorm();
-    const float beside = scale.dot(before), change = scale.dot(behind - before) / static_cast<float>(wide_ - 1);
-    for (int k = 0; k < count_; ++k) {
-      const Line& line = lines_[static_cast<std::size_t>(k)];
-      float sum = 0.0f, moment = 0.0f;
-      for (int i = 0; i < wide_; ++i) {
-        const Color& c = line.pixels[static_cast<std::size_t>(i)];
-        const float on = scale.x() * static_cast<float>(c.y) + scale.y() * static_cast<float>(c.u) + scale.z() * static_cast<float>(c.v) - beside - change * static_cast<float>(i);
-        const float part = std::clamp(on, 0.0f, 1.2f);
-        sum += part, moment += part * static_cast<float>(i);
-      }
-      if (sum * static_cast<float>(step_) < kLeastShown * std::max(1.0, bar_px)) continue;
-      (void)found.push_back({static_cast<double>(line.y), line.x + step_ * static_cast<double>(moment / sum)});
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  /// Of the side in view: from the first line to the last, and halfway between them.
+  [[nodiscard]] double length() const { return y_[count_ - 1] - y_[0]; }
+  [[nodiscard]] double middle() const { return 0.5 * (y_[count_ - 1] + y_[0]); }
+
+  /// Colour of the bar less that of what is beside it.
+  [[nodiscard]] Eigen::Vector3f contrast() const { return bar_ - 0.5f * (before_ + behind_); }
+
+  /// A line through the bar's middles: least squares, three times, those far off counting ever less.
+  /// @param contrast  of a bar; how far a pixel is on that way from the colour beside, which changes evenly from one
+  ///                  flank to the other, says how much of it is bar.
+  [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px) const {
+    if (count_ < kLeastLines) return rough;
+    const Eigen::Vector3f scale = contrast / contrast.squaredNorm();
+    const float per_half = 1.0f / static_cast<float>(half_ + 1), change = scale.dot(behind_ - before_) / static_cast<float>(2 * half_);
+    Lines sum = Lines::Zero(), moment = Lines::Zero();
+    for (int i = -half_; i <= half_; ++i) {
+      const auto color = [&](int k) { return scale[k] * colors_[static_cast<std::size_t>(k)].col(i + half_); };
+      const Lines far = (static_cast<float>(i) - off_) * per_half;
+      const float beside = scale.dot(before_) + change * static_cast<float>(i + half_);
+      const Lines part = (color(0) + color(1) + color(2) - beside).max(0.0f).min(1.2f) * (1.0f - kFarther * far * far).max(0.0f);
+      sum += part, moment += part * static_cast<float>(i);
     }
-    return found;
+    const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
+    Lines shown = Lines::Zero();
+    for (int k = 0; k < count_; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
+    if (shown.sum() < kLeastLines) return rough;
+    const float y_middle = static_cast<float>(middle()), half_length = 0.5f * static_cast<float>(length());
+    // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
+    const Lines y = y_ - y_middle, x = static_cast<float>(step_) * (moment / sum.max(1e-6f) - off_);
+    double shift = 0.0, slope = 0.0;  // beside the rough line
+    for (int pass = 0; pass < 3; ++pass) {
+      const Lines off = x - static_cast<float>(shift) - static_cast<float>(slope) * y;
+      const Lines w = pass == 0 ? shown : Lines{shown / (1.0f + 0.5f * off * off)};
+      const double n = w.sum() + 2.0, n_y = (w * y).sum(), n_yy = (w * y * y).sum() + 2.0 * half_length * half_length, n_x = (w * x).sum(), n_xy = (w * x * y).sum();
+      const double det = n * n_yy - n_y * n_y;
+      if (!(det > 1e-3)) return rough;
+      slope = (n * n_xy - n_x * n_y) / det, shift = (n_x - slope * n_y) / n;
+    }
+    Side line = rough;
+    line.slope += slope;
+    line.at_0 += shift - slope * y_middle;
+    return line;
   }
 
  private:
-  struct Line {
-    int y, x;  ///< Of the first pixel.
-    std::array<Color, kWidest> pixels;
-  };
-  std::array<Line, kMostLines> lines_;
-  Color bar_, before_, behind_;  // sums
-  int step_ = 1, wide_ = 0, count_ = 0, bar_count_ = 0;
+  // Color by color, line by line, pixel by pixel of a line.
+  std::array<Eigen::Array<float, kLines, kWidest>, 3> colors_;
+  Lines y_ = Lines::Zero(), off_ = Lines::Zero();  // of a line; from its middle pixel to the rough line [steps]
+  Eigen::Vector3f bar_, before_, behind_;          // mean colours
+  int step_ = 1, half_ = 0, count_ = 0;
 };
-
-// Least squares, three times, those far off counting ever less.
-Side line_through(const Crossings& crossings, const Side& rough) {
-  Side line = rough;
-  if (crossings.size() < 4) return line;
-  const double middle = 0.5 * (crossings[0].y + crossings.back().y);
-  for (int pass = 0; pass < 3; ++pass) {
-    double n = 0, n_y = 0, n_yy = 0, n_x = 0, n_xy = 0;
-    const auto count = [&](const Crossing& c, double w) {
-      const double y = c.y - middle;
-      n += w, n_y += w * y, n_yy += w * y * y, n_x += w * c.x, n_xy += w * c.x * y;
-    };
-    // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
-    for (const Crossing& end : {crossings[0], crossings.back()}) count({end.y, rough.x(end.y)}, 1.0);
-    for (const Crossing& c : crossings) {
-      const double off = c.x - line.x(c.y);
-      count(c, pass == 0 ? 1.0 : 1.0 / (1.0 + off * off));
-    }
-    const double det = n * n_yy - n_y * n_y;
-    if (!(det > 1e-3)) return rough;
-    line.slope = (n * n_xy - n_x * n_y) / det;
-    line.at_0 = (n_x - line.slope * n_y) / n - line.slope * middle;
-  }
-  return line;
-}
-
-Side refined_side(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, double bar_px, int lines) {
-  const Side rough{a, b};
-  const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));
-  const double from = rough.along(a + end * (b - a)), to = rough.along(b - end * (b - a));
-  const Strip strip{image, rough, std::min(from, to), std::max(from, to), bar_px, lines};
-  return line_through(strip.crossings(bar_px), rough);
-}
 
 double largest_move(const Quad& a, const Quad& b) {
   double most = 0.0;
@@ -159,13 +143,35 @@ double largest_move(const Quad& a, const Quad& b) {
   return std::sqrt(most);
 }
 
-}  // namespace
+template <int kLines>
+Strip<kLines> strip_along(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Side& side, double bar_px) {
+  const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));
+  const double from = side.along(a + end * (b - a)), to = side.along(b - end * (b - a));
+  return {image, side, std::min(from, to), std::max(from, to), bar_px};
+}
 
-Quad refined_corners(const Image& image, const Quad& frame, double bar_px, RefinementEffort effort) {
+template <int kLines>
+Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
   Quad corners = frame;
-  for (int pass = 0; pass < effort.passes; ++pass) {
-    const auto side = [&](std::size_t i) { return refined_side(image, corners[i], corners[(i + 1) % 4], bar_px, effort.lines); };
-    const std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};
+  for (int pass = 0; pass < passes; ++pass) {
+    const auto side = [&](std::size_t i) { return Side{corners[i], corners[(i + 1) % 4]}; };
+    std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};
+    const auto strip = [&](std::size_t i) { return strip_along<kLines>(image, corners[i], corners[(i + 1) % 4], sides[i], bar_px); };
+    const std::array<Strip<kLines>, 4> strips{strip(0), strip(1), strip(2), strip(3)};
+    // One colour for all bars: a side that is off by its bar's width takes the bar for what is beside it.
+    Eigen::Vector3f contrast = Eigen::Vector3f::Zero();
+    int shown = 0;
+    for (const auto& s : strips)
+      if (!s.empty()) contrast += s.contrast(), ++shown;
+    contrast /= static_cast<float>(std::max(1, shown));
+    if (!(contrast.squaredNorm() >= kLeastContrast * kLeastContrast)) return corners;
+    for (std::size_t i = 0; i < 4; ++i) sides[i] = strips[i].line(sides[i], contrast, bar_px);
+    // A side of which the border leaves little says where it is, the opposite one how it leans.
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Side& opposite = sides[(i + 2) % 4];
+      const double length = std::abs(sides[i].along(corners[(i + 1) % 4]) - sides[i].along(corners[i]));
+      if (!strips[i].empty() && strips[i].length() < 0.5 * length && opposite.level == sides[i].level) sides[i].lean_like(opposite, strips[i].middle());
+    }
     Quad now;
     for (std::size_t i = 0; i < 4; ++i) {
       const auto corner = crossing(sides[(i + 3) % 4], sides[i]);
@@ -178,6 +184,12 @@ Quad refined_corners(const Image& image, const Quad& frame, double bar_px, Refin
     if (moved < kStill) break;
   }
   return corners;
+}
+
+}  // namespace
+
+Quad refined_corners(const Image& image, const Quad& frame, double bar_px, RefinementEffort effort) {
+  return effort == RefinementEffort::kQuick ? refined<20>(image, frame, bar_px, 4) : refined<32>(image, frame, bar_px, 5);
 }
 
 }  // namespace gatefly

@@ -7,19 +7,19 @@
 namespace gatefly {
 
 /// How closely the sides of a frame are looked at.
-struct RefinementEffort {
-  int lines = 32;   ///< Of pixels across a side; at most 32.
-  int passes = 3;   ///< At most; none follows when the corners stand still.
+enum class RefinementEffort {
+  kQuick,    ///< 20 lines of pixels across a side, at most four times.
+  kCareful,  ///< 32, at most five times.
 };
 
 /// The corners of a frame, sub-pixel: where the middle lines of its bars cross. [ours; Li18 §3.1 ends at "the centroid
 /// of the patch around each rough corner"]
 ///
-/// What is bar and what is not is told by the two colours that each side has in this very picture: a colour model's
-/// bins are as coarse as the noise of a camera, and its steps move a line by a pixel between two pictures of one scene.
+/// What is bar and what is beside it is told by the colours in this very picture: a colour model's bins are as coarse
+/// as the noise of a camera, and its steps move a line by a pixel between two pictures of one scene.
 /// @param frame  the bars' middle lines, to a pixel or two [px].
 /// @param bar_px  width of the bars.
 /// A side that shows no bar stays where it is; a frame of which a corner would leap is returned as it was. Allocates nothing.
-[[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar_px, RefinementEffort effort = {});
+[[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar_px, RefinementEffort effort = RefinementEffort::kCareful);
 
 }  // namespace gatefly

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is no upright bar; groups: 24 px at 315 x 160
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
-constexpr double kGain = 1.0;                    // of score when a frame is centred, at most
+constexpr double kStrongBar = 100.0;             // three rows of 2 nats
 constexpr FrameEffort kEffort{.samples = 12, .stations = 8, .middles = 12};
 
 }  // namespace
@@ -30,7 +30,7 @@ struct SnakeSearch::Pair {
   [[nodiscard]] Eigen::Vector2d on_right(double level) const { return right.at(level - 0.5 * shift); }
 };
 
-SnakeSearch::SnakeSearch(const GateSearchParams& params) : params_{params}, bars_{kWidest, kAround} {}
+SnakeSearch::SnakeSearch(const GateSearchParams& params) : params_{params}, finder_{kWidest, kAround} {}
 
 SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
   const auto better = [](const Pair& a, const Pair& b) { return a.worth > b.worth; };
@@ -45,8 +45,8 @@ SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
       const double left_top = l.top - 0.5 * p.shift, left_bottom = l.bottom - 0.5 * p.shift;
       const double right_top = r.top + 0.5 * p.shift, right_bottom = r.bottom + 0.5 * p.shift;
       p.top = std::min(left_top, right_top), p.bottom = std::max(left_bottom, right_bottom);
-      const double height = p.bottom - p.top + bars_.stride();
-      const double shared = std::min(left_bottom, right_bottom) - std::max(left_top, right_top) + bars_.stride();
+      const double height = p.bottom - p.top + finder_.stride();
+      const double shared = std::min(left_bottom, right_bottom) - std::max(left_top, right_top) + finder_.stride();
       if (shared < kLeastShared * height || p.width > 2.2 * height || p.width < 0.25 * height) continue;
       p.worth = (l.strength + r.strength) * std::max(0.2 * height, shared) / (height * (1.0 + std::abs(std::log(p.width / height))));
       if (pairs.push_back(p)) continue;
@@ -100,11 +100,10 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const G
   const auto has_shape = [&](const std::optional<Quad>& q) { return q && is_frame_shaped(*q, params.min_side_px / cell, params.max_aspect); };
   const auto moved = fit.moved(rough, 3);
   if (!has_shape(moved)) return std::nullopt;
-  Frame frame{*moved, fit.score(*moved)};
-  if (frame.score.total < params.min_score - kGain) return std::nullopt;
   const double size = std::sqrt(std::abs(area(*moved)));
   const auto centered = fit.centered(*moved, std::clamp(static_cast<int>(0.07 * size + 0.5), 2, 3));
-  if (has_shape(centered)) frame = {*centered, fit.score(*centered)};
+  const Quad& quad = has_shape(centered) ? *centered : *moved;
+  const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
   return frame;
 }
@@ -113,20 +112,20 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const G
 
 GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) {
   GateDetections found;
-  const BarFinder::Bars bars = bars_.find(image, color);
-  if (bars.empty()) return found;
-  const int cell = std::max(1, bars_.step() / 2);
-  const auto at = [&](int x, int y) { return bars_.evidence(image, color, x * cell + cell / 2, y * cell + cell / 2); };
+  bars_ = finder_.find(image, color);
+  if (bars_.empty()) return found;
+  const int cell = std::max(1, finder_.step() / 2);
+  const auto at = [&](int x, int y) { return finder_.evidence(image, color, x * cell + cell / 2, y * cell + cell / 2); };
   FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);
   FixedList<Frame, Pairs::kCapacity> frames;
   const auto in_place_of = [&](const Quad& q) { return std::find_if(frames.begin(), frames.end(), [&](const Frame& f) { return same_place(f.quad, q); }); };
-  for (const Pair& pair : pairs_of(bars)) {
+  for (const Pair& pair : pairs_of(bars_)) {
     // Once more a frame that leaves no doubt, from other pieces of its bars: not worth the time.
     const auto known = in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top), pair.on_right(pair.bottom), pair.on_left(pair.bottom)}, cell));
     if (known != frames.end() && known->score.total > params_.sure_score) continue;
-    const auto rough = with_level_bars(pair, bars_.step(), bars_.stride(), cell, fit);
+    const auto rough = with_level_bars(pair, finder_.step(), finder_.stride(), cell, fit);
     if (!rough) continue;
     const auto frame = fitted(fit, *rough, cell, params_);
     if (!frame) continue;
@@ -136,10 +135,21 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   }
   insertion_sort(frames, [](const Frame& a, const Frame& b) { return a.score.total > b.score.total; });
   for (const Frame& frame : frames) {
-    const Quad rough = to_pixels(frame.quad, cell);
-    (void)found.push_back(detection_of({refined_corners(image, rough, params_.bar() * std::sqrt(std::abs(area(rough)))), frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
+    const Quad rough = to_pixels(frame.quad, cell), corners = refined_corners(image, rough, params_.bar() * std::sqrt(std::abs(area(rough))), RefinementEffort::kQuick);
+    (void)found.push_back(detection_of({corners, frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
   }
   return found;
+}
+
+bool SnakeSearch::shows_bars_beside(const GateDetections& gates) const {
+  return std::any_of(bars_.begin(), bars_.end(), [&](const Bar& bar) {
+    if (bar.strength < kStrongBar) return false;
+    const double u = bar.x(0.5 * (bar.top + bar.bottom));
+    return std::none_of(gates.begin(), gates.end(), [&](const GateDetection& gate) {
+      const auto [first, last] = std::minmax_element(gate.corners_px.begin(), gate.corners_px.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
+      return u > first->x() - finder_.stride() && u < last->x() + finder_.stride();
+    });
+  });
 }
 
 }  // namespace gatefly

@@ -22,6 +22,9 @@ class SnakeSearch {
   /// Distinct gates, best first. Allocates nothing; the cost hardly depends on the picture's size.
   [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
 
+  /// Whether the picture that was searched last shows a bar left or right of all these gates: there may be another one.
+  [[nodiscard]] bool shows_bars_beside(const GateDetections& gates) const;
+
  private:
   struct Pair;
   using Pairs = FixedList<Pair, 3>;
@@ -29,7 +32,8 @@ class SnakeSearch {
   [[nodiscard]] Pairs pairs_of(const BarFinder::Bars& bars) const;
 
   GateSearchParams params_;
-  BarFinder bars_;
+  BarFinder finder_;
+  BarFinder::Bars bars_;  // of the picture that was searched last
 };
 
 }  // namespace gatefly

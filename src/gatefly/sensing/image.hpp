@@ -65,9 +65,19 @@ class Image {
   /// Calls visit(Yuv) for every `step`-th pixel of upright row v from column u on, `count` of them; all must be inside.
   template <class Visit>
   void visit_row(int u, int v, int step, int count, Visit visit) const {
+    this->visit(u, v, along_u_ * step, count, visit);
+  }
+  /// The same down column u, from row v on.
+  template <class Visit>
+  void visit_column(int u, int v, int step, int count, Visit visit) const {
+    this->visit(u, v, along_v_ * step, count, visit);
+  }
+
+ private:
+  template <class Visit>
+  void visit(int u, int v, std::ptrdiff_t next, int count, Visit& visit) const {
     std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
-    const std::ptrdiff_t next = along_u_ * step;
-    // The layout is asked once a row; what `visit` writes could be members, were they not copied.
+    // The layout is asked once a line; what `visit` writes could be members, were they not copied.
     const std::uint8_t* const bytes = bytes_;
     if (format_ == PixelFormat::kUyvy) {
       for (int k = 0; k < count; ++k, i += next) {
@@ -81,7 +91,6 @@ class Image {
     }
   }
 
- private:
   const std::uint8_t* bytes_ = nullptr;
   PixelFormat format_ = PixelFormat::kYuv444;
   int width_ = 0, height_ = 0;  // upright

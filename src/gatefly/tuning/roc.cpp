@@ -17,7 +17,7 @@ std::vector<Judged> found_in(const Image& image, const ColorModel& color, const 
   params.min_score = judging.lowest;
   if (judging.all) params.sure_score = kAlwaysCareful;
   std::vector<Judged> list;
-  for (const GateDetection& gate : judging.fast ? SnakeSearch{params}.detect(image, color) : GateSearch{params}.detect(image, color)) {
+  for (const GateDetection& gate : judging.fast ? SnakeSearch{params}.detect(image, color) : GateSearch{params}.detect_best(image, color)) {
     list.push_back({.corners_px = gate.corners_px, .score = gatefly::score_of(gate.fitness)});
     if (!judging.all) break;
   }
