@@ -106,5 +106,33 @@ TEST(EyesReal, FollowsEveryFlightToItsGateWithin015Metres) {
   EXPECT_LE(result.json.at("drag").at("y_std_m").get<double>(), 0.069);
 }
 
+// Ratios of the eight quick flights; the sixty of the full run are in docs/paper/results.md.
+TEST(EkfVs15, DriftsLessAndFindsTheBiasSoonerThanTheClassicFilterAtItsBest) {
+  const Result result = ekf_vs_15({.quick = true});
+  EXPECT_GE(result.json.at("finished").get<int>(), 7);
+  const auto& later = result.json.at("later_gaps_m");
+  const auto median = [](const auto& point, const char* filter) { return point.at(filter).at("median").template get<double>(); };
+  EXPECT_NEAR(median(later.at(0), "drag"), median(later.at(0), "imu15"), 0.03) << "with fixes both know as much";
+  EXPECT_LT(median(later.at(8), "drag"), 0.25) << "after 2 s";
+  EXPECT_GT(result.json.at("ratio_2s_later_gaps").get<double>(), 1.5);
+  EXPECT_GT(result.json.at("ratio_2s_first_gap").get<double>(), 2.0);
+  const auto& bias = result.json.at("bias_error_mps2");
+  EXPECT_LT(median(bias.at(1), "drag"), median(bias.at(1), "imu15")) << "1 s after the first fix";
+  EXPECT_GT(later.at(0).at("samples").get<int>(), 4 * 7) << "five gaps a flight";
+}
+
+// The paper's histograms: std 0.104 m of x, 0.069 m of y, centred, z within 5 cm.
+TEST(EkfTrack, ErrorsAreCentredAndAsSmallAsThePapers) {
+  const Result result = ekf_track({.quick = true});
+  const auto& drag = result.json.at("drag");
+  for (const char* axis : {"x", "y"}) {
+    EXPECT_LT(std::abs(drag.at(axis).at("mean_m").get<double>()), 0.05) << axis;
+    EXPECT_LE(drag.at(axis).at("std_m").get<double>(), 0.104) << axis;
+    EXPECT_LT(drag.at(axis).at("std_m").get<double>(), result.json.at("imu15").at(axis).at("std_m").get<double>()) << axis;
+  }
+  EXPECT_LE(drag.at("z").at("std_m").get<double>(), 0.05);
+  EXPECT_GT(drag.at("x").at("samples").get<int>(), 1500);
+}
+
 }  // namespace
 }  // namespace gatefly::experiments

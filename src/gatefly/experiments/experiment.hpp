@@ -56,6 +56,8 @@ Result approach_sequence(const Options& options);
 Result blind_real(const Options& options);
 Result ahrs_real(const Options& options);
 Result eyes_real(const Options& options);
+Result ekf_track(const Options& options);
+Result ekf_vs_15(const Options& options);
 Result own_detector(const Options& options);
 Result detection_failures(const Options& options);
 Result pose_ls_p3p(const Options& options);
