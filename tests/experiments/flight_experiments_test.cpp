@@ -108,7 +108,7 @@ TEST(EyesReal, FollowsEveryFlightToItsGateWithin015Metres) {
 
 // Ratios of the eight quick flights; the sixty of the full run are in docs/paper/results.md.
 TEST(EkfVs15, DriftsLessAndFindsTheBiasSoonerThanTheClassicFilterAtItsBest) {
-  const Result result = ekf_vs_15({.quick = true});
+  const Result result = ekf_vs_15({.data = "", .quick = true});
   EXPECT_GE(result.json.at("finished").get<int>(), 7);
   const auto& later = result.json.at("later_gaps_m");
   const auto median = [](const auto& point, const char* filter) { return point.at(filter).at("median").template get<double>(); };
@@ -123,7 +123,7 @@ TEST(EkfVs15, DriftsLessAndFindsTheBiasSoonerThanTheClassicFilterAtItsBest) {
 
 // The paper's histograms: std 0.104 m of x, 0.069 m of y, centred, z within 5 cm.
 TEST(EkfTrack, ErrorsAreCentredAndAsSmallAsThePapers) {
-  const Result result = ekf_track({.quick = true});
+  const Result result = ekf_track({.data = "", .quick = true});
   const auto& drag = result.json.at("drag");
   for (const char* axis : {"x", "y"}) {
     EXPECT_LT(std::abs(drag.at(axis).at("mean_m").get<double>()), 0.05) << axis;

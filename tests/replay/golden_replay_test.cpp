@@ -113,7 +113,7 @@ TEST_P(GoldenRealReplay, GivesItsTrace) {
 
 // Heading offsets by `gatefly identify` and, for 11, reprojection.
 INSTANTIATE_TEST_SUITE_P(TwoFlights, GoldenRealReplay, ::testing::Values(std::pair{"flight_07", 18.5}, std::pair{"flight_11", 11.5}),
-                         [](const auto& info) { return std::string{info.param.first}; });
+                         [](const auto& each) { return std::string{each.param.first}; });
 
 }  // namespace
 }  // namespace gatefly
