@@ -13,6 +13,7 @@
 #include "gatefly/bench/detection_stages.hpp"
 #include "gatefly/bench/flight_stages.hpp"
 #include "gatefly/bench/opencv_baseline.hpp"
+#include "gatefly/bench/pose_stages.hpp"
 #include "gatefly/bench/worst_picture.hpp"
 #include "gatefly/io/image_file.hpp"
 #include "gatefly/io/pictures.hpp"
@@ -243,6 +244,8 @@ int bench_all(const BenchOptions& options) {
     if (options.stages.empty()) {
       const auto stages = flight_stages(flight, race.config.pilot);
       report.stages("\nwhat follows", "flight", stages, measure(stages, rounds, interrupted));
+      const auto poses = pose_stages();
+      report.stages("\npose from four corners, 500 gates", "pose", poses, measure(poses, rounds, interrupted));
       report.heading("\nwhole steps, in that flight", "stage", {"median us", "p99 us", "max us"});
       for (const auto& t : flight->timings) {
         report.row(t.stage, {t.p50_us, t.p99_us, t.max_us}, "");

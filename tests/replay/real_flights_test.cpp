@@ -1,49 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pilot on flights that really happened: IMU, motion-capture height and pictures of a Bebop.
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/replay.hpp"
-#include "gatefly/geometry/math.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/track_file.hpp"
+#include "support/recorded_flight.hpp"
 
 namespace gatefly {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path flights() {
-  if (const char* data = std::getenv("GATEFLY_DATA")) return fs::path{data} / "tudelft_bebop_flights";
-  const char* source = std::getenv("GATEFLY_SOURCE_DIR");
-  return fs::path{source == nullptr ? "." : source} / ".." / "shared" / "data" / "tudelft_bebop_flights";
-}
+fs::path flights() { return support::real_flights(); }
 
 closed_loop::ReplayResult replayed(const fs::path& directory, closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
-  const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
-  const io::FlightFolder folder = io::read_flight_folder(directory);
-  PilotConfig pilot = config.pilot;
-  pilot.track = io::read_track(io::find_track("flights")).track;
-  pilot.track.start_heading = wrap_angle(folder.samples.front().ahrs->yaw + 11.5 * kDegree);
-  std::vector<closed_loop::RecordedTick> ticks(folder.samples.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const auto& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time;
-    ticks[i].sensors.imu = sample.imu;
-    ticks[i].p_EB = sample.true_p_EB;
-    if (i % 20 == 0) ticks[i].sensors.sonar = -sample.true_p_EB->z();  // the log has no sonar
-  }
-  for (std::size_t i = 0; i < folder.images.size(); ++i) ticks[folder.images[i].log_row].picture = i;
-  io::ImageFile picture;
-  return closed_loop::replay(pilot, ticks, [&](std::size_t i) {
-    picture = io::read_image(folder.images[i].path);
-    return picture.view(config.stored_rotation_deg);
-  }, estimator);
+  return support::replayed_real(directory, 11.5, estimator);
 }
 
 TEST(RealFlight, ElevenIsFollowedToTheGateWithin04Metres) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "gatefly/baseline/imu15.hpp"
 #include "gatefly/bench/opencv_baseline.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -27,6 +28,33 @@ void position_by_pnp(const RecordedFlight::Sight& sight, const PilotConfig& conf
     bearings[i] = *bearing;
   }
   (void)opencv_position(bearings, config.track.gates.front().side);
+}
+
+/// The two filters in turns, on the same samples and positions; each starts a correction from where it started.
+void add_filters(std::vector<Stage>& stages, const std::shared_ptr<const RecordedFlight>& flight, const PilotConfig& config) {
+  constexpr std::size_t kAtOnce = 64;
+  auto fixes = std::make_shared<std::vector<Fix>>();
+  for (const auto& sight : flight->sights)
+    if (const auto fix = fix_of(sight, config)) fixes->push_back(*fix);
+  const std::size_t moments = flight->moments.size(), enough = fixes->empty() ? 0 : 512;
+  const auto add = [&](const std::string& name, const std::string& what, std::size_t inputs, std::function<void(std::size_t)> work, const std::string& baseline = "") {
+    stages.push_back({.name = name, .what = what, .inputs = inputs, .call = std::move(work), .baseline = baseline, .at_once = kAtOnce});
+  };
+  const baseline::Imu15 classic{{}};
+  auto inertial = std::make_shared<baseline::Imu15>(classic);
+  add("predict15", "15-state inertial filter, one IMU sample", moments, [=](std::size_t i) { inertial->predict(flight->moments[i].imu, flight->moments[i].dt); });
+  auto filter = std::make_shared<DragFilter>(config.filter);
+  add("predict", "drag filter, one IMU sample", moments, [=](std::size_t i) { filter->predict(input_of(flight->moments[i]), flight->moments[i].dt); }, "predict15");
+  const auto fix_at = [=](std::size_t i) -> const Fix& { return (*fixes)[i % fixes->size()]; };
+  add("correct15", "15-state inertial filter, one position", enough, [=](std::size_t i) {
+    *inertial = classic;
+    inertial->correct_position(fix_at(i).p_GB, fix_at(i).covariance.diagonal().cwiseSqrt());
+  });
+  auto corrected = std::make_shared<DragFilter>(config.filter);
+  add("correct", "drag filter, one position", enough, [=](std::size_t i) {
+    corrected->start(fix_at(i).p_GB, Eigen::Vector3d::Zero());
+    (void)corrected->correct(fix_at(i), Eigen::Vector3d::Zero());
+  }, "correct15");
 }
 
 }  // namespace
@@ -68,10 +96,7 @@ std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight, c
                       const auto& m = flight->moments[i];
                       ahrs->update(m.imu, m.v_B, m.dt);
                     }, .at_once = kAtOnce});
-  auto filter = std::make_shared<DragFilter>(config.filter);
-  stages.push_back({.name = "predict", .what = "drag filter, one IMU sample", .inputs = moments, .call = [=](std::size_t i) {
-                      filter->predict(input_of(flight->moments[i]), flight->moments[i].dt);
-                    }, .at_once = kAtOnce});
+  add_filters(stages, flight, config);
   auto indi = std::make_shared<Indi>(config.indi, config.vehicle);
   stages.push_back({.name = "indi", .what = "rotor speeds, one IMU sample", .inputs = moments, .call = [=](std::size_t i) {
                       const auto& m = flight->moments[i];
@@ -81,13 +106,6 @@ std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight, c
     stages.push_back({.name = "pnp", .what = "cv::solvePnP", .inputs = sights, .call = [=](std::size_t i) { position_by_pnp(flight->sights[i], config); }});
   stages.push_back({.name = "fix", .what = "position from four corners", .inputs = sights,
                     .call = [=](std::size_t i) { (void)fix_of(flight->sights[i], config); }, .baseline = has_opencv() ? "pnp" : ""});
-  stages.push_back({.name = "correct", .what = "drag filter, one such position", .inputs = sights, .call = [=](std::size_t i) {
-                      DragFilter start{config.filter};
-                      if (const auto fix = fix_of(flight->sights[i], config)) {
-                        start.start(fix->p_GB, Eigen::Vector3d::Zero());
-                        (void)start.correct(*fix, Eigen::Vector3d::Zero());
-                      }
-                    }});
   stages.push_back({.name = "plan", .what = "the whole course, before take-off", .inputs = 1,
                     .call = [=](std::size_t) { (void)plan_race(config.track, config.plan); }});
   return stages;

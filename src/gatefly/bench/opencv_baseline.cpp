@@ -43,11 +43,25 @@ std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d,
   return Eigen::Vector3d{translation[0], translation[1], translation[2]};
 }
 
+double opencv_distance(const Quad& px, double focal_px, const Eigen::Vector2d& center_px, OpenCvPose way) {
+  cv::setNumThreads(1);
+  static thread_local std::vector<cv::Point2d> seen(4);
+  // In the order that IPPE_SQUARE asks for.
+  static const std::vector<cv::Point3d> gate{{-.5, .5, 0}, {.5, .5, 0}, {.5, -.5, 0}, {-.5, -.5, 0}};
+  constexpr std::array kWays{cv::SOLVEPNP_P3P, cv::SOLVEPNP_IPPE_SQUARE, cv::SOLVEPNP_IPPE, cv::SOLVEPNP_SQPNP, cv::SOLVEPNP_ITERATIVE};
+  for (std::size_t i = 0; i < 4; ++i) seen[i] = {px[i].x(), px[i].y()};
+  const cv::Matx33d K{focal_px, 0, center_px.x(), 0, focal_px, center_px.y(), 0, 0, 1};
+  cv::Vec3d rotation, translation;
+  cv::solvePnP(gate, seen, K, cv::noArray(), rotation, translation, false, kWays[static_cast<std::size_t>(way)]);
+  return translation[2];
+}
+
 #else
 
 bool has_opencv() { return false; }
 int opencv_quads(const Picture&) { return 0; }
 std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d, 4>&, double) { return std::nullopt; }
+double opencv_distance(const Quad&, double, const Eigen::Vector2d&, OpenCvPose) { return 0.0; }
 
 #endif
 

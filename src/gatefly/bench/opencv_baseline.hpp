@@ -25,4 +25,10 @@ namespace gatefly::bench {
 /// Camera position in the gate's frame from the four outer corners' directions, by cv::solvePnP.
 [[nodiscard]] std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d, 4>& bearings_C, double side);
 
+/// The ways to a pose that cv::solvePnP knows.
+enum class OpenCvPose { kP3p, kIppeSquare, kIppe, kSqpnp, kIterative };
+
+/// Distance along the camera's axis of a 1 m gate that a straight lens sees, by cv::solvePnP.
+[[nodiscard]] double opencv_distance(const Quad& px, double focal_px, const Eigen::Vector2d& center_px, OpenCvPose way);
+
 }  // namespace gatefly::bench

@@ -15,6 +15,7 @@
 #include "gatefly/estimation/drag_filter.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/experiments/two_filters.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/io/plot.hpp"
@@ -30,55 +31,12 @@ using identification::DragFit;
 constexpr double kRest = 0.7;                // of every log, before the motors start [s]
 constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;  // as on board
 constexpr double kFixPeriod = 1.0 / 15.0, kEvery = 0.1, kSettle = 1.0;  // [s]
-constexpr double kFixSigma = 0.03, kAltitudeSigma = 0.05, kHeadingSigma = 0.02;  // [m], [m], [rad]
+constexpr double kFixSigma = 0.03;           // [m]
 constexpr double kBiasSigma = 0.05;          // of a bias that other flights taught [m/s²]
 constexpr std::array kLengths{0.5, 1.0, 1.5, 2.0, 3.0, 4.0};  // of a blind piece [s]
 constexpr std::size_t kTwoSeconds = 3;
 
 double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
-
-/// One tick, the same for both filters.
-struct Tick {
-  Imu imu;
-  Eigen::Vector3d accel_B;  ///< Low-passed.
-  double dt, yaw;
-  std::optional<double> z;  ///< A new altitude.
-};
-
-/// AHRS and drag filter, as the pilot has them.
-struct DragPilot {
-  Ahrs ahrs;
-  DragFilter filter;
-
-  void step(const Tick& tick) {
-    const Attitude before = ahrs.attitude();
-    drag_model::Input input{before.roll, before.pitch, tick.yaw, tick.accel_B, ahrs.rate_B()};
-    ahrs.update(tick.imu, drag_model::velocity_B(filter.state(), input, filter.params().model), tick.dt);
-    const Attitude now = ahrs.attitude();
-    input.roll = now.roll, input.pitch = now.pitch, input.gyro_B = ahrs.rate_B();
-    filter.predict(input, tick.dt);
-    if (tick.z) (void)filter.correct_altitude(*tick.z, kAltitudeSigma);
-  }
-  void fix(const Eigen::Vector3d& p) {
-    Fix fix{.p_GB = p};
-    fix.covariance = Eigen::Vector3d{kFixSigma, kFixSigma, kAltitudeSigma}.cwiseAbs2().asDiagonal();
-    (void)filter.correct(fix, Eigen::Vector3d::Zero());
-  }
-  [[nodiscard]] Eigen::Vector3d position() const { return filter.position(); }
-};
-
-struct InertialPilot {
-  baseline::Imu15 filter;
-
-  void step(const Tick& tick) {
-    filter.predict(tick.imu, tick.dt);
-    if (!tick.z) return;
-    filter.correct_altitude(*tick.z, kAltitudeSigma);
-    filter.correct_heading(tick.yaw, kHeadingSigma);
-  }
-  void fix(const Eigen::Vector3d& p) { filter.correct_position(p, {kFixSigma, kFixSigma, kAltitudeSigma}); }
-  [[nodiscard]] Eigen::Vector3d position() const { return filter.position(); }
-};
 
 /// Squared horizontal errors, for each blind length.
 struct Errors {
@@ -117,7 +75,7 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
   for (std::size_t i = 0; i < rows.last; ++i) {
     const io::FlightSample& s = flight.samples[i];
     const double t = seconds(s.time);
-    Tick tick{s.imu, low_pass.update(s.imu.accel_B), t - before, 0.0, {}};
+    FilterTick tick{s.imu, low_pass.update(s.imu.accel_B), t - before, 0.0, {}};
     before = t;
     if (t < kRest || !s.true_p_EB || !s.ahrs) continue;
     tick.yaw = wrap_angle(s.ahrs->yaw + heading_offset);
@@ -125,7 +83,7 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
     if (is_fix) next_fix = t + kFixPeriod, tick.z = s.true_p_EB->z() + kAltitudeSigma * noise.normal();
     filter.step(tick);
     for (auto& b : blind) b.filter.step(tick);
-    if (is_fix) filter.fix(*s.true_p_EB);
+    if (is_fix) filter.fix(*s.true_p_EB, {kFixSigma, kFixSigma, kAltitudeSigma});
     for (auto& b : blind)
       if (b.next < kLengths.size() && t >= b.start + kLengths[b.next])
         errors.add(b.next++, (b.filter.position() - *s.true_p_EB).template head<2>().norm());

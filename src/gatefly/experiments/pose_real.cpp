@@ -13,6 +13,7 @@
 #include "gatefly/detection/careful_search.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
+#include "gatefly/experiments/logged_motion.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/io/config.hpp"
@@ -118,38 +119,6 @@ Unknowns unknowns_of(const Setup& s) {
   return x;
 }
 
-/// Motion capture and AHRS between their samples.
-class Track {
- public:
-  explicit Track(const io::FlightFolder& flight) {
-    for (const io::FlightSample& sample : flight.samples) {
-      const double t = std::chrono::duration<double>(sample.time).count();
-      if (sample.ahrs) attitudes_.push_back({t, {sample.ahrs->roll, sample.ahrs->pitch, sample.ahrs->yaw}});
-      // The log repeats a position until the next one has come.
-      if (sample.true_p_EB && (positions_.empty() || positions_.back().value != *sample.true_p_EB)) positions_.push_back({t, *sample.true_p_EB});
-    }
-  }
-  [[nodiscard]] Eigen::Vector3d position(double t) const { return between(positions_, t); }
-  [[nodiscard]] Attitude attitude(double t) const {
-    const Eigen::Vector3d a = between(attitudes_, t);
-    return {a.x(), a.y(), a.z()};
-  }
-
- private:
-  struct Point {
-    double t;
-    Eigen::Vector3d value;
-  };
-  static Eigen::Vector3d between(const std::vector<Point>& points, double t) {
-    const auto after = std::lower_bound(points.begin(), points.end(), t, [](const Point& p, double at) { return p.t < at; });
-    if (after == points.begin()) return points.front().value;
-    if (after == points.end()) return points.back().value;
-    const Point &a = *std::prev(after), &b = *after;
-    return a.value + (t - a.t) / (b.t - a.t) * (b.value - a.value);
-  }
-  std::vector<Point> positions_, attitudes_;
-};
-
 struct Frame {
   std::string image;
   double t;
@@ -161,13 +130,13 @@ CameraRig rig_of(CameraRig rig, const Setup& setup) {
   return rig;
 }
 
-Attitude attitude_GB(const Track& track, const Frame& frame, const Setup& setup) {
+Attitude attitude_GB(const LoggedMotion& track, const Frame& frame, const Setup& setup) {
   Attitude attitude = track.attitude(frame.t + setup.time_offset);
   attitude.yaw = wrap_angle(attitude.yaw + setup.heading_offset - setup.gate_yaw);
   return attitude;
 }
 
-Eigen::Vector3d true_p_GB(const Track& track, const Frame& frame, const Setup& setup) {
+Eigen::Vector3d true_p_GB(const LoggedMotion& track, const Frame& frame, const Setup& setup) {
   return rotation_z(-setup.gate_yaw) * (track.position(frame.t + setup.time_offset) - setup.gate_E);
 }
 
@@ -179,7 +148,7 @@ struct Residuals {
   using JacobianType = Eigen::MatrixXd;
   enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
 
-  const Track& track;
+  const LoggedMotion& track;
   const std::vector<Frame>& frames;
   const CameraRig& rig;
   double side;
@@ -210,7 +179,7 @@ struct Fitted {
   double rms_px;
 };
 
-Fitted fitted(const Track& track, const std::vector<Frame>& frames, const CameraRig& rig, double side) {
+Fitted fitted(const LoggedMotion& track, const std::vector<Frame>& frames, const CameraRig& rig, double side) {
   const Residuals residuals{track, frames, rig, side};
   Eigen::NumericalDiff<Residuals, Eigen::Central> with_slope{residuals, 1e-10};
   Eigen::LevenbergMarquardt<decltype(with_slope)> descent{with_slope};
@@ -228,7 +197,7 @@ struct FlightErrors {
   std::vector<Eigen::Vector3d> found, truth;
 };
 
-FlightErrors errors_of(const Track& track, const std::vector<Frame>& frames, const Setup& setup, const CameraRig& lens, double sigma_px) {
+FlightErrors errors_of(const LoggedMotion& track, const std::vector<Frame>& frames, const Setup& setup, const CameraRig& lens, double sigma_px) {
   const CameraRig rig = rig_of(lens, setup);
   FlightErrors errors;
   for (const Frame& frame : frames) {
@@ -292,7 +261,7 @@ io::PlotSeries series(const std::string& name, const std::vector<Eigen::Vector3d
 void report_flight(const Options& options, Result& result) {
   const io::FlightFolder flight = io::read_flight_folder(data_folder("tudelft_bebop_flights", options) / "flight_11");
   const io::Config config = config_with("flights");
-  const Track track(flight);
+  const LoggedMotion track(flight);
   const std::vector<Frame> frames = labelled_in_flight(flight);
   const CameraRig& lens = config.pilot.camera;
   const auto [setup, rms_px] = fitted(track, frames, lens, kSide);

@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: Apache-2.0
+// Real flights through the pilot: IMU, pictures and a height in, position out, beside motion capture. Li18 §3.3, Fig. "EKF result".
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gatefly/closed_loop/replay.hpp"
+#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/experiments/experiment.hpp"
+#include "gatefly/experiments/gate_survey.hpp"
+#include "gatefly/experiments/labelled_set.hpp"
+#include "gatefly/experiments/pose_trial.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/identification/drag_fit.hpp"
+#include "gatefly/io/config.hpp"
+#include "gatefly/io/image_file.hpp"
+#include "gatefly/io/plot.hpp"
+#include "gatefly/io/text.hpp"
+#include "gatefly/io/track_file.hpp"
+#include "gatefly/sim/random.hpp"
+
+namespace gatefly::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using closed_loop::Estimator;
+using closed_loop::RecordedTick;
+using closed_loop::ReplayResult;
+
+constexpr int kRestSamples = 350;              // 0.7 s: the motors start soon after in these logs
+constexpr double kAltitudePeriod = 1.0 / 15.0, kAltitudeSigma = 0.05;  // as blind-real [s], [m]
+constexpr double kInTheAir = 0.5, kWellInTheAir = 0.8;  // [m]
+constexpr double kBorderPx = 3.0, kOutlierPx = 5.0;
+constexpr std::size_t kFewestPictures = 5;
+constexpr double kSameGate = 0.5;              // places nearer than this are one gate's [m]
+
+double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
+
+struct Flight {
+  std::string name;
+  io::FlightFolder folder;
+  std::vector<RecordedTick> ticks;
+  LoggedMotion motion;            ///< Motion capture, and attitudes of our AHRS that starts at heading 0.
+  std::vector<GatePicture> seen;  ///< Whole gates, in the air.
+};
+
+/// The log has no sonar: motion capture's height, with noise, along the body's axis.
+std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
+  std::vector<RecordedTick> ticks(folder.samples.size());
+  sim::Stream noise{1, "altitude"};
+  double next = 0.0;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const io::FlightSample& sample = folder.samples[i];
+    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu, ticks[i].p_EB = sample.true_p_EB;
+    if (!sample.true_p_EB || !sample.ahrs || seconds(sample.time) < next) continue;
+    next = seconds(sample.time) + kAltitudePeriod;
+    const double height = -sample.true_p_EB->z() + kAltitudeSigma * noise.normal();
+    if (height > 0.0) ticks[i].sensors.sonar = height / rotation_EB(*sample.ahrs).matrix(2, 2);
+  }
+  for (std::size_t i = 0; i < folder.images.size(); ++i) ticks[folder.images[i].log_row].picture = i;
+  return ticks;
+}
+
+PilotConfig pilot_for(const io::Config& config) {
+  PilotConfig pilot = config.pilot;
+  pilot.track = io::read_track(io::find_track("flights")).track;
+  pilot.track.room_size = {100.0, 100.0};  // whatever way a frame is turned
+  pilot.phase.rest_samples = kRestSamples;
+  pilot.phase.climb_timeout = 60.0;        // these drones climb when somebody else wants
+  return pilot;
+}
+
+/// Attitudes that our AHRS has without any picture.
+LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<RecordedTick>& ticks, PilotConfig pilot) {
+  pilot.track.start_heading = 0.0;
+  LoggedMotion motion{folder};
+  motion.clear_attitudes();
+  const ReplayResult blind = closed_loop::replay(pilot, ticks, [](std::size_t) { return Image{}; });
+  for (const auto& row : blind.estimates) motion.add_attitude(row.t, row.estimate.attitude);
+  return motion;
+}
+
+bool clear_of_border(const Quad& px, const io::Config& config) {
+  return std::all_of(px.begin(), px.end(), [&](const Eigen::Vector2d& p) {
+    return p.x() > kBorderPx && p.y() > kBorderPx && p.x() < config.width - 1 - kBorderPx && p.y() < config.height - 1 - kBorderPx;
+  });
+}
+
+std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config) {
+  const auto search = std::make_unique<GateSearch>(config.pilot.detector);
+  std::vector<GatePicture> seen;
+  for (const io::FlightImage& image : flight.folder.images) {
+    const double t = seconds(image.time);
+    if (flight.motion.position(t).z() > -kWellInTheAir) continue;
+    const io::ImageFile file = io::read_image(image.path);
+    const GateDetections gates = search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
+    if (!gates.empty() && gates[0].whole && clear_of_border(gates[0].corners_px, config))
+      seen.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
+  }
+  return seen;
+}
+
+std::vector<Flight> flights_in(const fs::path& folder, const io::Config& config, const PilotConfig& pilot, const Options& options) {
+  std::vector<fs::path> paths;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_directory() && entry.path().filename().string().starts_with("flight_")) paths.push_back(entry.path());
+  std::sort(paths.begin(), paths.end());
+  if (paths.empty()) throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
+  std::vector<Flight> flights;
+  for (const fs::path& path : paths) {
+    if (options.stopped()) throw Stopped{};
+    options.progress(0.4 * static_cast<double>(flights.size()) / static_cast<double>(paths.size()), path.filename().string());
+    Flight flight{.name = path.filename().string(), .folder = io::read_flight_folder(path), .ticks = {}, .motion = {}, .seen = {}};
+    flight.ticks = ticks_of(flight.folder);
+    flight.motion = motion_of(flight.folder, flight.ticks, pilot);
+    flight.seen = gates_in(flight, config);
+    flights.push_back(std::move(flight));
+  }
+  return flights;
+}
+
+// ---------------------------------------------------------------- where the gates are
+
+double log_yaw(const Flight& flight) { return flight.folder.samples.front().ahrs ? flight.folder.samples.front().ahrs->yaw : 0.0; }
+
+/// Where the nearest picture, its size and the heading that drag tells put the gate.
+Survey first_guess(const Flight& flight, const PilotConfig& pilot) {
+  Survey guess;
+  const auto drag = identification::fit_drag(flight.folder);
+  guess.flights = {{.heading = log_yaw(flight) + (drag ? drag->heading_offset : 0.0), .tilt = 15.0 * kDegree}};
+  const GatePicture& nearest = *std::max_element(flight.seen.begin(), flight.seen.end(), [](const GatePicture& a, const GatePicture& b) {
+    return std::abs(area(a.px)) < std::abs(area(b.px));
+  });
+  Attitude attitude = flight.motion.attitude(nearest.t);
+  attitude.yaw += guess.flights[0].heading;
+  const CameraRig rig = mounted(pilot.camera, guess.airframe, guess.flights[0]);
+  const double distance = 168.0 * pilot.track.gates.front().side / std::sqrt(std::abs(area(nearest.px)));
+  const Eigen::Vector3d ray_C = rig.lens.bearing(center(nearest.px)).value_or(Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d ray_E = rotation_EB(attitude).matrix * (rig.R_BC.matrix * ray_C);
+  guess.gates = {{.p_EG = flight.motion.position(nearest.t) + distance * ray_E, .yaw = gatefly::atan2(ray_E.y(), ray_E.x())}};
+  return guess;
+}
+
+SurveyFlight sights_of(const Flight& flight, std::size_t gate) { return {.motion = &flight.motion, .pictures = flight.seen, .gate = gate}; }
+
+/// A flight alone. Pictures that no gate of its own explains are dropped: another thing was seen.
+Survey alone(Flight& flight, const PilotConfig& pilot) {
+  Survey survey = first_guess(flight, pilot);
+  for (int round = 0; round < 3 && flight.seen.size() >= kFewestPictures; ++round) {
+    const SurveyFlight sights = sights_of(flight, 0);
+    survey = surveyed({&sights, 1}, survey, Open::kNotAirframe, pilot);
+    std::erase_if(flight.seen, [&](const GatePicture& p) { return misfit_px(survey, 0, sights, p, pilot) > kOutlierPx; });
+  }
+  return survey;
+}
+
+/// Flights whose gate can be located, and where.
+struct Located {
+  std::vector<Flight> flights;
+  std::vector<std::size_t> gate_of;  ///< For each flight: which of survey.gates.
+  Survey survey;                     ///< Of all of them.
+
+  [[nodiscard]] bool shared(std::size_t flight) const { return std::count(gate_of.begin(), gate_of.end(), gate_of[flight]) > 1; }
+};
+
+/// All flights together, but one; what only that one would tell stays as it is in `start`.
+Survey together(const Located& found, const Survey& start, std::optional<std::size_t> but, const PilotConfig& pilot) {
+  std::vector<SurveyFlight> sights;
+  for (std::size_t i = 0; i < found.flights.size(); ++i) {
+    sights.push_back(sights_of(found.flights[i], found.gate_of[i]));
+    if (i == but) sights.back().pictures.clear();
+  }
+  return surveyed(sights, start, Open::kAll, pilot);
+}
+
+/// Takes from `flights` those whose gate can be located.
+Located located(std::vector<Flight>& flights, const PilotConfig& pilot) {
+  Located found;
+  std::vector<Flight> rest;
+  for (Flight& flight : flights) {
+    Survey own;
+    if (flight.seen.size() >= kFewestPictures) own = alone(flight, pilot);
+    if (flight.seen.size() < kFewestPictures) {
+      rest.push_back(std::move(flight));
+      continue;
+    }
+    auto& gates = found.survey.gates;
+    const auto same = std::find_if(gates.begin(), gates.end(), [&](const SurveyedGate& g) { return (g.p_EG - own.gates[0].p_EG).norm() < kSameGate; });
+    found.gate_of.push_back(static_cast<std::size_t>(same - gates.begin()));
+    if (same == gates.end()) gates.push_back(own.gates[0]);
+    found.survey.flights.push_back(own.flights[0]);
+    found.flights.push_back(std::move(flight));
+  }
+  flights = std::move(rest);
+  found.survey = together(found, found.survey, {}, pilot);
+  return found;
+}
+
+/// Distance between expected and seen corners in all pictures, RMS [px].
+double misfit_px(const Located& found, const PilotConfig& pilot) {
+  double squares = 0.0, n = 0.0;
+  for (std::size_t i = 0; i < found.flights.size(); ++i) {
+    const SurveyFlight sights = sights_of(found.flights[i], found.gate_of[i]);
+    for (const GatePicture& picture : sights.pictures) squares += std::pow(misfit_px(found.survey, i, sights, picture, pilot), 2), n += 1.0;
+  }
+  return std::sqrt(squares / n);
+}
+
+/// The same survey with the attitudes that the log's own AHRS wrote.
+Located with_logged_attitudes(Located found, const PilotConfig& pilot) {
+  for (std::size_t i = 0; i < found.flights.size(); ++i) {
+    found.flights[i].motion = LoggedMotion{found.flights[i].folder};
+    found.survey.flights[i].heading -= log_yaw(found.flights[i]);
+  }
+  found.survey = together(found, found.survey, {}, pilot);
+  return found;
+}
+
+/// Gate and airframe as the other flights have them; heading of the frame and tilt are this flight's own. A gate that no
+/// other flight went to is its own, too.
+Survey by_the_others(const Located& found, std::size_t i, const PilotConfig& pilot) {
+  Survey survey = together(found, found.survey, i, pilot);
+  const std::size_t gate = found.gate_of[i];
+  const SurveyFlight sights = sights_of(found.flights[i], 0);
+  const Survey one = surveyed({&sights, 1}, {.airframe = survey.airframe, .gates = {survey.gates[gate]}, .flights = {survey.flights[i]}},
+                              found.shared(i) ? Open::kFlights : Open::kNotAirframe, pilot);
+  survey.gates[gate] = one.gates[0], survey.flights[i] = one.flights[0];
+  return survey;
+}
+
+PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate, std::size_t flight) {
+  pilot.track.gates.front().p_EG = survey.gates[gate].p_EG, pilot.track.gates.front().yaw_EG = survey.gates[gate].yaw;
+  pilot.track.start_heading = survey.flights[flight].heading;
+  pilot.camera = mounted(pilot.camera, survey.airframe, survey.flights[flight]);
+  pilot.camera_timing.latency = survey.airframe.exposure_delay;
+  return pilot;
+}
+
+// ---------------------------------------------------------------- errors
+
+/// Sums over samples, per axis of the gate's frame.
+struct AxisErrors {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
+  int n = 0;
+
+  void add(const Eigen::Vector3d& error) { sum += error, squares += error.cwiseAbs2(), ++n; }
+  void add(const AxisErrors& other) { sum += other.sum, squares += other.squares, n += other.n; }
+  [[nodiscard]] Eigen::Vector3d rms() const { return (squares / n).cwiseSqrt(); }
+  [[nodiscard]] Eigen::Vector3d deviation() const { return (squares / n - (sum / n).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt(); }
+};
+
+struct Replayed {
+  AxisErrors errors;
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> truth, estimate, fixes;  ///< In the gate's frame.
+  int pictures = 0;                                     ///< That corrected the filter.
+};
+
+/// From the first picture in the air that corrected the filter until the drone is in the gate's plane.
+Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe& airframe, const io::Config& config, Estimator estimator) {
+  io::ImageFile file;
+  const auto load = [&](std::size_t i) {
+    file = io::read_image(flight.folder.images[i].path);
+    return file.view(config.stored_rotation_deg);
+  };
+  const ReplayResult result = closed_loop::replay(pilot, flight.ticks, load, estimator);
+  if (!result.finite) throw std::runtime_error(flight.folder.directory.string() + ": an estimate is not a finite number");
+  const MapGate& gate = pilot.track.gates.front();
+  const auto in_gate = [&](const Eigen::Vector3d& p_E) { return Eigen::Vector3d{rotation_z(-gate.yaw_EG) * (p_E - gate.p_EG)}; };
+  Replayed out;
+  double end = 1e9, begin = 1e9;
+  for (const auto& row : result.pictures) {
+    const Eigen::Vector3d truth = flight.motion.position(row.t + airframe.mocap_delay);
+    if (!row.sighting.fix || truth.z() > -kInTheAir || in_gate(truth).x() > 0.0) continue;
+    begin = std::min(begin, row.t), ++out.pictures;
+    out.fixes.push_back(in_gate(row.sighting.fix->p_EB));
+  }
+  for (const auto& row : result.estimates) {
+    if (row.t < begin || row.t > end) continue;
+    const Eigen::Vector3d truth = in_gate(flight.motion.position(row.t + airframe.mocap_delay)), estimate = in_gate(row.estimate.p_EB);
+    if (truth.x() > 0.0) end = row.t;
+    out.errors.add(estimate - truth);
+    out.t.push_back(row.t), out.truth.push_back(truth), out.estimate.push_back(estimate);
+  }
+  return out;
+}
+
+// ---------------------------------------------------------------- report
+
+std::string x_and_y(const Eigen::Vector3d& v) { return fixed(v.x(), 3) + ", " + fixed(v.y(), 3); }
+
+nlohmann::ordered_json json_of(const AxisErrors& e) {
+  const Eigen::Vector3d rms = e.rms(), std = e.deviation();
+  return {{"x_rms_m", number(rms.x())}, {"y_rms_m", number(rms.y())}, {"z_rms_m", number(rms.z())},
+          {"x_std_m", number(std.x())}, {"y_std_m", number(std.y())}, {"samples", e.n}};
+}
+
+io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points, const io::Color& color, bool line) {
+  io::PlotSeries series{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
+  for (std::size_t i = 0; i < points.size(); i += line ? 60 : 1) series.points.emplace_back(points[i].x(), points[i].y());
+  return series;
+}
+
+constexpr int kPanelWidth = 450, kPanelHeight = 340, kColumns = 5;
+
+struct Shown {
+  std::string name;
+  Replayed drag, imu15;
+};
+
+io::Canvas panels_of(const std::vector<Shown>& shown) {
+  const int rows = (static_cast<int>(shown.size()) + kColumns - 1) / kColumns;
+  io::Canvas canvas(kColumns * kPanelWidth, std::max(1, rows) * kPanelHeight + 2 * kPanelHeight);
+  io::Plot errors_x{.title = "error of x, through the gate; each flight", .x_label = "seconds before the gate", .y_label = "[m]", .y_from_0 = false};
+  io::Plot errors_y = errors_x;
+  errors_y.title = "error of y, to the right";
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const Replayed& r = shown[i].drag;
+    const io::Plot plot{.title = shown[i].name + ": RMS " + x_and_y(r.errors.rms()) + " m", .x_label = "x before the gate [m]", .y_label = "y to the right [m]",
+                        .series = {top_down("truth", r.truth, io::look::kInk, true), top_down("fixes", r.fixes, io::look::kGate, false),
+                                   top_down("imu15", shown[i].imu15.estimate, io::look::kEstimate, true), top_down("ours", r.estimate, io::look::kDetection, true)},
+                        .y_from_0 = false};
+    canvas.paste(io::draw(plot, kPanelWidth, kPanelHeight), {static_cast<double>(static_cast<int>(i) % kColumns * kPanelWidth), static_cast<double>(static_cast<int>(i) / kColumns * kPanelHeight)});
+    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, io::look::kEstimate}, std::pair{&shown[i].drag, io::look::kDetection}}) {
+      io::PlotSeries x{.name = i > 0 ? "" : replay == &r ? "ours" : "imu15", .color = color}, y = x;
+      for (std::size_t k = 0; k < replay->t.size(); k += 100) {
+        const Eigen::Vector3d error = replay->estimate[k] - replay->truth[k];
+        x.points.emplace_back(replay->t[k] - replay->t.back(), error.x()), y.points.emplace_back(replay->t[k] - replay->t.back(), error.y());
+      }
+      errors_x.series.push_back(x), errors_y.series.push_back(y);
+    }
+  }
+  const double top = rows * kPanelHeight;
+  canvas.paste(io::draw(errors_x, kColumns * kPanelWidth / 2, 2 * kPanelHeight), {0.0, top});
+  canvas.paste(io::draw(errors_y, kColumns * kPanelWidth / 2, 2 * kPanelHeight), {0.5 * kColumns * kPanelWidth, top});
+  return canvas;
+}
+
+nlohmann::ordered_json fitted_json(const Located& found, const Survey& s, std::size_t i, const Flight& flight) {
+  const SurveyedGate& g = s.gates[found.gate_of[i]];
+  return {{"gate_m", {g.p_EG.x(), g.p_EG.y(), g.p_EG.z()}}, {"gate_yaw_deg", g.yaw / kDegree},
+          {"heading_offset_deg", wrap_angle(s.flights[i].heading - log_yaw(flight)) / kDegree}, {"tilt_deg", s.flights[i].tilt / kDegree},
+          {"camera_roll_deg", s.airframe.camera_roll / kDegree}, {"exposure_delay_ms", 1e3 * s.airframe.exposure_delay},
+          {"mocap_delay_ms", 1e3 * s.airframe.mocap_delay}, {"gate_from", found.shared(i) ? "other flights" : "this flight"}};
+}
+
+void add_rows(const Shown& one, std::string& csv) {
+  for (std::size_t k = 0; k < one.drag.t.size(); k += 26) {
+    csv += one.name + "," + io::text_of(one.drag.t[k], 6);
+    for (const Eigen::Vector3d& p : {one.drag.truth[k], one.drag.estimate[k], one.imu15.estimate[k]})
+      csv += "," + io::text_of(p.x(), 5) + "," + io::text_of(p.y(), 5);
+    csv += "\n";
+  }
+}
+
+/// Pooled over flights, and each.
+struct Pool {
+  AxisErrors all;
+  nlohmann::ordered_json per_flight = nlohmann::ordered_json::object();
+
+  void add(const std::string& flight, const Replayed& one) {
+    all.add(one.errors);
+    per_flight[flight] = json_of(one.errors);
+    per_flight[flight]["pictures"] = one.pictures, per_flight[flight]["from_s"] = one.t.front(), per_flight[flight]["to_s"] = one.t.back();
+  }
+  [[nodiscard]] nlohmann::ordered_json json() const {
+    auto json = json_of(all);
+    json["per_flight"] = per_flight;
+    return json;
+  }
+};
+
+}  // namespace
+
+Result eyes_real(const Options& options) {
+  const fs::path folder = data_folder("tudelft_bebop_flights", options);
+  const std::vector<std::string> name{"flights"};
+  const io::Config config = io::load_config(io::config_files(name));
+  const PilotConfig pilot = pilot_for(config);
+  std::vector<Flight> flights = flights_in(folder, config, pilot, options);
+  const Located found = located(flights, pilot);
+
+  Result result{.table = {}, .json = {}, .csv = "flight,t_s,true_x_m,true_y_m,x_m,y_m,imu15_x_m,imu15_y_m\n", .picture = io::Canvas(1, 1)};
+  auto without = nlohmann::ordered_json::object(), fits = without;
+  const auto leave_out = [&](const std::string& flight, const std::string& why) {
+    without[flight] = why;
+    result.table.push_back({flight, "", "left out: " + why});
+  };
+  for (const Flight& flight : flights) leave_out(flight.name, "a whole gate in " + std::to_string(flight.seen.size()) + " pictures that agree");
+
+  Pool drag, imu15, gate_from_all;
+  std::vector<Shown> shown;
+  for (std::size_t i = 0; i < found.flights.size(); ++i) {
+    const Flight& flight = found.flights[i];
+    if (options.stopped()) throw Stopped{};
+    options.progress(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(found.flights.size()), flight.name);
+    const auto fly = [&](const Survey& survey, Estimator estimator) {
+      return replayed(flight, told(pilot, survey, found.gate_of[i], i), survey.airframe, config, estimator);
+    };
+    const Survey others = by_the_others(found, i, pilot);
+    Shown s{flight.name, fly(others, Estimator::kDrag), fly(others, Estimator::kImu15)};
+    const Replayed all = fly(found.survey, Estimator::kDrag);
+    if (s.drag.t.empty() || all.t.empty()) {
+      leave_out(flight.name, "no picture in the air corrected the filter");
+      continue;
+    }
+    drag.add(s.name, s.drag), imu15.add(s.name, s.imu15), gate_from_all.add(s.name, all);
+    fits[s.name] = fitted_json(found, others, i, flight);
+    result.table.push_back({s.name + (found.shared(i) ? "" : ", gate from itself") + ", " + fixed(s.drag.t.back() - s.drag.t.front(), 1) + " s, " +
+                                std::to_string(s.drag.pictures) + " pictures", "",
+                            x_and_y(s.drag.errors.rms()) + " m (imu15 " + x_and_y(s.imu15.errors.rms()) + ")"});
+    add_rows(s, result.csv);
+    shown.push_back(std::move(s));
+  }
+  if (shown.empty()) throw std::runtime_error(folder.string() + ": no flight whose gate can be located");
+  result.table.push_back({"all, RMS of x, y", "", x_and_y(drag.all.rms()) + " m (imu15 " + x_and_y(imu15.all.rms()) + ")"});
+  result.table.push_back({"all, std of x, y", "0.104, 0.069 m", x_and_y(drag.all.deviation()) + " m (imu15 " + x_and_y(imu15.all.deviation()) + ")"});
+  result.table.push_back({"all, RMS, gate from all flights", "", x_and_y(gate_from_all.all.rms()) + " m"});
+  const double misfit = misfit_px(found, pilot), misfit_of_log = misfit_px(with_logged_attitudes(found, pilot), pilot);
+  result.table.push_back({"misfit of all corners, RMS", "", fixed(misfit, 2) + " px (attitudes of the log's AHRS: " + fixed(misfit_of_log, 2) + " px)"});
+  result.json = {{"drag", drag.json()}, {"imu15", imu15.json()}, {"drag_gate_from_all", gate_from_all.json()}, {"misfit_px", {{"our_ahrs", misfit}, {"logs_ahrs", misfit_of_log}}}, {"fitted", fits}, {"without_window", without}};
+  result.picture = panels_of(shown);
+  return result;
+}
+
+}  // namespace gatefly::experiments

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/io/flight_folder.hpp"
+
+namespace gatefly::experiments {
+
+/// Motion capture's positions and somebody's attitudes, between their samples. Before the first and after the last: those.
+class LoggedMotion {
+ public:
+  LoggedMotion() = default;
+  /// With the attitudes of the log's own AHRS.
+  explicit LoggedMotion(const io::FlightFolder& flight);
+
+  /// Attitudes in the order of their times [s].
+  void clear_attitudes() { attitudes_.clear(); }
+  void add_attitude(double t, const Attitude& attitude);
+
+  [[nodiscard]] Eigen::Vector3d position(double t) const { return between(positions_, t); }  ///< Earth frame [m].
+  [[nodiscard]] Attitude attitude(double t) const;
+
+ private:
+  struct Point {
+    double t;
+    Eigen::Vector3d value;
+  };
+  static Eigen::Vector3d between(const std::vector<Point>& points, double t);
+  std::vector<Point> positions_, attitudes_;
+};
+
+}  // namespace gatefly::experiments
