@@ -113,7 +113,8 @@ class Strip {
     if (shown.sum() < kLeastLines) return rough;
     const float y_middle = static_cast<float>(middle()), half_length = 0.5f * static_cast<float>(length());
     // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
-    const Lines y = y_ - y_middle, x = static_cast<float>(step_) * (moment / sum.max(1e-6f) - off_);
+    // What no pixel was read into may hold anything, NaN too.
+    const Lines y = y_ - y_middle, x = (shown > 0.0f).select(static_cast<float>(step_) * (moment / sum.max(1e-6f) - off_), 0.0f);
     double shift = 0.0, slope = 0.0;  // beside the rough line
     for (int pass = 0; pass < 3; ++pass) {
       const Lines off = x - static_cast<float>(shift) - static_cast<float>(slope) * y;

@@ -15,7 +15,8 @@ namespace {
 constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is no upright bar; groups: 24 px at 315 x 160
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;             // three rows of 2 nats
-constexpr FrameEffort kEffort{.samples = 12, .stations = 8, .middles = 12};
+constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
+constexpr FrameEffort kEffort{.samples = 12, .middles = 16};
 
 }  // namespace
 
@@ -97,12 +98,10 @@ std::optional<Quad> with_level_bars(const Pair& p, int step, int stride, int cel
 // A frame from where its sides are, roughly, to where they are; nullopt when it is no gate. In cells.
 template <class Fit>
 std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const GateSearchParams& params) {
-  const auto has_shape = [&](const std::optional<Quad>& q) { return q && is_frame_shaped(*q, params.min_side_px / cell, params.max_aspect); };
-  const auto moved = fit.moved(rough, 3);
-  if (!has_shape(moved)) return std::nullopt;
-  const double size = std::sqrt(std::abs(area(*moved)));
-  const auto centered = fit.centered(*moved, std::clamp(static_cast<int>(0.07 * size + 0.5), 2, 3));
-  const Quad& quad = has_shape(centered) ? *centered : *moved;
+  const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
+  if (!has_shape(rough)) return std::nullopt;
+  const auto centered = fit.centered(rough, kReach);
+  const Quad& quad = centered && has_shape(*centered) ? *centered : rough;
   const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
   return frame;
