@@ -16,7 +16,7 @@ constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is n
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;             // three rows of 2 nats
 constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
-constexpr FrameEffort kEffort{.samples = 12, .middles = 16};
+constexpr FrameEffort kEffort{.samples = 12, .middles = 8};
 
 }  // namespace
 
@@ -100,8 +100,9 @@ template <class Fit>
 std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const GateSearchParams& params) {
   const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
   if (!has_shape(rough)) return std::nullopt;
-  const auto centered = fit.centered(rough, kReach);
-  const Quad& quad = centered && has_shape(*centered) ? *centered : rough;
+  Quad quad = rough;
+  for (int pass = 0; pass < 2; ++pass)
+    if (const auto centered = fit.centered(quad, kReach); centered && has_shape(*centered)) quad = *centered;
   const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
   return frame;
