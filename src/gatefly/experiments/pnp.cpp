@@ -2,8 +2,6 @@
 #include "gatefly/experiments/pnp.hpp"
 
 #ifdef GATEFLY_HAVE_OPENCV
-#include <cmath>
-#include <limits>
 #include <vector>
 
 #include <opencv2/calib3d.hpp>
@@ -36,40 +34,13 @@ Eigen::Vector3d camera_G(const CameraPose& pose) {
   return {-camera(2), camera(0), -camera(1)};
 }
 
-double squared_error(const CameraPose& pose, const Objects& objects, const Pixels& pixels, const cv::Matx33d& K) {
-  Pixels drawn;
-  cv::projectPoints(objects, pose.rotation, pose.translation, K, cv::noArray(), drawn);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) sum += (drawn[i] - pixels[i]).dot(drawn[i] - pixels[i]);
-  return sum;
-}
-
-std::optional<CameraPose> best_of_four_triples(const Objects& objects, const Pixels& pixels, const cv::Matx33d& K) {
-  std::optional<CameraPose> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-    Objects three;
-    Pixels seen;
-    for (std::size_t i = 1; i < 4; ++i) three.push_back(objects[(left_out + i) % 4]), seen.push_back(pixels[(left_out + i) % 4]);
-    std::vector<cv::Mat> rotations, translations;
-    const int count = cv::solveP3P(three, seen, K, cv::noArray(), rotations, translations, cv::SOLVEPNP_P3P);
-    for (int i = 0; i < count; ++i) {
-      const CameraPose pose{rotations[static_cast<std::size_t>(i)], translations[static_cast<std::size_t>(i)]};
-      const double error = squared_error(pose, objects, pixels, K);
-      if (error < least) least = error, best = pose;
-    }
-  }
-  return best;
-}
-
 cv::SolvePnPMethod flag_of(Pnp method) {
   switch (method) {
     case Pnp::kIppe: return cv::SOLVEPNP_IPPE;
     case Pnp::kIppeSquare: return cv::SOLVEPNP_IPPE_SQUARE;
     case Pnp::kSqpnp: return cv::SOLVEPNP_SQPNP;
     case Pnp::kIterative: return cv::SOLVEPNP_ITERATIVE;
-    case Pnp::kP3p:
-    case Pnp::kP3pOfFour: break;
+    case Pnp::kP3p: break;
   }
   return cv::SOLVEPNP_P3P;
 }
@@ -83,15 +54,9 @@ std::optional<Eigen::Vector3d> camera_by(Pnp method, const Quad& corners, double
   Pixels pixels;
   for (const Eigen::Vector2d& px : corners) pixels.emplace_back(px.x(), px.y());
   const cv::Matx33d K{focal_px, 0.0, 0.0, 0.0, focal_px, 0.0, 0.0, 0.0, 1.0};
-  std::optional<CameraPose> pose;
-  if (method == Pnp::kP3pOfFour) {
-    pose = best_of_four_triples(objects, pixels, K);
-  } else {
-    pose.emplace();
-    if (!cv::solvePnP(objects, pixels, K, cv::noArray(), pose->rotation, pose->translation, false, flag_of(method))) return std::nullopt;
-  }
-  if (!pose) return std::nullopt;
-  const Eigen::Vector3d camera = camera_G(*pose);
+  CameraPose pose;
+  if (!cv::solvePnP(objects, pixels, K, cv::noArray(), pose.rotation, pose.translation, false, flag_of(method))) return std::nullopt;
+  const Eigen::Vector3d camera = camera_G(pose);
   return camera.allFinite() ? std::optional{camera} : std::nullopt;
 } catch (const cv::Exception&) {
   return std::nullopt;  // its way to say: no solution

@@ -13,7 +13,6 @@ namespace gatefly::experiments {
 /// OpenCV's ways to a pose from four corners, without any attitude. Baselines: nothing flies them.
 enum class Pnp {
   kP3p,         ///< Three corners, the fourth chooses among up to four solutions.
-  kP3pOfFour,   ///< As Li18's authors: all four triples, the least reprojection error of all corners wins.
   kIppe,
   kIppeSquare,
   kSqpnp,

@@ -3,6 +3,7 @@
 // authors really drew, and with the noise that the paper names.
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
@@ -35,7 +36,7 @@ struct Noise {
 struct Curve {
   const char* name;
   Noise noise;
-  bool p3p;
+  std::optional<KneipRule> p3p;  ///< Else least squares.
   int axis;
   Column paper;
 };
@@ -46,35 +47,37 @@ Noise as_run(const char* name, double attitude_width_deg) {
 }
 Noise as_printed(const char* name, double attitude_sigma_deg) { return {name, true, 3.5, attitude_sigma_deg * kDegree}; }
 
+constexpr KneipRule kAuthors;
+
 const Column kDistances{.87, 1.20, 1.53, 1.87, 2.20, 2.53, 2.87, 3.20, 3.53, 3.87};
 const Column kTableDistances{.87, 1.87, 2.87, 3.87, 5.0, 6.0};
 
 /// Digitised from the authors' figure files; the noise from their analysis code (E7).
 std::vector<Curve> curves_as_run() {
   const Noise none = as_run("0", 0.0), five = as_run("'5'", 2.2), fifteen = as_run("'15'", 3.8);
-  return {{"P3P x", none, true, 0, {.005, .009, .013, .021, .031, .046, .080, .129, .194, .243}},
-          {"P3P y", none, true, 1, {.012, .027, .053, .092, .154, .212, .296, .422, .563, .680}},
-          {"P3P z", none, true, 2, {.011, .028, .059, .104, .158, .219, .287, .436, .575, .693}},
-          {"LS x", none, false, 0, {.003, .006, .010, .014, .019, .026, .034, .042, .048, .059}},
-          {"LS y '0'", none, false, 1, {.003, .004, .004, .005, .006, .007, .008, .009, .010, .011}},
-          {"LS y '5'", five, false, 1, {.013, .017, .019, .024, .028, .032, .036, .040, .043, .046}},
-          {"LS y '15'", fifteen, false, 1, {.022, .028, .035, .040, .047, .054, .060, .067, .073, .080}}};
+  return {{"P3P x", none, kAuthors, 0, {.005, .009, .013, .021, .031, .046, .080, .129, .194, .243}},
+          {"P3P y", none, kAuthors, 1, {.012, .027, .053, .092, .154, .212, .296, .422, .563, .680}},
+          {"P3P z", none, kAuthors, 2, {.011, .028, .059, .104, .158, .219, .287, .436, .575, .693}},
+          {"LS x", none, {}, 0, {.003, .006, .010, .014, .019, .026, .034, .042, .048, .059}},
+          {"LS y '0'", none, {}, 1, {.003, .004, .004, .005, .006, .007, .008, .009, .010, .011}},
+          {"LS y '5'", five, {}, 1, {.013, .017, .019, .024, .028, .032, .036, .040, .043, .046}},
+          {"LS y '15'", fifteen, {}, 1, {.022, .028, .035, .040, .047, .054, .060, .067, .073, .080}}};
 }
 
 /// Recomputed by others from the paper's text: 3.5 px and the printed variances, taken as they are.
 std::vector<Curve> curves_as_printed() {
   const Noise none = as_printed("0", 0.0), five = as_printed("2.24°", 2.24), fifteen = as_printed("3.87°", 3.87),
               poor = as_printed("15°", 15.0);
-  return {{"LS x", none, false, 0, {.011, .047, .114, .199, .34, .48}},
-          {"LS y", none, false, 1, {.009, .018, .028, .037, .048, .059}},
-          {"LS y 2.24°", five, false, 1, {.046, .083, .123, .165, .21, .25}},
-          {"LS y 3.87°", fifteen, false, 1, {.076, .143, .209, .276, .35, .41}},
-          {"LS y 15°", poor, false, 1, {.25, .45, .68, .90, 1.2, 1.4}},
-          {"P3P x", none, true, 0, Column(6, kNone)},
-          {"P3P y", none, true, 1, Column(6, kNone)}};
+  return {{"LS x", none, {}, 0, {.011, .047, .114, .199, .34, .48}},
+          {"LS y", none, {}, 1, {.009, .018, .028, .037, .048, .059}},
+          {"LS y 2.24°", five, {}, 1, {.046, .083, .123, .165, .21, .25}},
+          {"LS y 3.87°", fifteen, {}, 1, {.076, .143, .209, .276, .35, .41}},
+          {"LS y 15°", poor, {}, 1, {.25, .45, .68, .90, 1.2, 1.4}},
+          {"P3P x", none, kAuthors, 0, Column(6, kNone)},
+          {"P3P y", none, kAuthors, 1, Column(6, kNone)}};
 }
 
-double rmse_of(const Curve& curve, double distance, int trials) {
+Rmse errors_of(const Curve& curve, double distance, int trials) {
   const CameraRig rig = study_rig();
   const Eigen::Vector3d p_GB{-distance, 0, 0};
   const Quad exact = corners_seen_from(p_GB, {}, rig);
@@ -86,9 +89,9 @@ double rmse_of(const Curve& curve, double distance, int trials) {
       for (double& coordinate : corner) coordinate += curve.noise.draw(random, curve.noise.px_sigma);
     const double roll = curve.noise.draw(random, curve.noise.attitude_sigma), pitch = curve.noise.draw(random, curve.noise.attitude_sigma);
     const Attitude attitude{roll, pitch, curve.noise.draw(random, curve.noise.attitude_sigma)};
-    rmse.add(curve.p3p ? by_pnp(Pnp::kP3pOfFour, px, rig, 1.0) : by_rays(px, attitude, rig, 1.0), p_GB);
+    rmse.add(curve.p3p ? by_kneip(*curve.p3p, px, rig, 1.0) : by_rays(px, attitude, rig, 1.0), p_GB);
   }
-  return rmse.axis(curve.axis);
+  return rmse;
 }
 
 struct Study {
@@ -102,7 +105,8 @@ void run(Study& study, int trials, const Options& options) {
   const std::size_t points = study.distances.size();
   study.ours.assign(study.curves.size(), Column(points, kNone));
   in_pieces(study.curves.size() * points, options, [&](std::size_t i) {
-    study.ours[i / points][i % points] = rmse_of(study.curves[i / points], study.distances[i % points], trials);
+    const Curve& curve = study.curves[i / points];
+    study.ours[i / points][i % points] = errors_of(curve, study.distances[i % points], trials).axis(curve.axis);
   });
 }
 
@@ -137,21 +141,68 @@ void report(const Study& study, Result& result) {
   }
 }
 
-io::Canvas plotted(const Study& study) {
-  constexpr std::array<io::Color, 7> kColors{io::look::kEstimate, io::look::kGate, io::look::kMuted, io::look::kDetection,
-                                             io::look::kFlown, io::look::kInk, io::look::kPlan};
-  io::Plot plot{.title = "Position error of P3P and least squares, noise as the authors drew it (rings: their figure)",
-                .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
-  for (std::size_t c = 0; c < study.curves.size(); ++c) {
-    io::PlotSeries ours{.name = study.curves[c].name, .points = {}, .color = kColors[c]};
-    io::PlotSeries theirs{.name = "", .points = {}, .color = kColors[c], .line = false, .rings = true};
+/// How the authors may have chosen among a P3P's answers, and how many points of their curves that gives.
+struct Variant {
+  const char* name;
+  KneipRule rule;
+  int within = 0, compared = 0;
+};
+
+std::vector<Variant> variants(int trials, const Options& options) {
+  std::vector<Variant> list{{"real parts of complex roots, least distances", kAuthors},
+                            {"real parts of complex roots, least squares", {.squares = true}},
+                            {"real roots only, least distances", {.complex_roots = false}},
+                            {"real roots only, least squares", {.complex_roots = false, .squares = true}},
+                            {"TL TR BR only, the fourth chooses", {.triples = 1}}};
+  std::vector<Curve> theirs = curves_as_run();
+  std::erase_if(theirs, [](const Curve& curve) { return !curve.p3p; });
+  const std::size_t points = kDistances.size();
+  std::vector<Rmse> errors(list.size() * points);
+  in_pieces(errors.size(), options, [&](std::size_t i) {
+    Curve curve = theirs.front();
+    curve.p3p = list[i / points].rule;
+    errors[i] = errors_of(curve, kDistances[i % points], trials);
+  });
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    for (const Curve& curve : theirs)
+      ++list[i / points].compared, list[i / points].within += reproduced(errors[i].axis(curve.axis), curve.paper[i % points]);
+  return list;
+}
+
+void report(const std::vector<Variant>& list, Result& result) {
+  auto json = nlohmann::ordered_json::array();
+  for (const Variant& v : list) {
+    result.table.push_back({std::string("P3P as run: ") + v.name, "", std::to_string(v.within) + " of " + std::to_string(v.compared)});
+    json.push_back({{"variant", v.name}, {"compared", v.compared}, {"within", v.within}});
+  }
+  result.json["p3p_variants"] = json;
+}
+
+/// One panel: the curves of one method.
+io::Plot panel(const Study& study, bool p3p, const std::string& title) {
+  constexpr std::array<io::Color, 4> kColors{io::look::kEstimate, io::look::kGate, io::look::kDetection, io::look::kFlown};
+  io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
+  for (std::size_t c = 0, shown = 0; c < study.curves.size(); ++c) {
+    if (study.curves[c].p3p.has_value() != p3p) continue;
+    const io::Color color = kColors[shown++];
+    io::PlotSeries ours{.name = study.curves[c].name, .points = {}, .color = color};
+    io::PlotSeries theirs{.name = "", .points = {}, .color = color, .line = false, .rings = true};
     for (std::size_t i = 0; i < study.distances.size(); ++i) {
       ours.points.emplace_back(study.distances[i], study.ours[c][i]);
       theirs.points.emplace_back(study.distances[i], study.curves[c].paper[i]);
     }
     plot.series.push_back(ours), plot.series.push_back(theirs);
   }
-  return io::draw(plot);
+  return plot;
+}
+
+/// Above each other: P3P is ten times as far off.
+io::Canvas plotted(const Study& study) {
+  constexpr int kWidth = 960, kHeight = 460;
+  io::Canvas sheet(kWidth, 2 * kHeight);
+  sheet.paste(io::draw(panel(study, true, "P3P, noise as the authors drew it (rings: their figure)"), kWidth, kHeight), {0.0, 0.0});
+  sheet.paste(io::draw(panel(study, false, "Least squares (LS), the same corners"), kWidth, kHeight), {0.0, static_cast<double>(kHeight)});
+  return sheet;
 }
 
 }  // namespace
@@ -161,11 +212,11 @@ Result pose_ls_p3p(const Options& options) {
   Study as_run_{"as run", kDistances, curves_as_run()}, printed{"3.5 px", kTableDistances, curves_as_printed()};
   run(as_run_, trials, options);
   run(printed, trials, options);
-  Result result{.table = {}, .json = {{"trials", trials}, {"opencv", has_pnp()}, {"curves", nlohmann::ordered_json::array()}},
+  Result result{.table = {}, .json = {{"trials", trials}, {"curves", nlohmann::ordered_json::array()}},
                 .csv = "study,curve,distance_m,paper_rmse_m,rmse_m\n", .picture = plotted(as_run_)};
   report(as_run_, result);
   report(printed, result);
-  if (!has_pnp()) result.table.push_back({"P3P", "-", kNoPnp});
+  report(variants(trials, options), result);
   return result;
 }
 

@@ -17,6 +17,17 @@ std::array<Eigen::Vector3d, 4> corners_G(double side) {
   return {{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
 }
 
+/// As a straight lens centred at the origin would draw them.
+std::optional<Quad> straightened(const Quad& px, const CameraRig& rig) {
+  Quad straight;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto bearing_C = rig.lens.bearing(px[i]);
+    if (!bearing_C) return std::nullopt;
+    straight[i] = kStudyFocalPx * bearing_C->head<2>() / bearing_C->z();
+  }
+  return straight;
+}
+
 }  // namespace
 
 CameraRig study_rig() { return {AnyCamera{Pinhole{}}, camera_mount(20.0 * kDegree), Eigen::Vector3d::Zero()}; }
@@ -43,13 +54,13 @@ std::optional<Eigen::Vector3d> by_rays(const Quad& px, const Attitude& attitude_
 }
 
 std::optional<Eigen::Vector3d> by_pnp(Pnp method, const Quad& px, const CameraRig& rig, double side) {
-  Quad straight;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto bearing_C = rig.lens.bearing(px[i]);
-    if (!bearing_C) return std::nullopt;
-    straight[i] = kStudyFocalPx * bearing_C->head<2>() / bearing_C->z();
-  }
-  return camera_by(method, straight, kStudyFocalPx, side);
+  const auto straight = straightened(px, rig);
+  return straight ? camera_by(method, *straight, kStudyFocalPx, side) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> by_kneip(const KneipRule& rule, const Quad& px, const CameraRig& rig, double side) {
+  const auto straight = straightened(px, rig);
+  return straight ? camera_by_kneip(*straight, kStudyFocalPx, side, rule) : std::nullopt;
 }
 
 void Rmse::add(const std::optional<Eigen::Vector3d>& found, const Eigen::Vector3d& truth) {

@@ -9,6 +9,7 @@
 
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/experiments/kneip.hpp"
 #include "gatefly/experiments/pnp.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/pose/gate_fix.hpp"
@@ -28,6 +29,8 @@ inline constexpr double kStudyFocalPx = 168.0;
 [[nodiscard]] std::optional<Eigen::Vector3d> by_rays(const Quad& px, const Attitude& attitude_GB, const CameraRig& rig, double side);
 /// A baseline through the same lens; sees no attitude.
 [[nodiscard]] std::optional<Eigen::Vector3d> by_pnp(Pnp method, const Quad& px, const CameraRig& rig, double side);
+/// The authors' P3P through the same lens; needs no OpenCV.
+[[nodiscard]] std::optional<Eigen::Vector3d> by_kneip(const KneipRule& rule, const Quad& px, const CameraRig& rig, double side);
 
 /// Root mean square of errors.
 struct Rmse {
