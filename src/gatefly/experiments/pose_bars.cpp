@@ -93,23 +93,29 @@ void report(const Line& line, const Row& row, Result& result) {
   }
 }
 
-io::Canvas plotted(const std::array<Row, 4>& rows) {
+io::Plot panel(const std::array<Row, 4>& rows, int axis, const std::string& title) {
   constexpr std::array<io::Color, 4> kColors{io::look::kDetection, io::look::kFlown, io::look::kMuted, io::look::kGate};
-  io::Plot plot{.title = "Position error from the two side bars, x (above) and y (below); rings: the authors' figure",
-                .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
-  for (std::size_t l = 0; l < rows.size(); ++l)
-    for (const int axis : {0, 1}) {
-      if (l == 2) continue;  // -30° is the same as 30°
-      const Line& line = lines()[l];
-      io::PlotSeries ours{.name = axis == 0 ? line.name : "", .points = {}, .color = kColors[l]};
-      io::PlotSeries theirs{.name = "", .points = {}, .color = kColors[l], .line = false, .rings = true};
-      for (std::size_t i = 0; i < kDistances.size(); ++i) {
-        ours.points.emplace_back(kDistances[i], rows[l][i].paper.axis(axis));
-        theirs.points.emplace_back(kDistances[i], axis == 0 ? line.paper_x[i] : line.paper_y[i]);
-      }
-      plot.series.push_back(ours), plot.series.push_back(theirs);
+  io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
+  for (std::size_t l = 0; l < rows.size(); ++l) {
+    if (l == 2) continue;  // -30° is the same as 30°
+    const Line& line = lines()[l];
+    io::PlotSeries ours{.name = line.name, .points = {}, .color = kColors[l]};
+    io::PlotSeries theirs{.name = "", .points = {}, .color = kColors[l], .line = false, .rings = true};
+    for (std::size_t i = 0; i < kDistances.size(); ++i) {
+      ours.points.emplace_back(kDistances[i], rows[l][i].paper.axis(axis));
+      theirs.points.emplace_back(kDistances[i], axis == 0 ? line.paper_x[i] : line.paper_y[i]);
     }
-  return io::draw(plot);
+    plot.series.push_back(ours), plot.series.push_back(theirs);
+  }
+  return plot;
+}
+
+io::Canvas plotted(const std::array<Row, 4>& rows) {
+  constexpr int kWidth = 960, kHeight = 440;
+  io::Canvas sheet(kWidth, 2 * kHeight);
+  sheet.paste(io::draw(panel(rows, 0, "Position error from the two side bars, x, through the gate (rings: the authors' figure)"), kWidth, kHeight), {0.0, 0.0});
+  sheet.paste(io::draw(panel(rows, 1, "y, to the right"), kWidth, kHeight), {0.0, static_cast<double>(kHeight)});
+  return sheet;
 }
 
 }  // namespace

@@ -182,12 +182,12 @@ io::Canvas plotted(const std::vector<Cell>& cells) {
   for (const double attitude_deg : {0.0, 5.0, 15.0}) {
     io::Plot plot{.title = "Position error, 3.5 px, attitude " + io::text_of(attitude_deg) + "°, gate straight across",
                   .x_label = "distance [m]", .y_label = "3-D RMSE [m]",
-                  .series = {{.name = "P3P", .color = io::look::kMuted}, {.name = "IPPE", .color = io::look::kPlan},
-                             {.name = "SQPNP", .color = io::look::kEstimate}, {.name = "rays (paper)", .color = io::look::kGate},
-                             {.name = "MAP (ours)", .color = io::look::kDetection}}};
+                  .series = {{.name = "P3P", .color = io::look::kMuted}, {.name = "IPPE", .color = io::look::kFlown},
+                             {.name = "SQPNP", .color = io::look::kEstimate}, {.name = "MAP (ours)", .color = io::look::kDetection},
+                             {.name = "rays (paper)", .color = io::look::kGate, .line = false, .rings = true}}};  // often the same points
     for (const Cell& c : cells) {
       if (c.attitude_deg != attitude_deg || c.px != 3.5 || c.yaw_deg != 0.0) continue;
-      const std::array<double, 5> values{c.p3p.all(), c.ippe.all(), c.sqpnp.all(), c.rays.all(), c.map.all()};
+      const std::array<double, 5> values{c.p3p.all(), c.ippe.all(), c.sqpnp.all(), c.map.all(), c.rays.all()};
       for (std::size_t i = 0; i < values.size(); ++i) plot.series[i].points.emplace_back(c.distance, values[i]);
     }
     sheet.paste(io::draw(plot, kWidth, kHeight), {0.0, static_cast<double>(kHeight * place++)});
