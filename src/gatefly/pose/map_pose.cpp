@@ -141,6 +141,8 @@ void consider_outliers(Hypotheses& list, const Problem& problem) {
   const Sights& sights = problem.sights;
   double least = outlier_cost(sights[0], problem.params);
   for (const Sight& sight : sights) least = std::min(least, outlier_cost(sight, problem.params));
+  // A poor attitude may swallow an outlier: what is almost as good without it must be known, too.
+  if (largest_sigma(problem.prior) > kRoughAttitude) least -= problem.params.least_advantage;
   for (auto most = static_cast<int>(problem.params.max_outliers * static_cast<double>(sights.size())); most > 0; --most) {
     const Hypothesis best = best_of(list);
     if (!(best.fit.normal.cost > least)) return;
@@ -188,11 +190,12 @@ Moments mean_of(const Hypotheses& list, const Problem& problem) {
 }
 
 /// Whether leaving out something else is almost as good an explanation, but of another position.
-bool ambiguous(const Hypotheses& list, const MapPoseParams& params) {
+bool ambiguous(const Hypotheses& list, Active all, const MapPoseParams& params) {
   constexpr double kElsewhere = 9.0;  // three standard deviations
   const Hypothesis& best = best_of(list);
+  const double least = best.active == all ? params.least_advantage : params.least_advantage_after_drop;
   return std::any_of(list.begin(), list.end(), [&](const Hypothesis& one) {
-    return one.active != best.active && one.cost - best.cost < params.least_advantage && distance2(one, best) > kElsewhere;
+    return one.active != best.active && one.cost - best.cost < least && distance2(one, best) > kElsewhere;
   });
 }
 
@@ -253,7 +256,7 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
                      .dof = degrees_of_freedom(*sights, best.active, prior), .dropped = all & ~best.active};
   const NoPose doubt = doubt_of(pose, best.fit.converged, rig, params);
   if (doubt != NoPose::kNone) return refused(doubt);
-  if (ambiguous(list, params)) return refused(NoPose::kAmbiguous);
+  if (ambiguous(list, all, params)) return refused(NoPose::kAmbiguous);
   return {pose, NoPose::kNone};
 }
 

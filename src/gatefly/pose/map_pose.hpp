@@ -38,12 +38,13 @@ struct PosePrior {
 };
 
 struct MapPoseParams {
-  double outlier_share = 0.02;      ///< Of all observations ... [ours: pose-grid; with 0.05 good corners are lost at 15°]
+  double outlier_share = 0.1;       ///< Of all observations ... [ours: pose-grid]
   double outlier_sigma_px = 20.0;   ///< ... and how far they are off. [authors' detections: 10-40 px]
   double max_outliers = 0.25;       ///< Part of all observations.
   double max_surprise = 3.3;        ///< Of the chi-square, in normal standard deviations: 1 of 2,000 good fits. [ours]
   double max_surprise_after_drop = 2.3;  ///< The same when something was left out: parts of two gates fit better then. [ours]
-  double least_advantage = 6.0;     ///< In chi-square of one set of outliers over another that puts the gate elsewhere. [ours: pose-grid]
+  double least_advantage = 6.0;     ///< In chi-square, of no outlier over one that would put the gate elsewhere. [ours: pose-grid]
+  double least_advantage_after_drop = 8.0;  ///< The same of one outlier over another, or over none. [ours: pose-grid]
   double min_incidence = 0.17;      ///< Sine of the angle between the line of sight and the gate's plane: 10°. [ours]
   double max_distance = 12.0;       ///< [m] [ours: a 1 m gate is 14 px there]
   int max_steps = 40;               ///< Most fits take 4.
