@@ -88,7 +88,7 @@ struct MapPoseAnswer {
 /// (σ > 0.1 rad) also from both poses that the homography of four corners allows; all minima count by their
 /// probability. Derivation: docs/derivations/map_pose.md.
 /// Two corners are enough; two bars need a z_sigma.
-/// Cost: 3 µs for four good corners, 30-60 µs with σ > 0.06 rad; allocates nothing, throws nothing.
+/// Cost: 3 µs for four good corners, 30-100 µs with σ > 0.06 rad; allocates nothing, throws nothing.
 /// @return finite numbers or a reason, for any input.
 [[nodiscard]] MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& prior, const CameraRig& rig,
                                      const MapPoseParams& params = {});
