@@ -39,8 +39,10 @@ struct CalibrateOptions {
   std::string out, from, to = "toml", model, camera, report, data, pattern, size, tilt_from;
   double square = 0.0;
   std::optional<double> gate_height;
-  int rotate_deg = 0;
+  std::optional<int> rotate_deg;
   bool json = false;
+
+  [[nodiscard]] int rotation() const { return rotate_deg.value_or(0); }
 };
 
 void complain(const std::string& what) { std::cerr << "gatefly calibrate: " << what << '\n'; }
@@ -63,6 +65,7 @@ struct Boards {
   BoardViews views;
   Eigen::Vector2i size_px{0, 0};  ///< Upright.
   int pictures = 0, unusable = 0;
+  bool listed = false;            ///< Some are from a corner list.
   std::vector<std::pair<std::string, std::string>> without;  ///< Picture, why it shows no board.
   std::map<std::string, int> other_patterns;                 ///< What is there instead, how often.
 };
@@ -107,11 +110,12 @@ void add_list(const fs::path& path, const CalibrateOptions& options, Boards& boa
         throw std::runtime_error(path.string() + ": " + view.image + " has " + std::to_string(view.corners.size()) +
                                  " corners, --pattern " + options.pattern + " has " + std::to_string(pattern.prod()));
   }
-  turn_upright(views, size, options.rotate_deg);
-  if (options.rotate_deg % 180 != 0) std::swap(size.x(), size.y());
+  turn_upright(views, size, options.rotation());
+  if (options.rotation() % 180 != 0) std::swap(size.x(), size.y());
   if (boards.size_px.x() != 0 && size != boards.size_px)
     throw std::runtime_error(path.string() + ": --size " + options.size + " is not the size of the pictures before it");
   boards.size_px = size;
+  boards.listed = true;
   boards.pictures += static_cast<int>(views.size());
   boards.views.insert(boards.views.end(), std::make_move_iterator(views.begin()), std::make_move_iterator(views.end()));
 }
@@ -158,7 +162,7 @@ Boards find_boards(const CalibrateOptions& options) {
     if (!is_list(file) && !pattern) pattern = pattern_of(options);
     if (is_list(file)) add_list(file, options, boards);
     else try {
-        add_picture(file, *pattern, options.rotate_deg, boards);
+        add_picture(file, *pattern, options.rotation(), boards);
       } catch (const std::exception& error) {
         if (files.size() == 1) throw;
         progress.clear();
@@ -223,6 +227,18 @@ void print_views(const Calibration& answer, const Boards& boards) {
     std::cout << std::left << std::setw(name) << image << std::right << std::setw(7) << 0 << "           no board: " << reason << '\n';
 }
 
+/// What cannot be known about how the pictures are stored, one line; "" when it was said.
+std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options) {
+  if (options.rotate_deg) return "";
+  if (boards.size_px.y() > boards.size_px.x())
+    return "pictures of " + std::to_string(boards.size_px.x()) + "x" + std::to_string(boards.size_px.y()) +
+           " stand on end: if the sensor is mounted turned, calibrate again with --rotate 90 (or 270)";
+  if (boards.listed)
+    return "a corner list does not tell how pictures are stored, stored_rotation_deg = 0 is a guess: --rotate 90 if these are corners of turned "
+           "pictures; if of upright ones, but the camera stores them turned, set stored_rotation_deg";
+  return "";
+}
+
 void print(const Calibration& answer, const Boards& boards, const CalibrateOptions& options) {
   std::size_t corners = 0, dropped = 0;
   for (const ViewResult& view : answer.views) {
@@ -241,11 +257,12 @@ void print(const Calibration& answer, const Boards& boards, const CalibrateOptio
   if (answer.coverage < 0.7)
     std::cout << "warning: beyond the outermost corners the lens is extrapolated: hold the board into the picture's corners too\n";
   if (!options.out.empty()) std::cout << options.out << ": " << chosen << '\n';
+  if (const std::string doubt = rotation_doubt(boards, options); !doubt.empty()) std::cout << "warning: " << doubt << '\n';
 }
 
 nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards) {
+nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards, const CalibrateOptions& options) {
   nlohmann::ordered_json models = nlohmann::ordered_json::array(), pictures = nlohmann::ordered_json::array();
   for (const ModelResult& result : answer.models) {
     nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
@@ -264,7 +281,8 @@ nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards) 
   for (const auto& [image, reason] : boards.without) pictures.push_back({{"image", image}, {"corners", 0}, {"left_out", reason}});
   return {{"size_px", {answer.size_px.x(), answer.size_px.y()}}, {"pictures", pictures}, {"models", models},
           {"recommended", name_of(answer.models[answer.recommended].fit.model)},
-          {"chosen", name_of(answer.best().fit.model)}, {"coverage", answer.coverage}, {"unusable", boards.unusable}};
+          {"chosen", name_of(answer.best().fit.model)}, {"coverage", answer.coverage}, {"unusable", boards.unusable},
+          {"stored_rotation_deg", options.rotation()}, {"stored_rotation_doubt", rotation_doubt(boards, options)}};
 }
 
 CameraFormat format_of(const std::string& name) {
@@ -369,12 +387,13 @@ int run_calibrate(const CalibrateOptions& options) {
   how.model = lens_model(options.model);
   how.zero = options.zero;
   const Calibration answer = calibration::calibrate(boards.views, boards.size_px, how);
-  CameraFile camera{short_lens(answer.best().fit), answer.size_px, options.rotate_deg, {}};
+  CameraFile camera{short_lens(answer.best().fit), answer.size_px, options.rotation(), {}};
   std::vector<std::string> comments = provenance(answer);
+  if (const std::string doubt = rotation_doubt(boards, options); !doubt.empty()) comments.push_back("Beware: " + doubt + ".");
   add_tilt(camera, options, comments);
   write_camera(camera, options, comments);
   if (!options.report.empty()) residual_picture(answer).write_png(options.report);
-  if (options.json) std::cout << as_json(answer, boards).dump(2) << '\n';
+  if (options.json) std::cout << as_json(answer, boards, options).dump(2) << '\n';
   else if (!options.common.quiet && options.out != "-") print(answer, boards, options);
   if (boards.unusable == 0) return kDone;
   complain(std::to_string(boards.unusable) + " pictures could not be used, the rest was");

@@ -478,6 +478,20 @@ class Calibrate(Cli):
         self.assertEqual(len(answer["pictures"]), 9)
         self.assertAlmostEqual(answer["models"][0]["parameters"]["fx"]["value"], 200, delta=0.1)
 
+    def test_says_when_it_cannot_know_how_pictures_are_stored(self):
+        corners = self.corners("c.csv", 9)
+        run = lambda *more: self.run_it("calibrate", corners, *more, "--out", "c.toml")
+        listed = run("--size", "320x240")
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.assertIn("--rotate 90", listed.stdout.splitlines()[-1])
+        self.assertIn("stored_rotation_deg", (self.folder / "c.toml").read_text().split("[camera]")[0])  # the file says so, too
+        self.assertIn("stand on end", run("--size", "320x330").stdout.splitlines()[-1])
+        told = run("--size", "320x240", "--rotate", "0")  # that is an answer
+        self.assertNotIn("--rotate", told.stdout)
+        self.assertNotIn("guess", (self.folder / "c.toml").read_text())
+        pictures = self.run_it("calibrate", self.boards, *self.BOARD, "--out", "p.toml")  # these are as they are stored
+        self.assertNotIn("--rotate", pictures.stdout)
+
     def test_kalibr_and_ros_and_back(self):
         self.run_it("calibrate", self.corners("c.csv", 9), "--size", "320x240", "--model", "kannala-brandt", "--out", "a.toml")
         for form in ("kalibr", "ros"):
