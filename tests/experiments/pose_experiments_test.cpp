@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slices of the pose studies; the whole ones are `gatefly reproduce pose-...`.
+#include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -26,14 +28,12 @@ TEST(Pnp, EveryWayFindsTheCameraFromExactCorners) {
     ASSERT_TRUE(found) << static_cast<int>(method);
     EXPECT_LT((*found - p_GB).norm(), 1e-3) << static_cast<int>(method);
   }
-  EXPECT_LT((*by_rays(px, attitude, rig, 1.0) - p_GB).norm(), 1e-9);
-}
   const auto kneip = by_kneip({}, px, rig, 1.0);
   ASSERT_TRUE(kneip);
   EXPECT_LT((*kneip - p_GB).norm(), 1e-6);
+  EXPECT_LT((*by_rays(px, attitude, rig, 1.0) - p_GB).norm(), 1e-9);
+}
 
-// 500 trials: an RMSE's standard error is 3 %, so that a few points may fall out of 10 %.
-TEST(PoseStudies, LeastSquaresAndP3pGiveTheAuthorsCurvesAndTheRecomputedTable) {
 TEST(Pnp, FourthCornerTellsTheAnswersOfAnyTripleApart) {
   const CameraRig rig = study_rig();
   const Eigen::Vector3d p_GB{-1.5, -0.3, 0.2};
@@ -63,6 +63,8 @@ TEST(Pnp, RealPartsOfComplexRootsAreAnswersToo) {
   EXPECT_LT(with.axis(0), without.axis(0));
 }
 
+// 500 trials: an RMSE's standard error is 3 %, so that a few points may fall out of 10 %.
+TEST(PoseStudies, LeastSquaresAndP3pGiveTheAuthorsCurvesAndTheRecomputedTable) {
   const Result result = pose_ls_p3p({.data = {}, .quick = true});
   int curves = 0;
   for (const auto& curve : result.json.at("curves")) {
@@ -72,13 +74,13 @@ TEST(Pnp, RealPartsOfComplexRootsAreAnswersToo) {
     EXPECT_GE(curve.at("within").get<int>(), curve.at("compared").get<int>() - 1) << curve.at("study") << " " << name;
   }
   EXPECT_EQ(curves, 9);
-}
-
   // P3P's errors have long tails: an RMSE of 500 trials may be 10 % off.
   const auto& variants = result.json.at("p3p_variants");
   const int authors = variants.front().at("within");
   EXPECT_GE(authors, 22);
   for (const auto& variant : variants) EXPECT_GE(authors, variant.at("within").get<int>() - 2) << variant.at("variant");
+}
+
 TEST(PoseStudies, SideBarsGiveTheAuthorsCurves) {
   const Result result = pose_bars({.data = {}, .quick = true});
   EXPECT_EQ(result.json.at("lines").size(), 8u);
@@ -108,14 +110,25 @@ TEST_F(RealPoses, DistancesAreRightWithinSixPercentAndFlightElevenWithinItsLimit
   const Result result = pose_real({.data = data().string()});
   const auto& distances = result.json.at("distance51").at("distances");
   ASSERT_EQ(distances.size(), 5u);
+  double ours = 0.0, theirs = 0.0;  // scatter, over all distances
   for (const auto& at : distances) {
     const double truth = at.at("true_m");
     EXPECT_NEAR(at.at("mean_m").get<double>(), truth, 0.06 * truth);
-    if (has_pnp()) {
-      EXPECT_LT(at.at("std_m").get<double>(), 1.1 * at.at("pnp_std_m").get<double>());
-    }
+    ours += std::pow(at.at("std_m").get<double>(), 2);
+    if (has_pnp()) theirs += std::pow(at.at("pnp_std_m").get<double>(), 2);
   }
+  if (has_pnp()) {
+    EXPECT_LT(ours, theirs);
+  }
+  // Nothing grows with the distance beyond what the drone was held elsewhere, which labels and detections both see.
+  const auto& slopes = result.json.at("distance51").at("slopes");
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_LT(std::abs(slopes.at(i).at("slope").get<double>()), 2.0 * slopes.at(i).at("slope_sigma").get<double>()) << slopes.at(i);
+    EXPECT_LT(slopes.at(i).at("chi2").get<double>(), 7.8) << slopes.at(i);  // 95 % of 3 degrees of freedom
+  }
+  for (const auto& at : distances) EXPECT_GT(at.at("moved_std_m").get<double>(), 0.4 * at.at("std_m").get<double>()) << at;
   const auto& flight = result.json.at("flight_11");
+  EXPECT_NEAR(flight.at("best_side_m").get<double>(), 1.0, 0.02);
   for (const char* axis : {"rmse_x_m", "rmse_y_m"}) {
     EXPECT_LE(flight.at("labels").at(axis).get<double>(), 0.12);
     EXPECT_LE(flight.at("detections").at(axis).get<double>(), 0.20);

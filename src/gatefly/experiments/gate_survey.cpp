@@ -53,9 +53,7 @@ Errors errors_px(const Survey& s, std::size_t flight, const SurveyFlight& seen, 
   const SurveyedGate& gate = s.gates[seen.gate];
   const double h = 0.5 * pilot.track.gates.front().side;
   const std::array<Eigen::Vector3d, 4> corners{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
-  // Upright columns are read out one after the other.
-  constexpr double kWidth = 315.0;
-  const double across = center(picture.px).x() / kWidth - 0.5, t = picture.t - s.airframe.exposure_delay + across * pilot.camera_timing.readout;
+  const double t = exposed_at(picture, s.airframe, pilot);
   Attitude attitude = seen.motion->attitude(t);
   attitude.yaw += s.flights[flight].heading;
   const Eigen::Matrix3d R_EB = rotation_EB(attitude).matrix;
@@ -104,6 +102,12 @@ struct Residuals {
 };
 
 }  // namespace
+
+double exposed_at(const GatePicture& picture, const Airframe& airframe, const PilotConfig& pilot) {
+  // Upright columns are read out one after the other.
+  constexpr double kWidth = 315.0;
+  return picture.t - airframe.exposure_delay + (center(picture.px).x() / kWidth - 0.5) * pilot.camera_timing.readout;
+}
 
 CameraRig mounted(CameraRig lens, const Airframe& airframe, const FlightSetup& flight) {
   lens.R_BC = camera_mount(flight.tilt, airframe.camera_roll);

@@ -55,6 +55,9 @@ struct Survey {
 /// The camera of a drone that is measured so.
 [[nodiscard]] CameraRig mounted(CameraRig lens, const Airframe& airframe, const FlightSetup& flight);
 
+/// When the line of the picture that shows a gate's middle was exposed [s].
+[[nodiscard]] double exposed_at(const GatePicture& picture, const Airframe& airframe, const PilotConfig& pilot);
+
 /// Distances between the corners that a survey expects in a picture and those that were seen, RMS [px].
 [[nodiscard]] double misfit_px(const Survey& survey, std::size_t flight, const SurveyFlight& seen, const GatePicture& picture,
                                const PilotConfig& pilot);
