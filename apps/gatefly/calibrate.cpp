@@ -20,6 +20,7 @@
 #include "gatefly/calibration/corner_list.hpp"
 #include "gatefly/calibration/mount.hpp"
 #include "gatefly/calibration/residual_picture.hpp"
+#include "gatefly/detection/gate_search.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/image_file.hpp"
@@ -228,8 +229,8 @@ void print_views(const Calibration& answer, const Boards& boards) {
 }
 
 /// What cannot be known about how the pictures are stored, one line; "" when it was said.
-std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options) {
-  if (options.rotate_deg) return "";
+std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options, std::optional<int> by_flight) {
+  if (options.rotate_deg || by_flight) return "";
   if (boards.size_px.y() > boards.size_px.x())
     return "pictures of " + std::to_string(boards.size_px.x()) + "x" + std::to_string(boards.size_px.y()) +
            " stand on end: if the sensor is mounted turned, calibrate again with --rotate 90 (or 270)";
@@ -239,7 +240,7 @@ std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options
   return "";
 }
 
-void print(const Calibration& answer, const Boards& boards, const CalibrateOptions& options) {
+void print(const Calibration& answer, const Boards& boards, const CalibrateOptions& options, const std::string& doubt) {
   std::size_t corners = 0, dropped = 0;
   for (const ViewResult& view : answer.views) {
     corners += view.corners;
@@ -257,12 +258,12 @@ void print(const Calibration& answer, const Boards& boards, const CalibrateOptio
   if (answer.coverage < 0.7)
     std::cout << "warning: beyond the outermost corners the lens is extrapolated: hold the board into the picture's corners too\n";
   if (!options.out.empty()) std::cout << options.out << ": " << chosen << '\n';
-  if (const std::string doubt = rotation_doubt(boards, options); !doubt.empty()) std::cout << "warning: " << doubt << '\n';
+  if (!doubt.empty()) std::cout << "warning: " << doubt << '\n';
 }
 
 nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards, const CalibrateOptions& options) {
+nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards, int stored_rotation_deg, const std::string& doubt) {
   nlohmann::ordered_json models = nlohmann::ordered_json::array(), pictures = nlohmann::ordered_json::array();
   for (const ModelResult& result : answer.models) {
     nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
@@ -282,7 +283,7 @@ nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards, 
   return {{"size_px", {answer.size_px.x(), answer.size_px.y()}}, {"pictures", pictures}, {"models", models},
           {"recommended", name_of(answer.models[answer.recommended].fit.model)},
           {"chosen", name_of(answer.best().fit.model)}, {"coverage", answer.coverage}, {"unusable", boards.unusable},
-          {"stored_rotation_deg", options.rotation()}, {"stored_rotation_doubt", rotation_doubt(boards, options)}};
+          {"stored_rotation_deg", stored_rotation_deg}, {"stored_rotation_doubt", doubt}};
 }
 
 CameraFormat format_of(const std::string& name) {
@@ -330,6 +331,30 @@ std::vector<Quad> single_gates(const io::Labels& labels) {
   for (const io::LabelledPicture& picture : labels.pictures)
     if (picture.gates.size() == 1) gates.push_back(picture.gates[0]);
   return gates;
+}
+
+/// How a flight's pictures must be turned for its gates to be found where its labels (upright) have them; nullopt when
+/// no way stands out.
+std::optional<int> stored_rotation_of(const fs::path& flight, const Eigen::Vector2i& upright_px, const io::Config& config) {
+  constexpr double kSamePx = 10.0;
+  constexpr std::size_t kPictures = 20;
+  const io::Labels labels = io::read_labels(flight / "labels.csv");
+  const auto search = std::make_unique<GateSearch>(config.pilot.detector);
+  std::map<int, int> hits;
+  std::size_t pictures = 0;
+  for (const io::LabelledPicture& picture : labels.pictures) {
+    if (picture.gates.size() != 1 || !fs::exists(flight / picture.image) || ++pictures > kPictures) continue;
+    const io::ImageFile file = io::read_image(flight / picture.image);
+    for (const int turn : {0, 90, 180, 270}) {
+      const Image image = file.view(turn);
+      if (Eigen::Vector2i{image.width(), image.height()} != upright_px) continue;
+      const GateDetections found = search->detect(image, config.pilot.gate_color);
+      if (!found.empty() && (center(found[0].corners_px) - center(picture.gates[0])).norm() < kSamePx) ++hits[turn];
+    }
+  }
+  for (const auto& [turn, count] : hits)
+    if (count >= 3 && std::none_of(hits.begin(), hits.end(), [&](const auto& other) { return other.first != turn && 2 * other.second > count; })) return turn;
+  return std::nullopt;
 }
 
 /// Adds the mount angle to the camera, and what it rests on to the comments.
@@ -387,14 +412,19 @@ int run_calibrate(const CalibrateOptions& options) {
   how.model = lens_model(options.model);
   how.zero = options.zero;
   const Calibration answer = calibration::calibrate(boards.views, boards.size_px, how);
-  CameraFile camera{short_lens(answer.best().fit), answer.size_px, options.rotation(), {}};
   std::vector<std::string> comments = provenance(answer);
-  if (const std::string doubt = rotation_doubt(boards, options); !doubt.empty()) comments.push_back("Beware: " + doubt + ".");
+  std::optional<int> by_flight;
+  const fs::path flight = options.tilt_from.empty() ? fs::path{} : io::find_data(options.tilt_from, options.data);
+  if (boards.listed && !options.rotate_deg && fs::is_directory(flight)) by_flight = stored_rotation_of(flight, answer.size_px, load(options.common));
+  if (by_flight) comments.push_back("stored_rotation_deg: so the gates of " + flight.filename().string() + " are where its labels have them.");
+  CameraFile camera{short_lens(answer.best().fit), answer.size_px, by_flight.value_or(options.rotation()), {}};
+  const std::string doubt = rotation_doubt(boards, options, by_flight);
+  if (!doubt.empty()) comments.push_back("Beware: " + doubt + ".");
   add_tilt(camera, options, comments);
   write_camera(camera, options, comments);
   if (!options.report.empty()) residual_picture(answer).write_png(options.report);
-  if (options.json) std::cout << as_json(answer, boards, options).dump(2) << '\n';
-  else if (!options.common.quiet && options.out != "-") print(answer, boards, options);
+  if (options.json) std::cout << as_json(answer, boards, camera.stored_rotation_deg, doubt).dump(2) << '\n';
+  else if (!options.common.quiet && options.out != "-") print(answer, boards, options, doubt);
   if (boards.unusable == 0) return kDone;
   complain(std::to_string(boards.unusable) + " pictures could not be used, the rest was");
   return kUnusable;

@@ -492,6 +492,18 @@ class Calibrate(Cli):
         pictures = self.run_it("calibrate", self.boards, *self.BOARD, "--out", "p.toml")  # these are as they are stored
         self.assertNotIn("--rotate", pictures.stdout)
 
+    def test_a_flight_tells_how_its_pictures_are_stored(self):
+        data = pathlib.Path(os.environ.get("GATEFLY_DATA", ROOT / "../shared/data"))
+        flight = data / "tudelft_bebop_flights" / "flight_11"
+        if not flight.is_dir():
+            self.skipTest(f"no real data in {data}")
+        corners = data / "fisheye_calibration" / "bebop_front_camera" / "calib_rot_3_corners.csv"
+        result = self.run_it("calibrate", corners, "--size", "315x160", "--tilt-from", flight, "--out", "c.toml")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("guess", result.stdout)
+        with open(self.folder / "c.toml", "rb") as file:
+            self.assertEqual(tomllib.load(file)["camera"]["stored_rotation_deg"], 90)
+
     def test_kalibr_and_ros_and_back(self):
         self.run_it("calibrate", self.corners("c.csv", 9), "--size", "320x240", "--model", "kannala-brandt", "--out", "a.toml")
         for form in ("kalibr", "ros"):
