@@ -23,8 +23,17 @@ GateDetections GateSearch::detect(const Image& image, const ColorModel& color) {
 
 GateDetections GateSearch::detect_best(const Image& image, const ColorModel& color) {
   const GateDetections quick = snakes_.detect(image, color);
-  const bool alone = !quick.empty() && is_sure(quick[0]) && !snakes_.shows_bars_beside(quick);
-  return in_order(alone ? quick : careful_.detect(image, color), image);
+  if (quick.empty() || !is_sure(quick[0])) return in_order(careful_.detect(image, color), image);
+  if (!snakes_.shows_bars_beside(quick)) return in_order(quick, image);
+  // What stood out stays, unless the careful search is surer of something in its place.
+  GateDetections all = careful_.detect(image, color);
+  for (const GateDetection& gate : quick) {
+    if (!is_sure(gate)) continue;
+    const auto same = std::find_if(all.begin(), all.end(), [&](const auto& other) { return same_place(other.corners_px, gate.corners_px); });
+    if (same == all.end()) (void)all.push_back(gate);
+    else if (gate.fitness > same->fitness) *same = gate;
+  }
+  return in_order(all, image);
 }
 
 }  // namespace gatefly
