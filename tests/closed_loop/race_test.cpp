@@ -2,11 +2,9 @@
 // Whole races: rendered pictures or ideal detections in, motor commands out.
 #include "gatefly/closed_loop/race.hpp"
 
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <new>
 #include <tuple>
 #include <vector>
 
@@ -14,30 +12,7 @@
 
 #include "gatefly/io/config.hpp"
 #include "gatefly/io/track_file.hpp"
-
-namespace {
-std::atomic<std::uint64_t> g_allocations{0};
-}  // namespace
-
-// GCC takes aligned_alloc for another family than malloc; both are freed by free().
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-
-// Every allocation of this program is counted; the races below ask for none inside Pilot::step.
-void* operator new(std::size_t size) {
-  ++g_allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc{};
-}
-void* operator new(std::size_t size, std::align_val_t align) {
-  ++g_allocations;
-  const auto a = static_cast<std::size_t>(align);
-  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
-  throw std::bad_alloc{};
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+#include "support/allocation_counter.hpp"
 
 namespace gatefly::closed_loop {
 namespace {
@@ -115,7 +90,7 @@ TEST(Race, AnotherSeedIsAnotherDay) {
 
 TEST(Race, ThePilotsStepAllocatesNothing) {
   RaceConfig race = race_on("oval", 1005, 1);
-  race.allocations = [] { return g_allocations.load(); };
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations.load()); };
   const RaceResult result = fly(race, {});
   EXPECT_GT(result.frames, 100);
   EXPECT_EQ(result.step_allocations, 0u);
@@ -185,7 +160,7 @@ TEST(IdealRace, SameSeedSameBytesAndAnotherSeedAnotherFlight) {
 
 TEST(IdealRace, ThePilotsStepAllocatesNothing) {
   RaceConfig race = ideal_race_on("oval", 1005, 3);
-  race.allocations = [] { return g_allocations.load(); };
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations.load()); };
   const RaceResult result = fly(race, {});
   EXPECT_GT(result.true_positives, 40);
   EXPECT_EQ(result.step_allocations, 0u);

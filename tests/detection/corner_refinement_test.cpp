@@ -17,6 +17,8 @@ namespace {
 
 using namespace test;
 
+constexpr double kBar = 0.05 / 0.95;  // of a side of the middle lines
+
 /// A camera without bend, so that the middle lines of the bars are straight.
 CameraRig straight_rig() { return {AnyCamera{Pinhole{.center_px = {157, 80}}}, camera_mount(0.0), Eigen::Vector3d::Zero()}; }
 
@@ -27,16 +29,15 @@ Quad shaken(Quad quad, Rng& rng, double px) {
 
 /// A gate of 1 m with bars of 5 cm in a picture, and where its bars' middle lines cross.
 struct Scene {
-  Scene(const View& view, Rng& rng, double noise) : truth{corners_of(0.95, view, straight_rig()).value()}, bar_px{0.05 / 0.95 * std::sqrt(area(truth))} {
+  Scene(const View& view, Rng& rng, double noise) : truth{corners_of(0.95, view, straight_rig()).value()} {
     Canvas canvas(315, 160);
     canvas.draw_gate(view, straight_rig());
     if (noise > 0.0) canvas.add_noise(rng, noise, noise);
     bytes = canvas.yuv444();
   }
-  [[nodiscard]] Quad refined(const Quad& rough) const { return refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, rough, bar_px); }
+  [[nodiscard]] Quad refined(const Quad& rough) const { return refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, rough, kBar); }
 
   Quad truth;
-  double bar_px;
   std::vector<std::uint8_t> bytes;
 };
 
@@ -72,7 +73,7 @@ TEST(RefinedCorners, HardlyDependOnWhereTheyStart) {
 TEST(RefinedCorners, StayWhereThereIsNoBar) {
   const auto bytes = Canvas(315, 160).yuv444();
   const Quad frame = corners_of(0.95, {{-3, 0, 0}, {.roll = 0.2}}, straight_rig()).value();
-  EXPECT_LT(worst_corner(refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, frame, 3.0), frame), 1e-9);
+  EXPECT_LT(worst_corner(refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, frame, kBar), frame), 1e-9);
 }
 
 // Left half of the gate beyond the border: the sides in view are still drawn onto their bars.
@@ -93,7 +94,7 @@ TEST(RefinedCorners, BearAnyFrameInAnyPicture) {
     for (auto& b : bytes) b = static_cast<std::uint8_t>(rng.uniform(0, 256));
     Quad frame;
     for (auto& p : frame) p = {rng.uniform(-60, 100), rng.uniform(-60, 100)};
-    const Quad refined = refined_corners({bytes.data(), PixelFormat::kYuv444, width, height}, frame, rng.uniform(0, 50));
+    const Quad refined = refined_corners({bytes.data(), PixelFormat::kYuv444, width, height}, frame, rng.uniform(0, 2));
     for (std::size_t i = 0; i < 4; ++i) EXPECT_TRUE(refined[i].allFinite());
   });
   const Quad nowhere{Eigen::Vector2d{1e12, 0}, {-1e12, 5}, {3, 1e12}, {3, 3}};

@@ -2,11 +2,9 @@
 #include "gatefly/pose/map_pose.hpp"
 
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <new>
 #include <vector>
 
 #include <Eigen/LU>
@@ -14,24 +12,13 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/reprojection.hpp"
+#include "support/allocation_counter.hpp"
 #include "support/central_difference.hpp"
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
 #include "support/views_of_a_gate.hpp"
-
-// Every allocation of this program is counted. Not inlined: GCC would warn about new meeting free().
-namespace {
-std::atomic<long> allocations{0};
-}
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size != 0 ? size : 1)) return p;
-  throw std::bad_alloc{};
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace gatefly {
 namespace {
@@ -409,9 +396,7 @@ TEST(MapPose, AllocatesNothing) {
   px[2].x() += 30.0;  // with an outlier to look for
   for (const double sigma : {0.02, 0.3}) (void)map_pose(corners_seen(px, 2.0), prior_of(view.attitude_GB, sigma), rig);
   EXPECT_EQ(allocations - before, 0);
-  const long counted = allocations;
-  operator delete(operator new(8));
-  EXPECT_GT(allocations, counted) << "the counter counts";
+  test::expect_that_allocations_are_counted();
 }
 
 TEST(MapPose, AFullListTakesNoMore) {

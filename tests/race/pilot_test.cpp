@@ -1,42 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/pilot.hpp"
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/allocation_counter.hpp"
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
-
-// Every allocation of this program is counted. Not inlined: GCC would warn about new meeting free().
-namespace {
-std::atomic<long> allocations{0};
-}
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size != 0 ? size : 1)) return p;
-  throw std::bad_alloc{};
-}
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t align) {
-  ++allocations;
-  const auto a = static_cast<std::size_t>(align);
-  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
-  throw std::bad_alloc{};
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace gatefly {
 namespace {
@@ -329,9 +308,7 @@ TEST(Pilot, AllocatesNothingOnceBuilt) {
   }
   EXPECT_EQ(allocations - before, 0);
   EXPECT_FALSE(in<OnGround>(pilot));
-  const long counted = allocations;
-  operator delete(operator new(8));
-  EXPECT_GT(allocations, counted) << "the counter counts";
+  test::expect_that_allocations_are_counted();
 }
 
 TEST(Pilot, RefusesACourseThatCannotBeFlown) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/corner_refinement.hpp"
+#include "gatefly/detection/quad.hpp"
 
 namespace gatefly {
 namespace {
@@ -106,7 +106,7 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
       frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
     }
     if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
-    frame.quad = refined_corners(image, frame.quad, params_.bar() * std::sqrt(std::abs(area(frame.quad))));
+    frame.quad = refined_corners(image, frame.quad, params_.bar());
     (void)found.push_back(detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale));
   }
   insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });

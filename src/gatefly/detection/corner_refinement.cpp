@@ -189,7 +189,8 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 
 }  // namespace
 
-Quad refined_corners(const Image& image, const Quad& frame, double bar_px, RefinementEffort effort) {
+Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
+  const double bar_px = bar * std::sqrt(std::abs(area(frame)));
   return effort == RefinementEffort::kQuick ? refined<20>(image, frame, bar_px, 4) : refined<32>(image, frame, bar_px, 5);
 }
 

@@ -18,8 +18,8 @@ enum class RefinementEffort {
 /// What is bar and what is beside it is told by the colours in this very picture: a colour model's bins are as coarse
 /// as the noise of a camera, and its steps move a line by a pixel between two pictures of one scene.
 /// @param frame  the bars' middle lines, to a pixel or two [px].
-/// @param bar_px  width of the bars.
+/// @param bar  bar width / side of the bars' middle lines.
 /// A side that shows no bar stays where it is; a frame of which a corner would leap is returned as it was. Allocates nothing.
-[[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar_px, RefinementEffort effort = RefinementEffort::kCareful);
+[[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort = RefinementEffort::kCareful);
 
 }  // namespace gatefly

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/detection/corner_refinement.hpp"
+#include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -135,7 +135,7 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   }
   insertion_sort(frames, [](const Frame& a, const Frame& b) { return a.score.total > b.score.total; });
   for (const Frame& frame : frames) {
-    const Quad rough = to_pixels(frame.quad, cell), corners = refined_corners(image, rough, params_.bar() * std::sqrt(std::abs(area(rough))), RefinementEffort::kQuick);
+    const Quad corners = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(), RefinementEffort::kQuick);
     (void)found.push_back(detection_of({corners, frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
   }
   return found;
