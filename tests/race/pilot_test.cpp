@@ -276,7 +276,7 @@ TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
   const Estimate before = pilot.estimate();
   View view{.p_GB = before.p_EB - c.track.gates[0].p_EG, .attitude_GB = before.attitude};
   const Quad corners = *corners_of(1.0, view, c.camera);
-  view.p_GB.x() -= 0.8;
+  view.p_GB.x() -= 1.0;
   SeenGates seen;
   (void)seen.gates.push_back({*corners_of(1.0, view, c.camera), 1.0});
   seen.open = OpenGate{corners[3], corners[2], 1.0};

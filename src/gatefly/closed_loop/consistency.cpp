@@ -38,7 +38,7 @@ void ConsistencyWatch::update(const Pilot& pilot, const Eigen::Vector3d& true_p_
     return;
   }
   if (far_since_ < 0.0) far_since_ = time, seen_while_far_ = counted_ = false;
-  seen_while_far_ = seen_while_far_ || (picture && sighting.seen);
+  seen_while_far_ = seen_while_far_ || (picture && sighting.offered);
   if (!counted_ && seen_while_far_ && time - far_since_ > kLong) ++result_.divergences, counted_ = true;
 }
 

@@ -24,7 +24,7 @@ struct ChiSquareCount {
 struct Consistency {
   ChiSquareCount nees;        ///< 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
   ChiSquareCount nis;         ///< Of every fix that was used.
-  int divergences = 0;        ///< Farther off than 1 m for more than 1 s although a gate was seen in that time.
+  int divergences = 0;        ///< Farther off than 1 m for more than 1 s although a fix was offered in that time.
 };
 
 /// Fills it while a race goes on.

@@ -81,6 +81,13 @@ Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
   return Fusion::kAccepted;
 }
 
+void DragFilter::restart(const Fix& fix) {
+  x_.segment<3>(kX) = fix.p_GB;
+  P_.topRows<3>().setZero();
+  P_.leftCols<3>().setZero();
+  P_.topLeftCorner<3, 3>() = fix.covariance;
+}
+
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
   const double innovation = z_G - x_(kZ);
   const double S = P_(kZ, kZ) + sigma * sigma;

@@ -21,7 +21,12 @@ struct DragFilterParams {
 };
 
 /// What became of a measurement.
-enum class Fusion { kAccepted, kRefused };
+enum class Fusion {
+  kAccepted,
+  kRefused,    ///< Farther off than the doubt allows, or not a number.
+  kTooLate,    ///< Of a moment that is no longer remembered.
+  kRestarted,  ///< Refused, but fixes agree on it: the position begins anew there.
+};
 
 /// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
 ///
@@ -47,6 +52,9 @@ class DragFilter {
 
   /// Squared Mahalanobis distance of a fix.
   [[nodiscard]] double distance2(const Fix& fix, const Eigen::Vector3d& moved) const;
+
+  /// The position is what a fix says, whatever it was before; velocity and biases stay.
+  void restart(const Fix& fix);
 
   /// More doubt about the position on the floor plan [m²].
   void doubt(const Eigen::Matrix2d& covariance) { P_.topLeftCorner<2, 2>() += covariance; }

@@ -25,7 +25,7 @@ Pilot::Pilot(const PilotConfig& config)
       plan_{plan_race(config.track, config.plan)},
       ahrs_{config.ahrs},
       accel_filter_{kAccelCutoffHz, kImuHz},
-      filter_{config.filter},
+      memory_{config.filter},
       velocity_{config.velocity},
       altimeter_{config.altimeter},
       indi_{config.indi, config.vehicle},
@@ -57,7 +57,7 @@ Command Pilot::step(const Sensors& sensors) {
   if (std::holds_alternative<Land>(next.phase) && !std::holds_alternative<Land>(phase_))
     std::get<Land>(next.phase).z = p_EB().z();
   if (std::holds_alternative<Search>(next.phase) && !std::holds_alternative<Search>(phase_)) {
-    hold_x_ = std::min(-2.2, filter_.position().x() - 0.5);
+    hold_x_ = std::min(-2.2, filter().position().x() - 0.5);
     hold_integral_.setZero();
   }
   if (std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase)) approach_from_here();
@@ -95,7 +95,7 @@ void Pilot::sense(const Imu& imu, double dt) {
     accel_filter_.update(imu.accel_B);
     const Eigen::Vector3d p_G = rotation_z(-gate().yaw_EG) *
         (Eigen::Vector3d{config_.track.start.x(), config_.track.start.y(), 0.0} - gate().p_EG);
-    filter_.start(p_G, ahrs_.accel_bias());
+    memory_.start(p_G, ahrs_.accel_bias(), time_);
     return;
   }
   input_.accel_B = accel_filter_.update(imu.accel_B);
@@ -109,23 +109,16 @@ void Pilot::sense(const Imu& imu, double dt) {
 
 void Pilot::estimate_motion(double dt) {
   if (std::holds_alternative<OnGround>(phase_) || dt <= 0.0) return;
-  filter_.predict(input_, dt);
-  velocity_.update(filter_.state(), input_, config_.filter.model, dt);
-
-  // Dead reckoning, never corrected: how far the drone moved between two moments.
-  const Eigen::Matrix3d R_EB = ahrs_.R_EB().matrix;
-  const Eigen::Vector3d moved_E = dt * (R_EB * velocity_.v_B());
-  odometry_E_ += moved_E;
-  altimeter_.climb(-moved_E.z());
-  history_[history_count_ % history_.size()] = {time_, R_EB, odometry_E_};
-  ++history_count_;
+  memory_.predict(input_, dt, time_);
+  velocity_.update(filter().state(), input_, config_.filter.model, dt);
+  altimeter_.climb(-dt * (ahrs_.R_EB() * velocity_.v_B()).z());
 }
 
 void Pilot::measure_height(const Sensors& sensors) {
   if (std::holds_alternative<OnGround>(phase_)) return;
   const double floor_z = -gate().p_EG.z();  // the floor, in the gate's frame
   const auto fuse = [&](const std::optional<Height>& height) {
-    if (height) (void)filter_.correct_altitude(floor_z - height->value, height->sigma, config_.gate_height_sigma);
+    if (height) (void)memory_.correct_altitude(floor_z - height->value, height->sigma, config_.gate_height_sigma);
   };
   if (sensors.baro && std::abs(*sensors.baro) < 1000.0) fuse(altimeter_.baro(*sensors.baro, time_));
   const double upright = ahrs_.R_EB().matrix(2, 2);
@@ -138,20 +131,9 @@ double Pilot::capture_time(double u_px) const {
   return time_ - config_.camera_timing.latency + across * config_.camera_timing.readout;
 }
 
-Pilot::Past Pilot::past(double time) const {
-  const std::size_t kept = std::min(history_count_, history_.size());
-  Past best{time_, ahrs_.R_EB().matrix, odometry_E_};
-  for (std::size_t i = 1; i <= kept; ++i) {
-    const Past& moment = history_[(history_count_ - i) % history_.size()];
-    if (std::abs(moment.time - time) <= std::abs(best.time - time)) best = moment;
-    if (moment.time < time) break;
-  }
-  return best;
-}
-
 RotationGB Pilot::R_GB(const Eigen::Matrix3d& R_EB) const { return {rotation_z(-gate().yaw_EG) * R_EB}; }
 
-Eigen::Vector3d Pilot::p_EB() const { return gate().p_EG + rotation_z(gate().yaw_EG) * filter_.position(); }
+Eigen::Vector3d Pilot::p_EB() const { return gate().p_EG + rotation_z(gate().yaw_EG) * filter().position(); }
 
 const Path& Pilot::path() const {
   if (approach_) return *approach_;
@@ -167,13 +149,13 @@ void Pilot::follow_course() {
   progress_ = path().nearest(p_EB().head<2>(), std::max(0.0, progress_ - 0.5), std::min(progress_ + 0.8, total + 0.5));
   // While searching, only what went through the opening has passed.
   const bool on_course = std::holds_alternative<Straight>(phase_) || std::holds_alternative<Turn>(phase_);
-  const bool through = std::holds_alternative<Search>(phase_) && std::abs(filter_.position().y()) < 0.5 * gate().side;
-  if ((on_course || through) && total - progress_ < 1.5 && filter_.position().x() > 0.10) pass_gate();
+  const bool through = std::holds_alternative<Search>(phase_) && std::abs(filter().position().y()) < 0.5 * gate().side;
+  if ((on_course || through) && total - progress_ < 1.5 && filter().position().x() > 0.10) pass_gate();
 }
 
 // From where it waited the drone flies straight on along the gate's axis: the leg's own way may end in an arc.
 void Pilot::approach_from_here() {
-  const double before = std::max(1.0, -filter_.position().x() + 0.5);
+  const double before = std::max(1.0, -filter().position().x() + 0.5);
   const Eigen::Vector3d start = gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{-before, 0, 0};
   approach_.emplace();
   (void)approach_->segments.push_back({.start = start.head<2>(), .heading = gate().yaw_EG, .curvature = 0.0, .length = before});
@@ -193,7 +175,7 @@ void Pilot::pass_gate() {
   // p_G' = R_G'E (p_EG + R_EG p_G - p_EG')
   const Eigen::Matrix3d R = rotation_z(from.yaw_EG - to.yaw_EG);
   const Eigen::Vector3d offset = rotation_z(-to.yaw_EG) * (from.p_EG - to.p_EG);
-  filter_.change_frame(R, offset, {config_.map_sigma, config_.gate_height_sigma, config_.gate_yaw_sigma});
+  memory_.change_frame(R, offset, from.yaw_EG - to.yaw_EG, {config_.map_sigma, config_.gate_height_sigma, config_.gate_yaw_sigma});
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - to.yaw_EG);
 }
 
@@ -201,11 +183,11 @@ void Pilot::pass_gate() {
 // that starts after the roll's lag.
 double Pilot::lateral_at_gate() const {
   const double speed = std::max(0.5, forward_speed());
-  const double t = std::max(0.0, -filter_.position().x() / speed - 1.5 * config_.speed.roll_lead);
+  const double t = std::max(0.0, -filter().position().x() / speed - 1.5 * config_.speed.roll_lead);
   const double wt = std::sqrt(config_.lateral.kp * config_.filter.model.gravity) * t;
   const double decay = 1.0 / (1.0 + wt + 0.5 * wt * wt + wt * wt * wt / 6.0);  // e^-wt, from its series
   const double v_y = (R_GB(ahrs_.R_EB().matrix) * velocity_.v_B()).y();
-  return (1.0 + wt) * decay * filter_.position().y() + t * decay * v_y;
+  return (1.0 + wt) * decay * filter().position().y() + t * decay * v_y;
 }
 
 Situation Pilot::situation() const {
@@ -215,9 +197,9 @@ Situation Pilot::situation() const {
   now.height = -p_EB().z();
   now.course_done = finished();
   now.to_go = path().length() - progress_;
-  now.gate_x = filter_.position().x();
-  now.gate_y = filter_.position().y();
-  now.lateral_sigma = std::sqrt(filter_.covariance()(drag_model::kY, drag_model::kY));
+  now.gate_x = filter().position().x();
+  now.gate_y = filter().position().y();
+  now.lateral_sigma = std::sqrt(filter().covariance()(drag_model::kY, drag_model::kY));
   now.speed = velocity_.v_B().head<2>().norm();
   now.gate_y_ahead = lateral_at_gate();
   now.turn_ahead = !finished() && path().at(progress_ + config_.speed.roll_lead * std::max(0.0, forward_speed())).curvature != 0.0;
@@ -232,10 +214,10 @@ Estimate Pilot::estimate() const {
   e.p_EB = p_EB();
   e.v_E = ahrs_.R_EB() * velocity_.v_B();
   e.attitude = ahrs_.attitude();
-  e.accel_bias = filter_.state().segment<3>(drag_model::kBiasX);
+  e.accel_bias = filter().state().segment<3>(drag_model::kBiasX);
   e.gyro_bias = ahrs_.gyro_bias();
-  e.p_GB = filter_.position();
-  e.covariance_GB = filter_.covariance().topLeftCorner<3, 3>();
+  e.p_GB = filter().position();
+  e.covariance_GB = filter().covariance().topLeftCorner<3, 3>();
   e.gates_passed = passed_;
   return e;
 }

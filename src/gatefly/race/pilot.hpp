@@ -17,7 +17,7 @@
 #include "gatefly/detection/part_search.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
-#include "gatefly/estimation/drag_filter.hpp"
+#include "gatefly/estimation/delayed_filter.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/estimation/velocity_observer.hpp"
 #include "gatefly/pose/gate_fix.hpp"
@@ -118,6 +118,7 @@ struct FixOnCourse {
 struct Sighting {
   enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or the two lower ones.
   bool seen = false;                  ///< At least one gate was detected.
+  bool offered = false;               ///< One of them, or a part, gave a fix of the target; the filter may have refused it.
   GateDetections detections;          ///< Best first; the one that was used is `used`.
   int used = -1;                      ///< Index into detections; -1 when none (or bars).
   Source source = Source::kNone;      ///< What corrected the filter, if anything did.
@@ -147,17 +148,12 @@ class Pilot {
   [[nodiscard]] const RacePlan& plan() const { return plan_; }
 
  private:
-  struct Past {  ///< One moment, for pictures that arrive late.
-    double time = 0.0;
-    Eigen::Matrix3d R_EB = Eigen::Matrix3d::Identity();
-    Eigen::Vector3d odometry_E = Eigen::Vector3d::Zero();
-  };
+  using Past = DelayedFilter::Moment;
 
   struct Candidate {  ///< What might correct the filter.
     Fix fix;
-    Eigen::Vector3d moved;    ///< Since the exposure, in the gate's frame [m].
-    double time = 0.0;        ///< Of the exposure [s].
-    double distance2 = 0.0;   ///< From where the filter believes to be, squared, in units of the doubt.
+    const Past* then = nullptr;  ///< When it was exposed.
+    double distance2 = 0.0;   ///< From where the filter believes to have been, squared, in units of the doubt.
     Sighting::Source source = Sighting::Source::kNone;
     int detection = -1;       ///< Index of a whole gate; -1: a part of one.
   };
@@ -173,14 +169,14 @@ class Pilot {
   [[nodiscard]] std::optional<Candidate> best_part(const Sensors& sensors);
   [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection = -1) const;
   [[nodiscard]] bool convincing(const std::optional<Candidate>& candidate) const;
-  bool fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source);
+  bool fuse(const Candidate& seen);
   void doubt_heading_after_blind_leg();
-  void learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved);
+  void learn_heading_from_leg(const Candidate& seen);
   void correct_heading(double error, double variance);
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
   bool correct_with(Candidate seen);
-  [[nodiscard]] double surprise(const GateDetection& seen, const MapGate& gate, bool from_behind) const;
-  [[nodiscard]] bool belongs_to_another_gate(const GateDetection& gate) const;
+  [[nodiscard]] double surprise(const GateDetection& seen, const Past& then, const MapGate& gate, bool from_behind) const;
+  [[nodiscard]] bool belongs_to_another_gate(const GateDetection& seen, const Past& then) const;
   void follow_course();
   void pass_gate();
   void approach_from_here();
@@ -196,8 +192,8 @@ class Pilot {
   [[nodiscard]] const MapGate& gate() const { return config_.track.gates[static_cast<std::size_t>(target_)]; }
   [[nodiscard]] const Path& path() const;
   [[nodiscard]] Situation situation() const;
-  [[nodiscard]] Past past(double time) const;
   [[nodiscard]] RotationGB R_GB(const Eigen::Matrix3d& R_EB) const;
+  [[nodiscard]] const DragFilter& filter() const { return memory_.now(); }
   [[nodiscard]] Eigen::Vector3d p_EB() const;
   [[nodiscard]] double capture_time(double u_px) const;
   [[nodiscard]] PoseParams pose_params() const;
@@ -213,7 +209,7 @@ class Pilot {
   RacePlan plan_;
   Ahrs ahrs_;
   LowPass accel_filter_;
-  DragFilter filter_;
+  DelayedFilter memory_;  ///< The drag filter, and what it was when pictures were exposed.
   VelocityObserver velocity_;
   Altimeter altimeter_;
   Altitude altitude_;
@@ -227,9 +223,6 @@ class Pilot {
   double time_ = 0.0, last_imu_ = 0.0, last_fix_ = -1e3;
   bool started_ = false;
   drag_model::Input input_;
-  Eigen::Vector3d odometry_E_ = Eigen::Vector3d::Zero();
-  std::array<Past, 128> history_{};  ///< 250 ms at 512 Hz.
-  std::size_t history_count_ = 0;
   double image_width_ = 315.0;
   Eigen::Vector3d anchor_E_ = Eigen::Vector3d::Zero();  ///< Where the last fix was: the blind leg began there.
   double heading_doubt_ = 0.0;  ///< Heading variance put into the position after a blind leg [rad²]; 0: not blind.

@@ -15,6 +15,11 @@ constexpr double kBlind = 1.0;           // without a fix for this long, a leg w
 constexpr double kOpenGateFrom = 4.5;    // nearer than this the upper bar may be cut off [m]
 constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
 
+// Attitude against the gate's frame at that moment.
+RotationGB R_GB_of(const DelayedFilter::Moment& then) {
+  return {rotation_EB(Attitude{then.input.roll, then.input.pitch, then.input.yaw}).matrix};
+}
+
 }  // namespace
 
 GateDetections Pilot::whole_gates(const Sensors& sensors, Effort effort) {
@@ -44,7 +49,7 @@ void Pilot::look(const Sensors& sensors) {
     sighting_.detections = whole_gates(sensors, Effort::kAll);
     best = best_whole_gate();
   }
-  const double x = filter_.position().x();
+  const double x = filter().position().x();
   if (!convincing(best) && x > -kOpenGateFrom && x < 0.0) {
     // Near the gate parts of it are enough. A frame may be put together from bars of two gates: what surprises less counts.
     const auto part = best_part(sensors);
@@ -63,10 +68,10 @@ std::optional<Pilot::Candidate> Pilot::best_whole_gate() const {
   std::optional<Candidate> best;
   for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
     const GateDetection& gate = sighting_.detections[i];
-    const Past then = past(capture_time(center(gate.corners_px).x()));
-    const auto fix = fix_of(gate, then);
-    if (!fix || belongs_to_another_gate(gate)) continue;
-    const auto one = candidate(*fix, then, Sighting::Source::kCorners, static_cast<int>(i));
+    const Past* then = memory_.at(capture_time(center(gate.corners_px).x()));
+    const auto fix = then ? fix_of(gate, *then) : std::nullopt;
+    if (!fix || belongs_to_another_gate(gate, *then)) continue;
+    const auto one = candidate(*fix, *then, Sighting::Source::kCorners, static_cast<int>(i));
     if (!best || one.distance2 < best->distance2) best = one;
   }
   return best;
@@ -82,27 +87,31 @@ std::optional<Pilot::Candidate> Pilot::best_part(const Sensors& sensors) {
   }
   std::optional<Candidate> corners;
   if (sighting_.open) {
-    const Past then = past(capture_time(0.5 * (sighting_.open->bottom_left_px.x() + sighting_.open->bottom_right_px.x())));
-    if (const auto fix = fix_from_lower_corners(*sighting_.open, R_GB(then.R_EB), gate().side, config_.camera, pose_params()))
-      corners = candidate(*fix, then, Sighting::Source::kCorners);
+    const Past* then = memory_.at(capture_time(0.5 * (sighting_.open->bottom_left_px.x() + sighting_.open->bottom_right_px.x())));
+    const auto fix = then ? fix_from_lower_corners(*sighting_.open, R_GB_of(*then), gate().side, config_.camera, pose_params()) : std::nullopt;
+    if (fix) corners = candidate(*fix, *then, Sighting::Source::kCorners);
   }
   const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
-  if ((corners && corners->distance2 < limit) || filter_.position().x() < -config_.pose.max_bars_distance) return corners;
+  if ((corners && corners->distance2 < limit) || filter().position().x() < -config_.pose.max_bars_distance) return corners;
   sighting_.bars = bars;
   if (!bars) return corners;
-  const Past then = past(capture_time(0.5 * (bars->left_px.x() + bars->right_px.x())));
-  const auto fix = fix_from_bars(*bars, R_GB(then.R_EB), gate().side - gate().bar, config_.camera, pose_params());
-  return fix ? candidate(*fix, then, Sighting::Source::kBars) : corners;
+  const Past* then = memory_.at(capture_time(0.5 * (bars->left_px.x() + bars->right_px.x())));
+  const auto fix = then ? fix_from_bars(*bars, R_GB_of(*then), gate().side - gate().bar, config_.camera, pose_params()) : std::nullopt;
+  return fix ? candidate(*fix, *then, Sighting::Source::kBars) : corners;
 }
 
 Pilot::Candidate Pilot::candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection) const {
-  const Eigen::Vector3d moved = rotation_z(-gate().yaw_EG) * (odometry_E_ - then.odometry_E);
-  return {fix, moved, then.time, filter_.distance2(fix, moved), source, detection};
+  return {fix, &then, then.filter.distance2(fix, Eigen::Vector3d::Zero()), source, detection};
 }
 
-bool Pilot::fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source source) {
-  const double innovation2 = filter_.distance2(fix, moved);
-  if (filter_.correct(fix, moved) == Fusion::kRefused) return false;
+bool Pilot::fuse(const Candidate& seen) {
+  const Fix& fix = seen.fix;
+  const double innovation2 = seen.then->filter.distance2(fix, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d moved = filter().position() - seen.then->filter.position();
+  sighting_.offered = true;
+  // Only a whole gate is sure enough to begin anew with.
+  const Fusion fusion = memory_.correct(fix, seen.then->time, seen.detection >= 0);
+  if (fusion != Fusion::kAccepted && fusion != Fusion::kRestarted) return false;
   const Eigen::Matrix3d R_EG = rotation_z(gate().yaw_EG);
   FixOnCourse& used = sighting_.fix.emplace();
   used.p_EB = gate().p_EG + R_EG * (fix.p_GB + moved);
@@ -110,17 +119,16 @@ bool Pilot::fuse(const Fix& fix, const Eigen::Vector3d& moved, Sighting::Source 
   used.has_height = fix.has_height;
   if (fix.yaw_error) used.yaw = wrap_angle(ahrs_.attitude().yaw + *fix.yaw_error);
   used.yaw_sigma = std::sqrt(fix.yaw_variance + config_.gate_yaw_sigma * config_.gate_yaw_sigma);
-  sighting_.innovation2 = innovation2;
-  sighting_.innovation_dof = fix.has_height ? 3 : 2;
+  if (fusion == Fusion::kAccepted) sighting_.innovation2 = innovation2, sighting_.innovation_dof = fix.has_height ? 3 : 2;
   last_fix_ = time_;
   heading_doubt_ = 0.0;
   anchor_E_ = p_EB();
-  sighting_.source = source;
+  sighting_.source = seen.source;
   return true;
 }
 
 std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) const {
-  return map_fix_from_corners(seen.corners_px, R_GB(then.R_EB), gate().side, config_.camera, pose_params());
+  return map_fix_from_corners(seen.corners_px, R_GB_of(then), gate().side, config_.camera, pose_params());
 }
 
 PoseParams Pilot::pose_params() const {
@@ -133,9 +141,7 @@ PoseParams Pilot::pose_params() const {
 void Pilot::correct_heading(double error, double variance) {
   const double before = ahrs_.attitude().yaw;
   ahrs_.correct_heading(error, variance);
-  // The past was off by as much.
-  const Eigen::Matrix3d turn = rotation_z(wrap_angle(ahrs_.attitude().yaw - before));
-  for (auto& moment : history_) moment.R_EB = turn * moment.R_EB;
+  memory_.turn_past(wrap_angle(ahrs_.attitude().yaw - before));
 }
 
 // A leg flown blind on a heading that is off by δ ends δ ẑ × p₀ beside where it should, p₀ being where it
@@ -145,17 +151,18 @@ void Pilot::doubt_heading_after_blind_leg() {
   const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
   const Eigen::Vector2d n{-p0.y(), p0.x()};
   heading_doubt_ = ahrs_.heading_sigma() * ahrs_.heading_sigma();
-  filter_.doubt(heading_doubt_ * n * n.transpose());
+  memory_.doubt(heading_doubt_ * n * n.transpose());
 }
 
 // ... and when it does, the difference tells δ: the update of the state the filter does not carry.
-void Pilot::learn_heading_from_leg(const Fix& fix, const Eigen::Vector3d& moved) {
+void Pilot::learn_heading_from_leg(const Candidate& seen) {
   const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
   const Eigen::Vector2d n{-p0.y(), p0.x()};
   if (n.norm() < kLongLeg) return;
-  const Eigen::Vector2d difference = (fix.p_GB + moved - filter_.position()).head<2>();
-  const Eigen::Matrix2d S = filter_.covariance().topLeftCorner<2, 2>() - heading_doubt_ * n * n.transpose() +
-                            fix.covariance.topLeftCorner<2, 2>();
+  const DragFilter& filter = seen.then->filter;
+  const Eigen::Vector2d difference = (seen.fix.p_GB - filter.position()).head<2>();
+  const Eigen::Matrix2d S = filter.covariance().topLeftCorner<2, 2>() - heading_doubt_ * n * n.transpose() +
+                            seen.fix.covariance.topLeftCorner<2, 2>();
   if (!(S(0, 0) > 0.0) || !(S.determinant() > 0.0)) return;
   const Eigen::Vector2d w = S.inverse() * n;
   const double information = w.dot(n);
@@ -166,14 +173,14 @@ bool Pilot::correct_with(Candidate seen) {
   const bool whole = seen.detection >= 0;
   const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
   if (whole && heading_doubt_ > 0.0 && seen.distance2 < limit) {
-    learn_heading_from_leg(seen.fix, seen.moved);
-    const auto again = fix_of(sighting_.detections[static_cast<std::size_t>(seen.detection)], past(seen.time));
+    learn_heading_from_leg(seen);
+    const auto again = fix_of(sighting_.detections[static_cast<std::size_t>(seen.detection)], *seen.then);
     if (!again) return false;
     seen.fix = *again;
   }
-  if (!fuse(seen.fix, seen.moved, seen.source)) {
+  if (!fuse(seen)) {
     // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
-    if (whole) filter_.doubt(0.01 * Eigen::Matrix2d::Identity());
+    if (whole) memory_.doubt(0.01 * Eigen::Matrix2d::Identity());
     return false;
   }
   sighting_.used = seen.detection;
@@ -186,26 +193,25 @@ bool Pilot::correct_with(Candidate seen) {
 }
 
 // How far from where it believes to be the drone would be, had it seen this gate; from before it or from behind.
-double Pilot::surprise(const GateDetection& seen, const MapGate& gate, bool from_behind) const {
-  const Past then = past(capture_time(center(seen.corners_px).x()));
+double Pilot::surprise(const GateDetection& seen, const Past& then, const MapGate& gate, bool from_behind) const {
   const double yaw = gate.yaw_EG + (from_behind ? kPi : 0.0);
   PoseParams anywhere = config_.pose;  // gates of other legs are seen from the side and from afar
   anywhere.max_lateral = anywhere.max_distance = 30.0;
   anywhere.max_misfit *= 4.0;
-  const auto fix = fix_from_corners(seen.corners_px, {rotation_z(-yaw) * then.R_EB}, gate.side, config_.camera, anywhere);
+  const auto fix = fix_from_corners(seen.corners_px, {rotation_z(this->gate().yaw_EG - yaw) * R_GB_of(then).matrix}, gate.side, config_.camera, anywhere);
   if (!fix) return 1e9;
-  const Eigen::Vector3d p_E = gate.p_EG + rotation_z(yaw) * fix->p_GB + odometry_E_ - then.odometry_E;
-  return (p_E - p_EB()).norm();
+  const Eigen::Vector3d believed = this->gate().p_EG + rotation_z(this->gate().yaw_EG) * then.filter.position();
+  return (gate.p_EG + rotation_z(yaw) * fix->p_GB - believed).norm();
 }
 
 // The map says which gates there are: a sighting is of the one that surprises least.
-bool Pilot::belongs_to_another_gate(const GateDetection& seen) const {
+bool Pilot::belongs_to_another_gate(const GateDetection& seen, const Past& then) const {
   constexpr double kKnown = 1.5;  // farther off it says nothing [m]
-  const double expected = std::min(kKnown, surprise(seen, gate(), false));
+  const double expected = std::min(kKnown, surprise(seen, then, gate(), false));
   for (int i = 0; i < static_cast<int>(config_.track.gates.size()); ++i)
     for (const bool from_behind : {false, true})
       if ((i != target_ || from_behind) &&
-          surprise(seen, config_.track.gates[static_cast<std::size_t>(i)], from_behind) < expected)
+          surprise(seen, then, config_.track.gates[static_cast<std::size_t>(i)], from_behind) < expected)
         return true;
   return false;
 }

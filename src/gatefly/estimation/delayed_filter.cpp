@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/estimation/delayed_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly {
+namespace {
+
+template <std::size_t... I>
+std::array<DelayedFilter::Moment, sizeof...(I)> moments_of(const DelayedFilter::Moment& moment, std::index_sequence<I...>) {
+  return {((void)I, moment)...};
+}
+
+}  // namespace
+
+DelayedFilter::DelayedFilter(const DragFilterParams& params, const RestartParams& restart)
+    : restart_{restart},
+      moments_{moments_of(Moment{.input = {}, .heights = {}, .filter = DragFilter{params}}, std::make_index_sequence<kMoments>{})} {}
+
+void DelayedFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, double time) {
+  newest().filter.start(p_G, accel_bias);
+  newest().time = time;
+  forget_past();
+}
+
+void DelayedFilter::forget_past() {
+  first_ = count_ - 1;
+  newest().heights.clear();
+  fixes_.clear();
+  run_ = {};
+}
+
+void DelayedFilter::predict(const drag_model::Input& input, double dt, double time) {
+  const Moment& last = newest();
+  Moment& next = moments_[count_ % kMoments];
+  next.filter = last.filter;
+  next.filter.predict(input, dt);
+  next.odometry = last.odometry + (next.filter.position() - last.filter.position());
+  next.time = time, next.dt = dt, next.input = input;
+  next.heights.clear();
+  ++count_;
+}
+
+Fusion DelayedFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
+  (void)newest().heights.push_back({z_G, sigma, height_sigma});
+  return newest().filter.correct_altitude(z_G, sigma, height_sigma);
+}
+
+std::optional<std::size_t> DelayedFilter::index_at(double time) const {
+  if (!std::isfinite(time)) return std::nullopt;
+  std::size_t i = count_ - 1;
+  const auto off = [&](std::size_t k) { return std::abs(moments_[k % kMoments].time - time); };
+  while (i > oldest() && off(i - 1) <= off(i)) --i;
+  // The oldest moment has none before it from which it could be done again.
+  if (i == oldest() && (i != count_ - 1 || time < newest().time)) return std::nullopt;
+  return i;
+}
+
+const DelayedFilter::Moment* DelayedFilter::at(double time) const {
+  const auto i = index_at(time);
+  return i ? &moments_[*i % kMoments] : nullptr;
+}
+
+Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
+  const auto index = index_at(time);
+  if (!index || *index == oldest()) return Fusion::kTooLate;
+  const auto gone = [&] { return fixes_.full() || (!fixes_.empty() && fixes_[0].time < moments_[oldest() % kMoments].time); };
+  while (gone()) {
+    std::move(fixes_.begin() + 1, fixes_.end(), fixes_.begin());
+    fixes_.pop_back();
+  }
+  (void)fixes_.push_back({time, fix});
+  insertion_sort(fixes_, [](const Dated& a, const Dated& b) { return a.time < b.time; });
+  const Eigen::Vector3d odometry = moments_[*index % kMoments].odometry;
+  const Fusion fusion = redo_from(*index, time);
+  if (fusion == Fusion::kAccepted) run_ = {};
+  if (fusion != Fusion::kRefused || !may_restart || !agreed(fix, time, odometry)) return fusion;
+  Fix present = fix;
+  present.p_GB += newest().odometry - odometry;
+  newest().filter.restart(present);
+  forget_past();
+  return Fusion::kRestarted;
+}
+
+// All ticks from `index` on once more, with the heights and fixes of each; what became of the fix of `time`.
+Fusion DelayedFilter::redo_from(std::size_t index, double time) {
+  Fusion fusion = Fusion::kRefused;
+  std::size_t f = 0;
+  while (f < fixes_.size() && index_at(fixes_[f].time).value_or(0) < index) ++f;
+  for (std::size_t i = index; i < count_; ++i) {
+    Moment& moment = moments_[i % kMoments];
+    moment.filter = moments_[(i - 1) % kMoments].filter;
+    moment.filter.predict(moment.input, moment.dt);
+    for (const Moment::Height& height : moment.heights) (void)moment.filter.correct_altitude(height.z, height.sigma, height.lasting);
+    for (; f < fixes_.size() && index_at(fixes_[f].time) == i; ++f) {
+      const Fusion one = moment.filter.correct(fixes_[f].fix, Eigen::Vector3d::Zero());
+      if (fixes_[f].time == time) fusion = one;
+    }
+  }
+  return fusion;
+}
+
+// Whether enough refused fixes in a row say the same.
+bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry) {
+  const Eigen::Vector3d start = fix.p_GB - odometry;
+  const double drift = restart_.odometry * (time - run_.since);
+  const Eigen::Matrix3d S = run_.covariance + fix.covariance + drift * drift * Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d apart = start - run_.start;
+  const bool agrees = run_.count > 0 && time > run_.last && time - run_.since < restart_.longest && apart.dot(S.ldlt().solve(apart)) < 9.0;
+  if (!agrees) {
+    run_ = {1, time, time, start, fix.covariance};
+    return false;
+  }
+  ++run_.count;
+  run_.last = time;
+  return run_.count >= restart_.fixes && time - run_.since >= restart_.duration;
+}
+
+void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn, const DragFilter::MapDoubt& doubt) {
+  newest().filter.change_frame(R, offset, doubt);
+  newest().input.yaw = wrap_angle(newest().input.yaw + turn);
+  forget_past();
+}
+
+void DelayedFilter::doubt(const Eigen::Matrix2d& covariance) {
+  for (std::size_t i = oldest(); i < count_; ++i) moments_[i % kMoments].filter.doubt(covariance);
+}
+
+void DelayedFilter::turn_past(double angle) {
+  for (std::size_t i = oldest(); i < count_; ++i) {
+    double& yaw = moments_[i % kMoments].input.yaw;
+    yaw = wrap_angle(yaw + angle);
+  }
+}
+
+}  // namespace gatefly

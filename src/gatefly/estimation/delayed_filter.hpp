@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/estimation/drag_filter.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
+
+namespace gatefly {
+
+struct RestartParams {
+  int fixes = 4;               ///< So many in a row that agree with each other ...
+  double duration = 0.3;       ///< ... over at least this long [s] ...
+  double longest = 2.0;        ///< ... and at most this [s]. [ours]
+  double odometry = 0.15;      ///< What dead reckoning may be off by [m/s]. [ours]
+};
+
+/// The drag filter with a memory: a fix is fused at the moment of its picture, however late it comes.
+///
+/// The last quarter of a second is kept, tick by tick. A fix takes its place in it and everything after it is done
+/// again, so that the order of arrival does not matter. Fixes that the filter refuses but that agree with each other, in
+/// a row, start its position anew: it is never locked out, and never thrown by one or two wrong gates.
+/// Cost: a prediction and a copy of 1 KiB per tick; a fix costs a prediction per tick of its age. Allocates nothing.
+class DelayedFilter {
+ public:
+  static constexpr std::size_t kMoments = 128;  ///< 250 ms at 512 Hz.
+
+  /// The filter at the end of one tick, and what led there.
+  struct Moment {
+    double time = 0.0;  ///< [s]
+    double dt = 0.0;
+    drag_model::Input input;
+    Eigen::Vector3d odometry = Eigen::Vector3d::Zero();  ///< Dead reckoning, never corrected [m].
+    struct Height {
+      double z = 0.0, sigma = 0.0, lasting = 0.0;
+    };
+    FixedList<Height, 2> heights;
+    DragFilter filter;
+  };
+
+  explicit DelayedFilter(const DragFilterParams& params, const RestartParams& restart = {});
+
+  /// See DragFilter. The memory begins here.
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, double time);
+
+  /// One tick, which ends at `time` [s].
+  void predict(const drag_model::Input& input, double dt, double time);
+
+  /// A height of now; see DragFilter.
+  Fusion correct_altitude(double z_G, double sigma, double height_sigma);
+
+  /// A fix of `time` [s]. @param may_restart  whether it counts when fixes are refused in a row.
+  Fusion correct(const Fix& fix, double time, bool may_restart = false);
+
+  /// Goes over to another gate's frame; what was before can no longer be corrected.
+  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn, const DragFilter::MapDoubt& doubt);
+
+  /// More doubt about the position on the floor plan [m²]: now, and in the past alike.
+  void doubt(const Eigen::Matrix2d& covariance);
+
+  /// The heading was found to be off: so it was in the past.
+  void turn_past(double angle);
+
+  /// The moment nearest to `time`; nullptr when that is older than the memory.
+  [[nodiscard]] const Moment* at(double time) const;
+
+  [[nodiscard]] const DragFilter& now() const { return newest().filter; }
+
+ private:
+  struct Dated {
+    double time = 0.0;
+    Fix fix;
+  };
+  struct Run {  ///< Refused fixes that agree with the first of them.
+    int count = 0;
+    double since = 0.0, last = 0.0;
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says the first fix [m].
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  };
+
+  [[nodiscard]] const Moment& newest() const { return moments_[(count_ - 1) % kMoments]; }
+  Moment& newest() { return moments_[(count_ - 1) % kMoments]; }
+  [[nodiscard]] std::size_t oldest() const { return count_ - first_ < kMoments ? first_ : count_ - kMoments; }
+  [[nodiscard]] std::optional<std::size_t> index_at(double time) const;
+  void forget_past();
+  Fusion redo_from(std::size_t index, double time);
+  [[nodiscard]] bool agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry);
+
+  RestartParams restart_;
+  std::array<Moment, kMoments> moments_;
+  std::size_t count_ = 1, first_ = 0;  ///< Moments so far, and the first that still holds.
+  FixedList<Dated, 16> fixes_;         ///< Of the moments kept, by time.
+  Run run_;
+};
+
+}  // namespace gatefly
