@@ -38,7 +38,7 @@ drag_model::Input hover() {
 class Hovering {
  public:
   explicit Hovering(const Vector3d& off = Vector3d::Zero()) : filter{DragFilterParams{}} {
-    filter.start(Vector3d{-4, 0, 0} + off, Vector3d::Zero(), 0.0);
+    filter.start(Vector3d{-4, 0, 0} + off, Vector3d::Zero(), {}, 0.0);
   }
   void wait(double seconds) {
     for (const double until = time + seconds; time < until - 0.5 * kDt;) filter.predict(hover(), kDt, time += kDt);
@@ -57,7 +57,7 @@ TEST(DelayedFilter, AFixIsFusedAtTheMomentOfItsPicture) {
   drag_model::Input u = hover();
   u.accel_B.x() = -0.8;  // 1.5 m/s
   DelayedFilter late{DragFilterParams{}};
-  late.start({-4, 0, 0}, Vector3d::Zero(), 0.0);
+  late.start({-4, 0, 0}, Vector3d::Zero(), {}, 0.0);
   DragFilter in_time{DragFilterParams{}};
   in_time.start({-4, 0, 0}, Vector3d::Zero());
   for (int i = 1; i <= 120; ++i) {
@@ -83,7 +83,7 @@ TEST(DelayedFilter, TheOrderOfArrivalDoesNotMatter) {
     std::optional<DelayedFilter> first;
     do {
       DelayedFilter filter{DragFilterParams{}};
-      filter.start({-4, 0, 0}, Vector3d::Zero(), 0.0);
+      filter.start({-4, 0, 0}, Vector3d::Zero(), {}, 0.0);
       for (int i = 1; i <= 120; ++i) {
         filter.predict(inputs[static_cast<std::size_t>(i - 1)], kDt, i * kDt);
         if (i % 26 == 0) (void)filter.correct_altitude(0.02, 0.04, 0.05);

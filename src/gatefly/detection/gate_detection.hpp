@@ -16,7 +16,7 @@ enum class DetectionMethod { kSnake, kFrames, kBars };
 
 /// What every detector answers with.
 struct GateDetection {
-  Quad corners_px{};     ///< Outer corners, sub-pixel; clockwise from top-left.
+  Quad corners_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  ///< Outer corners, sub-pixel; clockwise from top-left.
   double fitness = 0.0;  ///< 0..1. Careful search: part of such frames that were gates; paper's: cf, Eq. (1).
   std::array<double, 4> corner_fitness{1.0, 1.0, 1.0, 1.0};  ///< 0..1; 0 for what is not in the picture.
   DetectionMethod method = DetectionMethod::kSnake;

@@ -23,8 +23,9 @@ DelayedFilter::DelayedFilter(const DragFilterParams& params, const RestartParams
     : restart_{restart},
       moments_{moments_of(Moment{.input = {}, .heights = {}, .filter = DragFilter{params}}, std::make_index_sequence<kMoments>{})} {}
 
-void DelayedFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, double time) {
-  newest().filter.start(p_G, accel_bias);
+void DelayedFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const DragFilter::MapDoubt& doubt,
+                          double time) {
+  newest().filter.start(p_G, accel_bias, doubt);
   newest().time = time;
   forget_past();
 }
@@ -109,12 +110,13 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
 // Whether enough refused fixes in a row say the same.
 bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry) {
   const Eigen::Vector3d start = fix.p_GB - odometry;
+  const Eigen::Matrix3d white = fix.lasting.isZero(0.0) ? fix.covariance : fix.white;
   const double drift = restart_.odometry * (time - run_.since);
-  const Eigen::Matrix3d S = run_.covariance + fix.covariance + drift * drift * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d S = run_.covariance + white + drift * drift * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d apart = start - run_.start;
   const bool agrees = run_.count > 0 && time > run_.last && time - run_.since < restart_.longest && apart.dot(S.ldlt().solve(apart)) < 9.0;
   if (!agrees) {
-    run_ = {1, time, time, start, fix.covariance};
+    run_ = {1, time, time, start, white};
     return false;
   }
   ++run_.count;

@@ -45,7 +45,7 @@ class DelayedFilter {
   explicit DelayedFilter(const DragFilterParams& params, const RestartParams& restart = {});
 
   /// See DragFilter. The memory begins here.
-  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, double time);
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const DragFilter::MapDoubt& doubt, double time);
 
   /// One tick, which ends at `time` [s].
   void predict(const drag_model::Input& input, double dt, double time);

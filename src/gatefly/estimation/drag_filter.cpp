@@ -16,22 +16,53 @@ using drag_model::kZ;
 using drag_model::State;
 using drag_model::StateMatrix;
 
-// EKF update in place. Li18 appendix (4), and (5) in Joseph form. H picks N of the position states.
+using Cross = DragFilter::Cross;
+
+constexpr double kTiltLasts = 5.0, kScaleLasts = 2.0;  // time constants [s]. [ours: fixes of 30 races]
+
 template <int N>
-void update(State& x, StateMatrix& P, const Eigen::Matrix<double, N, 1>& innovation,
-            const Eigen::Matrix<double, N, kStates>& H, const Eigen::Matrix<double, N, N>& R) {
-  const Eigen::Matrix<double, N, N> S = H * P * H.transpose() + R;
-  // K = P Hᵀ S⁻¹, by solving S Kᵀ = H P: S is never inverted.
-  const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(H * P).transpose();
-  x += K * innovation;
-  const StateMatrix I_KH = StateMatrix::Identity() - K * H;
-  const StateMatrix joseph = I_KH * P * I_KH.transpose() + K * R * K.transpose();
+struct Measurement {
+  Eigen::Matrix<double, N, 1> innovation;
+  Eigen::Matrix<double, N, kStates> H;  ///< Picks N of the position states.
+  Eigen::Matrix<double, N, N> R;        ///< What is new in every measurement ...
+  Eigen::Matrix<double, N, lasting::kCount> L;  ///< ... and what is not.
+};
+
+template <int N>
+Eigen::Matrix<double, N, N> covariance_of_innovation(const StateMatrix& P, const Cross& C, const Measurement<N>& m) {
+  const Eigen::Matrix<double, N, N> HCL = m.H * C * m.L.transpose();
+  return m.H * P * m.H.transpose() + HCL + HCL.transpose() + m.L * m.L.transpose() + m.R;
+}
+
+// EKF update in place. Li18 appendix (4), and (5) in Joseph form, with what lasts considered, not estimated [Schmidt 1966].
+template <int N>
+void update(State& x, StateMatrix& P, Cross& C, const Measurement<N>& m) {
+  const Eigen::Matrix<double, N, N> S = covariance_of_innovation(P, C, m);
+  // K = (P Hᵀ + C Lᵀ) S⁻¹, by solving S Kᵀ = H P + L Cᵀ: S is never inverted.
+  const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(m.H * P + m.L * C.transpose()).transpose();
+  x += K * m.innovation;
+  const StateMatrix I_KH = StateMatrix::Identity() - K * m.H;
+  const StateMatrix mixed = I_KH * C * m.L.transpose() * K.transpose();
+  const StateMatrix joseph = I_KH * P * I_KH.transpose() + K * (m.R + m.L * m.L.transpose()) * K.transpose() - mixed - mixed.transpose();
   P = 0.5 * (joseph + joseph.transpose());
+  C = I_KH * C - K * m.L;
+}
+
+// A fix as N = 3 or, without height, 2 measurements.
+template <int N>
+Measurement<N> measured(const Fix& fix, const Eigen::Vector3d& innovation) {
+  Measurement<N> m;
+  m.innovation = innovation.head<N>();
+  m.H.setZero();
+  m.H.template leftCols<N>().setIdentity();
+  m.L = fix.lasting.topRows<N>();
+  m.R = (fix.lasting.isZero(0.0) ? fix.covariance : fix.white).topLeftCorner<N, N>();
+  return m;
 }
 
 }  // namespace
 
-void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias) {
+void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const MapDoubt& doubt) {
   x_.setZero();
   x_.segment<3>(kX) = p_G;
   x_.segment<3>(drag_model::kBiasX) = accel_bias;
@@ -39,30 +70,50 @@ void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_
   P_.diagonal().segment<3>(kX) = params_.start_sigma.cwiseAbs2();
   P_(drag_model::kVz, drag_model::kVz) = 0.01;
   P_.diagonal().segment<3>(drag_model::kBiasX) = params_.start_bias_sigma.cwiseAbs2();
+  C_.setZero();
+  add(doubt);
 }
 
 void DragFilter::predict(const drag_model::Input& input, double dt) {
   if (!(dt > 0.0) || dt > 1.0 || !input.accel_B.allFinite() || !input.gyro_B.allFinite()) return;
   const StateMatrix F = drag_model::jacobian(x_, input, params_.model);
-  x_ += dt * drag_model::derivative(x_, input, params_.model);  // Eq. (31)
+  const State derivative = drag_model::derivative(x_, input, params_.model);
+  const Eigen::Vector3d v_G = derivative.segment<3>(kX);
+  x_ += dt * derivative;  // Eq. (31)
   // Eq. (32) to second order; the flight code has dt where dt² belongs.
   const StateMatrix Phi = StateMatrix::Identity() + dt * F + (0.5 * dt * dt) * (F * F);
+  // A heading that is off turns what was flown: as far as what fixes tell is turned, too.
+  const Eigen::Vector3d turned = dt * Eigen::Vector3d{v_G.y(), -v_G.x(), 0.0};
+  Cross C = Phi * C_;
+  age(C, input.yaw_sigma, dt);
   StateMatrix P = Phi * P_ * Phi.transpose();  // Eq. (33)
+  const Eigen::Matrix<double, kStates, 1> with = input.yaw_sigma * C.col(lasting::kHeading) + gate_yaw_sigma_ * C.col(lasting::kGateYaw);
+  P.leftCols<3>() += with * turned.transpose();
+  P.topRows<3>() += turned * with.transpose();
+  P.topLeftCorner<3, 3>() += (input.yaw_sigma * input.yaw_sigma + gate_yaw_sigma_ * gate_yaw_sigma_) * turned * turned.transpose();
+  C.col(lasting::kHeading).head<3>() += input.yaw_sigma * turned;
+  C.col(lasting::kGateYaw).head<3>() += gate_yaw_sigma_ * turned;
+  C_ = C;
   P.diagonal().segment<3>(kX).array() += params_.position_noise * dt;
   P(drag_model::kVz, drag_model::kVz) += params_.vertical_noise * dt;
   P.diagonal().segment<3>(drag_model::kBiasX).array() += params_.bias_noise * dt;
   P_ = 0.5 * (P + P.transpose());
 }
 
+// What lasts is not the same for ever: the part of it that is new knows nothing of the state.
+void DragFilter::age(Cross& C, double yaw_sigma, double dt) {
+  for (const auto column : {lasting::kTiltX, lasting::kTiltY}) C.col(column) *= 1.0 - dt / kTiltLasts;
+  C.col(lasting::kScale) *= 1.0 - dt / kScaleLasts;
+  // A heading's doubt grows by what is new, and shrinks by what a gate took away.
+  if (yaw_sigma_ > 0.0 && yaw_sigma > 0.0) C.col(lasting::kHeading) *= std::min(yaw_sigma / yaw_sigma_, yaw_sigma_ / yaw_sigma);
+  yaw_sigma_ = yaw_sigma;
+}
+
 double DragFilter::distance2(const Fix& fix, const Eigen::Vector3d& moved) const {
   const Eigen::Vector3d innovation = fix.p_GB + moved - position();
   if (!innovation.allFinite()) return 1e12;
-  if (!fix.has_height) {
-    const Eigen::Matrix2d S = P_.topLeftCorner<2, 2>() + fix.covariance.topLeftCorner<2, 2>();
-    return innovation.head<2>().dot(S.ldlt().solve(innovation.head<2>()));
-  }
-  const Eigen::Matrix3d S = P_.topLeftCorner<3, 3>() + fix.covariance;
-  return innovation.dot(S.ldlt().solve(innovation));
+  const auto squared = [&](const auto& m) { return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation)); };
+  return fix.has_height ? squared(measured<3>(fix, innovation)) : squared(measured<2>(fix, innovation));
 }
 
 Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
@@ -70,36 +121,37 @@ Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
   if (!(distance2(fix, moved) < limit)) return Fusion::kRefused;
   const Eigen::Vector3d innovation = fix.p_GB + moved - position();
   if (fix.has_height) {
-    Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
-    H.leftCols<3>().setIdentity();
-    update<3>(x_, P_, innovation, H, fix.covariance);
+    update(x_, P_, C_, measured<3>(fix, innovation));
   } else {
-    Eigen::Matrix<double, 2, kStates> H = Eigen::Matrix<double, 2, kStates>::Zero();
-    H.leftCols<2>().setIdentity();
-    update<2>(x_, P_, innovation.head<2>(), H, fix.covariance.topLeftCorner<2, 2>());
+    update(x_, P_, C_, measured<2>(fix, innovation));
   }
   return Fusion::kAccepted;
 }
 
 void DragFilter::restart(const Fix& fix) {
+  const Measurement<3> m = measured<3>(fix, Eigen::Vector3d::Zero());
   x_.segment<3>(kX) = fix.p_GB;
-  P_.topRows<3>().setZero();
-  P_.leftCols<3>().setZero();
-  P_.topLeftCorner<3, 3>() = fix.covariance;
+  // The error is now the fix's own; what lasts of it may be in velocity and biases, too.
+  C_.topRows<3>() = -m.L;
+  const Eigen::Matrix<double, 3, kStates> with = -m.L * C_.transpose();
+  P_.topRows<3>() = with;
+  P_.leftCols<3>() = with.transpose();
+  P_.topLeftCorner<3, 3>() = m.R + m.L * m.L.transpose();
 }
 
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
   const double innovation = z_G - x_(kZ);
-  const double S = P_(kZ, kZ) + sigma * sigma;
-  if (!std::isfinite(innovation) || !(innovation * innovation < 25.0 * S)) {
+  Measurement<1> m{.innovation = Eigen::Matrix<double, 1, 1>{innovation}, .H = {}, .R = Eigen::Matrix<double, 1, 1>{sigma * sigma}, .L = {}};
+  m.H.setZero();
+  m.H(kZ) = 1.0;
+  m.L.setZero();
+  m.L(lasting::kHeight) = height_sigma;
+  if (!std::isfinite(innovation) || !(innovation * innovation < 25.0 * covariance_of_innovation(P_, C_, m)(0, 0))) {
     // The filter is too sure of itself: doubt, but do not jump.
     if (std::isfinite(innovation)) P_(kZ, kZ) += 0.01;
     return Fusion::kRefused;
   }
-  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  H(kZ) = 1.0;
-  update<1>(x_, P_, Eigen::Matrix<double, 1, 1>{innovation}, H, Eigen::Matrix<double, 1, 1>{sigma * sigma});
-  P_(kZ, kZ) = std::max(P_(kZ, kZ), height_sigma * height_sigma);
+  update(x_, P_, C_, m);
   return Fusion::kAccepted;
 }
 
@@ -108,10 +160,35 @@ void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& o
   StateMatrix T = StateMatrix::Identity();
   T.topLeftCorner<3, 3>() = R;
   P_ = T * P_ * T.transpose();
-  const Eigen::Vector3d sigma{doubt.position, doubt.position, doubt.height};
-  P_.diagonal().segment<3>(kX) += sigma.cwiseAbs2();
-  const Eigen::Vector2d turned = doubt.yaw * Eigen::Vector2d{-x_(drag_model::kY), x_(kX)};
-  P_.topLeftCorner<2, 2>() += turned * turned.transpose();
+  // The heading is off as before; the rest of what lasts begins anew.
+  const Eigen::Matrix<double, kStates, 1> heading = T * C_.col(lasting::kHeading);
+  C_.setZero();
+  C_.col(lasting::kHeading) = heading;
+  add(doubt);
+}
+
+// A gate's heading and height are off in the position as they will be in its fixes and heights: these do not tell.
+void DragFilter::add(const MapDoubt& doubt) {
+  P_.diagonal().head<2>().array() += doubt.position * doubt.position;
+  gate_yaw_sigma_ = doubt.yaw;
+  const Eigen::Vector3d turned = doubt.yaw * Eigen::Vector3d{x_(drag_model::kY), -x_(kX), 0.0};
+  const Eigen::Vector3d lifted = -doubt.height * Eigen::Vector3d::UnitZ();
+  C_.col(lasting::kGateYaw).head<3>() = turned;
+  C_.col(lasting::kHeight).head<3>() = lifted;
+  P_.topLeftCorner<3, 3>() += turned * turned.transpose() + lifted * lifted.transpose();
+}
+
+Eigen::Matrix3d DragFilter::innovation_covariance(const Fix& fix) const {
+  return covariance_of_innovation(P_, C_, measured<3>(fix, Eigen::Vector3d::Zero()));
+}
+
+double DragFilter::lateral_sigma() const {
+  const double by_gate = C_(drag_model::kY, lasting::kGateYaw);
+  return std::sqrt(std::max(0.0, P_(drag_model::kY, drag_model::kY) - by_gate * by_gate));
+}
+
+Eigen::Vector2d DragFilter::heading_lever(const Fix& fix) const {
+  return C_.col(lasting::kHeading).head<2>() + fix.lasting.col(lasting::kHeading).head<2>();
 }
 
 }  // namespace gatefly

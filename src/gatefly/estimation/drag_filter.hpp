@@ -11,13 +11,13 @@ namespace gatefly {
 struct DragFilterParams {
   drag_model::Params model;
   /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms update;
-  /// ours: scaled with time and to what the drag velocity really errs by]
-  double position_noise = 0.03;
+  /// ours: what drag's velocity errs by lasts for seconds, so most of it is the bias's]
+  double position_noise = 0.002;
   double vertical_noise = 0.03;
-  double bias_noise = 2e-4;
+  double bias_noise = 1e-3;
   Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};       ///< On the pad [m]. [ours]
   Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< After the rest calibration [m/s²]. [ours]
-  double gate_sigma = 3.0;        ///< Fixes farther off than this many σ are refused. [ours; at 4 another gate 1.7 m off came through]
+  double gate_sigma = 3.5;        ///< Fixes farther off than this many σ are refused: 1 in 150 of the right ones. [ours]
 };
 
 /// What became of a measurement.
@@ -31,14 +31,25 @@ enum class Fusion {
 /// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
 ///
 /// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph form,
-/// innovation gate, delayed fixes (docs/paper/deviations.md#eq-31).
+/// innovation gate, delayed fixes; what is off in all fixes of a gate alike is considered (docs/paper/deviations.md#eq-31).
 class DragFilter {
  public:
+  /// Covariance of the state's error with what lasts (unit variance each): it is considered, never estimated.
+  using Cross = Eigen::Matrix<double, drag_model::kStates, lasting::kCount>;
+
+  /// How well the map knows one gate relative to another.
+  struct MapDoubt {
+    double position = 0.0, height = 0.0;  ///< On the floor plan, and of the centre above the floor [m].
+    double yaw = 0.0;                     ///< [rad]
+  };
+
   explicit DragFilter(const DragFilterParams& params) : params_{params} {}
 
   /// @param p_G      position in the first frame [m].
   /// @param accel_bias  as found at rest [m/s²].
-  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias);
+  /// @param doubt       about the first gate; its position is in start_sigma.
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const MapDoubt& doubt);
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias) { start(p_G, accel_bias, {}); }
 
   /// Eq. (31)-(33). dt <= 0 changes nothing; non-finite input changes nothing.
   void predict(const drag_model::Input& input, double dt);
@@ -47,7 +58,7 @@ class DragFilter {
   Fusion correct(const Fix& fix, const Eigen::Vector3d& moved);
 
   /// Height as a z coordinate of the frame [m]; what to believe is the altimeter's business.
-  /// `height_sigma` of the gate above the floor, which no altitude can tell: position.z stays as uncertain as that [m].
+  /// `height_sigma` of the gate above the floor, which no altitude can tell [m].
   Fusion correct_altitude(double z_G, double sigma, double height_sigma = 0.0);
 
   /// Squared Mahalanobis distance of a fix.
@@ -59,15 +70,17 @@ class DragFilter {
   /// More doubt about the position on the floor plan [m²].
   void doubt(const Eigen::Matrix2d& covariance) { P_.topLeftCorner<2, 2>() += covariance; }
 
-  /// How well the map knows one gate relative to another.
-  struct MapDoubt {
-    double position = 0.0, height = 0.0;  ///< On the floor plan, and of the centre above the floor [m].
-    double yaw = 0.0;                     ///< [rad]
-  };
-
   /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place, height and heading
   /// is as if the drone were elsewhere.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, const MapDoubt& doubt);
+
+  /// Covariance of what a fix will differ from the estimate by [m²].
+  [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Fix& fix) const;
+  /// How much a heading that is off by one standard deviation adds to the innovation of a fix [m].
+  [[nodiscard]] Eigen::Vector2d heading_lever(const Fix& fix) const;
+
+  /// Doubt about y [m] as far as it is still there in the gate: there it does not matter which way the gate faces.
+  [[nodiscard]] double lateral_sigma() const;
 
   [[nodiscard]] const drag_model::State& state() const { return x_; }
   [[nodiscard]] const drag_model::StateMatrix& covariance() const { return P_; }
@@ -75,9 +88,14 @@ class DragFilter {
   [[nodiscard]] const DragFilterParams& params() const { return params_; }
 
  private:
+  void add(const MapDoubt& doubt);
+  void age(Cross& C, double yaw_sigma, double dt);
+
   DragFilterParams params_;
   drag_model::State x_ = drag_model::State::Zero();
   drag_model::StateMatrix P_ = drag_model::StateMatrix::Identity();
+  Cross C_ = Cross::Zero();
+  double gate_yaw_sigma_ = 0.0, yaw_sigma_ = 0.0;  // [rad]
 };
 
 }  // namespace gatefly

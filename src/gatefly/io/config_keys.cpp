@@ -105,6 +105,9 @@ Keys detection_keys() {
       k("pose.max_bars_distance_m", 0.05, 10, AT(pilot.pose.max_bars_distance), "Li18 flight code"),
       k("pose.max_misfit", 0.1, 1000, AT(pilot.pose.max_misfit), "mean squared residual / σ²; ours"),
       k("pose.bars_sigma_m", 0.001, 1, AT(pilot.pose.bars_sigma), "at 1 m; ours"),
+      k("pose.scale_sigma", 0, 1, AT(pilot.pose.scale_sigma), "part of the distance; ours: 30 races"),
+      k("pose.white_px", 0.01, 100, AT(pilot.pose.white_px), "new in every picture; ours: 30 races"),
+      k("pose.white_part_px", 0.01, 100, AT(pilot.pose.white_part_px), "the same of lower corners and bars; ours: 30 races"),
   };
 }
 

@@ -43,6 +43,19 @@ Eigen::Matrix3d attitude_covariance(const Eigen::Vector3d& t_G, const PoseParams
   return S * Eigen::Vector3d{tilt, tilt, yaw}.asDiagonal() * S.transpose();
 }
 
+// δp = δθ × p, and a wrong scale moves it along the line of sight.
+Levers levers(const Eigen::Vector3d& p_GB, const PoseParams& params) {
+  using Eigen::Vector3d;
+  const double heading2 = params.heading_sigma * params.heading_sigma - params.gate_yaw_sigma * params.gate_yaw_sigma;
+  Levers L = Levers::Zero();
+  L.col(lasting::kTiltX) = params.attitude_sigma * Vector3d::UnitX().cross(p_GB);
+  L.col(lasting::kTiltY) = params.attitude_sigma * Vector3d::UnitY().cross(p_GB);
+  L.col(lasting::kHeading) = std::sqrt(std::max(0.0, heading2)) * Vector3d::UnitZ().cross(p_GB);
+  L.col(lasting::kGateYaw) = params.gate_yaw_sigma * Vector3d::UnitZ().cross(p_GB);
+  L.col(lasting::kScale) = params.scale_sigma * p_GB;
+  return L;
+}
+
 struct YawError {
   double value, variance;
   double misfit;  ///< Mean squared residual in units of its noise; 4 degrees of freedom.
@@ -97,6 +110,19 @@ struct Sights {
   FixedList<double, 4> sigma;  ///< Across each ray [rad].
 };
 
+// Noise of each ray, propagated through A t = b: δt = A⁻¹ Σ d_i δv_i. `scale` of the noise.
+Eigen::Matrix3d ray_covariance(const Sights& sights, const Eigen::Vector3d& camera_G, double scale) {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < sights.rays.size(); ++i) {
+    const Eigen::Vector3d& v = sights.rays[i].direction;
+    const Eigen::Matrix3d N = Eigen::Matrix3d::Identity() - v * v.transpose();
+    A += N;
+    B += (sights.rays[i].point - camera_G).squaredNorm() * std::pow(scale * sights.sigma[i], 2) * N;
+  }
+  const Eigen::Matrix3d A_inverse = A.inverse();
+  return A_inverse * B * A_inverse;
+}
+
 // Lines of sight to gate corners; nullopt when one is outside the lens.
 std::optional<Sights> sights_to(std::span<const Eigen::Vector2d> px, std::span<const Eigen::Vector3d> corners,
                                 const RotationGB& R_GB, const CameraRig& rig, const PoseParams& params) {
@@ -122,22 +148,15 @@ std::optional<Intersection> intersection_of(const Sights& sights, const Rotation
   const auto camera_G = nearest_point({sights.rays.begin(), sights.rays.size()});
   if (!camera_G) return std::nullopt;
 
-  // Noise of each ray, propagated through A t = b: δt = A⁻¹ Σ d_i δv_i.
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
   double cost = 0.0;
   for (std::size_t i = 0; i < sights.rays.size(); ++i) {
     const Eigen::Vector3d& v = sights.rays[i].direction;
-    const Eigen::Matrix3d N = Eigen::Matrix3d::Identity() - v * v.transpose();
     const Eigen::Vector3d to_corner = sights.rays[i].point - *camera_G;
-    const double variance = to_corner.squaredNorm() * sights.sigma[i] * sights.sigma[i];
-    A += N;
-    B += variance * N;
-    cost += (N * to_corner).squaredNorm() / variance;
+    cost += (to_corner - v.dot(to_corner) * v).squaredNorm() / (to_corner.squaredNorm() * sights.sigma[i] * sights.sigma[i]);
   }
   Fix fix;
   fix.p_GB = *camera_G - R_GB * rig.p_BC;
-  const Eigen::Matrix3d A_inverse = A.inverse();
-  fix.covariance = A_inverse * B * A_inverse + attitude_covariance(*camera_G, params);
+  fix.covariance = ray_covariance(sights, *camera_G, 1.0) + attitude_covariance(*camera_G, params);
   if (!within_reach(fix.p_GB, params) || !fix.covariance.allFinite()) return std::nullopt;
   return Intersection{fix, *camera_G, cost / static_cast<double>(2 * sights.rays.size() - 3)};
 }
@@ -171,6 +190,10 @@ std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const Rota
   const auto [pose, reason] = map_pose(corners, prior, rig, {.max_outliers = 0.0});
   if (!pose || !within_reach(pose->p_GB, params)) return std::nullopt;
   Fix fix{.p_GB = pose->p_GB, .covariance = pose->covariance.topLeftCorner<3, 3>()};
+  const auto sights = sights_to(outer_corners_px, corners_G(side), R_GB, rig, params);
+  if (!sights) return std::nullopt;
+  fix.white = ray_covariance(*sights, fix.p_GB + R_GB * rig.p_BC, params.white_px / params.corner_sigma_px);
+  fix.lasting = levers(fix.p_GB, params);
   // Take the prior out again: the filter that uses this has its own.
   const double before = prior.yaw_sigma * prior.yaw_sigma, after = pose->covariance(5, 5);
   const double measured = 1.0 / std::max(1e-9, 1.0 / after - 1.0 / before);
@@ -188,9 +211,11 @@ std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB
   const std::array<Eigen::Vector3d, 2> lower{corners[3], corners[2]};
   const auto sights = sights_to(px, lower, R_GB, rig, params);
   if (!sights) return std::nullopt;
-  const auto met = intersection_of(*sights, R_GB, rig, params);
+  auto met = intersection_of(*sights, R_GB, rig, params);
   // One degree of freedom is left to doubt with: roll, and how level the gate stands.
   if (!met || met->misfit > 4.0 * params.max_misfit) return std::nullopt;
+  met->fix.white = ray_covariance(*sights, met->camera_G, params.white_part_px / params.corner_sigma_px);
+  met->fix.lasting = levers(met->fix.p_GB, params);
   return met->fix;
 }
 
@@ -226,6 +251,10 @@ std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, d
   fix.covariance = attitude_covariance(camera_G, params);
   fix.covariance.topLeftCorner<2, 2>() += J * noise * J.transpose();
   fix.covariance.diagonal().head<2>().array() += std::pow(params.bars_sigma * std::max(1.0, x), 2);
+  const double white = params.white_part_px / params.corner_sigma_px;
+  fix.lasting = levers(fix.p_GB, params);
+  fix.lasting.col(lasting::kScale) = params.bars_sigma * std::max(1.0, x) * Eigen::Vector3d::UnitX();
+  fix.white.topLeftCorner<2, 2>() = white * white * J * noise * J.transpose();
   fix.covariance.row(2).setZero();
   fix.covariance.col(2).setZero();
   fix.covariance(2, 2) = 1.0;

@@ -19,10 +19,21 @@ struct CameraRig {
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< Focal point in the body frame [m].
 };
 
+/// What is off in every picture of a gate alike, and is therefore no noise.
+namespace lasting {
+enum Index : int { kTiltX, kTiltY, kHeading, kGateYaw, kScale, kHeight, kCount };
+}
+/// How far each of them moves a position, one standard deviation of it per column [m].
+using Levers = Eigen::Matrix<double, 3, lasting::kCount>;
+
 struct PoseParams {
   double corner_sigma_px = 2.5;    ///< Independent part. [authors' detections: 3 px robust; ours after line fits]
   double attitude_sigma = 0.017;   ///< Roll and pitch of the camera; the pilot adds the AHRS's own doubt [rad]. [docs/simulation.md: mount 1°]
   double heading_sigma = 0.04;     ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
+  double gate_yaw_sigma = 0.0;     ///< The gate's part of heading_sigma [rad].
+  double scale_sigma = 0.025;      ///< Distances are too long by this part: lens, side of the gate. [ours: 30 races]
+  double white_px = 0.5;           ///< What of a corner's error is new in every picture ... [ours: 30 races]
+  double white_part_px = 1.0;      ///< ... and of lower corners and bars. [ours: 30 races]
   double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
   double max_distance = 9.0;       ///< [m] [ours: a 1 m gate is 19 px there]
   double min_bars_distance = 0.3;  ///< [m] [Li18 flight code]
@@ -35,7 +46,9 @@ struct PoseParams {
 /// Position of the body relative to a gate, from one picture.
 struct Fix {
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();           ///< [m]; z is 0 when !has_height.
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity(); ///< Of p_GB [m²].
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity(); ///< Of p_GB, for who looks at one picture only [m²].
+  Eigen::Matrix3d white = Eigen::Matrix3d::Zero();  ///< Taken apart for who looks at many: what is new in each [m²] ...
+  Levers lasting = Levers::Zero();                  ///< ... and what is not. Zero: all of the covariance is white.
   bool has_height = true;
   std::optional<double> yaw_error = std::nullopt;  ///< What has to be added to R_GB's yaw [rad].
   double yaw_variance = 0.0;                       ///< Of yaw_error [rad²].

@@ -110,7 +110,7 @@ double Pilot::wanted_speed() const {
   const Segment& turn = path().segments[path().segments.size() > 1 ? path().segments.size() - 2 : 0];
   if (path().length() - progress_ < last.length + turn.length)
     speed = std::min(speed, std::max(config_.speed.slowest, last.length / config_.speed.settle));
-  const bool unsure = time_ - last_fix_ > 0.6 && filter().covariance()(drag_model::kY, drag_model::kY) > 0.04;
+  const bool unsure = time_ - last_fix_ > 0.6 && filter().lateral_sigma() > 0.2;
   if (unsure && x > -config_.speed.unsure_before && x < 0.0) speed = std::min(speed, config_.speed.unsure);
   const double reach = config_.speed.brake_lead * std::clamp(forward_speed(), 0.5, 6.0);
   for (double ahead = 0.0; ahead <= reach; ahead += 0.2) {

@@ -51,7 +51,7 @@ struct Situation {
   double gate_x = -10.0;         ///< Along the gate's axis, negative before it [m].
   double gate_y = 0.0;           ///< To the right of the axis [m].
   double gate_y_ahead = 0.0;     ///< What gate_y will be in the gate's plane [m].
-  double lateral_sigma = 0.0;    ///< Of gate_y [m].
+  double lateral_sigma = 0.0;    ///< Of gate_y, without what is gone once the drone is in the gate [m].
   double speed = 0.0;            ///< [m/s]
   double since_fix = 0.0;        ///< Since a sighting of the target was accepted [s].
   double tilt = 0.0;             ///< Between body and earth vertical [rad].

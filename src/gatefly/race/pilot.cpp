@@ -95,7 +95,7 @@ void Pilot::sense(const Imu& imu, double dt) {
     accel_filter_.update(imu.accel_B);
     const Eigen::Vector3d p_G = rotation_z(-gate().yaw_EG) *
         (Eigen::Vector3d{config_.track.start.x(), config_.track.start.y(), 0.0} - gate().p_EG);
-    memory_.start(p_G, ahrs_.accel_bias(), time_);
+    memory_.start(p_G, ahrs_.accel_bias(), {0.0, config_.gate_height_sigma, config_.gate_yaw_sigma}, time_);
     return;
   }
   input_.accel_B = accel_filter_.update(imu.accel_B);
@@ -104,6 +104,7 @@ void Pilot::sense(const Imu& imu, double dt) {
   input_.roll = attitude.roll;
   input_.pitch = attitude.pitch;
   input_.yaw = wrap_angle(attitude.yaw - gate().yaw_EG);
+  input_.yaw_sigma = ahrs_.heading_sigma();
   input_.gyro_B = ahrs_.rate_B();
 }
 
@@ -167,7 +168,6 @@ void Pilot::pass_gate() {
   ++passed_;
   approach_.reset();
   progress_ = 0.0;
-  heading_doubt_ = 0.0;  // it was about the way to the gate just passed
   if (finished()) return;
   const MapGate from = gate();
   target_ = (target_ + 1) % static_cast<int>(config_.track.gates.size());
@@ -199,7 +199,7 @@ Situation Pilot::situation() const {
   now.to_go = path().length() - progress_;
   now.gate_x = filter().position().x();
   now.gate_y = filter().position().y();
-  now.lateral_sigma = std::sqrt(filter().covariance()(drag_model::kY, drag_model::kY));
+  now.lateral_sigma = filter().lateral_sigma();
   now.speed = velocity_.v_B().head<2>().norm();
   now.gate_y_ahead = lateral_at_gate();
   now.turn_ahead = !finished() && path().at(progress_ + config_.speed.roll_lead * std::max(0.0, forward_speed())).curvature != 0.0;

@@ -156,6 +156,7 @@ class Pilot {
     double distance2 = 0.0;   ///< From where the filter believes to have been, squared, in units of the doubt.
     Sighting::Source source = Sighting::Source::kNone;
     int detection = -1;       ///< Index of a whole gate; -1: a part of one.
+    bool may_restart = false; ///< A whole gate that is none of the others.
   };
 
   double advance_clock(std::chrono::nanoseconds time);
@@ -170,13 +171,12 @@ class Pilot {
   [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection = -1) const;
   [[nodiscard]] bool convincing(const std::optional<Candidate>& candidate) const;
   bool fuse(const Candidate& seen);
-  void doubt_heading_after_blind_leg();
   void learn_heading_from_leg(const Candidate& seen);
   void correct_heading(double error, double variance);
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
   bool correct_with(Candidate seen);
   [[nodiscard]] double surprise(const GateDetection& seen, const Past& then, const MapGate& gate, bool from_behind) const;
-  [[nodiscard]] bool belongs_to_another_gate(const GateDetection& seen, const Past& then) const;
+  [[nodiscard]] double surprise_of_others(const GateDetection& seen, const Past& then) const;
   void follow_course();
   void pass_gate();
   void approach_from_here();
@@ -224,8 +224,6 @@ class Pilot {
   bool started_ = false;
   drag_model::Input input_;
   double image_width_ = 315.0;
-  Eigen::Vector3d anchor_E_ = Eigen::Vector3d::Zero();  ///< Where the last fix was: the blind leg began there.
-  double heading_doubt_ = 0.0;  ///< Heading variance put into the position after a blind leg [rad²]; 0: not blind.
   int target_ = 0, passed_ = 0;
   std::optional<Path> approach_;  // instead of the leg's own way, after a search
   double progress_ = 0.0;  ///< Metres along path().

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kBlind = 1.0;           // without a fix for this long, a leg was flown blind [s]
 constexpr double kOpenGateFrom = 4.5;    // nearer than this the upper bar may be cut off [m]
+constexpr double kKnown = 1.5;           // how far off the estimate may be and still tell gates apart [m]
+constexpr double kSure = 0.9;            // of a detection; what is less sure counts where a gate is expected
 constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
 
 // Attitude against the gate's frame at that moment.
@@ -40,7 +42,6 @@ void Pilot::look(const Sensors& sensors) {
     return;
   sighting_.detections = whole_gates(sensors, Effort::kSure);
   sighting_.seen = !sighting_.detections.empty();
-  doubt_heading_after_blind_leg();
 
   auto best = best_whole_gate();
   const bool was_quick = sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
@@ -59,7 +60,7 @@ void Pilot::look(const Sensors& sensors) {
 }
 
 bool Pilot::convincing(const std::optional<Candidate>& candidate) const {
-  constexpr double kConvincing = 1.5;  // squared distance: one in four of the right ones in races is farther off
+  constexpr double kConvincing = 4.1;  // squared distance: one in four of the right ones is farther off
   return candidate && candidate->distance2 < kConvincing;
 }
 
@@ -67,11 +68,15 @@ bool Pilot::convincing(const std::optional<Candidate>& candidate) const {
 std::optional<Pilot::Candidate> Pilot::best_whole_gate() const {
   std::optional<Candidate> best;
   for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
-    const GateDetection& gate = sighting_.detections[i];
-    const Past* then = memory_.at(capture_time(center(gate.corners_px).x()));
-    const auto fix = then ? fix_of(gate, *then) : std::nullopt;
-    if (!fix || belongs_to_another_gate(gate, *then)) continue;
-    const auto one = candidate(*fix, *then, Sighting::Source::kCorners, static_cast<int>(i));
+    const GateDetection& seen = sighting_.detections[i];
+    const Past* then = memory_.at(capture_time(center(seen.corners_px).x()));
+    const auto fix = then ? fix_of(seen, *then) : std::nullopt;
+    if (!fix) continue;
+    const double here = surprise(seen, *then, gate(), false), elsewhere = surprise_of_others(seen, *then);
+    if (elsewhere < std::min(kKnown, here)) continue;
+    auto one = candidate(*fix, *then, Sighting::Source::kCorners, static_cast<int>(i));
+    if (seen.fitness < kSure && !convincing(one)) continue;
+    one.may_restart = here <= elsewhere;
     if (!best || one.distance2 < best->distance2) best = one;
   }
   return best;
@@ -109,8 +114,7 @@ bool Pilot::fuse(const Candidate& seen) {
   const double innovation2 = seen.then->filter.distance2(fix, Eigen::Vector3d::Zero());
   const Eigen::Vector3d moved = filter().position() - seen.then->filter.position();
   sighting_.offered = true;
-  // Only a whole gate is sure enough to begin anew with.
-  const Fusion fusion = memory_.correct(fix, seen.then->time, seen.detection >= 0);
+  const Fusion fusion = memory_.correct(fix, seen.then->time, seen.may_restart);
   if (fusion != Fusion::kAccepted && fusion != Fusion::kRestarted) return false;
   const Eigen::Matrix3d R_EG = rotation_z(gate().yaw_EG);
   FixOnCourse& used = sighting_.fix.emplace();
@@ -121,8 +125,6 @@ bool Pilot::fuse(const Candidate& seen) {
   used.yaw_sigma = std::sqrt(fix.yaw_variance + config_.gate_yaw_sigma * config_.gate_yaw_sigma);
   if (fusion == Fusion::kAccepted) sighting_.innovation2 = innovation2, sighting_.innovation_dof = fix.has_height ? 3 : 2;
   last_fix_ = time_;
-  heading_doubt_ = 0.0;
-  anchor_E_ = p_EB();
   sighting_.source = seen.source;
   return true;
 }
@@ -134,6 +136,7 @@ std::optional<Fix> Pilot::fix_of(const GateDetection& seen, const Past& then) co
 PoseParams Pilot::pose_params() const {
   PoseParams params = config_.pose;
   params.attitude_sigma = std::hypot(config_.pose.attitude_sigma, ahrs_.tilt_sigma());
+  params.gate_yaw_sigma = config_.gate_yaw_sigma;
   params.heading_sigma = std::hypot(ahrs_.heading_sigma(), config_.gate_yaw_sigma);
   return params;
 }
@@ -145,24 +148,14 @@ void Pilot::correct_heading(double error, double variance) {
 }
 
 // A leg flown blind on a heading that is off by δ ends δ ẑ × p₀ beside where it should, p₀ being where it
-// began, seen from the next gate. Before the gate comes into view that belongs into the covariance ...
-void Pilot::doubt_heading_after_blind_leg() {
-  if (heading_doubt_ > 0.0 || time_ - last_fix_ < kBlind || last_fix_ < 0.0) return;
-  const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
-  const Eigen::Vector2d n{-p0.y(), p0.x()};
-  heading_doubt_ = ahrs_.heading_sigma() * ahrs_.heading_sigma();
-  memory_.doubt(heading_doubt_ * n * n.transpose());
-}
-
-// ... and when it does, the difference tells δ: the update of the state the filter does not carry.
+// began, seen from the next gate. The filter's doubt knows that; the difference to the first fix tells δ.
 void Pilot::learn_heading_from_leg(const Candidate& seen) {
-  const Eigen::Vector3d p0 = rotation_z(-gate().yaw_EG) * (anchor_E_ - gate().p_EG);
-  const Eigen::Vector2d n{-p0.y(), p0.x()};
-  if (n.norm() < kLongLeg) return;
   const DragFilter& filter = seen.then->filter;
+  const double sigma = ahrs_.heading_sigma();
+  const Eigen::Vector2d n = filter.heading_lever(seen.fix) / sigma;
+  if (n.norm() < kLongLeg) return;
   const Eigen::Vector2d difference = (seen.fix.p_GB - filter.position()).head<2>();
-  const Eigen::Matrix2d S = filter.covariance().topLeftCorner<2, 2>() - heading_doubt_ * n * n.transpose() +
-                            seen.fix.covariance.topLeftCorner<2, 2>();
+  const Eigen::Matrix2d S = filter.innovation_covariance(seen.fix).topLeftCorner<2, 2>() - sigma * sigma * n * n.transpose();
   if (!(S(0, 0) > 0.0) || !(S.determinant() > 0.0)) return;
   const Eigen::Vector2d w = S.inverse() * n;
   const double information = w.dot(n);
@@ -172,7 +165,7 @@ void Pilot::learn_heading_from_leg(const Candidate& seen) {
 bool Pilot::correct_with(Candidate seen) {
   const bool whole = seen.detection >= 0;
   const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
-  if (whole && heading_doubt_ > 0.0 && seen.distance2 < limit) {
+  if (whole && time_ - last_fix_ > kBlind && seen.distance2 < limit) {
     learn_heading_from_leg(seen);
     const auto again = fix_of(sighting_.detections[static_cast<std::size_t>(seen.detection)], *seen.then);
     if (!again) return false;
@@ -205,15 +198,13 @@ double Pilot::surprise(const GateDetection& seen, const Past& then, const MapGat
 }
 
 // The map says which gates there are: a sighting is of the one that surprises least.
-bool Pilot::belongs_to_another_gate(const GateDetection& seen, const Past& then) const {
-  constexpr double kKnown = 1.5;  // farther off it says nothing [m]
-  const double expected = std::min(kKnown, surprise(seen, then, gate(), false));
+double Pilot::surprise_of_others(const GateDetection& seen, const Past& then) const {
+  double least = 1e9;
   for (int i = 0; i < static_cast<int>(config_.track.gates.size()); ++i)
     for (const bool from_behind : {false, true})
-      if ((i != target_ || from_behind) &&
-          surprise(seen, then, config_.track.gates[static_cast<std::size_t>(i)], from_behind) < expected)
-        return true;
-  return false;
+      if (i != target_ || from_behind)
+        least = std::min(least, surprise(seen, then, config_.track.gates[static_cast<std::size_t>(i)], from_behind));
+  return least;
 }
 
 }  // namespace gatefly
