@@ -58,7 +58,7 @@ class BarFinder {
   struct Snake;
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
-  void read(const Image& image, const ColorModel& color);
+  void read(const Image& image);
   void average_around();
   template <class Visit>
   void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const;
@@ -75,7 +75,6 @@ class BarFinder {
   int step_ = 0, stride_ = 0;
   int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
   std::uint32_t per_stride_ = 0;                     // 2^16 / stride_
-  std::vector<std::int8_t> absolute_;                // evidence of each sample's colour alone
   std::array<std::vector<std::uint16_t>, 3> sums_;   // of each group's y, u, v; rows of kMostGroups
   std::array<std::vector<std::uint8_t>, 3> around_;  // mean of the groups around each
 };
