@@ -43,11 +43,6 @@ struct BarFinder::Snake {
   }
 };
 
-BarFinder::BarFinder(int widest, int around) : widest_{widest}, reach_{around} {
-  for (auto& sums : sums_) sums.resize(kMostGroups * kMostRows);
-  for (auto& mean : around_) mean.resize(kMostGroups * kMostRows);
-}
-
 // The sums of groups.
 void BarFinder::read(const Image& image) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns, (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -38,7 +37,7 @@ class BarFinder {
 
   /// @param widest  what is wider is no bar [samples].
   /// @param around  a colour's surroundings reach so many groups to each side: wider than the widest bar.
-  BarFinder(int widest, int around);
+  BarFinder(int widest, int around) : widest_{widest}, reach_{around} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
   [[nodiscard]] Bars find(const Image& image, const ColorModel& color);
@@ -75,8 +74,10 @@ class BarFinder {
   int step_ = 0, stride_ = 0;
   int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
   std::uint32_t per_stride_ = 0;                     // 2^16 / stride_
-  std::array<std::vector<std::uint16_t>, 3> sums_;   // of each group's y, u, v; rows of kMostGroups
-  std::array<std::vector<std::uint8_t>, 3> around_;  // mean of the groups around each
+  template <class T>
+  using Planes = std::array<std::array<T, kMostGroups * kMostRows>, 3>;
+  Planes<std::uint16_t> sums_{};   // of each group's y, u, v; rows of kMostGroups
+  Planes<std::uint8_t> around_{};  // mean of the groups around each
 };
 
 }  // namespace gatefly

@@ -2,7 +2,9 @@
 #include "gatefly/detection/snake_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "gatefly/detection/corner_refinement.hpp"
@@ -65,32 +67,61 @@ namespace {
 template <class Pair, class Fit>
 std::optional<Quad> with_level_bars(const Pair& p, int step, int stride, int cell, const Fit& fit) {
   constexpr int kAcross = 6, kMostLevels = 24, kClear = 15 * kAcross;  // samples of a level; levels; evidence of a bar that leaves no doubt
+  constexpr int kLimit = EvidenceMap::kLimit, kLeastShown = -20;
   constexpr double kTilt = 0.25, kLeftOver = 192.0;  // a nat a pixel of both bars, beside a level of six samples
   const double beyond = std::max(0.6 * stride, 0.15 * p.width), within = 0.4 * (p.bottom - p.top);
-  const int levels = std::min(kMostLevels, 1 + static_cast<int>((beyond + within) / step));
+  const int levels = std::clamp(1 + static_cast<int>((beyond + within) / step), 2, kMostLevels);
+  const double apart = (beyond + within) / (levels - 1);
   struct Level {
     double left, right;
     int sum;
   };
-  const auto best_level = [&](double end, double outwards) {
-    Level best{end, end, -1 << 20};
-    int from = 0, to = levels, best_k = 0;
-    for (const double tilt : {0.0, -kTilt, kTilt}) {
-      for (int k = from; k < to; ++k) {
-        const double off = beyond - (beyond + within) * k / (levels - 1), level = end + outwards * off, half = 0.5 * tilt * p.width;
-        // A level inside the bars' ends leaves bar over, one beyond them lacks it.
-        const double gap = std::max(0.0, -off) + std::max(0.0, off - 0.5 * stride);
-        const Eigen::Vector2d a = p.on_left(level - half), d = (p.on_right(level + half) - a) / kAcross;
-        int sum = -static_cast<int>(kLeftOver * gap / p.width);
-        for (int j = 0; j < kAcross; ++j) sum += fit.at(to_cells(a + (j + 0.5) * d, cell));
-        if (sum > best.sum) best = {level - half, level + half, sum}, best_k = k;
-      }
+  const auto sample = [&](double left, double right, int j) {
+    const Eigen::Vector2d a = p.on_left(left), b = p.on_right(right);
+    return to_cells(a + (j + 0.5) / kAcross * (b - a), cell);
+  };
+  struct End {
+    double at, outwards;
+    std::array<int, kMostLevels> sums{};
+    int shown = 0;
+  };
+  // Adds one sample of each level.
+  const auto look = [&](End& end, int j) {
+    const double first = end.at + end.outwards * beyond, last = end.at - end.outwards * within;
+    const Eigen::Vector2d start = sample(first, first, j);
+    int most = -kLimit;
+    fit.each_along(start, (sample(last, last, j) - start) / (levels - 1), levels, [&](int k, int evidence) {
+      most = std::max(most, evidence), end.sums[static_cast<std::size_t>(k)] += evidence;
+    });
+    return most;
+  };
+  End upper_end{p.top, -1.0}, lower_end{p.bottom, +1.0};
+  if (look(upper_end, 1) + look(upper_end, 4) + look(lower_end, 1) + look(lower_end, 4) < kLeastShown) return std::nullopt;
+  const auto best_level = [&](End& end) {
+    for (const int j : {0, 2, 3, 5}) look(end, j);
+    Level best{end.at, end.at, -1 << 20};
+    // A level inside the bars' ends leaves bar over, one beyond them lacks it.
+    const auto off = [&](int k) { return beyond - k * apart; };
+    const auto left_over = [&](int k) { return static_cast<int>(kLeftOver * (std::max(0.0, -off(k)) + std::max(0.0, off(k) - 0.5 * stride)) / p.width); };
+    int best_k = 0;
+    for (int k = 0; k < levels; ++k) {
+      const int sum = end.sums[static_cast<std::size_t>(k)] - left_over(k);
+      if (sum > best.sum) best_k = k, best.sum = sum, best.left = best.right = end.at + end.outwards * off(k);
+    }
+    for (const double tilt : {-kTilt, kTilt}) {
       if (best.sum >= kClear) break;
-      if (tilt == 0.0) from = std::max(0, best_k - 3), to = std::min(levels, best_k + 4);
+      const double half = 0.5 * tilt * p.width;
+      for (int k = std::max(0, best_k - 3); k < std::min(levels, best_k + 4); ++k) {
+        const double level = end.at + end.outwards * off(k);
+        int sum = -left_over(k);
+        // No further than it can still become the best.
+        for (int j = 0; j < kAcross && sum + (kAcross - j) * kLimit > best.sum; ++j) sum += fit.at(sample(level - half, level + half, j));
+        if (sum > best.sum) best = {level - half, level + half, sum};
+      }
     }
     return best;
   };
-  const Level upper = best_level(p.top, -1.0), lower = best_level(p.bottom, +1.0);
+  const Level upper = best_level(upper_end), lower = best_level(lower_end);
   if (upper.sum + lower.sum < 0) return std::nullopt;
   return to_cells(Quad{p.on_left(upper.left), p.on_right(upper.right), p.on_right(lower.right), p.on_left(lower.left)}, cell);
 }
