@@ -124,6 +124,7 @@ Bar BarFinder::bar_of(const Snake& s) const {
 // Where a row crosses something of a bar's colour and width.
 template <class Visit>
 void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const {
+  const int v = row_px(row), first = first_column(), step = step_;
   int start = 0, sum = 0, moment = 0, end = 0;  // of the present crossing; none while sum is 0
   const auto finish = [&] {
     if (sum == 0) return;
@@ -133,7 +134,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
   // What each colour alone says, in a loop of nothing else; most of it is hopeless.
   alignas(std::uint64_t) std::array<std::int8_t, kMostColumns> absolute;
   std::int8_t* out = absolute.data();
-  image.visit_row(first_column(), row_px(row), step_, groups_ * kGroup, [&](Yuv c) { *out++ = color.absolute[ColorModel::bin(c)]; });
+  image.visit_row(first, v, step, groups_ * kGroup, [&](Yuv c) { *out++ = color.absolute[ColorModel::bin(c)]; });
   for (int g = 0; g < groups_; ++g) {
     const std::int8_t* const alone = absolute.data() + g * kGroup;
     if (all_hopeless(alone)) {
@@ -145,7 +146,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
       const int c = g * kGroup + k;
       int e = -kLimit;
       if (alone[k] >= kHopeless)
-        e = (alone[k] + color.relative[ColorModel::difference_bin(image.at(c * step_ + first_column(), row_px(row)), mean)]) / 2;
+        e = (alone[k] + color.relative[ColorModel::difference_bin(image.at(c * step + first, v), mean)]) / 2;
       if (e < kBar) {
         finish();
         continue;

@@ -139,12 +139,6 @@ class Strip {
   int step_ = 1, half_ = 0, count_ = 0;
 };
 
-double largest_move(const Quad& a, const Quad& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) most = std::max(most, (a[i] - b[i]).squaredNorm());
-  return std::sqrt(most);
-}
-
 template <int kLines>
 Strip<kLines> strip_along(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Side& side, double bar_px) {
   const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));

@@ -206,12 +206,12 @@ class FrameFit {
     // Weighted least squares of the bar's middle at every station that shows it.
     std::array<double, static_cast<std::size_t>(kMiddles)> middle{}, weight{};
     for (int j = 0; j < kMiddles; ++j) {
-      double sum = 0.0, moment = 0.0;
+      int sum = 0, moment = 0;
       for (int o = -reach; o <= reach; ++o) {
-        const double w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
+        const int w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
         sum += w, moment += w * o;
       }
-      if (sum > 8.0) middle[static_cast<std::size_t>(j)] = moment / sum, weight[static_cast<std::size_t>(j)] = 1.0;
+      if (sum > 8) middle[static_cast<std::size_t>(j)] = static_cast<double>(moment) / sum, weight[static_cast<std::size_t>(j)] = 1.0;
     }
     double from = 0.0, to = 0.0;
     for (int pass = 0; pass < 3; ++pass) {

@@ -18,7 +18,8 @@ constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is n
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;             // three rows of 2 nats
 constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
-constexpr FrameEffort kEffort{.samples = 12, .middles = 8};
+constexpr double kSettled = 1.5;                // of a corner that was centred [cells]
+constexpr FrameEffort kEffort{.samples = 9, .middles = 8};
 
 }  // namespace
 
@@ -132,8 +133,14 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const G
   const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
   if (!has_shape(rough)) return std::nullopt;
   Quad quad = rough;
-  for (int pass = 0; pass < 2; ++pass)
-    if (const auto centered = fit.centered(quad, kReach); centered && has_shape(*centered)) quad = *centered;
+  // Once more where that moves it far: what was out of reach may be in reach now.
+  for (int pass = 0; pass < 2; ++pass) {
+    const auto centered = fit.centered(quad, kReach);
+    if (!centered || !has_shape(*centered)) break;
+    const double moved = largest_move(quad, *centered);
+    quad = *centered;
+    if (moved < kSettled) break;
+  }
   const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
   return frame;
