@@ -47,7 +47,7 @@ struct BarFinder::Snake {
 void BarFinder::read(const Image& image) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns, (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
   stride_ = kGroup * step_;
-  per_stride_ = 65536u / static_cast<std::uint32_t>(stride_) + 1;
+  per_stride_ = (std::uint64_t{1} << 32) / static_cast<std::uint64_t>(stride_) + 1;
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
   for (int r = 0; r < rows_; ++r) {
     std::array<std::uint16_t*, 3> sums;
@@ -67,14 +67,15 @@ void BarFinder::read(const Image& image) {
   }
 }
 
-// Mean of the groups around each; what is beyond the border is as at the border.
+// Mean of the groups around each; what is beyond the border is as at the border. One group more to the right and below:
+// pixels that make no whole group are asked for, too.
 void BarFinder::average_around() {
   constexpr int kMostReach = 4;
   const int groups = groups_, rows = rows_, reach = reach_, side = 2 * reach + 1;
   const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
   // Sums down each column, and what is beyond the border on either side. Loops of one length, which the compiler takes
   // eight at a time; what is right of the picture does no harm.
-  std::array<std::uint16_t, kMostGroups + 2 * kMostReach> column{};
+  std::array<std::uint16_t, kMostGroups + 2 * kMostReach + 1> column{};
   std::array<std::uint16_t, kMostGroups> around;
   std::uint16_t* const inner = column.data() + kMostReach;
   const auto each = [](const auto& visit) {
@@ -87,10 +88,11 @@ void BarFinder::average_around() {
       const std::uint16_t* const row = row_at(i);
       each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + row[g]); });
     }
-    for (int r = 0; r < rows; ++r) {
+    for (int r = 0; r < std::min(rows + 1, kMostRows); ++r) {
       const std::uint16_t *const enters = row_at(r + reach), *const leaves = row_at(r - reach - 1);
       each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + enters[g] - leaves[g]); });
-      for (int i = 1; i <= reach; ++i) inner[-i] = inner[0], inner[groups - 1 + i] = inner[groups - 1];
+      for (int i = 1; i <= reach; ++i) inner[-i] = inner[0];
+      for (int i = 0; i <= reach; ++i) inner[groups + i] = inner[groups - 1];
       each([&](std::size_t g) { around[g] = inner[g]; });
       for (int i = 1; i <= reach; ++i) {
         const std::uint16_t *const left = inner - i, *const right = inner + i;
@@ -141,7 +143,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
       finish();
       continue;
     }
-    const Yuv mean = around(row * kMostGroups + g);
+    const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
     for (int k = 0; k < kGroup; ++k) {
       const int c = g * kGroup + k;
       int e = -kLimit;
