@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <optional>
 
 #include "gatefly/detection/corner_refinement.hpp"
@@ -98,25 +99,39 @@ std::optional<Quad> with_level_bars(const Pair& p, int step, int stride, int cel
   };
   End upper_end{p.top, -1.0}, lower_end{p.bottom, +1.0};
   if (look(upper_end, 1) + look(upper_end, 4) + look(lower_end, 1) + look(lower_end, 4) < kLeastShown) return std::nullopt;
-  const auto best_level = [&](End& end) {
-    for (const int j : {0, 2, 3, 5}) look(end, j);
-    Level best{end.at, end.at, -1 << 20};
-    // A level inside the bars' ends leaves bar over, one beyond them lacks it.
-    const auto off = [&](int k) { return beyond - k * apart; };
-    const auto left_over = [&](int k) { return static_cast<int>(kLeftOver * (std::max(0.0, -off(k)) + std::max(0.0, off(k) - 0.5 * stride)) / p.width); };
-    int best_k = 0;
-    for (int k = 0; k < levels; ++k) {
-      const int sum = end.sums[static_cast<std::size_t>(k)] - left_over(k);
-      if (sum > best.sum) best_k = k, best.sum = sum, best.left = best.right = end.at + end.outwards * off(k);
+  // The evidence of a level with what further samples add to it, no further than it can still be more than `least`.
+  const auto with_samples = [&](std::initializer_list<int> samples, double left, double right, int sum, int least) {
+    int most = sum + static_cast<int>(samples.size()) * kLimit;
+    for (const int j : samples) {
+      if (most <= least) break;
+      const int e = fit.at(sample(left, right, j));
+      sum += e, most += e - kLimit;
     }
+    return sum;
+  };
+  const auto best_level = [&](const End& end) {
+    const auto off = [&](int k) { return beyond - k * apart; };
+    // A level inside the bars' ends leaves bar over, one beyond them lacks it.
+    std::array<int, kMostLevels> sums;
+    for (int k = 0; k < levels; ++k)
+      sums[static_cast<std::size_t>(k)] = end.sums[static_cast<std::size_t>(k)] - static_cast<int>(kLeftOver * (std::max(0.0, -off(k)) + std::max(0.0, off(k) - 0.5 * stride)) / p.width);
+    Level best{end.at, end.at, -1 << 20};
+    int best_k = 0;
+    const auto try_level = [&](int k) {
+      const double level = end.at + end.outwards * off(k);
+      const int sum = with_samples({0, 2, 3, 5}, level, level, sums[static_cast<std::size_t>(k)], best.sum);
+      if (sum > best.sum) best = {level, level, sum}, best_k = k;
+    };
+    // The most likely one first: most others need not be looked at to the end.
+    try_level(static_cast<int>(std::max_element(sums.begin(), sums.begin() + levels) - sums.begin()));
+    for (int k = 0; k < levels; ++k) try_level(k);
     for (const double tilt : {-kTilt, kTilt}) {
       if (best.sum >= kClear) break;
       const double half = 0.5 * tilt * p.width;
       for (int k = std::max(0, best_k - 3); k < std::min(levels, best_k + 4); ++k) {
         const double level = end.at + end.outwards * off(k);
-        int sum = -left_over(k);
-        // No further than it can still become the best.
-        for (int j = 0; j < kAcross && sum + (kAcross - j) * kLimit > best.sum; ++j) sum += fit.at(sample(level - half, level + half, j));
+        const int left_over = sums[static_cast<std::size_t>(k)] - end.sums[static_cast<std::size_t>(k)];
+        const int sum = with_samples({0, 1, 2, 3, 4, 5}, level - half, level + half, left_over, best.sum);
         if (sum > best.sum) best = {level - half, level + half, sum};
       }
     }
