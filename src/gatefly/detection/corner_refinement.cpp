@@ -186,7 +186,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
-  return effort == RefinementEffort::kQuick ? refined<12>(image, frame, bar_px, 3) : refined<32>(image, frame, bar_px, 5);
+  return effort == RefinementEffort::kQuick ? refined<16>(image, frame, bar_px, 3) : refined<32>(image, frame, bar_px, 5);
 }
 
 }  // namespace gatefly

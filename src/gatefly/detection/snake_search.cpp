@@ -70,7 +70,7 @@ template <class Pair, class Fit>
 class LevelBars {
  public:
   LevelBars(const Pair& pair, int step, int stride, int cell, const Fit& fit)
-      : pair_{pair}, fit_{fit}, cell_{cell}, beyond_{std::max<double>(stride, 0.15 * pair.width)}, next_row_{static_cast<double>(stride)} {
+      : pair_{pair}, fit_{fit}, cell_{cell}, beyond_{std::max(0.9 * stride, 0.15 * pair.width)}, next_row_{static_cast<double>(stride)} {
     const double range = beyond_ + 0.4 * (pair.bottom - pair.top);
     levels_ = std::clamp(1 + static_cast<int>(range / step), 2, kMostLevels);
     apart_ = range / (levels_ - 1);
