@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace gatefly {
 namespace {
@@ -13,6 +14,13 @@ constexpr int kHopeless = -16;    // of a colour alone: no bar, whatever is arou
 constexpr int kStrongest = 60;    // evidence of a crossing that counts
 constexpr int kLeast = 3;         // rows of a bar
 constexpr int kLeastToBend = 6;   // rows of a bar whose bend is looked at
+
+// Whether no sample of a group can be a bar's. All four bytes at once, which carry nothing over: they are within +-64.
+bool all_hopeless(const std::int8_t* group) {
+  std::uint32_t bytes;
+  std::memcpy(&bytes, group, sizeof bytes);
+  return (((bytes ^ 0x80808080u) + 0x01010101u * -kHopeless) & 0x80808080u) == 0;
+}
 
 }  // namespace
 
@@ -35,46 +43,39 @@ struct BarFinder::Snake {
   }
 };
 
-BarFinder::BarFinder(int widest, int around) : widest_{widest}, reach_{around} {
-  absolute_.resize(kMostColumns * kMostRows);
-  for (auto& sums : sums_) sums.resize(kMostGroups * kMostRows);
-  for (auto& mean : around_) mean.resize(kMostGroups * kMostRows);
-}
-
-// What each sample's colour alone says, and the sums of groups.
-void BarFinder::read(const Image& image, const ColorModel& color) {
+// The sums of groups.
+void BarFinder::read(const Image& image) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns, (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
   stride_ = kGroup * step_;
-  per_stride_ = 65536u / static_cast<std::uint32_t>(stride_) + 1;
+  per_stride_ = (std::uint64_t{1} << 32) / static_cast<std::uint64_t>(stride_) + 1;
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
-  const int groups = groups_;  // bytes are written below: members would be read again each time
   for (int r = 0; r < rows_; ++r) {
-    std::int8_t* out = absolute_.data() + r * groups * kGroup;
     std::array<std::uint16_t*, 3> sums;
     for (std::size_t k = 0; k < 3; ++k) sums[k] = sums_[k].data() + r * kMostGroups;
-    std::array<Yuv, kMostColumns> row;
-    Yuv* next = row.data();
-    image.visit_row(first_column(), row_px(r), step_, groups * kGroup, [&](Yuv c) {
-      *out++ = color.absolute[ColorModel::bin(c)];
-      *next++ = c;
+    int g = 0;
+    image.visit_row(first_column(), row_px(r), stride_, groups_, [&](Yuv c) {
+      sums[0][g] = c.y, sums[1][g] = c.u, sums[2][g] = c.v;
+      ++g;
     });
-    for (int g = 0; g < groups; ++g) {
-      const Yuv* const s = row.data() + g * kGroup;
-      sums[0][g] = static_cast<std::uint16_t>(s[0].y + s[2].y);
-      sums[1][g] = static_cast<std::uint16_t>(s[0].u + s[2].u);
-      sums[2][g] = static_cast<std::uint16_t>(s[0].v + s[2].v);
-    }
+    g = 0;
+    image.visit_row(first_column() + 2 * step_, row_px(r), stride_, groups_, [&](Yuv c) {
+      sums[0][g] = static_cast<std::uint16_t>(sums[0][g] + c.y);
+      sums[1][g] = static_cast<std::uint16_t>(sums[1][g] + c.u);
+      sums[2][g] = static_cast<std::uint16_t>(sums[2][g] + c.v);
+      ++g;
+    });
   }
 }
 
-// Mean of the groups around each; what is beyond the border is as at the border.
+// Mean of the groups around each; what is beyond the border is as at the border. One group more to the right and below:
+// pixels that make no whole group are asked for, too.
 void BarFinder::average_around() {
   constexpr int kMostReach = 4;
   const int groups = groups_, rows = rows_, reach = reach_, side = 2 * reach + 1;
   const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
   // Sums down each column, and what is beyond the border on either side. Loops of one length, which the compiler takes
   // eight at a time; what is right of the picture does no harm.
-  std::array<std::uint16_t, kMostGroups + 2 * kMostReach> column{};
+  std::array<std::uint16_t, kMostGroups + 2 * kMostReach + 1> column{};
   std::array<std::uint16_t, kMostGroups> around;
   std::uint16_t* const inner = column.data() + kMostReach;
   const auto each = [](const auto& visit) {
@@ -87,10 +88,11 @@ void BarFinder::average_around() {
       const std::uint16_t* const row = row_at(i);
       each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + row[g]); });
     }
-    for (int r = 0; r < rows; ++r) {
+    for (int r = 0; r < std::min(rows + 1, kMostRows); ++r) {
       const std::uint16_t *const enters = row_at(r + reach), *const leaves = row_at(r - reach - 1);
       each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + enters[g] - leaves[g]); });
-      for (int i = 1; i <= reach; ++i) inner[-i] = inner[0], inner[groups - 1 + i] = inner[groups - 1];
+      for (int i = 1; i <= reach; ++i) inner[-i] = inner[0];
+      for (int i = 0; i <= reach; ++i) inner[groups + i] = inner[groups - 1];
       each([&](std::size_t g) { around[g] = inner[g]; });
       for (int i = 1; i <= reach; ++i) {
         const std::uint16_t *const left = inner - i, *const right = inner + i;
@@ -124,24 +126,29 @@ Bar BarFinder::bar_of(const Snake& s) const {
 // Where a row crosses something of a bar's colour and width.
 template <class Visit>
 void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const {
+  const int v = row_px(row), first = first_column(), step = step_;
   int start = 0, sum = 0, moment = 0, end = 0;  // of the present crossing; none while sum is 0
   const auto finish = [&] {
-    if (sum > 0 && end - start <= widest_)
-      visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
+    if (sum == 0) return;
+    if (end - start <= widest_) visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
     sum = moment = 0;
   };
-  const std::int8_t* absolute = absolute_.data() + row * groups_ * kGroup;
-  for (int g = 0; g < groups_; ++g, absolute += kGroup) {
-    if (std::max(std::max(absolute[0], absolute[1]), std::max(absolute[2], absolute[3])) < kHopeless) {
+  // What each colour alone says, in a loop of nothing else; most of it is hopeless.
+  alignas(std::uint64_t) std::array<std::int8_t, kMostColumns> absolute;
+  std::int8_t* out = absolute.data();
+  image.visit_row(first, v, step, groups_ * kGroup, [&](Yuv c) { *out++ = color.absolute[ColorModel::bin(c)]; });
+  for (int g = 0; g < groups_; ++g) {
+    const std::int8_t* const alone = absolute.data() + g * kGroup;
+    if (all_hopeless(alone)) {
       finish();
       continue;
     }
-    const Yuv mean = around(row * kMostGroups + g);
+    const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
     for (int k = 0; k < kGroup; ++k) {
       const int c = g * kGroup + k;
       int e = -kLimit;
-      if (absolute[k] >= kHopeless)
-        e = (absolute[k] + color.relative[ColorModel::difference_bin(image.at(c * step_ + first_column(), row_px(row)), mean)]) / 2;
+      if (alone[k] >= kHopeless)
+        e = (alone[k] + color.relative[ColorModel::difference_bin(image.at(c * step + first, v), mean)]) / 2;
       if (e < kBar) {
         finish();
         continue;
@@ -159,7 +166,7 @@ BarFinder::Bars BarFinder::find(const Image& image, const ColorModel& color) {
   Bars bars;
   rows_ = groups_ = 0;
   if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars;
-  read(image, color);
+  read(image);
   if (rows_ == 0 || groups_ == 0) return bars;  // long and thin
   average_around();
   FixedList<Snake, 24> snakes;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -38,7 +37,7 @@ class BarFinder {
 
   /// @param widest  what is wider is no bar [samples].
   /// @param around  a colour's surroundings reach so many groups to each side: wider than the widest bar.
-  BarFinder(int widest, int around);
+  BarFinder(int widest, int around) : widest_{widest}, reach_{around} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
   [[nodiscard]] Bars find(const Image& image, const ColorModel& color);
@@ -46,8 +45,7 @@ class BarFinder {
   /// Evidence of any pixel of the picture that was searched last, in 1/16 nats; outside there is none of a gate.
   [[nodiscard]] int evidence(const Image& image, const ColorModel& color, int u, int v) const {
     if (!image.contains(u, v)) return EvidenceMap::kOutside;
-    const int g = std::min(static_cast<int>((static_cast<std::uint32_t>(u) * per_stride_) >> 16), groups_ - 1);
-    const int r = std::min(static_cast<int>((static_cast<std::uint32_t>(v) * per_stride_) >> 16), rows_ - 1);
+    const auto g = (static_cast<std::uint64_t>(u) * per_stride_) >> 32, r = (static_cast<std::uint64_t>(v) * per_stride_) >> 32;
     return std::clamp(color.evidence(image.at(u, v), around(r * kMostGroups + g)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
   }
 
@@ -58,26 +56,24 @@ class BarFinder {
   struct Snake;
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
-  void read(const Image& image, const ColorModel& color);
+  void read(const Image& image);
   void average_around();
   template <class Visit>
   void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const;
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
 
-  [[nodiscard]] Yuv around(int group) const {
-    const auto i = static_cast<std::size_t>(group);
-    return {around_[0][i], around_[1][i], around_[2][i]};
-  }
+  [[nodiscard]] Yuv around(std::size_t group) const { return {around_[0][group], around_[1][group], around_[2][group]}; }
   [[nodiscard]] int first_column() const { return step_ / 2; }
   [[nodiscard]] int row_px(int row) const { return row * stride_ + stride_ / 2; }
 
   int widest_, reach_;
   int step_ = 0, stride_ = 0;
   int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
-  std::uint32_t per_stride_ = 0;                     // 2^16 / stride_
-  std::vector<std::int8_t> absolute_;                // evidence of each sample's colour alone
-  std::array<std::vector<std::uint16_t>, 3> sums_;   // of each group's y, u, v; rows of kMostGroups
-  std::array<std::vector<std::uint8_t>, 3> around_;  // mean of the groups around each
+  std::uint64_t per_stride_ = 0;                     // 2^32 / stride_
+  template <class T>
+  using Planes = std::array<std::array<T, kMostGroups * kMostRows>, 3>;
+  Planes<std::uint16_t> sums_{};   // of each group's y, u, v; rows of kMostGroups
+  Planes<std::uint8_t> around_{};  // mean of the groups around each
 };
 
 }  // namespace gatefly

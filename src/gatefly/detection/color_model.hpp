@@ -24,12 +24,12 @@ struct ColorModel {
 
   /// Bin of a colour: 16 grey levels a luma bin; 4 levels a chroma bin, from 64 to 191.
   [[nodiscard]] static std::size_t bin(Yuv c) {
-    return std::size_t{kLumaAt[c.y]} + kUAt[c.u] + kVAt[c.v];
+    return std::size_t{kStarts.luma[c.y]} + kStarts.u[c.u] + kStarts.v[c.v];
   }
   /// Bin of a difference from the surroundings: 12 levels a luma bin, 3 a chroma bin, around zero.
   [[nodiscard]] static std::size_t difference_bin(Yuv c, Yuv around) {
-    const auto at = [](int a, int b) { return static_cast<std::size_t>(a - b + 255); };
-    return std::size_t{kLumaStep[at(c.y, around.y)]} + kUStep[at(c.u, around.u)] + kVStep[at(c.v, around.v)];
+    const auto at = [](const auto& steps, std::ptrdiff_t a, std::ptrdiff_t b) { return std::size_t{(steps.data() + 255)[a - b]}; };
+    return at(kStarts.luma_step, c.y, around.y) + at(kStarts.u_step, c.u, around.u) + at(kStarts.v_step, c.v, around.v);
   }
 
   /// From a description alone: the hue of an sRGB colour (0..1), wherever it is more colourful than grey and
@@ -50,15 +50,15 @@ struct ColorModel {
       table[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(size * std::min(i < zero ? std::size_t{0} : static_cast<std::size_t>((i - zero) / levels), count - 1));
     return table;
   }
-  static const std::array<std::uint16_t, 256> kLumaAt, kUAt, kVAt;
-  static const std::array<std::uint16_t, 511> kLumaStep, kUStep, kVStep;
+  // In one place, whose address is looked up once.
+  struct Starts {
+    std::array<std::uint16_t, 256> luma = bins<256>(0, 16, kLuma, kChroma * kChroma), u = bins<256>(64, 4, kChroma, kChroma), v = bins<256>(64, 4, kChroma, 1);
+    std::array<std::uint16_t, 511> luma_step = bins<511>(255 - 96, 12, kLuma, kChroma * kChroma), u_step = bins<511>(255 - 48, 3, kChroma, kChroma),
+                                   v_step = bins<511>(255 - 48, 3, kChroma, 1);
+  };
+  static const Starts kStarts;
 };
 
-inline constexpr std::array<std::uint16_t, 256> ColorModel::kLumaAt = bins<256>(0, 16, kLuma, kChroma * kChroma);
-inline constexpr std::array<std::uint16_t, 256> ColorModel::kUAt = bins<256>(64, 4, kChroma, kChroma);
-inline constexpr std::array<std::uint16_t, 256> ColorModel::kVAt = bins<256>(64, 4, kChroma, 1);
-inline constexpr std::array<std::uint16_t, 511> ColorModel::kLumaStep = bins<511>(255 - 96, 12, kLuma, kChroma * kChroma);
-inline constexpr std::array<std::uint16_t, 511> ColorModel::kUStep = bins<511>(255 - 48, 3, kChroma, kChroma);
-inline constexpr std::array<std::uint16_t, 511> ColorModel::kVStep = bins<511>(255 - 48, 3, kChroma, 1);
+inline constexpr ColorModel::Starts ColorModel::kStarts{};
 
 }  // namespace gatefly

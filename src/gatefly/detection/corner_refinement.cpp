@@ -65,10 +65,11 @@ class Strip {
       const double x = side.x(y);
       if (!(x >= beyond && x < breadth - beyond - 1)) continue;
       const int middle = static_cast<int>(x + 0.5);
-      int i = 0;
-      const auto take = [&](Yuv c) {
-        colors_[0](count_, i) = c.y, colors_[1](count_, i) = c.u, colors_[2](count_, i) = c.v;
-        ++i;
+      const std::array<float*, 3> line{&colors_[0](count_, 0), &colors_[1](count_, 0), &colors_[2](count_, 0)};
+      std::ptrdiff_t i = 0;
+      const auto take = [&i, line](Yuv c) {
+        line[0][i] = c.y, line[1][i] = c.u, line[2][i] = c.v;
+        i += kLines;
       };
       const int n = 2 * half_ + 1;
       if (side.level) image.visit_column(y, middle - beyond, step_, n, take);
@@ -138,12 +139,6 @@ class Strip {
   int step_ = 1, half_ = 0, count_ = 0;
 };
 
-double largest_move(const Quad& a, const Quad& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) most = std::max(most, (a[i] - b[i]).squaredNorm());
-  return std::sqrt(most);
-}
-
 template <int kLines>
 Strip<kLines> strip_along(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Side& side, double bar_px) {
   const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));
@@ -191,7 +186,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
-  return effort == RefinementEffort::kQuick ? refined<20>(image, frame, bar_px, 4) : refined<32>(image, frame, bar_px, 5);
+  return effort == RefinementEffort::kQuick ? refined<16>(image, frame, bar_px, 3) : refined<32>(image, frame, bar_px, 5);
 }
 
 }  // namespace gatefly

@@ -107,6 +107,16 @@ class FrameFit {
     return evidence_(static_cast<int>(p.x() + (kAbove + 0.5)) - kAbove, static_cast<int>(p.y() + (kAbove + 0.5)) - kAbove);
   }
 
+  /// Evidence at `count` places from `a` on, `step` apart: visit(k, evidence).
+  template <class Visit>
+  void each_along(const Eigen::Vector2d& a, const Eigen::Vector2d& step, int count, const Visit& visit) const {
+    // In 1/2^16 cells: what is shifted need not be converted each time, and is rounded down.
+    constexpr double kOne = 1 << 16;
+    auto x = static_cast<std::int64_t>((a.x() + 0.5) * kOne), y = static_cast<std::int64_t>((a.y() + 0.5) * kOne);
+    const auto dx = static_cast<std::int64_t>(step.x() * kOne), dy = static_cast<std::int64_t>(step.y() * kOne);
+    for (int k = 0; k < count; ++k, x += dx, y += dy) visit(k, evidence_(static_cast<int>(x >> 16), static_cast<int>(y >> 16)));
+  }
+
   void set_least_offset(double cells) { off_min_ = cells; }
   void set_cell_size(double px) { cell_px_ = px; }
 
@@ -122,9 +132,8 @@ class FrameFit {
   [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
     const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, kEffort.samples);
     const Eigen::Vector2d step = d / n;
-    Eigen::Vector2d p = a + 0.5 * step;
     int sum = 0;
-    for (int k = 0; k < n; ++k, p += step) sum += at(p);
+    each_along(a + 0.5 * step, step, n, [&](int, int evidence) { sum += evidence; });
     return sum / (16.0 * n);
   }
 
@@ -152,9 +161,8 @@ class FrameFit {
     const Eigen::Vector2d d = b - a;
     s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
     for (int j = 0; j < kCount; ++j) {
-      const Eigen::Vector2d p = a + station(j, kCount) * d;
-      for (int o = -reach; o <= reach; ++o)
-        s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)] = at(p + o * s.normal);
+      int* const first = s.value[static_cast<std::size_t>(j)].data() + kMostReach - reach;
+      each_along(a + station(j, kCount) * d - reach * s.normal, s.normal, 2 * reach + 1, [&](int o, int evidence) { first[o] = evidence; });
     }
     return s;
   }
@@ -198,12 +206,12 @@ class FrameFit {
     // Weighted least squares of the bar's middle at every station that shows it.
     std::array<double, static_cast<std::size_t>(kMiddles)> middle{}, weight{};
     for (int j = 0; j < kMiddles; ++j) {
-      double sum = 0.0, moment = 0.0;
+      int sum = 0, moment = 0;
       for (int o = -reach; o <= reach; ++o) {
-        const double w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
+        const int w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
         sum += w, moment += w * o;
       }
-      if (sum > 8.0) middle[static_cast<std::size_t>(j)] = moment / sum, weight[static_cast<std::size_t>(j)] = 1.0;
+      if (sum > 8) middle[static_cast<std::size_t>(j)] = static_cast<double>(moment) / sum, weight[static_cast<std::size_t>(j)] = 1.0;
     }
     double from = 0.0, to = 0.0;
     for (int pass = 0; pass < 3; ++pass) {

@@ -67,6 +67,12 @@ Eigen::Vector2d center(const Quad& quad) {
   return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
 }
 
+double largest_move(const Quad& a, const Quad& b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) most = std::max(most, (a[i] - b[i]).squaredNorm());
+  return std::sqrt(most);
+}
+
 Quad scaled(const Quad& quad, double factor) {
   const Eigen::Vector2d middle = center(quad);
   Quad out;

@@ -21,6 +21,9 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 
 [[nodiscard]] Eigen::Vector2d center(const Quad& quad);
 
+/// How far the corner that moved most did, from a to b.
+[[nodiscard]] double largest_move(const Quad& a, const Quad& b);
+
 /// `quad` made larger by `factor` about its centre.
 [[nodiscard]] Quad scaled(const Quad& quad, double factor);
 

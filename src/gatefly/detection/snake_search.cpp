@@ -2,7 +2,10 @@
 #include "gatefly/detection/snake_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <initializer_list>
 #include <optional>
 
 #include "gatefly/detection/corner_refinement.hpp"
@@ -16,7 +19,8 @@ constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is n
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;             // three rows of 2 nats
 constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
-constexpr FrameEffort kEffort{.samples = 12, .middles = 8};
+constexpr double kSettled = 1.5;                // of a corner that was centred [cells]
+constexpr FrameEffort kEffort{.samples = 9, .middles = 8};
 
 }  // namespace
 
@@ -60,40 +64,104 @@ SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
 
 namespace {
 
-// The level bars of a pair: of all level lines near its upper end, a little tilted or not, the one with the most
-// evidence; and near its lower end. In cells.
+/// The level bars of a pair: of all level lines near its upper end, a little tilted or not, the one with the most
+/// evidence; and near its lower end. A level is six samples from bar to bar.
 template <class Pair, class Fit>
-std::optional<Quad> with_level_bars(const Pair& p, int step, int stride, int cell, const Fit& fit) {
-  constexpr int kAcross = 6, kMostLevels = 24, kClear = 15 * kAcross;  // samples of a level; levels; evidence of a bar that leaves no doubt
-  constexpr double kTilt = 0.25, kLeftOver = 192.0;  // a nat a pixel of both bars, beside a level of six samples
-  const double beyond = std::max(0.6 * stride, 0.15 * p.width), within = 0.4 * (p.bottom - p.top);
-  const int levels = std::min(kMostLevels, 1 + static_cast<int>((beyond + within) / step));
+class LevelBars {
+ public:
+  LevelBars(const Pair& pair, int step, int stride, int cell, const Fit& fit)
+      : pair_{pair}, fit_{fit}, cell_{cell}, beyond_{std::max(0.9 * stride, 0.15 * pair.width)}, next_row_{static_cast<double>(stride)} {
+    const double range = beyond_ + 0.4 * (pair.bottom - pair.top);
+    levels_ = std::clamp(1 + static_cast<int>(range / step), 2, kMostLevels);
+    apart_ = range / (levels_ - 1);
+  }
+
+  /// The frame, roughly, in cells; nullopt where none shows.
+  [[nodiscard]] std::optional<Quad> frame() const {
+    End upper{pair_.top, -1.0}, lower{pair_.bottom, +1.0};
+    // Most pairs are no gate: two samples of six show it.
+    if (look(upper, 1) + look(upper, 4) + look(lower, 1) + look(lower, 4) < kLeastShown) return std::nullopt;
+    const Level above = best_level(upper), below = best_level(lower);
+    if (above.sum + below.sum < 0) return std::nullopt;
+    return to_cells(Quad{pair_.on_left(above.left), pair_.on_right(above.right), pair_.on_right(below.right), pair_.on_left(below.left)}, cell_);
+  }
+
+ private:
+  static constexpr int kAcross = 6, kMostLevels = 24, kLimit = EvidenceMap::kLimit;
+  static constexpr int kClear = 15 * kAcross;  // evidence of a bar that leaves no doubt
+  static constexpr int kLeastShown = -20;      // of the best sample in each of four columns
+  static constexpr double kTilt = 0.25;
+  static constexpr double kLeftOver = 192.0;   // a nat a pixel of both bars, beside a level of six samples
+
   struct Level {
-    double left, right;
+    double left, right;  // where it meets the bars
     int sum;
   };
-  const auto best_level = [&](double end, double outwards) {
-    Level best{end, end, -1 << 20};
-    int from = 0, to = levels, best_k = 0;
-    for (const double tilt : {0.0, -kTilt, kTilt}) {
-      for (int k = from; k < to; ++k) {
-        const double off = beyond - (beyond + within) * k / (levels - 1), level = end + outwards * off, half = 0.5 * tilt * p.width;
-        // A level inside the bars' ends leaves bar over, one beyond them lacks it.
-        const double gap = std::max(0.0, -off) + std::max(0.0, off - 0.5 * stride);
-        const Eigen::Vector2d a = p.on_left(level - half), d = (p.on_right(level + half) - a) / kAcross;
-        int sum = -static_cast<int>(kLeftOver * gap / p.width);
-        for (int j = 0; j < kAcross; ++j) sum += fit.at(to_cells(a + (j + 0.5) * d, cell));
-        if (sum > best.sum) best = {level - half, level + half, sum}, best_k = k;
-      }
+  struct End {
+    double at, outwards;
+    std::array<int, kMostLevels> sums{};  // of the samples looked at so far, from the outermost level on
+  };
+
+  [[nodiscard]] double level(const End& end, int k) const { return end.at + end.outwards * (beyond_ - k * apart_); }
+  [[nodiscard]] Eigen::Vector2d sample(double left, double right, int j) const {
+    const Eigen::Vector2d a = pair_.on_left(left), b = pair_.on_right(right);
+    return to_cells(a + (j + 0.5) / kAcross * (b - a), cell_);
+  }
+
+  // Adds one sample of each level; the most that any shows.
+  int look(End& end, int j) const {
+    const double first = level(end, 0), last = level(end, levels_ - 1);
+    const Eigen::Vector2d start = sample(first, first, j);
+    int most = -kLimit;
+    fit_.each_along(start, (sample(last, last, j) - start) / (levels_ - 1), levels_, [&](int k, int evidence) {
+      most = std::max(most, evidence), end.sums[static_cast<std::size_t>(k)] += evidence;
+    });
+    return most;
+  }
+
+  // A level inside the bars' ends leaves bar over, one beyond the next row lacks it.
+  [[nodiscard]] int left_over(int k) const {
+    const double off = beyond_ - k * apart_;
+    return static_cast<int>(kLeftOver * (std::max(0.0, -off) + std::max(0.0, off - next_row_)) / pair_.width);
+  }
+
+  // Adds samples to a level, if it becomes better than the best: no further than it still can.
+  void improve(Level& best, double left, double right, int sum, std::initializer_list<int> samples) const {
+    int most = sum + static_cast<int>(samples.size()) * kLimit;
+    for (const int j : samples) {
+      if (most <= best.sum) return;
+      most += fit_.at(sample(left, right, j)) - kLimit;
+    }
+    if (most > best.sum) best = {left, right, most};
+  }
+
+  [[nodiscard]] Level best_level(const End& end) const {
+    std::array<int, kMostLevels> so_far;
+    for (int k = 0; k < levels_; ++k) so_far[static_cast<std::size_t>(k)] = end.sums[static_cast<std::size_t>(k)] - left_over(k);
+    Level best{end.at, end.at, -1 << 20};
+    int best_k = 0;
+    const auto try_level = [&](int k) {
+      const int before = best.sum;
+      improve(best, level(end, k), level(end, k), so_far[static_cast<std::size_t>(k)], {0, 2, 3, 5});
+      if (best.sum > before) best_k = k;
+    };
+    // The most likely one first: few others need all their samples then.
+    try_level(static_cast<int>(std::max_element(so_far.begin(), so_far.begin() + levels_) - so_far.begin()));
+    for (int k = 0; k < levels_; ++k) try_level(k);
+    for (const double tilt : {-kTilt, kTilt}) {
       if (best.sum >= kClear) break;
-      if (tilt == 0.0) from = std::max(0, best_k - 3), to = std::min(levels, best_k + 4);
+      const double half = 0.5 * tilt * pair_.width;
+      for (int k = std::max(0, best_k - 3); k < std::min(levels_, best_k + 4); ++k)
+        improve(best, level(end, k) - half, level(end, k) + half, -left_over(k), {0, 1, 2, 3, 4, 5});
     }
     return best;
-  };
-  const Level upper = best_level(p.top, -1.0), lower = best_level(p.bottom, +1.0);
-  if (upper.sum + lower.sum < 0) return std::nullopt;
-  return to_cells(Quad{p.on_left(upper.left), p.on_right(upper.right), p.on_right(lower.right), p.on_left(lower.left)}, cell);
-}
+  }
+
+  const Pair& pair_;
+  const Fit& fit_;
+  int cell_, levels_ = 0;
+  double beyond_, next_row_, apart_ = 0.0;  // of the bars' ends: how far outwards; a bar may end anywhere before the next row [px]
+};
 
 // A frame from where its sides are, roughly, to where they are; nullopt when it is no gate. In cells.
 template <class Fit>
@@ -101,8 +169,14 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const G
   const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
   if (!has_shape(rough)) return std::nullopt;
   Quad quad = rough;
-  for (int pass = 0; pass < 2; ++pass)
-    if (const auto centered = fit.centered(quad, kReach); centered && has_shape(*centered)) quad = *centered;
+  // Once more where that moves it far: what was out of reach may be in reach now.
+  for (int pass = 0; pass < 2; ++pass) {
+    const auto centered = fit.centered(quad, kReach);
+    if (!centered || !has_shape(*centered)) break;
+    const double moved = largest_move(quad, *centered);
+    quad = *centered;
+    if (moved < kSettled) break;
+  }
   const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
   return frame;
@@ -125,7 +199,7 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
     // Once more a frame that leaves no doubt, from other pieces of its bars: not worth the time.
     const auto known = in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top), pair.on_right(pair.bottom), pair.on_left(pair.bottom)}, cell));
     if (known != frames.end() && known->score.total > params_.sure_score) continue;
-    const auto rough = with_level_bars(pair, finder_.step(), finder_.stride(), cell, fit);
+    const auto rough = LevelBars{pair, finder_.step(), finder_.stride(), cell, fit}.frame();
     if (!rough) continue;
     const auto frame = fitted(fit, *rough, cell, params_);
     if (!frame) continue;

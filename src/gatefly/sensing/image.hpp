@@ -48,10 +48,7 @@ class Image {
   [[nodiscard]] Yuv at(int u, int v) const {
     const std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
     switch (format_) {
-      case PixelFormat::kUyvy: {
-        const std::uint8_t* pair = bytes_ + 2 * (i & ~std::ptrdiff_t{1});
-        return {pair[(i & 1) ? 3 : 1], pair[0], pair[2]};
-      }
+      case PixelFormat::kUyvy: return uyvy(bytes_, i);
       case PixelFormat::kRgb: {
         const std::uint8_t* p = bytes_ + 3 * i;
         return yuv_of_rgb(p[0], p[1], p[2]);
@@ -74,16 +71,19 @@ class Image {
   }
 
  private:
+  // Of U Y0 V Y1 every second byte is a pixel's own.
+  [[nodiscard]] static Yuv uyvy(const std::uint8_t* bytes, std::ptrdiff_t i) {
+    const std::uint8_t* const pair = bytes + ((2 * i) & ~std::ptrdiff_t{3});
+    return {bytes[2 * i + 1], pair[0], pair[2]};
+  }
+
   template <class Visit>
   void visit(int u, int v, std::ptrdiff_t next, int count, Visit& visit) const {
     std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
     // The layout is asked once a line; what `visit` writes could be members, were they not copied.
     const std::uint8_t* const bytes = bytes_;
     if (format_ == PixelFormat::kUyvy) {
-      for (int k = 0; k < count; ++k, i += next) {
-        const std::uint8_t* const pair = bytes + 2 * (i & ~std::ptrdiff_t{1});
-        visit(Yuv{pair[(i & 1) ? 3 : 1], pair[0], pair[2]});
-      }
+      for (int k = 0; k < count; ++k, i += next) visit(uyvy(bytes, i));
     } else if (format_ == PixelFormat::kRgb) {
       for (int k = 0; k < count; ++k, i += next) visit(yuv_of_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]));
     } else {
