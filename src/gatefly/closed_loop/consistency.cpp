@@ -33,7 +33,8 @@ void ConsistencyWatch::update(const Pilot& pilot, const Eigen::Vector3d& true_p_
     next_ = time + kPeriod;
     result_.nees.add(error.dot(estimate.covariance_GB.ldlt().solve(error)), 3);
   }
-  if (!(error.norm() > kFar)) {
+  const Eigen::Vector3d believed_E = rotation_z(map_.gates[static_cast<std::size_t>(pilot.target_gate())].yaw_EG) * estimate.p_GB;
+  if (!((true_p_EB - gate.p_EG - believed_E).norm() > kFar)) {
     far_since_ = -1.0;
     return;
   }

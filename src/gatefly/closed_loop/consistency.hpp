@@ -24,13 +24,15 @@ struct ChiSquareCount {
 struct Consistency {
   ChiSquareCount nees;        ///< 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
   ChiSquareCount nis;         ///< Of every fix that was used.
-  int divergences = 0;        ///< Farther off than 1 m for more than 1 s although a fix was offered in that time.
+  /// Farther off than 1 m for more than 1 s, from where the gate stands and in earth axes, although a fix was offered in that time:
+  /// far from a gate that faces elsewhere than the map says, its own frame tells of the gate, not of the drone.
+  int divergences = 0;
 };
 
 /// Fills it while a race goes on.
 class ConsistencyWatch {
  public:
-  explicit ConsistencyWatch(std::vector<sim::WorldGate> gates) : gates_{std::move(gates)} {}
+  ConsistencyWatch(std::vector<sim::WorldGate> gates, const Track& map) : gates_{std::move(gates)}, map_{map} {}
 
   /// One tick. @param picture  whether the pilot has just looked.
   void update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time, bool picture);
@@ -38,6 +40,7 @@ class ConsistencyWatch {
 
  private:
   std::vector<sim::WorldGate> gates_;
+  Track map_;
   Consistency result_;
   double next_ = 0.0, far_since_ = -1.0;
   bool seen_while_far_ = false, counted_ = false;

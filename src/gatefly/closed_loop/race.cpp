@@ -208,7 +208,7 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
   sim::BaroModel baro{config.sim.sensors, config.sim.seed};
   CameraFeed camera{config.sim};
   Scorer scorer{config.sim.world, config.sim.camera};
-  ConsistencyWatch consistency{config.sim.world.gates};
+  ConsistencyWatch consistency{config.sim.world.gates, config.pilot.track};
   Stopwatch step_watch{"pilot_step"}, image_watch{"pilot_step_with_image"}, camera_watch{"camera"}, physics_watch{"physics"};
 
   RaceResult result;

@@ -167,6 +167,7 @@ void Pilot::approach_from_here() {
 void Pilot::pass_gate() {
   ++passed_;
   approach_.reset();
+  witness_.reset();
   progress_ = 0.0;
   if (finished()) return;
   const MapGate from = gate();

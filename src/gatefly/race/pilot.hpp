@@ -159,6 +159,11 @@ class Pilot {
     bool may_restart = false; ///< A whole gate that is none of the others.
   };
 
+  struct Witness {  ///< A gate that was seen after a blind leg.
+    double time = 0.0;  ///< [s]
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says its fix [m].
+  };
+
   double advance_clock(std::chrono::nanoseconds time);
   void sense(const Imu& imu, double dt);
   void estimate_motion(double dt);
@@ -174,6 +179,7 @@ class Pilot {
   void learn_heading_from_leg(const Candidate& seen);
   void correct_heading(double error, double variance);
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
+  bool is_second_witness(const Candidate& seen);
   bool correct_with(Candidate seen);
   [[nodiscard]] double surprise(const GateDetection& seen, const Past& then, const MapGate& gate, bool from_behind) const;
   [[nodiscard]] double surprise_of_others(const GateDetection& seen, const Past& then) const;
@@ -223,6 +229,7 @@ class Pilot {
   double time_ = 0.0, last_imu_ = 0.0, last_fix_ = -1e3;
   bool started_ = false;
   drag_model::Input input_;
+  std::optional<Witness> witness_;
   double image_width_ = 315.0;
   int target_ = 0, passed_ = 0;
   std::optional<Path> approach_;  // instead of the leg's own way, after a search

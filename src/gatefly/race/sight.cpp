@@ -2,6 +2,7 @@
 // The pilot's eye: from a picture to corrections of position and heading.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kBlind = 1.0;           // without a fix for this long, a leg was flown blind [s]
 constexpr double kOpenGateFrom = 4.5;    // nearer than this the upper bar may be cut off [m]
+constexpr double kAgree = 0.4;           // two sightings, 66 ms apart, from one place [m]
 constexpr double kKnown = 1.5;           // how far off the estimate may be and still tell gates apart [m]
 constexpr double kSure = 0.9;            // of a detection; what is less sure counts where a gate is expected
 constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
@@ -162,10 +164,18 @@ void Pilot::learn_heading_from_leg(const Candidate& seen) {
   correct_heading(-w.dot(difference) / information, 1.0 / information);
 }
 
+// After a blind leg much is believed, and one wrong gate would turn the heading: there have to be two that agree.
+bool Pilot::is_second_witness(const Candidate& seen) {
+  const Witness now{seen.then->time, seen.fix.p_GB - seen.then->odometry};
+  const auto before = std::exchange(witness_, now);
+  return before && now.time - before->time < kBlind && (now.start - before->start).norm() < kAgree;
+}
+
 bool Pilot::correct_with(Candidate seen) {
-  const bool whole = seen.detection >= 0;
+  const bool whole = seen.detection >= 0, was_blind = last_fix_ >= 0.0 && time_ - last_fix_ > kBlind;
   const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
-  if (whole && time_ - last_fix_ > kBlind && seen.distance2 < limit) {
+  if (whole && was_blind && seen.distance2 < limit) {
+    if (!is_second_witness(seen)) return false;
     learn_heading_from_leg(seen);
     const auto again = fix_of(sighting_.detections[static_cast<std::size_t>(seen.detection)], *seen.then);
     if (!again) return false;
