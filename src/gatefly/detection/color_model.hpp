@@ -52,13 +52,15 @@ struct ColorModel {
   }
   // In one place, whose address is looked up once.
   struct Starts {
-    std::array<std::uint16_t, 256> luma = bins<256>(0, 16, kLuma, kChroma * kChroma), u = bins<256>(64, 4, kChroma, kChroma), v = bins<256>(64, 4, kChroma, 1);
-    std::array<std::uint16_t, 511> luma_step = bins<511>(255 - 96, 12, kLuma, kChroma * kChroma), u_step = bins<511>(255 - 48, 3, kChroma, kChroma),
-                                   v_step = bins<511>(255 - 48, 3, kChroma, 1);
+    std::array<std::uint16_t, 256> luma, u, v;
+    std::array<std::uint16_t, 511> luma_step, u_step, v_step;
   };
   static const Starts kStarts;
 };
 
-inline constexpr ColorModel::Starts ColorModel::kStarts{};
+inline constexpr ColorModel::Starts ColorModel::kStarts{
+    .luma = bins<256>(0, 16, kLuma, kChroma * kChroma), .u = bins<256>(64, 4, kChroma, kChroma), .v = bins<256>(64, 4, kChroma, 1),
+    .luma_step = bins<511>(255 - 96, 12, kLuma, kChroma * kChroma), .u_step = bins<511>(255 - 48, 3, kChroma, kChroma),
+    .v_step = bins<511>(255 - 48, 3, kChroma, 1)};
 
 }  // namespace gatefly

@@ -12,9 +12,9 @@ struct DragFilterParams {
   drag_model::Params model;
   /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms update;
   /// ours: what drag's velocity errs by lasts for seconds, so most of it is the bias's]
-  double position_noise = 0.002;
+  double position_noise = 0.004;
   double vertical_noise = 0.03;
-  double bias_noise = 1e-3;
+  double bias_noise = 4e-4;
   Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};       ///< On the pad [m]. [ours]
   Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< After the rest calibration [m/s²]. [ours]
   double gate_sigma = 3.5;        ///< Fixes farther off than this many σ are refused: 1 in 150 of the right ones. [ours]

@@ -32,8 +32,8 @@ struct PoseParams {
   double heading_sigma = 0.04;     ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
   double gate_yaw_sigma = 0.0;     ///< The gate's part of heading_sigma [rad].
   double scale_sigma = 0.025;      ///< Distances are too long by this part: lens, side of the gate. [ours: 30 races]
-  double white_px = 0.5;           ///< What of a corner's error is new in every picture ... [ours: 30 races]
-  double white_part_px = 1.0;      ///< ... and of lower corners and bars. [ours: 30 races]
+  double white_px = 0.35;          ///< What of a corner's error is new in every picture ... [ours: 30 races]
+  double white_part_px = 0.7;      ///< ... and of lower corners and bars. [ours: 30 races]
   double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
   double max_distance = 9.0;       ///< [m] [ours: a 1 m gate is 19 px there]
   double min_bars_distance = 0.3;  ///< [m] [Li18 flight code]
