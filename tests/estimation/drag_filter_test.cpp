@@ -286,6 +286,29 @@ TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
   EXPECT_NEAR(std::sqrt(filter.covariance()(1, 1)), 0.2, 0.05);
 }
 
+// Which way the gate faces says nothing about whether the drone is in it.
+TEST(DragFilter, LateralDoubtLeavesOutTheGatesHeading) {
+  DragFilter filter = started({-5, 0, 0});
+  const double before = filter.lateral_sigma();
+  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(), {.position = 0.0, .height = 0.0, .yaw = 0.1});
+  EXPECT_GT(std::sqrt(filter.covariance()(1, 1)), 0.5);
+  EXPECT_NEAR(filter.lateral_sigma(), before, 1e-9);
+}
+
+// A tilt is another one ten seconds later, so that fixes may differ from what they were; a gate's height stays what it is.
+TEST(DragFilter, WhatFadesMaySurpriseLater) {
+  const auto doubt_after = [](lasting::Index column) {
+    DragFilter filter = started();
+    Fix fix = fix_at(filter.position(), 0.2);
+    fix.white = 0.02 * 0.02 * Matrix3d::Identity();
+    fix.lasting(1, column) = 0.2;
+    for (int i = 0; i < 200; ++i) (void)filter.correct(fix, Vector3d::Zero());
+    for (int i = 0; i < 10 * 512; ++i) filter.predict(hover(), kDt);
+    return filter.innovation_covariance(fix)(1, 1);
+  };
+  EXPECT_GT(doubt_after(lasting::kTiltX), doubt_after(lasting::kHeight) + 0.5 * 0.12 * 0.12);
+}
+
 TEST(DragFilter, ChangingFramesThereAndBackChangesNothing) {
   for_all(100, [](Rng& rng) {
     DragFilter filter = started(any_vector3(rng, 3));

@@ -288,6 +288,33 @@ TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
   EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.05);
 }
 
+// After a blind leg one gate aside is not believed; two that say the same are, two that do not are not.
+TEST(Pilot, AfterABlindLegTwoSightingsHaveToAgree) {
+  PilotConfig c = config();
+  c.track.gates[0].p_EG = {3.5, 0, -1.5};
+  for (const double second : {0.4, -0.4}) {
+    Pilot pilot{c};
+    int tick = climb(pilot, take_off(pilot));
+    const auto see = [&](double aside) {
+      const Estimate now = pilot.estimate();
+      const View view{.p_GB = now.p_EB - c.track.gates[0].p_EG + Vector3d{0, aside, 0}, .attitude_GB = now.attitude};
+      Sensors s = at(tick++, still());
+      s.seen.emplace();
+      (void)s.seen->gates.push_back({*corners_of(1.0, view, c.camera), 1.0});
+      (void)pilot.step(s);
+      return pilot.sighting().source != Sighting::Source::kNone;
+    };
+    const auto wait = [&](int ticks) {
+      for (int i = 0; i < ticks; ++i) (void)pilot.step(at(tick++, still()));
+    };
+    EXPECT_TRUE(see(0.0)) << "not blind yet";
+    wait(600);
+    EXPECT_FALSE(see(0.4));
+    wait(34);
+    EXPECT_EQ(see(second), second == 0.4);
+  }
+}
+
 TEST(Pilot, AllocatesNothingOnceBuilt) {
   Canvas canvas{316, 160};
   Rng paint{1};
