@@ -93,14 +93,12 @@ double paid_for_outliers(const Problem& problem, Active active, const Fit& fit) 
   return cost;
 }
 
-/// Squared distance of two positions in units of their doubt.
-double distance2(const Hypothesis& a, const Hypothesis& b) {
+/// Whether two fits leave out the same and mean one place, a third of a standard deviation apart at most.
+bool same(const Hypothesis& a, const Hypothesis& b) {
   const Eigen::Vector3d off = (a.moments.mean - b.moments.mean).head<3>();
   const Eigen::Matrix3d P = (a.moments.covariance + b.moments.covariance).topLeftCorner<3, 3>();
-  return off.dot(P.inverse() * off);
+  return a.active == b.active && off.dot(P.inverse() * off) < 0.1;
 }
-
-bool same(const Hypothesis& a, const Hypothesis& b) { return a.active == b.active && distance2(a, b) < 0.1; }
 
 /// Adds a fit, in place of the same one or the worst if there is no room.
 void consider(Hypotheses& list, const Fit& fit, Active active, const Problem& problem) {
@@ -142,7 +140,7 @@ void consider_outliers(Hypotheses& list, const Problem& problem) {
   double least = outlier_cost(sights[0], problem.params);
   for (const Sight& sight : sights) least = std::min(least, outlier_cost(sight, problem.params));
   // A poor attitude may swallow an outlier: what is almost as good without it must be known, too.
-  if (largest_sigma(problem.prior) > kRoughAttitude) least -= problem.params.least_advantage;
+  if (largest_sigma(problem.prior) > kRoughAttitude) least -= problem.params.search_depth;
   for (auto most = static_cast<int>(problem.params.max_outliers * static_cast<double>(sights.size())); most > 0; --most) {
     const Hypothesis best = best_of(list);
     if (!(best.fit.normal.cost > least)) return;
@@ -162,14 +160,34 @@ void move_to_size_prior(Moments& moments) {
   moments.mean -= moments.covariance.leftCols<3>() * (2.0 / d.squaredNorm() * d);
 }
 
-/// Mean and covariance over all explanations, each with its probability.
-Moments mean_of(const Hypotheses& list, const Problem& problem) {
-  const Hypothesis& best = best_of(list);
-  const bool walk = largest_sigma(problem.prior) > kRoughAttitude;
-  const double best_volume = best.moments.covariance.determinant();
+/// Explanations, each with its probability; all moments are counted from one place.
+struct Mixture {
   Vector6 first = Vector6::Zero();
   Matrix6 second = Matrix6::Zero();
   double total = 0.0;
+
+  void add(double weight, const Vector6& off, const Matrix6& covariance) {
+    total += weight;
+    first += weight * off;
+    second += weight * (covariance + off * off.transpose());
+  }
+  [[nodiscard]] Vector6 mean() const { return first / total; }
+  [[nodiscard]] Matrix6 covariance() const { return second / total - mean() * mean().transpose(); }
+  [[nodiscard]] double position_variance() const { return covariance().topLeftCorner<3, 3>().trace(); }
+};
+
+/// Mean and covariance over all explanations.
+struct Summary {
+  Moments moments;
+  double widening;  ///< The position's variance, in units of what it would be if all that may be left out meant one place.
+};
+
+Summary summary_of(const Hypotheses& list, const Problem& problem) {
+  const Hypothesis& best = best_of(list);
+  const bool walk = largest_sigma(problem.prior) > kRoughAttitude;
+  const double best_volume = best.moments.covariance.determinant();
+  Mixture all, alike;
+  double others = 0.0;
   for (const Hypothesis& one : list) {
     double weight = std::exp(0.5 * (best.cost - one.cost));
     // Laplace; between different observations it would favour those that tell less.
@@ -180,23 +198,12 @@ Moments mean_of(const Hypotheses& list, const Problem& problem) {
     move_to_size_prior(moments);
     Vector6 off = moments.mean - best.moments.mean;
     for (int i = 3; i < 6; ++i) off(i) = wrap_angle(off(i));
-    total += weight;
-    first += weight * off;
-    second += weight * (moments.covariance + off * off.transpose());
+    all.add(weight, off, moments.covariance);
+    if (one.active == best.active) alike.add(weight, off, moments.covariance);
+    else others += weight * moments.covariance.topLeftCorner<3, 3>().trace();
   }
-  const Vector6 off = first / total;
   const double caution = largest_sigma(problem.prior) > kPoorAttitude ? kCaution : 1.0;
-  return {best.moments.mean + off, caution * (second / total - off * off.transpose())};
-}
-
-/// Whether leaving out something else is almost as good an explanation, but of another position.
-bool ambiguous(const Hypotheses& list, Active all, const MapPoseParams& params) {
-  constexpr double kElsewhere = 9.0;  // three standard deviations
-  const Hypothesis& best = best_of(list);
-  const double least = best.active == all ? params.least_advantage : params.least_advantage_after_drop;
-  return std::any_of(list.begin(), list.end(), [&](const Hypothesis& one) {
-    return one.active != best.active && one.cost - best.cost < least && distance2(one, best) > kElsewhere;
-  });
+  return {{best.moments.mean + all.mean(), caution * all.covariance()}, all.total * all.position_variance() / (alike.total * alike.position_variance() + others)};
 }
 
 NoPose doubt_of(const MapPose& pose, bool converged, const CameraRig& rig, const MapPoseParams& params) {
@@ -249,14 +256,14 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
   if (list.empty()) return refused(in_front ? NoPose::kTooFew : NoPose::kBehind);
   consider_outliers(list, problem);
   const Hypothesis& best = best_of(list);
-  const Moments mean = mean_of(list, problem);
+  const auto [mean, widening] = summary_of(list, problem);
 
   const MapPose pose{.p_GB = mean.mean.head<3>(), .attitude_GB = {mean.mean(3), mean.mean(4), mean.mean(5)},
                      .covariance = mean.covariance, .chi2 = best.fit.normal.cost,
                      .dof = degrees_of_freedom(*sights, best.active, prior), .dropped = all & ~best.active};
   const NoPose doubt = doubt_of(pose, best.fit.converged, rig, params);
   if (doubt != NoPose::kNone) return refused(doubt);
-  if (ambiguous(list, all, params)) return refused(NoPose::kAmbiguous);
+  if (!(widening < params.max_widening)) return refused(NoPose::kAmbiguous);
   return {pose, NoPose::kNone};
 }
 

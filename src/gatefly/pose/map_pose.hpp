@@ -43,8 +43,8 @@ struct MapPoseParams {
   double max_outliers = 0.25;       ///< Part of all observations.
   double max_surprise = 3.3;        ///< Of the chi-square, in normal standard deviations: 1 of 2,000 good fits. [ours]
   double max_surprise_after_drop = 2.3;  ///< The same when something was left out: parts of two gates fit better then. [ours]
-  double least_advantage = 6.0;     ///< In chi-square, of no outlier over one that would put the gate elsewhere. [ours: pose-grid]
-  double least_advantage_after_drop = 8.0;  ///< The same of one outlier over another, or over none. [ours: pose-grid]
+  double search_depth = 9.0;        ///< With a poor attitude also what explains so much worse is looked at, in chi-square. [ours: pose-grid]
+  double max_widening = 1.8;        ///< Of the position's variance, by doubt about what to leave out. [ours: pose-grid]
   double min_incidence = 0.17;      ///< Sine of the angle between the line of sight and the gate's plane: 10°. [ours]
   double max_distance = 12.0;       ///< [m] [ours: a 1 m gate is 14 px there]
   int max_steps = 40;               ///< Most fits take 4.
@@ -61,7 +61,7 @@ enum class NoPose {
   kTooFar,
   kNotConverged,
   kMisfit,        ///< No gate of this size and attitude looks like that: another gate, parts of two, noise.
-  kAmbiguous,     ///< Something is an outlier, but what it is decides where the gate is.
+  kAmbiguous,     ///< Something may be an outlier, and what it is decides where the gate is.
 };
 [[nodiscard]] const char* text_of(NoPose reason);
 
