@@ -288,31 +288,64 @@ TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
   EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.05);
 }
 
+// Sees a gate as if the drone were somewhere else; whether that corrected it.
+class Watched {
+ public:
+  explicit Watched(const PilotConfig& c) : config{c}, pilot{c}, tick{climb(pilot, take_off(pilot))} {}
+
+  bool see(const Vector3d& off) {
+    const Estimate now = pilot.estimate();
+    const View view{.p_GB = now.p_EB - config.track.gates[0].p_EG + off, .attitude_GB = now.attitude};
+    Sensors s = at(tick++, still());
+    s.seen.emplace();
+    (void)s.seen->gates.push_back({*corners_of(1.0, view, config.camera), 1.0});
+    (void)pilot.step(s);
+    return pilot.sighting().source != Sighting::Source::kNone;
+  }
+  void wait(int ticks) {
+    for (int i = 0; i < ticks; ++i) (void)pilot.step(at(tick++, still()));
+  }
+
+  PilotConfig config;
+  Pilot pilot;
+  int tick;
+};
+
 // After a blind leg one gate aside is not believed; two that say the same are, two that do not are not.
 TEST(Pilot, AfterABlindLegTwoSightingsHaveToAgree) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {3.5, 0, -1.5};
   for (const double second : {0.4, -0.4}) {
-    Pilot pilot{c};
-    int tick = climb(pilot, take_off(pilot));
-    const auto see = [&](double aside) {
-      const Estimate now = pilot.estimate();
-      const View view{.p_GB = now.p_EB - c.track.gates[0].p_EG + Vector3d{0, aside, 0}, .attitude_GB = now.attitude};
-      Sensors s = at(tick++, still());
-      s.seen.emplace();
-      (void)s.seen->gates.push_back({*corners_of(1.0, view, c.camera), 1.0});
-      (void)pilot.step(s);
-      return pilot.sighting().source != Sighting::Source::kNone;
-    };
-    const auto wait = [&](int ticks) {
-      for (int i = 0; i < ticks; ++i) (void)pilot.step(at(tick++, still()));
-    };
-    EXPECT_TRUE(see(0.0)) << "not blind yet";
-    wait(600);
-    EXPECT_FALSE(see(0.4));
-    wait(34);
-    EXPECT_EQ(see(second), second == 0.4);
+    Watched drone{c};
+    EXPECT_TRUE(drone.see(Vector3d::Zero())) << "not blind yet";
+    drone.wait(600);
+    EXPECT_FALSE(drone.see({0, 0.4, 0}));
+    drone.wait(34);
+    EXPECT_EQ(drone.see({0, second, 0}), second == 0.4);
   }
+}
+
+// What is far off, but not farther than doubt allows, is believed once a second sighting says the same. How far that is
+// depends on the doubt: steps of 2 cm find it.
+TEST(Pilot, ASightingThatSurprisesNeedsASecondOne) {
+  PilotConfig c = config();
+  c.track.gates[0].p_EG = {3.5, 0, -1.5};
+  int believed_at_once = 0, believed_then = 0, refused = 0;
+  for (double off = 0.0; off < 1.2; off += 0.02) {
+    Watched drone{c};
+    ASSERT_TRUE(drone.see(Vector3d::Zero()));
+    drone.wait(34);
+    const bool first = drone.see({-off, 0, 0});
+    drone.wait(34);
+    const bool second = drone.see({-off, 0, 0});
+    EXPECT_TRUE(second || !first);
+    ++(first ? believed_at_once : second ? believed_then : refused);
+    EXPECT_TRUE(!first || (believed_then == 0 && refused == 0)) << "nearer ones are believed sooner";
+    EXPECT_TRUE(!second || refused == 0 || first);
+  }
+  EXPECT_GT(believed_at_once, 2);
+  EXPECT_GT(believed_then, 0);
+  EXPECT_GT(refused, 10);
 }
 
 TEST(Pilot, AllocatesNothingOnceBuilt) {

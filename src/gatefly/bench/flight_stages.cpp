@@ -53,7 +53,7 @@ void add_filters(std::vector<Stage>& stages, const std::shared_ptr<const Recorde
   auto corrected = std::make_shared<DragFilter>(config.filter);
   add("correct", "drag filter, one position", enough, [=](std::size_t i) {
     corrected->start(fix_at(i).p_GB, Eigen::Vector3d::Zero());
-    (void)corrected->correct(fix_at(i), Eigen::Vector3d::Zero());
+    (void)corrected->correct(fix_at(i));
   }, "correct15");
 }
 

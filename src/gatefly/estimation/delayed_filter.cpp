@@ -100,27 +100,31 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
     moment.filter.predict(moment.input, moment.dt);
     for (const Moment::Height& height : moment.heights) (void)moment.filter.correct_altitude(height.z, height.sigma, height.lasting);
     for (; f < fixes_.size() && index_at(fixes_[f].time) == i; ++f) {
-      const Fusion one = moment.filter.correct(fixes_[f].fix, Eigen::Vector3d::Zero());
+      const Fusion one = moment.filter.correct(fixes_[f].fix);
       if (fixes_[f].time == time) fusion = one;
     }
   }
   return fusion;
 }
 
-// Whether enough refused fixes in a row say the same.
+// Whether enough refused fixes say the same. Wrong ones in between count against it [Boyer, Moore 1981].
 bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry) {
+  if (run_.count > 0 && time <= run_.last) return false;  // one picture is one witness
   const Eigen::Vector3d start = fix.p_GB - odometry;
   const Eigen::Matrix3d white = fix.lasting.isZero(0.0) ? fix.covariance : fix.white;
   const double drift = restart_.odometry * (time - run_.since);
   const Eigen::Matrix3d S = run_.covariance + white + drift * drift * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d apart = start - run_.start;
-  const bool agrees = run_.count > 0 && time > run_.last && time - run_.since < restart_.longest && apart.dot(S.ldlt().solve(apart)) < 9.0;
-  if (!agrees) {
+  if (run_.count == 0 || time - run_.since > restart_.longest) {
     run_ = {1, time, time, start, white};
     return false;
   }
-  ++run_.count;
   run_.last = time;
+  if (!(apart.dot(S.ldlt().solve(apart)) < 9.0)) {
+    --run_.count;
+    return false;
+  }
+  ++run_.count;
   return run_.count >= restart_.fixes && time - run_.since >= restart_.duration;
 }
 
@@ -128,10 +132,6 @@ void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d
   newest().filter.change_frame(R, offset, doubt);
   newest().input.yaw = wrap_angle(newest().input.yaw + turn);
   forget_past();
-}
-
-void DelayedFilter::doubt(const Eigen::Matrix2d& covariance) {
-  for (std::size_t i = oldest(); i < count_; ++i) moments_[i % kMoments].filter.doubt(covariance);
 }
 
 void DelayedFilter::turn_past(double angle) {

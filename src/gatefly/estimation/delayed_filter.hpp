@@ -13,17 +13,17 @@
 namespace gatefly {
 
 struct RestartParams {
-  int fixes = 4;               ///< So many in a row that agree with each other ...
+  int fixes = 4;               ///< So many more that agree with the first of them than do not ...
   double duration = 0.3;       ///< ... over at least this long [s] ...
   double longest = 2.0;        ///< ... and at most this [s]. [ours]
-  double odometry = 0.15;      ///< What dead reckoning may be off by [m/s]. [ours]
+  double odometry = 0.6;       ///< What dead reckoning may be off by: what threw the position is in it, too [m/s]. [ours]
 };
 
 /// The drag filter with a memory: a fix is fused at the moment of its picture, however late it comes.
 ///
 /// The last quarter of a second is kept, tick by tick. A fix takes its place in it and everything after it is done
-/// again, so that the order of arrival does not matter. Fixes that the filter refuses but that agree with each other, in
-/// a row, start its position anew: it is never locked out, and never thrown by one or two wrong gates.
+/// again, so that the order of arrival does not matter. Fixes that the filter refuses but that agree with each other
+/// start its position anew: it is never locked out, and never thrown by one or two wrong gates.
 /// Cost: a prediction and a copy of 1 KiB per tick; a fix costs a prediction per tick of its age. Allocates nothing.
 class DelayedFilter {
  public:
@@ -59,9 +59,6 @@ class DelayedFilter {
   /// Goes over to another gate's frame; what was before can no longer be corrected.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn, const DragFilter::MapDoubt& doubt);
 
-  /// More doubt about the position on the floor plan [m²]: now, and in the past alike.
-  void doubt(const Eigen::Matrix2d& covariance);
-
   /// The heading was found to be off: so it was in the past.
   void turn_past(double angle);
 
@@ -76,7 +73,7 @@ class DelayedFilter {
     Fix fix;
   };
   struct Run {  ///< Refused fixes that agree with the first of them.
-    int count = 0;
+    int count = 0;  ///< Less those that do not.
     double since = 0.0, last = 0.0;
     Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says the first fix [m].
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();

@@ -62,14 +62,19 @@ Measurement<N> measured(const Fix& fix, const Eigen::Vector3d& innovation) {
 
 }  // namespace
 
+// Of what is not the position.
+Eigen::Vector4d DragFilter::start_variance() const {
+  const Eigen::Vector3d bias = params_.start_bias_sigma.cwiseAbs2();
+  return {0.01, bias.x(), bias.y(), bias.z()};
+}
+
 void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const MapDoubt& doubt) {
   x_.setZero();
   x_.segment<3>(kX) = p_G;
   x_.segment<3>(drag_model::kBiasX) = accel_bias;
   P_.setZero();
   P_.diagonal().segment<3>(kX) = params_.start_sigma.cwiseAbs2();
-  P_(drag_model::kVz, drag_model::kVz) = 0.01;
-  P_.diagonal().segment<3>(drag_model::kBiasX) = params_.start_bias_sigma.cwiseAbs2();
+  P_.diagonal().tail<4>() = start_variance();
   C_.setZero();
   add(doubt);
 }
@@ -109,17 +114,17 @@ void DragFilter::age(Cross& C, double yaw_sigma, double dt) {
   yaw_sigma_ = yaw_sigma;
 }
 
-double DragFilter::distance2(const Fix& fix, const Eigen::Vector3d& moved) const {
-  const Eigen::Vector3d innovation = fix.p_GB + moved - position();
+double DragFilter::distance2(const Fix& fix) const {
+  const Eigen::Vector3d innovation = fix.p_GB - position();
   if (!innovation.allFinite()) return 1e12;
   const auto squared = [&](const auto& m) { return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation)); };
   return fix.has_height ? squared(measured<3>(fix, innovation)) : squared(measured<2>(fix, innovation));
 }
 
-Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
+Fusion DragFilter::correct(const Fix& fix) {
   const double limit = params_.gate_sigma * params_.gate_sigma;
-  if (!(distance2(fix, moved) < limit)) return Fusion::kRefused;
-  const Eigen::Vector3d innovation = fix.p_GB + moved - position();
+  if (!(distance2(fix) < limit)) return Fusion::kRefused;
+  const Eigen::Vector3d innovation = fix.p_GB - position();
   if (fix.has_height) {
     update(x_, P_, C_, measured<3>(fix, innovation));
   } else {
@@ -131,12 +136,11 @@ Fusion DragFilter::correct(const Fix& fix, const Eigen::Vector3d& moved) {
 void DragFilter::restart(const Fix& fix) {
   const Measurement<3> m = measured<3>(fix, Eigen::Vector3d::Zero());
   x_.segment<3>(kX) = fix.p_GB;
-  // The error is now the fix's own; what lasts of it may be in velocity and biases, too.
+  C_.setZero();
   C_.topRows<3>() = -m.L;
-  const Eigen::Matrix<double, 3, kStates> with = -m.L * C_.transpose();
-  P_.topRows<3>() = with;
-  P_.leftCols<3>() = with.transpose();
+  P_.setZero();
   P_.topLeftCorner<3, 3>() = m.R + m.L * m.L.transpose();
+  P_.diagonal().tail<4>() = start_variance();
 }
 
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {

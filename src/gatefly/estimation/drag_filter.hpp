@@ -31,7 +31,7 @@ enum class Fusion {
 /// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
 ///
 /// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph form,
-/// innovation gate, delayed fixes; what is off in all fixes of a gate alike is considered (docs/paper/deviations.md#eq-31).
+/// innovation gate; what is off in all fixes of a gate alike is considered (docs/paper/deviations.md#eq-31).
 class DragFilter {
  public:
   /// Covariance of the state's error with what lasts (unit variance each): it is considered, never estimated.
@@ -54,21 +54,19 @@ class DragFilter {
   /// Eq. (31)-(33). dt <= 0 changes nothing; non-finite input changes nothing.
   void predict(const drag_model::Input& input, double dt);
 
-  /// Eq. (34)-(35) with a fix of `moved` ago: the position then was the present one minus `moved` [m].
-  Fusion correct(const Fix& fix, const Eigen::Vector3d& moved);
+  /// Eq. (34)-(35).
+  Fusion correct(const Fix& fix);
 
   /// Height as a z coordinate of the frame [m]; what to believe is the altimeter's business.
   /// `height_sigma` of the gate above the floor, which no altitude can tell [m].
   Fusion correct_altitude(double z_G, double sigma, double height_sigma = 0.0);
 
   /// Squared Mahalanobis distance of a fix.
-  [[nodiscard]] double distance2(const Fix& fix, const Eigen::Vector3d& moved) const;
+  [[nodiscard]] double distance2(const Fix& fix) const;
 
-  /// The position is what a fix says, whatever it was before; velocity and biases stay.
+  /// The position is what a fix says, whatever it was before. Velocity and biases stay, with the doubt of the start:
+  /// what threw the position was in them, too.
   void restart(const Fix& fix);
-
-  /// More doubt about the position on the floor plan [m²].
-  void doubt(const Eigen::Matrix2d& covariance) { P_.topLeftCorner<2, 2>() += covariance; }
 
   /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place, height and heading
   /// is as if the drone were elsewhere.
@@ -88,6 +86,7 @@ class DragFilter {
   [[nodiscard]] const DragFilterParams& params() const { return params_; }
 
  private:
+  [[nodiscard]] Eigen::Vector4d start_variance() const;
   void add(const MapDoubt& doubt);
   void age(Cross& C, double yaw_sigma, double dt);
 

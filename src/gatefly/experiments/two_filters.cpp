@@ -16,7 +16,7 @@ void DragPilot::step(const FilterTick& tick) {
 void DragPilot::fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
   Fix fix{.p_GB = p_EB};
   fix.covariance = sigma.cwiseAbs2().asDiagonal();
-  (void)filter.correct(fix, Eigen::Vector3d::Zero());
+  (void)filter.correct(fix);
 }
 
 void InertialPilot::step(const FilterTick& tick) {

@@ -156,10 +156,10 @@ class Pilot {
     double distance2 = 0.0;   ///< From where the filter believes to have been, squared, in units of the doubt.
     Sighting::Source source = Sighting::Source::kNone;
     int detection = -1;       ///< Index of a whole gate; -1: a part of one.
-    bool may_restart = false; ///< A whole gate that is none of the others.
+    bool may_restart = true;  ///< No other gate of the map explains it better.
   };
 
-  struct Witness {  ///< A gate that was seen after a blind leg.
+  struct Witness {  ///< A gate that was seen after a blind leg, or where it surprises.
     double time = 0.0;  ///< [s]
     Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says its fix [m].
   };

@@ -15,6 +15,7 @@ namespace {
 constexpr double kBlind = 1.0;           // without a fix for this long, a leg was flown blind [s]
 constexpr double kOpenGateFrom = 4.5;    // nearer than this the upper bar may be cut off [m]
 constexpr double kAgree = 0.4;           // two sightings, 66 ms apart, from one place [m]
+constexpr double kSurprising = 7.8;      // squared distance: one in twenty of the right fixes is farther off
 constexpr double kKnown = 1.5;           // how far off the estimate may be and still tell gates apart [m]
 constexpr double kSure = 0.9;            // of a detection; what is less sure counts where a gate is expected
 constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
@@ -108,12 +109,12 @@ std::optional<Pilot::Candidate> Pilot::best_part(const Sensors& sensors) {
 }
 
 Pilot::Candidate Pilot::candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection) const {
-  return {fix, &then, then.filter.distance2(fix, Eigen::Vector3d::Zero()), source, detection};
+  return {fix, &then, then.filter.distance2(fix), source, detection};
 }
 
 bool Pilot::fuse(const Candidate& seen) {
   const Fix& fix = seen.fix;
-  const double innovation2 = seen.then->filter.distance2(fix, Eigen::Vector3d::Zero());
+  const double innovation2 = seen.then->filter.distance2(fix);
   const Eigen::Vector3d moved = filter().position() - seen.then->filter.position();
   sighting_.offered = true;
   const Fusion fusion = memory_.correct(fix, seen.then->time, seen.may_restart);
@@ -164,7 +165,8 @@ void Pilot::learn_heading_from_leg(const Candidate& seen) {
   correct_heading(-w.dot(difference) / information, 1.0 / information);
 }
 
-// After a blind leg much is believed, and one wrong gate would turn the heading: there have to be two that agree.
+// After a blind leg much is believed, and one wrong gate would turn the heading; where doubt is large, a gate a metre off
+// is within it, and would be believed far too well. There have to be two that agree.
 bool Pilot::is_second_witness(const Candidate& seen) {
   const Witness now{seen.then->time, seen.fix.p_GB - seen.then->odometry};
   const auto before = std::exchange(witness_, now);
@@ -174,18 +176,14 @@ bool Pilot::is_second_witness(const Candidate& seen) {
 bool Pilot::correct_with(Candidate seen) {
   const bool whole = seen.detection >= 0, was_blind = last_fix_ >= 0.0 && time_ - last_fix_ > kBlind;
   const double limit = config_.filter.gate_sigma * config_.filter.gate_sigma;
+  if (whole && (was_blind || seen.distance2 > kSurprising) && seen.distance2 < limit && !is_second_witness(seen)) return false;
   if (whole && was_blind && seen.distance2 < limit) {
-    if (!is_second_witness(seen)) return false;
     learn_heading_from_leg(seen);
     const auto again = fix_of(sighting_.detections[static_cast<std::size_t>(seen.detection)], *seen.then);
     if (!again) return false;
     seen.fix = *again;
   }
-  if (!fuse(seen)) {
-    // A gate where none is expected: either not this gate, or the estimate is wrong. Doubt grows.
-    if (whole) memory_.doubt(0.01 * Eigen::Matrix2d::Identity());
-    return false;
-  }
+  if (!fuse(seen)) return false;
   sighting_.used = seen.detection;
   if (seen.fix.yaw_error) {
     const double gate_yaw = config_.gate_yaw_sigma;
