@@ -2,25 +2,17 @@
 #include "gatefly/detection/bar_finder.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace gatefly {
 namespace {
 
 constexpr int kLimit = EvidenceMap::kLimit;
 constexpr int kBar = 6;           // evidence of a sample on a bar
-constexpr int kHopeless = -16;    // of a colour alone: no bar, whatever is around
 constexpr int kStrongest = 60;    // evidence of a crossing that counts
 constexpr int kLeast = 3;         // rows of a bar
 constexpr int kLeastToBend = 6;   // rows of a bar whose bend is looked at
-
-// Whether no sample of a group can be a bar's. All four bytes at once, which carry nothing over: they are within +-64.
-bool all_hopeless(const std::int8_t* group) {
-  std::uint32_t bytes;
-  std::memcpy(&bytes, group, sizeof bytes);
-  return (((bytes ^ 0x80808080u) + 0x01010101u * -kHopeless) & 0x80808080u) == 0;
-}
 
 }  // namespace
 
@@ -43,27 +35,26 @@ struct BarFinder::Snake {
   }
 };
 
-// The sums of groups.
-void BarFinder::read(const Image& image) {
+// The sums of groups, and which of them may hold a bar.
+void BarFinder::read(const Image& image, const ColorModel& color) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns, (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
   stride_ = kGroup * step_;
   per_stride_ = (std::uint64_t{1} << 32) / static_cast<std::uint64_t>(stride_) + 1;
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
   for (int r = 0; r < rows_; ++r) {
-    std::array<std::uint16_t*, 3> sums;
-    for (std::size_t k = 0; k < 3; ++k) sums[k] = sums_[k].data() + r * kMostGroups;
+    const auto row = static_cast<std::size_t>(r * kMostGroups);
+    std::uint16_t *const y = sums_[0].data() + row, *const u = sums_[1].data() + row, *const v = sums_[2].data() + row;
+    std::uint64_t hopeful = 0;
     int g = 0;
-    image.visit_row(first_column(), row_px(r), stride_, groups_, [&](Yuv c) {
-      sums[0][g] = c.y, sums[1][g] = c.u, sums[2][g] = c.v;
-      ++g;
+    image.visit_row_packed<kGroup>(first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
+      // Two samples say what a group's mean is.
+      const std::uint32_t uv = c[0].uv + c[2].uv;
+      y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y);
+      u[g] = static_cast<std::uint16_t>(uv), v[g] = static_cast<std::uint16_t>(uv >> 16);
+      const auto hope = [&](std::size_t k) { return color.hopes[ColorModel::chroma_bin(c[k])]; };
+      hopeful |= std::uint64_t{static_cast<std::uint8_t>(hope(0) | hope(1) | hope(2) | hope(3))} << g++;
     });
-    g = 0;
-    image.visit_row(first_column() + 2 * step_, row_px(r), stride_, groups_, [&](Yuv c) {
-      sums[0][g] = static_cast<std::uint16_t>(sums[0][g] + c.y);
-      sums[1][g] = static_cast<std::uint16_t>(sums[1][g] + c.u);
-      sums[2][g] = static_cast<std::uint16_t>(sums[2][g] + c.v);
-      ++g;
-    });
+    hopeful_[static_cast<std::size_t>(r)] = hopeful;
   }
 }
 
@@ -133,30 +124,25 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     if (end - start <= widest_) visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
     sum = moment = 0;
   };
-  // What each colour alone says, in a loop of nothing else; most of it is hopeless.
-  alignas(std::uint64_t) std::array<std::int8_t, kMostColumns> absolute;
-  std::int8_t* out = absolute.data();
-  image.visit_row(first, v, step, groups_ * kGroup, [&](Yuv c) { *out++ = color.absolute[ColorModel::bin(c)]; });
-  for (int g = 0; g < groups_; ++g) {
-    const std::int8_t* const alone = absolute.data() + g * kGroup;
-    if (all_hopeless(alone)) {
-      finish();
-      continue;
-    }
+  int next = 0;
+  for (std::uint64_t hopeful = hopeful_[static_cast<std::size_t>(row)]; hopeful != 0; hopeful &= hopeful - 1) {
+    const int g = std::countr_zero(hopeful);
+    if (g != next) finish();
+    next = g + 1;
     const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
-    for (int k = 0; k < kGroup; ++k) {
-      const int c = g * kGroup + k;
-      int e = -kLimit;
-      if (alone[k] >= kHopeless)
-        e = (alone[k] + color.relative[ColorModel::difference_bin(image.at(c * step + first, v), mean)]) / 2;
+    int c = g * kGroup;
+    image.visit_row(c * step + first, v, step, kGroup, [&](Yuv sample) {
+      int e = color.absolute[ColorModel::bin(sample)];
+      e = e < ColorModel::kHopeless ? -kLimit : (e + color.relative[ColorModel::difference_bin(sample, mean)]) / 2;
       if (e < kBar) {
         finish();
-        continue;
+      } else {
+        if (sum == 0) start = c;
+        e = std::min(e, kLimit);
+        end = c + 1, sum += e, moment += e * (c - start);
       }
-      if (sum == 0) start = c;
-      e = std::min(e, kLimit);
-      end = c + 1, sum += e, moment += e * (c - start);
-    }
+      ++c;
+    });
   }
   finish();
 }
@@ -166,7 +152,7 @@ BarFinder::Bars BarFinder::find(const Image& image, const ColorModel& color) {
   Bars bars;
   rows_ = groups_ = 0;
   if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars;
-  read(image);
+  read(image, color);
   if (rows_ == 0 || groups_ == 0) return bars;  // long and thin
   average_around();
   FixedList<Snake, 24> snakes;

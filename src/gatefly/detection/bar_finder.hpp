@@ -56,7 +56,7 @@ class BarFinder {
   struct Snake;
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
-  void read(const Image& image);
+  void read(const Image& image, const ColorModel& color);
   void average_around();
   template <class Visit>
   void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const;
@@ -74,6 +74,7 @@ class BarFinder {
   using Planes = std::array<std::array<T, kMostGroups * kMostRows>, 3>;
   Planes<std::uint16_t> sums_{};   // of each group's y, u, v; rows of kMostGroups
   Planes<std::uint8_t> around_{};  // mean of the groups around each
+  std::array<std::uint64_t, kMostRows> hopeful_{};  // of each row, a bit for each group: whether it may hold a bar
 };
 
 }  // namespace gatefly

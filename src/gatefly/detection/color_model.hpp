@@ -20,7 +20,17 @@ struct ColorModel {
   static constexpr std::size_t kBins = kLuma * kChroma * kChroma;
   static constexpr int kUnit = 16;  ///< Table value of one nat; values are within ±4 nats.
 
+  static constexpr int kHopeless = -kUnit;  ///< Of a colour alone: no gate's, whatever is around.
+
   std::array<std::int8_t, kBins> absolute{}, relative{};
+  /// Of each chroma_bin(): whether any luma makes it more than hopeless. Follows from `absolute`: find_hopes().
+  std::array<std::uint8_t, 64 * 64> hopes{};
+  void find_hopes();
+
+  /// 4 levels a bin.
+  [[nodiscard]] static std::size_t chroma_bin(PackedYuv c) {
+    return ((c.uv & 0x00fc00fc) * 0xC0400001u) >> 18;  // six bits of v, then six of u behind them
+  }
 
   /// Bin of a colour: 16 grey levels a luma bin; 4 levels a chroma bin, from 64 to 191.
   [[nodiscard]] static std::size_t bin(Yuv c) {

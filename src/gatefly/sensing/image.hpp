@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace gatefly {
 
 /// Full-range JFIF Y'CbCr, each 0..255; grey has u = v = 128.
 struct Yuv {
   std::uint8_t y, u, v;
+};
+
+/// The same with both chromas in one word, u + 2^16 v: added up or looked up at once.
+struct PackedYuv {
+  std::uint32_t uv;
+  std::uint8_t y;
+
+  [[nodiscard]] static PackedYuv of(Yuv c) { return {c.u | std::uint32_t{c.v} << 16, c.y}; }
 };
 
 /// How the bytes of a stored picture are laid out, line by line without padding.
@@ -68,6 +78,33 @@ class Image {
   template <class Visit>
   void visit_column(int u, int v, int step, int count, Visit visit) const {
     this->visit(u, v, along_v_ * step, count, visit);
+  }
+  /// Row v, so many pixels at once: visit(std::array<PackedYuv, kAtOnce>), `count` times.
+  template <std::size_t kAtOnce, class Visit>
+  void visit_row_packed(int u, int v, int step, int count, Visit visit) const {
+    std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
+    const std::ptrdiff_t next = along_u_ * step;
+    const std::uint8_t* const bytes = bytes_;
+    std::array<PackedYuv, kAtOnce> colors;
+    if (format_ == PixelFormat::kUyvy && next % 2 == 0) {
+      // All are the first of their pair, or all the second.
+      const std::uint8_t* pair = bytes + 2 * (i - i % 2);
+      const std::ptrdiff_t luma = 1 + 2 * (i % 2);
+      for (int k = 0; k < count; ++k) {
+        for (PackedYuv& c : colors) {
+          std::uint32_t word;
+          std::memcpy(&word, pair, sizeof word);
+          c = {word & 0x00ff00ff, pair[luma]};
+          pair += 2 * next;
+        }
+        visit(colors);
+      }
+      return;
+    }
+    for (int k = 0; k < count; ++k, u += step * static_cast<int>(kAtOnce)) {
+      for (std::size_t j = 0; j < kAtOnce; ++j) colors[j] = PackedYuv::of(at(u + static_cast<int>(j) * step, v));
+      visit(colors);
+    }
   }
 
  private:
