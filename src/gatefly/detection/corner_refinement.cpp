@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <optional>
 
 #include "gatefly/geometry/math.hpp"
@@ -18,6 +20,7 @@ constexpr double kEnds = 2.0;                 // beside the half of the bar that
 constexpr float kLeastContrast = 4.0f;        // grey levels between the colours of a bar and of what is beside it
 constexpr float kLeastShown = 0.35f;          // of a bar's width, on a line that counts
 constexpr float kFarther = 0.8f;              // how much less a pixel at the end of a line counts than one in its middle
+constexpr float kFar = 57.24f;                // the end of a line, in units of which a square / 2^5 is kFarther in 1/128
 constexpr int kLeastLines = 4;
 constexpr double kStill = 0.2, kLeap = 3.0;  // px
 
@@ -46,6 +49,17 @@ std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
   return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
 }
 
+// One value of each of eight lines: compilers make it one instruction (SSE2, NEON).
+using Eight = std::int16_t __attribute__((vector_size(16)));
+constexpr std::size_t kEight = 8;
+
+Eight eight(const std::int16_t* values) {
+  Eight lines;
+  std::memcpy(&lines, values, sizeof lines);
+  return lines;
+}
+Eight eight(float value) { return Eight{} + static_cast<std::int16_t>(value); }
+
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
 class Strip {
@@ -60,29 +74,28 @@ class Strip {
     const int first = static_cast<int>(std::clamp(from + 1.0, 0.0, 1e6));
     const int last = static_cast<int>(std::max(-1.0, std::min((side.level ? image.width() : image.height()) - 1.0, to)));
     const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_;
+    const int apart = ((last - first) << 10) / std::max(1, lines - 1);  // of lines, in 1/1024 px
+    const float per_step = 1.0f / static_cast<float>(step_);
     for (int k = 0; k < lines; ++k) {
-      const int y = first + (last - first) * k / std::max(1, lines - 1);
+      const int y = first + ((k * apart + 512) >> 10);
       const double x = side.x(y);
       if (!(x >= beyond && x < breadth - beyond - 1)) continue;
       const int middle = static_cast<int>(x + 0.5);
-      const std::array<float*, 3> line{&colors_[0](count_, 0), &colors_[1](count_, 0), &colors_[2](count_, 0)};
-      std::ptrdiff_t i = 0;
-      const auto take = [&i, line](Yuv c) {
-        line[0][i] = c.y, line[1][i] = c.u, line[2][i] = c.v;
-        i += kLines;
-      };
+      Levels *luma = colors_[0].data(), *u = colors_[1].data(), *v = colors_[2].data();
+      const auto line = static_cast<std::size_t>(count_);
+      const auto take = [&](Yuv c) { (*luma++)[line] = c.y, (*u++)[line] = c.u, (*v++)[line] = c.v; };
       const int n = 2 * half_ + 1;
       if (side.level) image.visit_column(y, middle - beyond, step_, n, take);
       else image.visit_row(middle - beyond, y, step_, n, take);
-      y_[count_] = static_cast<float>(y), off_[count_] = static_cast<float>((x - middle) / step_);
+      y_[count_] = static_cast<float>(y), off_[count_] = static_cast<float>(x - middle) * per_step;
       ++count_;
     }
+    // Lines that are not there are black: they add nothing to sums.
+    if (count_ < kLines)
+      for (auto& color : colors_)
+        for (Levels& levels : color) std::fill(levels.begin() + count_, levels.end(), std::int16_t{0});
     const int core = static_cast<int>(std::max(0.6, 0.5 * half_bar)) / step_;
-    const auto mean = [&](const auto& color, int column, int columns) { return color.middleCols(column, columns).topRows(count_).sum() / static_cast<float>(std::max(1, count_ * columns)); };
-    for (int k = 0; k < 3; ++k) {
-      const auto& color = colors_[static_cast<std::size_t>(k)];
-      bar_[k] = mean(color, half_ - core, 2 * core + 1), before_[k] = mean(color, 0, 2), behind_[k] = mean(color, 2 * half_ - 1, 2);
-    }
+    bar_ = mean(half_ - core, 2 * core + 1), before_ = mean(0, 2), behind_ = mean(2 * half_ - 1, 2);
   }
 
   [[nodiscard]] bool empty() const { return count_ == 0; }
@@ -98,17 +111,34 @@ class Strip {
   ///                  flank to the other, says how much of it is bar.
   [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px) const {
     if (count_ < kLeastLines) return rough;
-    const Eigen::Vector3f scale = contrast / contrast.squaredNorm();
-    const float per_half = 1.0f / static_cast<float>(half_ + 1), change = scale.dot(behind_ - before_) / static_cast<float>(2 * half_);
-    Lines sum = Lines::Zero(), moment = Lines::Zero();
-    for (int i = -half_; i <= half_; ++i) {
-      const auto color = [&](int k) { return scale[k] * colors_[static_cast<std::size_t>(k)].col(i + half_); };
-      const Lines far = (static_cast<float>(i) - off_) * per_half;
-      const float beside = scale.dot(before_) + change * static_cast<float>(i + half_);
-      const Lines part = (color(0) + color(1) + color(2) - beside).max(0.0f).min(1.2f) * (1.0f - kFarther * far * far).max(0.0f);
-      sum += part, moment += part * static_cast<float>(i);
+    // All in 16 bits: colours in 1/kUnit grey levels along a vector from what is beside to the bar, the difference of any
+    // two fits. `halvings` makes 64..127 of a bar.
+    constexpr float kUnit = 64.0f;
+    const float full = kUnit * contrast.norm();
+    const int halvings = std::max(0, std::ilogb(full) - 6);
+    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).array().round();
+    const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
+    const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
+    // A pixel `far` off counts 1 - kFarther far² times, in 1/128: kFar² = 128 * 2^5 kFarther.
+    const float far = kFar / static_cast<float>(half_ + 1);
+    alignas(Eight) std::array<std::int16_t, kLines> sums, moments, offs;
+    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = static_cast<std::int16_t>(far * off_[k]);
+    for (std::size_t k = 0; k < kLines; k += kEight) {
+      Eight sum{}, moment{};
+      for (int i = -half_; i <= half_; ++i) {
+        const auto column = static_cast<std::size_t>(i + half_);
+        const auto level = [&](std::size_t color) { return eight(colors_[color][column].data() + k); };
+        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(from + change * static_cast<float>(i + half_));
+        part = (part < none ? none : part > most ? most : part) >> halvings;
+        const Eight off = eight(far * static_cast<float>(i)) - eight(offs.data() + k);
+        part = part * (128 - (off * off >> 5)) >> 6;
+        sum += part, moment += part * static_cast<std::int16_t>(i);
+      }
+      std::memcpy(sums.data() + k, &sum, sizeof sum), std::memcpy(moments.data() + k, &moment, sizeof moment);
     }
-    const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
+    Lines sum, moment;
+    for (int k = 0; k < kLines; ++k) sum[k] = sums[static_cast<std::size_t>(k)], moment[k] = moments[static_cast<std::size_t>(k)];
+    const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_) * std::ldexp(2.0f * full, -halvings);
     Lines shown = Lines::Zero();
     for (int k = 0; k < count_; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
     if (shown.sum() < kLeastLines) return rough;
@@ -132,11 +162,26 @@ class Strip {
   }
 
  private:
-  // Color by color, line by line, pixel by pixel of a line.
-  std::array<Eigen::Array<float, kLines, kWidest>, 3> colors_;
+  // Color by color, pixel by pixel of a line, line by line.
+  using Levels = std::array<std::int16_t, kLines>;
+  std::array<std::array<Levels, kWidest>, 3> colors_;
   Lines y_ = Lines::Zero(), off_ = Lines::Zero();  // of a line; from its middle pixel to the rough line [steps]
   Eigen::Vector3f bar_, before_, behind_;          // mean colours
   int step_ = 1, half_ = 0, count_ = 0;
+
+  // Mean colour of so many pixels of each line.
+  [[nodiscard]] Eigen::Vector3f mean(int first, int pixels) const {
+    Eigen::Vector3f mean;
+    for (std::size_t color = 0; color < 3; ++color) {
+      Eight sums{};
+      for (int i = first; i < first + pixels; ++i)
+        for (std::size_t k = 0; k < kLines; k += kEight) sums += eight(colors_[color][static_cast<std::size_t>(i)].data() + k);
+      int sum = 0;
+      for (std::size_t k = 0; k < kEight; ++k) sum += sums[k];
+      mean[static_cast<Eigen::Index>(color)] = static_cast<float>(sum) / static_cast<float>(std::max(1, count_ * pixels));
+    }
+    return mean;
+  }
 };
 
 template <int kLines>
@@ -186,7 +231,8 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
-  return effort == RefinementEffort::kQuick ? refined<16>(image, frame, bar_px, 3) : refined<32>(image, frame, bar_px, 5);
+  if (effort == RefinementEffort::kCareful) return refined<32>(image, frame, bar_px, 5);
+  return refined<16>(image, refined<8>(image, frame, bar_px, 2), bar_px, 1);
 }
 
 }  // namespace gatefly

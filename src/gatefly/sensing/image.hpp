@@ -119,7 +119,12 @@ class Image {
     std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
     // The layout is asked once a line; what `visit` writes could be members, were they not copied.
     const std::uint8_t* const bytes = bytes_;
-    if (format_ == PixelFormat::kUyvy) {
+    if (format_ == PixelFormat::kUyvy && next % 2 == 0) {
+      // All are the first of their pair, or all the second.
+      const std::uint8_t* pair = bytes + 2 * (i - i % 2);
+      const std::ptrdiff_t luma = 1 + 2 * (i % 2);
+      for (int k = 0; k < count; ++k, pair += 2 * next) visit(Yuv{pair[luma], pair[0], pair[2]});
+    } else if (format_ == PixelFormat::kUyvy) {
       for (int k = 0; k < count; ++k, i += next) visit(uyvy(bytes, i));
     } else if (format_ == PixelFormat::kRgb) {
       for (int k = 0; k < count; ++k, i += next) visit(yuv_of_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]));
