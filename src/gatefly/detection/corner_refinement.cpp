@@ -74,10 +74,10 @@ class Strip {
     const int first = static_cast<int>(std::clamp(from + 1.0, 0.0, 1e6));
     const int last = static_cast<int>(std::max(-1.0, std::min((side.level ? image.width() : image.height()) - 1.0, to)));
     const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_;
-    const int apart = ((last - first) << 10) / std::max(1, lines - 1);  // of lines, in 1/1024 px
+    const std::int64_t apart = (std::int64_t{last - first} << 16) / std::max(1, lines - 1);  // of lines, in 1/65536 px
     const float per_step = 1.0f / static_cast<float>(step_);
     for (int k = 0; k < lines; ++k) {
-      const int y = first + ((k * apart + 512) >> 10);
+      const int y = first + static_cast<int>((k * apart) >> 16);
       const double x = side.x(y);
       if (!(x >= beyond && x < breadth - beyond - 1)) continue;
       const int middle = static_cast<int>(x + 0.5);
@@ -232,7 +232,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
   if (effort == RefinementEffort::kCareful) return refined<32>(image, frame, bar_px, 5);
-  return refined<16>(image, refined<8>(image, frame, bar_px, 2), bar_px, 1);
+  return refined<16>(image, refined<8>(image, frame, bar_px, 1), bar_px, 2);
 }
 
 }  // namespace gatefly

@@ -85,6 +85,17 @@ class FrameFit {
     for (std::size_t i = 0; i < 4; ++i) lines[i] = middle_line(q[i], q[(i + 1) % 4], reach);
     return corners(lines);
   }
+  /// The same once more, where it moved a side: `before` became q.
+  [[nodiscard]] std::optional<Quad> centered_again(const Quad& before, const Quad& q, int reach) const {
+    std::array<Line, 4> lines;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t next = (i + 1) % 4;
+      const Line side{q[i], q[next]};
+      const bool is_settled = off(before[i], side) < kSettled && off(before[next], side) < kSettled;
+      lines[i] = is_settled ? side : middle_line(side.a, side.b, reach);
+    }
+    return corners(lines);
+  }
 
   struct Line {
     Eigen::Vector2d a, b;
@@ -124,10 +135,16 @@ class FrameFit {
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12, kMostLines = 3;
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
   static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637;
+  static constexpr double kSettled = 0.7;  // of a side that was centred [cells]
 
   // A wide bar is looked at along several lines, so that letters and patterns on it do not matter: so many on
   // either side of the middle one.
   [[nodiscard]] int lines_beside(double length) const { return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines); }
+
+  [[nodiscard]] static double off(const Eigen::Vector2d& p, const Line& line) {
+    const Eigen::Vector2d d = line.b - line.a, to = p - line.a;
+    return std::abs(d.x() * to.y() - d.y() * to.x()) / std::max(1e-9, d.norm());
+  }
 
   [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
     const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, kEffort.samples);

@@ -169,13 +169,14 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const G
   const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
   if (!has_shape(rough)) return std::nullopt;
   Quad quad = rough;
-  // Once more where that moves it far: what was out of reach may be in reach now.
-  for (int pass = 0; pass < 2; ++pass) {
-    const auto centered = fit.centered(quad, kReach);
-    if (!centered || !has_shape(*centered)) break;
-    const double moved = largest_move(quad, *centered);
+  const auto centered = fit.centered(rough, kReach);
+  if (centered && has_shape(*centered)) {
     quad = *centered;
-    if (moved < kSettled) break;
+    // Once more where that moved it far: what was out of reach may be in reach now.
+    if (largest_move(rough, quad) > kSettled) {
+      const auto again = fit.centered_again(rough, quad, kReach);
+      if (again && has_shape(*again)) quad = *again;
+    }
   }
   const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
