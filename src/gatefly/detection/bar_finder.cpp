@@ -44,17 +44,17 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
   for (int r = 0; r < rows_; ++r) {
     const auto row = static_cast<std::size_t>(r * kMostGroups);
     std::uint16_t *const y = sums_[0].data() + row, *const u = sums_[1].data() + row, *const v = sums_[2].data() + row;
-    std::uint64_t hopeful = 0;
+    std::uint64_t hopeless = 0;
     int g = 0;
     image.visit_row_packed<kGroup>(first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
       // Two samples say what a group's mean is.
       const std::uint32_t uv = c[0].uv + c[2].uv;
       y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y);
       u[g] = static_cast<std::uint16_t>(uv), v[g] = static_cast<std::uint16_t>(uv >> 16);
-      const auto hope = [&](std::size_t k) { return color.hopes[ColorModel::chroma_bin(c[k])]; };
-      hopeful |= std::uint64_t{static_cast<std::uint8_t>(hope(0) | hope(1) | hope(2) | hope(3))} << g++;
+      const auto is_hopeless = [&](std::size_t k) { return color.hopeless[ColorModel::chroma_bin(c[k])]; };
+      hopeless |= std::uint64_t{static_cast<std::uint8_t>(is_hopeless(0) & is_hopeless(1) & is_hopeless(2) & is_hopeless(3))} << g++;
     });
-    hopeful_[static_cast<std::size_t>(r)] = hopeful;
+    hopeful_[static_cast<std::size_t>(r)] = ~hopeless & ((std::uint64_t{1} << groups_) - 1);
   }
 }
 
@@ -66,7 +66,7 @@ void BarFinder::average_around() {
   const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
   // Sums down each column, and what is beyond the border on either side. Loops of one length, which the compiler takes
   // eight at a time; what is right of the picture does no harm.
-  std::array<std::uint16_t, kMostGroups + 2 * kMostReach + 1> column{};
+  alignas(16) std::array<std::uint16_t, kMostGroups + 2 * kMostReach + 1> column{};
   std::array<std::uint16_t, kMostGroups> around;
   std::uint16_t* const inner = column.data() + kMostReach;
   const auto each = [](const auto& visit) {
@@ -84,8 +84,8 @@ void BarFinder::average_around() {
       each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + enters[g] - leaves[g]); });
       for (int i = 1; i <= reach; ++i) inner[-i] = inner[0];
       for (int i = 0; i <= reach; ++i) inner[groups + i] = inner[groups - 1];
-      each([&](std::size_t g) { around[g] = inner[g]; });
-      for (int i = 1; i <= reach; ++i) {
+      each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(inner[g] + inner[g - 1] + inner[g + 1]); });
+      for (int i = 2; i <= reach; ++i) {
         const std::uint16_t *const left = inner - i, *const right = inner + i;
         each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(around[g] + left[g] + right[g]); });
       }
@@ -130,19 +130,18 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     if (g != next) finish();
     next = g + 1;
     const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
-    int c = g * kGroup;
-    image.visit_row(c * step + first, v, step, kGroup, [&](Yuv sample) {
+    for (int c = g * kGroup; c < next * kGroup; ++c) {
+      const Yuv sample = image.at(c * step + first, v);
       int e = color.absolute[ColorModel::bin(sample)];
       e = e < ColorModel::kHopeless ? -kLimit : (e + color.relative[ColorModel::difference_bin(sample, mean)]) / 2;
       if (e < kBar) {
         finish();
-      } else {
-        if (sum == 0) start = c;
-        e = std::min(e, kLimit);
-        end = c + 1, sum += e, moment += e * (c - start);
+        continue;
       }
-      ++c;
-    });
+      if (sum == 0) start = c;
+      e = std::min(e, kLimit);
+      end = c + 1, sum += e, moment += e * (c - start);
+    }
   }
   finish();
 }

@@ -39,19 +39,17 @@ ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
         fill(model.absolute, kAbsolute, 4 * bu + 1.5 - 64, 4 * bv + 1.5 - 64);
         fill(model.relative, kRelative, 3 * bu + 1 - 48, 3 * bv + 1 - 48);
       }
-  model.find_hopes();
+  model.find_hopeless();
   return model;
 }
 
-void ColorModel::find_hopes() {
+void ColorModel::find_hopeless() {
+  const auto byte = [](int level) { return static_cast<std::uint8_t>(level); };
   for (int u = 0; u < 256; u += 4)
     for (int v = 0; v < 256; v += 4) {
-      const auto is_hopeful = [&](int y) {
-        return absolute[bin({static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v)})] >= kHopeless;
-      };
-      auto& hope = hopes[chroma_bin(PackedYuv::of({0, static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v)}))];
-      hope = false;
-      for (int y = 0; y < 256; y += 16) hope = hope || is_hopeful(y);
+      bool all = true;
+      for (int y = 0; y < 256; y += 16) all = all && absolute[bin({byte(y), byte(u), byte(v)})] < kHopeless;
+      hopeless[chroma_bin(PackedYuv::of({0, byte(u), byte(v)}))] = all;
     }
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "gatefly/geometry/math.hpp"
 
@@ -19,8 +20,7 @@ constexpr double kMargin = 2.0;               // beside a bar [px]
 constexpr double kEnds = 2.0;                 // beside the half of the bar that crosses at either end [px]
 constexpr float kLeastContrast = 4.0f;        // grey levels between the colours of a bar and of what is beside it
 constexpr float kLeastShown = 0.35f;          // of a bar's width, on a line that counts
-constexpr float kFarther = 0.8f;              // how much less a pixel at the end of a line counts than one in its middle
-constexpr float kFar = 57.24f;                // the end of a line, in units of which a square / 2^5 is kFarther in 1/128
+constexpr float kEnd = 57.24f;                // the end of a line: kEnd² / 2^5 = 0.8 * 128, what a pixel there counts less than one in the middle
 constexpr int kLeastLines = 4;
 constexpr double kStill = 0.2, kLeap = 3.0;  // px
 
@@ -58,7 +58,9 @@ Eight eight(const std::int16_t* values) {
   std::memcpy(&lines, values, sizeof lines);
   return lines;
 }
-Eight eight(float value) { return Eight{} + static_cast<std::int16_t>(value); }
+// To the nearest; within 16 bits.
+std::int16_t rounded(float value) { return static_cast<std::int16_t>(static_cast<int>(value + 32768.5f) - 32768); }
+Eight eight(float value) { return Eight{} + rounded(value); }
 
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
@@ -111,40 +113,13 @@ class Strip {
   ///                  flank to the other, says how much of it is bar.
   [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px) const {
     if (count_ < kLeastLines) return rough;
-    // All in 16 bits: colours in 1/kUnit grey levels along a vector from what is beside to the bar, the difference of any
-    // two fits. `halvings` makes 64..127 of a bar.
-    constexpr float kUnit = 64.0f;
-    const float full = kUnit * contrast.norm();
-    const int halvings = std::max(0, std::ilogb(full) - 6);
-    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).array().round();
-    const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
-    const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
-    // A pixel `far` off counts 1 - kFarther far² times, in 1/128: kFar² = 128 * 2^5 kFarther.
-    const float far = kFar / static_cast<float>(half_ + 1);
-    alignas(Eight) std::array<std::int16_t, kLines> sums, moments, offs;
-    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = static_cast<std::int16_t>(far * off_[k]);
-    for (std::size_t k = 0; k < kLines; k += kEight) {
-      Eight sum{}, moment{};
-      for (int i = -half_; i <= half_; ++i) {
-        const auto column = static_cast<std::size_t>(i + half_);
-        const auto level = [&](std::size_t color) { return eight(colors_[color][column].data() + k); };
-        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(from + change * static_cast<float>(i + half_));
-        part = (part < none ? none : part > most ? most : part) >> halvings;
-        const Eight off = eight(far * static_cast<float>(i)) - eight(offs.data() + k);
-        part = part * (128 - (off * off >> 5)) >> 6;
-        sum += part, moment += part * static_cast<std::int16_t>(i);
-      }
-      std::memcpy(sums.data() + k, &sum, sizeof sum), std::memcpy(moments.data() + k, &moment, sizeof moment);
-    }
-    Lines sum, moment;
-    for (int k = 0; k < kLines; ++k) sum[k] = sums[static_cast<std::size_t>(k)], moment[k] = moments[static_cast<std::size_t>(k)];
-    const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_) * std::ldexp(2.0f * full, -halvings);
+    const auto [sum, moment] = bar_pixels(contrast);
+    const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
     Lines shown = Lines::Zero();
     for (int k = 0; k < count_; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
     if (shown.sum() < kLeastLines) return rough;
     const float y_middle = static_cast<float>(middle()), half_length = 0.5f * static_cast<float>(length());
     // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
-    // What no pixel was read into may hold anything, NaN too.
     const Lines y = y_ - y_middle, x = (shown > 0.0f).select(static_cast<float>(step_) * (moment / sum.max(1e-6f) - off_), 0.0f);
     double shift = 0.0, slope = 0.0;  // beside the rough line
     for (int pass = 0; pass < 3; ++pass) {
@@ -162,12 +137,43 @@ class Strip {
   }
 
  private:
+  using Levels = std::array<std::int16_t, static_cast<std::size_t>(kLines)>;  // one of each line
   // Color by color, pixel by pixel of a line, line by line.
-  using Levels = std::array<std::int16_t, kLines>;
   std::array<std::array<Levels, kWidest>, 3> colors_;
   Lines y_ = Lines::Zero(), off_ = Lines::Zero();  // of a line; from its middle pixel to the rough line [steps]
   Eigen::Vector3f bar_, before_, behind_;          // mean colours
   int step_ = 1, half_ = 0, count_ = 0;
+
+  // Of each line, how many of its pixels are bar, those at its ends counting less; and the same times where they are.
+  [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Eigen::Vector3f& contrast) const {
+    // All in 16 bits. Colours along the vector from what is beside to the bar, in 1/64 grey levels: the difference of any
+    // two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 * 64..127 of each pixel.
+    constexpr float kUnit = 64.0f;
+    const float full = kUnit * contrast.norm();
+    const int halvings = std::ilogb(full) - 6;
+    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).array().round();  // whole, as it is used
+    const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
+    const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
+    const float per_pixel = kEnd / static_cast<float>(half_ + 1);
+    Levels sums, moments, offs;
+    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = rounded(per_pixel * off_[k]);
+    for (std::size_t k = 0; k < kLines; k += kEight) {
+      Eight sum{}, moment{};
+      for (int i = -half_; i <= half_; ++i) {
+        const auto column = static_cast<std::size_t>(i + half_);
+        const auto level = [&](std::size_t color) { return eight(colors_[color][column].data() + k); };
+        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(from + change * static_cast<float>(i + half_));
+        part = (part < none ? none : part > most ? most : part) >> halvings;
+        const Eight off = eight(per_pixel * static_cast<float>(i)) - eight(offs.data() + k);
+        part = part * (128 - (off * off >> 5)) >> 6;
+        sum += part, moment += part * static_cast<std::int16_t>(i);
+      }
+      std::memcpy(sums.data() + k, &sum, sizeof sum), std::memcpy(moments.data() + k, &moment, sizeof moment);
+    }
+    const float pixel = std::ldexp(0.5f / full, halvings);
+    const auto in_pixels = [&](const Levels& of_lines) { return Lines{pixel * Eigen::Map<const Eigen::Array<std::int16_t, kLines, 1>>(of_lines.data()).template cast<float>()}; };
+    return {in_pixels(sums), in_pixels(moments)};
+  }
 
   // Mean colour of so many pixels of each line.
   [[nodiscard]] Eigen::Vector3f mean(int first, int pixels) const {

@@ -189,8 +189,8 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   GateDetections found;
   bars_ = finder_.find(image, color);
   if (bars_.empty()) return found;
-  const int cell = std::max(1, finder_.step() / 2);
-  const auto at = [&](int x, int y) { return finder_.evidence(image, color, x * cell + cell / 2, y * cell + cell / 2); };
+  const int cell = std::max(1, finder_.step() / 2), middle = cell / 2;
+  const auto at = [&finder = finder_, &color, image, cell, middle](int x, int y) { return finder.evidence(image, color, x * cell + middle, y * cell + middle); };
   FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);

@@ -65,6 +65,7 @@ ColorModel read_color_model(const std::filesystem::path& path) {
   read_values(table, path, "absolute", model.absolute);
   read_values(table, path, "relative", model.relative);
   table.refuse_others();
+  model.find_hopeless();
   return model;
 }
 

@@ -184,6 +184,7 @@ ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& pri
         pictures[p].gates[g].bars_px = pulled(clockwise_from_top_left(given[p].gates[g].bars_px), pictures[p].image, model, map, params.bar_ratio / (1.0 - params.bar_ratio));
     }
   }
+  model.find_hopeless();
   return model;
 }
 
