@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -150,8 +151,8 @@ class Strip {
     // two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 * 64..127 of each pixel.
     constexpr float kUnit = 64.0f;
     const float full = kUnit * contrast.norm();
-    const int halvings = std::ilogb(full) - 6;
-    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).array().round();  // whole, as it is used
+    const int halvings = std::bit_width(static_cast<unsigned>(full)) - 7;
+    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).unaryExpr([](float x) { return static_cast<float>(rounded(x)); });
     const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
     const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
     const float per_pixel = kEnd / static_cast<float>(half_ + 1);
@@ -170,7 +171,7 @@ class Strip {
       }
       std::memcpy(sums.data() + k, &sum, sizeof sum), std::memcpy(moments.data() + k, &moment, sizeof moment);
     }
-    const float pixel = std::ldexp(0.5f / full, halvings);
+    const float pixel = 0.5f * static_cast<float>(1 << halvings) / full;
     const auto in_pixels = [&](const Levels& of_lines) { return Lines{pixel * Eigen::Map<const Eigen::Array<std::int16_t, kLines, 1>>(of_lines.data()).template cast<float>()}; };
     return {in_pixels(sums), in_pixels(moments)};
   }
