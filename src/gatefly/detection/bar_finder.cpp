@@ -84,9 +84,10 @@ void BarFinder::average_around() {
       each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + enters[g] - leaves[g]); });
       for (int i = 1; i <= reach; ++i) inner[-i] = inner[0];
       for (int i = 0; i <= reach; ++i) inner[groups + i] = inner[groups - 1];
-      each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(inner[g] + inner[g - 1] + inner[g + 1]); });
-      for (int i = 2; i <= reach; ++i) {
-        const std::uint16_t *const left = inner - i, *const right = inner + i;
+      const std::uint16_t *left = inner - 1, *right = inner + 1;
+      each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(inner[g] + left[g] + right[g]); });
+      for (int i = 1; i < reach; ++i) {
+        --left, ++right;
         each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(around[g] + left[g] + right[g]); });
       }
       std::uint8_t* const out = around_[k].data() + r * kMostGroups;
