@@ -59,9 +59,8 @@ Eight eight(const std::int16_t* values) {
   std::memcpy(&lines, values, sizeof lines);
   return lines;
 }
-// To the nearest; within 16 bits.
-std::int16_t rounded(float value) { return static_cast<std::int16_t>(static_cast<int>(value + 32768.5f) - 32768); }
-Eight eight(float value) { return Eight{} + rounded(value); }
+std::int16_t whole(float value) { return static_cast<std::int16_t>(value); }
+Eight eight(float value) { return Eight{} + whole(value); }
 
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
@@ -152,12 +151,12 @@ class Strip {
     constexpr float kUnit = 64.0f;
     const float full = kUnit * contrast.norm();
     const int halvings = std::bit_width(static_cast<unsigned>(full)) - 7;
-    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).unaryExpr([](float x) { return static_cast<float>(rounded(x)); });
+    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).unaryExpr([](float x) { return static_cast<float>(whole(x)); });
     const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
     const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
     const float per_pixel = kEnd / static_cast<float>(half_ + 1);
     Levels sums, moments, offs;
-    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = rounded(per_pixel * off_[k]);
+    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = whole(per_pixel * off_[k]);
     for (std::size_t k = 0; k < kLines; k += kEight) {
       Eight sum{}, moment{};
       for (int i = -half_; i <= half_; ++i) {
