@@ -241,7 +241,8 @@ int replay(const ReplayOptions& options) {
 
   const auto labelled = against_labels(recording, result);
   const auto visible = against_geometry(recording, result, options.heading_offset_deg * kDegree);
-  const auto exact = is_drag ? same_as_recorded(recording, result) : std::nullopt;
+  std::optional<bool> exact;
+  if (is_drag) exact = same_as_recorded(recording, result);
   int fixes = 0;
   for (const auto& row : result.pictures) fixes += row.sighting.source != Sighting::Source::kNone;
   if (options.json) {

@@ -53,5 +53,21 @@ TEST(ColorModel, EveryColourHasABin) {
     }
 }
 
+// What is passed over may not be a bar's with any luma; and most chromas of a hall are passed over.
+TEST(ColorModel, AChromaIsHopelessIfItIsWithEveryLuma) {
+  int hopeless = 0;
+  for (int u = 0; u < 256; ++u)
+    for (int v = 0; v < 256; ++v) {
+      const auto of = [&](int y) { return Yuv{static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v)}; };
+      bool all = true;
+      for (int y = 0; y < 256; ++y) all = all && kOrange.absolute[ColorModel::bin(of(y))] < ColorModel::kHopeless;
+      const int said = kOrange.hopeless[ColorModel::chroma_bin(PackedYuv::of(of(7)))];
+      ASSERT_EQ(said, all ? 1 : 0) << u << ", " << v;
+      hopeless += said;
+    }
+  EXPECT_GT(hopeless, 256 * 256 / 2);
+  EXPECT_LT(hopeless, 256 * 256);
+}
+
 }  // namespace
 }  // namespace gatefly

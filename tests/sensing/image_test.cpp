@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/sensing/image.hpp"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -50,6 +51,30 @@ TEST(Image, ARowVisitsWhatIsThere) {
         EXPECT_EQ(u, 1 + (image.width() - 1) / 2 * 2);
       }
     }
+}
+
+// Exactly as many bytes as the picture has: a sanitizer sees what is read beyond them.
+TEST(Image, PackedPixelsAreThoseThatAreThere) {
+  std::vector<std::uint8_t> bytes(3 * 8 * 6);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(37 * i);
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb, PixelFormat::kYuv444})
+    for (const int turn : {0, 90, 180, 270})
+      for (const int first : {0, 1})
+        for (const int step : {1, 2}) {
+          const Image image{bytes.data(), format, 8, 6, turn};
+          const int pairs = (image.width() - first) / (2 * step);
+          for (int v = 0; v < image.height(); ++v) {
+            int u = first;
+            image.visit_row_packed<2>(first, v, step, pairs, [&](const std::array<PackedYuv, 2>& c) {
+              for (const PackedYuv& one : c) {
+                const PackedYuv same = PackedYuv::of(image.at(u, v));
+                EXPECT_TRUE(one.y == same.y && one.uv == same.uv) << turn << " deg, " << u << ", " << v;
+                u += step;
+              }
+            });
+            EXPECT_EQ(u, first + 2 * step * pairs);
+          }
+        }
 }
 
 TEST(Image, IsAddressedUprightHoweverItIsStored) {

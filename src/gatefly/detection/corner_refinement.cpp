@@ -150,7 +150,7 @@ class Strip {
     // two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 * 64..127 of each pixel.
     constexpr float kUnit = 64.0f;
     const float full = kUnit * contrast.norm();
-    const int halvings = std::bit_width(static_cast<unsigned>(full)) - 7;
+    const int halvings = static_cast<int>(std::bit_width(static_cast<unsigned>(full))) - 7;
     const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).unaryExpr([](float x) { return static_cast<float>(whole(x)); });
     const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
     const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
