@@ -81,8 +81,7 @@ Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
   const Eigen::Vector3d odometry = moments_[*index % kMoments].odometry;
   const Fusion fusion = redo_from(*index, time);
   if (fusion == Fusion::kAccepted) run_ = {};
-  const bool far_off = moments_[*index % kMoments].filter.distance2(fix) > restart_.distance * restart_.distance;
-  if (fusion != Fusion::kRefused || !may_restart || !far_off || !agreed(fix, time, odometry)) return fusion;
+  if (fusion != Fusion::kRefused || !may_restart || !agreed(fix, time, odometry)) return fusion;
   Fix present = fix;
   present.p_GB += newest().odometry - odometry;
   newest().filter.restart(present);

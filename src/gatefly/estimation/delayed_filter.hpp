@@ -13,7 +13,6 @@
 namespace gatefly {
 
 struct RestartParams {
-  double distance = 5.0;       ///< Refused fixes count that are so many σ off: what far gates err by agrees with itself, too. [ours]
   int fixes = 4;               ///< So many more that agree with the first of them than do not ...
   double duration = 0.3;       ///< ... over at least this long [s] ...
   double longest = 2.0;        ///< ... and at most this [s]. [ours]

@@ -16,6 +16,7 @@ constexpr double kBlind = 1.0;           // without a fix for this long, a leg w
 constexpr double kOpenGateFrom = 4.5;    // nearer than this the upper bar may be cut off [m]
 constexpr double kAgree = 0.4;           // two sightings, 66 ms apart, from one place [m]
 constexpr double kSurprising = 7.8;      // squared distance: one in twenty of the right fixes is farther off
+constexpr double kNear = 7.0;            // what farther gates err by lasts for a second and agrees with itself, too [m]
 constexpr double kKnown = 1.5;           // how far off the estimate may be and still tell gates apart [m]
 constexpr double kSure = 0.9;            // of a detection; what is less sure counts where a gate is expected
 constexpr double kLongLeg = 2.5;         // shorter ones say nothing about heading [m]
@@ -79,7 +80,7 @@ std::optional<Pilot::Candidate> Pilot::best_whole_gate() const {
     if (elsewhere < std::min(kKnown, here)) continue;
     auto one = candidate(*fix, *then, Sighting::Source::kCorners, static_cast<int>(i));
     if (seen.fitness < kSure && !convincing(one)) continue;
-    one.may_restart = here <= elsewhere;
+    one.may_restart = here <= elsewhere && fix->p_GB.norm() < kNear;
     if (!best || one.distance2 < best->distance2) best = one;
   }
   return best;
