@@ -222,6 +222,18 @@ Fix fix_with_lasting_error(const Vector3d& p) {
   return fix;
 }
 
+// Two bars do not tell how high they are seen from.
+TEST(DragFilter, ARestartFromBarsLeavesTheHeight) {
+  DragFilter filter = started({-3, 0, 0.25});
+  const double before = filter.covariance()(2, 2);
+  Fix bars = fix_with_lasting_error({-1, 0.4, 0});
+  bars.has_height = false;
+  filter.restart(bars);
+  EXPECT_THAT(filter.position(), IsNear(Vector3d{-1, 0.4, 0.25}, 1e-12));
+  EXPECT_EQ(filter.covariance()(2, 2), before);
+  EXPECT_THAT(filter.covariance(), IsCovariance());
+}
+
 TEST(DragFilter, WhatLastsIsNotAveragedAway) {
   DragFilter filter = started();
   for (int i = 0; i < 200; ++i) (void)filter.correct(fix_with_lasting_error(filter.position()));

@@ -135,12 +135,20 @@ Fusion DragFilter::correct(const Fix& fix) {
 
 void DragFilter::restart(const Fix& fix) {
   const Measurement<3> m = measured<3>(fix, Eigen::Vector3d::Zero());
+  const double z = x_(kZ), z_variance = P_(kZ, kZ);
+  const Eigen::Matrix<double, 1, lasting::kCount> z_lasting = C_.row(kZ);
   x_.segment<3>(kX) = fix.p_GB;
   C_.setZero();
   C_.topRows<3>() = -m.L;
   P_.setZero();
   P_.topLeftCorner<3, 3>() = m.R + m.L * m.L.transpose();
   P_.diagonal().tail<4>() = start_variance();
+  if (fix.has_height) return;
+  x_(kZ) = z;
+  C_.row(kZ) = z_lasting;
+  P_.col(kZ).head<2>() = C_.topRows<2>() * z_lasting.transpose();
+  P_.row(kZ).head<2>() = P_.col(kZ).head<2>().transpose();
+  P_(kZ, kZ) = z_variance;
 }
 
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
