@@ -130,19 +130,16 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     const int g = std::countr_zero(hopeful);
     if (g != next) finish();
     next = g + 1;
-    const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
-    for (int c = g * kGroup; c < next * kGroup; ++c) {
-      const Yuv sample = image.at(c * step + first, v);
-      int e = color.absolute[ColorModel::bin(sample)];
-      e = e < ColorModel::kHopeless ? -kLimit : (e + color.relative[ColorModel::difference_bin(sample, mean)]) / 2;
-      if (e < kBar) {
-        finish();
-        continue;
+    int c = g * kGroup;
+    image.visit_row_packed<1>(c * step + first, v, step, kGroup, [&](const std::array<PackedYuv, 1>& sample) {
+      const int e = evidence_of(color, sample[0], static_cast<std::size_t>(row * kMostGroups + g));
+      if (e < kBar) finish();
+      else {
+        if (sum == 0) start = c;
+        end = c + 1, sum += e, moment += e * (c - start);
       }
-      if (sum == 0) start = c;
-      e = std::min(e, kLimit);
-      end = c + 1, sum += e, moment += e * (c - start);
-    }
+      ++c;
+    });
   }
   finish();
 }

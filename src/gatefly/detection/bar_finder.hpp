@@ -42,18 +42,49 @@ class BarFinder {
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
   [[nodiscard]] Bars find(const Image& image, const ColorModel& color);
 
-  /// Evidence of any pixel of the picture that was searched last, in 1/16 nats; outside there is none of a gate.
-  [[nodiscard]] int evidence(const Image& image, const ColorModel& color, int u, int v) const {
-    if (!image.contains(u, v)) return EvidenceMap::kOutside;
-    const auto g = (static_cast<std::uint64_t>(u) * per_stride_) >> 32, r = (static_cast<std::uint64_t>(v) * per_stride_) >> 32;
-    return std::clamp(color.evidence(image.at(u, v), around(r * kMostGroups + g)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
-  }
+  /// Evidence of the picture that was searched last, in 1/16 nats; outside there is none of a gate.
+  class Evidence {
+   public:
+    /// @param cell  side of what is a place here: 1 for each pixel [px].
+    Evidence(const BarFinder& finder, const Image& image, const ColorModel& color, int cell)
+        : finder_{finder}, image_{image}, color_{color}, cell_{cell} {}
+
+    /// Of a cell, by the pixel in its middle.
+    [[nodiscard]] int operator()(int x, int y) const {
+      const int u = x * cell_ + cell_ / 2, v = y * cell_ + cell_ / 2;
+      return image_.contains(u, v) ? at_pixel(u, v) : EvidenceMap::kOutside;
+    }
+
+    /// Of `count` places from (x, y) on, (dx, dy) apart, all in 1/65536 cells: visit(k, evidence).
+    template <class Visit>
+    void along(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, int count, const Visit& visit) const {
+      x *= cell_, y *= cell_, dx *= cell_, dy *= cell_;
+      const auto contains = [&](std::int64_t u, std::int64_t v) { return image_.contains(static_cast<int>(u >> 16), static_cast<int>(v >> 16)); };
+      // Where both ends are, all is.
+      const bool inside = contains(x, y) && contains(x + (count - 1) * dx, y + (count - 1) * dy);
+      for (int k = 0; k < count; ++k, x += dx, y += dy)
+        visit(k, inside || contains(x, y) ? at_pixel(static_cast<int>(x >> 16), static_cast<int>(y >> 16)) : EvidenceMap::kOutside);
+    }
+
+   private:
+    [[nodiscard]] int at_pixel(int u, int v) const {
+      const auto g = (static_cast<std::uint64_t>(u) * finder_.per_stride_) >> 32, r = (static_cast<std::uint64_t>(v) * finder_.per_stride_) >> 32;
+      return finder_.evidence_of(color_, image_.packed_at(u, v), r * kMostGroups + g);
+    }
+
+    const BarFinder& finder_;
+    const Image image_;
+    const ColorModel& color_;
+    int cell_;
+  };
+  [[nodiscard]] Evidence evidence(const Image& image, const ColorModel& color, int cell) const { return {*this, image, color, cell}; }
 
   [[nodiscard]] int step() const { return step_; }      ///< Pixels from sample to sample.
   [[nodiscard]] int stride() const { return stride_; }  ///< Pixels from row to row.
 
  private:
   struct Snake;
+  static constexpr int kHopeless = -24;  // evidence of a colour that is: 1.5 nats, less would be made of a gap in a bar than it says
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
   void read(const Image& image, const ColorModel& color);
@@ -62,6 +93,15 @@ class BarFinder {
   void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const;
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
 
+  // Of a pixel. What is around a colour that is hopeless alone need not be known.
+  [[nodiscard]] int evidence_of(const ColorModel& color, PackedYuv c, std::size_t group) const {
+    if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kHopeless;
+    const Yuv pixel = c.unpacked();
+    const int alone = color.absolute[ColorModel::bin(pixel)];
+    if (alone < ColorModel::kHopeless) return kHopeless;
+    const int both = alone + color.relative[ColorModel::difference_bin(pixel, around(group))];
+    return std::clamp(both / 2, -EvidenceMap::kLimit, EvidenceMap::kLimit);
+  }
   [[nodiscard]] Yuv around(std::size_t group) const { return {around_[0][group], around_[1][group], around_[2][group]}; }
   [[nodiscard]] int first_column() const { return step_ / 2; }
   [[nodiscard]] int row_px(int row) const { return row * stride_ + stride_ / 2; }

@@ -20,7 +20,7 @@ struct ColorModel {
   static constexpr std::size_t kBins = kLuma * kChroma * kChroma;
   static constexpr int kUnit = 16;  ///< Table value of one nat; values are within ±4 nats.
 
-  static constexpr int kHopeless = -kUnit;  ///< Of a colour alone: no bar's, whatever is around.
+  static constexpr int kHopeless = -kUnit / 2;  ///< Of a colour alone: no bar's, whatever is around. [of 0, 1/2, 1, 2 nats: the labelled sets' best]
 
   std::array<std::int8_t, kBins> absolute{}, relative{};
   /// Of each chroma_bin(): 1 where it is hopeless with any luma. All 0 is right, but slow; find_hopeless() fills it.

@@ -21,15 +21,20 @@ constexpr double kMargin = 2.0;               // beside a bar [px]
 constexpr double kEnds = 2.0;                 // beside the half of the bar that crosses at either end [px]
 constexpr float kLeastContrast = 4.0f;        // grey levels between the colours of a bar and of what is beside it
 constexpr float kLeastShown = 0.35f;          // of a bar's width, on a line that counts
-constexpr float kEnd = 57.24f;                // the end of a line: kEnd² / 2^5 = 0.8 * 128, what a pixel there counts less than one in the middle
+constexpr float kEnd = 64.0f;                 // half a pixel beyond the end of a line: kEnd² / 2^5 = 128, there a pixel counts nothing
 constexpr int kLeastLines = 4;
+constexpr double kLittle = 0.3;               // of a side that is in view: it does not say how it leans
+constexpr double kRough = 0.5;                // lines that the rough side counts as, at either end
+constexpr float kLuma = 0.7f;                 // of a grey level, beside one of chroma: what is behind a gate differs in luma
 constexpr double kStill = 0.2, kLeap = 3.0;  // px
+constexpr float kNear = 0.9f;                 // from a line's middle pixel to where it is thought to cross: not read again [px]
 
 // A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always cross the bar.
 struct Side {
   double at_0 = 0.0, slope = 0.0;
   bool level = false;
 
+  Side() = default;
   Side(const Eigen::Vector2d& a, const Eigen::Vector2d& b) : level{std::abs(b.x() - a.x()) > std::abs(b.y() - a.y())} {
     const double length = along(b) - along(a);
     slope = (across(b) - across(a)) / (std::abs(length) > 1e-9 ? length : 1e-9);
@@ -68,39 +73,57 @@ class Strip {
  public:
   using Lines = Eigen::Array<float, kLines, 1>;
 
-  Strip(const Image& image, const Side& side, double from, double to, double bar_px) {
+  /// Reads the picture across a side from y = `from` to `to`.
+  void read(const Image& image, const Side& side, double from, double to, double bar_px) {
+    side_ = side, count_ = 0;
     const double lean = std::sqrt(1.0 + side.slope * side.slope), half_bar = std::min(0.5 * bar_px * lean, 1e6);
     const int reach = static_cast<int>(half_bar + kMargin * lean + 0.5), breadth = side.level ? image.height() : image.width();
     step_ = 1 + 2 * reach / kWidest;
     half_ = reach / step_;
     const int first = static_cast<int>(std::clamp(from + 1.0, 0.0, 1e6));
     const int last = static_cast<int>(std::max(-1.0, std::min((side.level ? image.width() : image.height()) - 1.0, to)));
-    const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_;
-    const std::int64_t apart = (std::int64_t{last - first} << 16) / std::max(1, lines - 1);  // of lines, in 1/65536 px
-    const float per_step = 1.0f / static_cast<float>(step_);
-    for (int k = 0; k < lines; ++k) {
-      const int y = first + static_cast<int>((k * apart) >> 16);
-      const double x = side.x(y);
-      if (!(x >= beyond && x < breadth - beyond - 1)) continue;
-      const int middle = static_cast<int>(x + 0.5);
-      Levels *luma = colors_[0].data(), *u = colors_[1].data(), *v = colors_[2].data();
+    const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_, starts = breadth - 2 * beyond;
+    if (lines < 1 || starts <= 0 || !(std::abs(side.at_0) < 1e6)) return;
+    // All in 1/65536 px: what is shifted need not be converted for each line.
+    constexpr int kBits = 16;
+    constexpr std::int64_t kOne = 1 << kBits;
+    const std::int64_t apart = kOne * (last - first) / std::max(1, lines - 1);
+    const auto slope = static_cast<std::int64_t>(kOne * side.slope), at_0 = static_cast<std::int64_t>(kOne * side.at_0);
+    const int n = 2 * half_ + 1;
+    std::array<int, static_cast<std::size_t>(kLines)> y, off;
+    Levels *const luma = colors_[0].data(), *const u = colors_[1].data(), *const v = colors_[2].data();
+    std::int64_t along = kOne * first;
+    for (int k = 0; k < lines; ++k, along += apart) {
+      const int at = static_cast<int>(along >> kBits);
+      const std::int64_t x = at_0 + slope * at;
+      const int middle = static_cast<int>((x + kOne / 2) >> kBits), start = middle - beyond;
+      if (static_cast<unsigned>(start) >= static_cast<unsigned>(starts)) continue;
       const auto line = static_cast<std::size_t>(count_);
-      const auto take = [&](Yuv c) { (*luma++)[line] = c.y, (*u++)[line] = c.u, (*v++)[line] = c.v; };
-      const int n = 2 * half_ + 1;
-      if (side.level) image.visit_column(y, middle - beyond, step_, n, take);
-      else image.visit_row(middle - beyond, y, step_, n, take);
-      y_[count_] = static_cast<float>(y), off_[count_] = static_cast<float>(x - middle) * per_step;
+      std::size_t i = 0;
+      const auto take = [&](Yuv c) { luma[i][line] = c.y, u[i][line] = c.u, v[i][line] = c.v, ++i; };
+      if (side.level) image.visit_column(at, start, step_, n, take);
+      else image.visit_row(start, at, step_, n, take);
+      y[line] = at, off[line] = static_cast<int>(x - kOne * middle);
       ++count_;
     }
-    // Lines that are not there are black: they add nothing to sums.
-    if (count_ < kLines)
+    if (count_ == 0) return;
+    // Lines that are not there are black, where the first one is: they add nothing to sums.
+    if (count_ < kLines) {
+      std::fill(y.begin() + count_, y.end(), y[0]), std::fill(off.begin() + count_, off.end(), off[0]);
       for (auto& color : colors_)
-        for (Levels& levels : color) std::fill(levels.begin() + count_, levels.end(), std::int16_t{0});
+        for (int i = 0; i < n; ++i) std::fill(color[static_cast<std::size_t>(i)].begin() + count_, color[static_cast<std::size_t>(i)].end(), std::int16_t{0});
+    }
+    y_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(y.data()).template cast<float>();
+    off_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(off.data()).template cast<float>() / static_cast<float>(kOne * step_);
     const int core = static_cast<int>(std::max(0.6, 0.5 * half_bar)) / step_;
     bar_ = mean(half_ - core, 2 * core + 1), before_ = mean(0, 2), behind_ = mean(2 * half_ - 1, 2);
   }
 
   [[nodiscard]] bool empty() const { return count_ == 0; }
+  /// Whether what was read is still across this side, and near enough to its middle.
+  [[nodiscard]] bool fits(const Side& side) const {
+    return count_ > 0 && side.level == side_.level && off_from(side).abs().maxCoeff() * static_cast<float>(step_) < kNear;
+  }
   /// Of the side in view: from the first line to the last, and halfway between them.
   [[nodiscard]] double length() const { return y_[count_ - 1] - y_[0]; }
   [[nodiscard]] double middle() const { return 0.5 * (y_[count_ - 1] + y_[0]); }
@@ -113,19 +136,20 @@ class Strip {
   ///                  flank to the other, says how much of it is bar.
   [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px) const {
     if (count_ < kLeastLines) return rough;
-    const auto [sum, moment] = bar_pixels(contrast);
+    const Lines off = off_from(rough);
+    const auto [sum, moment] = bar_pixels(off, contrast);
     const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
     Lines shown = Lines::Zero();
     for (int k = 0; k < count_; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
     if (shown.sum() < kLeastLines) return rough;
     const float y_middle = static_cast<float>(middle()), half_length = 0.5f * static_cast<float>(length());
     // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
-    const Lines y = y_ - y_middle, x = (shown > 0.0f).select(static_cast<float>(step_) * (moment / sum.max(1e-6f) - off_), 0.0f);
+    const Lines y = y_ - y_middle, x = (shown > 0.0f).select(static_cast<float>(step_) * (moment / sum.max(1e-6f) - off), 0.0f);
     double shift = 0.0, slope = 0.0;  // beside the rough line
     for (int pass = 0; pass < 3; ++pass) {
-      const Lines off = x - static_cast<float>(shift) - static_cast<float>(slope) * y;
-      const Lines w = pass == 0 ? shown : Lines{shown / (1.0f + 0.5f * off * off)};
-      const double n = w.sum() + 2.0, n_y = (w * y).sum(), n_yy = (w * y * y).sum() + 2.0 * half_length * half_length, n_x = (w * x).sum(), n_xy = (w * x * y).sum();
+      const Lines left = x - static_cast<float>(shift) - static_cast<float>(slope) * y;
+      const Lines w = pass == 0 ? shown : Lines{shown / (1.0f + 0.5f * left * left)};
+      const double n = w.sum() + kRough, n_y = (w * y).sum(), n_yy = (w * y * y).sum() + kRough * half_length * half_length, n_x = (w * x).sum(), n_xy = (w * x * y).sum();
       const double det = n * n_yy - n_y * n_y;
       if (!(det > 1e-3)) return rough;
       slope = (n * n_xy - n_x * n_y) / det, shift = (n_x - slope * n_y) / n;
@@ -140,23 +164,29 @@ class Strip {
   using Levels = std::array<std::int16_t, static_cast<std::size_t>(kLines)>;  // one of each line
   // Color by color, pixel by pixel of a line, line by line.
   std::array<std::array<Levels, kWidest>, 3> colors_;
-  Lines y_ = Lines::Zero(), off_ = Lines::Zero();  // of a line; from its middle pixel to the rough line [steps]
+  Lines y_, off_;                                  // of a line; from its middle pixel to the side it was read along [steps]
   Eigen::Vector3f bar_, before_, behind_;          // mean colours
   int step_ = 1, half_ = 0, count_ = 0;
+  Side side_;  // along which it was read
+
+  [[nodiscard]] Lines off_from(const Side& side) const {
+    return off_ + (static_cast<float>(side.at_0 - side_.at_0) + static_cast<float>(side.slope - side_.slope) * y_) / static_cast<float>(step_);
+  }
 
   // Of each line, how many of its pixels are bar, those at its ends counting less; and the same times where they are.
-  [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Eigen::Vector3f& contrast) const {
+  [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Lines& off_middle, const Eigen::Vector3f& contrast) const {
     // All in 16 bits. Colours along the vector from what is beside to the bar, in 1/64 grey levels: the difference of any
     // two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 * 64..127 of each pixel.
     constexpr float kUnit = 64.0f;
-    const float full = kUnit * contrast.norm();
+    const Eigen::Vector3f weighted = contrast.cwiseProduct(Eigen::Vector3f{kLuma, 1.0f, 1.0f}), unit = kUnit / weighted.norm() * weighted;
+    const float full = contrast.dot(unit);
     const int halvings = static_cast<int>(std::bit_width(static_cast<unsigned>(full))) - 7;
-    const Eigen::Vector3f way = (kUnit * kUnit / full * contrast).unaryExpr([](float x) { return static_cast<float>(whole(x)); });
+    const Eigen::Vector3f way = unit.unaryExpr([](float x) { return static_cast<float>(whole(x)); });
     const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
     const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
-    const float per_pixel = kEnd / static_cast<float>(half_ + 1);
+    const float per_pixel = kEnd / (static_cast<float>(half_) + 0.5f);
     Levels sums, moments, offs;
-    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = whole(per_pixel * off_[k]);
+    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = whole(per_pixel * off_middle[k]);
     for (std::size_t k = 0; k < kLines; k += kEight) {
       Eight sum{}, moment{};
       for (int i = -half_; i <= half_; ++i) {
@@ -165,7 +195,8 @@ class Strip {
         Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(from + change * static_cast<float>(i + half_));
         part = (part < none ? none : part > most ? most : part) >> halvings;
         const Eight off = eight(per_pixel * static_cast<float>(i)) - eight(offs.data() + k);
-        part = part * (128 - (off * off >> 5)) >> 6;
+        const Eight weight = 128 - (off * off >> 5);
+        part = part * (weight < none ? none : weight * weight >> 7) >> 6;
         sum += part, moment += part * static_cast<std::int16_t>(i);
       }
       std::memcpy(sums.data() + k, &sum, sizeof sum), std::memcpy(moments.data() + k, &moment, sizeof moment);
@@ -191,20 +222,19 @@ class Strip {
 };
 
 template <int kLines>
-Strip<kLines> strip_along(const Image& image, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Side& side, double bar_px) {
-  const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));
-  const double from = side.along(a + end * (b - a)), to = side.along(b - end * (b - a));
-  return {image, side, std::min(from, to), std::max(from, to), bar_px};
-}
-
-template <int kLines>
 Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
   Quad corners = frame;
+  std::array<Strip<kLines>, 4> strips;
   for (int pass = 0; pass < passes; ++pass) {
     const auto side = [&](std::size_t i) { return Side{corners[i], corners[(i + 1) % 4]}; };
     std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};
-    const auto strip = [&](std::size_t i) { return strip_along<kLines>(image, corners[i], corners[(i + 1) % 4], sides[i], bar_px); };
-    const std::array<Strip<kLines>, 4> strips{strip(0), strip(1), strip(2), strip(3)};
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (pass > 0 && strips[i].fits(sides[i])) continue;
+      const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
+      const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));
+      const double from = sides[i].along(a + end * (b - a)), to = sides[i].along(b - end * (b - a));
+      strips[i].read(image, sides[i], std::min(from, to), std::max(from, to), bar_px);
+    }
     // One colour for all bars: a side that is off by its bar's width takes the bar for what is beside it.
     Eigen::Vector3f contrast = Eigen::Vector3f::Zero();
     int shown = 0;
@@ -217,7 +247,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
     for (std::size_t i = 0; i < 4; ++i) {
       const Side& opposite = sides[(i + 2) % 4];
       const double length = std::abs(sides[i].along(corners[(i + 1) % 4]) - sides[i].along(corners[i]));
-      if (!strips[i].empty() && strips[i].length() < 0.5 * length && opposite.level == sides[i].level) sides[i].lean_like(opposite, strips[i].middle());
+      if (!strips[i].empty() && strips[i].length() < kLittle * length && opposite.level == sides[i].level) sides[i].lean_like(opposite, strips[i].middle());
     }
     Quad now;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -238,7 +268,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
   if (effort == RefinementEffort::kCareful) return refined<32>(image, frame, bar_px, 5);
-  return refined<16>(image, refined<8>(image, frame, bar_px, 1), bar_px, 2);
+  return refined<16>(image, refined<8>(image, frame, bar_px, 3), bar_px, 2);
 }
 
 }  // namespace gatefly

@@ -284,8 +284,8 @@ std::optional<GatePart> PartSearch::detect(const Image& image, const ColorModel&
       Pair& worst = *std::max_element(pairs.begin(), pairs.end(), better);
       if (better(*pair, worst)) worst = *pair;
     }
-  const auto at = [&](int u, int v) { return bars_.evidence(image, color, u, v); };
-  const FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
+  const BarFinder::Evidence evidence = bars_.evidence(image, color, 1);
+  const FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights, params_.bar()};
   std::optional<Candidate> best;
   for (const Pair& pair : pairs) {
     const auto candidate = candidate_of(pair, image, fit, bars_.stride(), params_);

@@ -19,8 +19,8 @@ constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is n
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;             // three rows of 2 nats
 constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
-constexpr double kSettled = 1.5;                // of a corner that was centred [cells]
-constexpr FrameEffort kEffort{.samples = 9, .middles = 8};
+constexpr double kSettled = 2.2;                // of a corner that was centred [cells]
+constexpr FrameEffort kEffort{.samples = 9, .middles = 7};
 
 }  // namespace
 
@@ -189,9 +189,9 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   GateDetections found;
   bars_ = finder_.find(image, color);
   if (bars_.empty()) return found;
-  const int cell = std::max(1, finder_.step() / 2), middle = cell / 2;
-  const auto at = [&finder = finder_, &color, image, cell, middle](int x, int y) { return finder.evidence(image, color, x * cell + middle, y * cell + middle); };
-  FrameFit<decltype(at), kEffort> fit{at, params_.weights, params_.bar()};
+  const int cell = std::max(1, finder_.step() / 2);
+  const BarFinder::Evidence evidence = finder_.evidence(image, color, cell);
+  FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights, params_.bar()};
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);
   FixedList<Frame, Pairs::kCapacity> frames;

@@ -18,6 +18,7 @@ struct PackedYuv {
   std::uint32_t uv;
   std::uint8_t y;
 
+  [[nodiscard]] Yuv unpacked() const { return {y, static_cast<std::uint8_t>(uv), static_cast<std::uint8_t>(uv >> 16)}; }
   [[nodiscard]] static PackedYuv of(Yuv c) { return {c.u | std::uint32_t{c.v} << 16, c.y}; }
 };
 
@@ -69,6 +70,13 @@ class Image {
     return {p[0], p[1], p[2]};
   }
 
+  /// The same, packed.
+  [[nodiscard]] PackedYuv packed_at(int u, int v) const {
+    if (format_ != PixelFormat::kUyvy) return PackedYuv::of(at(u, v));
+    const std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
+    return packed_uyvy(bytes_ + ((2 * i) & ~std::ptrdiff_t{3}), bytes_[2 * i + 1]);
+  }
+
   /// Calls visit(Yuv) for every `step`-th pixel of upright row v from column u on, `count` of them; all must be inside.
   template <class Visit>
   void visit_row(int u, int v, int step, int count, Visit visit) const {
@@ -88,13 +96,11 @@ class Image {
     std::array<PackedYuv, kAtOnce> colors;
     if (format_ == PixelFormat::kUyvy && next % 2 == 0) {
       // All are the first of their pair, or all the second.
-      const std::uint8_t* pair = bytes + 2 * (i - i % 2);
-      const std::ptrdiff_t luma = 1 + 2 * (i % 2);
+      const std::uint8_t* pair = bytes + ((2 * i) & ~std::ptrdiff_t{3});
+      const std::ptrdiff_t luma = 1 + 2 * (i & 1);
       for (int k = 0; k < count; ++k) {
         for (PackedYuv& c : colors) {
-          std::uint32_t word;
-          std::memcpy(&word, pair, sizeof word);
-          c = {word & 0x00ff00ff, pair[luma]};
+          c = packed_uyvy(pair, pair[luma]);
           pair += 2 * next;
         }
         visit(colors);
@@ -114,6 +120,12 @@ class Image {
     return {bytes[2 * i + 1], pair[0], pair[2]};
   }
 
+  [[nodiscard]] static PackedYuv packed_uyvy(const std::uint8_t* pair, std::uint8_t luma) {
+    std::uint32_t word;
+    std::memcpy(&word, pair, sizeof word);
+    return {word & 0x00ff00ff, luma};
+  }
+
   template <class Visit>
   void visit(int u, int v, std::ptrdiff_t next, int count, Visit& visit) const {
     std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
@@ -121,8 +133,8 @@ class Image {
     const std::uint8_t* const bytes = bytes_;
     if (format_ == PixelFormat::kUyvy && next % 2 == 0) {
       // All are the first of their pair, or all the second.
-      const std::uint8_t* pair = bytes + 2 * (i - i % 2);
-      const std::ptrdiff_t luma = 1 + 2 * (i % 2);
+      const std::uint8_t* pair = bytes + ((2 * i) & ~std::ptrdiff_t{3});
+      const std::ptrdiff_t luma = 1 + 2 * (i & 1);
       for (int k = 0; k < count; ++k, pair += 2 * next) visit(Yuv{pair[luma], pair[0], pair[2]});
     } else if (format_ == PixelFormat::kUyvy) {
       for (int k = 0; k < count; ++k, i += next) visit(uyvy(bytes, i));
