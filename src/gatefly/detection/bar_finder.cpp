@@ -130,15 +130,24 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     const int g = std::countr_zero(hopeful);
     if (g != next) finish();
     next = g + 1;
-    int c = g * kGroup;
-    image.visit_row_packed<1>(c * step + first, v, step, kGroup, [&](const std::array<PackedYuv, 1>& sample) {
-      const int e = evidence_of(color, sample[0], static_cast<std::size_t>(row * kMostGroups + g));
-      if (e < kBar) finish();
-      else {
+    const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
+    image.visit_row_packed<kGroup>(g * kGroup * step + first, v, step, 1, [&](const std::array<PackedYuv, kGroup>& samples) {
+      // Without branches, which nobody could foretell; a hopeless colour, a sample in two here, makes 0.
+      std::array<int, kGroup> evidence;
+      for (std::size_t k = 0; k < kGroup; ++k) {
+        const Yuv sample = samples[k].unpacked();
+        const int alone = color.absolute[ColorModel::bin(sample)], both = (alone + color.relative[ColorModel::difference_bin(sample, mean)]) / 2;
+        evidence[k] = std::min(both, kLimit) & -static_cast<int>(alone >= ColorModel::kHopeless);
+      }
+      for (int k = 0; k < kGroup; ++k) {
+        const int e = evidence[static_cast<std::size_t>(k)], c = g * kGroup + k;
+        if (e < kBar) {
+          finish();
+          continue;
+        }
         if (sum == 0) start = c;
         end = c + 1, sum += e, moment += e * (c - start);
       }
-      ++c;
     });
   }
   finish();
