@@ -2,11 +2,13 @@
 #include "gatefly/detection/snake_search.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/gate_search.hpp"
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
@@ -177,6 +179,28 @@ TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
       ASSERT_FALSE(gates.empty()) << washed_out;
       EXPECT_LT(worst_corner(gates[0].corners_px, truth), 6.0);
       EXPECT_EQ(gates[0].method == DetectionMethod::kFrames, washed_out);
+    }
+  });
+}
+
+// The faster way along a line says of every place what the place itself says, inside, outside and across the border.
+TEST(BarEvidence, AlongALineIsThatOfItsPlaces) {
+  for_all(20, [](Rng& rng) {
+    const int width = 60 + static_cast<int>(rng.uniform(0, 300)), height = 40 + static_cast<int>(rng.uniform(0, 200));
+    Canvas canvas(width, height);
+    canvas.draw_gate({{-2.5, 0, 0}, {}}, bebop_rig());
+    canvas.add_noise(rng);
+    const auto bytes = canvas.yuv444();
+    const Image image{bytes.data(), PixelFormat::kYuv444, width, height};
+    BarFinder finder{5, 1};
+    (void)finder.find(image, kOrange);
+    const BarFinder::Evidence evidence = finder.evidence(image, kOrange, 1);
+    for (int line = 0; line < 50; ++line) {
+      const auto place = [&](int size) { return static_cast<std::int64_t>(65536 * rng.uniform(-20, size + 20)); };
+      const std::int64_t x = place(width), y = place(height), dx = (place(width) - x) / 40, dy = (place(height) - y) / 40;
+      evidence.along(x, y, dx, dy, 40, [&](int k, int said) {
+        ASSERT_EQ(said, evidence(static_cast<int>((x + k * dx) >> 16), static_cast<int>((y + k * dy) >> 16))) << line << ", " << k;
+      });
     }
   });
 }

@@ -69,6 +69,8 @@ TEST(Image, PackedPixelsAreThoseThatAreThere) {
               for (const PackedYuv& one : c) {
                 const PackedYuv same = PackedYuv::of(image.at(u, v));
                 EXPECT_TRUE(one.y == same.y && one.uv == same.uv) << turn << " deg, " << u << ", " << v;
+                const PackedYuv alone = image.packed_at(u, v);
+                EXPECT_TRUE(alone.y == same.y && alone.uv == same.uv) << turn << " deg, " << u << ", " << v;
                 u += step;
               }
             });

@@ -68,11 +68,13 @@ class Canvas {
     }
   }
   void fill(const std::array<double, 3>& color) { std::fill(pixels_.begin(), pixels_.end(), color); }
-  /// Back to grey, from column `from` to column `to`, from row `top` to row `bottom`.
-  void blank(int from, int to, int top = 0, int bottom = 1 << 20) {
+  /// One colour from column `from` to column `to`, from row `top` to row `bottom`.
+  void paint(int from, int to, int top, int bottom, const std::array<double, 3>& color) {
     for (int v = std::max(0, top); v < std::min(height_, bottom); ++v)
-      for (int u = std::max(0, from); u < std::min(width_, to); ++u) at(u, v) = {110, 128, 128};
+      for (int u = std::max(0, from); u < std::min(width_, to); ++u) at(u, v) = color;
   }
+  /// Back to grey.
+  void blank(int from, int to, int top = 0, int bottom = 1 << 20) { paint(from, to, top, bottom, {110, 128, 128}); }
 
   /// A gate by ray casting: each pixel is 4 x 4 rays to the gate plane, coloured where they hit the frame.
   void draw_gate(const View& view, const CameraRig& rig, double side = 1.0, double bar = 0.05,
