@@ -84,7 +84,7 @@ class BarFinder {
 
  private:
   struct Snake;
-  static constexpr int kHopeless = -24;  // evidence of a colour that is: 1.5 nats, less would be made of a gap in a bar than it says
+  static constexpr int kHopeless = -24;  // evidence of a colour that is: with -2.5 nats a gap in a bar would count too much
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
   void read(const Image& image, const ColorModel& color);

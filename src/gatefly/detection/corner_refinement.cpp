@@ -26,7 +26,7 @@ constexpr int kLeastLines = 4;
 constexpr double kLittle = 0.3;               // of a side that is in view: it does not say how it leans
 constexpr double kRough = 0.5;                // lines that the rough side counts as, at either end
 constexpr float kLuma = 0.7f;                 // of a grey level, beside one of chroma: what is behind a gate differs in luma
-constexpr double kStill = 0.2, kLeap = 3.0;  // px
+constexpr double kStill = 0.2, kLeap = 3.0;   // px
 constexpr float kNear = 0.9f;                 // from a line's middle pixel to where it is thought to cross: not read again [px]
 
 // A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always cross the bar.
@@ -164,10 +164,10 @@ class Strip {
   using Levels = std::array<std::int16_t, static_cast<std::size_t>(kLines)>;  // one of each line
   // Color by color, pixel by pixel of a line, line by line.
   std::array<std::array<Levels, kWidest>, 3> colors_;
-  Lines y_, off_;                                  // of a line; from its middle pixel to the side it was read along [steps]
-  Eigen::Vector3f bar_, before_, behind_;          // mean colours
+  Lines y_, off_;                          // of a line; from its middle pixel to the side it was read along [steps]
+  Eigen::Vector3f bar_, before_, behind_;  // mean colours
   int step_ = 1, half_ = 0, count_ = 0;
-  Side side_;  // along which it was read
+  Side side_;                              // along which it was read
 
   [[nodiscard]] Lines off_from(const Side& side) const {
     return off_ + (static_cast<float>(side.at_0 - side_.at_0) + static_cast<float>(side.slope - side_.slope) * y_) / static_cast<float>(step_);
