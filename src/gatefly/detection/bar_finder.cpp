@@ -136,8 +136,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
       std::array<int, kGroup> evidence;
       for (std::size_t k = 0; k < kGroup; ++k) {
         const Yuv sample = samples[k].unpacked();
-        const int alone = color.absolute[ColorModel::bin(sample)], both = (alone + color.relative[ColorModel::difference_bin(sample, mean)]) / 2;
-        evidence[k] = std::min(both, kLimit) & -static_cast<int>(alone >= ColorModel::kHopeless);
+        evidence[k] = std::min(color.evidence(sample, mean), kLimit) & -static_cast<int>(color.absolute[ColorModel::bin(sample)] >= ColorModel::kHopeless);
       }
       for (int k = 0; k < kGroup; ++k) {
         const int e = evidence[static_cast<std::size_t>(k)], c = g * kGroup + k;

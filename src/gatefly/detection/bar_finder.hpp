@@ -84,7 +84,7 @@ class BarFinder {
 
  private:
   struct Snake;
-  static constexpr int kHopeless = -24;  // evidence of a colour that is: with -2.5 nats a gap in a bar would count too much
+  static constexpr int kNoBar = -24;  // evidence of a hopeless colour: with -2.5 nats a gap in a bar would count too much
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
 
   void read(const Image& image, const ColorModel& color);
@@ -95,12 +95,10 @@ class BarFinder {
 
   // Of a pixel. What is around a colour that is hopeless alone need not be known.
   [[nodiscard]] int evidence_of(const ColorModel& color, PackedYuv c, std::size_t group) const {
-    if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kHopeless;
+    if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kNoBar;
     const Yuv pixel = c.unpacked();
-    const int alone = color.absolute[ColorModel::bin(pixel)];
-    if (alone < ColorModel::kHopeless) return kHopeless;
-    const int both = alone + color.relative[ColorModel::difference_bin(pixel, around(group))];
-    return std::clamp(both / 2, -EvidenceMap::kLimit, EvidenceMap::kLimit);
+    if (color.absolute[ColorModel::bin(pixel)] < ColorModel::kHopeless) return kNoBar;
+    return std::clamp(color.evidence(pixel, around(group)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
   }
   [[nodiscard]] Yuv around(std::size_t group) const { return {around_[0][group], around_[1][group], around_[2][group]}; }
   [[nodiscard]] int first_column() const { return step_ / 2; }
