@@ -11,27 +11,38 @@ namespace {
 constexpr int kLimit = EvidenceMap::kLimit;
 constexpr int kBar = 6;           // evidence of a sample on a bar
 constexpr int kStrongest = 60;    // evidence of a crossing that counts
+constexpr std::size_t kMostSnakes = 24;  // at once
 constexpr int kLeast = 3;         // rows of a bar
 constexpr int kLeastToBend = 6;   // rows of a bar whose bend is looked at
 
 }  // namespace
 
-/// A bar so far, in samples and rows.
+/// A bar so far, in samples and rows; what a row is compared with, in 1/1024 samples.
 struct BarFinder::Snake {
-  float x = 0.0f, slope = 0.0f;  ///< At the last row; samples a row.
+  int at = 0, slope = 0;  ///< At the last row; a row.
   int first = 0, last = 0, count = 0, strength = 0;
   float sum_x = 0.0f, sum_xy = 0.0f;  ///< With rows from the first on.
   int sum_y = 0, sum_yy = 0, sum_yyy = 0, sum_yyyy = 0, width = 0;
   double sum_xyy = 0.0;
 
-  void cross(float at, int row, int evidence, int wide) {
-    const int rows = row - last;
-    if (count == 1) slope = (at - x) / static_cast<float>(rows);
-    if (count > 1) slope += 0.5f * ((at - x) / static_cast<float>(rows) - slope);
+  static constexpr int kOne = 1024;
+  Snake() = default;
+  Snake(float x, int row) : at{static_cast<int>(kOne * x)}, first{row}, last{row - 1} {}
+
+  void cross(float x, int row, int evidence, int wide) {
+    const int now = static_cast<int>(kOne * x), moved = (now - at) >> (row - last - 1);
+    slope += (moved - slope) >> static_cast<int>(count > 1);
     const int y = row - first;
-    sum_x += at, sum_xy += at * static_cast<float>(y), sum_y += y, sum_yy += y * y;
-    sum_xyy += static_cast<double>(at) * (y * y), sum_yyy += y * y * y, sum_yyyy += y * y * y * y, width += wide;
-    x = at, last = row, ++count, strength += evidence;
+    sum_x += x, sum_xy += x * static_cast<float>(y), sum_y += y, sum_yy += y * y;
+    sum_xyy += static_cast<double>(x) * (y * y), sum_yyy += y * y * y, sum_yyyy += y * y * y * y, width += wide;
+    at = now, last = row, ++count, strength += evidence;
+  }
+  /// Where it will be at a row.
+  [[nodiscard]] int expected(int row) const { return at + slope * (row - last); }
+  /// How far beside it may be: 45 deg at first.
+  [[nodiscard]] int reach(int row) const {
+    constexpr std::array kReach{std::array{4 * kOne, 8 * kOne}, std::array{2 * kOne, 5 * kOne / 2}};
+    return kReach[static_cast<std::size_t>(count > 1)][static_cast<std::size_t>(row - last - 1)];
   }
 };
 
@@ -42,8 +53,8 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
   per_stride_ = (std::uint64_t{1} << 32) / static_cast<std::uint64_t>(stride_) + 1;
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
   for (int r = 0; r < rows_; ++r) {
-    const auto row = static_cast<std::size_t>(r * kMostGroups);
-    std::uint16_t *const y = sums_[0].data() + row, *const u = sums_[1].data() + row, *const v = sums_[2].data() + row;
+    const auto row = static_cast<std::size_t>(r);
+    std::uint16_t *const y = sums_[0][row].data() + kBeyond, *const u = sums_[1][row].data() + kBeyond, *const v = sums_[2][row].data() + kBeyond;
     std::uint64_t hopeless = 0;
     int g = 0;
     image.visit_row_packed<kGroup>(first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
@@ -54,44 +65,39 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
       const auto is_hopeless = [&](std::size_t k) { return color.hopeless[ColorModel::chroma_bin(c[k])]; };
       hopeless |= std::uint64_t{static_cast<std::uint8_t>(is_hopeless(0) & is_hopeless(1) & is_hopeless(2) & is_hopeless(3))} << g++;
     });
-    hopeful_[static_cast<std::size_t>(r)] = ~hopeless & ((std::uint64_t{1} << groups_) - 1);
+    for (std::uint16_t* const sums : {y, u, v}) std::fill_n(sums - kBeyond, kBeyond, sums[0]), std::fill_n(sums + groups_, kBeyond, sums[groups_ - 1]);
+    hopeful_[row] = ~hopeless & ((std::uint64_t{1} << groups_) - 1);
   }
 }
 
 // Mean of the groups around each; what is beyond the border is as at the border. One group more to the right and below:
-// pixels that make no whole group are asked for, too.
+// pixels that make no whole group are asked for, too. Loops of one length, which the compiler takes eight at a time.
 void BarFinder::average_around() {
-  constexpr int kMostReach = 4;
-  const int groups = groups_, rows = rows_, reach = reach_, side = 2 * reach + 1;
+  using Row = std::array<std::uint16_t, kMostGroups>;
+  const int rows = rows_, reach = reach_, side = 2 * reach + 1;
   const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
-  // Sums down each column, and what is beyond the border on either side. Loops of one length, which the compiler takes
-  // eight at a time; what is right of the picture does no harm.
-  alignas(16) std::array<std::uint16_t, kMostGroups + 2 * kMostReach + 1> column{};
-  std::array<std::uint16_t, kMostGroups> around;
-  std::uint16_t* const inner = column.data() + kMostReach;
   const auto each = [](const auto& visit) {
     for (std::size_t g = 0; g < kMostGroups; ++g) visit(g);
   };
+  std::array<Row, kMostRows> across;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto row_at = [&](int i) { return sums_[k].data() + std::clamp(i, 0, rows - 1) * kMostGroups; };
-    each([&](std::size_t g) { inner[g] = 0; });
+    for (std::size_t r = 0; r < static_cast<std::size_t>(rows); ++r) {
+      Row& sum = across[r];
+      const std::uint16_t* const sums = sums_[k][r].data() + kBeyond;
+      each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>((sums - 1)[g] + sums[g] + (sums + 1)[g]); });
+      for (int i = 2; i <= reach; ++i) each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>(sum[g] + (sums - i)[g] + (sums + i)[g]); });
+    }
+    const auto row_at = [&](int r) -> const Row& { return across[static_cast<std::size_t>(std::clamp(r, 0, rows - 1))]; };
+    Row sum{};
     for (int i = -reach - 1; i < reach; ++i) {
-      const std::uint16_t* const row = row_at(i);
-      each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + row[g]); });
+      const Row& row = row_at(i);
+      each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>(sum[g] + row[g]); });
     }
     for (int r = 0; r < std::min(rows + 1, kMostRows); ++r) {
-      const std::uint16_t *const enters = row_at(r + reach), *const leaves = row_at(r - reach - 1);
-      each([&](std::size_t g) { inner[g] = static_cast<std::uint16_t>(inner[g] + enters[g] - leaves[g]); });
-      for (int i = 1; i <= reach; ++i) inner[-i] = inner[0];
-      for (int i = 0; i <= reach; ++i) inner[groups + i] = inner[groups - 1];
-      const std::uint16_t *left = inner - 1, *right = inner + 1;
-      each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(inner[g] + left[g] + right[g]); });
-      for (int i = 1; i < reach; ++i) {
-        --left, ++right;
-        each([&](std::size_t g) { around[g] = static_cast<std::uint16_t>(around[g] + left[g] + right[g]); });
-      }
+      const Row &enters = row_at(r + reach), &leaves = row_at(r - reach - 1);
       std::uint8_t* const out = around_[k].data() + r * kMostGroups;
-      each([&](std::size_t g) { out[g] = static_cast<std::uint8_t>((std::uint32_t{around[g]} * per_sum) >> 16); });
+      each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>(sum[g] + enters[g] - leaves[g]); });
+      each([&](std::size_t g) { out[g] = static_cast<std::uint8_t>((std::uint32_t{sum[g]} * per_sum) >> 16); });
     }
   }
 }
@@ -115,86 +121,86 @@ Bar BarFinder::bar_of(const Snake& s) const {
   return bar;
 }
 
-// Where a row crosses something of a bar's colour and width.
+// Where a row crosses something of a bar's colour and width. Hardly a branch depends on a sample: nobody could foretell it.
 template <class Visit>
-void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const {
+void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) {
   const int v = row_px(row), first = first_column(), step = step_;
-  int start = 0, sum = 0, moment = 0, end = 0;  // of the present crossing; none while sum is 0
-  const auto finish = [&] {
-    if (sum == 0) return;
-    if (end - start <= widest_) visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
-    sum = moment = 0;
-  };
+  std::array<std::uint8_t, kMostColumns + 2> edges;        // samples where what shows a bar begins or has ended, in turns
+  std::size_t count = 0;
+  unsigned before = 0;  // whether the sample before shows one
+  const auto edge = [&](int c, unsigned shows) { edges[count] = static_cast<std::uint8_t>(c), count += shows ^ before, before = shows; };
   int next = 0;
   for (std::uint64_t hopeful = hopeful_[static_cast<std::size_t>(row)]; hopeful != 0; hopeful &= hopeful - 1) {
     const int g = std::countr_zero(hopeful);
-    if (g != next) finish();
-    next = g + 1;
+    int c = g * kGroup;
+    edge(next, before & static_cast<unsigned>(c == next));
     const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
-    image.visit_row_packed<kGroup>(g * kGroup * step + first, v, step, 1, [&](const std::array<PackedYuv, kGroup>& samples) {
-      // Without branches, which nobody could foretell; a hopeless colour, a sample in two here, makes 0.
-      std::array<int, kGroup> evidence;
-      for (std::size_t k = 0; k < kGroup; ++k) {
-        const Yuv sample = samples[k].unpacked();
-        evidence[k] = std::min(color.evidence(sample, mean), kLimit) & -static_cast<int>(color.absolute[ColorModel::bin(sample)] >= ColorModel::kHopeless);
-      }
-      for (int k = 0; k < kGroup; ++k) {
-        const int e = evidence[static_cast<std::size_t>(k)], c = g * kGroup + k;
-        if (e < kBar) {
-          finish();
-          continue;
-        }
-        if (sum == 0) start = c;
-        end = c + 1, sum += e, moment += e * (c - start);
-      }
+    image.visit_row(c * step + first, v, step, kGroup, [&](Yuv sample) {
+      const int alone = color.absolute[ColorModel::bin(sample)], both = alone + color.relative[ColorModel::difference_bin(sample, mean)];
+      twice_[static_cast<std::size_t>(c)] = static_cast<std::int16_t>(both);
+      edge(c++, static_cast<unsigned>(both >= 2 * kBar) & static_cast<unsigned>(alone >= ColorModel::kHopeless));
     });
+    next = c;
   }
-  finish();
+  edge(next, 0);
+  for (std::size_t i = 0; i < count; i += 2) {
+    const int start = edges[i], end = edges[i + 1];
+    if (end - start > widest_) continue;
+    int sum = 0, moment = 0;
+    const auto add = [&](int k, int mask) {
+      const int e = least(twice_[static_cast<std::size_t>(start + k)] / 2, kLimit) & mask;
+      sum += e, moment += e * k;
+    };
+    for (int k = 0; k < kUsual; ++k) add(k, -static_cast<int>(start + k < end));
+    for (int k = kUsual; k < end - start; ++k) add(k, -1);
+    visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
+  }
 }
 
-BarFinder::Bars BarFinder::find(const Image& image, const ColorModel& color) {
+const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& color) {
   const auto weaker = [](const Bar& a, const Bar& b) { return a.strength < b.strength; };
-  Bars bars;
+  bars_.clear();
   rows_ = groups_ = 0;
-  if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars;
+  if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars_;
   read(image, color);
-  if (rows_ == 0 || groups_ == 0) return bars;  // long and thin
+  if (rows_ == 0 || groups_ == 0) return bars_;  // long and thin
   average_around();
-  FixedList<Snake, 24> snakes;
+  FixedList<Snake, kMostSnakes> snakes;
+  std::array<int, kMostSnakes> expected, reach;  // of each, in the present row
   const auto finish = [&](const Snake& snake) {
     if (snake.count < kLeast) return;
     const Bar bar = bar_of(snake);
-    if (bars.push_back(bar)) return;
-    Bar& weakest = *std::min_element(bars.begin(), bars.end(), weaker);
+    if (bars_.push_back(bar)) return;
+    Bar& weakest = *std::min_element(bars_.begin(), bars_.end(), weaker);
     if (weaker(weakest, bar)) weakest = bar;
   };
   const auto cross = [&](float x, int row, int strength, int width) {
-    Snake* mine = nullptr;
-    float nearest = 1e9f;
-    for (Snake& s : snakes) {
-      const int rows = row - s.last;
-      if (rows == 0) continue;
-      const float off = std::abs(x - s.x - s.slope * static_cast<float>(rows));
-      const float reach = s.count == 1 ? 4.0f * static_cast<float>(rows) : 1.5f + 0.5f * static_cast<float>(rows);  // 45 deg at first
-      if (off < reach && off < nearest) nearest = off, mine = &s;
+    const int at = static_cast<int>(Snake::kOne * x);
+    std::size_t mine = snakes.size();
+    int nearest = 1 << 30;
+    for (std::size_t i = 0; i < snakes.size(); ++i) {
+      const int off = std::abs(at - expected[i]);
+      const bool is_mine = (off < reach[i]) & (off < nearest);
+      nearest = is_mine ? off : nearest, mine = is_mine ? i : mine;
     }
-    if (mine == nullptr) {
-      if (!snakes.push_back({.first = row, .last = row})) return;
-      mine = &snakes.back();
-    }
-    mine->cross(x, row, strength, width);
+    if (mine == snakes.size() && !snakes.push_back(Snake{x, row})) return;
+    snakes[mine].cross(x, row, strength, width);
+    expected[mine] = at, reach[mine] = 0;  // once a row
   };
   for (int r = 0; r < rows_; ++r) {
     each_crossing(image, color, r, [&](float x, int strength, int width) { cross(x, r, strength, width); });
-    std::size_t left = 0;
     for (std::size_t i = 0; i < snakes.size(); ++i) {
-      if (r - snakes[i].last < 2) snakes[left++] = snakes[i];
-      else finish(snakes[i]);
+      while (i < snakes.size() && r - snakes[i].last >= 2) {
+        finish(snakes[i]);
+        snakes[i] = snakes.back();
+        snakes.pop_back();
+      }
+      if (i == snakes.size()) break;
+      expected[i] = snakes[i].expected(r + 1), reach[i] = snakes[i].reach(r + 1);
     }
-    while (snakes.size() > left) snakes.pop_back();
   }
   for (const Snake& snake : snakes) finish(snake);
-  return bars;
+  return bars_;
 }
 
 }  // namespace gatefly

@@ -40,7 +40,9 @@ class BarFinder {
   BarFinder(int widest, int around) : widest_{widest}, reach_{around} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
-  [[nodiscard]] Bars find(const Image& image, const ColorModel& color);
+  [[nodiscard]] const Bars& find(const Image& image, const ColorModel& color);
+  /// The same again.
+  [[nodiscard]] const Bars& bars() const { return bars_; }
 
   /// Evidence of the picture that was searched last, in 1/16 nats; outside there is none of a gate.
   class Evidence {
@@ -66,10 +68,28 @@ class BarFinder {
         visit(k, inside || contains(x, y) ? at_pixel(static_cast<int>(x >> 16), static_cast<int>(y >> 16)) : EvidenceMap::kOutside);
     }
 
+    /// Of `count` cells from (x, y) on, to the right or down: visit(evidence). Without branches, which nobody could foretell
+    /// at a bar: what is around the middle one is taken for around all, a hopeless colour for 0.
+    template <class Visit>
+    void across(int x, int y, bool down, int count, const Visit& visit) const {
+      const int u = x * cell_ + cell_ / 2, v = y * cell_ + cell_ / 2, last = (count - 1) * cell_;
+      if (!image_.contains(u, v) || !image_.contains(down ? u : u + last, down ? v + last : v)) {
+        for (int k = 0; k < count; ++k) visit(down ? (*this)(x, y + k) : (*this)(x + k, y));
+        return;
+      }
+      const Yuv mean = finder_.around(group(down ? u : u + last / 2, down ? v + last / 2 : v));
+      const auto take = [&](Yuv c) {
+        visit(least(color_.evidence(c, mean), EvidenceMap::kLimit) & -static_cast<int>(color_.absolute[ColorModel::bin(c)] >= ColorModel::kHopeless));
+      };
+      if (down) image_.visit_column(u, v, cell_, count, take);
+      else image_.visit_row(u, v, cell_, count, take);
+    }
+
    private:
-    [[nodiscard]] int at_pixel(int u, int v) const {
+    [[nodiscard]] int at_pixel(int u, int v) const { return finder_.evidence_of(color_, image_.packed_at(u, v), group(u, v)); }
+    [[nodiscard]] std::size_t group(int u, int v) const {
       const auto g = (static_cast<std::uint64_t>(u) * finder_.per_stride_) >> 32, r = (static_cast<std::uint64_t>(v) * finder_.per_stride_) >> 32;
-      return finder_.evidence_of(color_, image_.packed_at(u, v), r * kMostGroups + g);
+      return r * kMostGroups + g;
     }
 
     const BarFinder& finder_;
@@ -86,13 +106,17 @@ class BarFinder {
   struct Snake;
   static constexpr int kNoBar = -24;  // evidence of a hopeless colour: with -2.5 nats a gap in a bar would count too much
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
+  static constexpr int kUsual = 4;   // samples of a crossing; few are wider
+  static constexpr int kBeyond = 8;  // groups; more than around_ reaches
 
   void read(const Image& image, const ColorModel& color);
   void average_around();
   template <class Visit>
-  void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) const;
+  void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit);
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
 
+  // The lesser, without a branch.
+  [[nodiscard]] static int least(int a, int b) { return b ^ ((a ^ b) & -static_cast<int>(a < b)); }
   // Of a pixel. What is around a colour that is hopeless alone need not be known.
   [[nodiscard]] int evidence_of(const ColorModel& color, PackedYuv c, std::size_t group) const {
     if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kNoBar;
@@ -104,14 +128,16 @@ class BarFinder {
   [[nodiscard]] int first_column() const { return step_ / 2; }
   [[nodiscard]] int row_px(int row) const { return row * stride_ + stride_ / 2; }
 
+  Bars bars_;  // of the picture that was searched last
   int widest_, reach_;
   int step_ = 0, stride_ = 0;
   int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
   std::uint64_t per_stride_ = 0;                     // 2^32 / stride_
-  template <class T>
-  using Planes = std::array<std::array<T, kMostGroups * kMostRows>, 3>;
-  Planes<std::uint16_t> sums_{};   // of each group's y, u, v; rows of kMostGroups
-  Planes<std::uint8_t> around_{};  // mean of the groups around each
+  // Of each group's y, u, v; what is beyond either side is as at the border.
+  using Sums = std::array<std::array<std::uint16_t, kBeyond + kMostGroups + kBeyond>, kMostRows>;
+  std::array<Sums, 3> sums_{};
+  std::array<std::array<std::uint8_t, kMostGroups * kMostRows>, 3> around_{};  // mean of the groups around each
+  std::array<std::int16_t, kMostColumns + kUsual> twice_{};  // evidence of a row's samples, of both tables together
   std::array<std::uint64_t, kMostRows> hopeful_{};  // of each row, a bit for each group: whether it may hold a bar
 };
 

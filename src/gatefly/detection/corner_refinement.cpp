@@ -25,9 +25,16 @@ constexpr float kEnd = 64.0f;                 // half a pixel beyond the end of 
 constexpr int kLeastLines = 4;
 constexpr double kLittle = 0.3;               // of a side that is in view: it does not say how it leans
 constexpr double kRough = 0.5;                // lines that the rough side counts as, at either end
-constexpr float kLuma = 0.7f;                 // of a grey level, beside one of chroma: what is behind a gate differs in luma
-constexpr double kStill = 0.2, kLeap = 3.0;   // px
+constexpr float kLuma = 0.4f;                 // of a grey level, beside one of chroma: what is behind a gate differs in luma
+constexpr double kLeap = 3.0;                 // px
 constexpr float kNear = 0.9f;                 // from a line's middle pixel to where it is thought to cross: not read again [px]
+
+struct Effort {
+  int passes;    // at most
+  double still;  // a pass that moves no corner farther is the last [px]
+  double eager;  // times the step: it falls short, for pixels near where the line was count more
+};
+constexpr Effort kQuick{.passes = 3, .still = 0.3, .eager = 1.5}, kCareful{.passes = 5, .still = 0.2, .eager = 1.0};
 
 // A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always cross the bar.
 struct Side {
@@ -134,19 +141,20 @@ class Strip {
   /// A line through the bar's middles: least squares, three times, those far off counting ever less.
   /// @param contrast  of a bar; how far a pixel is on that way from the colour beside, which changes evenly from one
   ///                  flank to the other, says how much of it is bar.
-  [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px) const {
+  [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px, double eager) const {
     if (count_ < kLeastLines) return rough;
     const Lines off = off_from(rough);
     const auto [sum, moment] = bar_pixels(off, contrast);
     const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
-    Lines shown = Lines::Zero();
-    for (int k = 0; k < count_; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
+    // Lines that are not there show nothing.
+    Lines shown;
+    for (int k = 0; k < kLines; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
     if (shown.sum() < kLeastLines) return rough;
     const float y_middle = static_cast<float>(middle()), half_length = 0.5f * static_cast<float>(length());
     // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
-    const Lines y = y_ - y_middle, x = (shown > 0.0f).select(static_cast<float>(step_) * (moment / sum.max(1e-6f) - off), 0.0f);
+    const Lines y = y_ - y_middle, x = shown * static_cast<float>(step_) * (moment / sum.max(1e-6f) - off);
     double shift = 0.0, slope = 0.0;  // beside the rough line
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < 2; ++pass) {
       const Lines left = x - static_cast<float>(shift) - static_cast<float>(slope) * y;
       const Lines w = pass == 0 ? shown : Lines{shown / (1.0f + 0.5f * left * left)};
       const double n = w.sum() + kRough, n_y = (w * y).sum(), n_yy = (w * y * y).sum() + kRough * half_length * half_length, n_x = (w * x).sum(), n_xy = (w * x * y).sum();
@@ -155,8 +163,8 @@ class Strip {
       slope = (n * n_xy - n_x * n_y) / det, shift = (n_x - slope * n_y) / n;
     }
     Side line = rough;
-    line.slope += slope;
-    line.at_0 += shift - slope * y_middle;
+    line.slope += eager * slope;
+    line.at_0 += eager * (shift - slope * y_middle);
     return line;
   }
 
@@ -186,7 +194,7 @@ class Strip {
     const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
     const float per_pixel = kEnd / (static_cast<float>(half_) + 0.5f);
     Levels sums, moments, offs;
-    for (int k = 0; k < kLines; ++k) offs[static_cast<std::size_t>(k)] = whole(per_pixel * off_middle[k]);
+    Eigen::Map<Eigen::Array<std::int16_t, kLines, 1>>(offs.data()) = (per_pixel * off_middle).template cast<int>().template cast<std::int16_t>();
     for (std::size_t k = 0; k < kLines; k += kEight) {
       Eight sum{}, moment{};
       for (int i = -half_; i <= half_; ++i) {
@@ -222,10 +230,10 @@ class Strip {
 };
 
 template <int kLines>
-Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
+Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort& effort) {
   Quad corners = frame;
   std::array<Strip<kLines>, 4> strips;
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < effort.passes; ++pass) {
     const auto side = [&](std::size_t i) { return Side{corners[i], corners[(i + 1) % 4]}; };
     std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};
     for (std::size_t i = 0; i < 4; ++i) {
@@ -242,7 +250,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
       if (!s.empty()) contrast += s.contrast(), ++shown;
     contrast /= static_cast<float>(std::max(1, shown));
     if (!(contrast.squaredNorm() >= kLeastContrast * kLeastContrast)) return corners;
-    for (std::size_t i = 0; i < 4; ++i) sides[i] = strips[i].line(sides[i], contrast, bar_px);
+    for (std::size_t i = 0; i < 4; ++i) sides[i] = strips[i].line(sides[i], contrast, bar_px, effort.eager);
     // A side of which the border leaves little says where it is, the opposite one how it leans.
     for (std::size_t i = 0; i < 4; ++i) {
       const Side& opposite = sides[(i + 2) % 4];
@@ -258,7 +266,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
     if (!(largest_move(now, frame) < bar_px + kLeap)) return frame;
     const double moved = largest_move(now, corners);
     corners = now;
-    if (moved < kStill) break;
+    if (moved < effort.still) break;
   }
   return corners;
 }
@@ -267,8 +275,8 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, int passes) {
 
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
-  if (effort == RefinementEffort::kCareful) return refined<32>(image, frame, bar_px, 5);
-  return refined<16>(image, refined<8>(image, frame, bar_px, 3), bar_px, 2);
+  if (effort == RefinementEffort::kCareful) return refined<32>(image, frame, bar_px, kCareful);
+  return refined<16>(image, frame, bar_px, kQuick);
 }
 
 }  // namespace gatefly

@@ -8,7 +8,7 @@ namespace gatefly {
 
 /// How closely the sides of a frame are looked at.
 enum class RefinementEffort {
-  kQuick,    ///< 8 lines of pixels across a side, at most three times, then 16, at most twice.
+  kQuick,    ///< 16 lines of pixels across a side, at most three times.
   kCareful,  ///< 32, at most five times.
 };
 

@@ -38,7 +38,7 @@ struct FrameEffort {
 };
 
 /// Fits frames to evidence: any function (x, y) of whole cells or pixels, in 1/16 nats. One that knows a faster way for
-/// places along a line has `along`, as BarFinder::Evidence has.
+/// places along a line or a row has `along` and `across`, as BarFinder::Evidence has.
 template <class Evidence, FrameEffort kEffort = FrameEffort{}>
 class FrameFit {
  public:
@@ -86,17 +86,6 @@ class FrameFit {
     for (std::size_t i = 0; i < 4; ++i) lines[i] = middle_line(q[i], q[(i + 1) % 4], reach);
     return corners(lines);
   }
-  /// The same once more, where it moved a side: `before` became q.
-  [[nodiscard]] std::optional<Quad> centered_again(const Quad& before, const Quad& q, int reach) const {
-    std::array<Line, 4> lines;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::size_t next = (i + 1) % 4;
-      const Line side{q[i], q[next]};
-      const bool is_settled = off(before[i], side) < kSettled && off(before[next], side) < kSettled;
-      lines[i] = is_settled ? side : middle_line(side.a, side.b, reach);
-    }
-    return corners(lines);
-  }
 
   struct Line {
     Eigen::Vector2d a, b;
@@ -113,11 +102,7 @@ class FrameFit {
   }
 
   /// Evidence at the nearest cell.
-  [[nodiscard]] int at(const Eigen::Vector2d& p) const {
-    // To the nearest; std::floor is a call on older processors.
-    constexpr int kAbove = 1 << 14;
-    return evidence_(static_cast<int>(p.x() + (kAbove + 0.5)) - kAbove, static_cast<int>(p.y() + (kAbove + 0.5)) - kAbove);
-  }
+  [[nodiscard]] int at(const Eigen::Vector2d& p) const { return evidence_(nearest(p.x()), nearest(p.y())); }
 
   /// Evidence at `count` places from `a` on, `step` apart: visit(k, evidence).
   template <class Visit>
@@ -131,6 +116,15 @@ class FrameFit {
       for (int k = 0; k < count; ++k, x += dx, y += dy) visit(k, evidence_(static_cast<int>(x >> 16), static_cast<int>(y >> 16)));
   }
 
+  /// Evidence at `count` cells from the one nearest to p on, to the right or down: visit(evidence).
+  template <class Visit>
+  void each_across(const Eigen::Vector2d& p, bool down, int count, const Visit& visit) const {
+    const int x = nearest(p.x()), y = nearest(p.y());
+    if constexpr (requires { evidence_.across(x, y, down, count, visit); }) evidence_.across(x, y, down, count, visit);
+    else
+      for (int k = 0; k < count; ++k) visit(down ? evidence_(x, y + k) : evidence_(x + k, y));
+  }
+
   void set_least_offset(double cells) { off_min_ = cells; }
   void set_cell_size(double px) { cell_px_ = px; }
 
@@ -138,15 +132,15 @@ class FrameFit {
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12, kMostLines = 3;
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
   static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637;
-  static constexpr double kSettled = 1.2;  // of a side that was centred [cells]
 
   // A wide bar is looked at along several lines, so that letters and patterns on it do not matter: so many on
   // either side of the middle one.
   [[nodiscard]] int lines_beside(double length) const { return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines); }
 
-  [[nodiscard]] static double off(const Eigen::Vector2d& p, const Line& line) {
-    const Eigen::Vector2d d = line.b - line.a, to = p - line.a;
-    return std::abs(d.x() * to.y() - d.y() * to.x()) / std::max(1e-9, d.norm());
+  // std::floor is a call on older processors.
+  [[nodiscard]] static int nearest(double x) {
+    constexpr int kAbove = 1 << 14;
+    return static_cast<int>(x + (kAbove + 0.5)) - kAbove;
   }
 
   [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
@@ -159,12 +153,13 @@ class FrameFit {
 
   [[nodiscard]] double middle(const Quad& q) const {
     constexpr int kGrid = 5;
+    constexpr double kFirst = 0.22, kApart = 0.14;
     int sum = 0;
-    for (int i = 0; i < kGrid; ++i)
-      for (int j = 0; j < kGrid; ++j) {
-        const double u = 0.22 + 0.14 * i, v = 0.22 + 0.14 * j;
-        sum += std::max(-16, at((1 - v) * ((1 - u) * q[0] + u * q[1]) + v * ((1 - u) * q[3] + u * q[2])));
-      }
+    for (int i = 0; i < kGrid; ++i) {
+      const double v = kFirst + kApart * i;
+      const Eigen::Vector2d left = q[0] + v * (q[3] - q[0]), across = q[1] + v * (q[2] - q[1]) - left;
+      each_along(left + kFirst * across, kApart * across, kGrid, [&](int, int evidence) { sum += std::max(-16, evidence); });
+    }
     return sum / (16.0 * kGrid * kGrid);
   }
 
@@ -221,34 +216,33 @@ class FrameFit {
   }
 
   [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
-    reach = std::min(reach, kMostReach);
-    const Strip<kMiddles> s = strip<kMiddles>(a, b, reach);
-    // Weighted least squares of the bar's middle at every station that shows it.
-    std::array<double, static_cast<std::size_t>(kMiddles)> middle{}, weight{};
+    // Along rows or columns, whichever cross the side more steeply.
+    const Eigen::Vector2d d = b - a;
+    const bool down = std::abs(d.x()) > std::abs(d.y());
+    const Eigen::Vector2d axis{down ? 0.0 : 1.0, down ? 1.0 : 0.0};
+    // Weighted least squares of the bar's middle at every station that shows it: from (1 - t) + to t.
+    using Stations = Eigen::Array<float, kMiddles, 1>;
+    const Eigen::Map<const Stations> t{kMiddleT.data()};
+    const Stations s = 1.0f - t;
+    Stations middle, shown;
     for (int j = 0; j < kMiddles; ++j) {
-      int sum = 0, moment = 0;
-      for (int o = -reach; o <= reach; ++o) {
-        const int w = std::max(0, s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o + kMostReach)]);
-        sum += w, moment += w * o;
-      }
-      if (sum > 8) middle[static_cast<std::size_t>(j)] = static_cast<double>(moment) / sum, weight[static_cast<std::size_t>(j)] = 1.0;
+      int sum = 0, moment = 0, o = -reach;
+      each_across(a + station(j, kMiddles) * d - reach * axis, down, 2 * reach + 1, [&](int evidence) {
+        const int w = std::max(0, evidence);
+        sum += w, moment += w * o++;
+      });
+      middle[j] = static_cast<float>(moment) / static_cast<float>(std::max(1, sum)), shown[j] = sum > 8 ? 1.0f : 0.0f;
     }
-    double from = 0.0, to = 0.0;
+    float from = 0.0f, to = 0.0f;
     for (int pass = 0; pass < 3; ++pass) {
-      double aa = 1e-3, ab = 0, bb = 1e-3, ya = 0, yb = 0;  // middle = from (1 - t) + to t
-      for (int j = 0; j < kMiddles; ++j) {
-        const double t = station(j, kMiddles), w = weight[static_cast<std::size_t>(j)], y = middle[static_cast<std::size_t>(j)];
-        const double residual = y - (from * (1 - t) + to * t);
-        const double robust = pass == 0 ? w : w / (1.0 + residual * residual);
-        aa += robust * (1 - t) * (1 - t), ab += robust * t * (1 - t), bb += robust * t * t;
-        ya += robust * (1 - t) * y, yb += robust * t * y;
-      }
-      const double det = aa * bb - ab * ab;
-      if (!(det > 1e-6)) return {a, b};
+      const Stations left = middle - from * s - to * t, w = pass == 0 ? shown : Stations{shown / (1.0f + left * left)}, ws = w * s, wt = w * t;
+      const float aa = 1e-3f + (ws * s).sum(), ab = (ws * t).sum(), bb = 1e-3f + (wt * t).sum(), ya = (ws * middle).sum(), yb = (wt * middle).sum();
+      const float det = aa * bb - ab * ab;
+      if (!(det > 1e-6f)) return {a, b};
       from = (bb * ya - ab * yb) / det, to = (aa * yb - ab * ya) / det;
     }
-    from = std::clamp<double>(from, -reach, reach), to = std::clamp<double>(to, -reach, reach);
-    return {a + from * s.normal, b + to * s.normal};
+    const auto moved = [&](const Eigen::Vector2d& p, float by) -> Eigen::Vector2d { return p + std::clamp<double>(by, -reach, reach) * axis; };
+    return {moved(a, from), moved(b, to)};
   }
 
   [[nodiscard]] static std::optional<Quad> corners(const std::array<Line, 4>& lines) {
@@ -264,6 +258,12 @@ class FrameFit {
   static constexpr std::array<int, static_cast<std::size_t>(kStations)> kStationT = [] {
     std::array<int, static_cast<std::size_t>(kStations)> t{};
     for (int j = 0; j < kStations; ++j) t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * station(j, kStations));
+    return t;
+  }();
+
+  static constexpr std::array<float, static_cast<std::size_t>(kMiddles)> kMiddleT = [] {
+    std::array<float, static_cast<std::size_t>(kMiddles)> t{};
+    for (int j = 0; j < kMiddles; ++j) t[static_cast<std::size_t>(j)] = static_cast<float>(station(j, kMiddles));
     return t;
   }();
 

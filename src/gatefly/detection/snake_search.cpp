@@ -19,8 +19,7 @@ constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is n
 constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;             // three rows of 2 nats
 constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
-constexpr double kSettled = 2.2;                // of a corner that was centred [cells]
-constexpr FrameEffort kEffort{.samples = 9, .middles = 7};
+constexpr FrameEffort kEffort{.samples = 8, .middles = 8};
 
 }  // namespace
 
@@ -128,9 +127,11 @@ class LevelBars {
   // Adds samples to a level, if it becomes better than the best: no further than it still can.
   void improve(Level& best, double left, double right, int sum, std::initializer_list<int> samples) const {
     int most = sum + static_cast<int>(samples.size()) * kLimit;
+    if (most <= best.sum) return;
+    const Eigen::Vector2d first = sample(left, right, 0), apart = (sample(left, right, kAcross - 1) - first) / (kAcross - 1);
     for (const int j : samples) {
       if (most <= best.sum) return;
-      most += fit_.at(sample(left, right, j)) - kLimit;
+      most += fit_.at(first + j * apart) - kLimit;
     }
     if (most > best.sum) best = {left, right, most};
   }
@@ -168,16 +169,8 @@ template <class Fit>
 std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const GateSearchParams& params) {
   const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
   if (!has_shape(rough)) return std::nullopt;
-  Quad quad = rough;
   const auto centered = fit.centered(rough, kReach);
-  if (centered && has_shape(*centered)) {
-    quad = *centered;
-    // Once more where that moved it far: what was out of reach may be in reach now.
-    if (largest_move(rough, quad) > kSettled) {
-      const auto again = fit.centered_again(rough, quad, kReach);
-      if (again && has_shape(*again)) quad = *again;
-    }
-  }
+  const Quad& quad = centered && has_shape(*centered) ? *centered : rough;
   const Frame frame{quad, fit.score(quad)};
   if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
   return frame;
@@ -187,8 +180,8 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const G
 
 GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) {
   GateDetections found;
-  bars_ = finder_.find(image, color);
-  if (bars_.empty()) return found;
+  const BarFinder::Bars& bars = finder_.find(image, color);
+  if (bars.empty()) return found;
   const int cell = std::max(1, finder_.step() / 2);
   const BarFinder::Evidence evidence = finder_.evidence(image, color, cell);
   FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights, params_.bar()};
@@ -196,7 +189,7 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   fit.set_cell_size(cell);
   FixedList<Frame, Pairs::kCapacity> frames;
   const auto in_place_of = [&](const Quad& q) { return std::find_if(frames.begin(), frames.end(), [&](const Frame& f) { return same_place(f.quad, q); }); };
-  for (const Pair& pair : pairs_of(bars_)) {
+  for (const Pair& pair : pairs_of(bars)) {
     // Once more a frame that leaves no doubt, from other pieces of its bars: not worth the time.
     const auto known = in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top), pair.on_right(pair.bottom), pair.on_left(pair.bottom)}, cell));
     if (known != frames.end() && known->score.total > params_.sure_score) continue;
@@ -217,7 +210,8 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
 }
 
 bool SnakeSearch::shows_bars_beside(const GateDetections& gates) const {
-  return std::any_of(bars_.begin(), bars_.end(), [&](const Bar& bar) {
+  const BarFinder::Bars& bars = finder_.bars();
+  return std::any_of(bars.begin(), bars.end(), [&](const Bar& bar) {
     if (bar.strength < kStrongBar) return false;
     const double u = bar.x(0.5 * (bar.top + bar.bottom));
     return std::none_of(gates.begin(), gates.end(), [&](const GateDetection& gate) {

@@ -33,7 +33,6 @@ class SnakeSearch {
 
   GateSearchParams params_;
   BarFinder finder_;
-  BarFinder::Bars bars_;  // of the picture that was searched last
 };
 
 }  // namespace gatefly
