@@ -234,7 +234,7 @@ class FrameFit {
       middle[j] = static_cast<float>(moment) / static_cast<float>(std::max(1, sum)), shown[j] = sum > 8 ? 1.0f : 0.0f;
     }
     float from = 0.0f, to = 0.0f;
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < 2; ++pass) {
       const Stations left = middle - from * s - to * t, w = pass == 0 ? shown : Stations{shown / (1.0f + left * left)}, ws = w * s, wt = w * t;
       const float aa = 1e-3f + (ws * s).sum(), ab = (ws * t).sum(), bb = 1e-3f + (wt * t).sum(), ya = (ws * middle).sum(), yb = (wt * middle).sum();
       const float det = aa * bb - ab * ab;
