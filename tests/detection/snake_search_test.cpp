@@ -205,5 +205,35 @@ TEST(BarEvidence, AlongALineIsThatOfItsPlaces) {
   });
 }
 
+// Across a bar, too: what speaks for a bar at a place speaks for it there; what does not is nothing or less.
+TEST(BarEvidence, AcrossIsThatOfItsPlaces) {
+  for_all(20, [](Rng& rng) {
+    const int width = 60 + static_cast<int>(rng.uniform(0, 300)), height = 40 + static_cast<int>(rng.uniform(0, 200));
+    Canvas canvas(width, height);
+    canvas.draw_gate({{-2.5, 0, 0}, {}}, bebop_rig());
+    canvas.add_noise(rng);
+    const auto bytes = canvas.yuv444();
+    const Image image{bytes.data(), PixelFormat::kYuv444, width, height};
+    BarFinder finder{5, 1};
+    (void)finder.find(image, kOrange);
+    for (const int cell : {1, 2}) {
+      const BarFinder::Evidence evidence = finder.evidence(image, kOrange, cell);
+      for (int line = 0; line < 200; ++line) {
+        const int x = static_cast<int>(rng.uniform(-5, width / cell + 5)), y = static_cast<int>(rng.uniform(-5, height / cell + 5));
+        for (const bool down : {false, true}) {
+          evidence.across(x, y, down, 1, [&](int said) { ASSERT_EQ(std::max(0, said), std::max(0, evidence(x, y))) << x << ", " << y; });
+          // Around places next to each other it is much the same.
+          int k = 0, off = 0;
+          evidence.across(x, y, down, 7, [&](int said) {
+            off += std::abs(std::max(0, said) - std::max(0, down ? evidence(x, y + k) : evidence(x + k, y))), ++k;
+          });
+          ASSERT_EQ(k, 7);
+          ASSERT_LT(off, 7 * 16) << x << ", " << y;
+        }
+      }
+    }
+  });
+}
+
 }  // namespace
 }  // namespace gatefly

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
+
+#include "gatefly/detection/eight.hpp"
 
 namespace gatefly {
 namespace {
@@ -11,13 +14,13 @@ namespace {
 constexpr int kLimit = EvidenceMap::kLimit;
 constexpr int kBar = 6;           // evidence of a sample on a bar
 constexpr int kStrongest = 60;    // evidence of a crossing that counts
-constexpr std::size_t kMostSnakes = 24;  // at once
+constexpr std::size_t kMostSnakes = 3 * kEight;  // at once
 constexpr int kLeast = 3;         // rows of a bar
 constexpr int kLeastToBend = 6;   // rows of a bar whose bend is looked at
 
 }  // namespace
 
-/// A bar so far, in samples and rows; what a row is compared with, in 1/1024 samples.
+/// A bar so far, in samples and rows; what a row is compared with, in 1/64 samples.
 struct BarFinder::Snake {
   int at = 0, slope = 0;  ///< At the last row; a row.
   int first = 0, last = 0, count = 0, strength = 0;
@@ -25,7 +28,7 @@ struct BarFinder::Snake {
   int sum_y = 0, sum_yy = 0, sum_yyy = 0, sum_yyyy = 0, width = 0;
   double sum_xyy = 0.0;
 
-  static constexpr int kOne = 1024;
+  static constexpr int kOne = 64;
   Snake() = default;
   Snake(float x, int row) : at{static_cast<int>(kOne * x)}, first{row}, last{row - 1} {}
 
@@ -38,13 +41,34 @@ struct BarFinder::Snake {
     at = now, last = row, ++count, strength += evidence;
   }
   /// Where it will be at a row.
-  [[nodiscard]] int expected(int row) const { return at + slope * (row - last); }
+  [[nodiscard]] std::int16_t expected(int row) const { return static_cast<std::int16_t>(at + slope * (row - last)); }
   /// How far beside it may be: 45 deg at first.
-  [[nodiscard]] int reach(int row) const {
-    constexpr std::array kReach{std::array{4 * kOne, 8 * kOne}, std::array{2 * kOne, 5 * kOne / 2}};
+  [[nodiscard]] std::int16_t reach(int row) const {
+    constexpr std::array<std::array<std::int16_t, 2>, 2> kReach{{{4 * kOne, 8 * kOne}, {2 * kOne, 5 * kOne / 2}}};
     return kReach[static_cast<std::size_t>(count > 1)][static_cast<std::size_t>(row - last - 1)];
   }
 };
+
+namespace {
+
+// The snake expected nearest to x of those that reach it; where none does, beyond all.
+std::size_t nearest_of(const std::array<std::int16_t, kMostSnakes>& expected, const std::array<std::int16_t, kMostSnakes>& reach, std::int16_t x) {
+  // How far off and which one in one number: the least is the nearest.
+  constexpr int kBits = 5, kFar = (1 << 15) - 1;
+  static_assert(kMostSnakes < 1 << kBits);
+  const Eight at = eight(x), none{}, far = eight(kFar);
+  Eight which{0, 1, 2, 3, 4, 5, 6, 7}, least = far;
+  for (std::size_t k = 0; k < kMostSnakes; k += kEight, which += kEight) {
+    const Eight to = at - eight(expected.data() + k), off = to < none ? -to : to;
+    const Eight key = off < eight(reach.data() + k) ? (off << kBits) + which : far;
+    least = key < least ? key : least;
+  }
+  std::int16_t nearest = least[0];
+  for (std::size_t k = 1; k < kEight; ++k) nearest = std::min<std::int16_t>(nearest, least[k]);
+  return static_cast<std::size_t>(nearest & ((1 << kBits) - 1));
+}
+
+}  // namespace
 
 // The sums of groups, and which of them may hold a bar.
 void BarFinder::read(const Image& image, const ColorModel& color) {
@@ -54,51 +78,52 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
   for (int r = 0; r < rows_; ++r) {
     const auto row = static_cast<std::size_t>(r);
-    std::uint16_t *const y = sums_[0][row].data() + kBeyond, *const u = sums_[1][row].data() + kBeyond, *const v = sums_[2][row].data() + kBeyond;
+    std::uint16_t* const y = sums_y_[row].data() + kBeyond;
+    std::uint32_t* const uv = sums_uv_[row].data() + kBeyond;
     std::uint64_t hopeless = 0;
     int g = 0;
     image.visit_row_packed<kGroup>(first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
       // Two samples say what a group's mean is.
-      const std::uint32_t uv = c[0].uv + c[2].uv;
-      y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y);
-      u[g] = static_cast<std::uint16_t>(uv), v[g] = static_cast<std::uint16_t>(uv >> 16);
+      y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y), uv[g] = c[0].uv + c[2].uv;
       const auto is_hopeless = [&](std::size_t k) { return color.hopeless[ColorModel::chroma_bin(c[k])]; };
       hopeless |= std::uint64_t{static_cast<std::uint8_t>(is_hopeless(0) & is_hopeless(1) & is_hopeless(2) & is_hopeless(3))} << g++;
     });
-    for (std::uint16_t* const sums : {y, u, v}) std::fill_n(sums - kBeyond, kBeyond, sums[0]), std::fill_n(sums + groups_, kBeyond, sums[groups_ - 1]);
+    std::fill_n(y - kBeyond, kBeyond, y[0]), std::fill_n(y + groups_, kBeyond, y[groups_ - 1]);
+    std::fill_n(uv - kBeyond, kBeyond, uv[0]), std::fill_n(uv + groups_, kBeyond, uv[groups_ - 1]);
     hopeful_[row] = ~hopeless & ((std::uint64_t{1} << groups_) - 1);
   }
 }
 
 // Mean of the groups around each; what is beyond the border is as at the border. One group more to the right and below:
 // pixels that make no whole group are asked for, too. Loops of one length, which the compiler takes eight at a time.
-void BarFinder::average_around() {
-  using Row = std::array<std::uint16_t, kMostGroups>;
+template <class T>
+void BarFinder::average_around(const Sums<T>& sums, std::uint8_t* around) const {
+  using Row = std::array<T, kMostGroups>;
   const int rows = rows_, reach = reach_, side = 2 * reach + 1;
   const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
   const auto each = [](const auto& visit) {
     for (std::size_t g = 0; g < kMostGroups; ++g) visit(g);
   };
   std::array<Row, kMostRows> across;
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t r = 0; r < static_cast<std::size_t>(rows); ++r) {
-      Row& sum = across[r];
-      const std::uint16_t* const sums = sums_[k][r].data() + kBeyond;
-      each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>((sums - 1)[g] + sums[g] + (sums + 1)[g]); });
-      for (int i = 2; i <= reach; ++i) each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>(sum[g] + (sums - i)[g] + (sums + i)[g]); });
-    }
-    const auto row_at = [&](int r) -> const Row& { return across[static_cast<std::size_t>(std::clamp(r, 0, rows - 1))]; };
-    Row sum{};
-    for (int i = -reach - 1; i < reach; ++i) {
-      const Row& row = row_at(i);
-      each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>(sum[g] + row[g]); });
-    }
-    for (int r = 0; r < std::min(rows + 1, kMostRows); ++r) {
-      const Row &enters = row_at(r + reach), &leaves = row_at(r - reach - 1);
-      std::uint8_t* const out = around_[k].data() + r * kMostGroups;
-      each([&](std::size_t g) { sum[g] = static_cast<std::uint16_t>(sum[g] + enters[g] - leaves[g]); });
-      each([&](std::size_t g) { out[g] = static_cast<std::uint8_t>((std::uint32_t{sum[g]} * per_sum) >> 16); });
-    }
+  for (std::size_t r = 0; r < static_cast<std::size_t>(rows); ++r) {
+    Row& sum = across[r];
+    const T* const row = sums[r].data() + kBeyond;
+    each([&](std::size_t g) { sum[g] = static_cast<T>((row - 1)[g] + row[g] + (row + 1)[g]); });
+    for (int i = 2; i <= reach; ++i) each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + (row - i)[g] + (row + i)[g]); });
+  }
+  const auto row_at = [&](int r) -> const Row& { return across[static_cast<std::size_t>(std::clamp(r, 0, rows - 1))]; };
+  Row sum{};
+  for (int i = -reach - 1; i < reach; ++i) {
+    const Row& row = row_at(i);
+    each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + row[g]); });
+  }
+  constexpr std::size_t kNumbers = sizeof(Row) / sizeof(std::uint16_t);  // both chromas of a group in one sum
+  std::array<std::uint16_t, kNumbers> numbers;
+  for (int r = 0; r < std::min(rows + 1, kMostRows); ++r, around += kNumbers) {
+    const Row &enters = row_at(r + reach), &leaves = row_at(r - reach - 1);
+    each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + enters[g] - leaves[g]); });
+    std::memcpy(numbers.data(), sum.data(), sizeof sum);
+    for (std::size_t k = 0; k < kNumbers; ++k) around[k] = static_cast<std::uint8_t>((std::uint32_t{numbers[k]} * per_sum) >> 16);
   }
 }
 
@@ -164,9 +189,10 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& col
   if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars_;
   read(image, color);
   if (rows_ == 0 || groups_ == 0) return bars_;  // long and thin
-  average_around();
+  average_around(sums_y_, around_y_.data());
+  average_around(sums_uv_, around_uv_.data());
   FixedList<Snake, kMostSnakes> snakes;
-  std::array<int, kMostSnakes> expected, reach;  // of each, in the present row
+  std::array<std::int16_t, kMostSnakes> expected{}, reach{};  // of each in the present row; where there is no snake, no reach
   const auto finish = [&](const Snake& snake) {
     if (snake.count < kLeast) return;
     const Bar bar = bar_of(snake);
@@ -175,17 +201,11 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& col
     if (weaker(weakest, bar)) weakest = bar;
   };
   const auto cross = [&](float x, int row, int strength, int width) {
-    const int at = static_cast<int>(Snake::kOne * x);
-    std::size_t mine = snakes.size();
-    int nearest = 1 << 30;
-    for (std::size_t i = 0; i < snakes.size(); ++i) {
-      const int off = std::abs(at - expected[i]);
-      const bool is_mine = (off < reach[i]) & (off < nearest);
-      nearest = is_mine ? off : nearest, mine = is_mine ? i : mine;
-    }
+    const std::size_t nearest = nearest_of(expected, reach, static_cast<std::int16_t>(Snake::kOne * x));
+    const std::size_t mine = std::min(nearest, snakes.size());
     if (mine == snakes.size() && !snakes.push_back(Snake{x, row})) return;
     snakes[mine].cross(x, row, strength, width);
-    expected[mine] = at, reach[mine] = 0;  // once a row
+    reach[mine] = 0;  // once a row
   };
   for (int r = 0; r < rows_; ++r) {
     each_crossing(image, color, r, [&](float x, int strength, int width) { cross(x, r, strength, width); });
@@ -194,6 +214,7 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& col
         finish(snakes[i]);
         snakes[i] = snakes.back();
         snakes.pop_back();
+        reach[snakes.size()] = 0;
       }
       if (i == snakes.size()) break;
       expected[i] = snakes[i].expected(r + 1), reach[i] = snakes[i].reach(r + 1);

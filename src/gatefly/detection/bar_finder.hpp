@@ -110,7 +110,10 @@ class BarFinder {
   static constexpr int kBeyond = 8;  // groups; more than around_ reaches
 
   void read(const Image& image, const ColorModel& color);
-  void average_around();
+  template <class T>
+  using Sums = std::array<std::array<T, kBeyond + kMostGroups + kBeyond>, kMostRows>;
+  template <class T>
+  void average_around(const Sums<T>& sums, std::uint8_t* around) const;
   template <class Visit>
   void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit);
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
@@ -124,7 +127,7 @@ class BarFinder {
     if (color.absolute[ColorModel::bin(pixel)] < ColorModel::kHopeless) return kNoBar;
     return std::clamp(color.evidence(pixel, around(group)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
   }
-  [[nodiscard]] Yuv around(std::size_t group) const { return {around_[0][group], around_[1][group], around_[2][group]}; }
+  [[nodiscard]] Yuv around(std::size_t group) const { return {around_y_[group], around_uv_[2 * group], around_uv_[2 * group + 1]}; }
   [[nodiscard]] int first_column() const { return step_ / 2; }
   [[nodiscard]] int row_px(int row) const { return row * stride_ + stride_ / 2; }
 
@@ -133,10 +136,12 @@ class BarFinder {
   int step_ = 0, stride_ = 0;
   int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
   std::uint64_t per_stride_ = 0;                     // 2^32 / stride_
-  // Of each group's y, u, v; what is beyond either side is as at the border.
-  using Sums = std::array<std::array<std::uint16_t, kBeyond + kMostGroups + kBeyond>, kMostRows>;
-  std::array<Sums, 3> sums_{};
-  std::array<std::array<std::uint8_t, kMostGroups * kMostRows>, 3> around_{};  // mean of the groups around each
+  // Of each group; what is beyond either side is as at the border. Chromas as PackedYuv has them.
+  Sums<std::uint16_t> sums_y_{};
+  Sums<std::uint32_t> sums_uv_{};
+  // Means of the groups around each; u and v in turns.
+  std::array<std::uint8_t, kMostGroups * kMostRows> around_y_{};
+  std::array<std::uint8_t, 2 * kMostGroups * kMostRows> around_uv_{};
   std::array<std::int16_t, kMostColumns + kUsual> twice_{};  // evidence of a row's samples, of both tables together
   std::array<std::uint64_t, kMostRows> hopeful_{};  // of each row, a bit for each group: whether it may hold a bar
 };

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "gatefly/detection/eight.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
@@ -62,17 +63,7 @@ std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
   return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
 }
 
-// One value of each of eight lines: compilers make it one instruction (SSE2, NEON).
-using Eight = std::int16_t __attribute__((vector_size(16)));
-constexpr std::size_t kEight = 8;
-
-Eight eight(const std::int16_t* values) {
-  Eight lines;
-  std::memcpy(&lines, values, sizeof lines);
-  return lines;
-}
 std::int16_t whole(float value) { return static_cast<std::int16_t>(value); }
-Eight eight(float value) { return Eight{} + whole(value); }
 
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
@@ -190,7 +181,7 @@ class Strip {
     const float full = contrast.dot(unit);
     const int halvings = static_cast<int>(std::bit_width(static_cast<unsigned>(full))) - 7;
     const Eigen::Vector3f way = unit.unaryExpr([](float x) { return static_cast<float>(whole(x)); });
-    const Eight way_y = eight(way[0]), way_u = eight(way[1]), way_v = eight(way[2]), most = eight(std::min(1.2f * full, 32767.0f)), none{};
+    const Eight way_y = eight(whole(way[0])), way_u = eight(whole(way[1])), way_v = eight(whole(way[2])), most = eight(whole(std::min(1.2f * full, 32767.0f))), none{};
     const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
     const float per_pixel = kEnd / (static_cast<float>(half_) + 0.5f);
     Levels sums, moments, offs;
@@ -200,9 +191,9 @@ class Strip {
       for (int i = -half_; i <= half_; ++i) {
         const auto column = static_cast<std::size_t>(i + half_);
         const auto level = [&](std::size_t color) { return eight(colors_[color][column].data() + k); };
-        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(from + change * static_cast<float>(i + half_));
+        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(whole(from + change * static_cast<float>(i + half_)));
         part = (part < none ? none : part > most ? most : part) >> halvings;
-        const Eight off = eight(per_pixel * static_cast<float>(i)) - eight(offs.data() + k);
+        const Eight off = eight(whole(per_pixel * static_cast<float>(i))) - eight(offs.data() + k);
         const Eight weight = 128 - (off * off >> 5);
         part = part * (weight < none ? none : weight * weight >> 7) >> 6;
         sum += part, moment += part * static_cast<std::int16_t>(i);
