@@ -173,10 +173,11 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     if (end - start > widest_) continue;
     int sum = 0, moment = 0;
     const auto add = [&](int k, int mask) {
-      const int e = least(twice_[static_cast<std::size_t>(start + k)] / 2, kLimit) & mask;
+      const int e = least(twice_[static_cast<std::size_t>(start + k)] >> 1, kLimit) & mask;
       sum += e, moment += e * k;
     };
-    for (int k = 0; k < kUsual; ++k) add(k, -static_cast<int>(start + k < end));
+    add(0, -1);
+    add(1, -static_cast<int>(start + 1 < end)), add(2, -static_cast<int>(start + 2 < end)), add(3, -static_cast<int>(start + 3 < end));
     for (int k = kUsual; k < end - start; ++k) add(k, -1);
     visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
   }
