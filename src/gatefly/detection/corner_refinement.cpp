@@ -129,7 +129,7 @@ class Strip {
   /// Colour of the bar less that of what is beside it.
   [[nodiscard]] Eigen::Vector3f contrast() const { return bar_ - 0.5f * (before_ + behind_); }
 
-  /// A line through the bar's middles: least squares, three times, those far off counting ever less.
+  /// A line through the bar's middles: least squares, twice, those far off counting less the second time.
   /// @param contrast  of a bar; how far a pixel is on that way from the colour beside, which changes evenly from one
   ///                  flank to the other, says how much of it is bar.
   [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px, double eager) const {
