@@ -183,18 +183,29 @@ TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
   });
 }
 
-// The faster way along a line says of every place what the place itself says, inside, outside and across the border.
-TEST(BarEvidence, AlongALineIsThatOfItsPlaces) {
-  for_all(20, [](Rng& rng) {
-    const int width = 60 + static_cast<int>(rng.uniform(0, 300)), height = 40 + static_cast<int>(rng.uniform(0, 200));
+/// A noisy picture of a gate, of any size, in which bars were looked for.
+struct Searched {
+  int width, height;
+  std::vector<std::uint8_t> bytes;
+  BarFinder finder{5, 1};
+
+  explicit Searched(Rng& rng) : width{60 + static_cast<int>(rng.uniform(0, 300))}, height{40 + static_cast<int>(rng.uniform(0, 200))} {
     Canvas canvas(width, height);
     canvas.draw_gate({{-2.5, 0, 0}, {}}, bebop_rig());
     canvas.add_noise(rng);
-    const auto bytes = canvas.yuv444();
-    const Image image{bytes.data(), PixelFormat::kYuv444, width, height};
-    BarFinder finder{5, 1};
-    (void)finder.find(image, kOrange);
-    const BarFinder::Evidence evidence = finder.evidence(image, kOrange, 1);
+    bytes = canvas.yuv444();
+    (void)finder.find(image(), kOrange);
+  }
+  [[nodiscard]] Image image() const { return {bytes.data(), PixelFormat::kYuv444, width, height}; }
+  [[nodiscard]] BarFinder::Evidence evidence(int cell) const { return finder.evidence(image(), kOrange, cell); }
+};
+
+// The faster way along a line says of every place what the place itself says, inside, outside and across the border.
+TEST(BarEvidence, AlongALineIsThatOfItsPlaces) {
+  for_all(20, [](Rng& rng) {
+    const Searched picture{rng};
+    const int width = picture.width, height = picture.height;
+    const BarFinder::Evidence evidence = picture.evidence(1);
     for (int line = 0; line < 50; ++line) {
       const auto place = [&](int size) { return static_cast<std::int64_t>(65536 * rng.uniform(-20, size + 20)); };
       const std::int64_t x = place(width), y = place(height), dx = (place(width) - x) / 40, dy = (place(height) - y) / 40;
@@ -208,16 +219,10 @@ TEST(BarEvidence, AlongALineIsThatOfItsPlaces) {
 // Across a bar, too: what speaks for a bar at a place speaks for it there; what does not is nothing or less.
 TEST(BarEvidence, AcrossIsThatOfItsPlaces) {
   for_all(20, [](Rng& rng) {
-    const int width = 60 + static_cast<int>(rng.uniform(0, 300)), height = 40 + static_cast<int>(rng.uniform(0, 200));
-    Canvas canvas(width, height);
-    canvas.draw_gate({{-2.5, 0, 0}, {}}, bebop_rig());
-    canvas.add_noise(rng);
-    const auto bytes = canvas.yuv444();
-    const Image image{bytes.data(), PixelFormat::kYuv444, width, height};
-    BarFinder finder{5, 1};
-    (void)finder.find(image, kOrange);
+    const Searched picture{rng};
+    const int width = picture.width, height = picture.height;
     for (const int cell : {1, 2}) {
-      const BarFinder::Evidence evidence = finder.evidence(image, kOrange, cell);
+      const BarFinder::Evidence evidence = picture.evidence(cell);
       for (int line = 0; line < 200; ++line) {
         const int x = static_cast<int>(rng.uniform(-5, width / cell + 5)), y = static_cast<int>(rng.uniform(-5, height / cell + 5));
         for (const bool down : {false, true}) {
