@@ -18,6 +18,7 @@
 #include "gatefly/io/image_file.hpp"
 #include "gatefly/io/pictures.hpp"
 #include "gatefly/io/text.hpp"
+
 #include "race_options.hpp"
 
 namespace gatefly::cli {
@@ -36,8 +37,10 @@ struct BenchOptions {
 };
 
 /// Sides from 160 to 1280; the scene is the same.
-constexpr std::array kSizes{std::pair{160, 120}, std::pair{320, 240}, std::pair{640, 480}, std::pair{1280, 960}};
-const std::vector<std::string> kScene{"gate:60:0.05:0", "gate:90:0.05:20", "gate:40:0.06:-10", "noise:9:0.02:0", "gates:110:0.06:5"};
+constexpr std::array kSizes{std::pair{160, 120}, std::pair{320, 240}, std::pair{640, 480},
+                            std::pair{1280, 960}};
+const std::vector<std::string> kScene{"gate:60:0.05:0", "gate:90:0.05:20", "gate:40:0.06:-10",
+                                      "noise:9:0.02:0", "gates:110:0.06:5"};
 
 std::vector<Stage> chosen(std::vector<Stage> stages, const std::vector<std::string>& names) {
   if (names.empty()) return stages;
@@ -45,8 +48,12 @@ std::vector<Stage> chosen(std::vector<Stage> stages, const std::vector<std::stri
   for (const Stage& stage : stages) known.push_back(stage.name);
   for (const std::string& name : names)
     if (find(stages, name) == nullptr)
-      throw std::runtime_error("--stage '" + io::one_line(name) + "' is not known" + io::suggestion(name, known) + " (there are: " + io::joined(known) + ")");
-  std::erase_if(stages, [&](const Stage& s) { return std::find(names.begin(), names.end(), s.name) == names.end(); });
+      throw std::runtime_error("--stage '" + io::one_line(name) + "' is not known" +
+                               io::suggestion(name, known) + " (there are: " + io::joined(known) +
+                               ")");
+  std::erase_if(stages, [&](const Stage& s) {
+    return std::find(names.begin(), names.end(), s.name) == names.end();
+  });
   return stages;
 }
 
@@ -78,7 +85,8 @@ Pictures real_pictures(const BenchOptions& options, const io::Config& config, st
     std::error_code error;
     if (!fs::is_directory(folder, error)) continue;
     const auto files = io::picture_files(folder);
-    for (std::size_t i = 0; i < most / 2; ++i) pictures->push_back(read(files[i * files.size() / (most / 2)], config));
+    for (std::size_t i = 0; i < most / 2; ++i)
+      pictures->push_back(read(files[i * files.size() / (most / 2)], config));
   }
   return pictures;
 }
@@ -88,19 +96,26 @@ class Report {
  public:
   explicit Report(bool json) : json_{json} {}
 
-  void stages(const std::string& title, const std::string& key, std::span<const Stage> stages, std::span<const Cost> costs) {
+  void stages(const std::string& title, const std::string& key, std::span<const Stage> stages,
+              std::span<const Cost> costs) {
     heading(title, "stage", {"median us", "p99 us", "max us", "x baseline"});
     for (std::size_t i = 0; i < stages.size() && i < costs.size(); ++i) {
       const Stage* const baseline = find(stages, stages[i].baseline);
-      const double base = baseline ? costs[static_cast<std::size_t>(baseline - stages.data())].median : 0.0;
+      const double base =
+          baseline ? costs[static_cast<std::size_t>(baseline - stages.data())].median : 0.0;
       const double ratio = base > 0.0 ? costs[i].median / base : 0.0;
       row(stages[i].name, {costs[i].median, costs[i].p99, costs[i].most, ratio}, stages[i].what);
-      ordered_json entry{{"name", stages[i].name}, {"what", stages[i].what}, {"median_us", costs[i].median}, {"p99_us", costs[i].p99}, {"max_us", costs[i].most}};
+      ordered_json entry{{"name", stages[i].name},
+                         {"what", stages[i].what},
+                         {"median_us", costs[i].median},
+                         {"p99_us", costs[i].p99},
+                         {"max_us", costs[i].most}};
       if (base > 0.0) entry["baseline"] = stages[i].baseline, entry["times_baseline"] = ratio;
       all_[key].push_back(entry);
     }
   }
-  void heading(const std::string& title, const std::string& first, const std::vector<std::string>& columns) {
+  void heading(const std::string& title, const std::string& first,
+               const std::vector<std::string>& columns) {
     if (json_) return;
     std::cout << title << "\n  " << std::left << std::setw(12) << first << std::right;
     for (const auto& column : columns) std::cout << std::setw(12) << column;
@@ -110,8 +125,10 @@ class Report {
     if (json_) return;
     std::cout << "  " << std::left << std::setw(12) << name << std::right << std::fixed;
     for (const double number : numbers) {
-      if (number == 0.0) std::cout << std::setw(12) << "";
-      else std::cout << std::setw(12) << std::setprecision(number < 10.0 ? 3 : 1) << number;
+      if (number == 0.0)
+        std::cout << std::setw(12) << "";
+      else
+        std::cout << std::setw(12) << std::setprecision(number < 10.0 ? 3 : 1) << number;
     }
     std::cout << "  " << what << '\n';
   }
@@ -135,7 +152,8 @@ class Report {
 double exponent(const std::vector<double>& medians) {
   double xx = 0, xy = 0, mx = 0, my = 0;
   const auto n = static_cast<double>(medians.size());
-  for (std::size_t i = 0; i < medians.size(); ++i) mx += std::log(kSizes[i].first) / n, my += std::log(medians[i]) / n;
+  for (std::size_t i = 0; i < medians.size(); ++i)
+    mx += std::log(kSizes[i].first) / n, my += std::log(medians[i]) / n;
   for (std::size_t i = 0; i < medians.size(); ++i) {
     const double x = std::log(kSizes[i].first) - mx;
     xx += x * x, xy += x * (std::log(medians[i]) - my);
@@ -143,13 +161,15 @@ double exponent(const std::vector<double>& medians) {
   return xy / xx;
 }
 
-void report_sizes(const BenchOptions& options, const PilotConfig& config, int rounds, Report& report) {
+void report_sizes(const BenchOptions& options, const PilotConfig& config, int rounds,
+                  Report& report) {
   std::vector<std::string> columns;
   std::vector<std::vector<double>> medians;
   std::vector<Stage> stages;
   for (const auto& [width, height] : kSizes) {
     auto pictures = std::make_shared<std::vector<Picture>>();
-    for (const std::string& scene : kScene) pictures->push_back(drawn(pattern_of(scene), width, height));
+    for (const std::string& scene : kScene)
+      pictures->push_back(drawn(pattern_of(scene), width, height));
     stages = chosen(detection_stages(pictures, config), options.stages);
     const auto costs = measure(stages, rounds, interrupted);
     medians.resize(stages.size());
@@ -158,35 +178,48 @@ void report_sizes(const BenchOptions& options, const PilotConfig& config, int ro
   }
   if (interrupted()) return;
   columns.push_back("exponent");
-  report.heading("\nthe same scenes in other sizes, median us; cost ~ side^exponent", "stage", columns);
+  report.heading("\nthe same scenes in other sizes, median us; cost ~ side^exponent", "stage",
+                 columns);
   for (std::size_t s = 0; s < stages.size(); ++s) {
     std::vector<double> numbers = medians[s];
     numbers.push_back(exponent(medians[s]));
     report.row(stages[s].name, numbers, "");
-    report.json()["sizes"].push_back({{"name", stages[s].name}, {"median_us", medians[s]}, {"exponent", numbers.back()}});
+    report.json()["sizes"].push_back(
+        {{"name", stages[s].name}, {"median_us", medians[s]}, {"exponent", numbers.back()}});
   }
 }
 
-void report_worst(const BenchOptions& options, const PilotConfig& config, const Pictures& usual, Report& report, Progress& progress) {
+void report_worst(const BenchOptions& options, const PilotConfig& config, const Pictures& usual,
+                  Report& report, Progress& progress) {
   const int tries = options.quick ? 8 : 60;
-  report.heading("\nthe slowest picture that a search finds, least of 3 calls", "stage", {"usual us", "worst us", "x usual"});
+  report.heading("\nthe slowest picture that a search finds, least of 3 calls", "stage",
+                 {"usual us", "worst us", "x usual"});
   const auto stages = chosen(detection_stages(usual, config), options.stages);
   for (std::size_t s = 0; s < stages.size() && !interrupted(); ++s) {
-    if (progress.due(static_cast<double>(s))) progress.update(static_cast<double>(s) / static_cast<double>(stages.size()), "worst picture: " + stages[s].name);
+    if (progress.due(static_cast<double>(s)))
+      progress.update(static_cast<double>(s) / static_cast<double>(stages.size()),
+                      "worst picture: " + stages[s].name);
     std::vector<double> times;
-    for (std::size_t i = 0; i < usual->size(); ++i) times.push_back(least_time([&] { stages[s].call(i); }, 3));
-    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+    for (std::size_t i = 0; i < usual->size(); ++i)
+      times.push_back(least_time([&] { stages[s].call(i); }, 3));
+    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
+                     times.end());
     const double median = times[times.size() / 2];
     // The same stage on one picture that changes.
     auto slot = std::make_shared<std::vector<Picture>>(1);
     const auto of_slot = detection_stages(slot, config);
     const Stage& stage = *find(of_slot, stages[s].name);
     Rng rng{1};
-    const WorstPicture worst = worst_picture([&](const Picture& picture) { slot->front() = picture, stage.call(0); }, tries, rng, interrupted);
+    const WorstPicture worst =
+        worst_picture([&](const Picture& picture) { slot->front() = picture, stage.call(0); },
+                      tries, rng, interrupted);
     progress.clear();
     report.row(stage.name, {median, worst.time_us, worst.time_us / median}, worst.pattern.name());
-    report.json()["worst"].push_back({{"name", stage.name}, {"usual_us", median}, {"worst_us", worst.time_us},
-                                      {"times_usual", worst.time_us / median}, {"picture", worst.pattern.name()}});
+    report.json()["worst"].push_back({{"name", stage.name},
+                                      {"usual_us", median},
+                                      {"worst_us", worst.time_us},
+                                      {"times_usual", worst.time_us / median},
+                                      {"picture", worst.pattern.name()}});
   }
 }
 
@@ -217,16 +250,19 @@ int bench_all(const BenchOptions& options) {
     if (progress.due(10.0 * part)) progress.update(part, text);
   };
   Report report(options.json);
-  if (!has_opencv()) report.note("OpenCV was not there when this was built: its baselines are left out");
+  if (!has_opencv())
+    report.note("OpenCV was not there when this was built: its baselines are left out");
 
   Pictures usual = named;
   if (!named->empty()) {
     const auto stages = chosen(detection_stages(named, config.pilot), options.stages);
-    report.stages("detection, " + std::to_string(named->size()) + " pictures", "detection", stages, measure(stages, rounds, interrupted));
+    report.stages("detection, " + std::to_string(named->size()) + " pictures", "detection", stages,
+                  measure(stages, rounds, interrupted));
   } else {
     say(0.0, "flying, for pictures");
     const Race race = RaceMaker{options.race}.race(1);
-    const auto flight = std::make_shared<const RecordedFlight>(recorded_flight(race.config, options.quick ? 20 : 60, interrupted));
+    const auto flight = std::make_shared<const RecordedFlight>(
+        recorded_flight(race.config, options.quick ? 20 : 60, interrupted));
     if (interrupted()) return kInterrupted;
     usual = std::make_shared<const std::vector<Picture>>(flight->pictures);
     say(0.2, "detection");
@@ -238,18 +274,27 @@ int bench_all(const BenchOptions& options) {
     const auto costs_real = measure(on_real, rounds, interrupted);
     progress.clear();
     if (interrupted()) return kInterrupted;
-    report.stages("detection, " + std::to_string(usual->size()) + " rendered pictures of " + race.identity.track, "rendered", on_rendered, rendered);
-    if (real->empty()) report.note("real pictures: none there (--data DIR)");
-    else report.stages("\ndetection, " + std::to_string(real->size()) + " real pictures", "real", on_real, costs_real);
+    report.stages("detection, " + std::to_string(usual->size()) + " rendered pictures of " +
+                      race.identity.track,
+                  "rendered", on_rendered, rendered);
+    if (real->empty())
+      report.note("real pictures: none there (--data DIR)");
+    else
+      report.stages("\ndetection, " + std::to_string(real->size()) + " real pictures", "real",
+                    on_real, costs_real);
     if (options.stages.empty()) {
       const auto stages = flight_stages(flight, race.config.pilot);
       report.stages("\nwhat follows", "flight", stages, measure(stages, rounds, interrupted));
       const auto poses = pose_stages();
-      report.stages("\npose from four corners, 500 gates", "pose", poses, measure(poses, rounds, interrupted));
+      report.stages("\npose from four corners, 500 gates", "pose", poses,
+                    measure(poses, rounds, interrupted));
       report.heading("\nwhole steps, in that flight", "stage", {"median us", "p99 us", "max us"});
       for (const auto& t : flight->timings) {
         report.row(t.stage, {t.p50_us, t.p99_us, t.max_us}, "");
-        report.json()["steps"].push_back({{"name", t.stage}, {"median_us", t.p50_us}, {"p99_us", t.p99_us}, {"max_us", t.max_us}});
+        report.json()["steps"].push_back({{"name", t.stage},
+                                          {"median_us", t.p50_us},
+                                          {"p99_us", t.p99_us},
+                                          {"max_us", t.max_us}});
       }
     }
     report_sizes(options, config.pilot, options.quick ? 2 : 9, report);
@@ -267,20 +312,30 @@ int bench_all(const BenchOptions& options) {
 void add_bench(CLI::App& app, Run& run) {
   auto options = std::make_shared<BenchOptions>();
   options->race.track = "oval";
-  CLI::App* command = app.add_subcommand("bench", "the stage-by-stage cost, each beside its baseline");
+  CLI::App* command =
+      app.add_subcommand("bench", "the stage-by-stage cost, each beside its baseline");
   command->footer(
       "Example:\n  gatefly bench --quick\n  gatefly bench --stage careful --worst\n"
       "  gatefly bench --pictures ../shared/data/tudelft_bebop_gates/cyberzoo checker:8:0.5\n\n"
-      "Pictures come from the beginning of a simulated race, and from the authors' sets when they are there. One core;\n"
-      "all stages take turns on a picture, so that ratios mean more than times. --pictures also takes patterns (gate,\n"
-      "all, checker, noise, spiral, rings, stripes, comb, gates) with up to three numbers. Instructions instead of time:\n"
+      "Pictures come from the beginning of a simulated race, and from the authors' sets when they "
+      "are there. One core;\n"
+      "all stages take turns on a picture, so that ratios mean more than times. --pictures also "
+      "takes patterns (gate,\n"
+      "all, checker, noise, spiral, rings, stripes, comb, gates) with up to three numbers. "
+      "Instructions instead of time:\n"
       "tools/count_instructions.py. Exit code 0: measured; 2: unusable arguments; 130: Ctrl-C.");
   command->add_option("--stage", options->stages, "only these detectors")->type_name("NAME");
-  command->add_option("--pictures", options->pictures, "files, folders or patterns instead of the race's and the real ones")->type_name("PATH");
-  command->add_flag("--worst", options->worst, "also search for the slowest picture of each detector");
+  command
+      ->add_option("--pictures", options->pictures,
+                   "files, folders or patterns instead of the race's and the real ones")
+      ->type_name("PATH");
+  command->add_flag("--worst", options->worst,
+                    "also search for the slowest picture of each detector");
   command->add_flag("--once", options->once, "one call a picture, nothing measured: for callgrind");
   command->add_flag("--quick", options->quick, "fewer pictures and rounds: seconds");
-  command->add_option("--data", options->data, "folder of real data [$GATEFLY_DATA, ../shared/data]")->type_name("DIR");
+  command
+      ->add_option("--data", options->data, "folder of real data [$GATEFLY_DATA, ../shared/data]")
+      ->type_name("DIR");
   command->add_flag("--json", options->json, "print JSON");
   add_common(*command, options->race.common);
   command->callback([options, &run] { run = [options] { return bench_all(*options); }; });

@@ -13,7 +13,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/calibration/board_finder.hpp"
 #include "gatefly/calibration/calibration.hpp"
 #include "gatefly/calibration/camera_file.hpp"
@@ -27,6 +26,8 @@
 #include "gatefly/io/labels_file.hpp"
 #include "gatefly/io/pictures.hpp"
 #include "gatefly/io/text.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -55,10 +56,13 @@ Eigen::Vector2i pair_of(const std::string& text, const std::string& flag, int lo
   const auto first = std::from_chars(text.data(), end, pair.x());
   if (first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x') {
     const auto second = std::from_chars(first.ptr + 1, end, pair.y());
-    if (second.ec == std::errc{} && second.ptr == end && pair.minCoeff() >= low && pair.maxCoeff() <= high) return pair;
+    if (second.ec == std::errc{} && second.ptr == end && pair.minCoeff() >= low &&
+        pair.maxCoeff() <= high)
+      return pair;
   }
-  throw std::runtime_error(flag + " " + io::one_line(text) + ": must be two numbers in " + std::to_string(low) + ".." +
-                           std::to_string(high) + " with an x between them");
+  throw std::runtime_error(flag + " " + io::one_line(text) + ": must be two numbers in " +
+                           std::to_string(low) + ".." + std::to_string(high) +
+                           " with an x between them");
 }
 
 /// All that pictures and lists show of boards.
@@ -66,67 +70,85 @@ struct Boards {
   BoardViews views;
   Eigen::Vector2i size_px{0, 0};  ///< Upright.
   int pictures = 0, unusable = 0;
-  bool listed = false;            ///< Some are from a corner list.
+  bool listed = false;                                       ///< Some are from a corner list.
   std::vector<std::pair<std::string, std::string>> without;  ///< Picture, why it shows no board.
   std::map<std::string, int> other_patterns;                 ///< What is there instead, how often.
 };
 
 BoardPattern pattern_of(const CalibrateOptions& options) {
-  if (options.pattern.empty()) throw std::runtime_error("--pattern is missing: inner corners of the checkerboard, 9x6 for one of 10x7 squares");
-  if (!(options.square > 0.0)) throw std::runtime_error("--square-m is missing: the side of one square in metres, 0.03");
+  if (options.pattern.empty())
+    throw std::runtime_error(
+        "--pattern is missing: inner corners of the checkerboard, 9x6 for one of 10x7 squares");
+  if (!(options.square > 0.0))
+    throw std::runtime_error("--square-m is missing: the side of one square in metres, 0.03");
   const Eigen::Vector2i size = pair_of(options.pattern, "--pattern", 3, 100);
   return {size.x(), size.y(), options.square};
 }
 
-void add_picture(const fs::path& path, const BoardPattern& pattern, int rotate_deg, Boards& boards) {
+void add_picture(const fs::path& path, const BoardPattern& pattern, int rotate_deg,
+                 Boards& boards) {
   const io::ImageFile file = io::read_image(path);
   const Image image = file.view(rotate_deg);
   const Eigen::Vector2i size{image.width(), image.height()};
   if (boards.size_px.x() == 0) boards.size_px = size;
   if (size != boards.size_px)
-    throw std::runtime_error(path.string() + ": is " + std::to_string(size.x()) + "x" + std::to_string(size.y()) +
-                             ", must be " + std::to_string(boards.size_px.x()) + "x" + std::to_string(boards.size_px.y()) +
-                             " as the pictures before it");
+    throw std::runtime_error(path.string() + ": is " + std::to_string(size.x()) + "x" +
+                             std::to_string(size.y()) + ", must be " +
+                             std::to_string(boards.size_px.x()) + "x" +
+                             std::to_string(boards.size_px.y()) + " as the pictures before it");
   ++boards.pictures;
   const BoardSearch search = find_board(image, path.filename().string(), pattern);
-  if (search.view) boards.views.push_back(*search.view);
-  else boards.without.emplace_back(path.filename().string(), search.reason);
+  if (search.view)
+    boards.views.push_back(*search.view);
+  else
+    boards.without.emplace_back(path.filename().string(), search.reason);
   if (search.other) ++boards.other_patterns[search.other->text()];
 }
 
 void add_list(const fs::path& path, const CalibrateOptions& options, Boards& boards) {
   if (options.size.empty())
-    throw std::runtime_error(path.string() + ": corner lists do not know their picture's size: add --size WxH (of the stored picture)");
+    throw std::runtime_error(
+        path.string() +
+        ": corner lists do not know their picture's size: add --size WxH (of the stored picture)");
   Eigen::Vector2i size = pair_of(options.size, "--size", 16, 4096);
   BoardViews views = read_corner_list(path);
   for (const BoardView& view : views)
     for (const BoardCorner& corner : view.corners)
-      if ((corner.px.array() < -0.5).any() || (corner.px.array() > size.cast<double>().array() - 0.5).any())
-        throw std::runtime_error(path.string() + ": " + view.image + " has a corner at (" + io::text_of(corner.px.x(), 6) + ", " +
-                                 io::text_of(corner.px.y(), 6) + "), outside a picture of --size " + options.size);
+      if ((corner.px.array() < -0.5).any() ||
+          (corner.px.array() > size.cast<double>().array() - 0.5).any())
+        throw std::runtime_error(path.string() + ": " + view.image + " has a corner at (" +
+                                 io::text_of(corner.px.x(), 6) + ", " +
+                                 io::text_of(corner.px.y(), 6) + "), outside a picture of --size " +
+                                 options.size);
   if (!options.pattern.empty()) {
     const Eigen::Vector2i pattern = pair_of(options.pattern, "--pattern", 3, 100);
     for (const BoardView& view : views)
       if (view.corners.size() != static_cast<std::size_t>(pattern.prod()))
-        throw std::runtime_error(path.string() + ": " + view.image + " has " + std::to_string(view.corners.size()) +
-                                 " corners, --pattern " + options.pattern + " has " + std::to_string(pattern.prod()));
+        throw std::runtime_error(path.string() + ": " + view.image + " has " +
+                                 std::to_string(view.corners.size()) + " corners, --pattern " +
+                                 options.pattern + " has " + std::to_string(pattern.prod()));
   }
   turn_upright(views, size, options.rotation());
   if (options.rotation() % 180 != 0) std::swap(size.x(), size.y());
   if (boards.size_px.x() != 0 && size != boards.size_px)
-    throw std::runtime_error(path.string() + ": --size " + options.size + " is not the size of the pictures before it");
+    throw std::runtime_error(path.string() + ": --size " + options.size +
+                             " is not the size of the pictures before it");
   boards.size_px = size;
   boards.listed = true;
   boards.pictures += static_cast<int>(views.size());
-  boards.views.insert(boards.views.end(), std::make_move_iterator(views.begin()), std::make_move_iterator(views.end()));
+  boards.views.insert(boards.views.end(), std::make_move_iterator(views.begin()),
+                      std::make_move_iterator(views.end()));
 }
 
-bool is_list(const fs::path& path) { return path.extension() == ".csv" || path.extension() == ".CSV"; }
+bool is_list(const fs::path& path) {
+  return path.extension() == ".csv" || path.extension() == ".CSV";
+}
 
 std::vector<fs::path> all_files(const CalibrateOptions& options) {
   std::vector<fs::path> files;
   for (const std::string& path : options.paths)
-    for (const fs::path& file : io::picture_files(io::find_data(path, options.data))) files.push_back(file);
+    for (const fs::path& file : io::picture_files(io::find_data(path, options.data)))
+      files.push_back(file);
   return files;
 }
 
@@ -141,15 +163,17 @@ void refuse_without_boards(const Boards& boards, const CalibrateOptions& options
     }
   const std::string all = std::to_string(boards.pictures);
   if (most > static_cast<int>(boards.views.size()))
-    throw std::runtime_error("--pattern " + options.pattern + ": " + std::to_string(most) + " of " + all + " pictures show a board of " +
-                             other + " inner corners: --pattern " + other + "?");
+    throw std::runtime_error("--pattern " + options.pattern + ": " + std::to_string(most) + " of " +
+                             all + " pictures show a board of " + other +
+                             " inner corners: --pattern " + other + "?");
   constexpr std::size_t kNeeded = 5;
   if (boards.views.size() >= kNeeded || boards.without.empty()) return;
   std::string reasons;
   for (std::size_t i = 0; i < std::min<std::size_t>(boards.without.size(), 3); ++i)
     reasons += "; " + boards.without[i].first + ": " + boards.without[i].second;
-  throw std::runtime_error("a board in " + std::to_string(boards.views.size()) + " of " + all + " pictures, at least " +
-                           std::to_string(kNeeded) + " are needed" + reasons);
+  throw std::runtime_error("a board in " + std::to_string(boards.views.size()) + " of " + all +
+                           " pictures, at least " + std::to_string(kNeeded) + " are needed" +
+                           reasons);
 }
 
 Boards find_boards(const CalibrateOptions& options) {
@@ -161,8 +185,10 @@ Boards find_boards(const CalibrateOptions& options) {
   for (const fs::path& file : files) {
     if (interrupted()) break;
     if (!is_list(file) && !pattern) pattern = pattern_of(options);
-    if (is_list(file)) add_list(file, options, boards);
-    else try {
+    if (is_list(file))
+      add_list(file, options, boards);
+    else
+      try {
         add_picture(file, *pattern, options.rotation(), boards);
       } catch (const std::exception& error) {
         if (files.size() == 1) throw;
@@ -172,8 +198,9 @@ Boards find_boards(const CalibrateOptions& options) {
       }
     ++done;
     if (progress.due(done))
-      progress.update(done / static_cast<double>(files.size()), std::to_string(boards.views.size()) + " boards in " +
-                                                                    std::to_string(boards.pictures) + " pictures");
+      progress.update(done / static_cast<double>(files.size()),
+                      std::to_string(boards.views.size()) + " boards in " +
+                          std::to_string(boards.pictures) + " pictures");
   }
   progress.clear();
   if (!interrupted() && boards.pictures > 0) refuse_without_boards(boards, options);
@@ -188,17 +215,21 @@ std::string fixed(double value, int digits) {
 
 /// "169.23 ± 0.02": as many digits as the sigma deserves.
 std::string with_sigma(double value, double sigma) {
-  const int digits = sigma > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(sigma))) + 1, 0, 6) : 4;
+  const int digits =
+      sigma > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(sigma))) + 1, 0, 6) : 4;
   return fixed(value, digits) + (sigma > 0.0 ? " ± " + fixed(sigma, digits) : "");
 }
 
 void print_models(const Calibration& answer) {
-  std::cout << std::left << std::setw(17) << "model" << std::right << std::setw(8) << "RMS px" << std::setw(13) << "held-out px"
+  std::cout << std::left << std::setw(17) << "model" << std::right << std::setw(8) << "RMS px"
+            << std::setw(13) << "held-out px"
             << "  parameters ± one standard deviation\n";
   for (std::size_t i = 0; i < answer.models.size(); ++i) {
     const ModelResult& result = answer.models[i];
-    std::cout << std::left << std::setw(17) << (i == answer.recommended ? "* " : "  ") + name_of(result.fit.model) << std::right
-              << std::setw(8) << fixed(result.rms_px, 3) << std::setw(13) << fixed(result.held_out_px, 3) << "  ";
+    std::cout << std::left << std::setw(17)
+              << (i == answer.recommended ? "* " : "  ") + name_of(result.fit.model) << std::right
+              << std::setw(8) << fixed(result.rms_px, 3) << std::setw(13)
+              << fixed(result.held_out_px, 3) << "  ";
     if (result.fit.sigma.size() == 0) {
       std::cout << "cannot be used: " << result.failure << '\n';
       continue;
@@ -207,7 +238,8 @@ void print_models(const Calibration& answer) {
     for (std::size_t p = 0; p < names.size(); ++p) {
       const auto at = static_cast<Eigen::Index>(p);
       std::cout << (p > 0 ? ", " : "") << names[p] << ' '
-                << with_sigma(result.fit.parameters[at], result.fit.sigma.size() > at ? result.fit.sigma[at] : 0.0);
+                << with_sigma(result.fit.parameters[at],
+                              result.fit.sigma.size() > at ? result.fit.sigma[at] : 0.0);
     }
     if (!result.failure.empty()) std::cout << "; not recommended: " << result.failure;
     std::cout << '\n';
@@ -218,76 +250,113 @@ void print_views(const Calibration& answer, const Boards& boards) {
   std::size_t width = 7;
   for (const ViewResult& view : answer.views) width = std::max(width, view.image.size());
   const int name = static_cast<int>(width) + 2;
-  std::cout << '\n' << std::left << std::setw(name) << "picture" << std::right << "corners  dropped  RMS px  max px\n";
+  std::cout << '\n'
+            << std::left << std::setw(name) << "picture" << std::right
+            << "corners  dropped  RMS px  max px\n";
   for (const ViewResult& view : answer.views) {
-    std::cout << std::left << std::setw(name) << view.image << std::right << std::setw(7) << view.corners << std::setw(9) << view.dropped;
-    if (view.reason.empty()) std::cout << std::setw(8) << fixed(view.rms_px, 3) << std::setw(8) << fixed(view.max_px, 2) << '\n';
-    else std::cout << "  left out: " << view.reason << '\n';
+    std::cout << std::left << std::setw(name) << view.image << std::right << std::setw(7)
+              << view.corners << std::setw(9) << view.dropped;
+    if (view.reason.empty())
+      std::cout << std::setw(8) << fixed(view.rms_px, 3) << std::setw(8) << fixed(view.max_px, 2)
+                << '\n';
+    else
+      std::cout << "  left out: " << view.reason << '\n';
   }
   for (const auto& [image, reason] : boards.without)
-    std::cout << std::left << std::setw(name) << image << std::right << std::setw(7) << 0 << "           no board: " << reason << '\n';
+    std::cout << std::left << std::setw(name) << image << std::right << std::setw(7) << 0
+              << "           no board: " << reason << '\n';
 }
 
 /// What cannot be known about how the pictures are stored, one line; "" when it was said.
-std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options, std::optional<int> by_flight) {
+std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options,
+                           std::optional<int> by_flight) {
   if (options.rotate_deg || by_flight) return "";
   if (boards.size_px.y() > boards.size_px.x())
-    return "pictures of " + std::to_string(boards.size_px.x()) + "x" + std::to_string(boards.size_px.y()) +
-           " stand on end: if the sensor is mounted turned, calibrate again with --rotate 90 (or 270)";
+    return "pictures of " + std::to_string(boards.size_px.x()) + "x" +
+           std::to_string(boards.size_px.y()) +
+           " stand on end: if the sensor is mounted turned, calibrate again with --rotate 90 (or "
+           "270)";
   if (boards.listed)
-    return "a corner list does not tell how pictures are stored, stored_rotation_deg = 0 is a guess: --rotate 90 if these are corners of turned "
-           "pictures; if of upright ones, but the camera stores them turned, set stored_rotation_deg";
+    return "a corner list does not tell how pictures are stored, stored_rotation_deg = 0 is a "
+           "guess: --rotate 90 if these are corners of turned "
+           "pictures; if of upright ones, but the camera stores them turned, set "
+           "stored_rotation_deg";
   return "";
 }
 
-void print(const Calibration& answer, const Boards& boards, const CalibrateOptions& options, const std::string& doubt) {
+void print(const Calibration& answer, const Boards& boards, const CalibrateOptions& options,
+           const std::string& doubt) {
   std::size_t corners = 0, dropped = 0;
   for (const ViewResult& view : answer.views) {
     corners += view.corners;
     dropped += view.dropped;
   }
-  std::cout << boards.pictures << " pictures of " << answer.size_px.x() << "x" << answer.size_px.y() << ", a board in "
-            << answer.views.size() << ", " << answer.kept.size() << " of them used; " << corners << " corners, " << dropped
-            << " dropped; they reach " << fixed(100.0 * answer.coverage, 0) << " % of the way to the picture's corners\n\n";
+  std::cout << boards.pictures << " pictures of " << answer.size_px.x() << "x" << answer.size_px.y()
+            << ", a board in " << answer.views.size() << ", " << answer.kept.size()
+            << " of them used; " << corners << " corners, " << dropped << " dropped; they reach "
+            << fixed(100.0 * answer.coverage, 0) << " % of the way to the picture's corners\n\n";
   print_models(answer);
   print_views(answer, boards);
-  std::cout << "\n* recommended: the fewest parameters within one standard error of the best held-out residual\n";
+  std::cout << "\n* recommended: the fewest parameters within one standard error of the best "
+               "held-out residual\n";
   const std::string chosen = name_of(answer.best().fit.model);
   if (answer.chosen != answer.recommended) std::cout << "asked for: " << chosen << '\n';
-  if (!answer.best().failure.empty()) std::cout << "warning: " << chosen << ": " << answer.best().failure << '\n';
+  if (!answer.best().failure.empty())
+    std::cout << "warning: " << chosen << ": " << answer.best().failure << '\n';
   if (answer.coverage < 0.7)
-    std::cout << "warning: beyond the outermost corners the lens is extrapolated: hold the board into the picture's corners too\n";
+    std::cout << "warning: beyond the outermost corners the lens is extrapolated: hold the board "
+                 "into the picture's corners too\n";
   if (!options.out.empty()) std::cout << options.out << ": " << chosen << '\n';
   if (!doubt.empty()) std::cout << "warning: " << doubt << '\n';
 }
 
-nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
 
-nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards, int stored_rotation_deg, const std::string& doubt) {
-  nlohmann::ordered_json models = nlohmann::ordered_json::array(), pictures = nlohmann::ordered_json::array();
+nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards,
+                               int stored_rotation_deg, const std::string& doubt) {
+  nlohmann::ordered_json models = nlohmann::ordered_json::array(),
+                         pictures = nlohmann::ordered_json::array();
   for (const ModelResult& result : answer.models) {
     nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
     const auto names = parameter_names(result.fit.model);
     for (std::size_t p = 0; p < names.size(); ++p) {
       const auto at = static_cast<Eigen::Index>(p);
       parameters[names[p]] = {{"value", number(result.fit.parameters[at])},
-                              {"sigma", result.fit.sigma.size() > at ? number(result.fit.sigma[at]) : nlohmann::ordered_json()}};
+                              {"sigma", result.fit.sigma.size() > at ? number(result.fit.sigma[at])
+                                                                     : nlohmann::ordered_json()}};
     }
-    models.push_back({{"model", name_of(result.fit.model)}, {"rms_px", number(result.rms_px)},
-                      {"held_out_px", number(result.held_out_px)}, {"parameters", parameters}, {"failure", result.failure}});
+    models.push_back({{"model", name_of(result.fit.model)},
+                      {"rms_px", number(result.rms_px)},
+                      {"held_out_px", number(result.held_out_px)},
+                      {"parameters", parameters},
+                      {"failure", result.failure}});
   }
   for (const ViewResult& view : answer.views)
-    pictures.push_back({{"image", view.image}, {"corners", view.corners}, {"dropped", view.dropped}, {"rms_px", view.rms_px},
-                        {"max_px", view.max_px}, {"left_out", view.reason}});
-  for (const auto& [image, reason] : boards.without) pictures.push_back({{"image", image}, {"corners", 0}, {"left_out", reason}});
-  return {{"size_px", {answer.size_px.x(), answer.size_px.y()}}, {"pictures", pictures}, {"models", models},
+    pictures.push_back({{"image", view.image},
+                        {"corners", view.corners},
+                        {"dropped", view.dropped},
+                        {"rms_px", view.rms_px},
+                        {"max_px", view.max_px},
+                        {"left_out", view.reason}});
+  for (const auto& [image, reason] : boards.without)
+    pictures.push_back({{"image", image}, {"corners", 0}, {"left_out", reason}});
+  return {{"size_px", {answer.size_px.x(), answer.size_px.y()}},
+          {"pictures", pictures},
+          {"models", models},
           {"recommended", name_of(answer.models[answer.recommended].fit.model)},
-          {"chosen", name_of(answer.best().fit.model)}, {"coverage", answer.coverage}, {"unusable", boards.unusable},
-          {"stored_rotation_deg", stored_rotation_deg}, {"stored_rotation_doubt", doubt}};
+          {"chosen", name_of(answer.best().fit.model)},
+          {"coverage", answer.coverage},
+          {"unusable", boards.unusable},
+          {"stored_rotation_deg", stored_rotation_deg},
+          {"stored_rotation_doubt", doubt}};
 }
 
 CameraFormat format_of(const std::string& name) {
-  return name == "kalibr" ? CameraFormat::kKalibr : name == "ros" ? CameraFormat::kRos : CameraFormat::kToml;
+  return name == "kalibr" ? CameraFormat::kKalibr
+         : name == "ros"  ? CameraFormat::kRos
+                          : CameraFormat::kToml;
 }
 
 /// The lens with as many digits as anybody can measure.
@@ -301,12 +370,16 @@ AnyCamera short_lens(const LensFit& fit) {
 /// What the file says about its own making.
 std::vector<std::string> provenance(const Calibration& answer) {
   const ModelResult& best = answer.best();
-  std::vector<std::string> lines{"Made by gatefly calibrate from " + std::to_string(answer.kept.size()) + " pictures of a board: RMS " +
-                                 fixed(best.rms_px, 3) + " px, " + fixed(best.held_out_px, 3) + " px in pictures held out."};
+  std::vector<std::string> lines{"Made by gatefly calibrate from " +
+                                 std::to_string(answer.kept.size()) + " pictures of a board: RMS " +
+                                 fixed(best.rms_px, 3) + " px, " + fixed(best.held_out_px, 3) +
+                                 " px in pictures held out."};
   std::string sigmas;
   const auto names = parameter_names(best.fit.model);
-  for (std::size_t p = 0; p < names.size() && static_cast<Eigen::Index>(p) < best.fit.sigma.size(); ++p)
-    sigmas += (p > 0 ? ", " : "") + names[p] + " " + io::text_of(best.fit.sigma[static_cast<Eigen::Index>(p)], 2);
+  for (std::size_t p = 0; p < names.size() && static_cast<Eigen::Index>(p) < best.fit.sigma.size();
+       ++p)
+    sigmas += (p > 0 ? ", " : "") + names[p] + " " +
+              io::text_of(best.fit.sigma[static_cast<Eigen::Index>(p)], 2);
   if (!sigmas.empty()) lines.push_back("One standard deviation: " + sigmas + ".");
   return lines;
 }
@@ -314,15 +387,20 @@ std::vector<std::string> provenance(const Calibration& answer) {
 void check_writable(const std::string& flag, const std::string& file) {
   if (file.empty()) return;
   if (fs::is_directory(file) || !fs::is_directory(fs::absolute(file).parent_path()))
-    throw std::runtime_error(flag + " " + file + ": cannot be written: must be a file in a folder that is there");
+    throw std::runtime_error(flag + " " + file +
+                             ": cannot be written: must be a file in a folder that is there");
 }
 
-void write_camera(const CameraFile& camera, const CalibrateOptions& options, std::vector<std::string> comments) {
+void write_camera(const CameraFile& camera, const CalibrateOptions& options,
+                  std::vector<std::string> comments) {
   if (camera.stored_rotation_deg != 0 && options.to != "toml")
-    comments.push_back("Of the upright picture: the stored one turned " + std::to_string(camera.stored_rotation_deg) + " degrees counter-clockwise.");
+    comments.push_back("Of the upright picture: the stored one turned " +
+                       std::to_string(camera.stored_rotation_deg) + " degrees counter-clockwise.");
   const std::string text = camera_text(camera, format_of(options.to), comments);
-  if (options.out == "-") std::cout << text;
-  else if (!options.out.empty()) io::write_file(options.out, text);
+  if (options.out == "-")
+    std::cout << text;
+  else if (!options.out.empty())
+    io::write_file(options.out, text);
 }
 
 /// The first gate of each picture, where it has exactly one.
@@ -333,9 +411,10 @@ std::vector<Quad> single_gates(const io::Labels& labels) {
   return gates;
 }
 
-/// How a flight's pictures must be turned for its gates to be found where its labels (upright) have them; nullopt when
-/// no way stands out.
-std::optional<int> stored_rotation_of(const fs::path& flight, const Eigen::Vector2i& upright_px, const io::Config& config) {
+/// How a flight's pictures must be turned for its gates to be found where its labels (upright) have
+/// them; nullopt when no way stands out.
+std::optional<int> stored_rotation_of(const fs::path& flight, const Eigen::Vector2i& upright_px,
+                                      const io::Config& config) {
   constexpr double kSamePx = 10.0;
   constexpr std::size_t kPictures = 20;
   const io::Labels labels = io::read_labels(flight / "labels.csv");
@@ -343,22 +422,29 @@ std::optional<int> stored_rotation_of(const fs::path& flight, const Eigen::Vecto
   std::map<int, int> hits;
   std::size_t pictures = 0;
   for (const io::LabelledPicture& picture : labels.pictures) {
-    if (picture.gates.size() != 1 || !fs::exists(flight / picture.image) || ++pictures > kPictures) continue;
+    if (picture.gates.size() != 1 || !fs::exists(flight / picture.image) || ++pictures > kPictures)
+      continue;
     const io::ImageFile file = io::read_image(flight / picture.image);
     for (const int turn : {0, 90, 180, 270}) {
       const Image image = file.view(turn);
       if (Eigen::Vector2i{image.width(), image.height()} != upright_px) continue;
       const GateDetections found = search->detect(image, config.pilot.gate_color);
-      if (!found.empty() && (center(found[0].corners_px) - center(picture.gates[0])).norm() < kSamePx) ++hits[turn];
+      if (!found.empty() &&
+          (center(found[0].corners_px) - center(picture.gates[0])).norm() < kSamePx)
+        ++hits[turn];
     }
   }
   for (const auto& [turn, count] : hits)
-    if (count >= 3 && std::none_of(hits.begin(), hits.end(), [&](const auto& other) { return other.first != turn && 2 * other.second > count; })) return turn;
+    if (count >= 3 && std::none_of(hits.begin(), hits.end(), [&](const auto& other) {
+          return other.first != turn && 2 * other.second > count;
+        }))
+      return turn;
   return std::nullopt;
 }
 
 /// Adds the mount angle to the camera, and what it rests on to the comments.
-void add_tilt(CameraFile& camera, const CalibrateOptions& options, std::vector<std::string>& comments) {
+void add_tilt(CameraFile& camera, const CalibrateOptions& options,
+              std::vector<std::string>& comments) {
   if (options.tilt_from.empty()) return;
   const io::Config config = load(options.common);
   const fs::path path = io::find_data(options.tilt_from, options.data);
@@ -366,25 +452,35 @@ void add_tilt(CameraFile& camera, const CalibrateOptions& options, std::vector<s
   const io::Labels labels = io::read_labels(flight ? path / "labels.csv" : path);
   Mount mount;
   try {
-    mount = flight ? mount_from_flight(io::read_flight_folder(path), labels, camera.lens, config.gate_side, config.sim.camera.p_BC)
-                   : mount_from_level(single_gates(labels), camera.lens, config.gate_side, options.gate_height);
+    mount = flight ? mount_from_flight(io::read_flight_folder(path), labels, camera.lens,
+                                       config.gate_side, config.sim.camera.p_BC)
+                   : mount_from_level(single_gates(labels), camera.lens, config.gate_side,
+                                      options.gate_height);
   } catch (const std::exception& error) {
     throw std::runtime_error("--tilt-from " + options.tilt_from + ": " + error.what());
   }
   camera.tilt_down = mount.tilt_down;
-  comments.push_back("Tilt " + with_sigma(mount.tilt_down / kDegree, mount.tilt_sigma / kDegree) + " deg down, roll " +
-                     with_sigma(mount.roll / kDegree, mount.roll_sigma / kDegree) + " deg, from " + std::to_string(mount.pictures) +
-                     " pictures of a gate (" + path.filename().string() + "), RMS " + fixed(mount.rms_px, 2) + " px" +
-                     (flight ? "; fitted with it: heading offset " + fixed(mount.heading_offset / kDegree, 1) + " deg, pictures " +
-                                   fixed(1e3 * mount.time_offset, 0) + " ms, gate at (" + fixed(mount.p_EG.x(), 2) + ", " +
-                                   fixed(mount.p_EG.y(), 2) + ", " + fixed(mount.p_EG.z(), 2) + ") m."
-                             : "; a drone that stood askew by a degree makes it a degree."));
-  if (!options.json && !options.common.quiet && options.out != "-") std::cout << comments.back() << '\n';
+  comments.push_back(
+      "Tilt " + with_sigma(mount.tilt_down / kDegree, mount.tilt_sigma / kDegree) +
+      " deg down, roll " + with_sigma(mount.roll / kDegree, mount.roll_sigma / kDegree) +
+      " deg, from " + std::to_string(mount.pictures) + " pictures of a gate (" +
+      path.filename().string() + "), RMS " + fixed(mount.rms_px, 2) + " px" +
+      (flight ? "; fitted with it: heading offset " + fixed(mount.heading_offset / kDegree, 1) +
+                    " deg, pictures " + fixed(1e3 * mount.time_offset, 0) + " ms, gate at (" +
+                    fixed(mount.p_EG.x(), 2) + ", " + fixed(mount.p_EG.y(), 2) + ", " +
+                    fixed(mount.p_EG.z(), 2) + ") m."
+              : "; a drone that stood askew by a degree makes it a degree."));
+  if (!options.json && !options.common.quiet && options.out != "-")
+    std::cout << comments.back() << '\n';
 }
 
 int convert(const CalibrateOptions& options) {
-  if (!options.paths.empty()) throw std::runtime_error("--from " + options.from + ": takes the camera from that file, no pictures besides");
-  if (options.out.empty()) throw std::runtime_error("--from " + options.from + ": --out is missing: where to (- for stdout)");
+  if (!options.paths.empty())
+    throw std::runtime_error("--from " + options.from +
+                             ": takes the camera from that file, no pictures besides");
+  if (options.out.empty())
+    throw std::runtime_error("--from " + options.from +
+                             ": --out is missing: where to (- for stdout)");
   const fs::path path = io::find_data(options.from, options.data);
   CameraFile camera = read_camera(path, options.camera);
   std::vector<std::string> comments{"From " + path.filename().string() + " by gatefly calibrate."};
@@ -393,13 +489,17 @@ int convert(const CalibrateOptions& options) {
   return kDone;
 }
 
-/// gatefly calibrate: exit 0 done, 2 no camera comes out (or, at the end, a picture could not be read), 130 Ctrl-C.
+/// gatefly calibrate: exit 0 done, 2 no camera comes out (or, at the end, a picture could not be
+/// read), 130 Ctrl-C.
 int run_calibrate(const CalibrateOptions& options) {
   if (options.out != "-") check_writable("--out", options.out);
   check_writable("--report", options.report);
   if (!options.from.empty()) return convert(options);
-  if (options.paths.empty()) throw std::runtime_error("neither pictures nor a corner list nor --from is given (--help shows an example)");
-  if (options.out == "-" && options.json) throw std::runtime_error("--json and --out -: both want stdout; name a file");
+  if (options.paths.empty())
+    throw std::runtime_error(
+        "neither pictures nor a corner list nor --from is given (--help shows an example)");
+  if (options.out == "-" && options.json)
+    throw std::runtime_error("--json and --out -: both want stdout; name a file");
 
   catch_interrupt();
   const Boards boards = find_boards(options);
@@ -414,17 +514,24 @@ int run_calibrate(const CalibrateOptions& options) {
   const Calibration answer = calibration::calibrate(boards.views, boards.size_px, how);
   std::vector<std::string> comments = provenance(answer);
   std::optional<int> by_flight;
-  const fs::path flight = options.tilt_from.empty() ? fs::path{} : io::find_data(options.tilt_from, options.data);
-  if (boards.listed && !options.rotate_deg && fs::is_directory(flight)) by_flight = stored_rotation_of(flight, answer.size_px, load(options.common));
-  if (by_flight) comments.push_back("stored_rotation_deg: so the gates of " + flight.filename().string() + " are where its labels have them.");
-  CameraFile camera{short_lens(answer.best().fit), answer.size_px, by_flight.value_or(options.rotation()), {}};
+  const fs::path flight =
+      options.tilt_from.empty() ? fs::path{} : io::find_data(options.tilt_from, options.data);
+  if (boards.listed && !options.rotate_deg && fs::is_directory(flight))
+    by_flight = stored_rotation_of(flight, answer.size_px, load(options.common));
+  if (by_flight)
+    comments.push_back("stored_rotation_deg: so the gates of " + flight.filename().string() +
+                       " are where its labels have them.");
+  CameraFile camera{
+      short_lens(answer.best().fit), answer.size_px, by_flight.value_or(options.rotation()), {}};
   const std::string doubt = rotation_doubt(boards, options, by_flight);
   if (!doubt.empty()) comments.push_back("Beware: " + doubt + ".");
   add_tilt(camera, options, comments);
   write_camera(camera, options, comments);
   if (!options.report.empty()) residual_picture(answer).write_png(options.report);
-  if (options.json) std::cout << as_json(answer, boards, camera.stored_rotation_deg, doubt).dump(2) << '\n';
-  else if (!options.common.quiet && options.out != "-") print(answer, boards, options, doubt);
+  if (options.json)
+    std::cout << as_json(answer, boards, camera.stored_rotation_deg, doubt).dump(2) << '\n';
+  else if (!options.common.quiet && options.out != "-")
+    print(answer, boards, options, doubt);
   if (boards.unusable == 0) return kDone;
   complain(std::to_string(boards.unusable) + " pictures could not be used, the rest was");
   return kUnusable;
@@ -434,50 +541,88 @@ int run_calibrate(const CalibrateOptions& options) {
 
 void add_calibrate(CLI::App& app, Run& run) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command = app.add_subcommand("calibrate", "a camera from pictures of a checkerboard or corner lists");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "a camera from pictures of a checkerboard or corner lists");
   command->footer(
       "Example:\n  gatefly calibrate pictures/ --pattern 9x6 --square-m 0.03 --out camera.toml\n"
       "  gatefly detect photo.jpg --config camera.toml\n"
-      "  gatefly calibrate corners.csv --size 640x480 --model kannala-brandt --to kalibr --out camchain.yaml\n"
+      "  gatefly calibrate corners.csv --size 640x480 --model kannala-brandt --to kalibr --out "
+      "camchain.yaml\n"
       "  gatefly calibrate --from camchain.yaml --out camera.toml\n\n"
-      "Take 20 sharp pictures of a flat board, tilted by 30° to all sides, in every part of the picture. --pattern counts\n"
-      "inner corners: 9x6 is a board of 10x7 squares. A corner list is a CSV with a row for each corner: image (or view),\n"
-      "X_m,Y_m (or X_mm,Y_mm) on the board, u_px,v_px from 0 (or u_px_1based,v_px_1based). Four lenses are fitted; the one\n"
-      "with the fewest parameters that is as good as the best in pictures it has not seen is written. Exit code 2: no camera\n"
-      "can be had from these pictures, the reason is said; or a picture could not be read (the rest was done).");
+      "Take 20 sharp pictures of a flat board, tilted by 30° to all sides, in every part of the "
+      "picture. --pattern counts\n"
+      "inner corners: 9x6 is a board of 10x7 squares. A corner list is a CSV with a row for each "
+      "corner: image (or view),\n"
+      "X_m,Y_m (or X_mm,Y_mm) on the board, u_px,v_px from 0 (or u_px_1based,v_px_1based). Four "
+      "lenses are fitted; the one\n"
+      "with the fewest parameters that is as good as the best in pictures it has not seen is "
+      "written. Exit code 2: no camera\n"
+      "can be had from these pictures, the reason is said; or a picture could not be read (the "
+      "rest was done).");
   command->add_option("PATH", options->paths, "pictures, folders of them, corner lists (.csv)");
-  command->add_option("--out", options->out, "where the camera goes (- for stdout)")->type_name("FILE");
-  CLI::Option* pattern = command->add_option("--pattern", options->pattern, "inner corners of the checkerboard")->type_name("COLUMNSxROWS");
-  CLI::Option* square = command->add_option("--square-m", options->square, "side of a square")->check(CLI::Range(1e-4, 10.0))->type_name("METRES");
-  CLI::Option* size = command->add_option("--size", options->size, "of the stored pictures behind a corner list")->type_name("WxH");
-  CLI::Option* rotate = command->add_option("--rotate", options->rotate_deg, "turn stored pictures (and listed corners) counter-clockwise [0]")
-      ->check(CLI::IsMember({0, 90, 180, 270}))
-      ->type_name("DEG");
-  CLI::Option* model = command->add_option("--model", options->model, "this lens instead of the recommended one")
-      ->check(CLI::IsMember({"pinhole", "dhane", "kannala-brandt", "brown-conrady"}))
-      ->type_name("MODEL");
-  CLI::Option* zero = command->add_option("--zero", options->zero, "distortion coefficients that stay 0: p1,p2 is no tangential distortion, k3 is\nKalibr's radtan")
-      ->check(CLI::IsMember({"k1", "k2", "k3", "k4", "p1", "p2"}))
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("NAMES");
-  command->add_option("--to", options->to, "what to write: toml (ours), kalibr (camchain), ros (camera_info) [toml]")
+  command->add_option("--out", options->out, "where the camera goes (- for stdout)")
+      ->type_name("FILE");
+  CLI::Option* pattern =
+      command->add_option("--pattern", options->pattern, "inner corners of the checkerboard")
+          ->type_name("COLUMNSxROWS");
+  CLI::Option* square = command->add_option("--square-m", options->square, "side of a square")
+                            ->check(CLI::Range(1e-4, 10.0))
+                            ->type_name("METRES");
+  CLI::Option* size =
+      command->add_option("--size", options->size, "of the stored pictures behind a corner list")
+          ->type_name("WxH");
+  CLI::Option* rotate =
+      command
+          ->add_option("--rotate", options->rotate_deg,
+                       "turn stored pictures (and listed corners) counter-clockwise [0]")
+          ->check(CLI::IsMember({0, 90, 180, 270}))
+          ->type_name("DEG");
+  CLI::Option* model =
+      command->add_option("--model", options->model, "this lens instead of the recommended one")
+          ->check(CLI::IsMember({"pinhole", "dhane", "kannala-brandt", "brown-conrady"}))
+          ->type_name("MODEL");
+  CLI::Option* zero = command
+                          ->add_option("--zero", options->zero,
+                                       "distortion coefficients that stay 0: p1,p2 is no "
+                                       "tangential distortion, k3 is\nKalibr's radtan")
+                          ->check(CLI::IsMember({"k1", "k2", "k3", "k4", "p1", "p2"}))
+                          ->delimiter(',')
+                          ->allow_extra_args(false)
+                          ->type_name("NAMES");
+  command
+      ->add_option("--to", options->to,
+                   "what to write: toml (ours), kalibr (camchain), ros (camera_info) [toml]")
       ->check(CLI::IsMember({"toml", "kalibr", "ros"}))
       ->type_name("FORMAT");
   CLI::Option* from =
-      command->add_option("--from", options->from, "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
+      command
+          ->add_option("--from", options->from,
+                       "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
           ->type_name("FILE");
-  command->add_option("--camera", options->camera, "which of a camchain's cameras")->needs(from)->type_name("NAME");
-  CLI::Option* tilt = command->add_option("--tilt-from", options->tilt_from, "mount angle from a labels.csv of gates that a level drone saw,\nor from a flight folder with labels.csv and motion capture")
-      ->type_name("FILE|DIR");
-  command->add_option("--gate-height-m", options->gate_height, "for a labels.csv: the gates' middle above the camera, to 5 cm")
+  command->add_option("--camera", options->camera, "which of a camchain's cameras")
+      ->needs(from)
+      ->type_name("NAME");
+  CLI::Option* tilt =
+      command
+          ->add_option("--tilt-from", options->tilt_from,
+                       "mount angle from a labels.csv of gates that a level drone saw,\nor from a "
+                       "flight folder with labels.csv and motion capture")
+          ->type_name("FILE|DIR");
+  command
+      ->add_option("--gate-height-m", options->gate_height,
+                   "for a labels.csv: the gates' middle above the camera, to 5 cm")
       ->check(CLI::Range(-10.0, 10.0))
       ->needs(tilt)
       ->type_name("METRES");
-  CLI::Option* report = command->add_option("--report", options->report, "draw all residuals")->type_name("PNG");
-  command->add_option("--data", options->data, "where a PATH is looked for that is not here [$GATEFLY_DATA]")->type_name("DIR");
+  CLI::Option* report =
+      command->add_option("--report", options->report, "draw all residuals")->type_name("PNG");
+  command
+      ->add_option("--data", options->data,
+                   "where a PATH is looked for that is not here [$GATEFLY_DATA]")
+      ->type_name("DIR");
   CLI::Option* json = command->add_flag("--json", options->json, "print JSON");
-  for (CLI::Option* other : {pattern, square, size, rotate, model, zero, report, json}) from->excludes(other);
+  for (CLI::Option* other : {pattern, square, size, rotate, model, zero, report, json})
+    from->excludes(other);
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return run_calibrate(*options); }; });
 }

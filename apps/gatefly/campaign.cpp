@@ -12,11 +12,12 @@
 #include <stdexcept>
 #include <thread>
 
+#include "gatefly/io/text.hpp"
+#include "gatefly/sim/camera.hpp"
+
 #include "campaign_folder.hpp"
 #include "campaign_report.hpp"
 #include "commands.hpp"
-#include "gatefly/io/text.hpp"
-#include "gatefly/sim/camera.hpp"
 #include "race_options.hpp"
 
 namespace gatefly::cli {
@@ -43,8 +44,8 @@ Shard shard_of(const std::string& text) {
   Shard shard;
   char slash = '\0', rest = '\0';
   std::istringstream stream(text);
-  if (!(stream >> shard.index >> slash >> shard.count) || slash != '/' || stream >> rest || shard.index < 1 ||
-      shard.index > shard.count || text.find('-') != std::string::npos)
+  if (!(stream >> shard.index >> slash >> shard.count) || slash != '/' || stream >> rest ||
+      shard.index < 1 || shard.index > shard.count || text.find('-') != std::string::npos)
     throw std::runtime_error("--shard " + text + ": must be i/n with 1 <= i <= n, e.g. 2/5");
   return shard;
 }
@@ -68,7 +69,8 @@ class Fleet {
     const Race first = maker_.race(seeds_.front());
     if (first.config.vision == closed_loop::Vision::kRendered) {
       const sim::SimConfig& s = first.config.sim;
-      const sim::CameraRenderer bakes{s.world, s.camera, s.light, s.seed, s.cache_dir, s.bake_threads};
+      const sim::CameraRenderer bakes{s.world, s.camera,    s.light,
+                                      s.seed,  s.cache_dir, s.bake_threads};
     }
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::thread> workers;
@@ -79,7 +81,8 @@ class Fleet {
       std::unique_lock lock{mutex_};
       while (running_ > 0) {
         changed_.wait_for(lock, std::chrono::milliseconds{200});
-        const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const double elapsed =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         if (progress.due(elapsed)) progress.update(part(), text(elapsed));
       }
     }
@@ -94,8 +97,8 @@ class Fleet {
       for (std::size_t i = next_++; i < seeds_.size() && !stop_ && !interrupted(); i = next_++) {
         Race race = maker_.race(seeds_[i]);
         race.config.sim.bake_threads = 1;
-        const auto result =
-            closed_loop::fly(race.config, [this](const closed_loop::Tick&) { return !stop_ && !interrupted(); });
+        const auto result = closed_loop::fly(
+            race.config, [this](const closed_loop::Tick&) { return !stop_ && !interrupted(); });
         if (stop_ || interrupted()) break;
         folder_.keep(seeds_[i], io::summary(result, race.identity).dump(2) + "\n");
         const std::lock_guard lock{mutex_};
@@ -112,7 +115,9 @@ class Fleet {
     changed_.notify_one();
   }
 
-  [[nodiscard]] double part() const { return static_cast<double>(done_) / static_cast<double>(seeds_.size()); }
+  [[nodiscard]] double part() const {
+    return static_cast<double>(done_) / static_cast<double>(seeds_.size());
+  }
   [[nodiscard]] std::string text(double elapsed) const {
     std::string words = std::to_string(done_) + " of " + std::to_string(seeds_.size()) + " runs, " +
                         std::to_string(finished_) + " finished";
@@ -133,12 +138,15 @@ class Fleet {
 };
 
 /// Statistics of all runs of a whole folder; prints and writes them.
-void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds, const CampaignOptions& options) {
+void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds,
+              const CampaignOptions& options) {
   std::vector<io::RunRow> rows;
   for (const std::uint64_t seed : seeds) rows.push_back(folder.row(seed).value());
   const nlohmann::ordered_json campaign = folder.finish(rows);
-  if (options.json) std::cout << campaign.dump(2) << '\n';
-  else print_campaign(campaign, folder.path(), options.race.common.quiet);
+  if (options.json)
+    std::cout << campaign.dump(2) << '\n';
+  else
+    print_campaign(campaign, folder.path(), options.race.common.quiet);
 }
 
 int merge(const CampaignOptions& options) {
@@ -164,9 +172,10 @@ int campaign(const CampaignOptions& options) {
                                  {"config", race.identity.config}};
   std::string name = "campaign-" + fs::path{options.race.track}.stem().string();
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
-  if (shard.count > 1) name += "-" + std::to_string(shard.index) + "of" + std::to_string(shard.count);
-  CampaignFolder folder(options.out.empty() ? fs::path{"out"} / name : fs::path{options.out}, arguments,
-                        fly_command(options.race, "{seed}"));
+  if (shard.count > 1)
+    name += "-" + std::to_string(shard.index) + "of" + std::to_string(shard.count);
+  CampaignFolder folder(options.out.empty() ? fs::path{"out"} / name : fs::path{options.out},
+                        arguments, fly_command(options.race, "{seed}"));
   catch_interrupt();
 
   const std::vector<std::uint64_t> seeds = folder.seeds();
@@ -174,14 +183,17 @@ int campaign(const CampaignOptions& options) {
   for (const std::uint64_t seed : seeds)
     if (!folder.row(seed)) left.push_back(seed);
   if (!left.empty() && left.size() < seeds.size() && !options.race.common.quiet)
-    std::cerr << "gatefly campaign: " << seeds.size() - left.size() << " of " << seeds.size() << " runs are there, "
-              << left.size() << " to fly\n";
+    std::cerr << "gatefly campaign: " << seeds.size() - left.size() << " of " << seeds.size()
+              << " runs are there, " << left.size() << " to fly\n";
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  Fleet(maker, folder, left).fly(options.jobs > 0 ? options.jobs : cores, options.race.common.quiet);
+  Fleet(maker, folder, left)
+      .fly(options.jobs > 0 ? options.jobs : cores, options.race.common.quiet);
   if (interrupted()) {
-    const auto there = std::count_if(seeds.begin(), seeds.end(), [&](auto seed) { return folder.row(seed).has_value(); });
-    std::cerr << "gatefly campaign: interrupted, " << there << " of " << seeds.size() << " runs kept in "
-              << folder.path().string() << "; the same command flies the rest\n";
+    const auto there = std::count_if(seeds.begin(), seeds.end(),
+                                     [&](auto seed) { return folder.row(seed).has_value(); });
+    std::cerr << "gatefly campaign: interrupted, " << there << " of " << seeds.size()
+              << " runs kept in " << folder.path().string()
+              << "; the same command flies the rest\n";
     return kInterrupted;
   }
   conclude(folder, seeds, options);
@@ -192,21 +204,31 @@ int campaign(const CampaignOptions& options) {
 
 void add_campaign(CLI::App& app, Run& run) {
   auto options = std::make_shared<CampaignOptions>();
-  CLI::App* command = app.add_subcommand("campaign", "many seeded races: how often, how fast, and what went wrong");
+  CLI::App* command =
+      app.add_subcommand("campaign", "many seeded races: how often, how fast, and what went wrong");
   command->footer(
       "Example:\n  gatefly campaign oval --runs 40 --vision ideal\n"
       "  gatefly campaign showroom --runs 300 --shard 1/2 --out out/half-1\n"
       "  gatefly campaign --merge out/half-1 out/half-2 --out out/whole\n\n"
       "Started again with the same arguments it flies only the seeds that are missing.\n"
-      "Exit code 0: all were flown; 2: unusable arguments or track; 130: Ctrl-C, finished runs are kept.");
-  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")->capture_default_str();
+      "Exit code 0: all were flown; 2: unusable arguments or track; 130: Ctrl-C, finished runs are "
+      "kept.");
+  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")
+      ->capture_default_str();
   command->add_option("--runs", options->runs, "how many seeds")->check(CLI::Range(1, 1000000));
-  command->add_option("--first-seed", options->first_seed, "and from which on")->check(check_seed)->capture_default_str();
-  command->add_option("--jobs", options->jobs, "races at the same time [one a core]")->check(CLI::Range(1, 1024));
-  command->add_option("--shard", options->shard, "only every n-th seed, from the i-th on: for several machines")
+  command->add_option("--first-seed", options->first_seed, "and from which on")
+      ->check(check_seed)
+      ->capture_default_str();
+  command->add_option("--jobs", options->jobs, "races at the same time [one a core]")
+      ->check(CLI::Range(1, 1024));
+  command
+      ->add_option("--shard", options->shard,
+                   "only every n-th seed, from the i-th on: for several machines")
       ->type_name("i/n");
-  command->add_option("--merge", options->merge, "instead of flying: the shards' folders")->type_name("DIR");
-  command->add_option("--out", options->out, "folder for the campaign [out/campaign-TRACK]")->type_name("DIR");
+  command->add_option("--merge", options->merge, "instead of flying: the shards' folders")
+      ->type_name("DIR");
+  command->add_option("--out", options->out, "folder for the campaign [out/campaign-TRACK]")
+      ->type_name("DIR");
   command->add_flag("--json", options->json, "print campaign.json instead of a screen");
   add_race_options(*command, options->race);
   command->callback([options, &run] { run = [options] { return campaign(*options); }; });

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 nlohmann::json read_campaign(const fs::path& path) {
   const auto json = nlohmann::json::parse(io::read_file(path / "campaign.json"), nullptr, false);
   if (!json.is_object() || !json.contains("arguments") || !json.at("arguments").is_object())
-    throw std::runtime_error((path / "campaign.json").string() + ": is damaged, choose another --out");
+    throw std::runtime_error((path / "campaign.json").string() +
+                             ": is damaged, choose another --out");
   return json;
 }
 
@@ -27,7 +28,8 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
     std::string name = key.substr(1);
     std::replace(name.begin(), name.end(), '/', '.');
     if (name == "track_toml") return "the track file has changed";
-    return name + " was " + (a.contains(key) ? a.at(key).dump() : "not there") + ", is " + value.dump();
+    return name + " was " + (a.contains(key) ? a.at(key).dump() : "not there") + ", is " +
+           value.dump();
   }
   return "it has more arguments";
 }
@@ -35,17 +37,20 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
 }  // namespace
 
 CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::string fly)
-    : path_{std::move(path)}, arguments_(std::move(arguments)), fly_{std::move(fly)} {  // braces would make an array
+    : path_{std::move(path)},
+      arguments_(std::move(arguments)),
+      fly_{std::move(fly)} {  // braces would make an array
   std::error_code error;
   if (fs::exists(path_ / "campaign.json", error)) {
     const std::string other = difference(read_campaign(path_).at("arguments"), arguments_);
     if (!other.empty())
-      throw std::runtime_error(path_.string() + ": holds a campaign with other arguments (" + other +
-                               "), choose another --out");
+      throw std::runtime_error(path_.string() + ": holds a campaign with other arguments (" +
+                               other + "), choose another --out");
     return;
   }
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
-    throw std::runtime_error(path_.string() + ": is there and holds no campaign (campaign.json), choose another --out");
+    throw std::runtime_error(
+        path_.string() + ": is there and holds no campaign (campaign.json), choose another --out");
   fs::create_directories(path_, error);
   if (error) throw std::runtime_error(path_.string() + ": cannot be written: " + error.message());
   io::write_file(path_ / "campaign.json", as_json().dump(2) + "\n");
@@ -60,8 +65,10 @@ nlohmann::ordered_json CampaignFolder::as_json() const {
 }
 
 std::vector<std::uint64_t> CampaignFolder::seeds() const {
-  const auto first = arguments_.at("first_seed").get<std::uint64_t>(), runs = arguments_.at("runs").get<std::uint64_t>();
-  const auto index = arguments_.at("shard").at(0).get<std::uint64_t>(), count = arguments_.at("shard").at(1).get<std::uint64_t>();
+  const auto first = arguments_.at("first_seed").get<std::uint64_t>(),
+             runs = arguments_.at("runs").get<std::uint64_t>();
+  const auto index = arguments_.at("shard").at(0).get<std::uint64_t>(),
+             count = arguments_.at("shard").at(1).get<std::uint64_t>();
   std::vector<std::uint64_t> seeds;
   for (std::uint64_t i = index - 1; i < runs; i += count) seeds.push_back(first + i);
   return seeds;
@@ -69,7 +76,8 @@ std::vector<std::uint64_t> CampaignFolder::seeds() const {
 
 fs::path CampaignFolder::file_of(std::uint64_t seed) const {
   const std::string number = std::to_string(seed);
-  return path_ / ("run_" + std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number + ".json");
+  return path_ /
+         ("run_" + std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number + ".json");
 }
 
 void CampaignFolder::keep(std::uint64_t seed, const std::string& summary_json) const {
@@ -89,10 +97,12 @@ std::optional<io::RunRow> CampaignFolder::row(std::uint64_t seed) const {
 nlohmann::ordered_json CampaignFolder::finish(const std::vector<io::RunRow>& rows) const {
   nlohmann::ordered_json json = as_json();
   json["result"] = io::campaign_result(rows);
-  const auto failed = std::find_if(rows.begin(), rows.end(), [](const io::RunRow& row) { return !row.finished; });
+  const auto failed =
+      std::find_if(rows.begin(), rows.end(), [](const io::RunRow& row) { return !row.finished; });
   if (failed != rows.end()) {
     std::string command = fly_;
-    if (const auto at = command.find("{seed}"); at != std::string::npos) command.replace(at, 6, std::to_string(failed->seed));
+    if (const auto at = command.find("{seed}"); at != std::string::npos)
+      command.replace(at, 6, std::to_string(failed->seed));
     json["replay"] = command;
   }
   io::write_file(path_ / "runs.csv", io::runs_csv(rows));
@@ -111,18 +121,23 @@ CampaignFolder merged(const fs::path& out, const std::vector<fs::path>& shards) 
     arguments["shard"] = {1, 1};
     if (whole.is_null()) whole = arguments, fly = campaign.value("fly", "");
     if (const std::string other = difference(whole, arguments); !other.empty())
-      throw std::runtime_error(shard.string() + ": does not belong to " + shards.front().string() + " (" + other + ")");
+      throw std::runtime_error(shard.string() + ": does not belong to " + shards.front().string() +
+                               " (" + other + ")");
   }
   // Before anything is written: whether all runs are there.
   const auto holder = [&](std::uint64_t seed) {
-    return std::find_if(parts.begin(), parts.end(), [seed](const CampaignFolder& part) { return part.row(seed).has_value(); });
+    return std::find_if(parts.begin(), parts.end(),
+                        [seed](const CampaignFolder& part) { return part.row(seed).has_value(); });
   };
-  const auto first = whole.at("first_seed").get<std::uint64_t>(), runs = whole.at("runs").get<std::uint64_t>();
+  const auto first = whole.at("first_seed").get<std::uint64_t>(),
+             runs = whole.at("runs").get<std::uint64_t>();
   for (std::uint64_t seed = first; seed < first + runs; ++seed)
     if (holder(seed) == parts.end())
-      throw std::runtime_error("--merge: no folder holds seed " + std::to_string(seed) + "; fly the shard it belongs to");
+      throw std::runtime_error("--merge: no folder holds seed " + std::to_string(seed) +
+                               "; fly the shard it belongs to");
   CampaignFolder result(out, whole, fly);
-  for (const std::uint64_t seed : result.seeds()) result.keep(seed, io::read_file(holder(seed)->file_of(seed)));
+  for (const std::uint64_t seed : result.seeds())
+    result.keep(seed, io::read_file(holder(seed)->file_of(seed)));
   return result;
 }
 

@@ -13,10 +13,11 @@
 
 namespace gatefly::cli {
 
-/// A campaign on disk: campaign.json (arguments, then the result), run_000017.json a seed, runs.csv.
+/// A campaign on disk: campaign.json (arguments, then the result), run_000017.json a seed,
+/// runs.csv.
 ///
-/// Every file is written under another name and renamed: what is there is whole, so that a campaign that
-/// was killed can go on. Everything that is computed, is computed from these files.
+/// Every file is written under another name and renamed: what is there is whole, so that a campaign
+/// that was killed can go on. Everything that is computed, is computed from these files.
 class CampaignFolder {
  public:
   /// Makes the folder, or goes on with the campaign in it.
@@ -45,8 +46,9 @@ class CampaignFolder {
   std::string fly_;
 };
 
-/// One campaign from the shards of it. @throws std::runtime_error when they do not belong together, or a
-/// run is missing.
-[[nodiscard]] CampaignFolder merged(const std::filesystem::path& out, const std::vector<std::filesystem::path>& shards);
+/// One campaign from the shards of it. @throws std::runtime_error when they do not belong together,
+/// or a run is missing.
+[[nodiscard]] CampaignFolder merged(const std::filesystem::path& out,
+                                    const std::vector<std::filesystem::path>& shards);
 
 }  // namespace gatefly::cli

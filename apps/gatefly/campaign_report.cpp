@@ -15,26 +15,28 @@ std::string percent(double part) { return fixed(100.0 * part, 1) + " %"; }
 
 }  // namespace
 
-void print_campaign(const nlohmann::ordered_json& campaign, const std::filesystem::path& out, bool quiet) {
+void print_campaign(const nlohmann::ordered_json& campaign, const std::filesystem::path& out,
+                    bool quiet) {
   const auto& arguments = campaign.at("arguments");
   const auto& result = campaign.at("result");
   const auto& interval = result.at("completion_wilson95");
   std::cout << arguments.at("track").get<std::string>() << ", " << result.at("runs") << " runs, "
             << arguments.at("vision").get<std::string>() << " vision: " << result.at("finished")
-            << " finished, " << percent(result.at("completion_rate")) << " (95 % interval " << percent(interval.at(0))
-            << " to " << percent(interval.at(1)) << ")\n";
+            << " finished, " << percent(result.at("completion_rate")) << " (95 % interval "
+            << percent(interval.at(0)) << " to " << percent(interval.at(1)) << ")\n";
   if (quiet) return;
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
   };
   line("seeds", arguments.at("first_seed").dump() + " on");
-  line("gates", result.at("gates_passed").dump() + " of " + result.at("gates_total").dump() + " passed");
+  line("gates",
+       result.at("gates_passed").dump() + " of " + result.at("gates_total").dump() + " passed");
   const auto spread = [&](const char* name, const char* key, const char* unit, int digits) {
     const auto& q = result.at(key);
     if (q.is_null()) return;
     const auto at = [&](const char* which) { return fixed(q.at(which).get<double>(), digits); };
-    line(name, at("p50") + unit + " median, " + at("p10") + " to " + at("p90") + unit + " (10 to 90 %), " + at("min") +
-                   " to " + at("max") + unit + " in all");
+    line(name, at("p50") + unit + " median, " + at("p10") + " to " + at("p90") + unit +
+                   " (10 to 90 %), " + at("min") + " to " + at("max") + unit + " in all");
   };
   spread("race time", "race_time_s", " s", 1);
   spread("speed", "mean_speed_mps", " m/s", 2);
@@ -47,18 +49,23 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
   };
   honest("honesty", "nees", "position error² / covariance");
   honest("", "nis", "innovation² / covariance");
-  if (consistency.at("divergences") != 0) line("", consistency.at("divergences").dump() + " times > 1 m off for > 1 s with a gate in view");
+  if (consistency.at("divergences") != 0)
+    line("",
+         consistency.at("divergences").dump() + " times > 1 m off for > 1 s with a gate in view");
   constexpr std::size_t kShown = 8;
   const auto& causes = result.at("causes");
   for (std::size_t i = 0; i < std::min(kShown, causes.size()); ++i) {
     std::string seeds;
     const auto& list = causes[i].at("seeds");
-    for (std::size_t k = 0; k < std::min<std::size_t>(6, list.size()); ++k) seeds += (k > 0 ? ", " : "") + list[k].dump();
+    for (std::size_t k = 0; k < std::min<std::size_t>(6, list.size()); ++k)
+      seeds += (k > 0 ? ", " : "") + list[k].dump();
     if (list.size() > 6) seeds += ", ...";
-    line(i == 0 ? "not finished" : "", causes[i].at("count").dump() + " x " + causes[i].at("cause").get<std::string>() +
-                                           " (seed " + seeds + ")");
+    line(i == 0 ? "not finished" : "", causes[i].at("count").dump() + " x " +
+                                           causes[i].at("cause").get<std::string>() + " (seed " +
+                                           seeds + ")");
   }
-  if (causes.size() > kShown) line("", std::to_string(causes.size() - kShown) + " more causes in campaign.json");
+  if (causes.size() > kShown)
+    line("", std::to_string(causes.size() - kShown) + " more causes in campaign.json");
   if (campaign.contains("replay")) line("fly one again", campaign.at("replay").get<std::string>());
   line("files", (out / "").string());
 }

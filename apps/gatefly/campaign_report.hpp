@@ -8,6 +8,7 @@
 namespace gatefly::cli {
 
 /// Prints campaign.json on one screen.
-void print_campaign(const nlohmann::ordered_json& campaign, const std::filesystem::path& out, bool quiet);
+void print_campaign(const nlohmann::ordered_json& campaign, const std::filesystem::path& out,
+                    bool quiet);
 
 }  // namespace gatefly::cli

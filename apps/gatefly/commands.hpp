@@ -11,10 +11,11 @@
 
 namespace gatefly::cli {
 
-inline constexpr int kDone = 0;          ///< The work is done.
-inline constexpr int kAnswerIsNo = 1;    ///< It ran, but e.g. the race was not finished.
-inline constexpr int kUnusable = 2;      ///< Arguments or input; thrown as std::exception, caught in main.
-inline constexpr int kInterrupted = 130; ///< Ctrl-C.
+inline constexpr int kDone = 0;        ///< The work is done.
+inline constexpr int kAnswerIsNo = 1;  ///< It ran, but e.g. the race was not finished.
+/// Arguments or input; thrown as std::exception, caught in main.
+inline constexpr int kUnusable = 2;
+inline constexpr int kInterrupted = 130;  ///< Ctrl-C.
 
 /// What the chosen subcommand does, once everything is parsed. Answers the exit code.
 using Run = std::function<int()>;

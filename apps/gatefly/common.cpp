@@ -33,10 +33,13 @@ void catch_interrupt() { std::signal(SIGINT, on_interrupt); }
 bool interrupted() { return was_interrupted != 0; }
 
 void add_common(CLI::App& command, CommonOptions& options) {
-  command.add_option("--config", options.configs, "configuration: a file or a name in configs/; later wins")
+  command
+      .add_option("--config", options.configs,
+                  "configuration: a file or a name in configs/; later wins")
       ->allow_extra_args(false)
       ->type_name("FILE");
-  command.add_option("--set", options.settings, "one key, after all files; see gatefly config --show")
+  command
+      .add_option("--set", options.settings, "one key, after all files; see gatefly config --show")
       ->allow_extra_args(false)
       ->type_name("SECTION.KEY=VALUE");
   command.add_flag("-q,--quiet", options.quiet, "no progress, as few words as possible");

@@ -27,9 +27,12 @@ int config(const ConfigOptions& options) {
 
 void add_config(CLI::App& app, Run& run) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* command = app.add_subcommand("config", "every configuration key with value, unit and source");
-  command->footer("Example:\n  gatefly config --show --config cameras/bebop.toml --set control.speed_mps=1.5");
-  command->add_flag("--show", options->show, "print the effective configuration (what it does anyway)");
+  CLI::App* command =
+      app.add_subcommand("config", "every configuration key with value, unit and source");
+  command->footer(
+      "Example:\n  gatefly config --show --config cameras/bebop.toml --set control.speed_mps=1.5");
+  command->add_flag("--show", options->show,
+                    "print the effective configuration (what it does anyway)");
   command->add_flag("--json", options->json, "the values as JSON");
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return config(*options); }; });

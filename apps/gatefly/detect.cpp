@@ -14,7 +14,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/detection/gate_search.hpp"
 #include "gatefly/detection/paper_detector.hpp"
@@ -25,6 +24,8 @@
 #include "gatefly/io/pictures.hpp"
 #include "gatefly/io/text.hpp"
 #include "gatefly/io/video_reader.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -42,7 +43,8 @@ struct DetectOptions {
 /// What came out of all pictures.
 struct Findings {
   std::vector<io::DetectionRow> rows;
-  int pictures = 0, with_gate = 0, with_part = 0, unusable = 0;  ///< with_part: with no more than a part of a gate.
+  /// with_part: with no more than a part of a gate.
+  int pictures = 0, with_gate = 0, with_part = 0, unusable = 0;
   double seconds = 0.0;  ///< Spent on detection alone.
 };
 
@@ -50,8 +52,12 @@ struct Findings {
 class Detector {
  public:
   Detector(const io::Config& config, bool all)
-      : mode_{config.detector_mode}, color_{config.pilot.gate_color}, search_{config.pilot.detector},
-        snakes_{config.pilot.detector}, parts_{config.pilot.detector}, all_{all} {}
+      : mode_{config.detector_mode},
+        color_{config.pilot.gate_color},
+        search_{config.pilot.detector},
+        snakes_{config.pilot.detector},
+        parts_{config.pilot.detector},
+        all_{all} {}
 
   [[nodiscard]] std::vector<GateDetection> operator()(const Image& image) {
     std::vector<GateDetection> gates = any(image);
@@ -61,7 +67,8 @@ class Detector {
   }
 
  private:
-  static constexpr std::uint64_t kSeed = 1;  // of every picture: its answer does not depend on its neighbours
+  // of every picture: its answer does not depend on its neighbours
+  static constexpr std::uint64_t kSeed = 1;
 
   template <class Gates>
   [[nodiscard]] static std::vector<GateDetection> listed(const Gates& gates) {
@@ -74,11 +81,14 @@ class Detector {
     if (mode_ == "flown") return flown(image);
     return listed(all_ ? search_.detect_all(image, color_) : search_.detect_best(image, color_));
   }
-  /// A gate that the border cuts, after the whole ones; where there are some, only if all are asked for.
+  /// A gate that the border cuts, after the whole ones; where there are some, only if all are asked
+  /// for.
   void add_part(const Image& image, std::vector<GateDetection>& gates) {
     if (!all_ && !gates.empty()) return;
     const auto part = parts_.detect(image, color_);
-    const auto is_known = [&](const GateDetection& gate) { return same_place(gate.corners_px, part->gate.corners_px); };
+    const auto is_known = [&](const GateDetection& gate) {
+      return same_place(gate.corners_px, part->gate.corners_px);
+    };
     if (part && std::none_of(gates.begin(), gates.end(), is_known)) gates.push_back(part->gate);
   }
   [[nodiscard]] static std::vector<GateDetection> paper(const Image& image) {
@@ -108,9 +118,11 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
   const Image image = file.view(config.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
   const std::vector<GateDetection> gates = detector(image);
-  findings.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  findings.seconds +=
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
-  if (!gates.empty()) ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
+  if (!gates.empty())
+    ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back(io::row_of(name, static_cast<int>(i), gates[i]));
   if (options.annotate.empty()) return;
@@ -124,8 +136,10 @@ using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
 void each_picture(const fs::path& path, const io::Config& config, const Look& look) {
   const std::string name = path.filename().string();
   if (name.find_first_of(",\"\r\n") != std::string::npos)
-    throw std::runtime_error(path.string() + ": its name must be without comma, quote and line break to stand in a CSV");
-  if (io::is_picture(path)) return look(io::read_image(path, config.stored_width(), config.stored_height()), name);
+    throw std::runtime_error(
+        path.string() + ": its name must be without comma, quote and line break to stand in a CSV");
+  if (io::is_picture(path))
+    return look(io::read_image(path, config.stored_width(), config.stored_height()), name);
   io::VideoReader video(path);
   for (int frame = 0; !interrupted(); ++frame) {
     const auto picture = video.next();
@@ -144,7 +158,8 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
   for (const std::string& path : options.paths) try {
       for (const fs::path& file : io::picture_files(io::find_data(path, options.data))) {
         files.push_back(file);
-        const auto [other, is_new] = folder_of.try_emplace(file.filename().string(), file.parent_path());
+        const auto [other, is_new] =
+            folder_of.try_emplace(file.filename().string(), file.parent_path());
         if (!is_new && !std::exchange(warned, true))
           complain("warning: " + file.string() + " and one in '" + other->second.string() +
                    "' have the same name, and so have their rows");
@@ -168,9 +183,9 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
       each_picture(path, config, [&](const io::ImageFile& file, const std::string& name) {
         look_at(file, name, options, config, detector, findings);
         if (progress.due(findings.pictures))
-          progress.update(done / static_cast<double>(files.size()), std::to_string(findings.pictures) + " pictures, " +
-                                                                      std::to_string(findings.with_gate) +
-                                                                      " with a gate");
+          progress.update(done / static_cast<double>(files.size()),
+                          std::to_string(findings.pictures) + " pictures, " +
+                              std::to_string(findings.with_gate) + " with a gate");
       });
     } catch (const std::exception& error) {
       progress.clear();
@@ -187,27 +202,40 @@ nlohmann::ordered_json as_json(const Findings& findings) {
   for (const io::DetectionRow& row : findings.rows) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();
     for (const auto& corner : row.corners_px) corners.push_back({corner.x(), corner.y()});
-    detections.push_back({{"image", row.image}, {"gate", row.gate}, {"corners_px", corners},
-                          {"fitness", row.fitness}, {"method", row.method}, {"corner_fitness", row.corner_fitness}});
+    detections.push_back({{"image", row.image},
+                          {"gate", row.gate},
+                          {"corners_px", corners},
+                          {"fitness", row.fitness},
+                          {"method", row.method},
+                          {"corner_fitness", row.corner_fitness}});
   }
-  return {{"pictures", findings.pictures}, {"with_gate", findings.with_gate}, {"with_part", findings.with_part}, {"unusable", findings.unusable},
+  return {{"pictures", findings.pictures},
+          {"with_gate", findings.with_gate},
+          {"with_part", findings.with_part},
+          {"unusable", findings.unusable},
           {"detections", detections}};
 }
 
 void print_summary(const Findings& findings, const std::string& csv) {
-  std::cout << std::fixed << std::setprecision(2) << findings.with_gate << " of " << findings.pictures
-            << " pictures show a gate, " << findings.with_part << " more a part of one, " << 1e3 * findings.seconds / std::max(findings.pictures, 1)
+  std::cout << std::fixed << std::setprecision(2) << findings.with_gate << " of "
+            << findings.pictures << " pictures show a gate, " << findings.with_part
+            << " more a part of one, " << 1e3 * findings.seconds / std::max(findings.pictures, 1)
             << " ms each to detect: " << csv << '\n';
 }
 
-/// gatefly detect: exit 0 something detected, 1 nothing, 2 unusable input (the rest is done), 130 Ctrl-C.
+/// gatefly detect: exit 0 something detected, 1 nothing, 2 unusable input (the rest is done), 130
+/// Ctrl-C.
 int detect(const DetectOptions& options) {
   const bool to_file = !options.csv.empty() && options.csv != "-";
-  if (options.json && options.csv == "-") throw std::runtime_error("--json and --csv -: both want stdout; name a file");
-  if (to_file && (fs::is_directory(options.csv) || !fs::is_directory(fs::absolute(options.csv).parent_path())))
-    throw std::runtime_error("--csv " + options.csv + ": cannot be written: must be a file in a folder that is there");
+  if (options.json && options.csv == "-")
+    throw std::runtime_error("--json and --csv -: both want stdout; name a file");
+  if (to_file &&
+      (fs::is_directory(options.csv) || !fs::is_directory(fs::absolute(options.csv).parent_path())))
+    throw std::runtime_error("--csv " + options.csv +
+                             ": cannot be written: must be a file in a folder that is there");
   CommonOptions common = options.common;
-  if (options.rotate_deg) common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
+  if (options.rotate_deg)
+    common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
   const io::Config config = load(common);
 
   catch_interrupt();
@@ -218,13 +246,16 @@ int detect(const DetectOptions& options) {
   }
   if (findings.pictures == 0) return kUnusable;
   if (findings.unusable > 0)
-    complain(std::to_string(findings.unusable) + " could not be used, " + std::to_string(findings.pictures) +
-             " pictures were done");
+    complain(std::to_string(findings.unusable) + " could not be used, " +
+             std::to_string(findings.pictures) + " pictures were done");
 
   if (to_file) io::write_file(options.csv, io::detections_csv(findings.rows));
-  if (options.json) std::cout << as_json(findings).dump(2) << '\n';
-  else if (!to_file) std::cout << io::detections_csv(findings.rows);
-  else if (!options.common.quiet) print_summary(findings, options.csv);
+  if (options.json)
+    std::cout << as_json(findings).dump(2) << '\n';
+  else if (!to_file)
+    std::cout << io::detections_csv(findings.rows);
+  else if (!options.common.quiet)
+    print_summary(findings, options.csv);
   if (findings.unusable > 0) return kUnusable;
   return findings.with_gate + findings.with_part > 0 ? kDone : kAnswerIsNo;
 }
@@ -236,22 +267,32 @@ void add_detect(CLI::App& app, Run& run) {
   CLI::App* command = app.add_subcommand("detect", "gates in images, folders, or a video");
   command->footer(
       "Example:\n  gatefly detect --rotate 0 photo.png clip.mp4 --annotate out/drawn\n"
-      "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv found.csv\n\n"
-      "A folder means its jpg, png and ppm files; raw .uyvy (of the camera's size) only when named; anything else is\n"
+      "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv "
+      "found.csv\n\n"
+      "A folder means its jpg, png and ppm files; raw .uyvy (of the camera's size) only when "
+      "named; anything else is\n"
       "read as a video by ffmpeg. A gate that the border cuts is a row of method bars, which\n"
-      "score leaves out: a corner of fitness 0 is not in view, there the bar leaves the picture; with whole gates in the\n"
-      "picture only with --all. Exit code 0: a gate was detected; 1: none; 2: something could not be used (the\n"
+      "score leaves out: a corner of fitness 0 is not in view, there the bar leaves the picture; "
+      "with whole gates in the\n"
+      "picture only with --all. Exit code 0: a gate was detected; 1: none; 2: something could not "
+      "be used (the\n"
       "rest is done); 130: Ctrl-C.");
   command->add_option("PATH", options->paths, "images, folders, videos")->required();
   command->add_flag("--all", options->all, "every gate, best first, instead of the best");
-  command->add_option("--rotate", options->rotate_deg,
-                      "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+  command
+      ->add_option("--rotate", options->rotate_deg,
+                   "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->type_name("DEG");
-  command->add_option("--csv", options->csv, "where rows go instead of stdout (-)")->type_name("FILE");
-  command->add_option("--annotate", options->annotate, "draw every picture with its gates: DIR/<image>.png")
+  command->add_option("--csv", options->csv, "where rows go instead of stdout (-)")
+      ->type_name("FILE");
+  command
+      ->add_option("--annotate", options->annotate,
+                   "draw every picture with its gates: DIR/<image>.png")
       ->type_name("DIR");
-  command->add_option("--data", options->data, "where a PATH is looked for that is not here [$GATEFLY_DATA]")
+  command
+      ->add_option("--data", options->data,
+                   "where a PATH is looked for that is not here [$GATEFLY_DATA]")
       ->type_name("DIR");
   command->add_flag("--json", options->json, "print JSON");
   add_common(*command, options->common);

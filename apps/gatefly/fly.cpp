@@ -6,10 +6,11 @@
 #include <optional>
 #include <sstream>
 
-#include "commands.hpp"
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/flight_video.hpp"
 #include "gatefly/io/summary.hpp"
+
+#include "commands.hpp"
 #include "race_options.hpp"
 
 namespace gatefly::cli {
@@ -33,21 +34,25 @@ std::string outcome(const closed_loop::RaceResult& result, const Eigen::Vector3d
   if (result.finished) return "finished";
   const std::string where = " at " + place(last_p_EB) + " m";
   if (result.crash_time)
-    return "crashed into " + result.crash_object + where + ", " + fixed(*result.crash_time, 1) + " s after the start";
-  if (result.stop_reason == "timeout") return "timed out after " + fixed(result.flight_time, 0) + " s" + where;
+    return "crashed into " + result.crash_object + where + ", " + fixed(*result.crash_time, 1) +
+           " s after the start";
+  if (result.stop_reason == "timeout")
+    return "timed out after " + fixed(result.flight_time, 0) + " s" + where;
   if (result.stop_reason == "abort") return "given up: " + result.abort_reason + where;
   return "not finished: " + result.stop_reason + where;
 }
 
 /// "finished, 5 of 5 gates in 24.8 s".
 std::string verdict(const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB) {
-  return outcome(r, last_p_EB) + ", " + std::to_string(r.gates_passed) + " of " + std::to_string(r.gates_total) +
-         " gates" + (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
+  return outcome(r, last_p_EB) + ", " + std::to_string(r.gates_passed) + " of " +
+         std::to_string(r.gates_total) + " gates" +
+         (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
 }
 
-void print_screen(const Race& race, const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB,
-                  const fs::path& out, bool quiet) {
-  std::cout << race.identity.track << ", seed " << race.identity.seed << ": " << verdict(r, last_p_EB) << '\n';
+void print_screen(const Race& race, const closed_loop::RaceResult& r,
+                  const Eigen::Vector3d& last_p_EB, const fs::path& out, bool quiet) {
+  std::cout << race.identity.track << ", seed " << race.identity.seed << ": "
+            << verdict(r, last_p_EB) << '\n';
   if (quiet) return;
 
   const auto line = [](const char* name, const std::string& text) {
@@ -57,15 +62,17 @@ void print_screen(const Race& race, const closed_loop::RaceResult& r, const Eige
   for (const double lap : r.lap_times) laps += (laps.empty() ? "" : ", ") + fixed(lap, 1) + " s";
   line("laps", laps.empty() ? "none" : laps);
   line("speed", fixed(r.mean_speed, 2) + " m/s mean, " + fixed(r.max_speed, 2) + " m/s max");
-  line("estimate", "rmse x " + fixed(r.estimation_rmse.x(), 2) + ", y " + fixed(r.estimation_rmse.y(), 2) +
-                       ", z " + fixed(r.estimation_rmse.z(), 2) + " m");
+  line("estimate", "rmse x " + fixed(r.estimation_rmse.x(), 2) + ", y " +
+                       fixed(r.estimation_rmse.y(), 2) + ", z " + fixed(r.estimation_rmse.z(), 2) +
+                       " m");
   line("detection", std::to_string(r.frames) + " pictures, " + std::to_string(r.frames_with_gate) +
                         " with a gate in view: " + std::to_string(r.true_positives) + " found, " +
                         std::to_string(r.false_positives) + " false");
   line("searches", std::to_string(r.searches));
-  line("cost", fixed(r.flight_time > 0 ? r.cpu_seconds / r.flight_time : 0.0, 2) + " s CPU per flight second, " +
-                   fixed(r.wall_seconds, 1) + " s in all" +
-                   (r.bake_seconds > 0 ? ", light map baked in " + fixed(r.bake_seconds, 1) + " s" : ""));
+  line("cost",
+       fixed(r.flight_time > 0 ? r.cpu_seconds / r.flight_time : 0.0, 2) +
+           " s CPU per flight second, " + fixed(r.wall_seconds, 1) + " s in all" +
+           (r.bake_seconds > 0 ? ", light map baked in " + fixed(r.bake_seconds, 1) + " s" : ""));
   line("files", (out / "").string());
 }
 
@@ -73,9 +80,10 @@ void print_screen(const Race& race, const closed_loop::RaceResult& r, const Eige
 int fly(const FlyOptions& options) {
   const RaceMaker maker(options.race);
   const Race race = maker.race(options.seed);
-  const fs::path out = options.out.empty() ? fs::path{"out"} / (fs::path{options.race.track}.stem().string() + "-" +
-                                                               std::to_string(options.seed))
-                                           : fs::path{options.out};
+  const fs::path out = options.out.empty()
+                           ? fs::path{"out"} / (fs::path{options.race.track}.stem().string() + "-" +
+                                                std::to_string(options.seed))
+                           : fs::path{options.out};
   const bool quiet = options.race.common.quiet;
   if (options.video) io::require_ffmpeg();
   io::FlightRecorder recorder(out);
@@ -83,7 +91,8 @@ int fly(const FlyOptions& options) {
   std::optional<io::FlightVideo> video;
   if (options.video)
     video.emplace(recorder.place_for("flight.mp4"), race.config,
-                  race.identity.track + ", seed " + std::to_string(options.seed), options.race.vision != "ideal");
+                  race.identity.track + ", seed " + std::to_string(options.seed),
+                  options.race.vision != "ideal");
   catch_interrupt();
 
   Progress progress(quiet, 10.0);
@@ -97,8 +106,9 @@ int fly(const FlyOptions& options) {
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
     if (progress.due(now)) {
       const int passed = tick.pilot.estimate().gates_passed;
-      progress.update(passed / total, fixed(now, 0) + " s flown, " + std::to_string(passed) + " of " +
-                                          fixed(total, 0) + " gates, " + name_of(tick.pilot.phase()));
+      progress.update(passed / total, fixed(now, 0) + " s flown, " + std::to_string(passed) +
+                                          " of " + fixed(total, 0) + " gates, " +
+                                          name_of(tick.pilot.phase()));
     }
     return !interrupted();
   };
@@ -130,12 +140,15 @@ void add_fly(CLI::App& app, Run& run) {
       "  gatefly fly oval --vision ideal\n\n"
       "An ideal flight has no pictures: replay needs a rendered one.\n"
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
-  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")->capture_default_str();
+  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")
+      ->capture_default_str();
   command->add_option("--seed", options->seed, "the day: what [randomize] draws")
       ->check(check_seed)
       ->capture_default_str();
-  command->add_option("--out", options->out, "folder for the flight [out/TRACK-SEED]")->type_name("DIR");
-  command->add_flag("--video", options->video, "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
+  command->add_option("--out", options->out, "folder for the flight [out/TRACK-SEED]")
+      ->type_name("DIR");
+  command->add_flag("--video", options->video,
+                    "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
   command->add_flag("--json", options->json, "print summary.json instead of a screen");
   add_race_options(*command, options->race);
   command->callback([options, &run] { run = [options] { return fly(*options); }; });

@@ -10,11 +10,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/pictures.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -35,7 +36,8 @@ struct Identified {
 };
 
 nlohmann::ordered_json as_json(const DragFit& fit) {
-  return {{"k_x_1ps", fit.drag.x()}, {"k_x_sigma", fit.drag_sigma.x()}, {"k_y_1ps", fit.drag.y()}, {"k_y_sigma", fit.drag_sigma.y()},
+  return {{"k_x_1ps", fit.drag.x()},           {"k_x_sigma", fit.drag_sigma.x()},
+          {"k_y_1ps", fit.drag.y()},           {"k_y_sigma", fit.drag_sigma.y()},
           {"accel_bias_x_mps2", fit.bias.x()}, {"accel_bias_y_mps2", fit.bias.y()}};
 }
 
@@ -52,7 +54,8 @@ std::vector<fs::path> flight_folders(const IdentifyOptions& options) {
     const std::size_t before = folders.size();
     for (const auto& entry : fs::directory_iterator(path))
       if (fs::exists(entry.path() / "log_si.csv")) folders.push_back(entry.path());
-    if (folders.size() == before) throw std::runtime_error(given + ": there is no log_si.csv in it, nor in its folders");
+    if (folders.size() == before)
+      throw std::runtime_error(given + ": there is no log_si.csv in it, nor in its folders");
     std::sort(folders.begin() + static_cast<std::ptrdiff_t>(before), folders.end());
   }
   return folders;
@@ -60,10 +63,14 @@ std::vector<fs::path> flight_folders(const IdentifyOptions& options) {
 
 void print(const std::vector<Identified>& all, const DragFit& mean) {
   const auto row = [](const std::string& name, const DragFit& fit, bool single) {
-    std::cout << std::left << std::setw(12) << name << std::right << std::fixed << std::setprecision(2) << std::setw(7) << fit.drag.x() << " ± "
-              << 1.96 * fit.drag_sigma.x() << std::setw(8) << fit.drag.y() << " ± " << 1.96 * fit.drag_sigma.y() << std::setw(8) << fit.bias.x()
-              << std::setw(7) << fit.bias.y();
-    if (single) std::cout << std::setprecision(1) << std::setw(9) << fit.heading_offset / kDegree << std::setprecision(2) << std::setw(9) << fit.rms;
+    std::cout << std::left << std::setw(12) << name << std::right << std::fixed
+              << std::setprecision(2) << std::setw(7) << fit.drag.x() << " ± "
+              << 1.96 * fit.drag_sigma.x() << std::setw(8) << fit.drag.y() << " ± "
+              << 1.96 * fit.drag_sigma.y() << std::setw(8) << fit.bias.x() << std::setw(7)
+              << fit.bias.y();
+    if (single)
+      std::cout << std::setprecision(1) << std::setw(9) << fit.heading_offset / kDegree
+                << std::setprecision(2) << std::setw(9) << fit.rms;
     std::cout << '\n';
   };
   std::cout << "flight       k_x [1/s] 95 %   k_y [1/s] 95 %    bias x, y     heading   misfit\n"
@@ -84,7 +91,8 @@ int identify(const IdentifyOptions& options) {
       all.push_back({name, *fit});
     } else {
       some_without = true;
-      std::cerr << "gatefly identify: " << folder.string() << ": no second above 0.9 m with true position, velocity and attitude; left out\n";
+      std::cerr << "gatefly identify: " << folder.string()
+                << ": no second above 0.9 m with true position, velocity and attitude; left out\n";
     }
   }
   if (all.empty()) return kAnswerIsNo;
@@ -92,7 +100,8 @@ int identify(const IdentifyOptions& options) {
   for (const Identified& one : all) fits.push_back(one.fit);
   const DragFit mean = identification::mean_of(fits);
   if (options.json) {
-    nlohmann::ordered_json answer{{"mean", as_json(mean)}, {"flights", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json answer{{"mean", as_json(mean)},
+                                  {"flights", nlohmann::ordered_json::array()}};
     for (const Identified& one : all) {
       nlohmann::ordered_json flight = as_json(one.fit);
       flight["flight"] = one.name, flight["heading_offset_deg"] = one.fit.heading_offset / kDegree;
@@ -110,13 +119,19 @@ int identify(const IdentifyOptions& options) {
 
 void add_identify(CLI::App& app, Run& run) {
   auto options = std::make_shared<IdentifyOptions>();
-  CLI::App* command = app.add_subcommand("identify", "drag, accelerometer bias and heading offset from recorded flights");
+  CLI::App* command = app.add_subcommand(
+      "identify", "drag, accelerometer bias and heading offset from recorded flights");
   command->footer(
       "Example:\n  gatefly identify tudelft_bebop_flights\n\n"
-      "Needs true positions and velocities (ot_*) and the autopilot's attitude (ahrs_*) in log_si.csv.\n"
-      "Exit code 0: all flights identified; 1: some were not; 2: unusable arguments or log; 130: Ctrl-C.");
+      "Needs true positions and velocities (ot_*) and the autopilot's attitude (ahrs_*) in "
+      "log_si.csv.\n"
+      "Exit code 0: all flights identified; 1: some were not; 2: unusable arguments or log; 130: "
+      "Ctrl-C.");
   command->add_option("DIR", options->flights, "flight folders, or folders of them")->required();
-  command->add_option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")->type_name("DIR");
+  command
+      ->add_option("--data", options->data,
+                   "folder of real data [$GATEFLY_DATA, else ../shared/data]")
+      ->type_name("DIR");
   command->add_flag("--json", options->json, "numbers for programs");
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return identify(*options); }; });

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "commands.hpp"
 #include "gatefly/io/text.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -44,10 +45,13 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
 }
 
 int run_main(std::span<char* const> arguments) {
-  CLI::App app{"Flies a drone through a course of gates with one camera, an IMU and a sonar.", "gatefly"};
+  CLI::App app{"Flies a drone through a course of gates with one camera, an IMU and a sonar.",
+               "gatefly"};
   app.set_version_flag("--version", std::string{"gatefly "} + GATEFLY_VERSION);
   app.require_subcommand(1);
-  app.footer("Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help says more about a command.");
+  app.footer(
+      "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help says more about a "
+      "command.");
   Run run;
   add_fly(app, run);
   add_replay(app, run);
@@ -65,8 +69,8 @@ int run_main(std::span<char* const> arguments) {
     const std::string name = arguments[1];
     const auto names = command_names(app);
     if (std::find(names.begin(), names.end(), name) == names.end()) {
-      std::cerr << "gatefly: no command '" << io::one_line(name) << "'" << io::suggestion(name, names) << " (there are: "
-                << io::joined(names) << ")\n";
+      std::cerr << "gatefly: no command '" << io::one_line(name) << "'"
+                << io::suggestion(name, names) << " (there are: " << io::joined(names) << ")\n";
       return kUnusable;
     }
   }

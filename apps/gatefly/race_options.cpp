@@ -27,15 +27,18 @@ fs::path cache_dir() {
 
 void refuse_unflyable(const io::Config& config) {
   if (config.gate_corners != "outer")
-    throw std::runtime_error("gate.corners = \"" + config.gate_corners + "\", must be \"outer\" to fly");
+    throw std::runtime_error("gate.corners = \"" + config.gate_corners +
+                             "\", must be \"outer\" to fly");
   if (config.detector_mode != "ours")
-    throw std::runtime_error("detector.mode = \"" + config.detector_mode + "\", must be \"ours\" to fly");
+    throw std::runtime_error("detector.mode = \"" + config.detector_mode +
+                             "\", must be \"ours\" to fly");
 }
 
 /// An argument as a shell wants it.
 std::string quoted(const std::string& text) {
   const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view{"._-/=+,:"}.find(static_cast<char>(c)) != std::string_view::npos;
+    return std::isalnum(c) != 0 ||
+           std::string_view{"._-/=+,:"}.find(static_cast<char>(c)) != std::string_view::npos;
   });
   if (plain) return text;
   std::string result = "'";
@@ -50,10 +53,12 @@ std::string check_seed(const std::string& text) {
 }
 
 void add_race_options(CLI::App& command, RaceOptions& options) {
-  command.add_option("--laps", options.laps, "instead of the track's own number")->check(CLI::Range(1, 100));
+  command.add_option("--laps", options.laps, "instead of the track's own number")
+      ->check(CLI::Range(1, 100));
   command
       .add_option("--vision", options.vision,
-                  "rendered: pictures, really detected; ideal: detections drawn from the detector's statistics, fast")
+                  "rendered: pictures, really detected; ideal: detections drawn from the "
+                  "detector's statistics, fast")
       ->check(CLI::IsMember({"rendered", "ideal"}))
       ->capture_default_str();
   add_common(command, options.common);
@@ -63,7 +68,8 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   RaceOptions options = given_options;
   // The simulated sensor is always mounted turned, whichever way the camera's own is.
   constexpr int kSimulated = 90;
-  if (io::load_config(io::config_files(options.common.configs), options.common.settings).stored_rotation_deg != kSimulated)
+  if (io::load_config(io::config_files(options.common.configs), options.common.settings)
+          .stored_rotation_deg != kSimulated)
     options.common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
   const io::Config config = load(options.common);
   refuse_unflyable(config);
@@ -71,7 +77,8 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   io::TrackFile file = io::read_track(path, {.side = config.gate_side, .bar = config.gate_bar});
   if (options.laps) file.track.laps = *options.laps;
 
-  nominal_.vision = options.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
+  nominal_.vision =
+      options.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
   nominal_.timeout = config.timeout;
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
@@ -81,7 +88,10 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   nominal_.sim.cache_dir = cache_dir();
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
-  identity_ = {.track = file.track.name, .seed = 0, .vision = options.vision, .version = GATEFLY_VERSION,
+  identity_ = {.track = file.track.name,
+               .seed = 0,
+               .vision = options.vision,
+               .version = GATEFLY_VERSION,
                .config = io::as_json(config)};
   for (const auto& key : io::randomize_keys())
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);

@@ -7,9 +7,10 @@
 #include <string>
 
 #include "gatefly/closed_loop/race.hpp"
-#include "commands.hpp"
 #include "gatefly/io/summary.hpp"
 #include "gatefly/io/track_file.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 
@@ -35,7 +36,8 @@ struct Race {
 /// Reads track and configuration once, then makes the race of any seed.
 class RaceMaker {
  public:
-  /// @throws std::runtime_error one line: unreadable, not allowed, or a course that cannot be flown.
+  /// @throws std::runtime_error one line: unreadable, not allowed, or a course that cannot be
+  ///     flown.
   explicit RaceMaker(const RaceOptions& options);
 
   [[nodiscard]] Race race(std::uint64_t seed) const;

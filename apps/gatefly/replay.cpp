@@ -13,13 +13,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/io/csv.hpp"
 #include "gatefly/io/flight_folder.hpp"
 #include "gatefly/io/image_file.hpp"
 #include "gatefly/io/text.hpp"
 #include "gatefly/io/track_file.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -77,22 +78,24 @@ Recording read(const ReplayOptions& options) {
     recording.config = load(common);
   }
   if (recording.config.detector_mode != "ours")
-    throw std::runtime_error("detector.mode = \"" + recording.config.detector_mode + "\", must be \"ours\" to replay");
-  const fs::path track_path = !options.track.empty()   ? io::find_track(options.track)
-                              : recording.simulated ? directory / "track.toml"
-                                                    : io::find_track("flights");
-  const io::TrackFile track =
-      io::read_track(track_path, {.side = recording.config.gate_side, .bar = recording.config.gate_bar});
+    throw std::runtime_error("detector.mode = \"" + recording.config.detector_mode +
+                             "\", must be \"ours\" to replay");
+  const fs::path track_path = !options.track.empty() ? io::find_track(options.track)
+                              : recording.simulated  ? directory / "track.toml"
+                                                     : io::find_track("flights");
+  const io::TrackFile track = io::read_track(
+      track_path, {.side = recording.config.gate_side, .bar = recording.config.gate_bar});
   recording.pilot = recording.config.pilot;
   recording.pilot.track = track.track;
   if (recording.simulated) recording.pilot.track.laps = laps_of_flight(directory, track.track.laps);
 
-  // A real log: heading from its own AHRS plus the offset to motion capture; height from motion capture,
-  // which stands in for the sonar that was not logged.
+  // A real log: heading from its own AHRS plus the offset to motion capture; height from motion
+  // capture, which stands in for the sonar that was not logged.
   const auto& samples = recording.folder.samples;
   const bool has_height = samples.front().sonar || samples.front().baro || recording.simulated;
   if (!recording.simulated && samples.front().ahrs)
-    recording.pilot.track.start_heading = wrap_angle(samples.front().ahrs->yaw + options.heading_offset_deg * kDegree);
+    recording.pilot.track.start_heading =
+        wrap_angle(samples.front().ahrs->yaw + options.heading_offset_deg * kDegree);
   double last_z = 0.0;
   recording.ticks.resize(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -102,7 +105,8 @@ Recording read(const ReplayOptions& options) {
     tick.sensors.sonar = samples[i].sonar;
     tick.sensors.baro = samples[i].baro;
     tick.p_EB = samples[i].true_p_EB;
-    if (!has_height && tick.p_EB && tick.p_EB->z() != last_z) tick.sensors.sonar = last_z = -tick.p_EB->z();
+    if (!has_height && tick.p_EB && tick.p_EB->z() != last_z)
+      tick.sensors.sonar = last_z = -tick.p_EB->z();
     if (!has_height && tick.p_EB) last_z = tick.p_EB->z();
   }
   for (std::size_t i = 0; i < recording.folder.images.size(); ++i)
@@ -121,13 +125,15 @@ bool overlaps70(const Quad& a, const Quad& b) {
 }
 
 /// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
-std::optional<Rate> against_labels(const Recording& recording, const closed_loop::ReplayResult& result) {
+std::optional<Rate> against_labels(const Recording& recording,
+                                   const closed_loop::ReplayResult& result) {
   const fs::path path = recording.folder.directory / "labels.csv";
   if (!fs::exists(path)) return std::nullopt;
   const io::Csv csv(path);
   const auto names = csv.texts("image");
   std::array<std::vector<double>, 8> corner;
-  constexpr std::array<const char*, 8> kNames{"tl_u", "tl_v", "tr_u", "tr_v", "br_u", "br_v", "bl_u", "bl_v"};
+  constexpr std::array<const char*, 8> kNames{"tl_u", "tl_v", "tr_u", "tr_v",
+                                              "br_u", "br_v", "bl_u", "bl_v"};
   for (std::size_t k = 0; k < 8; ++k) corner[k] = csv.numbers(kNames[k]);
   Rate rate;
   for (const auto& row : result.pictures) {
@@ -140,16 +146,18 @@ std::optional<Rate> against_labels(const Recording& recording, const closed_loop
       for (std::size_t k = 0; k < 4; ++k) label[k] = {corner[2 * k][i], corner[2 * k + 1][i]};
       ++rate.shown;
       bool found = false;
-      for (const auto& detection : row.sighting.detections) found = found || overlaps70(detection.corners_px, label);
+      for (const auto& detection : row.sighting.detections)
+        found = found || overlaps70(detection.corners_px, label);
       rate.found += found;
     }
   }
   return rate;
 }
 
-/// Against the geometry: where true position, the log's own attitude and the measured gate say that the
-/// whole gate is in the picture.
-std::optional<Rate> against_geometry(const Recording& recording, const closed_loop::ReplayResult& result,
+/// Against the geometry: where true position, the log's own attitude and the measured gate say that
+/// the whole gate is in the picture.
+std::optional<Rate> against_geometry(const Recording& recording,
+                                     const closed_loop::ReplayResult& result,
                                      double heading_offset) {
   Rate rate;
   const CameraRig& rig = recording.pilot.camera;
@@ -169,15 +177,16 @@ std::optional<Rate> against_geometry(const Recording& recording, const closed_lo
         for (const double z : {-0.5, 0.5}) {
           const Eigen::Vector3d corner = gate.p_EG + R_EG * (gate.side * Eigen::Vector3d{0, y, z});
           const auto px = rig.lens.project(R_EC.transpose() * (corner - eye));
-          whole = whole && px && px->x() > 2 && px->y() > 2 && px->x() < recording.config.width - 3 &&
-                  px->y() < recording.config.height - 3;
+          whole = whole && px && px->x() > 2 && px->y() > 2 &&
+                  px->x() < recording.config.width - 3 && px->y() < recording.config.height - 3;
           if (px) middle += 0.25 * *px;
         }
       if (!whole) continue;
       ++rate.shown;
       bool found = false;
       for (const auto& detection : row.sighting.detections)
-        found = found || (center(detection.corners_px) - middle).norm() < 0.35 * std::sqrt(std::abs(area(detection.corners_px)));
+        found = found || (center(detection.corners_px) - middle).norm() <
+                             0.35 * std::sqrt(std::abs(area(detection.corners_px)));
       rate.found += found;
     }
   }
@@ -188,20 +197,22 @@ std::optional<Rate> against_geometry(const Recording& recording, const closed_lo
 std::string estimates_csv(const closed_loop::ReplayResult& result) {
   std::ostringstream csv;
   csv << std::setprecision(17)
-      << "t_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,bax_mps2,bay_mps2,baz_mps2,source\n";
+      << "t_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,bax_mps2,bay_mps2,baz_"
+         "mps2,source\n";
   for (const auto& row : result.estimates) {
     const Estimate& e = row.estimate;
     constexpr std::array<const char*, 3> kSources{"predict", "corners", "bars"};
-    csv << row.t << ',' << e.p_EB.x() << ',' << e.p_EB.y() << ',' << e.p_EB.z() << ',' << e.v_E.x() << ','
-        << e.v_E.y() << ',' << e.v_E.z() << ',' << e.attitude.roll << ',' << e.attitude.pitch << ','
-        << e.attitude.yaw << ',' << e.accel_bias.x() << ',' << e.accel_bias.y() << ',' << e.accel_bias.z() << ','
-        << kSources[static_cast<std::size_t>(row.source)] << '\n';
+    csv << row.t << ',' << e.p_EB.x() << ',' << e.p_EB.y() << ',' << e.p_EB.z() << ',' << e.v_E.x()
+        << ',' << e.v_E.y() << ',' << e.v_E.z() << ',' << e.attitude.roll << ',' << e.attitude.pitch
+        << ',' << e.attitude.yaw << ',' << e.accel_bias.x() << ',' << e.accel_bias.y() << ','
+        << e.accel_bias.z() << ',' << kSources[static_cast<std::size_t>(row.source)] << '\n';
   }
   return csv.str();
 }
 
 /// Whether the recorded pilot's estimates came out again, to the bit.
-std::optional<bool> same_as_recorded(const Recording& recording, const closed_loop::ReplayResult& result) {
+std::optional<bool> same_as_recorded(const Recording& recording,
+                                     const closed_loop::ReplayResult& result) {
   if (!recording.folder.samples.front().est_p_EB) return std::nullopt;
   for (std::size_t i = 0; i < result.estimates.size(); ++i) {
     const auto& recorded = recording.folder.samples[i];
@@ -213,10 +224,12 @@ std::optional<bool> same_as_recorded(const Recording& recording, const closed_lo
 /// A flight on ideal vision left no pictures; what it saw was drawn and is not kept.
 void refuse_ideal(const fs::path& directory) {
   if (!fs::exists(directory / "summary.json")) return;
-  const auto summary = nlohmann::json::parse(io::read_file(directory / "summary.json"), nullptr, false);
+  const auto summary =
+      nlohmann::json::parse(io::read_file(directory / "summary.json"), nullptr, false);
   if (summary.is_object() && summary.value("vision", "rendered") == "ideal")
-    throw std::runtime_error(directory.string() +
-                             ": flown with --vision ideal, has no pictures to replay; fly it with --vision rendered");
+    throw std::runtime_error(
+        directory.string() +
+        ": flown with --vision ideal, has no pictures to replay; fly it with --vision rendered");
 }
 
 int replay(const ReplayOptions& options) {
@@ -231,8 +244,9 @@ int replay(const ReplayOptions& options) {
   };
   const closed_loop::ReplayResult result = [&] {
     try {
-      return closed_loop::replay(recording.pilot, recording.ticks, load_picture,
-                                 is_drag ? closed_loop::Estimator::kDrag : closed_loop::Estimator::kImu15);
+      return closed_loop::replay(
+          recording.pilot, recording.ticks, load_picture,
+          is_drag ? closed_loop::Estimator::kDrag : closed_loop::Estimator::kImu15);
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(std::string("the track cannot be flown: ") + error.what());
     }
@@ -257,26 +271,30 @@ int replay(const ReplayOptions& options) {
                         {"labelled", nullptr},
                         {"visible", nullptr},
                         {"same_as_recorded", nullptr}};
-    if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
+    if (result.rmse_samples > 0)
+      json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
     if (labelled) json["labelled"] = {{"shown", labelled->shown}, {"found", labelled->found}};
     if (visible) json["visible"] = {{"shown", visible->shown}, {"found", visible->found}};
     if (exact) json["same_as_recorded"] = *exact;
     std::cout << json.dump(2) << '\n';
   } else {
-    std::cout << std::fixed << std::setprecision(2) << options.directory << ": " << result.estimates.size()
-              << " samples, " << result.pictures.size() << " pictures, all numbers "
-              << (result.finite ? "finite" : "NOT finite") << '\n';
+    std::cout << std::fixed << std::setprecision(2) << options.directory << ": "
+              << result.estimates.size() << " samples, " << result.pictures.size()
+              << " pictures, all numbers " << (result.finite ? "finite" : "NOT finite") << '\n';
     if (visible)
       std::cout << "  gate found      in " << visible->found << " of " << visible->shown
                 << " in-flight pictures that show it whole\n";
     if (labelled)
-      std::cout << "  labelled        in " << labelled->found << " of " << labelled->shown << " (overlap70)\n";
-    std::cout << "  fixes           " << fixes << " pictures corrected the filter, " << result.gates_passed
-              << " gates passed\n";
+      std::cout << "  labelled        in " << labelled->found << " of " << labelled->shown
+                << " (overlap70)\n";
+    std::cout << "  fixes           " << fixes << " pictures corrected the filter, "
+              << result.gates_passed << " gates passed\n";
     if (result.rmse_samples > 0)
-      std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y() << ", z "
-                << result.rmse.z() << " m, from the first fix to the last gate\n";
-    if (exact) std::cout << "  recorded flight " << (*exact ? "the same estimates, to the bit" : "estimates DIFFER") << '\n';
+      std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
+                << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
+    if (exact)
+      std::cout << "  recorded flight "
+                << (*exact ? "the same estimates, to the bit" : "estimates DIFFER") << '\n';
   }
   return result.finite ? kDone : kAnswerIsNo;
 }
@@ -285,19 +303,27 @@ int replay(const ReplayOptions& options) {
 
 void add_replay(CLI::App& app, Run& run) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay", "a recorded flight through the pilot that flies the simulator");
+  CLI::App* command =
+      app.add_subcommand("replay", "a recorded flight through the pilot that flies the simulator");
   command->footer(
       "Example:\n  gatefly replay out/showroom-1 --csv estimates.csv\n"
       "  gatefly replay ../shared/data/tudelft_bebop_flights/flight_11 --json\n\n"
-      "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml and\n"
+      "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml "
+      "and\n"
       "configs/flights.toml. Exit code 0: done; 1: a number was not finite; 2: unusable input.");
-  command->add_option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")->required();
-  command->add_option("--track", options->track, "instead of the folder's own: a name in tracks/ or a file");
-  command->add_option("--estimator", options->estimator, "drag: the 7-state filter; imu15: the classic inertial one beside it, for comparison")
+  command->add_option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")
+      ->required();
+  command->add_option("--track", options->track,
+                      "instead of the folder's own: a name in tracks/ or a file");
+  command
+      ->add_option(
+          "--estimator", options->estimator,
+          "drag: the 7-state filter; imu15: the classic inertial one beside it, for comparison")
       ->check(CLI::IsMember({"drag", "imu15"}))
       ->capture_default_str();
-  command->add_option("--heading-offset-deg", options->heading_offset_deg,
-                      "real logs: motion capture's heading minus the log's own (differs by flight)")
+  command
+      ->add_option("--heading-offset-deg", options->heading_offset_deg,
+                   "real logs: motion capture's heading minus the log's own (differs by flight)")
       ->capture_default_str();
   command->add_option("--csv", options->csv, "write estimates.csv")->type_name("FILE");
   command->add_flag("--json", options->json, "print JSON");

@@ -9,9 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/io/text.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -37,8 +38,10 @@ int print_list(bool json) {
   auto list = nlohmann::ordered_json::array();
   for (const Experiment& experiment : experiments::all()) {
     list.push_back({{"name", experiment.name}, {"what", experiment.what}});
-    if (!json) std::cout << experiment.name << std::string(20 - std::min<std::size_t>(19, experiment.name.size()), ' ')
-                         << experiment.what << '\n';
+    if (!json)
+      std::cout << experiment.name
+                << std::string(20 - std::min<std::size_t>(19, experiment.name.size()), ' ')
+                << experiment.what << '\n';
   }
   if (json) std::cout << list.dump(2) << '\n';
   return kDone;
@@ -49,13 +52,15 @@ std::vector<Experiment> chosen(const ReproduceOptions& options) {
   if (options.all) return {all.begin(), all.end()};
   const auto names = names_of_all();
   if (options.names.empty())
-    throw std::runtime_error("reproduce: name an experiment or --all (there are: " + io::joined(names) + ")");
+    throw std::runtime_error(
+        "reproduce: name an experiment or --all (there are: " + io::joined(names) + ")");
   std::vector<Experiment> list;
   for (const std::string& name : options.names) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
-      throw std::runtime_error("reproduce: no experiment '" + name + "'" + io::suggestion(name, names) +
-                               " (there are: " + io::joined(names) + ")");
+      throw std::runtime_error("reproduce: no experiment '" + name + "'" +
+                               io::suggestion(name, names) + " (there are: " + io::joined(names) +
+                               ")");
     list.push_back(all[static_cast<std::size_t>(found - names.begin())]);
   }
   return list;
@@ -63,7 +68,9 @@ std::vector<Experiment> chosen(const ReproduceOptions& options) {
 
 /// A letter may be several bytes of UTF-8.
 std::size_t letters(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
 }
 
 /// `text` and blanks up to `columns` letters.
@@ -71,20 +78,25 @@ std::string padded(const std::string& text, std::size_t columns) {
   return text + std::string(columns > letters(text) ? columns - letters(text) : 0, ' ');
 }
 
-void print_table(const Experiment& experiment, const Result& result, double seconds, const fs::path& folder) {
+void print_table(const Experiment& experiment, const Result& result, double seconds,
+                 const fs::path& folder) {
   std::size_t first = 28, second = 16;
   for (const experiments::Comparison& row : result.table)
     first = std::max(first, letters(row.what)), second = std::max(second, letters(row.paper));
-  std::cout << experiment.name << ": " << experiment.what << "\n  " << padded("", first + 2) << padded("paper", second + 2) << "ours\n";
+  std::cout << experiment.name << ": " << experiment.what << "\n  " << padded("", first + 2)
+            << padded("paper", second + 2) << "ours\n";
   for (const experiments::Comparison& row : result.table)
-    std::cout << "  " << padded(row.what, first + 2) << padded(row.paper, second + 2) << row.ours << '\n';
-  std::cout << "  " << io::text_of(seconds, 3) << " s; plot, CSV and JSON in " << folder.string() << '\n';
+    std::cout << "  " << padded(row.what, first + 2) << padded(row.paper, second + 2) << row.ours
+              << '\n';
+  std::cout << "  " << io::text_of(seconds, 3) << " s; plot, CSV and JSON in " << folder.string()
+            << '\n';
 }
 
 void write(const Result& result, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw std::runtime_error("--out: " + folder.string() + " cannot be made: " + error.message());
+  if (error)
+    throw std::runtime_error("--out: " + folder.string() + " cannot be made: " + error.message());
   io::write_file(folder / "result.csv", result.csv);
   result.picture.write_png(folder / "plot.png");
   io::write_file(folder / "result.json", result.json.dump(2) + "\n");
@@ -99,15 +111,19 @@ int reproduce(const ReproduceOptions& options) {
   nlohmann::ordered_json answer = nlohmann::ordered_json::object();
   for (const Experiment& experiment : list) {
     Progress progress(options.common.quiet, 0.25);
-    const experiments::Options told{.data = options.data, .quick = options.quick,
-                                    .progress = [&](double part, const std::string& text) {
-                                      if (progress.due(part)) progress.update(part, experiment.name + "  " + text);
-                                    },
+    const experiments::Options told{.data = options.data,
+                                    .quick = options.quick,
+                                    .progress =
+                                        [&](double part, const std::string& text) {
+                                          if (progress.due(part))
+                                            progress.update(part, experiment.name + "  " + text);
+                                        },
                                     .stopped = interrupted};
     const auto start = std::chrono::steady_clock::now();
     try {
       Result result = experiment.run(told);
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       result.json["quick"] = options.quick;
       const fs::path folder = fs::path{options.out} / experiment.name;
       write(result, folder);
@@ -116,7 +132,8 @@ int reproduce(const ReproduceOptions& options) {
       answer[experiment.name] = std::move(result.json);
     } catch (const experiments::Stopped&) {
       progress.clear();
-      std::cerr << "gatefly reproduce: interrupted in " << experiment.name << ", nothing of it kept\n";
+      std::cerr << "gatefly reproduce: interrupted in " << experiment.name
+                << ", nothing of it kept\n";
       return kInterrupted;
     }
   }
@@ -128,17 +145,25 @@ int reproduce(const ReproduceOptions& options) {
 
 void add_reproduce(CLI::App& app, Run& run) {
   auto options = std::make_shared<ReproduceOptions>();
-  CLI::App* command = app.add_subcommand("reproduce", "the paper's figures and tables, \"paper | ours\"");
+  CLI::App* command =
+      app.add_subcommand("reproduce", "the paper's figures and tables, \"paper | ours\"");
   command->footer(
-      "Example:\n  gatefly reproduce roc-fitness --quick\n  gatefly reproduce --all --data ~/data --out out/reproduce\n\n"
-      "Each experiment writes result.json, result.csv and plot.png into DIR/<name>/. Exit code 0: done; 2: unusable\n"
+      "Example:\n  gatefly reproduce roc-fitness --quick\n  gatefly reproduce --all --data ~/data "
+      "--out out/reproduce\n\n"
+      "Each experiment writes result.json, result.csv and plot.png into DIR/<name>/. Exit code 0: "
+      "done; 2: unusable\n"
       "arguments or no data; 130: Ctrl-C.");
   command->add_option("NAME", options->names, "experiments: see --list");
   command->add_flag("--list", options->list, "what there is");
   command->add_flag("--all", options->all, "every experiment");
-  command->add_flag("--quick", options->quick, "fewer points and repeats: seconds instead of minutes");
-  command->add_option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")->type_name("DIR");
-  command->add_option("--out", options->out, "where the results go [out/reproduce]")->type_name("DIR");
+  command->add_flag("--quick", options->quick,
+                    "fewer points and repeats: seconds instead of minutes");
+  command
+      ->add_option("--data", options->data,
+                   "folder of real data [$GATEFLY_DATA, else ../shared/data]")
+      ->type_name("DIR");
+  command->add_option("--out", options->out, "where the results go [out/reproduce]")
+      ->type_name("DIR");
   command->add_flag("--json", options->json, "print JSON");
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return reproduce(*options); }; });

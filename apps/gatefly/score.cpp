@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/io/scoring.hpp"
-
 #include <cmath>
 #include <iomanip>
 #include <iostream>
@@ -9,8 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/io/pictures.hpp"
+#include "gatefly/io/scoring.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -30,41 +30,54 @@ std::string fixed(double value, int digits) {
 }
 
 /// NaN and infinity have no place in JSON.
-ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
 
 ordered_json as_json(std::span<const double> errors) {
-  return {{"median", number(io::quantile(errors, 0.5))}, {"p90", number(io::quantile(errors, 0.9))}};
+  return {{"median", number(io::quantile(errors, 0.5))},
+          {"p90", number(io::quantile(errors, 0.9))}};
 }
 
 ordered_json as_json(std::span<const io::HitRate> rates, const std::string& unit) {
   ordered_json list = ordered_json::array();
   for (const io::HitRate& rate : rates)
-    list.push_back({{"from_" + unit, rate.from}, {"to_" + unit, number(rate.to)}, {"gates", rate.gates}, {"hits", rate.hits}});
+    list.push_back({{"from_" + unit, rate.from},
+                    {"to_" + unit, number(rate.to)},
+                    {"gates", rate.gates},
+                    {"hits", rate.hits}});
   return list;
 }
 
-ordered_json as_json(const ScoreOptions& options, const io::ScoreInput& input, const io::Score& score) {
-  return {{"labels", options.labels},
-          {"rule", options.rule},
-          {"nearest", options.nearest},
-          {"pictures", score.pictures},
-          {"labelled_gates", score.gates},
-          {"detections", score.detections},
-          {"hits", score.hits},
-          {"false_positives", score.false_positives},
-          {"neither", score.neither},
-          {"true_positive_rate", number(score.true_positive_rate())},
-          {"false_positives_per_image", number(score.false_positives_per_image())},
-          {"corner_error_px", {{"best_order", as_json(score.best_order_px)}, {"as_listed", as_json(score.as_listed_px)}}},
-          {"by_size", as_json(score.by_size, "px")},
-          {"by_distance", as_json(score.by_distance, "m")},
-          {"left_out", {{"duplicates", input.duplicates}, {"degenerate", input.degenerate}, {"bars", input.bars},
-                        {"not_labelled", input.unknown.size()}}}};
+ordered_json as_json(const ScoreOptions& options, const io::ScoreInput& input,
+                     const io::Score& score) {
+  return {
+      {"labels", options.labels},
+      {"rule", options.rule},
+      {"nearest", options.nearest},
+      {"pictures", score.pictures},
+      {"labelled_gates", score.gates},
+      {"detections", score.detections},
+      {"hits", score.hits},
+      {"false_positives", score.false_positives},
+      {"neither", score.neither},
+      {"true_positive_rate", number(score.true_positive_rate())},
+      {"false_positives_per_image", number(score.false_positives_per_image())},
+      {"corner_error_px",
+       {{"best_order", as_json(score.best_order_px)}, {"as_listed", as_json(score.as_listed_px)}}},
+      {"by_size", as_json(score.by_size, "px")},
+      {"by_distance", as_json(score.by_distance, "m")},
+      {"left_out",
+       {{"duplicates", input.duplicates},
+        {"degenerate", input.degenerate},
+        {"bars", input.bars},
+        {"not_labelled", input.unknown.size()}}}};
 }
 
 std::string medians(std::span<const double> errors) {
   if (errors.empty()) return "no hit";
-  return "median " + fixed(io::quantile(errors, 0.5), 1) + " px, p90 " + fixed(io::quantile(errors, 0.9), 1) + " px";
+  return "median " + fixed(io::quantile(errors, 0.5), 1) + " px, p90 " +
+         fixed(io::quantile(errors, 0.9), 1) + " px";
 }
 
 /// "20-30 px 5/6  30-45 px 12/14": hits of labelled gates.
@@ -72,10 +85,11 @@ std::string rates_text(std::span<const io::HitRate> rates, const char* unit, boo
   std::string text;
   for (const io::HitRate& rate : rates) {
     if (rate.gates == 0) continue;
-    std::string range = middle ? fixed(0.5 * (rate.from + rate.to), 0)
+    std::string range = middle                   ? fixed(0.5 * (rate.from + rate.to), 0)
                         : std::isfinite(rate.to) ? fixed(rate.from, 0) + "-" + fixed(rate.to, 0)
                                                  : fixed(rate.from, 0) + "+";
-    text += (text.empty() ? "" : "   ") + range + unit + std::to_string(rate.hits) + "/" + std::to_string(rate.gates);
+    text += (text.empty() ? "" : "   ") + range + unit + std::to_string(rate.hits) + "/" +
+            std::to_string(rate.gates);
   }
   return text;
 }
@@ -93,16 +107,20 @@ std::string left_out_text(const io::ScoreInput& input, const io::Score& score) {
   return text;
 }
 
-void print_screen(const ScoreOptions& options, const io::ScoreInput& input, const io::Score& score) {
+void print_screen(const ScoreOptions& options, const io::ScoreInput& input,
+                  const io::Score& score) {
   const auto line = [](const char* name, const std::string& text) {
     if (!text.empty()) std::cout << "  " << std::left << std::setw(17) << name << text << '\n';
   };
-  std::cout << options.labels << ": " << score.pictures << " pictures, " << score.gates << " labelled gates, "
-            << options.rule << (options.nearest ? ", nearest" : "") << '\n';
-  line("true positives", std::to_string(score.hits) + " of " + std::to_string(score.gates) +
-                             (score.gates > 0 ? " (rate " + fixed(score.true_positive_rate(), 3) + ")" : ""));
-  line("false positives", std::to_string(score.false_positives) +
-                              (score.pictures > 0 ? " (" + fixed(score.false_positives_per_image(), 3) + " per image)" : ""));
+  std::cout << options.labels << ": " << score.pictures << " pictures, " << score.gates
+            << " labelled gates, " << options.rule << (options.nearest ? ", nearest" : "") << '\n';
+  line("true positives",
+       std::to_string(score.hits) + " of " + std::to_string(score.gates) +
+           (score.gates > 0 ? " (rate " + fixed(score.true_positive_rate(), 3) + ")" : ""));
+  line("false positives",
+       std::to_string(score.false_positives) +
+           (score.pictures > 0 ? " (" + fixed(score.false_positives_per_image(), 3) + " per image)"
+                               : ""));
   if (options.common.quiet) return;
   line("corner error", medians(score.best_order_px) +
                            (score.hits > 0 ? "; as listed " + medians(score.as_listed_px) : ""));
@@ -113,8 +131,10 @@ void print_screen(const ScoreOptions& options, const io::ScoreInput& input, cons
 
 void warn_of_unknown(const io::ScoreInput& input) {
   if (input.unknown.empty()) return;
-  std::cerr << "gatefly score: warning: " << input.unknown.size() << " detections name pictures that are not in the labels: ";
-  for (std::size_t i = 0; i < input.unknown.size() && i < 3; ++i) std::cerr << (i > 0 ? ", " : "") << input.unknown[i];
+  std::cerr << "gatefly score: warning: " << input.unknown.size()
+            << " detections name pictures that are not in the labels: ";
+  for (std::size_t i = 0; i < input.unknown.size() && i < 3; ++i)
+    std::cerr << (i > 0 ? ", " : "") << input.unknown[i];
   std::cerr << (input.unknown.size() > 3 ? ", ...\n" : "\n");
 }
 
@@ -124,13 +144,16 @@ int score(const ScoreOptions& options) {
   const io::Rule rule = io::rule_of(options.rule);
   const auto detections = io::read_detections(io::find_data(options.detections, options.data));
   const io::Labels labels = io::read_labels(io::find_data(options.labels, options.data));
-  const io::Labels ignored =
-      options.ignore.empty() ? io::Labels{} : io::read_labels(io::find_data(options.ignore, options.data));
+  const io::Labels ignored = options.ignore.empty()
+                                 ? io::Labels{}
+                                 : io::read_labels(io::find_data(options.ignore, options.data));
   const io::ScoreInput input = io::brought_together(labels, detections, ignored, rule);
   const io::Score result = io::score(input.pictures, rule, options.nearest);
   warn_of_unknown(input);
-  if (options.json) std::cout << as_json(options, input, result).dump(2) << '\n';
-  else print_screen(options, input, result);
+  if (options.json)
+    std::cout << as_json(options, input, result).dump(2) << '\n';
+  else
+    print_screen(options, input, result);
   return kDone;
 }
 
@@ -140,20 +163,31 @@ void add_score(CLI::App& app, Run& run) {
   auto options = std::make_shared<ScoreOptions>();
   CLI::App* command = app.add_subcommand("score", "detections against labels");
   command->footer(
-      "Example:\n  gatefly score --detections found.csv --labels ../shared/data/tudelft_bebop_gates/cyberzoo/labels.csv\n\n"
-      "overlap70: a hit covers at least 70 % of both areas, one per labelled gate; everything else is a false\n"
-      "positive. overlap70-authors: whatever covers a label that much is none, and identical pictures count each\n"
-      "time. iou50, iou75: shared area by the area of both. Corner errors are of all four corners of all hits, in\n"
+      "Example:\n  gatefly score --detections found.csv --labels "
+      "../shared/data/tudelft_bebop_gates/cyberzoo/labels.csv\n\n"
+      "overlap70: a hit covers at least 70 % of both areas, one per labelled gate; everything else "
+      "is a false\n"
+      "positive. overlap70-authors: whatever covers a label that much is none, and identical "
+      "pictures count each\n"
+      "time. iou50, iou75: shared area by the area of both. Corner errors are of all four corners "
+      "of all hits, in\n"
       "the best cyclic order and as listed. Exit code 0: scored; 2: unusable input.");
-  command->add_option("--detections", options->detections, "what gatefly detect wrote")->required()->type_name("FILE");
+  command->add_option("--detections", options->detections, "what gatefly detect wrote")
+      ->required()
+      ->type_name("FILE");
   command->add_option("--labels", options->labels, "labels.csv")->required()->type_name("FILE");
   command->add_option("--rule", options->rule, "when a detection is a hit")
       ->check(CLI::IsMember({"overlap70", "overlap70-authors", "iou50", "iou75"}))
       ->capture_default_str();
-  command->add_flag("--nearest", options->nearest, "only the first labelled gate of a picture counts");
-  command->add_option("--ignore", options->ignore, "quads where a detection is neither hit nor false positive")
+  command->add_flag("--nearest", options->nearest,
+                    "only the first labelled gate of a picture counts");
+  command
+      ->add_option("--ignore", options->ignore,
+                   "quads where a detection is neither hit nor false positive")
       ->type_name("FILE");
-  command->add_option("--data", options->data, "where a FILE is looked for that is not here [$GATEFLY_DATA]")
+  command
+      ->add_option("--data", options->data,
+                   "where a FILE is looked for that is not here [$GATEFLY_DATA]")
       ->type_name("DIR");
   command->add_flag("--json", options->json, "print JSON");
   add_common(*command, options->common);

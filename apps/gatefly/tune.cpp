@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gatefly/tuning/tune.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <iomanip>
@@ -12,7 +14,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "commands.hpp"
 #include "gatefly/io/color_model_file.hpp"
 #include "gatefly/io/csv.hpp"
 #include "gatefly/io/image_file.hpp"
@@ -21,7 +22,8 @@
 #include "gatefly/io/plot.hpp"
 #include "gatefly/io/text.hpp"
 #include "gatefly/tuning/describe.hpp"
-#include "gatefly/tuning/tune.hpp"
+
+#include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -50,11 +52,13 @@ void complain(const std::string& what) { std::cerr << "gatefly tune: " << what <
 std::vector<fs::path> all_files(const TuneOptions& options) {
   std::vector<fs::path> files;
   for (const std::string& path : options.images)
-    for (const fs::path& file : io::picture_files(io::find_data(path, options.data))) files.push_back(file);
+    for (const fs::path& file : io::picture_files(io::find_data(path, options.data)))
+      files.push_back(file);
   // Neighbours in time stay in one half.
   std::stable_sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return a.parent_path() != b.parent_path() ? a.parent_path() < b.parent_path()
-                                              : io::counts_before(a.filename().string(), b.filename().string());
+    return a.parent_path() != b.parent_path()
+               ? a.parent_path() < b.parent_path()
+               : io::counts_before(a.filename().string(), b.filename().string());
   });
   return files;
 }
@@ -70,8 +74,10 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
   Material material;
   const bool labelled = !options.labels.empty();
   std::map<std::string, std::vector<Quad>> gates, ignored;
-  if (labelled) gates = gates_by_picture(io::read_labels(io::find_data(options.labels, options.data)));
-  if (!options.ignore.empty()) ignored = gates_by_picture(io::read_labels(io::find_data(options.ignore, options.data)));
+  if (labelled)
+    gates = gates_by_picture(io::read_labels(io::find_data(options.labels, options.data)));
+  if (!options.ignore.empty())
+    ignored = gates_by_picture(io::read_labels(io::find_data(options.ignore, options.data)));
   std::unordered_set<std::string> contents, names;
   const std::vector<fs::path> files = all_files(options);
   for (const fs::path& path : files) {
@@ -89,20 +95,27 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
         continue;
       }
       material.files.push_back(std::move(file));
-      material.pictures.push_back({.image = {}, .truth = {.gates = gates[name], .ignored = ignored[name], .detections = {}}});
+      material.pictures.push_back(
+          {.image = {},
+           .truth = {.gates = gates[name], .ignored = ignored[name], .detections = {}}});
     } catch (const std::exception& error) {
       progress.clear();
       complain(error.what());
       ++material.unusable;
     }
     const auto done = static_cast<double>(names.size());
-    if (progress.due(done)) progress.update(0.5 * done / static_cast<double>(files.size()), std::to_string(names.size()) + " pictures read");
+    if (progress.due(done))
+      progress.update(0.5 * done / static_cast<double>(files.size()),
+                      std::to_string(names.size()) + " pictures read");
   }
   for (std::size_t i = 0; i < material.files.size(); ++i)
     material.pictures[i].image = material.files[i].view(config.stored_rotation_deg);
-  if (labelled) material.labels_without_picture = static_cast<int>(gates.size()) - static_cast<int>(names.size());
+  if (labelled)
+    material.labels_without_picture =
+        static_cast<int>(gates.size()) - static_cast<int>(names.size());
   if (labelled && names.empty() && !files.empty())
-    throw std::runtime_error(options.labels + ": names none of the " + std::to_string(files.size()) + " pictures, e.g. " +
+    throw std::runtime_error(options.labels + ": names none of the " +
+                             std::to_string(files.size()) + " pictures, e.g. " +
                              files.front().filename().string());
   return material;
 }
@@ -118,19 +131,26 @@ std::string summary_of(const TuneOptions& options, const Material& material, con
                                 : pictures + std::to_string(tuned.gates) + " labelled gates";
 }
 
-std::string config_text(const TuneOptions& options, const io::Config& config, const Material& material, const Tuned& tuned) {
+std::string config_text(const TuneOptions& options, const io::Config& config,
+                        const Material& material, const Tuned& tuned) {
   std::ostringstream text;
   text << "# Written by gatefly tune: " << summary_of(options, material, tuned) << ".\n";
-  if (options.rotate_deg) text << "[camera]\nstored_rotation_deg = " << *options.rotate_deg << "\n\n";
-  text << "[color]\nrgb = [" << io::text_of(config.gate_rgb.x(), 4) << ", " << io::text_of(config.gate_rgb.y(), 4) << ", "
-       << io::text_of(config.gate_rgb.z(), 4) << "]\n";
+  if (options.rotate_deg)
+    text << "[camera]\nstored_rotation_deg = " << *options.rotate_deg << "\n\n";
+  text << "[color]\nrgb = [" << io::text_of(config.gate_rgb.x(), 4) << ", "
+       << io::text_of(config.gate_rgb.y(), 4) << ", " << io::text_of(config.gate_rgb.z(), 4)
+       << "]\n";
   if (!tuned.learnt) return text.str();
-  text << "table = " << nlohmann::json(beside(options.out, ".colors.toml").filename().string()).dump() << "\n\n[detector]\n"
-       << "min_score = " << io::text_of(tuned.chosen.min_score, 4) << "  # two-fold: "
-       << io::text_of(tuned.chosen.true_positive_rate, 3) << " of the gates at "
+  text << "table = "
+       << nlohmann::json(beside(options.out, ".colors.toml").filename().string()).dump()
+       << "\n\n[detector]\n"
+       << "min_score = " << io::text_of(tuned.chosen.min_score, 4)
+       << "  # two-fold: " << io::text_of(tuned.chosen.true_positive_rate, 3) << " of the gates at "
        << io::text_of(tuned.chosen.false_per_image, 3) << " false ones a picture"
        << (options.labels.empty() ? " (estimated)\n" : "\n") << "sure_score = "
-       << io::text_of(tuning::with_fitted_colors({.detector = config.pilot.detector}).detector.sure_score, 4)
+       << io::text_of(
+              tuning::with_fitted_colors({.detector = config.pilot.detector}).detector.sure_score,
+              4)
        << "  # fitted colours give higher scores than described ones\n";
   return text.str();
 }
@@ -144,26 +164,35 @@ std::string roc_text(const tuning::Roc& roc) {
 }
 
 io::Canvas roc_plot(const TuneOptions& options, const Tuned& tuned) {
-  io::PlotSeries curve{.name = options.labels.empty() ? "estimated" : "each half by the other's colours"};
-  for (const tuning::Operating& point : tuned.roc.points) curve.points.emplace_back(point.false_per_image, point.true_positive_rate);
+  io::PlotSeries curve{.name = options.labels.empty() ? "estimated"
+                                                      : "each half by the other's colours"};
+  for (const tuning::Operating& point : tuned.roc.points)
+    curve.points.emplace_back(point.false_per_image, point.true_positive_rate);
   io::PlotSeries chosen{.name = "min_score " + io::text_of(tuned.chosen.min_score, 3),
                         .points = {{tuned.chosen.false_per_image, tuned.chosen.true_positive_rate}},
-                        .color = io::look::kGate, .line = false, .rings = true};
-  return io::draw({.title = "Hits and false positives over detector.min_score", .x_label = "false positives per picture",
-                   .y_label = "true positive rate", .series = {curve, chosen}});
+                        .color = io::look::kGate,
+                        .line = false,
+                        .rings = true};
+  return io::draw({.title = "Hits and false positives over detector.min_score",
+                   .x_label = "false positives per picture",
+                   .y_label = "true positive rate",
+                   .series = {curve, chosen}});
 }
 
 /// The configuration last: when it is there, so is all that it names.
-void write(const TuneOptions& options, const io::Config& config, const Material& material, const Tuned& tuned) {
+void write(const TuneOptions& options, const io::Config& config, const Material& material,
+           const Tuned& tuned) {
   if (tuned.learnt) {
-    io::write_file(beside(options.out, ".colors.toml"), io::color_model_text(tuned.color, summary_of(options, material, tuned)));
+    io::write_file(beside(options.out, ".colors.toml"),
+                   io::color_model_text(tuned.color, summary_of(options, material, tuned)));
     io::write_file(beside(options.out, ".roc.csv"), roc_text(tuned.roc));
     roc_plot(options, tuned).write_png(beside(options.out, ".roc.png"));
   }
   io::write_file(options.out, config_text(options, config, material, tuned));
 }
 
-nlohmann::ordered_json as_json(const TuneOptions& options, const Material& material, const Tuned& tuned) {
+nlohmann::ordered_json as_json(const TuneOptions& options, const Material& material,
+                               const Tuned& tuned) {
   return {{"pictures", material.pictures.size()},
           {options.labels.empty() ? "confident_detections" : "labelled_gates", tuned.gates},
           {"learnt", tuned.learnt},
@@ -171,9 +200,11 @@ nlohmann::ordered_json as_json(const TuneOptions& options, const Material& mater
           {"min_score", tuned.chosen.min_score},
           {"true_positive_rate", tuned.chosen.true_positive_rate},
           {"false_positives_per_image", tuned.chosen.false_per_image},
-          {"left_out", {{"unusable", material.unusable}, {"duplicates", material.duplicates},
-                        {"without_label", material.without_label},
-                        {"labels_without_picture", material.labels_without_picture}}},
+          {"left_out",
+           {{"unusable", material.unusable},
+            {"duplicates", material.duplicates},
+            {"without_label", material.without_label},
+            {"labels_without_picture", material.labels_without_picture}}},
           {"config", options.out}};
 }
 
@@ -187,12 +218,13 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
     for (const double allowed : {0.01, 0.02, 0.05, 0.1}) {
       const tuning::Operating point = tuned.roc.at(allowed);
       line(allowed == 0.01 ? (options.labels.empty() ? "estimated" : "two-fold") : "",
-           io::text_of(point.true_positive_rate, 3) + " of the gates at " + io::text_of(point.false_per_image, 3) +
-               " false ones a picture (min_score " + io::text_of(point.min_score, 3) + ")");
+           io::text_of(point.true_positive_rate, 3) + " of the gates at " +
+               io::text_of(point.false_per_image, 3) + " false ones a picture (min_score " +
+               io::text_of(point.min_score, 3) + ")");
     }
     line("chosen", "detector.min_score = " + io::text_of(tuned.chosen.min_score, 4));
-    line("written", options.out + ", " + beside(options.out, ".colors.toml").filename().string() + ", " +
-                        beside(options.out, ".roc.csv").filename().string() + ", " +
+    line("written", options.out + ", " + beside(options.out, ".colors.toml").filename().string() +
+                        ", " + beside(options.out, ".roc.csv").filename().string() + ", " +
                         beside(options.out, ".roc.png").filename().string());
   } else {
     line("not fitted", std::string{"too few gates to learn from; the described colour is kept"});
@@ -202,14 +234,17 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
   const auto add = [&](int count, const char* what) {
     if (count > 0) left_out += (left_out.empty() ? "" : ", ") + std::to_string(count) + " " + what;
   };
-  add(material.duplicates, "duplicate pictures"), add(material.without_label, "pictures without a label");
-  add(material.labels_without_picture, "labels without their picture"), add(material.unusable, "unusable files");
+  add(material.duplicates, "duplicate pictures"),
+      add(material.without_label, "pictures without a label");
+  add(material.labels_without_picture, "labels without their picture"),
+      add(material.unusable, "unusable files");
   if (!left_out.empty()) line("left out", left_out);
 }
 
 io::Config config_of(const TuneOptions& options) {
   CommonOptions common = options.common;
-  if (options.rotate_deg) common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
+  if (options.rotate_deg)
+    common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
   io::Config config = load(common);
   if (options.describe.empty()) return config;
   try {
@@ -222,23 +257,28 @@ io::Config config_of(const TuneOptions& options) {
   return config;
 }
 
-/// gatefly tune: exit 0 fitted, 1 too few gates to fit, 2 unusable arguments or input (the rest is done), 130 Ctrl-C.
+/// gatefly tune: exit 0 fitted, 1 too few gates to fit, 2 unusable arguments or input (the rest is
+/// done), 130 Ctrl-C.
 int tune(const TuneOptions& options) {
   if (fs::is_directory(options.out) || !fs::is_directory(fs::absolute(options.out).parent_path()))
-    throw std::runtime_error("--out " + options.out + ": cannot be written: must be a file in a folder that is there");
+    throw std::runtime_error("--out " + options.out +
+                             ": cannot be written: must be a file in a folder that is there");
   const io::Config config = config_of(options);
   catch_interrupt();
   Progress progress(options.common.quiet, 10'000.0);
   const Material material = gathered(options, config, progress);
-  if (material.pictures.empty() && !interrupted()) throw std::runtime_error("no picture could be used");
+  if (material.pictures.empty() && !interrupted())
+    throw std::runtime_error("no picture could be used");
 
   const tuning::Judging judging{.detector = config.pilot.detector};
   Tuned tuned{.color = config.pilot.gate_color};
   if (!interrupted()) {
     if (progress.due(1e9)) progress.update(0.6, "fitting");
     tuned = options.labels.empty()
-                ? tuning::tune_to_description(material.pictures, config.pilot.gate_color, judging, options.false_per_image)
-                : tuning::tune_to_labels(material.pictures, config.pilot.gate_color, judging, options.false_per_image);
+                ? tuning::tune_to_description(material.pictures, config.pilot.gate_color, judging,
+                                              options.false_per_image)
+                : tuning::tune_to_labels(material.pictures, config.pilot.gate_color, judging,
+                                         options.false_per_image);
   }
   progress.clear();
   if (interrupted()) {
@@ -246,8 +286,10 @@ int tune(const TuneOptions& options) {
     return kInterrupted;
   }
   write(options, config, material, tuned);
-  if (options.json) std::cout << as_json(options, material, tuned).dump(2) << '\n';
-  else print_screen(options, material, tuned);
+  if (options.json)
+    std::cout << as_json(options, material, tuned).dump(2) << '\n';
+  else
+    print_screen(options, material, tuned);
   return material.unusable > 0 ? kUnusable : tuned.learnt ? kDone : kAnswerIsNo;
 }
 
@@ -255,28 +297,50 @@ int tune(const TuneOptions& options) {
 
 void add_tune(CLI::App& app, Run& run) {
   auto options = std::make_shared<TuneOptions>();
-  CLI::App* command = app.add_subcommand("tune", "a gate's colours and the detector's threshold, fitted to pictures");
+  CLI::App* command = app.add_subcommand(
+      "tune", "a gate's colours and the detector's threshold, fitted to pictures");
   command->footer(
-      "Example:\n  gatefly tune --describe orange ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --out mine.toml\n"
+      "Example:\n  gatefly tune --describe orange ../shared/data/tudelft_bebop_gates/cyberzoo "
+      "--config cyberzoo --out mine.toml\n"
       "  gatefly tune --labels labels.csv pictures/ --config basement --out mine.toml\n"
       "  gatefly detect pictures/ --config basement --config mine.toml\n\n"
-      "With --labels colours are fitted to the labelled gates; without, to what the described colour surely finds.\n"
-      "detector.min_score is chosen on halves of the pictures, each searched with the other's colours. Beside FILE:\n"
-      "FILE.colors.toml, FILE.roc.csv, FILE.roc.png. Exit code 0: fitted; 1: too few gates (the described colour is\n"
+      "With --labels colours are fitted to the labelled gates; without, to what the described "
+      "colour surely finds.\n"
+      "detector.min_score is chosen on halves of the pictures, each searched with the other's "
+      "colours. Beside FILE:\n"
+      "FILE.colors.toml, FILE.roc.csv, FILE.roc.png. Exit code 0: fitted; 1: too few gates (the "
+      "described colour is\n"
       "written); 2: something could not be used; 130: Ctrl-C.");
   command->add_option("IMAGES", options->images, "images and folders")->required();
-  command->add_option("--labels", options->labels, "labels.csv; pictures it does not name are left out")->type_name("FILE");
-  command->add_option("--ignore", options->ignore, "quads that are neither gate nor background, as in score")->type_name("FILE");
-  command->add_option("--describe", options->describe, "the gate's colour: orange, \"dark blue\", \"#rrggbb\", r,g,b [color.rgb]")
+  command
+      ->add_option("--labels", options->labels,
+                   "labels.csv; pictures it does not name are left out")
+      ->type_name("FILE");
+  command
+      ->add_option("--ignore", options->ignore,
+                   "quads that are neither gate nor background, as in score")
+      ->type_name("FILE");
+  command
+      ->add_option("--describe", options->describe,
+                   "the gate's colour: orange, \"dark blue\", \"#rrggbb\", r,g,b [color.rgb]")
       ->type_name("COLOR");
-  command->add_option("--rotate", options->rotate_deg, "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+  command
+      ->add_option("--rotate", options->rotate_deg,
+                   "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
       ->check(CLI::IsMember({0, 90, 180, 270}))
       ->type_name("DEG");
-  command->add_option("--false-per-image", options->false_per_image, "false positives a picture that are allowed")
+  command
+      ->add_option("--false-per-image", options->false_per_image,
+                   "false positives a picture that are allowed")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--out", options->out, "the configuration to write")->required()->type_name("FILE");
-  command->add_option("--data", options->data, "where a path is looked for that is not here [$GATEFLY_DATA]")->type_name("DIR");
+  command->add_option("--out", options->out, "the configuration to write")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--data", options->data,
+                   "where a path is looked for that is not here [$GATEFLY_DATA]")
+      ->type_name("DIR");
   command->add_flag("--json", options->json, "print JSON");
   add_common(*command, options->common);
   command->callback([options, &run] { run = [options] { return tune(*options); }; });

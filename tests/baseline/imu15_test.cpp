@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "support/generators.hpp"
 
 namespace gatefly::baseline {
@@ -20,16 +21,21 @@ constexpr double kStep = 1.0 / 512.0;
 struct Circle {
   double radius = 1.5, speed = 1.5;
   [[nodiscard]] double rate() const { return speed / radius; }
-  [[nodiscard]] Eigen::Vector3d p(double t) const { return {radius * std::sin(rate() * t), radius * (1.0 - std::cos(rate() * t)), -1.5}; }
+  [[nodiscard]] Eigen::Vector3d p(double t) const {
+    return {radius * std::sin(rate() * t), radius * (1.0 - std::cos(rate() * t)), -1.5};
+  }
   [[nodiscard]] double yaw(double t) const { return wrap_angle(rate() * t); }
-  [[nodiscard]] Imu imu() const { return {.gyro_B = {0, 0, rate()}, .accel_B = {0, speed * rate(), -9.81}}; }
+  [[nodiscard]] Imu imu() const {
+    return {.gyro_B = {0, 0, rate()}, .accel_B = {0, speed * rate(), -9.81}};
+  }
 };
 
 struct Flown {
   Imu15 filter;
   double t = 0.0;
 
-  void fly(const Circle& circle, double duration, const Eigen::Vector3d& accel_bias, bool fixes, Rng& rng) {
+  void fly(const Circle& circle, double duration, const Eigen::Vector3d& accel_bias, bool fixes,
+           Rng& rng) {
     Imu imu = circle.imu();
     imu.accel_B += accel_bias;
     const int steps = static_cast<int>(duration / kStep);
@@ -37,7 +43,8 @@ struct Flown {
       filter.predict(imu, kStep);
       t += kStep;
       if (i % 34 != 0 || !fixes) continue;
-      const Eigen::Vector3d noise{0.03 * test::normal(rng), 0.03 * test::normal(rng), 0.03 * test::normal(rng)};
+      const Eigen::Vector3d noise{0.03 * test::normal(rng), 0.03 * test::normal(rng),
+                                  0.03 * test::normal(rng)};
       filter.correct_position(circle.p(t) + noise, Eigen::Vector3d::Constant(0.03));
       filter.correct_heading(circle.yaw(t), 0.02);
     }
@@ -70,7 +77,8 @@ TEST(Imu15, LearnsTheAccelerometersBias) {
   flown.filter.start(circle.p(0), {}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   Rng rng{2};
   flown.fly(circle, 30.0, bias, true, rng);
-  const double sigma = std::sqrt(flown.filter.covariance().block<3, 3>(Imu15::kAccelBias, Imu15::kAccelBias).trace());
+  const double sigma = std::sqrt(
+      flown.filter.covariance().block<3, 3>(Imu15::kAccelBias, Imu15::kAccelBias).trace());
   EXPECT_LT(sigma, 0.5 * Imu15Params{}.start_bias_sigma.norm());
   EXPECT_LT((flown.filter.accel_bias() - bias).norm(), 3.0 * sigma);
   EXPECT_LT((flown.filter.position() - circle.p(flown.t)).norm(), 0.08);
@@ -95,7 +103,8 @@ TEST(Imu15, AHeadingTurnsTheEstimateTheShortWay) {
   Imu15Params params;
   params.start_tilt_sigma = 1e-4;  // else heading and tilt share what was wrong
   Imu15 filter{params};
-  filter.start(Eigen::Vector3d::Zero(), {0.1, -0.2, 3.1}, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  filter.start(Eigen::Vector3d::Zero(), {0.1, -0.2, 3.1}, Eigen::Vector3d::Zero(),
+               Eigen::Vector3d::Zero());
   for (int i = 0; i < 200; ++i) filter.correct_heading(-3.1, 0.01);
   EXPECT_NEAR(wrap_angle(filter.attitude().yaw + 3.1), 0.0, 0.01);
   EXPECT_NEAR(filter.attitude().roll, 0.1, 0.01);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "support/matchers.hpp"
 
 namespace gatefly::baseline {
@@ -34,14 +35,17 @@ TEST(Mahony, TheIntegralFindsAGyroBias) {
   EXPECT_NEAR(mahony.attitude().roll, 0, 1e-3);
 }
 
-// In a coordinated turn the specific force lies along the body's z: it takes the bank for level flight.
+// In a coordinated turn the specific force lies along the body's z: it takes the bank for level
+// flight.
 TEST(Mahony, LeansInATurn) {
   Mahony mahony;
   const double roll = 10 * kDegree, yaw_rate = 1.07;
   mahony.start({roll, 0, 0});
-  const Vector3d gyro = rotation_x(-roll) * Vector3d{0, 0, yaw_rate}, accel{0, 0, -9.81 / cos(roll)};
+  const Vector3d gyro = rotation_x(-roll) * Vector3d{0, 0, yaw_rate},
+                 accel{0, 0, -9.81 / cos(roll)};
   for (int i = 0; i < 3 * 512; ++i) mahony.update({gyro, accel}, kDt);
-  const Eigen::RowVector3d down = mahony.R_EB().matrix.row(2), true_down = rotation_EB(Attitude{roll, 0, 0}).matrix.row(2);
+  const Eigen::RowVector3d down = mahony.R_EB().matrix.row(2),
+                           true_down = rotation_EB(Attitude{roll, 0, 0}).matrix.row(2);
   EXPECT_GT(std::acos(down.dot(true_down)), 4 * kDegree);
 }
 

@@ -30,16 +30,22 @@ PilotConfig config() {
 /// Hovering 2.5 m before a gate.
 std::shared_ptr<const RecordedFlight> hover() {
   auto flight = std::make_shared<RecordedFlight>();
-  flight->moments.assign(256, {.imu = {.gyro_B = {0.01, 0, 0}, .accel_B = {0.1, 0, -9.81}}, .attitude = {}, .v_B = Eigen::Vector3d::Zero(), .command = {}});
+  flight->moments.assign(256, {.imu = {.gyro_B = {0.01, 0, 0}, .accel_B = {0.1, 0, -9.81}},
+                               .attitude = {},
+                               .v_B = Eigen::Vector3d::Zero(),
+                               .command = {}});
   const CameraRig rig = config().camera;
   RecordedFlight::Sight sight{.corners_px = {}, .R_GB = {Eigen::Matrix3d::Identity()}};
-  const std::array<Eigen::Vector3d, 4> corners{{{2.5, -.5, -.5}, {2.5, .5, -.5}, {2.5, .5, .5}, {2.5, -.5, .5}}};
-  for (std::size_t i = 0; i < 4; ++i) sight.corners_px[i] = *rig.lens.project(rig.R_BC.matrix.transpose() * corners[i]);
+  const std::array<Eigen::Vector3d, 4> corners{
+      {{2.5, -.5, -.5}, {2.5, .5, -.5}, {2.5, .5, .5}, {2.5, -.5, .5}}};
+  for (std::size_t i = 0; i < 4; ++i)
+    sight.corners_px[i] = *rig.lens.project(rig.R_BC.matrix.transpose() * corners[i]);
   flight->sights.assign(4, sight);
   return flight;
 }
 
-double median(const std::vector<Stage>& stages, const std::vector<Cost>& costs, const std::string& name) {
+double median(const std::vector<Stage>& stages, const std::vector<Cost>& costs,
+              const std::string& name) {
   const Stage* stage = find(stages, name);
   return stage == nullptr ? 0.0 : costs[static_cast<std::size_t>(stage - stages.data())].median;
 }

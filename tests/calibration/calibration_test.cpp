@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 
 #include <gtest/gtest.h>
 
-#include "calibration/synthetic_board.hpp"
 #include "gatefly/calibration/corner_list.hpp"
+
+#include "calibration/synthetic_board.hpp"
 #include "io/temp_folder.hpp"
 #include "support/for_all.hpp"
 
@@ -30,7 +31,8 @@ INSTANTIATE_TEST_SUITE_P(All, EveryModel, ::testing::ValuesIn(kLensModels), [](c
 });
 
 const ModelResult& result_of(const Calibration& answer, LensModel model) {
-  return *std::find_if(answer.models.begin(), answer.models.end(), [&](const auto& each) { return each.fit.model == model; });
+  return *std::find_if(answer.models.begin(), answer.models.end(),
+                       [&](const auto& each) { return each.fit.model == model; });
 }
 
 /// Calibrations of the typical lens of a model from 20 pictures each, made once.
@@ -76,8 +78,11 @@ TEST_P(EveryModel, ExactCornersGiveTheExactLens) {
   const AnyCamera truth = typical_lens(GetParam());
   const Calibration answer = calibrate(synthetic_views(truth, kSize, exact, rng), kSize);
   // The fit's own formulas and the flight code's are the same ones.
-  const Eigen::VectorXd found = result_of(answer, GetParam()).fit.parameters, expected = parameters_of(truth).parameters;
-  EXPECT_LT((found - expected).cwiseQuotient(expected.cwiseAbs().cwiseMax(1.0)).cwiseAbs().maxCoeff(), 1e-5);
+  const Eigen::VectorXd found = result_of(answer, GetParam()).fit.parameters,
+                        expected = parameters_of(truth).parameters;
+  EXPECT_LT(
+      (found - expected).cwiseQuotient(expected.cwiseAbs().cwiseMax(1.0)).cwiseAbs().maxCoeff(),
+      1e-5);
   EXPECT_LT(result_of(answer, GetParam()).rms_px, 1e-5);
 }
 
@@ -91,9 +96,11 @@ TEST(Calibrate, BadCornersAndBadPicturesAreLeftOutAndSaid) {
         views[v].corners[corner].px += Eigen::Vector2d{rng.uniform(5, 40), rng.uniform(-40, -5)};
       }
     for (std::size_t v = 0; v < 2; ++v)  // two pictures are blurred
-      for (BoardCorner& corner : views[v].corners) corner.px += 3.0 * Eigen::Vector2d{normal(rng), normal(rng)};
+      for (BoardCorner& corner : views[v].corners)
+        corner.px += 3.0 * Eigen::Vector2d{normal(rng), normal(rng)};
     for (std::size_t i = 0; i < 48; ++i)  // and one has its corners in columns instead of rows
-      views[2].corners[i].p_W = {0.03 * static_cast<double>(i / 6), 0.03 * static_cast<double>(i % 6)};
+      views[2].corners[i].p_W = {0.03 * static_cast<double>(i / 6),
+                                 0.03 * static_cast<double>(i % 6)};
 
     const Calibration answer = calibrate(views, kSize);
     EXPECT_EQ(name_of(answer.best().fit.model), "kannala-brandt");
@@ -107,14 +114,16 @@ TEST(Calibrate, BadCornersAndBadPicturesAreLeftOutAndSaid) {
     }
     const Eigen::VectorXd expected = parameters_of(truth).parameters;
     for (Eigen::Index i = 0; i < 4; ++i)
-      EXPECT_LT(std::abs(answer.best().fit.parameters[i] - expected[i]), 4.5 * answer.best().fit.sigma[i]);
+      EXPECT_LT(std::abs(answer.best().fit.parameters[i] - expected[i]),
+                4.5 * answer.best().fit.sigma[i]);
   });
 }
 
 TEST(Calibrate, AnotherModelCanBeAskedFor) {
   Rng rng{1};
   const BoardViews views = synthetic_views(typical_lens(LensModel::kPinhole), kSize, {}, rng);
-  const Calibration answer = calibrate(views, kSize, {.model = LensModel::kBrownConrady, .zero = {}});
+  const Calibration answer =
+      calibrate(views, kSize, {.model = LensModel::kBrownConrady, .zero = {}});
   EXPECT_EQ(answer.models[answer.recommended].fit.model, LensModel::kPinhole);
   EXPECT_EQ(answer.best().fit.model, LensModel::kBrownConrady);
 }
@@ -122,9 +131,12 @@ TEST(Calibrate, AnotherModelCanBeAskedFor) {
 TEST(Calibrate, WhatCannotGiveACameraIsRefusedWithTheReason) {
   Rng rng{1};
   const AnyCamera lens = typical_lens(LensModel::kBrownConrady);
-  const auto refusal = [](BoardViews views) { return error_of([&] { (void)calibrate(std::move(views), kSize); }); };
+  const auto refusal = [](BoardViews views) {
+    return error_of([&] { (void)calibrate(std::move(views), kSize); });
+  };
 
-  EXPECT_NE(refusal(synthetic_views(lens, kSize, {.views = 4}, rng)).find("at least 5"), std::string::npos);
+  EXPECT_NE(refusal(synthetic_views(lens, kSize, {.views = 4}, rng)).find("at least 5"),
+            std::string::npos);
 
   // The board faces the camera in all of them, moved to and fro.
   BoardViews facing = synthetic_views(lens, kSize, {.views = 10}, rng);
@@ -149,11 +161,13 @@ TEST(Calibrate, WhatCannotGiveACameraIsRefusedWithTheReason) {
 
 TEST(TurnUpright, PicturesThatAreStoredTurnedGiveTheUprightCamera) {
   Rng rng{1};
-  const BoardViews upright = synthetic_views(typical_lens(LensModel::kKannalaBrandt), kSize, {.views = 2}, rng);
+  const BoardViews upright =
+      synthetic_views(typical_lens(LensModel::kKannalaBrandt), kSize, {.views = 2}, rng);
   for (const int degrees : {90, 180, 270}) {
     BoardViews turned = upright;
     // Stored pictures were turned clockwise: four turns of a quarter are none.
-    for (int turn = 0; turn < 360 - degrees; turn += 90) turn_upright(turned, turn % 180 == 0 ? kSize : kSize.reverse(), 90);
+    for (int turn = 0; turn < 360 - degrees; turn += 90)
+      turn_upright(turned, turn % 180 == 0 ? kSize : kSize.reverse(), 90);
     turn_upright(turned, degrees % 180 == 0 ? kSize : kSize.reverse(), degrees);
     for (std::size_t i = 0; i < upright[1].corners.size(); ++i)
       EXPECT_LT((turned[1].corners[i].px - upright[1].corners[i].px).norm(), 1e-9) << degrees;
@@ -162,8 +176,10 @@ TEST(TurnUpright, PicturesThatAreStoredTurnedGiveTheUprightCamera) {
 
 TEST(CornerList, UnitsAndCountingComeFromTheHeader) {
   const gatefly::test::TempFolder folder;
-  const auto ours = read_corner_list(folder.file("a.csv", "image,X_m,Y_m,u_px,v_px\na.jpg,0.025,0.05,10.5,20\nb.jpg,0,0,1,2\n"));
-  const auto matlab = read_corner_list(folder.file("b.csv", "view,X_mm,Y_mm,u_px_1based,v_px_1based\n0,25,50,11.5,21\n"));
+  const auto ours = read_corner_list(
+      folder.file("a.csv", "image,X_m,Y_m,u_px,v_px\na.jpg,0.025,0.05,10.5,20\nb.jpg,0,0,1,2\n"));
+  const auto matlab = read_corner_list(
+      folder.file("b.csv", "view,X_mm,Y_mm,u_px_1based,v_px_1based\n0,25,50,11.5,21\n"));
   ASSERT_EQ(ours.size(), 2U);
   ASSERT_EQ(matlab.size(), 1U);
   EXPECT_EQ(ours[0].image, "a.jpg");
@@ -173,7 +189,9 @@ TEST(CornerList, UnitsAndCountingComeFromTheHeader) {
 
 TEST(CornerList, WhatIsWrongIsNamed) {
   const gatefly::test::TempFolder folder;
-  const auto error = [&](const char* content) { return error_of([&] { (void)read_corner_list(folder.file("x.csv", content)); }); };
+  const auto error = [&](const char* content) {
+    return error_of([&] { (void)read_corner_list(folder.file("x.csv", content)); });
+  };
   EXPECT_NE(error("image,X_m,Y_m,u_px,v_px\na,0,0,,2\n").find("x.csv:2:4"), std::string::npos);
   EXPECT_NE(error("image,X_m,Y_m,u_px,v_px\na,0,0,nine,2\n").find("nine"), std::string::npos);
   EXPECT_NE(error("image,X_m,Y_m\na,0,0\n").find("u_px"), std::string::npos);
@@ -185,26 +203,33 @@ class RealCorners : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* given = std::getenv("GATEFLY_DATA");
-    const std::filesystem::path source = std::getenv("GATEFLY_SOURCE_DIR") == nullptr ? "." : std::getenv("GATEFLY_SOURCE_DIR");
-    folder_ = (given != nullptr ? std::filesystem::path{given} : source / "../shared/data") / "fisheye_calibration";
-    if (!std::filesystem::is_directory(folder_)) GTEST_SKIP() << "no real corner lists at " << folder_ << " (set GATEFLY_DATA)";
+    const std::filesystem::path source =
+        std::getenv("GATEFLY_SOURCE_DIR") == nullptr ? "." : std::getenv("GATEFLY_SOURCE_DIR");
+    folder_ = (given != nullptr ? std::filesystem::path{given} : source / "../shared/data") /
+              "fisheye_calibration";
+    if (!std::filesystem::is_directory(folder_))
+      GTEST_SKIP() << "no real corner lists at " << folder_ << " (set GATEFLY_DATA)";
   }
   std::filesystem::path folder_;
 };
 
 TEST_F(RealCorners, WithTheAuthorsModelTheBebopsCameraIsTheirs) {
-  const Calibration answer = calibrate(read_corner_list(folder_ / "bebop_front_camera/calib_rot_3_corners.csv"), {315, 160},
-                                       {.model = {}, .zero = {"p1", "p2"}});
+  const Calibration answer =
+      calibrate(read_corner_list(folder_ / "bebop_front_camera/calib_rot_3_corners.csv"),
+                {315, 160}, {.model = {}, .zero = {"p1", "p2"}});
   EXPECT_LE(answer.best().rms_px, 0.20);
   const LensFit& fit = result_of(answer, LensModel::kBrownConrady).fit;
   // fx, fy, cx, cy (from 0), k1, k2, p1, p2, k3 of calib_rot_3, Matlab.
-  const Eigen::VectorXd theirs{{169.229, 169.453, 149.328, 124.100, -0.32157, 0.10421, 0.0, 0.0, -0.01501}};
+  const Eigen::VectorXd theirs{
+      {169.229, 169.453, 149.328, 124.100, -0.32157, 0.10421, 0.0, 0.0, -0.01501}};
   for (Eigen::Index i = 0; i < theirs.size(); ++i)
-    EXPECT_NEAR(fit.parameters[i], theirs[i], std::max(fit.sigma[i], 1e-5)) << parameter_names(fit.model)[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(fit.parameters[i], theirs[i], std::max(fit.sigma[i], 1e-5))
+        << parameter_names(fit.model)[static_cast<std::size_t>(i)];
 }
 
 TEST_F(RealCorners, AFisheyeOf180DegreesIsFittedToHalfAPixel) {
-  const Calibration answer = calibrate(read_corner_list(folder_ / "stereo_960x600_9x6_corners_only/corners.csv"), {960, 600});
+  const Calibration answer = calibrate(
+      read_corner_list(folder_ / "stereo_960x600_9x6_corners_only/corners.csv"), {960, 600});
   EXPECT_LE(answer.best().rms_px, 0.5);
   EXPECT_EQ(name_of(answer.best().fit.model), "kannala-brandt");
 }

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/synthetic_board.hpp"
 #include "gatefly/io/config.hpp"
+
+#include "calibration/synthetic_board.hpp"
 #include "io/temp_folder.hpp"
 
 namespace gatefly::calibration {
@@ -23,14 +24,19 @@ void expect_same(const CameraFile& a, const CameraFile& b) {
 }
 
 /// @returns what is read from a file with this text.
-CameraFile read(const TempFolder& folder, const std::string& name, const std::string& text, const std::string& camera = "") {
+CameraFile read(const TempFolder& folder, const std::string& name, const std::string& text,
+                const std::string& camera = "") {
   return read_camera(folder.file(name, text), camera);
 }
 
 const CameraFile kKannalaBrandtCamera{typical_lens(LensModel::kKannalaBrandt), kSize, 0, {}};
 const CameraFile kPinholeCamera{typical_lens(LensModel::kPinhole), kSize, 0, {}};
 const CameraFile kBrownCamera{typical_lens(LensModel::kBrownConrady), kSize, 0, {}};
-const CameraFile kRadtanCamera{{BrownConrady{{400.0, 405.0}, {322.0, 236.0}, {-0.28, 0.09, 0.001, -0.0008, 0.0}}}, kSize, 0, {}};
+const CameraFile kRadtanCamera{
+    {BrownConrady{{400.0, 405.0}, {322.0, 236.0}, {-0.28, 0.09, 0.001, -0.0008, 0.0}}},
+    kSize,
+    0,
+    {}};
 const CameraFile kDhaneCamera{typical_lens(LensModel::kDhane), kSize, 90, 0.3490658503988659};
 
 TEST(CameraFile, EveryFormatGivesBackWhatItCanHold) {
@@ -40,9 +46,12 @@ TEST(CameraFile, EveryFormatGivesBackWhatItCanHold) {
     expect_same(read(folder, "ros.yaml", camera_text(camera, CameraFormat::kRos)), camera);
     expect_same(read(folder, "ours.toml", camera_text(camera, CameraFormat::kToml)), camera);
   }
-  expect_same(read(folder, "ros.yaml", camera_text(kBrownCamera, CameraFormat::kRos)), kBrownCamera);
-  expect_same(read(folder, "ours.toml", camera_text(kBrownCamera, CameraFormat::kToml)), kBrownCamera);
-  const CameraFile back = read(folder, "ours.toml", camera_text(kDhaneCamera, CameraFormat::kToml, {"A comment."}));
+  expect_same(read(folder, "ros.yaml", camera_text(kBrownCamera, CameraFormat::kRos)),
+              kBrownCamera);
+  expect_same(read(folder, "ours.toml", camera_text(kBrownCamera, CameraFormat::kToml)),
+              kBrownCamera);
+  const CameraFile back =
+      read(folder, "ours.toml", camera_text(kDhaneCamera, CameraFormat::kToml, {"A comment."}));
   expect_same(back, kDhaneCamera);
   EXPECT_EQ(back.stored_rotation_deg, 90);
   ASSERT_TRUE(back.tilt_down);
@@ -51,11 +60,13 @@ TEST(CameraFile, EveryFormatGivesBackWhatItCanHold) {
 
 TEST(CameraFile, OursIsAConfiguration) {
   const TempFolder folder;
-  const auto path = folder.file("camera.toml", camera_text(kKannalaBrandtCamera, CameraFormat::kToml));
+  const auto path =
+      folder.file("camera.toml", camera_text(kKannalaBrandtCamera, CameraFormat::kToml));
   const io::Config config = io::load_config(std::vector{path});
   EXPECT_EQ(config.width, 640);
   EXPECT_EQ(config.stored_rotation_deg, 0);
-  EXPECT_EQ(parameters_of(config.pilot.camera.lens).parameters, parameters_of(kKannalaBrandtCamera.lens).parameters);
+  EXPECT_EQ(parameters_of(config.pilot.camera.lens).parameters,
+            parameters_of(kKannalaBrandtCamera.lens).parameters);
 }
 
 TEST(CameraFile, ALensThatAFormatHasNoPlaceForIsRefused) {
@@ -92,18 +103,25 @@ cam1:
 
 TEST(CameraFile, ACamchainsCamerasAreToldApart) {
   const TempFolder folder;
-  EXPECT_NE(error_of([&] { (void)read(folder, "c.yaml", kCamchain); }).find("cam0, cam1"), std::string::npos);
-  EXPECT_NE(error_of([&] { (void)read(folder, "c.yaml", kCamchain, "cam2"); }).find("cam2"), std::string::npos);
-  EXPECT_TRUE(std::holds_alternative<BrownConrady>(read(folder, "c.yaml", kCamchain, "cam0").lens.model));
-  const auto fisheye = std::get<KannalaBrandt>(read(folder, "c.yaml", kCamchain, "cam1").lens.model);
+  EXPECT_NE(error_of([&] { (void)read(folder, "c.yaml", kCamchain); }).find("cam0, cam1"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)read(folder, "c.yaml", kCamchain, "cam2"); }).find("cam2"),
+            std::string::npos);
+  EXPECT_TRUE(
+      std::holds_alternative<BrownConrady>(read(folder, "c.yaml", kCamchain, "cam0").lens.model));
+  const auto fisheye =
+      std::get<KannalaBrandt>(read(folder, "c.yaml", kCamchain, "cam1").lens.model);
   EXPECT_EQ(fisheye.center_px, Eigen::Vector2d(379.9, 255.2));
   EXPECT_EQ(fisheye.radial.coefficients()[3], -0.004);
 }
 
 TEST(CameraFile, ARosMessageIsReadAsWell) {
   const TempFolder folder;
-  const auto camera = read(folder, "m.yaml", "header: {frame_id: cam}\nheight: 480\nwidth: 640\ndistortion_model: plumb_bob\n"
-                                             "d: [-0.3, 0.1, 0.001, 0.002, 0.0]\nk: [400.0, 0.0, 320.0, 0.0, 401.0, 240.0, 0.0, 0.0, 1.0]\n");
+  const auto camera =
+      read(folder, "m.yaml",
+           "header: {frame_id: cam}\nheight: 480\nwidth: 640\ndistortion_model: plumb_bob\n"
+           "d: [-0.3, 0.1, 0.001, 0.002, 0.0]\nk: [400.0, 0.0, 320.0, 0.0, 401.0, 240.0, 0.0, 0.0, "
+           "1.0]\n");
   EXPECT_EQ(camera.size_px, kSize);
   EXPECT_EQ(std::get<BrownConrady>(camera.lens.model).distortion()[1], 0.1);
 }
@@ -115,17 +133,26 @@ TEST(CameraFile, WhatIsWrongIsNamed) {
     text.replace(text.find(from), from.size(), to);
     return error_of([&] { (void)read(folder, "x.yaml", text); });
   };
-  EXPECT_NE(with("plumb_bob", "rational_polynomial").find("rational_polynomial"), std::string::npos);
+  EXPECT_NE(with("plumb_bob", "rational_polynomial").find("rational_polynomial"),
+            std::string::npos);
   EXPECT_NE(with("image_width: 640", "image_width: wide").find("image_width"), std::string::npos);
   EXPECT_NE(with("400.0, 0.0", "400.0, 0.5").find("skew"), std::string::npos);
   EXPECT_NE(with("[-0.28, 0.09, ", "[").find("distortion_coefficients"), std::string::npos);
   EXPECT_NE(with("[400.0", "[-400.0").find("above 0"), std::string::npos);
   EXPECT_NE(with("[400.0", "[.nan").find("camera_matrix"), std::string::npos);
-  EXPECT_NE(error_of([&] { (void)read(folder, "x.yaml", "cam0: {camera_model: omni, intrinsics: [1, 2]}"); }).find("omni"), std::string::npos);
-  EXPECT_NE(error_of([&] { (void)read(folder, "x.yaml", "[1, 2"); }).find("no YAML"), std::string::npos);
-  EXPECT_NE(error_of([&] { (void)read(folder, "x.yaml", "a: 1"); }).find("neither"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              (void)read(folder, "x.yaml", "cam0: {camera_model: omni, intrinsics: [1, 2]}");
+            }).find("omni"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)read(folder, "x.yaml", "[1, 2"); }).find("no YAML"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)read(folder, "x.yaml", "a: 1"); }).find("neither"),
+            std::string::npos);
   EXPECT_NE(error_of([&] { (void)read(folder, "x.yaml", ""); }).find("neither"), std::string::npos);
-  EXPECT_NE(error_of([&] { (void)read(folder, "x.toml", "[camera]\nmodel = \"pinhole\"\n"); }).find("size_px"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              (void)read(folder, "x.toml", "[camera]\nmodel = \"pinhole\"\n");
+            }).find("size_px"),
+            std::string::npos);
 }
 
 }  // namespace

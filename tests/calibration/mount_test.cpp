@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "io/temp_folder.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
@@ -26,7 +27,8 @@ Quad seen(const Eigen::Vector3d& p_BG, double heading, double noise_px, Rng& rng
   const Eigen::Matrix3d R_BC = camera_mount(kTilt, kRoll).matrix;
   for (std::size_t k = 0; k < 4; ++k) {
     const double right = k == 1 || k == 2 ? 0.5 : -0.5, down = k >= 2 ? 0.5 : -0.5;
-    const auto px = kLens.project(R_BC.transpose() * (p_BG + rotation_z(heading) * Eigen::Vector3d{0.0, right, down}));
+    const auto px = kLens.project(R_BC.transpose() *
+                                  (p_BG + rotation_z(heading) * Eigen::Vector3d{0.0, right, down}));
     quad[k] = px.value() + noise_px * Eigen::Vector2d{normal(rng), normal(rng)};
   }
   return quad;
@@ -35,7 +37,9 @@ Quad seen(const Eigen::Vector3d& p_BG, double heading, double noise_px, Rng& rng
 std::vector<Quad> pictures(double distance, double noise_px, Rng& rng) {
   std::vector<Quad> gates;
   for (int i = 0; i < 12; ++i)
-    gates.push_back(seen({distance * rng.uniform(0.9, 1.1), rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.2)}, rng.uniform(-0.5, 0.5), noise_px, rng));
+    gates.push_back(
+        seen({distance * rng.uniform(0.9, 1.1), rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.2)},
+             rng.uniform(-0.5, 0.5), noise_px, rng));
   return gates;
 }
 
@@ -60,14 +64,18 @@ TEST(MountFromLevel, AFarGateIsRefusedUnlessItsHeightIsGiven) {
   Rng rng{1};
   std::vector<Quad> gates;
   for (int i = 0; i < 5; ++i) gates.push_back(seen({5.0, 0.1 * i, -1.2}, 0.0, 0.5, rng));
-  EXPECT_NE(error_of([&] { (void)mount_from_level(gates, kLens, 1.0); }).find("--gate-height-m"), std::string::npos);
+  EXPECT_NE(error_of([&] { (void)mount_from_level(gates, kLens, 1.0); }).find("--gate-height-m"),
+            std::string::npos);
   const Mount mount = mount_from_level(gates, kLens, 1.0, 1.2);
   EXPECT_LT(std::abs(mount.tilt_down - kTilt), 3.0 * mount.tilt_sigma);
 }
 
 TEST(MountFromLevel, TooFewPicturesAreRefused) {
   Rng rng{1};
-  EXPECT_NE(error_of([&] { (void)mount_from_level(std::vector{seen({2, 0, 0}, 0, 0, rng)}, kLens, 1.0); }).find("at least 3"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              (void)mount_from_level(std::vector{seen({2, 0, 0}, 0, 0, rng)}, kLens, 1.0);
+            }).find("at least 3"),
+            std::string::npos);
 }
 
 /// A flight past a gate: the log's heading is off, its pictures are late.
@@ -75,8 +83,12 @@ TEST(MountFromFlight, TiltHeadingTimeAndGateComeBack) {
   Rng rng{1};
   constexpr double kHeading = 8.0 * kDegree, kLate = 0.020;
   const Eigen::Vector3d p_EG{5.0, 0.5, -1.4}, p_BC{0.1, 0.0, 0.0};
-  const auto position = [](double t) { return Eigen::Vector3d{1.2 * t, 0.3 * std::sin(2.0 * t), t < 0.01 ? 0.0 : -1.3}; };
-  const auto attitude = [](double t) { return Attitude{0.15 * std::sin(3.0 * t), -0.08 + 0.1 * std::cos(4.0 * t), 0.05 * std::sin(t)}; };
+  const auto position = [](double t) {
+    return Eigen::Vector3d{1.2 * t, 0.3 * std::sin(2.0 * t), t < 0.01 ? 0.0 : -1.3};
+  };
+  const auto attitude = [](double t) {
+    return Attitude{0.15 * std::sin(3.0 * t), -0.08 + 0.1 * std::cos(4.0 * t), 0.05 * std::sin(t)};
+  };
   io::FlightFolder flight;
   io::Labels labels;
   for (int i = 0; i <= 3000; ++i) {
@@ -90,15 +102,19 @@ TEST(MountFromFlight, TiltHeadingTimeAndGateComeBack) {
   for (int i = 0; i < 20; ++i) {
     const double taken = 0.1 + 0.12 * i;
     const std::string name = "img_" + std::to_string(i) + ".jpg";
-    flight.images.push_back({name, std::chrono::milliseconds{std::llround(1e3 * (taken + kLate))}, 0});
-    const Eigen::Matrix3d R_EC = rotation_EB(attitude(taken)).matrix * camera_mount(kTilt, kRoll).matrix;
+    flight.images.push_back(
+        {name, std::chrono::milliseconds{std::llround(1e3 * (taken + kLate))}, 0});
+    const Eigen::Matrix3d R_EC =
+        rotation_EB(attitude(taken)).matrix * camera_mount(kTilt, kRoll).matrix;
     const Eigen::Vector3d p_EC = position(taken) + rotation_EB(attitude(taken)).matrix * p_BC;
     Quad quad;
     for (std::size_t k = 0; k < 4; ++k) {
       const Eigen::Vector3d corner{0.0, k == 1 || k == 2 ? 0.5 : -0.5, k >= 2 ? 0.5 : -0.5};
-      quad[k] = kLens.project(R_EC.transpose() * (p_EG + corner - p_EC)).value() + 0.5 * Eigen::Vector2d{normal(rng), normal(rng)};
+      quad[k] = kLens.project(R_EC.transpose() * (p_EG + corner - p_EC)).value() +
+                0.5 * Eigen::Vector2d{normal(rng), normal(rng)};
     }
-    labels.pictures.push_back({.image = name, .gates = {quad}, .true_distance = 0.0, .first_identical = ""});
+    labels.pictures.push_back(
+        {.image = name, .gates = {quad}, .true_distance = 0.0, .first_identical = ""});
   }
   const Mount mount = mount_from_flight(flight, labels, kLens, 1.0, p_BC);
   EXPECT_EQ(mount.pictures, 20U);
@@ -108,7 +124,10 @@ TEST(MountFromFlight, TiltHeadingTimeAndGateComeBack) {
   EXPECT_NEAR(mount.time_offset, -kLate, 0.0051);
   EXPECT_LT((mount.p_EG - p_EG).norm(), 0.05);
   labels.pictures.clear();
-  EXPECT_NE(error_of([&] { (void)mount_from_flight(flight, labels, kLens, 1.0, p_BC); }).find("at least 3"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              (void)mount_from_flight(flight, labels, kLens, 1.0, p_BC);
+            }).find("at least 3"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -23,7 +23,9 @@ TEST(ChiSquareCount, NormalErrorsAreAsExpected) {
     }
     EXPECT_EQ(count.samples, 20'000);
     EXPECT_NEAR(count.sum_per_dof / count.samples, 1.0, 4 * std::sqrt(2.0 / dof / 20'000)) << dof;
-    EXPECT_NEAR(static_cast<double>(count.inside) / count.samples, 0.95, 4 * std::sqrt(0.95 * 0.05 / 20'000)) << dof;
+    EXPECT_NEAR(static_cast<double>(count.inside) / count.samples, 0.95,
+                4 * std::sqrt(0.95 * 0.05 / 20'000))
+        << dof;
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "gatefly/io/config.hpp"
 #include "gatefly/io/track_file.hpp"
+
 #include "support/allocation_counter.hpp"
 
 namespace gatefly::closed_loop {
@@ -56,13 +57,15 @@ Trace flown(const RaceConfig& race) {
   return trace;
 }
 
-bool same_bytes(const std::vector<std::array<double, 8>>& a, const std::vector<std::array<double, 8>>& b) {
+bool same_bytes(const std::vector<std::array<double, 8>>& a,
+                const std::vector<std::array<double, 8>>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
 }
 
 TEST(Race, FinishesALapOfTheOval) {
   const Trace trace = flown(race_on("oval", 1001, 1));
-  EXPECT_TRUE(trace.result.finished) << trace.result.stop_reason << ' ' << trace.result.crash_object;
+  EXPECT_TRUE(trace.result.finished)
+      << trace.result.stop_reason << ' ' << trace.result.crash_object;
   EXPECT_EQ(trace.result.gates_passed, 2);
   EXPECT_GT(trace.result.mean_speed, 1.3);
   EXPECT_GT(trace.result.true_positives, 20);
@@ -96,8 +99,8 @@ TEST(Race, ThePilotsStepAllocatesNothing) {
   EXPECT_EQ(result.step_allocations, 0u);
 }
 
-// The simulator keeps truths that no sensor shows: what the referee measures with, what the world is
-// called, when the race is timed out. None of them may reach the pilot.
+// The simulator keeps truths that no sensor shows: what the referee measures with, what the world
+// is called, when the race is timed out. None of them may reach the pilot.
 TEST(Race, TruthThatNoSensorShowsDoesNotReachThePilot) {
   RaceConfig race = race_on("oval", 1006, 1);
   const Trace before = flown(race);
@@ -117,8 +120,8 @@ TEST(Race, ThePilotsAnswersFollowFromItsSensorsAlone) {
   std::vector<std::array<double, 8>> answers;
   for (Sensors sensors : trace.sensors) {
     if (sensors.image)
-      sensors.image = Image{trace.frames[frame++].data(), PixelFormat::kUyvy, race.sim.camera.stored_width,
-                            race.sim.camera.stored_height, 90};
+      sensors.image = Image{trace.frames[frame++].data(), PixelFormat::kUyvy,
+                            race.sim.camera.stored_width, race.sim.camera.stored_height, 90};
     answers.push_back(answer_of(pilot.step(sensors)));
   }
   EXPECT_TRUE(same_bytes(trace.answers, answers));
@@ -126,7 +129,7 @@ TEST(Race, ThePilotsAnswersFollowFromItsSensorsAlone) {
 
 TEST(Race, BlindfoldedThePilotLooksForTheGateAndThenGivesUpWithAReason) {
   RaceConfig race = race_on("oval", 1001, 1);
-  race.pilot.gate_color = {};  // sees no colour at all
+  race.pilot.gate_color = {};             // sees no colour at all
   race.pilot.phase.search_timeout = 2.0;  // nobody hovers blind for long: it drifts 0.2 m/s
   const RaceResult result = fly(race, {});
   EXPECT_FALSE(result.finished);
@@ -143,7 +146,8 @@ RaceConfig ideal_race_on(const std::string& track, std::uint64_t seed, int laps)
 TEST(IdealRace, FinishesBothCourses) {
   for (const auto& [track, seed, gates] : {std::tuple{"oval", 1001, 6}, {"showroom", 1002, 15}}) {
     const RaceResult result = fly(ideal_race_on(track, static_cast<std::uint64_t>(seed), 3), {});
-    EXPECT_TRUE(result.finished) << track << ' ' << result.stop_reason << ' ' << result.crash_object;
+    EXPECT_TRUE(result.finished) << track << ' ' << result.stop_reason << ' '
+                                 << result.crash_object;
     EXPECT_EQ(result.gates_passed, gates);
     EXPECT_GT(result.true_positives, 40);
     EXPECT_EQ(result.bake_seconds, 0.0);
@@ -151,7 +155,8 @@ TEST(IdealRace, FinishesBothCourses) {
 }
 
 TEST(IdealRace, SameSeedSameBytesAndAnotherSeedAnotherFlight) {
-  const Trace one = flown(ideal_race_on("oval", 1003, 1)), two = flown(ideal_race_on("oval", 1003, 1)),
+  const Trace one = flown(ideal_race_on("oval", 1003, 1)),
+              two = flown(ideal_race_on("oval", 1003, 1)),
               other = flown(ideal_race_on("oval", 1004, 1));
   EXPECT_TRUE(same_bytes(one.answers, two.answers));
   EXPECT_FALSE(same_bytes(one.answers, other.answers));
@@ -177,11 +182,13 @@ TEST(IdealRace, ThePilotsAnswersFollowFromItsSensorsAlone) {
 
 TEST(IdealRace, AWallThatThePilotDoesNotKnowOfIsACrashWithAName) {
   RaceConfig race = ideal_race_on("oval", 1001, 1);
-  race.sim.world.obstacles.push_back({{race.sim.world.gates[0].p_EG.head<2>()}, {0.1, 3.0}, 0.0, 0.0, 3.0, false});
+  race.sim.world.obstacles.push_back(
+      {{race.sim.world.gates[0].p_EG.head<2>()}, {0.1, 3.0}, 0.0, 0.0, 3.0, false});
   const std::string wall = "obstacle " + std::to_string(race.sim.world.obstacles.size());
   const RaceResult result = fly(race, {});
   EXPECT_EQ(result.stop_reason, "crash");
-  EXPECT_TRUE(result.crash_object == wall || result.crash_object.starts_with("gate 1")) << result.crash_object;
+  EXPECT_TRUE(result.crash_object == wall || result.crash_object.starts_with("gate 1"))
+      << result.crash_object;
 }
 
 }  // namespace

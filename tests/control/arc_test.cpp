@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -28,7 +29,8 @@ ArcParams without_drag(double radius, double pitch) {
 // Li18 Eq. (28) without drag: tan φ = v² cos θ / (r g).
 TEST(Arc, WithoutDragTheRollIsTheCoordinatedOne) {
   for_all(200, [](Rng& rng) {
-    const double v = rng.uniform(0.5, 2.2), r = rng.uniform(1.2, 3.0) * (rng.uniform_index(2) ? 1 : -1);
+    const double v = rng.uniform(0.5, 2.2),
+                 r = rng.uniform(1.2, 3.0) * (rng.uniform_index(2) ? 1 : -1);
     const double pitch = rng.uniform(-0.15, 0.05);
     Arc arc{.v_F = {v, 0, 0}};
     const AttitudeCommand c = step(arc, kDt, without_drag(r, pitch));
@@ -79,7 +81,8 @@ TEST(Arc, StaysLevelAndSlipFree) {
   }
 }
 
-// At v = g tan|θ| / |k| (level, drag along the heading) pull and drag balance and the track is a circle of radius r.
+// At v = g tan|θ| / |k| (level, drag along the heading) pull and drag balance and the track is a
+// circle of radius r.
 TEST(Arc, DescribesACircleOfItsRadius) {
   ArcParams params;
   params.radius = 1.5;
@@ -114,15 +117,20 @@ TEST(Arc, RollNeverExceedsItsLimitAndNoTimeChangesNothing) {
 TEST(DragF, IsAlongTheVelocityWhenDragIsTheSameOnAllAxes) {
   for_all(200, [](Rng& rng) {
     const Vector3d v = any_vector3(rng, 3);
-    EXPECT_THAT(drag_F(v, rng.uniform(-0.6, 0.6), rng.uniform(-0.3, 0.3), Vector3d::Constant(-0.5)), IsNear(Vector3d{-0.5 * v}, 1e-12));
-    EXPECT_LE(drag_F(v, rng.uniform(-0.6, 0.6), rng.uniform(-0.3, 0.3), {-0.5, -0.4, 0}).dot(v), 1e-12) << "drag brakes";
+    EXPECT_THAT(drag_F(v, rng.uniform(-0.6, 0.6), rng.uniform(-0.3, 0.3), Vector3d::Constant(-0.5)),
+                IsNear(Vector3d{-0.5 * v}, 1e-12));
+    EXPECT_LE(drag_F(v, rng.uniform(-0.6, 0.6), rng.uniform(-0.3, 0.3), {-0.5, -0.4, 0}).dot(v),
+              1e-12)
+        << "drag brakes";
   });
 }
 
-// Level arc, drag in F: a_y = (k_y - k_z) v sin φ cos φ sin θ, a_z = v sin θ cos θ (-k_x + k_y sin² φ + k_z cos² φ).
+// Level arc, drag in F: a_y = (k_y - k_z) v sin φ cos φ sin θ, a_z = v sin θ cos θ (-k_x + k_y sin²
+// φ + k_z cos² φ).
 TEST(DragF, HasTheClosedFormOfForwardFlight) {
   for_all(200, [](Rng& rng) {
-    const double v = rng.uniform(0, 3), phi = rng.uniform(-0.6, 0.6), theta = rng.uniform(-0.3, 0.3);
+    const double v = rng.uniform(0, 3), phi = rng.uniform(-0.6, 0.6),
+                 theta = rng.uniform(-0.3, 0.3);
     const Vector3d k{-0.5, -0.45, -0.1};
     const Vector3d a = drag_F({v, 0, 0}, phi, theta, k);
     const double sp = std::sin(phi), cp = std::cos(phi), st = std::sin(theta), ct = std::cos(theta);

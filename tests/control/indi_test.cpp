@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -36,9 +37,11 @@ struct Body {
 
   void fly(const Motors& motors) {
     for (std::size_t i = 0; i < 4; ++i)
-      thrust[i] += kDt / vehicle.rotor_time_constant * (vehicle.thrust_coefficient * motors[i] * motors[i] - thrust[i]);
+      thrust[i] += kDt / vehicle.rotor_time_constant *
+                   (vehicle.thrust_coefficient * motors[i] * motors[i] - thrust[i]);
     const double lx = vehicle.arm_x, ly = vehicle.arm_y, c = vehicle.torque_coefficient;
-    const Vector3d torque{ly * (thrust[0] - thrust[1] - thrust[2] + thrust[3]), lx * (thrust[0] + thrust[1] - thrust[2] - thrust[3]),
+    const Vector3d torque{ly * (thrust[0] - thrust[1] - thrust[2] + thrust[3]),
+                          lx * (thrust[0] + thrust[1] - thrust[2] - thrust[3]),
                           c * (-thrust[0] + thrust[1] - thrust[2] + thrust[3])};
     const Vector3d momentum = vehicle.inertia.cwiseProduct(rate);
     rate += kDt * (torque + torque_offset - rate.cross(momentum)).cwiseQuotient(vehicle.inertia);
@@ -66,7 +69,8 @@ TEST(Indi, EachCommandTurnsTheRotorsThatDoIt) {
     return indi.step(c, {}, Vector3d::Zero(), kDt);
   };
   // Order: left front, right front, right back, left back.
-  const Motors roll = motors_for({.roll = 0.1}), pitch = motors_for({.pitch = 0.1}), yaw = motors_for({.yaw = 0.1});
+  const Motors roll = motors_for({.roll = 0.1}), pitch = motors_for({.pitch = 0.1}),
+               yaw = motors_for({.yaw = 0.1});
   EXPECT_GT(roll[0], roll[1]) << "roll right: the left ones lift";
   EXPECT_GT(roll[3], roll[2]);
   EXPECT_GT(pitch[0], pitch[3]) << "nose up: the front ones lift";
@@ -78,8 +82,13 @@ TEST(Indi, EachCommandTurnsTheRotorsThatDoIt) {
 
 TEST(Indi, AMirroredCommandGivesMirroredRotors) {
   for_all(200, [](Rng& rng) {
-    const AttitudeCommand c{.roll = rng.uniform(-0.3, 0.3), .pitch = rng.uniform(-0.2, 0.2), .yaw = rng.uniform(-0.2, 0.2), .yaw_rate = 0.0, .thrust = 9.81};
-    const AttitudeCommand m{.roll = -c.roll, .pitch = c.pitch, .yaw = -c.yaw, .yaw_rate = 0.0, .thrust = 9.81};
+    const AttitudeCommand c{.roll = rng.uniform(-0.3, 0.3),
+                            .pitch = rng.uniform(-0.2, 0.2),
+                            .yaw = rng.uniform(-0.2, 0.2),
+                            .yaw_rate = 0.0,
+                            .thrust = 9.81};
+    const AttitudeCommand m{
+        .roll = -c.roll, .pitch = c.pitch, .yaw = -c.yaw, .yaw_rate = 0.0, .thrust = 9.81};
     Indi a{{}, {}}, b{{}, {}};
     const Motors p = a.step(c, {}, Vector3d::Zero(), kDt), q = b.step(m, {}, Vector3d::Zero(), kDt);
     EXPECT_NEAR(p[0], q[1], 1e-6);
@@ -93,7 +102,8 @@ TEST(Indi, AMirroredCommandGivesMirroredRotors) {
 TEST(Indi, BringsTheAttitudeThereAndKeepsIt) {
   Body body;
   Indi indi{{}, body.vehicle};
-  const AttitudeCommand c{.roll = 15 * kDegree, .pitch = -8 * kDegree, .yaw = 0.5, .yaw_rate = 0, .thrust = 9.81};
+  const AttitudeCommand c{
+      .roll = 15 * kDegree, .pitch = -8 * kDegree, .yaw = 0.5, .yaw_rate = 0, .thrust = 9.81};
   double most = 0;
   for (int i = 0; i < 3 * 512; ++i) {
     const RotationEB R = rotation_EB(body.q);
@@ -107,7 +117,8 @@ TEST(Indi, BringsTheAttitudeThereAndKeepsIt) {
   EXPECT_LT(most, 1.25 * c.roll) << "overshoot";
 }
 
-// What the model does not know is in the measurement: 30 % more inertia, 20 % less thrust, a crooked arm.
+// What the model does not know is in the measurement: 30 % more inertia, 20 % less thrust, a
+// crooked arm.
 TEST(Indi, CopesWithAVehicleItDoesNotKnow) {
   Body body;
   body.vehicle.inertia *= 1.3;
@@ -135,12 +146,14 @@ TEST(Indi, TurnsTheShortWayRoundThroughSouth) {
   EXPECT_NEAR(wrap_angle(attitude_of(rotation_EB(body.q)).yaw - c.yaw), 0, 0.03);
 }
 
-// A heading error of 180° has no short side; more than 90° off must not turn more slowly than 90° does, or it hangs.
+// A heading error of 180° has no short side; more than 90° off must not turn more slowly than 90°
+// does, or it hangs.
 TEST(Indi, TurnsRoundFromFarOff) {
   Body body;
   body.q = quaternion_of({0, 0, 2.9});
   Indi indi{{}, body.vehicle};
-  for (int i = 0; i < 6 * 512; ++i) body.fly(indi.step(level_hover(), rotation_EB(body.q), body.rate, kDt));
+  for (int i = 0; i < 6 * 512; ++i)
+    body.fly(indi.step(level_hover(), rotation_EB(body.q), body.rate, kDt));
   EXPECT_NEAR(attitude_of(rotation_EB(body.q)).yaw, 0, 0.05);
 }
 
@@ -149,10 +162,14 @@ TEST(Indi, RotorsStayWithinTheirLimitsWhateverIsAsked) {
   for_all(200, [&](Rng& rng) {
     Indi indi{{}, vehicle};
     for (int i = 0; i < 50; ++i) {
-      const AttitudeCommand c{.roll = rng.uniform(-3, 3), .pitch = rng.uniform(-3, 3), .yaw = rng.uniform(-3, 3),
-                              .yaw_rate = rng.uniform(-9, 9), .thrust = rng.uniform(-50, 50)};
+      const AttitudeCommand c{.roll = rng.uniform(-3, 3),
+                              .pitch = rng.uniform(-3, 3),
+                              .yaw = rng.uniform(-3, 3),
+                              .yaw_rate = rng.uniform(-9, 9),
+                              .thrust = rng.uniform(-50, 50)};
       const double dt = i % 5 == 0 ? 0.0 : kDt;
-      for (const double w : indi.step(c, rotation_EB(any_attitude(rng, 1.5)), any_vector3(rng, 20), dt)) {
+      for (const double w :
+           indi.step(c, rotation_EB(any_attitude(rng, 1.5)), any_vector3(rng, 20), dt)) {
         ASSERT_GE(w, vehicle.min_speed - 1e-6);
         ASSERT_LE(w, vehicle.max_speed + 1e-6);
       }
@@ -162,9 +179,11 @@ TEST(Indi, RotorsStayWithinTheirLimitsWhateverIsAsked) {
 
 TEST(Indi, ResetForgetsEverything) {
   Indi used{{}, {}}, fresh{{}, {}};
-  for (int i = 0; i < 100; ++i) (void)used.step({.roll = 0.3, .thrust = 12}, {}, Vector3d{1, 2, 3}, kDt);
+  for (int i = 0; i < 100; ++i)
+    (void)used.step({.roll = 0.3, .thrust = 12}, {}, Vector3d{1, 2, 3}, kDt);
   used.reset();
-  EXPECT_EQ(used.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt), fresh.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt));
+  EXPECT_EQ(used.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt),
+            fresh.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt));
 }
 
 }  // namespace

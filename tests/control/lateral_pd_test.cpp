@@ -30,7 +30,8 @@ TEST(LateralPd, MirroredApproachGivesMirroredCommandWithinTheLimit) {
   EXPECT_EQ(lateral_roll(1e300, 0, params), -params.max_roll);
 }
 
-// Flat dynamics ÿ = g tan(roll) + k ẏ, Li18 Eq. (23): from 0.8 m (the paper's arc error) onto the line.
+// Flat dynamics ÿ = g tan(roll) + k ẏ, Li18 Eq. (23): from 0.8 m (the paper's arc error) onto the
+// line.
 TEST(LateralPd, BringsTheDroneOntoTheLineWithoutRinging) {
   double y = 0.8, v = 0, most = 0, after_four_seconds = 0;
   const double dt = 0.002;

@@ -22,7 +22,8 @@ const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 GateDetections gates_in(const Canvas& canvas) {
   static CarefulSearch search;
   const auto bytes = canvas.yuv444();
-  return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, kOrange);
+  return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()},
+                       kOrange);
 }
 
 class CarefulSearchFrom : public ::testing::TestWithParam<Place> {};
@@ -36,8 +37,9 @@ TEST_P(CarefulSearchFrom, FindsTheOuterCorners) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, CarefulSearchFrom,
-                         ::testing::Values(Place{2.0, 0}, Place{3.0, 0}, Place{4.5, 0}, Place{6.0, 0}, Place{3.0, 30},
-                                           Place{3.0, -45}, Place{3.5, 60}));
+                         ::testing::Values(Place{2.0, 0}, Place{3.0, 0}, Place{4.5, 0},
+                                           Place{6.0, 0}, Place{3.0, 30}, Place{3.0, -45},
+                                           Place{3.5, 60}));
 
 TEST(CarefulSearch, AWashedOutGateIsFound) {
   const CameraRig rig = bebop_rig();
@@ -48,7 +50,8 @@ TEST(CarefulSearch, AWashedOutGateIsFound) {
     canvas.draw_gate(view, rig, 1.0, 0.05, {150, 116, 140});  // a few levels from the wall's grey
     canvas.add_noise(rng, 8.0, 2.0);
     const auto gates = gates_in(canvas);
-    found += !gates.empty() && worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()) < 6.0;
+    found += !gates.empty() &&
+             worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()) < 6.0;
   });
   EXPECT_GE(found, 9);
 }
@@ -77,7 +80,9 @@ TEST(CarefulSearch, TwoGatesAreTwo) {
   ASSERT_EQ(gates.size(), 2u);
   for (const View& view : {near, far}) {
     const Quad truth = corners_of(1.0, view, rig).value();
-    EXPECT_LT(std::min(worst_corner(gates[0].corners_px, truth), worst_corner(gates[1].corners_px, truth)), 2.5);
+    EXPECT_LT(std::min(worst_corner(gates[0].corners_px, truth),
+                       worst_corner(gates[1].corners_px, truth)),
+              2.5);
   }
 }
 
@@ -114,23 +119,37 @@ TEST(CarefulSearch, TheSamePictureTwiceIsTheSameAnswer) {
   (void)gates_in(other);  // what was looked at before leaves no trace
   const auto second = gates_in(canvas);
   ASSERT_EQ(first.size(), second.size());
-  for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(worst_corner(first[i].corners_px, second[i].corners_px), 0.0);
+  for (std::size_t i = 0; i < first.size(); ++i)
+    EXPECT_EQ(worst_corner(first[i].corners_px, second[i].corners_px), 0.0);
 }
 
 TEST(CarefulSearch, NastyPicturesHaveNoGateAndDoNoHarm) {
   CarefulSearch search;
   EXPECT_TRUE(search.detect(Image{}, kOrange).empty());
-  for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {1, 3000}, {3000, 1}, {15, 9}, {16, 16}, {17, 4000}, {4000, 17}, {2000, 1500}}) {
+  for (const auto& [width, height] : {std::pair{1, 1},
+                                      {2, 2},
+                                      {1, 3000},
+                                      {3000, 1},
+                                      {15, 9},
+                                      {16, 16},
+                                      {17, 4000},
+                                      {4000, 17},
+                                      {2000, 1500}}) {
     const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::vector<std::uint8_t> plain(3 * count), checkered(3 * count);
     for (std::size_t i = 0; i < count; ++i) {
-      const bool odd = (i % static_cast<std::size_t>(width) + i / static_cast<std::size_t>(width)) % 2 != 0;
+      const bool odd =
+          (i % static_cast<std::size_t>(width) + i / static_cast<std::size_t>(width)) % 2 != 0;
       const Yuv orange = yuv_of_rgb(255, 102, 0);
       plain[3 * i] = orange.y, plain[3 * i + 1] = orange.u, plain[3 * i + 2] = orange.v;
-      checkered[3 * i] = odd ? orange.y : 16, checkered[3 * i + 1] = odd ? orange.u : 128, checkered[3 * i + 2] = odd ? orange.v : 128;
+      checkered[3 * i] = odd ? orange.y : 16, checkered[3 * i + 1] = odd ? orange.u : 128,
+                    checkered[3 * i + 2] = odd ? orange.v : 128;
     }
-    EXPECT_TRUE(search.detect({plain.data(), PixelFormat::kYuv444, width, height}, kOrange).empty()) << width << " x " << height;
-    EXPECT_TRUE(search.detect({checkered.data(), PixelFormat::kYuv444, width, height}, kOrange).empty()) << width << " x " << height;
+    EXPECT_TRUE(search.detect({plain.data(), PixelFormat::kYuv444, width, height}, kOrange).empty())
+        << width << " x " << height;
+    EXPECT_TRUE(
+        search.detect({checkered.data(), PixelFormat::kYuv444, width, height}, kOrange).empty())
+        << width << " x " << height;
   }
 }
 

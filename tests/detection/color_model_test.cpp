@@ -37,7 +37,8 @@ TEST(ColorModel, AFewLevelsTowardsTheHueAreEvidenceOfDifference) {
 TEST(ColorModel, MoreColourIsNeverLessEvidence) {
   int before = -1000;
   for (int chroma = 0; chroma <= 60; chroma += 4) {
-    const Yuv c{120, static_cast<std::uint8_t>(128 - chroma * 3 / 4), static_cast<std::uint8_t>(128 + chroma * 2 / 3)};
+    const Yuv c{120, static_cast<std::uint8_t>(128 - chroma * 3 / 4),
+                static_cast<std::uint8_t>(128 + chroma * 2 / 3)};
     const int now = kOrange.evidence(c, kGrey);
     EXPECT_GE(now, before) << "chroma " << chroma;
     before = now;
@@ -58,9 +59,13 @@ TEST(ColorModel, AChromaIsHopelessIfItIsWithEveryLuma) {
   int hopeless = 0;
   for (int u = 0; u < 256; ++u)
     for (int v = 0; v < 256; ++v) {
-      const auto of = [&](int y) { return Yuv{static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v)}; };
+      const auto of = [&](int y) {
+        return Yuv{static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(u),
+                   static_cast<std::uint8_t>(v)};
+      };
       bool all = true;
-      for (int y = 0; y < 256; ++y) all = all && kOrange.absolute[ColorModel::bin(of(y))] < ColorModel::kHopeless;
+      for (int y = 0; y < 256; ++y)
+        all = all && kOrange.absolute[ColorModel::bin(of(y))] < ColorModel::kHopeless;
       const int said = kOrange.hopeless[ColorModel::chroma_bin(PackedYuv::of(of(7)))];
       ASSERT_EQ(said, all ? 1 : 0) << u << ", " << v;
       hopeless += said;

@@ -36,7 +36,9 @@ class Picture {
     std::uint8_t* p = &bytes_[static_cast<std::size_t>(3 * (v * width_ + u))];
     p[0] = gate ? 140 : 110, p[1] = gate ? 100 : 128, p[2] = gate ? 145 : 128;
   }
-  [[nodiscard]] Image image() const { return {bytes_.data(), PixelFormat::kYuv444, width_, height_}; }
+  [[nodiscard]] Image image() const {
+    return {bytes_.data(), PixelFormat::kYuv444, width_, height_};
+  }
 
  private:
   int width_, height_;
@@ -47,7 +49,8 @@ Quad square(double u, double v, double side) {
   return {{{u, v}, {u + side, v}, {u + side, v + side}, {u, v + side}}};
 }
 
-PaperDetections paper(const Picture& picture, const PaperDetectorParams& params = {}, std::uint64_t seed = 1) {
+PaperDetections paper(const Picture& picture, const PaperDetectorParams& params = {},
+                      std::uint64_t seed = 1) {
   Rng rng{seed};
   return detect_as_paper(picture.image(), params, rng);
 }
@@ -64,7 +67,8 @@ void expect_corners(const Quad& found, const Quad& wanted) {
 
 TEST(PaperDetector, FindsACleanGateAtItsCorners) {
   for_all(30, [](Rng& rng) {
-    const int side = 30 + rng.uniform_index(40), u = rng.uniform_index(100 - side), v = rng.uniform_index(100 - side);
+    const int side = 30 + rng.uniform_index(40), u = rng.uniform_index(100 - side),
+              v = rng.uniform_index(100 - side);
     Picture picture(100, 100);
     picture.frame(u, v, side);
     const auto found = paper(picture);
@@ -107,7 +111,8 @@ TEST(PaperDetector, SameGeneratorSameAnswer) {
   Rng noise{5};
   Picture picture(120, 120);
   picture.frame(20, 20, 50);
-  for (int i = 0; i < 3000; ++i) picture.set(noise.uniform_index(120), noise.uniform_index(120), true);
+  for (int i = 0; i < 3000; ++i)
+    picture.set(noise.uniform_index(120), noise.uniform_index(120), true);
   const PaperDetectorParams params{.min_side_px = 5.0, .min_color_fitness = 0.0};
   const auto a = paper(picture, params, 9), b = paper(picture, params, 9);
   ASSERT_EQ(a.size(), b.size());
@@ -160,13 +165,15 @@ TEST(PaperAndFlownDetector, NastyPicturesGiveAnAnswerInBoundedTime) {
   EXPECT_FALSE(detect_as_flown(Image{}, {}, rng, square(0, 0, 10)).has_value());
 
   std::vector<Picture> pictures;
-  for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {1, 300}, {300, 1}, {315, 160}, {3150, 1600}}) {
+  for (const auto& [width, height] :
+       {std::pair{1, 1}, {2, 2}, {1, 300}, {300, 1}, {315, 160}, {3150, 1600}}) {
     pictures.emplace_back(width, height);
     pictures.back().paint(0, 0, width - 1, height - 1);
   }
   Picture checkerboard(315, 160), noise(315, 160);
   for (int v = 0; v < 160; ++v)
-    for (int u = 0; u < 315; ++u) checkerboard.set(u, v, (u + v) % 2 == 0), noise.set(u, v, rng.uniform_index(2) == 0);
+    for (int u = 0; u < 315; ++u)
+      checkerboard.set(u, v, (u + v) % 2 == 0), noise.set(u, v, rng.uniform_index(2) == 0);
   pictures.push_back(checkerboard), pictures.push_back(noise);
 
   const auto start = std::chrono::steady_clock::now();
@@ -184,7 +191,8 @@ TEST(PaperDetector, AFullListEndsTheSearch) {
   Picture crowd(1000, 1000);
   for (int v = 2; v < 990; v += 8)
     for (int u = 2; u < 990; u += 8) crowd.frame(u, v, 4);
-  const auto found = paper(crowd, {.samples = 100'000, .min_side_px = 2.0, .min_color_fitness = 0.0});
+  const auto found =
+      paper(crowd, {.samples = 100'000, .min_side_px = 2.0, .min_color_fitness = 0.0});
   EXPECT_TRUE(found.full());
 }
 

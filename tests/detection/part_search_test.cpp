@@ -18,19 +18,23 @@ using Eigen::Vector2d;
 
 std::optional<GatePart> part_in(const Canvas& canvas) {
   const auto bytes = canvas.yuv444();
-  return PartSearch{}.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, ColorModel::described({1.0, 0.4, 0.0}));
+  return PartSearch{}.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()},
+                             ColorModel::described({1.0, 0.4, 0.0}));
 }
 
 // How far a point is from the middle line of the left (-1) or right bar (+1) [px].
 double off_bar(const Vector2d& px, double side, const View& view, const CameraRig& rig) {
   double nearest = 1e9;
   for (double z = -0.5; z <= 0.5; z += 0.005)
-    if (const auto on_bar = pixel_of({0, side * 0.475, z}, view, rig)) nearest = std::min(nearest, (*on_bar - px).norm());
+    if (const auto on_bar = pixel_of({0, side * 0.475, z}, view, rig))
+      nearest = std::min(nearest, (*on_bar - px).norm());
   return nearest;
 }
 
 bool well_inside(const Vector2d& p) { return p.x() > 5 && p.x() < 309 && p.y() > 5 && p.y() < 154; }
-bool well_outside(const Vector2d& p) { return p.x() < -5 || p.x() > 319 || p.y() < -5 || p.y() > 164; }
+bool well_outside(const Vector2d& p) {
+  return p.x() < -5 || p.x() > 319 || p.y() < -5 || p.y() > 164;
+}
 
 class BarsAtPitch : public ::testing::TestWithParam<double> {};
 
@@ -57,7 +61,8 @@ TEST_P(BarsAtPitch, BothBarsOfAGateTooNearToBeSeenWholeAreFound) {
 }
 INSTANTIATE_TEST_SUITE_P(Pitch, BarsAtPitch, ::testing::Values(0.0, -5.0, -10.0));
 
-// 60 views, near enough that part of the gate is out of the picture: rolled, too high, too low, beside the axis.
+// 60 views, near enough that part of the gate is out of the picture: rolled, too high, too low,
+// beside the axis.
 TEST(PartSearch, SaysOfEachCornerWhetherItIsInViewAndWhere) {
   const CameraRig rig = bebop_rig();
   int views = 0, found = 0, inside = 0, outside = 0;
@@ -70,7 +75,8 @@ TEST(PartSearch, SaysOfEachCornerWhetherItIsInViewAndWhere) {
     // Side bars in view, and every corner clearly in the picture or clearly not.
     int in = 0, out = 0;
     for (const auto& c : *corners) in += well_inside(c), out += well_outside(c);
-    const bool sides_in = std::min((*corners)[0].x(), (*corners)[3].x()) > 5 && std::max((*corners)[1].x(), (*corners)[2].x()) < 309;
+    const bool sides_in = std::min((*corners)[0].x(), (*corners)[3].x()) > 5 &&
+                          std::max((*corners)[1].x(), (*corners)[2].x()) < 309;
     if (in + out < 4 || out == 0 || !sides_in) return;
     ++views;
     Canvas canvas{315, 160};
@@ -142,7 +148,8 @@ TEST(PartSearch, RefusesWhatIsNoPairOfBars) {
 
 TEST(PartSearch, WhereEverythingIsColouredThereIsNoGateAndLittleCost) {
   EXPECT_FALSE(PartSearch{}.detect(Image{}, ColorModel{}));
-  for (const auto& [w, h] : {std::pair{1, 1}, std::pair{1, 100}, std::pair{100, 1}, std::pair{3, 2}, std::pair{4000, 3}, std::pair{315, 160}}) {
+  for (const auto& [w, h] : {std::pair{1, 1}, std::pair{1, 100}, std::pair{100, 1}, std::pair{3, 2},
+                             std::pair{4000, 3}, std::pair{315, 160}}) {
     Canvas canvas{w, h};
     canvas.fill({120, 90, 190});
     const auto start = std::chrono::steady_clock::now();

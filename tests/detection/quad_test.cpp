@@ -23,7 +23,8 @@ Quad square(double u, double v, double side) {
 Quad turned(const Quad& q, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   Quad out;
-  for (std::size_t i = 0; i < 4; ++i) out[i] = Vector2d{c * q[i].x() - s * q[i].y(), s * q[i].x() + c * q[i].y()};
+  for (std::size_t i = 0; i < 4; ++i)
+    out[i] = Vector2d{c * q[i].x() - s * q[i].y(), s * q[i].x() + c * q[i].y()};
   return out;
 }
 
@@ -45,8 +46,10 @@ TEST(Quad, SharedAreaOfSquares) {
 
 TEST(Quad, SharedAreaIsSymmetricBoundedAndTurnsWithThePicture) {
   for_all(200, [](Rng& rng) {
-    const Quad a = turned(square(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(1, 20)), rng.uniform(-3, 3));
-    const Quad b = turned(square(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(1, 20)), rng.uniform(-3, 3));
+    const Quad a = turned(square(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(1, 20)),
+                          rng.uniform(-3, 3));
+    const Quad b = turned(square(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(1, 20)),
+                          rng.uniform(-3, 3));
     const double shared = shared_area(a, b);
     EXPECT_NEAR(shared, shared_area(b, a), 1e-6);
     EXPECT_GE(shared, 0);
@@ -76,7 +79,9 @@ TEST(Quad, KeepsItsTopLeftUnderRollOfThirtyDegrees) {
   }
 }
 
-TEST(Quad, CenterIsTheMiddle) { EXPECT_THAT(center(square(0, 10, 4)), IsNear(Vector2d{2, 12}, 1e-12)); }
+TEST(Quad, CenterIsTheMiddle) {
+  EXPECT_THAT(center(square(0, 10, 4)), IsNear(Vector2d{2, 12}, 1e-12));
+}
 
 }  // namespace
 }  // namespace gatefly

@@ -10,6 +10,7 @@
 
 #include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/gate_search.hpp"
+
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
 #include "support/views_of_a_gate.hpp"
@@ -25,7 +26,8 @@ const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 template <class Search>
 GateDetections found_by(Search& search, const Canvas& canvas) {
   const auto bytes = canvas.yuv444();
-  return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()}, kOrange);
+  return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()},
+                       kOrange);
 }
 
 GateDetections gates_in(const Canvas& canvas) {
@@ -44,7 +46,8 @@ TEST_P(SnakeSearchFrom, FindsTheOuterCorners) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, SnakeSearchFrom,
-                         ::testing::Values(Place{2.0, 0}, Place{3.0, 0}, Place{4.0, 0}, Place{2.5, 30}, Place{2.5, -45}, Place{2.5, 60}));
+                         ::testing::Values(Place{2.0, 0}, Place{3.0, 0}, Place{4.0, 0},
+                                           Place{2.5, 30}, Place{2.5, -45}, Place{2.5, 60}));
 
 TEST(SnakeSearch, FollowsABarOverAHole) {
   const CameraRig rig = bebop_rig();
@@ -52,7 +55,8 @@ TEST(SnakeSearch, FollowsABarOverAHole) {
   Canvas canvas(315, 160);
   canvas.draw_gate(view, rig);
   const Quad truth = corners_of(1.0, view, rig).value();
-  const int left = static_cast<int>(truth[0].x()), middle = static_cast<int>(0.5 * (truth[0].y() + truth[3].y()));
+  const int left = static_cast<int>(truth[0].x()),
+            middle = static_cast<int>(0.5 * (truth[0].y() + truth[3].y()));
   canvas.blank(left - 6, left + 8, middle - 5, middle + 5);
   const auto gates = gates_in(canvas);
   ASSERT_EQ(gates.size(), 1u);
@@ -68,7 +72,9 @@ TEST(SnakeSearch, TwoGatesAreTwo) {
   ASSERT_EQ(gates.size(), 2u);
   for (const View& view : {near, far}) {
     const Quad truth = corners_of(1.0, view, rig).value();
-    EXPECT_LT(std::min(worst_corner(gates[0].corners_px, truth), worst_corner(gates[1].corners_px, truth)), 3.0);
+    EXPECT_LT(std::min(worst_corner(gates[0].corners_px, truth),
+                       worst_corner(gates[1].corners_px, truth)),
+              3.0);
   }
 }
 
@@ -76,12 +82,14 @@ TEST(SnakeSearch, TheSameSceneInAnySizeShowsTheSameGate) {
   const View view{{-3.0, 0.3, 0.2}, {0.1, -0.05, 0.1}};
   for (const int times : {1, 2, 3, 4}) {
     CameraRig rig = bebop_rig();
-    rig.lens.model = DhaneFisheye{{168.0 * times, 168.0 * times}, {157.0 * times, 124.0 * times}, 1.08};
+    rig.lens.model =
+        DhaneFisheye{{168.0 * times, 168.0 * times}, {157.0 * times, 124.0 * times}, 1.08};
     Canvas canvas(315 * times, 160 * times);
     canvas.draw_gate(view, rig);
     const auto gates = gates_in(canvas);
     ASSERT_EQ(gates.size(), 1u) << times;
-    EXPECT_LT(worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()), 2.5 * times) << times;
+    EXPECT_LT(worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()), 2.5 * times)
+        << times;
   }
 }
 
@@ -99,7 +107,8 @@ TEST(SnakeSearch, NoiseAndFilledSquaresAreNoGates) {
 TEST(SnakeSearch, WhatWasLookedAtBeforeLeavesNoTrace) {
   Canvas canvas(315, 160), other(640, 480);
   Rng rng{3};
-  canvas.draw_gate({{-3.0, 0.2, 0}, {}}, bebop_rig()), canvas.add_noise(rng), other.fill({120, 90, 190});
+  canvas.draw_gate({{-3.0, 0.2, 0}, {}}, bebop_rig()), canvas.add_noise(rng),
+      other.fill({120, 90, 190});
   const auto first = gates_in(canvas);
   (void)gates_in(other);
   const auto second = gates_in(canvas);
@@ -118,10 +127,13 @@ TEST(GateSearch, CornersOfABrokenBarAreDoubtful) {
   const Quad truth = corners_of(1.0, view, rig).value();
   Canvas canvas(315, 160);
   canvas.draw_gate(view, rig);
-  const int right = static_cast<int>(truth[1].x()), middle = static_cast<int>(0.5 * (truth[1].y() + truth[2].y()));
+  const int right = static_cast<int>(truth[1].x()),
+            middle = static_cast<int>(0.5 * (truth[1].y() + truth[2].y()));
   canvas.blank(right - 6, right + 6, middle - 18, middle + 18);
   const auto gates = found_by(search, canvas);
-  const auto gate = std::find_if(gates.begin(), gates.end(), [&](const auto& g) { return worst_corner(g.corners_px, truth) < 8.0; });
+  const auto gate = std::find_if(gates.begin(), gates.end(), [&](const auto& g) {
+    return worst_corner(g.corners_px, truth) < 8.0;
+  });
   ASSERT_NE(gate, gates.end());
   const auto& fitness = gate->corner_fitness;  // TL, TR, BR, BL
   EXPECT_GT(std::min(fitness[0], fitness[3]), 0.9);
@@ -157,7 +169,8 @@ TEST(GateSearch, OfEquallySureGatesTheMostCentralOneIsTheAnswer) {
     canvas.add_noise(rng, 8.0, 2.0);
     const auto bytes = canvas.yuv444();
     const Image image{bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()};
-    for (const auto& gates : {search.detect_best(image, kOrange), search.detect_all(image, kOrange)}) {
+    for (const auto& gates :
+         {search.detect_best(image, kOrange), search.detect_all(image, kOrange)}) {
       ASSERT_EQ(gates.size(), 2u);
       EXPECT_LT(worst_corner(gates[0].corners_px, truth), 3.0);
     }
@@ -172,8 +185,10 @@ TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
     const Quad truth = corners_of(1.0, view, rig).value();
     for (const bool washed_out : {false, true}) {
       Canvas canvas(315, 160);
-      if (washed_out) canvas.draw_gate(view, rig, 1.0, 0.05, {120, 121, 134});
-      else canvas.draw_gate(view, rig);
+      if (washed_out)
+        canvas.draw_gate(view, rig, 1.0, 0.05, {120, 121, 134});
+      else
+        canvas.draw_gate(view, rig);
       canvas.add_noise(rng, 8.0, 2.0);
       const auto gates = found_by(search, canvas);
       ASSERT_FALSE(gates.empty()) << washed_out;
@@ -189,7 +204,9 @@ struct Searched {
   std::vector<std::uint8_t> bytes;
   BarFinder finder{5, 1};
 
-  explicit Searched(Rng& rng) : width{60 + static_cast<int>(rng.uniform(0, 300))}, height{40 + static_cast<int>(rng.uniform(0, 200))} {
+  explicit Searched(Rng& rng)
+      : width{60 + static_cast<int>(rng.uniform(0, 300))},
+        height{40 + static_cast<int>(rng.uniform(0, 200))} {
     Canvas canvas(width, height);
     canvas.draw_gate({{-2.5, 0, 0}, {}}, bebop_rig());
     canvas.add_noise(rng);
@@ -197,26 +214,35 @@ struct Searched {
     (void)finder.find(image(), kOrange);
   }
   [[nodiscard]] Image image() const { return {bytes.data(), PixelFormat::kYuv444, width, height}; }
-  [[nodiscard]] BarFinder::Evidence evidence(int cell) const { return finder.evidence(image(), kOrange, cell); }
+  [[nodiscard]] BarFinder::Evidence evidence(int cell) const {
+    return finder.evidence(image(), kOrange, cell);
+  }
 };
 
-// The faster way along a line says of every place what the place itself says, inside, outside and across the border.
+// The faster way along a line says of every place what the place itself says, inside, outside and
+// across the border.
 TEST(BarEvidence, AlongALineIsThatOfItsPlaces) {
   for_all(20, [](Rng& rng) {
     const Searched picture{rng};
     const int width = picture.width, height = picture.height;
     const BarFinder::Evidence evidence = picture.evidence(1);
     for (int line = 0; line < 50; ++line) {
-      const auto place = [&](int size) { return static_cast<std::int64_t>(65536 * rng.uniform(-20, size + 20)); };
-      const std::int64_t x = place(width), y = place(height), dx = (place(width) - x) / 40, dy = (place(height) - y) / 40;
+      const auto place = [&](int size) {
+        return static_cast<std::int64_t>(65536 * rng.uniform(-20, size + 20));
+      };
+      const std::int64_t x = place(width), y = place(height), dx = (place(width) - x) / 40,
+                         dy = (place(height) - y) / 40;
       evidence.along(x, y, dx, dy, 40, [&](int k, int said) {
-        ASSERT_EQ(said, evidence(static_cast<int>((x + k * dx) >> 16), static_cast<int>((y + k * dy) >> 16))) << line << ", " << k;
+        ASSERT_EQ(said, evidence(static_cast<int>((x + k * dx) >> 16),
+                                 static_cast<int>((y + k * dy) >> 16)))
+            << line << ", " << k;
       });
     }
   });
 }
 
-// Across a bar, too: what speaks for a bar at a place speaks for it there; what does not is nothing or less.
+// Across a bar, too: what speaks for a bar at a place speaks for it there; what does not is nothing
+// or less.
 TEST(BarEvidence, AcrossIsThatOfItsPlaces) {
   for_all(20, [](Rng& rng) {
     const Searched picture{rng};
@@ -224,13 +250,18 @@ TEST(BarEvidence, AcrossIsThatOfItsPlaces) {
     for (const int cell : {1, 2}) {
       const BarFinder::Evidence evidence = picture.evidence(cell);
       for (int line = 0; line < 200; ++line) {
-        const int x = static_cast<int>(rng.uniform(-5, width / cell + 5)), y = static_cast<int>(rng.uniform(-5, height / cell + 5));
+        const int x = static_cast<int>(rng.uniform(-5, width / cell + 5)),
+                  y = static_cast<int>(rng.uniform(-5, height / cell + 5));
         for (const bool down : {false, true}) {
-          evidence.across(x, y, down, 1, [&](int said) { ASSERT_EQ(std::max(0, said), std::max(0, evidence(x, y))) << x << ", " << y; });
+          evidence.across(x, y, down, 1, [&](int said) {
+            ASSERT_EQ(std::max(0, said), std::max(0, evidence(x, y))) << x << ", " << y;
+          });
           // Around places next to each other it is much the same.
           int k = 0, off = 0;
           evidence.across(x, y, down, 7, [&](int said) {
-            off += std::abs(std::max(0, said) - std::max(0, down ? evidence(x, y + k) : evidence(x + k, y))), ++k;
+            off += std::abs(std::max(0, said) -
+                            std::max(0, down ? evidence(x, y + k) : evidence(x + k, y))),
+                ++k;
           });
           ASSERT_EQ(k, 7);
           ASSERT_LT(off, 7 * 16) << x << ", " << y;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -21,7 +22,8 @@ using Eigen::Vector3d;
 constexpr double kDt = 1.0 / 512;
 const Vector3d kUp{0, 0, -9.81};
 
-Ahrs at_rest(const Vector3d& gyro_bias, const Vector3d& accel_bias, double yaw = 0.0, int samples = 1024) {
+Ahrs at_rest(const Vector3d& gyro_bias, const Vector3d& accel_bias, double yaw = 0.0,
+             int samples = 1024) {
   Ahrs ahrs{AhrsParams{}};
   ahrs.start(yaw);
   for (int i = 0; i < samples; ++i) ahrs.update_at_rest({gyro_bias, kUp + accel_bias});
@@ -81,7 +83,8 @@ TEST(Ahrs, GravityCorrectsTheTilt) {
     Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero(), 0.5);
     const Attitude truth{rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), 0.5};
     const Vector3d accel = rotation_EB(truth).matrix.transpose() * kUp;
-    for (int i = 0; i < 200 * 512; ++i) ahrs.update({Vector3d::Zero(), accel}, Vector3d::Zero(), kDt);
+    for (int i = 0; i < 200 * 512; ++i)
+      ahrs.update({Vector3d::Zero(), accel}, Vector3d::Zero(), kDt);
     EXPECT_NEAR(ahrs.attitude().roll, truth.roll, 0.003);
     EXPECT_NEAR(ahrs.attitude().pitch, truth.pitch, 0.003);
   });
@@ -97,7 +100,8 @@ TEST(Ahrs, FindsAGyroBiasThatCameAfterTheCalibration) {
   EXPECT_NEAR(ahrs.attitude().pitch, 0, 0.003);
 }
 
-// A coordinated level turn of 10 s: without the velocity the filter would take the bank for level flight.
+// A coordinated level turn of 10 s: without the velocity the filter would take the bank for level
+// flight.
 TEST(Ahrs, ACoordinatedTurnDoesNotLookLevel) {
   const double v = 1.8, yaw_rate = 1.2, g = 9.81;
   const double roll = std::atan(v * yaw_rate / g);
@@ -163,17 +167,17 @@ TEST(Ahrs, TheDoubtOfTheTiltWidensWithWhatIsNotExplainedAndComesBack) {
   const double hover = fly({Vector3d::Zero(), kUp});
   EXPECT_GT(hover, AhrsParams{}.accel_bias_sigma / 9.81);
   EXPECT_LT(hover, 0.7 * kDegree);
-  EXPECT_GT(fly({Vector3d::Zero(), 1.15 * kUp}), 1.2 * hover);       // longer than g
+  EXPECT_GT(fly({Vector3d::Zero(), 1.15 * kUp}), 1.2 * hover);  // longer than g
   EXPECT_NEAR(fly({Vector3d::Zero(), kUp}), hover, 0.1 * hover);
-  ahrs.update({Vector3d{4, 0, 0}, kUp}, Vector3d::Zero(), kDt);      // a rate is never quite of now
+  ahrs.update({Vector3d{4, 0, 0}, kUp}, Vector3d::Zero(), kDt);  // a rate is never quite of now
   EXPECT_GT(ahrs.tilt_sigma(), 1.2 * hover);
   EXPECT_TRUE(std::isfinite(ahrs.tilt_sigma()));
-  ahrs.update({Vector3d::Zero(), kUp}, Vector3d::Zero(), 100.0);     // a pause of any length
+  ahrs.update({Vector3d::Zero(), kUp}, Vector3d::Zero(), 100.0);  // a pause of any length
   EXPECT_GT(ahrs.tilt_sigma(), 0.0);
 }
 
-// 200 hovers of 20 s: noise and vibration of a Bebop, biases that appear after the rest. Mean of e²/σ² over
-// both axes: 1 when honest; below when the doubt is too large.
+// 200 hovers of 20 s: noise and vibration of a Bebop, biases that appear after the rest. Mean of
+// e²/σ² over both axes: 1 when honest; below when the doubt is too large.
 TEST(Ahrs, TheDoubtOfTheTiltIsTrue) {
   double sum = 0;
   constexpr int kRuns = 200;
@@ -200,7 +204,9 @@ TEST(Ahrs, HeadingConvergesToWhatGatesSayAndFindsTheYawBias) {
   const double before = ahrs.heading_sigma();
   for (int i = 0; i < 60 * 512; ++i) {
     ahrs.update({Vector3d{0, 0, drift}, kUp}, Vector3d::Zero(), kDt);
-    if (i % 51 == 0) ahrs.correct_heading(wrap_angle(truth - ahrs.attitude().yaw) + 0.05 * normal(rng), 0.05 * 0.05);
+    if (i % 51 == 0)
+      ahrs.correct_heading(wrap_angle(truth - ahrs.attitude().yaw) + 0.05 * normal(rng),
+                           0.05 * 0.05);
   }
   EXPECT_NEAR(ahrs.attitude().yaw, truth, 0.03);
   EXPECT_NEAR(ahrs.gyro_bias().z(), drift, 0.002);
@@ -243,7 +249,8 @@ TEST(Ahrs, StaysARotationThroughAHardFlight) {
 
 TEST(Ahrs, WeightlessnessOnlyIntegrates) {
   Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero());
-  for (int i = 0; i < 512; ++i) ahrs.update({Vector3d::Zero(), Vector3d::Zero()}, Vector3d::Zero(), kDt);
+  for (int i = 0; i < 512; ++i)
+    ahrs.update({Vector3d::Zero(), Vector3d::Zero()}, Vector3d::Zero(), kDt);
   EXPECT_NEAR(ahrs.attitude().roll, 0, 1e-12);
   EXPECT_TRUE(ahrs.R_EB().matrix.allFinite());
 }

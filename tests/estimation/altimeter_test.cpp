@@ -59,9 +59,11 @@ TEST(Altimeter, FollowsTheBarometersSlowDrift) {
 TEST(Altimeter, WhenTheClockStartsDoesNotMatter) {
   double a = 0, b = 0;
   Altimeter early = hovering(0.0, a, 0.0), late = hovering(0.0, b, 5000.0);
-  EXPECT_EQ(early.sonar(0.9, 1.5, a + 0.05).has_value(), late.sonar(0.9, 1.5, b + 0.05).has_value());
+  EXPECT_EQ(early.sonar(0.9, 1.5, a + 0.05).has_value(),
+            late.sonar(0.9, 1.5, b + 0.05).has_value());
   Altimeter first_early{AltimeterParams{}}, first_late{AltimeterParams{}};
-  EXPECT_EQ(first_early.sonar(0.9, 1.5, 0.0).has_value(), first_late.sonar(0.9, 1.5, 5000.0).has_value());
+  EXPECT_EQ(first_early.sonar(0.9, 1.5, 0.0).has_value(),
+            first_late.sonar(0.9, 1.5, 5000.0).has_value());
 }
 
 TEST(Altimeter, EchoesOfAClimbAreBelieved) {

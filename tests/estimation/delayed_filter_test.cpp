@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -41,13 +42,16 @@ class Hovering {
     filter.start(Vector3d{-4, 0, 0} + off, Vector3d::Zero(), {}, 0.0);
   }
   void wait(double seconds) {
-    for (const double until = time + seconds; time < until - 0.5 * kDt;) filter.predict(hover(), kDt, time += kDt);
+    for (const double until = time + seconds; time < until - 0.5 * kDt;)
+      filter.predict(hover(), kDt, time += kDt);
   }
   Fusion see(const Vector3d& p) {
     wait(0.066);
     return filter.correct(fix_at(p), time - 0.044, true);
   }
-  [[nodiscard]] double error() const { return (filter.now().position() - Vector3d{-4, 0, 0}).norm(); }
+  [[nodiscard]] double error() const {
+    return (filter.now().position() - Vector3d{-4, 0, 0}).norm();
+  }
 
   DelayedFilter filter;
   double time = 0.0;
@@ -64,7 +68,8 @@ TEST(DelayedFilter, AFixIsFusedAtTheMomentOfItsPicture) {
     late.predict(u, kDt, i * kDt);
     in_time.predict(u, kDt);
     if (i == 40) (void)in_time.correct(fix_at({-3.85, 0.05, 0}));
-    if (i == 60) (void)in_time.correct_altitude(0.03, 0.04), (void)late.correct_altitude(0.03, 0.04, 0.0);
+    if (i == 60)
+      (void)in_time.correct_altitude(0.03, 0.04), (void)late.correct_altitude(0.03, 0.04, 0.0);
   }
   EXPECT_EQ(late.correct(fix_at({-3.85, 0.05, 0}), 40 * kDt), Fusion::kAccepted);
   EXPECT_THAT(late.now().state(), IsNear(in_time.state(), 1e-12));
@@ -88,7 +93,8 @@ TEST(DelayedFilter, TheOrderOfArrivalDoesNotMatter) {
         filter.predict(inputs[static_cast<std::size_t>(i - 1)], kDt, i * kDt);
         if (i % 26 == 0) (void)filter.correct_altitude(0.02, 0.04, 0.05);
       }
-      for (const int k : order) (void)filter.correct(fixes[static_cast<std::size_t>(k)], (20 + 20 * k) * kDt);
+      for (const int k : order)
+        (void)filter.correct(fixes[static_cast<std::size_t>(k)], (20 + 20 * k) * kDt);
       if (!first) first = filter;
       EXPECT_THAT(filter.now().state(), IsNear(first->now().state(), 1e-9));
       EXPECT_THAT(filter.now().covariance(), IsNear(first->now().covariance(), 1e-9));
@@ -150,17 +156,21 @@ TEST(DelayedFilter, IsNeverLockedOut) {
   }
 }
 
-// Two metres off, and one fix in three is a ghost anywhere: five right ones more than wrong ones take 13 fixes, and luck.
+// Two metres off, and one fix in three is a ghost anywhere: five right ones more than wrong ones
+// take 13 fixes, and luck.
 TEST(DelayedFilter, GhostsInBetweenDelayTheRestartButDoNotPreventIt) {
   for_all(20, [](Rng& rng) {
     Hovering drone{Vector3d{0, 2, 0}};
     int fixes = 0;
-    while (drone.error() > 0.15 && fixes < 30) (void)drone.see(fixes++ % 3 == 2 ? Vector3d{-4, 0, 0} + any_vector3(rng, 3.0) : Vector3d{-4, 0, 0});
+    while (drone.error() > 0.15 && fixes < 30)
+      (void)drone.see(fixes++ % 3 == 2 ? Vector3d{-4, 0, 0} + any_vector3(rng, 3.0)
+                                       : Vector3d{-4, 0, 0});
     EXPECT_LE(fixes, 13);
   });
 }
 
-// What threw the position taught a wrong bias, too: after a restart it is learnt anew, or the drone drifts off again.
+// What threw the position taught a wrong bias, too: after a restart it is learnt anew, or the drone
+// drifts off again.
 TEST(DelayedFilter, AfterARestartTheBiasIsLearntAnew) {
   Hovering drone;
   for (int k = 0; k < 150; ++k) (void)drone.see({-4, 0, 0});
@@ -174,7 +184,8 @@ TEST(DelayedFilter, AfterARestartTheBiasIsLearntAnew) {
 TEST(DelayedFilter, OnePictureCannotAgreeWithItself) {
   Hovering drone{Vector3d{2, 0, 0}};
   drone.wait(0.5);
-  for (int k = 0; k < 10; ++k) EXPECT_EQ(drone.filter.correct(fix_at({-4, 0, 0}), drone.time - 0.044, true), Fusion::kRefused);
+  for (int k = 0; k < 10; ++k)
+    EXPECT_EQ(drone.filter.correct(fix_at({-4, 0, 0}), drone.time - 0.044, true), Fusion::kRefused);
 }
 
 TEST(DelayedFilter, NonFiniteFixesChangeNothing) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -50,7 +51,8 @@ TEST(DragFilter, HoveringStaysWhereItIs) {
 // Straight and level at the speed at which drag holds the pull: x grows by v t, nothing else moves.
 TEST(DragFilter, SteadyStraightFlightMovesWithDragsVelocity) {
   DragFilterParams params;
-  params.start_bias_sigma.setConstant(1e-3), params.bias_noise = 0.0;  // biases are known: heights tell v_z
+  // biases are known: heights tell v_z
+  params.start_bias_sigma.setConstant(1e-3), params.bias_noise = 0.0;
   DragFilter filter{params};
   filter.start({-4, 0, 0.3}, Vector3d::Zero());
   const drag_model::Params model;
@@ -81,12 +83,15 @@ TEST(DragFilter, CovarianceStaysACovarianceWhateverHappens) {
       if (i % 34 == 0) {
         Fix fix = fix_at(filter.position() + any_vector3(rng, 0.3), rng.uniform(0.005, 0.5));
         fix.has_height = rng.uniform_index(2) == 0;
-        for (int k = 0; k < lasting::kCount && i % 68 == 0; ++k) fix.lasting.col(k) = any_vector3(rng, 0.3);
+        for (int k = 0; k < lasting::kCount && i % 68 == 0; ++k)
+          fix.lasting.col(k) = any_vector3(rng, 0.3);
         fix.white = 1e-4 * Matrix3d::Identity();
         (void)filter.correct(fix);
       }
-      if (i % 26 == 0) (void)filter.correct_altitude(filter.position().z() + rng.uniform(-2, 2), 0.04);
-      if (i == 150) filter.change_frame(rotation_z(rng.uniform(-3, 3)), any_vector3(rng, 5), {0.1, 0.05, 0.05});
+      if (i % 26 == 0)
+        (void)filter.correct_altitude(filter.position().z() + rng.uniform(-2, 2), 0.04);
+      if (i == 150)
+        filter.change_frame(rotation_z(rng.uniform(-3, 3)), any_vector3(rng, 5), {0.1, 0.05, 0.05});
     }
     EXPECT_THAT(filter.covariance(), IsCovariance());
     EXPECT_TRUE(filter.state().allFinite());
@@ -150,8 +155,8 @@ TEST(DragFilter, AngleInputThatIsNotANumberChangesNothing) {
   EXPECT_TRUE(filter.covariance().allFinite());
 }
 
-// Vision at 15 Hz with 5 cm noise while the drone hovers; the accelerometer is off by what it did not know at rest.
-// Seed 5; after 20 s the biases are known to 0.05 m/s² and the position to 5 cm.
+// Vision at 15 Hz with 5 cm noise while the drone hovers; the accelerometer is off by what it did
+// not know at rest. Seed 5; after 20 s the biases are known to 0.05 m/s² and the position to 5 cm.
 TEST(DragFilter, LearnsTheBiasThatMakesAHoveringDroneDrift) {
   DragFilter filter = started({-3, 0, 0});
   const Vector3d bias{0.10, -0.08, 0.15};
@@ -161,7 +166,8 @@ TEST(DragFilter, LearnsTheBiasThatMakesAHoveringDroneDrift) {
   for (int i = 0; i < 20 * 512; ++i) {
     filter.predict(u, kDt);
     if (i % 34 == 0)
-      (void)filter.correct(fix_at(Vector3d{-3 + 0.05 * normal(rng), 0.05 * normal(rng), 0.05 * normal(rng)}));
+      (void)filter.correct(
+          fix_at(Vector3d{-3 + 0.05 * normal(rng), 0.05 * normal(rng), 0.05 * normal(rng)}));
   }
   EXPECT_THAT(filter.state().segment<3>(drag_model::kBiasX), IsNear(bias, 0.06));
   EXPECT_THAT(filter.position(), IsNear(Vector3d{-3, 0, 0}, 0.08));
@@ -198,7 +204,8 @@ TEST(DragFilter, ShiftingDroneAndFixesTogetherChangesNothing) {
 TEST(DragFilter, AGatesUncertainHeadingIsDoubtAcrossTheWay) {
   DragFilter filter = started({-5, 0, 0});
   const drag_model::StateMatrix before = filter.covariance();
-  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(), {.position = 0.0, .height = 0.3, .yaw = 0.06});
+  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
+                      {.position = 0.0, .height = 0.3, .yaw = 0.06});
   EXPECT_NEAR(filter.covariance()(1, 1) - before(1, 1), 0.3 * 0.3, 1e-12);
   EXPECT_NEAR(filter.covariance()(0, 0) - before(0, 0), 0.0, 1e-12);
   EXPECT_NEAR(filter.covariance()(2, 2) - before(2, 2), 0.3 * 0.3, 1e-12);
@@ -207,7 +214,8 @@ TEST(DragFilter, AGatesUncertainHeadingIsDoubtAcrossTheWay) {
 // A thousand heights say nothing about how high the gate hangs.
 TEST(DragFilter, AltitudeDoesNotTellTheHeightOfTheGate) {
   DragFilter filter = started({-5, 0, 0});
-  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(), {.position = 0.0, .height = 0.05, .yaw = 0.0});
+  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
+                      {.position = 0.0, .height = 0.05, .yaw = 0.0});
   for (int i = 0; i < 1000; ++i) (void)filter.correct_altitude(0.0, 0.04, 0.05);
   EXPECT_NEAR(std::sqrt(filter.covariance()(2, 2)), 0.05, 0.001);
   for (int i = 0; i < 1000; ++i) (void)filter.correct_altitude(0.0, 0.04);
@@ -237,12 +245,14 @@ TEST(DragFilter, ARestartFromBarsLeavesTheHeight) {
 TEST(DragFilter, WhatLastsIsNotAveragedAway) {
   DragFilter filter = started();
   for (int i = 0; i < 200; ++i) (void)filter.correct(fix_with_lasting_error(filter.position()));
-  EXPECT_GT(filter.covariance()(1, 1), 0.9 * 0.15 * 0.15 * 0.2 * 0.2 / (0.15 * 0.15 + 0.2 * 0.2)) << "pad and gate together";
+  EXPECT_GT(filter.covariance()(1, 1), 0.9 * 0.15 * 0.15 * 0.2 * 0.2 / (0.15 * 0.15 + 0.2 * 0.2))
+      << "pad and gate together";
   EXPECT_LT(filter.covariance()(0, 0), 0.01 * 0.01);
 }
 
-// 200 flights of 20 s over a gate whose every fix is off alike, seed base 1. Position errors and innovations are both as large as
-// the filter thinks: 3 degrees of freedom each; 200 flights give ±0.69 at 4 σ, 200 × 290 innovations less.
+// 200 flights of 20 s over a gate whose every fix is off alike, seed base 1. Position errors and
+// innovations are both as large as the filter thinks: 3 degrees of freedom each; 200 flights give
+// ±0.69 at 4 σ, 200 × 290 innovations less.
 TEST(DragFilter, KnowsBothItsErrorAndItsSurprises) {
   double nees = 0, nis = 0;
   int fixes = 0;
@@ -252,10 +262,14 @@ TEST(DragFilter, KnowsBothItsErrorAndItsSurprises) {
   for_all(kFlights, [&](Rng& rng) {
     const Vector3d truth{-4, 0, 0};
     DragFilter filter{params};
-    filter.start(truth + Vector3d{params.start_sigma.x() * normal(rng), params.start_sigma.y() * normal(rng), params.start_sigma.z() * normal(rng)}, Vector3d::Zero());
+    filter.start(
+        truth + Vector3d{params.start_sigma.x() * normal(rng), params.start_sigma.y() * normal(rng),
+                         params.start_sigma.z() * normal(rng)},
+        Vector3d::Zero());
     const double off = normal(rng);
     for (int i = 0; i < 300; ++i) {
-      Fix fix = fix_with_lasting_error(truth + 0.02 * Vector3d{normal(rng), normal(rng), normal(rng)});
+      Fix fix =
+          fix_with_lasting_error(truth + 0.02 * Vector3d{normal(rng), normal(rng), normal(rng)});
       fix.p_GB += off * fix.lasting.col(lasting::kTiltX);
       nis += filter.distance2(fix), ++fixes;
       (void)filter.correct(fix);
@@ -267,11 +281,12 @@ TEST(DragFilter, KnowsBothItsErrorAndItsSurprises) {
   EXPECT_NEAR(nis / fixes, 3.0, 4 * std::sqrt(6.0 / fixes));
 }
 
-// Whoever holds the gate's heading for 0.1 rad more than it is sees fixes and way flown turned alike: nothing surprises,
-// and how far off that is shrinks with the distance.
+// Whoever holds the gate's heading for 0.1 rad more than it is sees fixes and way flown turned
+// alike: nothing surprises, and how far off that is shrinks with the distance.
 TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
   DragFilter filter = started({-8, 0, 0});
-  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(), {.position = 0.01, .height = 0.0, .yaw = 0.1});
+  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
+                      {.position = 0.01, .height = 0.0, .yaw = 0.1});
   EXPECT_NEAR(std::sqrt(filter.covariance()(1, 1)), 0.8, 0.02);
   const drag_model::Params model;
   Input u = hover();
@@ -293,12 +308,14 @@ TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
 TEST(DragFilter, LateralDoubtLeavesOutTheGatesHeading) {
   DragFilter filter = started({-5, 0, 0});
   const double before = filter.lateral_sigma();
-  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(), {.position = 0.0, .height = 0.0, .yaw = 0.1});
+  filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
+                      {.position = 0.0, .height = 0.0, .yaw = 0.1});
   EXPECT_GT(std::sqrt(filter.covariance()(1, 1)), 0.5);
   EXPECT_NEAR(filter.lateral_sigma(), before, 1e-9);
 }
 
-// A tilt is another one ten seconds later, so that fixes may differ from what they were; a gate's height stays what it is.
+// A tilt is another one ten seconds later, so that fixes may differ from what they were; a gate's
+// height stays what it is.
 TEST(DragFilter, WhatFadesMaySurpriseLater) {
   const auto doubt_after = [](lasting::Index column) {
     DragFilter filter = started();
@@ -321,15 +338,17 @@ TEST(DragFilter, ChangingFramesThereAndBackChangesNothing) {
     const Matrix3d R = rotation_z(rng.uniform(-3, 3));
     const Vector3d offset = any_vector3(rng, 8);
     filter.change_frame(R, offset, {});
-    EXPECT_NEAR((filter.covariance().topLeftCorner<3, 3>().trace()), (P.topLeftCorner<3, 3>().trace()), 1e-12);
+    EXPECT_NEAR((filter.covariance().topLeftCorner<3, 3>().trace()),
+                (P.topLeftCorner<3, 3>().trace()), 1e-12);
     filter.change_frame(R.transpose(), -(R.transpose() * offset), {});
     EXPECT_THAT(filter.state(), IsNear(x, 1e-9));
     EXPECT_THAT(filter.covariance(), IsNear(P, 1e-12));
   });
 }
 
-// 100 flights of 6 s, seed base 1: process noise as the filter believes (spectral densities on position, v_z
-// and bias), 15 Hz fixes of 5 cm. NEES of the position has mean 3; 100 flights give ±0.98 at 4 σ.
+// 100 flights of 6 s, seed base 1: process noise as the filter believes (spectral densities on
+// position, v_z and bias), 15 Hz fixes of 5 cm. NEES of the position has mean 3; 100 flights give
+// ±0.98 at 4 σ.
 TEST(DragFilter, IsConsistentWithItsOwnNoise) {
   const DragFilterParams params;
   double nees = 0;
@@ -349,7 +368,8 @@ TEST(DragFilter, IsConsistentWithItsOwnNoise) {
     Input u = hover();
     for (int i = 0; i < 6 * 256; ++i) {
       u.roll = 0.2 * std::sin(0.01 * i), u.yaw = 0.3 * std::sin(0.004 * i);
-      u.accel_B = Vector3d{-0.8, 0.3 * std::cos(0.01 * i), -9.81 * std::cos(u.roll)} + truth.segment<3>(drag_model::kBiasX);
+      u.accel_B = Vector3d{-0.8, 0.3 * std::cos(0.01 * i), -9.81 * std::cos(u.roll)} +
+                  truth.segment<3>(drag_model::kBiasX);
       filter.predict(u, dt);
       truth += dt * drag_model::derivative(truth, u, params.model);
       for (int k = 0; k < 3; ++k) {

@@ -44,11 +44,13 @@ TEST(DragModel, HoverWithABiasThatIsKnownStandsStillToo) {
   });
 }
 
-// Level flight at constant speed, nose down: drag along x and gravity balance there, so a_x = g sin(pitch).
+// Level flight at constant speed, nose down: drag along x and gravity balance there, so a_x = g
+// sin(pitch).
 TEST(DragModel, SteadyFlightHasTheSpeedThatDragBalances) {
   const drag_model::Params params;
   const double pitch = -5 * kDegree, yaw = 0.4, g = params.gravity, k = params.drag.x();
-  // Without drag along z: m v̇ = 0 in B: k v_x - g sin θ = 0, v_z = v_x tan θ is what keeps it level.
+  // Without drag along z: m v̇ = 0 in B: k v_x - g sin θ = 0, v_z = v_x tan θ is what keeps it
+  // level.
   const double v_x = g * std::sin(pitch) / k;
   State x = State::Zero();
   x(drag_model::kVz) = v_x * std::tan(pitch);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -43,7 +44,8 @@ TEST(VelocityObserver, FollowsAnAccelerationWithoutLag) {
     Input u;
     u.pitch = -0.15 * std::sin(0.01 * i);
     u.roll = 0.2 * std::sin(0.02 * i);
-    const Vector3d g_B = rotation_EB(Attitude{u.roll, u.pitch, 0}).matrix.transpose() * Vector3d{0, 0, model.gravity};
+    const Vector3d g_B = rotation_EB(Attitude{u.roll, u.pitch, 0}).matrix.transpose() *
+                         Vector3d{0, 0, model.gravity};
     u.accel_B = {model.drag.x() * v.x(), model.drag.y() * v.y(), -g_B.z()};
     v.x() += kDt * (g_B.x() + u.accel_B.x());
     v.y() += kDt * (g_B.y() + u.accel_B.y());

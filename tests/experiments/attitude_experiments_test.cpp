@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 // A bank of atan(v²/(r g)) = 9.9°, a little more or less for drag.
 TEST(CoordinatedTurns, BankAsTheTurnAsksAndGoRoundByHalfATurn) {
-  const auto moments = coordinated_turns({.radius = 1.5, .speed = 1.6, .turns = 1, .level = "none"}, 3);
+  const auto moments =
+      coordinated_turns({.radius = 1.5, .speed = 1.6, .turns = 1, .level = "none"}, 3);
   double bank = 0;
   for (const Moment& m : moments) bank = std::max(bank, m.truth.roll);
   EXPECT_NEAR(bank, std::atan(1.6 * 1.6 / 1.5 / 9.81), 0.5 * kDegree);
@@ -37,8 +38,10 @@ struct Turned {
     baseline::Mahony plain;
     int i = 0;
     for (const Moment& m : coordinated_turns(course, seed)) {
-      if (m.rests) flown.rest(m.imu, m.z);
-      else flown.step(m.imu, m.dt);
+      if (m.rests)
+        flown.rest(m.imu, m.z);
+      else
+        flown.step(m.imu, m.dt);
       if (++i % 34 == 0) flown.correct_altitude(m.z, 0.05);
       plain.update(m.imu, m.dt);
       if (!m.turns) continue;
@@ -49,7 +52,9 @@ struct Turned {
   }
 };
 
-double most(const std::vector<double>& errors) { return *std::max_element(errors.begin(), errors.end()); }
+double most(const std::vector<double>& errors) {
+  return *std::max_element(errors.begin(), errors.end());
+}
 
 // What must show: r 1.5 m, 1.6 m/s, 180°. The drone is the one that is known, its sensors shake.
 TEST(FlownAttitude, DoesNotLeanInATurnWhereMahonyDoes) {
@@ -60,13 +65,15 @@ TEST(FlownAttitude, DoesNotLeanInATurnWhereMahonyDoes) {
   }
 }
 
-// 100 drones as a race draws them: drag ±10 %, gyro scale ±1 %, a gyro bias of ±0.2 °/s that appears in flight.
+// 100 drones as a race draws them: drag ±10 %, gyro scale ±1 %, a gyro bias of ±0.2 °/s that
+// appears in flight.
 TEST(FlownAttitude, DoesNotLeanWhenTheDroneIsAnotherEither) {
   double square = 0, claimed2 = 0;
   int n = 0, within = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const Turned turned({}, seed);
-    for (const double error : turned.ours) square += error * error, within += error <= 1.5 * kDegree, ++n;
+    for (const double error : turned.ours)
+      square += error * error, within += error <= 1.5 * kDegree, ++n;
     claimed2 += turned.claimed2;
   }
   EXPECT_LE(std::sqrt(square / n), 0.75 * kDegree);
@@ -77,22 +84,32 @@ TEST(FlownAttitude, DoesNotLeanWhenTheDroneIsAnotherEither) {
 
 TEST(AhrsReal, MeetsWhatItMustShow) {
   const char* named = std::getenv("GATEFLY_DATA");
-  const fs::path data = named ? fs::path{named} : fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
+  const fs::path data =
+      named ? fs::path{named} : fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
   for (const char* folder : {"broad_ahrs", "tudelft_bebop_flights"})
-    if (!fs::is_directory(data / folder)) GTEST_SKIP() << "no " << folder << " at " << data << " (set GATEFLY_DATA)";
+    if (!fs::is_directory(data / folder))
+      GTEST_SKIP() << "no " << folder << " at " << data << " (set GATEFLY_DATA)";
   const Result result = ahrs_real({.data = data.string(), .quick = true});
   const auto& broad = result.json.at("broad");
-  const auto ours = [&](const char* file) { return broad.at(file).at("inclination_rmse_deg").get<double>(); };
+  const auto ours = [&](const char* file) {
+    return broad.at(file).at("inclination_rmse_deg").get<double>();
+  };
   EXPECT_LE(ours("02_undisturbed_slow_rotation_B_75s"), 0.6);
   EXPECT_LE(ours("07_undisturbed_fast_rotation_B_75s"), 1.6);
   EXPECT_LE(ours("27_disturbed_phone_vibration_B_75s"), 1.8);
   // The baseline is the one that was asked for.
-  EXPECT_NEAR(broad.at("02_undisturbed_slow_rotation_B_75s").at("mahony_rmse_deg").get<double>(), 0.64, 0.02);
-  EXPECT_NEAR(broad.at("07_undisturbed_fast_rotation_B_75s").at("mahony_rmse_deg").get<double>(), 1.83, 0.05);
-  EXPECT_NEAR(broad.at("27_disturbed_phone_vibration_B_75s").at("mahony_rmse_deg").get<double>(), 2.0, 0.05);
-  for (const auto& [file, errors] : broad.items()) EXPECT_GT(errors.at("within_95").get<double>(), 0.95) << file;
+  EXPECT_NEAR(broad.at("02_undisturbed_slow_rotation_B_75s").at("mahony_rmse_deg").get<double>(),
+              0.64, 0.02);
+  EXPECT_NEAR(broad.at("07_undisturbed_fast_rotation_B_75s").at("mahony_rmse_deg").get<double>(),
+              1.83, 0.05);
+  EXPECT_NEAR(broad.at("27_disturbed_phone_vibration_B_75s").at("mahony_rmse_deg").get<double>(),
+              2.0, 0.05);
+  for (const auto& [file, errors] : broad.items())
+    EXPECT_GT(errors.at("within_95").get<double>(), 0.95) << file;
   for (const auto& [flight, told] : result.json.at("flights").items())
-    EXPECT_LT(told.at("ours").at("rms_deg").get<double>(), told.at("mahony").at("rms_deg").get<double>()) << flight;
+    EXPECT_LT(told.at("ours").at("rms_deg").get<double>(),
+              told.at("mahony").at("rms_deg").get<double>())
+        << flight;
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ TEST(DistanceFromArea, PassesThroughTheAuthorsPointsAndFalls) {
 
 TEST(Experiments, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
-  for (const Experiment& experiment : all()) EXPECT_TRUE(names.insert(experiment.name).second) << experiment.name;
+  for (const Experiment& experiment : all())
+    EXPECT_TRUE(names.insert(experiment.name).second) << experiment.name;
 }
 
 TEST(Experiments, WithoutDataSayHowToNameIt) {
@@ -73,7 +74,8 @@ TEST_F(RealData, TheRocPassesThroughTheAuthorsPoints) {
     EXPECT_NEAR(tpr, paper, 0.05) << point;
     const double fitness = point.at("sigma_cf");
     if (fitness != 0.0 && fitness != 0.7) continue;
-    const double ratio = point.at("fp_per_image").get<double>() / point.at("paper").at("fp_per_image").get<double>();
+    const double ratio =
+        point.at("fp_per_image").get<double>() / point.at("paper").at("fp_per_image").get<double>();
     EXPECT_NEAR(tpr, paper, 0.03) << point;
     EXPECT_GT(ratio, 1 / 1.5) << point;
     EXPECT_LT(ratio, 1.5) << point;
@@ -88,7 +90,8 @@ TEST_F(RealData, TwoRunsAreTheSameAndStoppingIsHeard) {
   EXPECT_EQ(a.json, b.json);
   Options stopped = quick;
   stopped.stopped = [] { return true; };
-  for (const Experiment& experiment : all()) EXPECT_THROW((void)experiment.run(stopped), Stopped) << experiment.name;
+  for (const Experiment& experiment : all())
+    EXPECT_THROW((void)experiment.run(stopped), Stopped) << experiment.name;
 }
 
 }  // namespace

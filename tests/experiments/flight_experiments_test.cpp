@@ -23,27 +23,35 @@ fs::path real_data() {
   return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
 }
 
-const Survey kTruth{.airframe = {.camera_roll = -1.0 * kDegree, .exposure_delay = 0.028, .mocap_delay = 0.025},
-                    .gates = {{.p_EG = {4.1, 0.8, -1.35}, .yaw = 8.0 * kDegree}},
-                    .flights = {{.heading = 12.0 * kDegree, .tilt = 13.0 * kDegree}, {.heading = -7.0 * kDegree, .tilt = 22.0 * kDegree}}};
+const Survey kTruth{
+    .airframe = {.camera_roll = -1.0 * kDegree, .exposure_delay = 0.028, .mocap_delay = 0.025},
+    .gates = {{.p_EG = {4.1, 0.8, -1.35}, .yaw = 8.0 * kDegree}},
+    .flights = {{.heading = 12.0 * kDegree, .tilt = 13.0 * kDegree},
+                {.heading = -7.0 * kDegree, .tilt = 22.0 * kDegree}}};
 
-/// A flight towards the gate at 1.5 m/s, swaying and rolling; attitudes are of an AHRS that starts at heading 0.
+/// A flight towards the gate at 1.5 m/s, swaying and rolling; attitudes are of an AHRS that starts
+/// at heading 0.
 LoggedMotion swaying_flight(double mocap_delay, double phase) {
-  const auto place = [&](double t) { return Eigen::Vector3d{1.5 * t, 0.3 + 0.3 * std::sin(2.0 * t + phase), -1.3 - 0.1 * std::sin(t)}; };
+  const auto place = [&](double t) {
+    return Eigen::Vector3d{1.5 * t, 0.3 + 0.3 * std::sin(2.0 * t + phase),
+                           -1.3 - 0.1 * std::sin(t)};
+  };
   io::FlightFolder folder;
   for (int i = 0; i < 1100; ++i) {
     const double t = i / 512.0;
     io::FlightSample sample;
     sample.time = std::chrono::nanoseconds{std::llround(1e9 * t)};
     sample.true_p_EB = place(t - mocap_delay);
-    sample.ahrs = Attitude{0.15 * std::sin(2.0 * t + phase), -0.08 + 0.03 * std::cos(3.0 * t), 0.1 * std::sin(t)};
+    sample.ahrs = Attitude{0.15 * std::sin(2.0 * t + phase), -0.08 + 0.03 * std::cos(3.0 * t),
+                           0.1 * std::sin(t)};
     folder.samples.push_back(sample);
   }
   return LoggedMotion{folder};
 }
 
 /// What the camera sees of the gate, every 0.2 s.
-std::vector<GatePicture> pictures_of(std::size_t flight, const LoggedMotion& motion, const PilotConfig& pilot, double noise_px) {
+std::vector<GatePicture> pictures_of(std::size_t flight, const LoggedMotion& motion,
+                                     const PilotConfig& pilot, double noise_px) {
   const CameraRig rig = mounted(pilot.camera, kTruth.airframe, kTruth.flights[flight]);
   sim::Stream noise{flight + 1, "corners"};
   std::vector<GatePicture> pictures;
@@ -52,11 +60,16 @@ std::vector<GatePicture> pictures_of(std::size_t flight, const LoggedMotion& mot
     Attitude attitude = motion.attitude(t);
     attitude.yaw += kTruth.flights[flight].heading;
     GatePicture picture{.t = stamp};
-    const std::array<Eigen::Vector3d, 4> corners{{{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
+    const std::array<Eigen::Vector3d, 4> corners{
+        {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
     for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector3d p_E = kTruth.gates[0].p_EG + rotation_z(kTruth.gates[0].yaw) * corners[i];
-      const Eigen::Vector3d p_B = rotation_EB(attitude).matrix.transpose() * (p_E - motion.position(t + kTruth.airframe.mocap_delay)) - rig.p_BC;
-      picture.px[i] = *rig.lens.project(rig.R_BC.matrix.transpose() * p_B) + noise_px * Eigen::Vector2d{noise.normal(), noise.normal()};
+      const Eigen::Vector3d p_E =
+          kTruth.gates[0].p_EG + rotation_z(kTruth.gates[0].yaw) * corners[i];
+      const Eigen::Vector3d p_B = rotation_EB(attitude).matrix.transpose() *
+                                      (p_E - motion.position(t + kTruth.airframe.mocap_delay)) -
+                                  rig.p_BC;
+      picture.px[i] = *rig.lens.project(rig.R_BC.matrix.transpose() * p_B) +
+                      noise_px * Eigen::Vector2d{noise.normal(), noise.normal()};
     }
     pictures.push_back(picture);
   }
@@ -69,11 +82,17 @@ TEST(GateSurvey, FindsGateHeadingsTiltsAndDelaysThatPicturesWereDrawnWith) {
   pilot.camera_timing.readout = 0.0;
   pilot.track.gates = {MapGate{}};
   std::vector<LoggedMotion> motions;
-  for (const double phase : {0.0, 1.5}) motions.push_back(swaying_flight(kTruth.airframe.mocap_delay, phase));
+  for (const double phase : {0.0, 1.5})
+    motions.push_back(swaying_flight(kTruth.airframe.mocap_delay, phase));
   std::vector<SurveyFlight> flights;
-  for (std::size_t i = 0; i < 2; ++i) flights.push_back({.motion = &motions[i], .pictures = pictures_of(i, motions[i], pilot, 0.2), .gate = 0});
+  for (std::size_t i = 0; i < 2; ++i)
+    flights.push_back(
+        {.motion = &motions[i], .pictures = pictures_of(i, motions[i], pilot, 0.2), .gate = 0});
   flights[0].pictures[2].px[1].x() += 40.0;  // something else was taken for a corner
-  const Survey start{.airframe = {}, .gates = {{.p_EG = {3.7, 0.6, -1.1}, .yaw = 0.0}}, .flights = {{.heading = 0.0, .tilt = 15 * kDegree}, {.heading = 0.0, .tilt = 15 * kDegree}}};
+  const Survey start{
+      .airframe = {},
+      .gates = {{.p_EG = {3.7, 0.6, -1.1}, .yaw = 0.0}},
+      .flights = {{.heading = 0.0, .tilt = 15 * kDegree}, {.heading = 0.0, .tilt = 15 * kDegree}}};
   const Survey found = surveyed(flights, start, Open::kAll, pilot);
   EXPECT_LT((found.gates[0].p_EG - kTruth.gates[0].p_EG).norm(), 0.03);
   EXPECT_NEAR(found.gates[0].yaw, kTruth.gates[0].yaw, 1.0 * kDegree);
@@ -83,27 +102,34 @@ TEST(GateSurvey, FindsGateHeadingsTiltsAndDelaysThatPicturesWereDrawnWith) {
     EXPECT_NEAR(found.flights[i].heading, kTruth.flights[i].heading, 0.5 * kDegree);
     EXPECT_NEAR(found.flights[i].tilt, kTruth.flights[i].tilt, 0.5 * kDegree);
   }
-  EXPECT_GT(misfit_px(found, 0, flights[0], flights[0].pictures[2], pilot), 10.0) << "the outlier is one";
+  EXPECT_GT(misfit_px(found, 0, flights[0], flights[0].pictures[2], pilot), 10.0)
+      << "the outlier is one";
   EXPECT_LT(misfit_px(found, 0, flights[0], flights[0].pictures[3], pilot), 1.0);
 }
 
-// What must show: x and y RMS at most 0.15 m on flight_11 and every other flight whose gate can be located.
+// What must show: x and y RMS at most 0.15 m on flight_11 and every other flight whose gate can be
+// located.
 TEST(EyesReal, FollowsEveryFlightToItsGateWithin015Metres) {
-  if (!fs::is_directory(real_data() / "tudelft_bebop_flights")) GTEST_SKIP() << "no real flights at " << real_data() << " (set GATEFLY_DATA)";
+  if (!fs::is_directory(real_data() / "tudelft_bebop_flights"))
+    GTEST_SKIP() << "no real flights at " << real_data() << " (set GATEFLY_DATA)";
   const Result result = eyes_real({.data = real_data().string()});
   const auto& per_flight = result.json.at("drag").at("per_flight");
   EXPECT_TRUE(per_flight.contains("flight_11"));
-  EXPECT_GE(per_flight.size() + result.json.at("without_window").size(), 10u) << "a flight is neither shown nor named";
+  EXPECT_GE(per_flight.size() + result.json.at("without_window").size(), 10u)
+      << "a flight is neither shown nor named";
   EXPECT_GE(per_flight.size(), 8u);
   for (const auto& [flight, told] : per_flight.items()) {
     EXPECT_LE(told.at("x_rms_m").get<double>(), 0.15) << flight;
     EXPECT_LE(told.at("y_rms_m").get<double>(), 0.15) << flight;
     EXPECT_GE(told.at("to_s").get<double>() - told.at("from_s").get<double>(), 1.5) << flight;
   }
-  EXPECT_LT(result.json.at("misfit_px").at("our_ahrs").get<double>(), result.json.at("misfit_px").at("logs_ahrs").get<double>());
-  // The paper's offline figure, on the floor plan: y alone stands on its very value (docs/paper/results.md).
+  EXPECT_LT(result.json.at("misfit_px").at("our_ahrs").get<double>(),
+            result.json.at("misfit_px").at("logs_ahrs").get<double>());
+  // The paper's offline figure, on the floor plan: y alone stands on its very value
+  // (docs/paper/results.md).
   const auto& drag = result.json.at("drag");
-  EXPECT_LE(std::hypot(drag.at("x_std_m").get<double>(), drag.at("y_std_m").get<double>()), std::hypot(0.104, 0.069));
+  EXPECT_LE(std::hypot(drag.at("x_std_m").get<double>(), drag.at("y_std_m").get<double>()),
+            std::hypot(0.104, 0.069));
 }
 
 // Ratios of the eight quick flights; the sixty of the full run are in docs/paper/results.md.
@@ -111,8 +137,11 @@ TEST(EkfVs15, DriftsLessAndFindsTheBiasSoonerThanTheClassicFilterAtItsBest) {
   const Result result = ekf_vs_15({.data = "", .quick = true});
   EXPECT_GE(result.json.at("finished").get<int>(), 7);
   const auto& later = result.json.at("later_gaps_m");
-  const auto median = [](const auto& point, const char* filter) { return point.at(filter).at("median").template get<double>(); };
-  EXPECT_NEAR(median(later.at(0), "drag"), median(later.at(0), "imu15"), 0.03) << "with fixes both know as much";
+  const auto median = [](const auto& point, const char* filter) {
+    return point.at(filter).at("median").template get<double>();
+  };
+  EXPECT_NEAR(median(later.at(0), "drag"), median(later.at(0), "imu15"), 0.03)
+      << "with fixes both know as much";
   EXPECT_LT(median(later.at(8), "drag"), 0.25) << "after 2 s";
   EXPECT_GT(result.json.at("ratio_2s_later_gaps").get<double>(), 1.5);
   EXPECT_GT(result.json.at("ratio_2s_first_gap").get<double>(), 2.0);
@@ -128,7 +157,9 @@ TEST(EkfTrack, ErrorsAreCentredAndAsSmallAsThePapers) {
   for (const char* axis : {"x", "y"}) {
     EXPECT_LT(std::abs(drag.at(axis).at("mean_m").get<double>()), 0.05) << axis;
     EXPECT_LE(drag.at(axis).at("std_m").get<double>(), 0.104) << axis;
-    EXPECT_LT(drag.at(axis).at("std_m").get<double>(), result.json.at("imu15").at(axis).at("std_m").get<double>()) << axis;
+    EXPECT_LT(drag.at(axis).at("std_m").get<double>(),
+              result.json.at("imu15").at(axis).at("std_m").get<double>())
+        << axis;
   }
   EXPECT_LE(drag.at("z").at("std_m").get<double>(), 0.05);
   EXPECT_GT(drag.at("x").at("samples").get<int>(), 1500);

@@ -41,13 +41,15 @@ TEST(Pnp, FourthCornerTellsTheAnswersOfAnyTripleApart) {
   const Quad px = corners_seen_from(p_GB, attitude, rig);
   for (const int triples : {1, 4})
     for (const bool squares : {false, true}) {
-      const auto found = by_kneip({.complex_roots = false, .squares = squares, .triples = triples}, px, rig, 1.0);
+      const auto found =
+          by_kneip({.complex_roots = false, .squares = squares, .triples = triples}, px, rig, 1.0);
       ASSERT_TRUE(found);
       EXPECT_LT((*found - p_GB).norm(), 1e-6);
     }
 }
 
-// Three corners a little off leave no real root where two answers meet: the authors took the real part, and had one.
+// Three corners a little off leave no real root where two answers meet: the authors took the real
+// part, and had one.
 TEST(Pnp, RealPartsOfComplexRootsAreAnswersToo) {
   const CameraRig rig = study_rig();
   const Eigen::Vector3d p_GB{-3.5, 0, 0};
@@ -57,7 +59,8 @@ TEST(Pnp, RealPartsOfComplexRootsAreAnswersToo) {
   for (int i = 0; i < 500; ++i) {
     Quad px = exact;
     for (Eigen::Vector2d& corner : px) corner += Eigen::Vector2d{random.normal(), random.normal()};
-    with.add(by_kneip({}, px, rig, 1.0), p_GB), without.add(by_kneip({.complex_roots = false}, px, rig, 1.0), p_GB);
+    with.add(by_kneip({}, px, rig, 1.0), p_GB),
+        without.add(by_kneip({.complex_roots = false}, px, rig, 1.0), p_GB);
   }
   EXPECT_EQ(with.none, 0);
   EXPECT_LT(with.axis(0), without.axis(0));
@@ -71,20 +74,23 @@ TEST(PoseStudies, LeastSquaresAndP3pGiveTheAuthorsCurvesAndTheRecomputedTable) {
     const std::string name = curve.at("curve");
     if (name.rfind("LS", 0) != 0) continue;
     ++curves;
-    EXPECT_GE(curve.at("within").get<int>(), curve.at("compared").get<int>() - 1) << curve.at("study") << " " << name;
+    EXPECT_GE(curve.at("within").get<int>(), curve.at("compared").get<int>() - 1)
+        << curve.at("study") << " " << name;
   }
   EXPECT_EQ(curves, 9);
   // P3P's errors have long tails: an RMSE of 500 trials may be 10 % off.
   const auto& variants = result.json.at("p3p_variants");
   const int authors = variants.front().at("within");
   EXPECT_GE(authors, 22);
-  for (const auto& variant : variants) EXPECT_GE(authors, variant.at("within").get<int>() - 2) << variant.at("variant");
+  for (const auto& variant : variants)
+    EXPECT_GE(authors, variant.at("within").get<int>() - 2) << variant.at("variant");
 }
 
 TEST(PoseStudies, SideBarsGiveTheAuthorsCurves) {
   const Result result = pose_bars({.data = {}, .quick = true});
   EXPECT_EQ(result.json.at("lines").size(), 8u);
-  for (const auto& line : result.json.at("lines")) EXPECT_GE(line.at("within").get<int>(), 4) << line.at("line");
+  for (const auto& line : result.json.at("lines"))
+    EXPECT_GE(line.at("within").get<int>(), 4) << line.at("line");
 }
 
 // 50 trials a cell: single cells scatter by 10 %, most must keep what all keep with 1,000.
@@ -102,7 +108,8 @@ class RealPoses : public ::testing::Test {
     return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
   }
   void SetUp() override {
-    if (!fs::is_directory(data() / "tudelft_bebop_flights")) GTEST_SKIP() << "no real data at " << data() << " (set GATEFLY_DATA)";
+    if (!fs::is_directory(data() / "tudelft_bebop_flights"))
+      GTEST_SKIP() << "no real data at " << data() << " (set GATEFLY_DATA)";
   }
 };
 
@@ -120,13 +127,18 @@ TEST_F(RealPoses, DistancesAreRightWithinSixPercentAndFlightElevenWithinItsLimit
   if (has_pnp()) {
     EXPECT_LT(ours, theirs);
   }
-  // Nothing grows with the distance beyond what the drone was held elsewhere, which labels and detections both see.
+  // Nothing grows with the distance beyond what the drone was held elsewhere, which labels and
+  // detections both see.
   const auto& slopes = result.json.at("distance51").at("slopes");
   for (const std::size_t i : {0u, 1u}) {
-    EXPECT_LT(std::abs(slopes.at(i).at("slope").get<double>()), 2.0 * slopes.at(i).at("slope_sigma").get<double>()) << slopes.at(i);
-    EXPECT_LT(slopes.at(i).at("chi2").get<double>(), 7.8) << slopes.at(i);  // 95 % of 3 degrees of freedom
+    EXPECT_LT(std::abs(slopes.at(i).at("slope").get<double>()),
+              2.0 * slopes.at(i).at("slope_sigma").get<double>())
+        << slopes.at(i);
+    // 95 % of 3 degrees of freedom
+    EXPECT_LT(slopes.at(i).at("chi2").get<double>(), 7.8) << slopes.at(i);
   }
-  for (const auto& at : distances) EXPECT_GT(at.at("moved_std_m").get<double>(), 0.4 * at.at("std_m").get<double>()) << at;
+  for (const auto& at : distances)
+    EXPECT_GT(at.at("moved_std_m").get<double>(), 0.4 * at.at("std_m").get<double>()) << at;
   const auto& flight = result.json.at("flight_11");
   EXPECT_NEAR(flight.at("best_side_m").get<double>(), 1.0, 0.02);
   for (const char* axis : {"rmse_x_m", "rmse_y_m"}) {

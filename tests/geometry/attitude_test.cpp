@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -49,9 +50,11 @@ TEST(Attitude, AtGimbalLockTheRotationIsKeptAndRollIsZero) {
 
 TEST(Attitude, SignsAreThoseOfTheConventions) {
   const Vector3d forward{1, 0, 0}, right{0, 1, 0};
-  EXPECT_THAT(rotation_EB(Attitude{0, 0, kPi / 2}) * forward, IsNear(Vector3d{0, 1, 0}, 1e-15)) << "yaw 90: east";
+  EXPECT_THAT(rotation_EB(Attitude{0, 0, kPi / 2}) * forward, IsNear(Vector3d{0, 1, 0}, 1e-15))
+      << "yaw 90: east";
   EXPECT_LT((rotation_EB(Attitude{0, 0.1, 0}) * forward).z(), 0) << "nose up: the nose points up";
-  EXPECT_GT((rotation_EB(Attitude{0.1, 0, 0}) * right).z(), 0) << "roll right: the right side points down";
+  EXPECT_GT((rotation_EB(Attitude{0.1, 0, 0}) * right).z(), 0)
+      << "roll right: the right side points down";
 }
 
 TEST(Attitude, QuaternionAndMatrixAreTheSameRotation) {
@@ -70,7 +73,9 @@ TEST(Attitude, IntegrationOfAConstantRateIsTheExactRotation) {
     for (int i = 0; i < 256; ++i) stepped = integrated(stepped, rate * axis, seconds / 256);
     const Eigen::Matrix3d turn = Eigen::AngleAxisd{rate * seconds, axis}.toRotationMatrix();
     EXPECT_THAT(rotation_EB(stepped).matrix, IsNear(rotation_EB(q).matrix * turn, 1e-12));
-    EXPECT_NEAR(stepped.w * stepped.w + stepped.x * stepped.x + stepped.y * stepped.y + stepped.z * stepped.z, 1.0, 1e-14);
+    EXPECT_NEAR(stepped.w * stepped.w + stepped.x * stepped.x + stepped.y * stepped.y +
+                    stepped.z * stepped.z,
+                1.0, 1e-14);
   });
 }
 
@@ -88,7 +93,8 @@ TEST(CameraMount, LooksForwardAndATiltLooksDown) {
   EXPECT_THAT(camera_mount(0) * right, IsNear(Vector3d{0, 1, 0}, 1e-15));
   EXPECT_THAT(camera_mount(0) * down, IsNear(Vector3d{0, 0, 1}, 1e-15));
   const double tilt = 20 * kDegree;
-  EXPECT_THAT(camera_mount(tilt) * axis, IsNear(Vector3d{std::cos(tilt), 0, std::sin(tilt)}, 1e-15));
+  EXPECT_THAT(camera_mount(tilt) * axis,
+              IsNear(Vector3d{std::cos(tilt), 0, std::sin(tilt)}, 1e-15));
 }
 
 TEST(Skew, IsTheCrossProduct) {

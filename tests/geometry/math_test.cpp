@@ -74,8 +74,9 @@ TEST(Math, ArcSineForgivesRounding) {
 }
 
 TEST(Math, NastyAnglesDoNotHang) {
-  for (const double a : {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
-                         std::numeric_limits<double>::quiet_NaN(), 1e300, -1e300}) {
+  for (const double a :
+       {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+        std::numeric_limits<double>::quiet_NaN(), 1e300, -1e300}) {
     EXPECT_TRUE(std::isfinite(gatefly::sin(a))) << a;
     EXPECT_TRUE(std::isfinite(gatefly::cos(a))) << a;
   }

@@ -7,6 +7,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
+
 #include "support/generators.hpp"
 
 namespace gatefly::identification {
@@ -25,7 +26,8 @@ io::FlightFolder flown(const Drone& drone, double noise, std::uint64_t seed) {
   constexpr double kStep = 1.0 / 512.0;
   for (int i = 0; i < 8 * 512; ++i) {
     const double t = i * kStep;
-    const Attitude attitude{0.15 * std::sin(1.7 * t), -0.12 * std::cos(0.9 * t), 0.3 * std::sin(0.5 * t)};
+    const Attitude attitude{0.15 * std::sin(1.7 * t), -0.12 * std::cos(0.9 * t),
+                            0.3 * std::sin(0.5 * t)};
     const Eigen::Matrix3d R = rotation_EB(attitude).matrix;
     const Eigen::Vector3d v_B = R.transpose() * v;
     // Thrust holds the height; what the accelerometer feels along x and y is drag.
@@ -33,7 +35,9 @@ io::FlightFolder flown(const Drone& drone, double noise, std::uint64_t seed) {
     force_B.z() = (-9.81 - (R * force_B).z()) / R(2, 2);
     io::FlightSample s;
     s.time = std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * t)};
-    s.imu.accel_B = force_B + Eigen::Vector3d{drone.bias.x() + noise * test::normal(rng), drone.bias.y() + noise * test::normal(rng), noise * test::normal(rng)};
+    s.imu.accel_B = force_B + Eigen::Vector3d{drone.bias.x() + noise * test::normal(rng),
+                                              drone.bias.y() + noise * test::normal(rng),
+                                              noise * test::normal(rng)};
     s.true_p_EB = p, s.true_v_E = v;
     Attitude logged = attitude;
     logged.yaw -= drone.heading_offset;
@@ -60,7 +64,8 @@ TEST(DragFit, RecoversDragBiasAndHeading) {
   }
 }
 
-// What a Bebop's motors do to its accelerometer, twenty flights: within three standard errors, nearly always.
+// What a Bebop's motors do to its accelerometer, twenty flights: within three standard errors,
+// nearly always.
 TEST(DragFit, KnowsHowFarItIsOff) {
   int within = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

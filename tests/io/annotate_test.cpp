@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/io/text.hpp"
+
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -20,8 +21,8 @@ using ::testing::HasSubstr;
 /// Grey, as a turned camera stores it.
 struct Picture {
   int stored_width, stored_height, rotation_deg = 0;
-  std::vector<std::uint8_t> bytes =
-      std::vector<std::uint8_t>(image_bytes(PixelFormat::kYuv444, stored_width, stored_height), 128);
+  std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(
+      image_bytes(PixelFormat::kYuv444, stored_width, stored_height), 128);
   [[nodiscard]] Image view() const {
     return Image(bytes.data(), PixelFormat::kYuv444, stored_width, stored_height, rotation_deg);
   }
@@ -35,7 +36,8 @@ GateDetection square(double from, double to, double fitness) {
 std::array<int, 2> png_size(const std::string& file) {
   const auto number = [&](std::size_t at) {
     int value = 0;
-    for (std::size_t i = at; i < at + 4; ++i) value = 256 * value + static_cast<unsigned char>(file.at(i));
+    for (std::size_t i = at; i < at + 4; ++i)
+      value = 256 * value + static_cast<unsigned char>(file.at(i));
     return value;
   };
   EXPECT_EQ(file.substr(1, 3), "PNG");
@@ -98,10 +100,13 @@ TEST(Annotate, WhatCannotBeWrittenLeavesNothing) {
   const auto error_at = [&](const std::filesystem::path& path, const Image& image) {
     return test::error_of([&] { annotate(image, {}, path); });
   };
-  EXPECT_THAT(error_at(folder.path() / "missing" / "a.png", picture.view()), HasSubstr("a.png: cannot be written"));
+  EXPECT_THAT(error_at(folder.path() / "missing" / "a.png", picture.view()),
+              HasSubstr("a.png: cannot be written"));
   EXPECT_THAT(error_at(folder.path() / "a.png", Image{}), HasSubstr("the picture is empty"));
-  std::filesystem::create_directory(folder.path() / "taken.png");  // root may write anywhere, but not over a folder
-  EXPECT_THAT(error_at(folder.path() / "taken.png", picture.view()), HasSubstr("taken.png: cannot be written"));
+  // root may write anywhere, but not over a folder
+  std::filesystem::create_directory(folder.path() / "taken.png");
+  EXPECT_THAT(error_at(folder.path() / "taken.png", picture.view()),
+              HasSubstr("taken.png: cannot be written"));
   std::filesystem::remove(folder.path() / "taken.png");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/io/text.hpp"
+
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -36,7 +37,8 @@ TEST(Canvas, ALineChangesThePixelsUnderItAndNoOthers) {
   canvas.line({5, 4.5}, {15, 4.5}, {.color = kWhite, .width = 1.0});
   for (int x = 5; x < 15; ++x) EXPECT_THAT(pixel(canvas, x, 4), ElementsAre(255, 255, 255)) << x;
   for (int x = 0; x < 20; ++x)
-    for (const int y : {0, 3, 5, 9}) EXPECT_THAT(pixel(canvas, x, y), ElementsAre(0, 0, 0)) << x << " " << y;
+    for (const int y : {0, 3, 5, 9})
+      EXPECT_THAT(pixel(canvas, x, y), ElementsAre(0, 0, 0)) << x << " " << y;
   EXPECT_THAT(pixel(canvas, 2, 4), ElementsAre(0, 0, 0));
   EXPECT_THAT(pixel(canvas, 17, 4), ElementsAre(0, 0, 0));
 }
@@ -68,7 +70,8 @@ TEST(Canvas, AnOutlineIsClosedAndAPolygonIsFull) {
 
 TEST(Canvas, APictureKeepsOrientationAndColours) {
   // Stored 2 x 3, to be turned by 90 degrees: the stored right edge becomes the top.
-  const std::array<std::uint8_t, 18> bytes{255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255, 30, 30, 30, 255, 0, 255};
+  const std::array<std::uint8_t, 18> bytes{255, 0,   0,   0,  255, 0,  0,   0, 255,
+                                           255, 255, 255, 30, 30,  30, 255, 0, 255};
   const Image image(bytes.data(), PixelFormat::kRgb, 2, 3, 90);
   Canvas canvas(30, 20, kBlack);
   canvas.image(image, {6, 4}, 4.0);
@@ -134,7 +137,8 @@ TEST(Canvas, ImpossibleSizesAreRefused) {
 TEST(Canvas, APngThatCannotBeWrittenLeavesNothing) {
   const test::TempFolder folder;
   const Canvas canvas(4, 4);
-  EXPECT_THAT(test::error_of([&] { canvas.write_png(folder.path() / "missing" / "a.png"); }), HasSubstr("a.png"));
+  EXPECT_THAT(test::error_of([&] { canvas.write_png(folder.path() / "missing" / "a.png"); }),
+              HasSubstr("a.png"));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   canvas.write_png(folder.path() / "a.png");
   EXPECT_THAT(read_file(folder.path() / "a.png"), HasSubstr("PNG"));

@@ -8,6 +8,7 @@
 
 #include "gatefly/io/image_file.hpp"
 #include "gatefly/io/text.hpp"
+
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -16,7 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 
 const char* const kRealHeader =
-    "t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2,ahrs_phi_rad,ahrs_theta_rad,"
+    "t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2,ahrs_phi_rad,ahrs_"
+    "theta_rad,"
     "ahrs_psi_rad,ot_x_m,ot_y_m,ot_z_m,ot_vx_mps,ot_vy_mps,ot_vz_mps\n";
 
 Pilot any_pilot() {
@@ -37,7 +39,8 @@ class Recording : public ::testing::Test {
     closed_loop::Truth truth;
     truth.p_EB = {1.1, 2.2, -3.3};
     truth.attitude = {.roll = 0.1, .pitch = -0.2, .yaw = 3.0};
-    recorder.record({.sensors = sensors, .command = command, .pilot = pilot_, .truth = truth, .frame = frame});
+    recorder.record(
+        {.sensors = sensors, .command = command, .pilot = pilot_, .truth = truth, .frame = frame});
   }
   test::TempFolder folder_;
   Pilot pilot_ = any_pilot();
@@ -46,7 +49,8 @@ class Recording : public ::testing::Test {
 TEST_F(Recording, ReadsBackExactly) {
   const std::vector<std::uint8_t> frame{1, 2, 3, 4, 5, 6, 7, 8};
   FlightRecorder recorder(folder_.path() / "a" / "flight");
-  for (int row = 0; row < 100; ++row) record(recorder, row, row == 42 ? std::span{frame} : std::span<const std::uint8_t>{});
+  for (int row = 0; row < 100; ++row)
+    record(recorder, row, row == 42 ? std::span{frame} : std::span<const std::uint8_t>{});
   recorder.add_file("report.html", "<p>");
   recorder.finish("{}");
 
@@ -101,14 +105,16 @@ TEST_F(Recording, ReplacesAnEarlierFlightButNothingElse) {
   EXPECT_THAT(test::error_of([&] { FlightRecorder{out}; }), HasSubstr("no earlier flight"));
   const auto file = folder_.file("file", "x");
   EXPECT_THAT(test::error_of([&] { FlightRecorder{file}; }), HasSubstr("no folder"));
-  EXPECT_THAT(test::error_of([&] { FlightRecorder{file / "below"}; }), HasSubstr("cannot be written"));
+  EXPECT_THAT(test::error_of([&] { FlightRecorder{file / "below"}; }),
+              HasSubstr("cannot be written"));
   EXPECT_THAT(test::error_of([] { FlightRecorder{"."}; }), HasSubstr("--out"));
 }
 
 TEST(FlightFolder, ReadsRealLogsColumns) {
   const test::TempFolder folder;
-  (void)folder.file("log_si.csv", std::string{kRealHeader} + "0.000606,1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n"
-                                                             "0.002560,1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n");
+  (void)folder.file("log_si.csv", std::string{kRealHeader} +
+                                      "0.000606,1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n"
+                                      "0.002560,1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n");
   (void)folder.file("images.csv", "image,t_s,log_row\nimg_00000.jpg,0.00256,1\n");
   const FlightFolder flight = read_flight_folder(folder.path());
   ASSERT_EQ(flight.samples.size(), 2u);
@@ -133,7 +139,8 @@ TEST(FlightFolder, DamageIsNamedByFileAndLine) {
   EXPECT_THAT(error("1" + row, "a.jpg,1,1\n"), HasSubstr("images.csv:2: log_row"));
   EXPECT_THAT(error("1" + row, "a.jpg,1,0.5\n"), HasSubstr("images.csv:2: log_row"));
   EXPECT_THAT(error("1" + row, "../a.jpg,1,0\n"), HasSubstr("images.csv:2: image"));
-  EXPECT_THAT(test::error_of([] { (void)read_flight_folder("/nowhere"); }), HasSubstr("/nowhere: is no folder"));
+  EXPECT_THAT(test::error_of([] { (void)read_flight_folder("/nowhere"); }),
+              HasSubstr("/nowhere: is no folder"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/io/text.hpp"
+
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -30,7 +31,8 @@ void record_start(FlightVideo& video, const closed_loop::RaceConfig& race, bool 
   for (int ms = 0; ms <= 500; ms += 2) {
     Sensors sensors;
     sensors.time = std::chrono::milliseconds{ms};
-    if (pictures && ms % 100 == 0) sensors.image = Image(grey.data(), PixelFormat::kUyvy, 160, 315, 90);
+    if (pictures && ms % 100 == 0)
+      sensors.image = Image(grey.data(), PixelFormat::kUyvy, 160, 315, 90);
     const Command command = pilot.step(sensors);
     video.record({sensors, command, pilot, {}, {}});
   }

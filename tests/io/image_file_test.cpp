@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/io/image_file.hpp"
 
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cstdio>
 #include <jpeglib.h>
 #include <png.h>
 
@@ -65,7 +64,8 @@ std::string png_of(std::uint32_t format, const std::string& pixels) {
   return file;
 }
 
-std::string error_reading(const std::string& name, const std::string& content, int width = 0, int height = 0) {
+std::string error_reading(const std::string& name, const std::string& content, int width = 0,
+                          int height = 0) {
   const test::TempFolder folder;
   const auto path = folder.file(name, content);
   return test::error_of([&] { (void)read_image(path, width, height); });
@@ -94,7 +94,8 @@ TEST(ImageFile, GreyJpegIsNeutral) {
 TEST(ImageFile, EveryTruncationOfAJpegIsAnErrorAndNeverACrash) {
   const std::string whole = flat_jpeg(100, 110, 120);
   for (std::size_t size = 0; size < whole.size() - 2; size += 7)
-    EXPECT_THAT(error_reading("a.jpg", whole.substr(0, size)), AllOf(HasSubstr("a.jpg"), Not(HasSubstr("\n"))))
+    EXPECT_THAT(error_reading("a.jpg", whole.substr(0, size)),
+                AllOf(HasSubstr("a.jpg"), Not(HasSubstr("\n"))))
         << size;
 }
 
@@ -122,8 +123,11 @@ TEST(ImageFile, PngOfAnyKindIsRgb) {
 
 TEST(ImageFile, EveryTruncationOfAPngIsAnErrorAndNeverACrash) {
   const std::string whole = png_of(PNG_FORMAT_RGB, "abcdefghi");
-  for (std::size_t size = 0; size + 12 < whole.size(); ++size)  // the last 12 bytes only say that it ends
-    EXPECT_THAT(error_reading("a.png", whole.substr(0, size)), AllOf(HasSubstr("a.png"), Not(HasSubstr("\n")))) << size;
+  // the last 12 bytes only say that it ends
+  for (std::size_t size = 0; size + 12 < whole.size(); ++size)
+    EXPECT_THAT(error_reading("a.png", whole.substr(0, size)),
+                AllOf(HasSubstr("a.png"), Not(HasSubstr("\n"))))
+        << size;
   for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
@@ -133,7 +137,8 @@ TEST(ImageFile, EveryTruncationOfAPngIsAnErrorAndNeverACrash) {
 
 TEST(ImageFile, PpmIsRgb) {
   const test::TempFolder folder;
-  const ImageFile file = read_image(folder.file("a.ppm", "P6\n# made by hand\n2 1\n255\n\xff\x80\x20zzz"));
+  const ImageFile file =
+      read_image(folder.file("a.ppm", "P6\n# made by hand\n2 1\n255\n\xff\x80\x20zzz"));
   EXPECT_EQ(file.format, PixelFormat::kRgb);
   EXPECT_EQ(file.view(0).at(0, 0).y, yuv_of_rgb(0xff, 0x80, 0x20).y);
   EXPECT_EQ(file.view(90).width(), 1);
@@ -161,10 +166,12 @@ TEST(ImageFile, OtherEmptyMissingAndFolderAreErrorsWithThePath) {
   EXPECT_THAT(error_reading("a.jpg", ""), HasSubstr("a.jpg: is empty"));
   EXPECT_THAT(error_reading("a.txt", "x"), HasSubstr("a.txt: not a picture"));
   EXPECT_THAT(error_reading("a.jpg", "certainly no jpeg"), HasSubstr("not a usable JPEG"));
-  EXPECT_THAT(test::error_of([] { (void)read_image("/nowhere/a.jpg"); }), HasSubstr("/nowhere/a.jpg"));
+  EXPECT_THAT(test::error_of([] { (void)read_image("/nowhere/a.jpg"); }),
+              HasSubstr("/nowhere/a.jpg"));
   const test::TempFolder folder;
   std::filesystem::create_directory(folder.path() / "b.jpg");
-  EXPECT_THAT(test::error_of([&] { (void)read_image(folder.path() / "b.jpg"); }), HasSubstr("is a folder"));
+  EXPECT_THAT(test::error_of([&] { (void)read_image(folder.path() / "b.jpg"); }),
+              HasSubstr("is a folder"));
 }
 
 }  // namespace

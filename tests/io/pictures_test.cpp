@@ -11,6 +11,7 @@
 #include "gatefly/io/image_file.hpp"
 #include "gatefly/io/video_file.hpp"
 #include "gatefly/io/video_reader.hpp"
+
 #include "support/draw_gate.hpp"
 #include "temp_folder.hpp"
 
@@ -23,13 +24,18 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string text_of_bytes(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string text_of_bytes(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
 
 /// The same picture as RGB: JFIF back.
 std::string ppm_of(const test::Canvas& canvas) {
-  std::string ppm = "P6\n" + std::to_string(canvas.width()) + " " + std::to_string(canvas.height()) + "\n255\n";
+  std::string ppm =
+      "P6\n" + std::to_string(canvas.width()) + " " + std::to_string(canvas.height()) + "\n255\n";
   const auto yuv = canvas.yuv444();
-  const auto byte = [](double x) { return static_cast<char>(std::clamp(std::lround(x), 0l, 255l)); };
+  const auto byte = [](double x) {
+    return static_cast<char>(std::clamp(std::lround(x), 0l, 255l));
+  };
   for (std::size_t i = 0; i < yuv.size(); i += 3) {
     const double y = yuv[i], cb = yuv[i + 1] - 128.0, cr = yuv[i + 2] - 128.0;
     ppm += {byte(y + 1.402 * cr), byte(y - 0.344136 * cb - 0.714136 * cr), byte(y + 1.772 * cb)};
@@ -46,17 +52,21 @@ TEST(Pictures, AFolderMeansItsPicturesSortedWithoutRawFrames) {
   for (const auto& path : picture_files(folder.path())) names.push_back(path.filename().string());
   EXPECT_THAT(names, ElementsAre("a.JPG", "b.ppm", "c.jpeg", "d.png"));
   EXPECT_THAT(picture_files(folder.path() / "e.uyvy"), ElementsAre(folder.path() / "e.uyvy"));
-  EXPECT_THAT(test::error_of([&] { (void)picture_files(folder.path() / "below"); }), HasSubstr("below: holds no .jpg"));
-  EXPECT_THAT(test::error_of([&] { (void)picture_files(folder.path() / "none"); }), HasSubstr("none: there is no such"));
+  EXPECT_THAT(test::error_of([&] { (void)picture_files(folder.path() / "below"); }),
+              HasSubstr("below: holds no .jpg"));
+  EXPECT_THAT(test::error_of([&] { (void)picture_files(folder.path() / "none"); }),
+              HasSubstr("none: there is no such"));
 }
 
 TEST(Pictures, DataIsFoundBelowTheFolderThatIsNamed) {
   const test::TempFolder folder;
   const auto path = folder.file("a.jpg", "x");
   EXPECT_EQ(find_data("a.jpg", folder.path().string()), path);
-  EXPECT_EQ(find_data("no-such.jpg", folder.path().string()), "no-such.jpg");  // the error names what was typed
+  // the error names what was typed
+  EXPECT_EQ(find_data("no-such.jpg", folder.path().string()), "no-such.jpg");
   EXPECT_EQ(find_data(path, ""), path);
-  EXPECT_THAT(test::error_of([&] { (void)find_data("a.jpg", path.string() + "/x"); }), HasSubstr("--data"));
+  EXPECT_THAT(test::error_of([&] { (void)find_data("a.jpg", path.string() + "/x"); }),
+              HasSubstr("--data"));
 }
 
 TEST(Pictures, ARawFrameAndItsPpmShowTheSameGate) {
@@ -72,7 +82,8 @@ TEST(Pictures, ARawFrameAndItsPpmShowTheSameGate) {
   const auto a = best(raw), b = best(ppm);
   ASSERT_EQ(a.size(), 1u);
   ASSERT_EQ(b.size(), 1u);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((a[0].corners_px[i] - b[0].corners_px[i]).norm(), 1.0);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((a[0].corners_px[i] - b[0].corners_px[i]).norm(), 1.0);
 }
 
 TEST(VideoReader, EveryPictureOfAFilmInItsOrderInJfifColours) {
@@ -106,10 +117,13 @@ TEST(VideoReader, WhatIsNoFilmIsOneLineWithThePath) {
   if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   const test::TempFolder folder;
   for (const char* name : {"a.avi", "notes.txt", "-i.mp4"})  // ffmpeg would paint a text file
-    EXPECT_THAT(test::error_of([&] { (void)VideoReader(folder.file(name, "hello\nworld\n")).next(); }),
-                AllOf(HasSubstr(name), HasSubstr("neither a picture nor a video"), Not(HasSubstr("\n"))));
-  EXPECT_THAT(test::error_of([&] { (void)VideoReader(folder.file("e.avi", "")).next(); }), HasSubstr("e.avi"));
-  EXPECT_THAT(test::error_of([] { VideoReader reader("nowhere.avi"); }), HasSubstr("nowhere.avi: cannot be read"));
+    EXPECT_THAT(
+        test::error_of([&] { (void)VideoReader(folder.file(name, "hello\nworld\n")).next(); }),
+        AllOf(HasSubstr(name), HasSubstr("neither a picture nor a video"), Not(HasSubstr("\n"))));
+  EXPECT_THAT(test::error_of([&] { (void)VideoReader(folder.file("e.avi", "")).next(); }),
+              HasSubstr("e.avi"));
+  EXPECT_THAT(test::error_of([] { VideoReader reader("nowhere.avi"); }),
+              HasSubstr("nowhere.avi: cannot be read"));
 }
 
 TEST(VideoReader, AReaderMayBeLeftBeforeTheEnd) {

@@ -16,7 +16,8 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 TEST(Ticks, AreRoundNumbersInsideTheRange) {
-  EXPECT_THAT(ticks(0.0, 1.0, 5), ElementsAre(DoubleEq(0.0), DoubleEq(0.2), DoubleEq(0.4), DoubleEq(0.6), DoubleEq(0.8), DoubleEq(1.0)));
+  EXPECT_THAT(ticks(0.0, 1.0, 5), ElementsAre(DoubleEq(0.0), DoubleEq(0.2), DoubleEq(0.4),
+                                              DoubleEq(0.6), DoubleEq(0.8), DoubleEq(1.0)));
   EXPECT_THAT(ticks(-7.0, 12.0, 4), ElementsAre(-5.0, 0.0, 5.0, 10.0));
   EXPECT_THAT(ticks(1.0, 1.0, 4), IsEmpty());
   EXPECT_THAT(ticks(0.0, std::numeric_limits<double>::infinity(), 4), IsEmpty());
@@ -39,7 +40,8 @@ int count(const Canvas& canvas, const Color& color) {
 TEST(Plot, EveryPointLeavesItsMark) {
   constexpr Color kRed = color_of(0xff0000);
   const auto marked = [&](const std::vector<Eigen::Vector2d>& points) {
-    return count(draw({.series = {{.name = "", .points = points, .color = kRed, .line = false}}}), kRed);
+    return count(draw({.series = {{.name = "", .points = points, .color = kRed, .line = false}}}),
+                 kRed);
   };
   const int legend = marked({});
   const int one = marked({{1, 1}, {2, 0.5}}) - legend;
@@ -49,10 +51,13 @@ TEST(Plot, EveryPointLeavesItsMark) {
 
 TEST(Plot, WhatCannotBeShownIsLeftOut) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const Plot plot{.series = {{.name = "some", .points = {{0.0, 1.0}, {-1.0, 1.0}, {kNan, 1.0}, {1.0, kNan}}}}, .log_x = true};
+  const Plot plot{
+      .series = {{.name = "some", .points = {{0.0, 1.0}, {-1.0, 1.0}, {kNan, 1.0}, {1.0, kNan}}}},
+      .log_x = true};
   const Canvas canvas = draw(plot, 300, 200);
   EXPECT_EQ(canvas.width(), 300);
-  EXPECT_EQ(count(canvas, look::kDetection), count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), look::kDetection));
+  EXPECT_EQ(count(canvas, look::kDetection),
+            count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), look::kDetection));
 }
 
 }  // namespace

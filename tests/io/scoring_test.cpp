@@ -33,7 +33,8 @@ Quad some_quad(Rng& rng) {
 
 Quad shuffled(Quad quad, Rng& rng) {
   for (int i = 3; i > 0; --i)
-    std::swap(quad[static_cast<std::size_t>(i)], quad[static_cast<std::size_t>(rng.uniform_index(i + 1))]);
+    std::swap(quad[static_cast<std::size_t>(i)],
+              quad[static_cast<std::size_t>(rng.uniform_index(i + 1))]);
   return quad;
 }
 
@@ -44,7 +45,8 @@ Score score_of(const PictureToScore& picture, Rule rule = Rule::kOverlap70, bool
 TEST(Scoring, DetectionsThatAreTheLabelsScorePerfectly) {
   Rng rng{1};
   std::vector<PictureToScore> pictures(50);
-  for (auto& picture : pictures) picture.gates = {some_quad(rng)}, picture.detections = picture.gates;
+  for (auto& picture : pictures)
+    picture.gates = {some_quad(rng)}, picture.detections = picture.gates;
   pictures.push_back({});  // no gate, nothing detected
   for (const Rule rule : kRules) {
     const Score result = score(pictures, rule);
@@ -69,9 +71,11 @@ TEST(Scoring, TheOrderOfCornersDoesNotMatterToHitsAndBestOrderErrors) {
   for (int i = 0; i < 200; ++i) {
     const Quad label = some_quad(rng);
     Quad detection = label;
-    for (auto& corner : detection) corner += Eigen::Vector2d{rng.uniform(-2, 2), rng.uniform(-2, 2)};
+    for (auto& corner : detection)
+      corner += Eigen::Vector2d{rng.uniform(-2, 2), rng.uniform(-2, 2)};
     const auto straight = corner_errors(detection, label).best_order;
-    const Score result = score_of({.gates = {shuffled(label, rng)}, .ignored = {}, .detections = {shuffled(detection, rng)}});
+    const Score result = score_of(
+        {.gates = {shuffled(label, rng)}, .ignored = {}, .detections = {shuffled(detection, rng)}});
     ASSERT_EQ(result.hits, 1) << i;
     ASSERT_EQ(result.false_positives, 0) << i;
     auto sorted = straight;
@@ -109,8 +113,10 @@ TEST(Scoring, SeventyPercentOfBothAreasIsTheLimit) {
 }
 
 TEST(Scoring, ASecondDetectionOfAGateIsAFalsePositiveButNotByTheAuthorsRule) {
-  const PictureToScore picture{.gates = {square(0, 0, 100)}, .ignored = {},
-                               .detections = {square(9, 0, 100), square(3, 0, 100), square(300, 0, 50)}};
+  const PictureToScore picture{
+      .gates = {square(0, 0, 100)},
+      .ignored = {},
+      .detections = {square(9, 0, 100), square(3, 0, 100), square(300, 0, 50)}};
   const Score ours = score_of(picture);
   EXPECT_EQ(ours.hits, 1);
   EXPECT_EQ(ours.false_positives, 2);
@@ -143,19 +149,24 @@ TEST(Scoring, HitsPlusFalsePlusNeitherAreAllDetectionsInAnyOrder) {
 
 TEST(Scoring, NearestCountsTheFirstGateOnlyAndForgivesTheOthers) {
   const Quad first = square(0, 0, 60), second = square(100, 0, 40);
-  const PictureToScore both{.gates = {first, second}, .ignored = {}, .detections = {second, first, square(200, 0, 30)}};
+  const PictureToScore both{
+      .gates = {first, second}, .ignored = {}, .detections = {second, first, square(200, 0, 30)}};
   const Score result = score_of(both, Rule::kOverlap70, true);
   EXPECT_EQ(result.gates, 1);
   EXPECT_EQ(result.hits, 1);
   EXPECT_EQ(result.neither, 1);
   EXPECT_EQ(result.false_positives, 1);
-  EXPECT_EQ(score_of({.gates = {first, second}, .ignored = {}, .detections = {second}}, Rule::kOverlap70, true).hits, 0);
+  EXPECT_EQ(score_of({.gates = {first, second}, .ignored = {}, .detections = {second}},
+                     Rule::kOverlap70, true)
+                .hits,
+            0);
 }
 
 TEST(Scoring, ADetectionOnAnIgnoredQuadIsNeitherUnlessItIsAHit) {
   const Quad gate = square(0, 0, 60), unlabelled = square(100, 0, 40);
   const Quad crossing{unlabelled[0], unlabelled[2], unlabelled[1], unlabelled[3]};
-  const Score result = score_of({.gates = {gate}, .ignored = {crossing, gate}, .detections = {unlabelled, gate}});
+  const Score result =
+      score_of({.gates = {gate}, .ignored = {crossing, gate}, .detections = {unlabelled, gate}});
   EXPECT_EQ(result.hits, 1);
   EXPECT_EQ(result.neither, 1);
   EXPECT_EQ(result.false_positives, 0);
@@ -164,7 +175,10 @@ TEST(Scoring, ADetectionOnAnIgnoredQuadIsNeitherUnlessItIsAHit) {
 TEST(Scoring, RatesBySizeAndDistanceAddUpToAll) {
   std::vector<PictureToScore> pictures;
   for (const double side : {10.0, 25.0, 40.0, 60.0, 200.0}) {
-    pictures.push_back({.gates = {square(0, 0, side)}, .ignored = {}, .detections = {}, .true_distance = side < 50 ? 6.2 : 2.0});
+    pictures.push_back({.gates = {square(0, 0, side)},
+                        .ignored = {},
+                        .detections = {},
+                        .true_distance = side < 50 ? 6.2 : 2.0});
     if (side > 30) pictures.back().detections = pictures.back().gates;
   }
   const Score result = score(pictures, Rule::kOverlap70);
@@ -190,13 +204,15 @@ TEST(Scoring, AreasOfArrowsAndCrossedQuadsAreExact) {
 TEST(Scoring, IdenticalPicturesCountOnceButEveryTimeByTheAuthorsRule) {
   const Quad gate = square(0, 0, 40);
   Labels labels;
-  labels.pictures = {{.image = "a.jpg", .gates = {gate}, .first_identical = "a.jpg"},
-                     {.image = "b.jpg", .gates = {gate}, .first_identical = "a.jpg"},
-                     {.image = "c.jpg", .gates = {gate}, .first_identical = "gone.jpg"},  // its first is not here:
-                     {.image = "d.jpg", .gates = {gate}, .first_identical = ""}};         // it counts itself
+  labels.pictures = {
+      {.image = "a.jpg", .gates = {gate}, .first_identical = "a.jpg"},
+      {.image = "b.jpg", .gates = {gate}, .first_identical = "a.jpg"},
+      {.image = "c.jpg", .gates = {gate}, .first_identical = "gone.jpg"},  // its first is not here:
+      {.image = "d.jpg", .gates = {gate}, .first_identical = ""}};         // it counts itself
   labels.degenerate = {"e.jpg"};
   std::vector<DetectionRow> rows;
-  for (const char* name : {"a.jpg", "b.jpg", "e.jpg", "z.jpg"}) rows.push_back({.image = name, .corners_px = gate});
+  for (const char* name : {"a.jpg", "b.jpg", "e.jpg", "z.jpg"})
+    rows.push_back({.image = name, .corners_px = gate});
   rows.push_back({.image = "d.jpg", .corners_px = gate, .method = "bars"});
 
   const ScoreInput ours = brought_together(labels, rows, {}, Rule::kOverlap70);

@@ -19,7 +19,8 @@ class TempFolder {
   TempFolder() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     path_ = std::filesystem::temp_directory_path() /
-            ("gatefly-" + std::string{info->test_suite_name()} + "-" + info->name() + "-" + std::to_string(getpid()));
+            ("gatefly-" + std::string{info->test_suite_name()} + "-" + info->name() + "-" +
+             std::to_string(getpid()));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -32,7 +33,8 @@ class TempFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Writes a file into the folder and answers its path.
-  [[nodiscard]] std::filesystem::path file(const std::string& name, std::string_view content) const {
+  [[nodiscard]] std::filesystem::path file(const std::string& name,
+                                           std::string_view content) const {
     std::ofstream stream(path_ / name, std::ios::binary);
     stream.write(content.data(), static_cast<std::streamsize>(content.size()));
     return path_ / name;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -24,12 +25,13 @@ std::string error_of(const std::string& content) {
 }
 
 TEST(TrackFile, PilotAndWorldGetTheSameNominalCourse) {
-  const TrackFile file = read(
-      "name = \"two\"\nlaps = 2\nstart = { position_m = [0.5, -0.5], heading_deg = 10.0 }\n" + std::string{kGate} +
-      "side_m = 1.4\nbar_m = 0.1\ncolor = [0.1, 0.2, 0.3]\n"
-      "[[obstacles]]\nbox_m = [0.3, 0.4, 2.2]\nposition_m = [2.0, -2.0]\nheading_deg = 45\n"
-      "[[obstacles]]\npole_m = [0.1, 1.8]\nposition_m = [1.0, 2.0]\n"
-      "[room]\nsize_m = [10.0, 12.0, 3.5]\ncenter_m = [1.0, 0.5]\nlook = \"showroom\"\n");
+  const TrackFile file =
+      read("name = \"two\"\nlaps = 2\nstart = { position_m = [0.5, -0.5], heading_deg = 10.0 }\n" +
+           std::string{kGate} +
+           "side_m = 1.4\nbar_m = 0.1\ncolor = [0.1, 0.2, 0.3]\n"
+           "[[obstacles]]\nbox_m = [0.3, 0.4, 2.2]\nposition_m = [2.0, -2.0]\nheading_deg = 45\n"
+           "[[obstacles]]\npole_m = [0.1, 1.8]\nposition_m = [1.0, 2.0]\n"
+           "[room]\nsize_m = [10.0, 12.0, 3.5]\ncenter_m = [1.0, 0.5]\nlook = \"showroom\"\n");
   EXPECT_EQ(file.track.name, "two");
   EXPECT_EQ(file.track.laps, 2);
   EXPECT_EQ(file.track.start, Eigen::Vector2d(0.5, -0.5));
@@ -84,17 +86,23 @@ TEST(TrackFile, ErrorsNameFileKeyValueAndWhatIsAllowed) {
               AllOf(HasSubstr("t.toml: gates[2].side_m = -1, must be in 0.3..5")));
   EXPECT_THAT(error_of("[[gates]]\nposition_m = [3.0, nan, -1.5]\n"),
               HasSubstr("gates[0].position_m = [3, nan, -1.5], must be 3 numbers"));
-  EXPECT_THAT(error_of("[[gates]]\nheading_deg = 0\n"), HasSubstr("gates[0].position_m is missing"));
-  EXPECT_THAT(error_of(std::string{kGate} + "bar_m = 0.5\n"), HasSubstr("bar_m = 0.5, must be less than half"));
-  EXPECT_THAT(error_of(std::string{kGate} + "color = \"orang\"\n"), HasSubstr("one of orange, red"));
+  EXPECT_THAT(error_of("[[gates]]\nheading_deg = 0\n"),
+              HasSubstr("gates[0].position_m is missing"));
+  EXPECT_THAT(error_of(std::string{kGate} + "bar_m = 0.5\n"),
+              HasSubstr("bar_m = 0.5, must be less than half"));
+  EXPECT_THAT(error_of(std::string{kGate} + "color = \"orang\"\n"),
+              HasSubstr("one of orange, red"));
   EXPECT_THAT(error_of(std::string{kGate} + "color = [1, 2, 0]\n"), HasSubstr("gates[0].color"));
-  EXPECT_THAT(error_of("laps = 1.5\n" + std::string{kGate}), HasSubstr("laps = 1.5, must be a whole number in 1..100"));
+  EXPECT_THAT(error_of("laps = 1.5\n" + std::string{kGate}),
+              HasSubstr("laps = 1.5, must be a whole number in 1..100"));
   EXPECT_THAT(error_of("laps = 2\n"), HasSubstr("gates is missing"));
   EXPECT_THAT(error_of("gates = 3\n"), HasSubstr("gates = 3"));
   EXPECT_THAT(error_of("gates = [1]\n"), HasSubstr("gates[0] = 1, must be a table"));
-  EXPECT_THAT(error_of(std::string{kGate} + "exit = { run_m = 1.0, turn = \"up\", angle_deg = 90, radius_m = 1 }\n"),
+  EXPECT_THAT(error_of(std::string{kGate} +
+                       "exit = { run_m = 1.0, turn = \"up\", angle_deg = 90, radius_m = 1 }\n"),
               HasSubstr("gates[0].exit.turn = \"up\""));
-  EXPECT_THAT(error_of(std::string{kGate} + "[randomize]\nlevel = \"wild\"\n"), HasSubstr("randomize.level"));
+  EXPECT_THAT(error_of(std::string{kGate} + "[randomize]\nlevel = \"wild\"\n"),
+              HasSubstr("randomize.level"));
   EXPECT_THAT(error_of(std::string{kGate} + "[randomize]\ngate_position_m = -0.1\n"),
               HasSubstr("randomize.gate_position_m = -0.1"));
   EXPECT_THAT(error_of(std::string{kGate} + "[room]\nlook = \"cave\"\n"), HasSubstr("room.look"));
@@ -103,23 +111,29 @@ TEST(TrackFile, ErrorsNameFileKeyValueAndWhatIsAllowed) {
 }
 
 TEST(TrackFile, UnknownKeysAreRefusedWithTheNearest) {
-  EXPECT_THAT(error_of(std::string{kGate} + "sidem = 1\n"), AllOf(HasSubstr("gates[0].sidem"), HasSubstr("'side_m'")));
+  EXPECT_THAT(error_of(std::string{kGate} + "sidem = 1\n"),
+              AllOf(HasSubstr("gates[0].sidem"), HasSubstr("'side_m'")));
   EXPECT_THAT(error_of("lap = 2\n" + std::string{kGate}), HasSubstr("'laps'"));
-  EXPECT_THAT(error_of(std::string{kGate} + "[randomize]\ngate_pos_m = 1\n"), HasSubstr("'gate_position_m'"));
+  EXPECT_THAT(error_of(std::string{kGate} + "[randomize]\ngate_pos_m = 1\n"),
+              HasSubstr("'gate_position_m'"));
 }
 
 TEST(TrackFile, RefusesWhatCannotStandInTheRoom) {
   EXPECT_THAT(error_of("[[gates]]\nposition_m = [3.0, 0.0, -0.4]\n"), HasSubstr("lower bar"));
   EXPECT_THAT(error_of("[[gates]]\nposition_m = [3.0, 0.0, -3.0]\n"), HasSubstr("ceiling"));
-  EXPECT_THAT(error_of("[[gates]]\nposition_m = [30.0, 0.0, -1.5]\n"), HasSubstr("inside the room"));
-  EXPECT_THAT(error_of("start = { position_m = [50, 0] }\n" + std::string{kGate}), HasSubstr("start.position_m"));
-  EXPECT_THAT(error_of(std::string{kGate} + "[[obstacles]]\nbox_m = [1, 1, 1]\nposition_m = [6.9, 0]\n"),
-              HasSubstr("obstacles[0].position_m"));
+  EXPECT_THAT(error_of("[[gates]]\nposition_m = [30.0, 0.0, -1.5]\n"),
+              HasSubstr("inside the room"));
+  EXPECT_THAT(error_of("start = { position_m = [50, 0] }\n" + std::string{kGate}),
+              HasSubstr("start.position_m"));
+  EXPECT_THAT(
+      error_of(std::string{kGate} + "[[obstacles]]\nbox_m = [1, 1, 1]\nposition_m = [6.9, 0]\n"),
+      HasSubstr("obstacles[0].position_m"));
 }
 
 TEST(TrackFile, BrokenTomlNamesTheLineAndAMissingFileItsName) {
   EXPECT_THAT(error_of("name = \"x\"\nlaps = = 3\n"), HasSubstr("t.toml:2: not valid TOML"));
-  EXPECT_THAT(test::error_of([] { (void)read_track("/nowhere/t.toml"); }), HasSubstr("/nowhere/t.toml"));
+  EXPECT_THAT(test::error_of([] { (void)read_track("/nowhere/t.toml"); }),
+              HasSubstr("/nowhere/t.toml"));
 }
 
 TEST(TrackFile, UnknownNamesListTheTracksThereAre) {

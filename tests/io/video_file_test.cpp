@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/io/text.hpp"
+
 #include "temp_folder.hpp"
 
 namespace gatefly::io {
@@ -55,7 +56,8 @@ TEST_F(VideoFileTest, WhenFfmpegGivesUpItIsOneLineWithItsReason) {
     });
   };
   EXPECT_THAT(film(folder_.path() / "missing" / "a.mp4", 64),
-              AllOf(HasSubstr("a.mp4: cannot be written: ffmpeg: "), HasSubstr("No such file"), Not(HasSubstr("\n"))));
+              AllOf(HasSubstr("a.mp4: cannot be written: ffmpeg: "), HasSubstr("No such file"),
+                    Not(HasSubstr("\n"))));
   EXPECT_THAT(film(folder_.path() / "odd.mp4", 63),
               AllOf(HasSubstr("odd.mp4: cannot be written: ffmpeg: "), Not(HasSubstr("\n"))));
   EXPECT_TRUE(nothing_left());
@@ -65,7 +67,8 @@ TEST_F(VideoFileTest, WithoutFfmpegItIsOneLineAndNothingIsLeft) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder_.path().c_str(), 1);
   const std::string asked = test::error_of(require_ffmpeg);
-  const std::string started = test::error_of([&] { VideoFile video(folder_.path() / "a.mp4", 64, 48, 20); });
+  const std::string started =
+      test::error_of([&] { VideoFile video(folder_.path() / "a.mp4", 64, 48, 20); });
   setenv("PATH", path.c_str(), 1);
   EXPECT_THAT(asked, AllOf(HasSubstr("ffmpeg: No such file"), Not(HasSubstr("\n"))));
   EXPECT_THAT(started, AllOf(HasSubstr("ffmpeg: No such file"), Not(HasSubstr("\n"))));

@@ -10,6 +10,7 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/ray_intersection.hpp"
+
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
@@ -53,7 +54,8 @@ TEST(FixFromCorners, AMirroredViewGivesTheMirroredFix) {
     const Quad mirrored{{mirror(seen[1]), mirror(seen[0]), mirror(seen[3]), mirror(seen[2])}};
     View other = view;
     other.attitude_GB.roll *= -1, other.attitude_GB.yaw *= -1;
-    const auto a = fix_from_corners(seen, R_of(view), 1.0, rig, {}), b = fix_from_corners(mirrored, R_of(other), 1.0, rig, {});
+    const auto a = fix_from_corners(seen, R_of(view), 1.0, rig, {}),
+               b = fix_from_corners(mirrored, R_of(other), 1.0, rig, {});
     ASSERT_EQ(a.has_value(), b.has_value());
     if (!a) return;
     EXPECT_THAT(b->p_GB, IsNear(Vector3d{a->p_GB.x(), -a->p_GB.y(), a->p_GB.z()}, 1e-8));
@@ -80,7 +82,8 @@ TEST(FixFromCorners, YawErrorIsWhatHasToBeAdded) {
     }
 }
 
-// The prior has been taken out of it: the whole error, although heading and corners were weighed against each other.
+// The prior has been taken out of it: the whole error, although heading and corners were weighed
+// against each other.
 TEST(MapFixFromCorners, YawErrorIsWhatHasToBeAdded) {
   const CameraRig rig = bebop_rig();
   for (const double error : {-0.05, 0.05})
@@ -88,13 +91,15 @@ TEST(MapFixFromCorners, YawErrorIsWhatHasToBeAdded) {
       const View view{{-2.5, y, 0.1}, {0.05, -0.08, -0.2 * y}};
       View assumed = view;
       assumed.attitude_GB.yaw -= error;
-      const auto fix = map_fix_from_corners(*corners_of(1.0, view, rig), R_of(assumed), 1.0, rig, {.heading_sigma = 0.07});
+      const auto fix = map_fix_from_corners(*corners_of(1.0, view, rig), R_of(assumed), 1.0, rig,
+                                            {.heading_sigma = 0.07});
       ASSERT_TRUE(fix && fix->yaw_error);
       EXPECT_NEAR(*fix->yaw_error, error, 0.2 * std::abs(error)) << "y " << y;
     }
 }
 
-// Gates in a row: the lower bar and a side of the near one with the other side of one 3 m behind it.
+// Gates in a row: the lower bar and a side of the near one with the other side of one 3 m behind
+// it.
 TEST(MapFixFromCorners, AFrameOfTwoGatesIsNoGate) {
   const CameraRig rig = bebop_rig();
   const View view{{-2.5, 0.1, 0.0}, {0.0, -0.05, 0.0}}, behind{{-5.5, 0.1, 0.0}, {0.0, -0.05, 0.0}};
@@ -105,7 +110,8 @@ TEST(MapFixFromCorners, AFrameOfTwoGatesIsNoGate) {
   EXPECT_FALSE(map_fix_from_corners(mixed, R_of(view), 1.0, rig, {}));
 }
 
-// 2000 trials, seed 11, 2.5 px: mean within 4 standard errors of 0, variance as reported within 15 %.
+// 2000 trials, seed 11, 2.5 px: mean within 4 standard errors of 0, variance as reported within 15
+// %.
 TEST(FixFromCorners, YawErrorIsUnbiasedAndAsUncertainAsItSays) {
   const CameraRig rig = bebop_rig();
   const View view{{-2.5, 0.5, 0.1}, {0, -0.08, -0.1}};
@@ -118,16 +124,19 @@ TEST(FixFromCorners, YawErrorIsUnbiasedAndAsUncertainAsItSays) {
   for (int i = 0; i < 2000; ++i) {
     const auto fix = fix_from_corners(noisy(truth, 2.5, rng), R_of(view), 1.0, rig, params);
     if (!fix || !fix->yaw_error) continue;
-    ++n, sum += *fix->yaw_error, squares += *fix->yaw_error * *fix->yaw_error, reported += fix->yaw_variance;
+    ++n, sum += *fix->yaw_error, squares += *fix->yaw_error * *fix->yaw_error,
+        reported += fix->yaw_variance;
   }
   ASSERT_GT(n, 1900);
   const double mean = sum / n, variance = squares / n - mean * mean;
   EXPECT_NEAR(mean, 0, 4 * std::sqrt(variance / n));
-  EXPECT_NEAR(variance / (reported / n), 1.0, 0.15) << "measured " << std::sqrt(variance) << " reported " << std::sqrt(reported / n);
+  EXPECT_NEAR(variance / (reported / n), 1.0, 0.15)
+      << "measured " << std::sqrt(variance) << " reported " << std::sqrt(reported / n);
 }
 
-// 2000 trials, seed 21, 3 m, 2.5 px on each coordinate, attitude as noisy as params says. NEES has 3 degrees
-// of freedom: its mean is 3 with a standard error of sqrt(6/2000) = 0.055; 10 % for the linearisation.
+// 2000 trials, seed 21, 3 m, 2.5 px on each coordinate, attitude as noisy as params says. NEES has
+// 3 degrees of freedom: its mean is 3 with a standard error of sqrt(6/2000) = 0.055; 10 % for the
+// linearisation.
 TEST(FixFromCorners, CovarianceIsHonestAtThreeMetres) {
   const CameraRig rig = bebop_rig();
   const View view{{-3.0, 0.3, 0.1}, {0.0, -0.08, 0.05}};
@@ -141,8 +150,10 @@ TEST(FixFromCorners, CovarianceIsHonestAtThreeMetres) {
   for (int i = 0; i < 2000; ++i) {
     const Quad seen = noisy(truth, params.corner_sigma_px, rng);
     // Small rotation about the gate's axes: what "attitude_sigma" and "heading_sigma" stand for.
-    const Vector3d turn{params.attitude_sigma * normal(rng), params.attitude_sigma * normal(rng), params.heading_sigma * normal(rng)};
-    const Eigen::Matrix3d off = Eigen::AngleAxisd{turn.norm(), turn.normalized()}.toRotationMatrix();
+    const Vector3d turn{params.attitude_sigma * normal(rng), params.attitude_sigma * normal(rng),
+                        params.heading_sigma * normal(rng)};
+    const Eigen::Matrix3d off =
+        Eigen::AngleAxisd{turn.norm(), turn.normalized()}.toRotationMatrix();
     const auto fix = fix_from_corners(seen, {off * R_of(view).matrix}, 1.0, rig, params);
     if (!fix) continue;
     ++n;
@@ -154,7 +165,8 @@ TEST(FixFromCorners, CovarianceIsHonestAtThreeMetres) {
   ASSERT_GT(n, 1950);
   EXPECT_NEAR(nees / n, 3.0, 0.3 + 4 * 0.055);
   for (int axis = 0; axis < 3; ++axis)
-    EXPECT_NEAR(std::sqrt(squares(axis) / reported(axis)), 1.0, 0.15) << "axis " << axis << ": rmse " << std::sqrt(squares(axis) / n);
+    EXPECT_NEAR(std::sqrt(squares(axis) / reported(axis)), 1.0, 0.15)
+        << "axis " << axis << ": rmse " << std::sqrt(squares(axis) / n);
 }
 
 struct TableRow {
@@ -162,8 +174,9 @@ struct TableRow {
 };
 class TruePixelNoise : public ::testing::TestWithParam<TableRow> {};
 
-// re-simulated from the paper: "with a true 3.5 px Gaussian", least squares, f = 168, no fisheye, camera 20° down, head-on.
-// 5000 trials, seed 31: an RMSE's standard error is 1 %; the table has two or three digits.
+// re-simulated from the paper: "with a true 3.5 px Gaussian", least squares, f = 168, no fisheye,
+// camera 20° down, head-on. 5000 trials, seed 31: an RMSE's standard error is 1 %; the table has
+// two or three digits.
 TEST_P(TruePixelNoise, GivesTheRecomputedTable) {
   Pinhole lens;
   const CameraRig rig{AnyCamera{lens}, camera_mount(20 * kDegree), Vector3d::Zero()};
@@ -184,7 +197,8 @@ TEST_P(TruePixelNoise, GivesTheRecomputedTable) {
   EXPECT_NEAR(std::sqrt(x2 / n), GetParam().rmse_x, 0.06 * GetParam().rmse_x + 0.0005);
   EXPECT_NEAR(std::sqrt(y2 / n), GetParam().rmse_y, 0.06 * GetParam().rmse_y + 0.0005);
 }
-INSTANTIATE_TEST_SUITE_P(Facts3, TruePixelNoise, ::testing::Values(TableRow{1.87, .047, .018}, TableRow{2.87, .114, .028}));
+INSTANTIATE_TEST_SUITE_P(Facts3, TruePixelNoise,
+                         ::testing::Values(TableRow{1.87, .047, .018}, TableRow{2.87, .114, .028}));
 
 TEST(FixFromCorners, MoreNoiseMeansMoreCovariance) {
   const CameraRig rig = bebop_rig();
@@ -228,12 +242,14 @@ TEST(FixFromLowerCorners, IsExactForExactCornersAndHonestAboutItsDoubt) {
                     {rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.1), rng.uniform(-0.2, 0.2)}};
     const auto corners = corners_of(1.0, view, rig);
     if (!corners) return;
-    const auto two = fix_from_lower_corners({(*corners)[3], (*corners)[2], 1.0}, R_of(view), 1.0, rig, {});
+    const auto two =
+        fix_from_lower_corners({(*corners)[3], (*corners)[2], 1.0}, R_of(view), 1.0, rig, {});
     const auto four = fix_from_corners(*corners, R_of(view), 1.0, rig, {});
     ASSERT_TRUE(two && four);
     EXPECT_THAT(two->p_GB, IsNear(view.p_GB, 1e-6));
     EXPECT_THAT(two->covariance, IsCovariance());
-    EXPECT_GT(two->covariance.trace(), four->covariance.trace()) << "two corners know less than four";
+    EXPECT_GT(two->covariance.trace(), four->covariance.trace())
+        << "two corners know less than four";
     EXPECT_FALSE(two->yaw_error);
   });
 }
@@ -250,9 +266,12 @@ TEST(FixFromLowerCorners, CovarianceIsHonest) {
   int n = 0;
   for (int i = 0; i < 2000; ++i) {
     const Quad seen = noisy(truth, params.corner_sigma_px, rng);
-    const Vector3d turn{params.attitude_sigma * normal(rng), params.attitude_sigma * normal(rng), params.heading_sigma * normal(rng)};
-    const Eigen::Matrix3d off = Eigen::AngleAxisd{turn.norm(), turn.normalized()}.toRotationMatrix();
-    const auto fix = fix_from_lower_corners({seen[3], seen[2], 1.0}, {off * R_of(view).matrix}, 1.0, rig, params);
+    const Vector3d turn{params.attitude_sigma * normal(rng), params.attitude_sigma * normal(rng),
+                        params.heading_sigma * normal(rng)};
+    const Eigen::Matrix3d off =
+        Eigen::AngleAxisd{turn.norm(), turn.normalized()}.toRotationMatrix();
+    const auto fix = fix_from_lower_corners({seen[3], seen[2], 1.0}, {off * R_of(view).matrix}, 1.0,
+                                            rig, params);
     if (!fix) continue;
     ++n;
     const Vector3d error = fix->p_GB - view.p_GB;
@@ -287,13 +306,17 @@ TEST(FixFromBars, IsExactForExactBars) {
 TEST(FixFromBars, RefusesSwappedCoincidingAndDistantBars) {
   const CameraRig rig = bebop_rig();
   const View view{{-1.2, 0.1, 0}, {0, -0.08, 0}};
-  const Vector2d left = *pixel_of({0, -.475, 0}, view, rig), right = *pixel_of({0, .475, 0}, view, rig);
+  const Vector2d left = *pixel_of({0, -.475, 0}, view, rig),
+                 right = *pixel_of({0, .475, 0}, view, rig);
   ASSERT_TRUE(fix_from_bars({left, right}, R_of(view), 0.95, rig, {}));
   EXPECT_FALSE(fix_from_bars({right, left}, R_of(view), 0.95, rig, {}));
   EXPECT_FALSE(fix_from_bars({left, left}, R_of(view), 0.95, rig, {}));
-  EXPECT_FALSE(fix_from_bars({left, Vector2d::Constant(std::numeric_limits<double>::quiet_NaN())}, R_of(view), 0.95, rig, {}));
+  EXPECT_FALSE(fix_from_bars({left, Vector2d::Constant(std::numeric_limits<double>::quiet_NaN())},
+                             R_of(view), 0.95, rig, {}));
   const View far{{-3, 0, 0}, {0, -0.08, 0}};
-  EXPECT_FALSE(fix_from_bars({*pixel_of({0, -.475, 0}, far, rig), *pixel_of({0, .475, 0}, far, rig)}, R_of(far), 0.95, rig, {}));
+  EXPECT_FALSE(
+      fix_from_bars({*pixel_of({0, -.475, 0}, far, rig), *pixel_of({0, .475, 0}, far, rig)},
+                    R_of(far), 0.95, rig, {}));
   View turned = view;
   turned.attitude_GB.yaw = 2.0;
   EXPECT_FALSE(fix_from_bars({left, right}, R_of(turned), 0.95, rig, {})) << "looking away";

@@ -12,6 +12,7 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/reprojection.hpp"
+
 #include "support/allocation_counter.hpp"
 #include "support/central_difference.hpp"
 #include "support/draw_gate.hpp"
@@ -41,17 +42,22 @@ PosePrior prior_of(const Attitude& attitude, double sigma) {
 }
 
 Attitude off_by(const Attitude& attitude, double sigma, Rng& rng) {
-  const double roll = attitude.roll + sigma * normal(rng), pitch = attitude.pitch + sigma * normal(rng);
+  const double roll = attitude.roll + sigma * normal(rng),
+               pitch = attitude.pitch + sigma * normal(rng);
   return {roll, pitch, attitude.yaw + sigma * normal(rng)};
 }
 
-// A point of a bar: somewhere along one of the four, drawn where it is, handed over as "on that bar".
-void add_bar_point(GateObservations& seen, int bar, double along, const View& view, const CameraRig& rig, double sigma_px) {
+// A point of a bar: somewhere along one of the four, drawn where it is, handed over as "on that
+// bar".
+void add_bar_point(GateObservations& seen, int bar, double along, const View& view,
+                   const CameraRig& rig, double sigma_px) {
   const bool upright = bar % 2 == 0;
   const double across = bar < 2 ? -0.5 : 0.5;
   const Vector3d point = upright ? Vector3d{0, across, along} : Vector3d{0, along, across};
   if (const auto px = pixel_of(point, view, rig))
-    seen.push_back({.px = *px, .sigma_px = sigma_px, .point_G = upright ? Vector3d{0, across, 0} : Vector3d{0, 0, across},
+    seen.push_back({.px = *px,
+                    .sigma_px = sigma_px,
+                    .point_G = upright ? Vector3d{0, across, 0} : Vector3d{0, 0, across},
                     .along_G = upright ? Vector3d::UnitZ() : Vector3d::UnitY()});
 }
 
@@ -91,7 +97,8 @@ TEST(MapPose, ExactCornersCorrectAPoorAttitude) {
       const auto corners = corners_of(1.0, view, rig);
       if (!corners) return;
       Attitude assumed = view.attitude_GB;
-      assumed.roll += rng.uniform(-0.35, 0.35), assumed.pitch += rng.uniform(-0.35, 0.35), assumed.yaw += rng.uniform(-0.35, 0.35);
+      assumed.roll += rng.uniform(-0.35, 0.35), assumed.pitch += rng.uniform(-0.35, 0.35),
+          assumed.yaw += rng.uniform(-0.35, 0.35);
       const auto answer = map_pose(corners_seen(*corners, 1e-3), prior_of(assumed, sigma), rig);
       ASSERT_TRUE(answer.pose) << text_of(answer.reason);
       EXPECT_THAT(answer.pose->p_GB, IsNear(view.p_GB, 2e-3));
@@ -124,7 +131,8 @@ TEST(MapPose, TwoBarsAndAHeightAgreeWithThePapersSolution) {
     const auto left = pixel_of({0, -0.475, rng.uniform(-0.3, 0.3)}, view, rig);
     const auto right = pixel_of({0, 0.475, rng.uniform(-0.3, 0.3)}, view, rig);
     if (!left || !right) return;
-    const auto paper = fix_from_bars({*left, *right}, {rotation_EB(view.attitude_GB).matrix}, 0.95, rig, {});
+    const auto paper =
+        fix_from_bars({*left, *right}, {rotation_EB(view.attitude_GB).matrix}, 0.95, rig, {});
     if (!paper) return;
     GateObservations seen;
     EXPECT_TRUE(add_bars(seen, {*left, *right}, 0.95, 1e-3));
@@ -152,7 +160,8 @@ TEST(MapPose, AMirroredViewGivesTheMirroredPose) {
     const auto b = map_pose(corners_seen(mirrored, 1.5), prior_of(attitude, 0.03), rig);
     ASSERT_EQ(a.reason, b.reason);
     if (!a.pose) return;
-    EXPECT_THAT(b.pose->p_GB, IsNear(Vector3d{a.pose->p_GB.x(), -a.pose->p_GB.y(), a.pose->p_GB.z()}, 1e-3));
+    EXPECT_THAT(b.pose->p_GB,
+                IsNear(Vector3d{a.pose->p_GB.x(), -a.pose->p_GB.y(), a.pose->p_GB.z()}, 1e-3));
     EXPECT_NEAR(b.pose->chi2, a.pose->chi2, 1e-4);
   });
 }
@@ -168,7 +177,8 @@ TEST(MapPose, ScalesWithTheGate) {
     if (!corners) return;
     const Quad seen = noisy(*corners, 1.5, rng);
     const PosePrior prior = prior_of(off_by(view.attitude_GB, 0.03, rng), 0.03);
-    const auto one = map_pose(corners_seen(seen, 1.5, 1.0), prior, rig), two = map_pose(corners_seen(seen, 1.5, 2.0), prior, rig);
+    const auto one = map_pose(corners_seen(seen, 1.5, 1.0), prior, rig),
+               two = map_pose(corners_seen(seen, 1.5, 2.0), prior, rig);
     ASSERT_EQ(one.reason, two.reason);
     if (!one.pose) return;
     EXPECT_THAT(two.pose->p_GB, IsNear(2.0 * one.pose->p_GB, 1e-3));
@@ -185,7 +195,8 @@ TEST(MapPose, TheOrderOfWhatIsSeenDoesNotMatter) {
   add_bar_point(seen, 3, -0.1, view, rig, 2.0);
   GateObservations turned_list;
   for (std::size_t i = 0; i < seen.size(); ++i) turned_list.push_back(seen[(i + 3) % seen.size()]);
-  const auto a = map_pose(seen, prior_of(view.attitude_GB, 0.03), rig), b = map_pose(turned_list, prior_of(view.attitude_GB, 0.03), rig);
+  const auto a = map_pose(seen, prior_of(view.attitude_GB, 0.03), rig),
+             b = map_pose(turned_list, prior_of(view.attitude_GB, 0.03), rig);
   ASSERT_TRUE(a.pose && b.pose);
   EXPECT_THAT(b.pose->p_GB, IsNear(a.pose->p_GB, 1e-6));
   EXPECT_NEAR(b.pose->chi2, a.pose->chi2, 1e-6);
@@ -202,9 +213,12 @@ TEST(Reprojection, GradientIsTheCentralDifferenceOfTheCost) {
     prior.z = 0.3, prior.z_sigma = 0.2;
     const auto sights = reprojection::sights_of(seen, rig);
     ASSERT_TRUE(sights);
-    const auto at = [](const Eigen::Matrix<double, 6, 1>& x) { return reprojection::Pose{x.head<3>(), x.tail<3>()}; };
+    const auto at = [](const Eigen::Matrix<double, 6, 1>& x) {
+      return reprojection::Pose{x.head<3>(), x.tail<3>()};
+    };
     const auto cost = [&](const Eigen::Matrix<double, 6, 1>& x) {
-      return Eigen::Matrix<double, 1, 1>{reprojection::normal_at(at(x), *sights, 15u, prior, rig)->cost};
+      return Eigen::Matrix<double, 1, 1>{
+          reprojection::normal_at(at(x), *sights, 15u, prior, rig)->cost};
     };
     Eigen::Matrix<double, 6, 1> x;
     const Attitude& a = view.attitude_GB;
@@ -213,7 +227,8 @@ TEST(Reprojection, GradientIsTheCentralDifferenceOfTheCost) {
     ASSERT_TRUE(normal);
     Eigen::Matrix<double, 6, 1> gradient;
     gradient << normal->a, normal->c;
-    EXPECT_THAT(2.0 * gradient, IsNear(central_difference(cost, x).transpose().eval(), 1e-3 * (1.0 + gradient.norm())));
+    EXPECT_THAT(2.0 * gradient, IsNear(central_difference(cost, x).transpose().eval(),
+                                       1e-3 * (1.0 + gradient.norm())));
   });
 }
 
@@ -233,23 +248,26 @@ TEST_P(Noise, CovarianceIsHonest) {
   int n = 0;
   for (int i = 0; i < 1000; ++i) {
     const Quad seen = noisy(*corners_of(1.0, view, rig), px, rng);
-    const auto answer = map_pose(corners_seen(seen, px), prior_of(off_by(view.attitude_GB, sigma, rng), sigma), rig);
+    const auto answer = map_pose(corners_seen(seen, px),
+                                 prior_of(off_by(view.attitude_GB, sigma, rng), sigma), rig);
     if (!answer.pose) continue;
     const Vector3d error = answer.pose->p_GB - view.p_GB;
     const Eigen::Matrix3d P = answer.pose->covariance.topLeftCorner<3, 3>();
-    ++n, nees += error.dot(P.inverse() * error) / 3.0, chi2_per_dof += answer.pose->chi2 / answer.pose->dof;
+    ++n, nees += error.dot(P.inverse() * error) / 3.0,
+        chi2_per_dof += answer.pose->chi2 / answer.pose->dof;
   }
   ASSERT_GT(n, 990);
   EXPECT_GT(nees / n, 0.8);
   EXPECT_LT(nees / n, 1.25);
   EXPECT_NEAR(chi2_per_dof / n, 1.0, 0.15);
 }
-INSTANTIATE_TEST_SUITE_P(Slice, Noise,
-                         ::testing::Values(NoiseCase{{{-1.5, 0.1, 0}, {0, -0.08, 0}}, 0.0, 2.5},
-                                           NoiseCase{{{-1.5, 0.1, 0}, {0, -0.08, 0}}, 5.0, 3.5},
-                                           NoiseCase{{{-3, 0.5, 0.2}, {0.1, -0.08, -0.1}}, 2.0, 2.5},
-                                           NoiseCase{{{-3, 1.5, 0.2}, {0.0, -0.08, -0.4}}, 5.0, 1.0},
-                                           NoiseCase{{{-5, 0, 0}, {0, -0.08, 0}}, 5.0, 3.5}));
+INSTANTIATE_TEST_SUITE_P(
+    Slice, Noise,
+    ::testing::Values(NoiseCase{{{-1.5, 0.1, 0}, {0, -0.08, 0}}, 0.0, 2.5},
+                      NoiseCase{{{-1.5, 0.1, 0}, {0, -0.08, 0}}, 5.0, 3.5},
+                      NoiseCase{{{-3, 0.5, 0.2}, {0.1, -0.08, -0.1}}, 2.0, 2.5},
+                      NoiseCase{{{-3, 1.5, 0.2}, {0.0, -0.08, -0.4}}, 5.0, 1.0},
+                      NoiseCase{{{-5, 0, 0}, {0, -0.08, 0}}, 5.0, 3.5}));
 
 // 300 trials, seed 23: one corner is 15-40 px off, the others 1.5 px.
 TEST(MapPose, SurvivesOneGrossOutlier) {
@@ -271,10 +289,12 @@ TEST(MapPose, SurvivesOneGrossOutlier) {
     const auto answer = map_pose(seen, prior, rig), oracle = map_pose(good, prior, rig);
     PoseParams careless;
     careless.max_misfit = 1e9;
-    const auto fix = fix_from_corners(px, {rotation_EB(prior.attitude_GB).matrix}, 1.0, rig, careless);
+    const auto fix =
+        fix_from_corners(px, {rotation_EB(prior.attitude_GB).matrix}, 1.0, rig, careless);
     if (!answer.pose || !oracle.pose || !fix) continue;
     ++n, found += answer.pose->dropped == 1u << bad;
-    ours += (answer.pose->p_GB - view.p_GB).squaredNorm(), without += (oracle.pose->p_GB - view.p_GB).squaredNorm();
+    ours += (answer.pose->p_GB - view.p_GB).squaredNorm(),
+        without += (oracle.pose->p_GB - view.p_GB).squaredNorm();
     rays += (fix->p_GB - view.p_GB).squaredNorm();
   }
   ASSERT_GT(n, 285);
@@ -283,8 +303,9 @@ TEST(MapPose, SurvivesOneGrossOutlier) {
   EXPECT_GT(std::sqrt(rays / without), 2.0) << "it must have mattered";
 }
 
-// 1 m before the gate with an attitude to 5° any three of four corners fit well, each with another position.
-// To an attitude that is 15° in doubt, a corner that is far off may look like a turn: better no answer than a sure wrong one.
+// 1 m before the gate with an attitude to 5° any three of four corners fit well, each with another
+// position. To an attitude that is 15° in doubt, a corner that is far off may look like a turn:
+// better no answer than a sure wrong one.
 TEST(MapPose, IsRarelySureOfAPoseThatAnOutlierMade) {
   const CameraRig rig = bebop_rig();
   const double yaw = -30.0 * kDegree;
@@ -294,11 +315,15 @@ TEST(MapPose, IsRarelySureOfAPoseThatAnOutlierMade) {
   for (int i = 0; i < 400; ++i) {
     Quad px = noisy(*corners_of(1.0, view, rig), 1.0, rng);
     const double angle = rng.uniform(-kPi, kPi), size = rng.uniform(10, 40);
-    px[static_cast<std::size_t>(rng.uniform_index(4))] += size * Vector2d{gatefly::cos(angle), gatefly::sin(angle)};
-    const auto answer = map_pose(corners_seen(px, 1.0), prior_of(off_by(view.attitude_GB, 15 * kDegree, rng), 15 * kDegree), rig);
+    px[static_cast<std::size_t>(rng.uniform_index(4))] +=
+        size * Vector2d{gatefly::cos(angle), gatefly::sin(angle)};
+    const auto answer =
+        map_pose(corners_seen(px, 1.0),
+                 prior_of(off_by(view.attitude_GB, 15 * kDegree, rng), 15 * kDegree), rig);
     if (!answer.pose) continue;
     const Vector3d error = answer.pose->p_GB - view.p_GB;
-    ++answers, wrong += error.dot(answer.pose->covariance.topLeftCorner<3, 3>().inverse() * error) > 25.0;
+    ++answers,
+        wrong += error.dot(answer.pose->covariance.topLeftCorner<3, 3>().inverse() * error) > 25.0;
   }
   EXPECT_GT(answers, 80);
   EXPECT_LT(wrong, 0.05 * answers);
@@ -312,8 +337,10 @@ TEST(MapPose, RefusesWhenWhatIsLeftOutDecidesWhereTheGateIs) {
   for (int i = 0; i < 300; ++i) {
     Quad px = noisy(*corners_of(1.0, view, rig), 1.0, rng);
     const double angle = rng.uniform(-kPi, kPi);
-    px[static_cast<std::size_t>(rng.uniform_index(4))] += 15.0 * Vector2d{gatefly::cos(angle), gatefly::sin(angle)};
-    const auto answer = map_pose(corners_seen(px, 1.0), prior_of(off_by(view.attitude_GB, 0.087, rng), 0.087), rig);
+    px[static_cast<std::size_t>(rng.uniform_index(4))] +=
+        15.0 * Vector2d{gatefly::cos(angle), gatefly::sin(angle)};
+    const auto answer =
+        map_pose(corners_seen(px, 1.0), prior_of(off_by(view.attitude_GB, 0.087, rng), 0.087), rig);
     ambiguous += answer.reason == NoPose::kAmbiguous;
     if (answer.pose) ++((answer.pose->p_GB - view.p_GB).norm() < 0.15 ? right : wrong);
   }
@@ -327,7 +354,8 @@ TEST(MapPose, RefusesAFrameMadeOfTheBarsOfTwoGates) {
   const View view{{-3, 0, 0.1}, {0, -0.08, 0}}, farther{{-6, 0, 0.1}, {0, -0.08, 0}};
   int refused = 0;
   for (int i = 0; i < 100; ++i) {
-    const Quad near = noisy(*corners_of(1.0, view, rig), 1.5, rng), far = noisy(*corners_of(1.0, farther, rig), 1.5, rng);
+    const Quad near = noisy(*corners_of(1.0, view, rig), 1.5, rng),
+               far = noisy(*corners_of(1.0, farther, rig), 1.5, rng);
     const PosePrior prior = prior_of(view.attitude_GB, 0.04);
     const Quad left_right{{near[0], far[1], far[2], near[3]}};
     const auto answer = map_pose(corners_seen(left_right, 1.5), prior, rig);
@@ -343,18 +371,25 @@ TEST(MapPose, SaysWhyThereIsNone) {
   const View view{{-3, 0, 0.1}, {0, -0.08, 0}};
   const Quad px = *corners_of(1.0, view, rig);
   const PosePrior prior = prior_of(view.attitude_GB, 0.02);
-  const auto reason = [&](const Quad& quad) { return map_pose(corners_seen(quad, 2.0), prior, rig).reason; };
+  const auto reason = [&](const Quad& quad) {
+    return map_pose(corners_seen(quad, 2.0), prior, rig).reason;
+  };
   EXPECT_EQ(reason(px), NoPose::kNone);
   EXPECT_EQ(map_pose({}, prior, rig).reason, NoPose::kTooFew);
   EXPECT_EQ(reason({{px[0], px[1], px[2], {kNan, 3}}}), NoPose::kNotANumber);
   EXPECT_EQ(reason({{px[0], {5000, 5000}, px[2], px[3]}}), NoPose::kOutsideLens);
   EXPECT_EQ(reason({{px[2], px[3], px[0], px[1]}}), NoPose::kBehind) << "upside down";
   EXPECT_NE(reason({{px[1], px[0], px[3], px[2]}}), NoPose::kNone) << "mirrored";
-  EXPECT_EQ(reason({{px[0], px[1] + Vector2d{40, 0}, px[2] + Vector2d{40, 0}, px[3]}}), NoPose::kMisfit) << "too wide";
+  EXPECT_EQ(reason({{px[0], px[1] + Vector2d{40, 0}, px[2] + Vector2d{40, 0}, px[3]}}),
+            NoPose::kMisfit)
+      << "too wide";
   const View distant{{-14, 0, 0.1}, {0, -0.08, 0}};
-  EXPECT_EQ(map_pose(corners_seen(*corners_of(1.0, distant, rig), 0.1), prior, rig).reason, NoPose::kTooFar);
+  EXPECT_EQ(map_pose(corners_seen(*corners_of(1.0, distant, rig), 0.1), prior, rig).reason,
+            NoPose::kTooFar);
   const View sideways{{-0.3, 3, 0.1}, {0, -0.08, -1.4}};
-  EXPECT_EQ(map_pose(corners_seen(*corners_of(1.0, sideways, rig), 0.5), prior_of(sideways.attitude_GB, 0.02), rig).reason,
+  EXPECT_EQ(map_pose(corners_seen(*corners_of(1.0, sideways, rig), 0.5),
+                     prior_of(sideways.attitude_GB, 0.02), rig)
+                .reason,
             NoPose::kEdgeOn);
   for (const NoPose each : {NoPose::kNone, NoPose::kMisfit}) EXPECT_NE(text_of(each), nullptr);
 }
@@ -362,7 +397,8 @@ TEST(MapPose, SaysWhyThereIsNone) {
 // Any number of any field may be anything: an answer is finite, or there is none.
 TEST(MapPose, StaysFiniteWhateverComesIn) {
   const CameraRig rig = bebop_rig();
-  const std::array<double, 9> poison{kNan, kInfinite, -kInfinite, 0.0, -1.0, 1e-300, 1e300, 1e-8, 1e8};
+  const std::array<double, 9> poison{kNan,   kInfinite, -kInfinite, 0.0, -1.0,
+                                     1e-300, 1e300,     1e-8,       1e8};
   for_all(3000, [&](Rng& rng) {
     const View view = any_view(rng);
     const auto corners = corners_of(1.0, view, rig);
@@ -373,9 +409,21 @@ TEST(MapPose, StaysFiniteWhateverComesIn) {
     for (int i = 0; i < 2; ++i) {
       const double bad = poison[static_cast<std::size_t>(rng.uniform_index(9))];
       GateObservation& one = seen[static_cast<std::size_t>(rng.uniform_index(5))];
-      const std::array<double*, 15> fields{&one.px.x(), &one.px.y(), &one.sigma_px, &one.point_G.x(), &one.point_G.y(), &one.point_G.z(),
-                                           &one.along_G.x(), &one.along_G.z(), &prior.attitude_GB.roll, &prior.attitude_GB.pitch,
-                                           &prior.attitude_GB.yaw, &prior.roll_sigma, &prior.yaw_sigma, &prior.z, &prior.z_sigma};
+      const std::array<double*, 15> fields{&one.px.x(),
+                                           &one.px.y(),
+                                           &one.sigma_px,
+                                           &one.point_G.x(),
+                                           &one.point_G.y(),
+                                           &one.point_G.z(),
+                                           &one.along_G.x(),
+                                           &one.along_G.z(),
+                                           &prior.attitude_GB.roll,
+                                           &prior.attitude_GB.pitch,
+                                           &prior.attitude_GB.yaw,
+                                           &prior.roll_sigma,
+                                           &prior.yaw_sigma,
+                                           &prior.z,
+                                           &prior.z_sigma};
       *fields[static_cast<std::size_t>(rng.uniform_index(15))] = bad;
     }
     const auto answer = map_pose(seen, prior, rig);
@@ -392,9 +440,11 @@ TEST(MapPose, AllocatesNothing) {
   const View view{{-2, 0.3, 0.1}, {0.1, -0.08, -0.1}};
   Quad px = *corners_of(1.0, view, rig);
   const long before = allocations;
-  for (const double sigma : {0.02, 0.3}) (void)map_pose(corners_seen(px, 2.0), prior_of(view.attitude_GB, sigma), rig);
+  for (const double sigma : {0.02, 0.3})
+    (void)map_pose(corners_seen(px, 2.0), prior_of(view.attitude_GB, sigma), rig);
   px[2].x() += 30.0;  // with an outlier to look for
-  for (const double sigma : {0.02, 0.3}) (void)map_pose(corners_seen(px, 2.0), prior_of(view.attitude_GB, sigma), rig);
+  for (const double sigma : {0.02, 0.3})
+    (void)map_pose(corners_seen(px, 2.0), prior_of(view.attitude_GB, sigma), rig);
   EXPECT_EQ(allocations - before, 0);
   test::expect_that_allocations_are_counted();
 }
@@ -408,9 +458,10 @@ TEST(MapPose, AFullListTakesNoMore) {
   EXPECT_EQ(seen.size(), GateObservations::kCapacity);
 }
 
-// Published quantiles of the chi-square distribution: 97.725 % is two standard deviations of the normal one.
+// Published quantiles of the chi-square distribution: 97.725 % is two standard deviations of the
+// normal one.
 TEST(SurpriseOf, IsTheNormalDeviateOfTheChiSquare) {
-  EXPECT_NEAR(surprise_of(0.455, 1), 0.0, 0.05);   // medians
+  EXPECT_NEAR(surprise_of(0.455, 1), 0.0, 0.05);  // medians
   EXPECT_NEAR(surprise_of(4.351, 5), 0.0, 0.01);
   EXPECT_NEAR(surprise_of(11.070, 5), 1.645, 0.02);  // 95 %
   EXPECT_NEAR(surprise_of(20.515, 5), 3.09, 0.04);   // 99.9 %

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -17,15 +18,20 @@ namespace {
 using namespace test;
 using Eigen::Vector3d;
 
-std::vector<Vector3d> unit_gate_corners() { return {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}; }
+std::vector<Vector3d> unit_gate_corners() {
+  return {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}};
+}
 
 std::vector<Ray> rays_from(const Vector3d& camera) {
   std::vector<Ray> rays;
-  for (const Vector3d& corner : unit_gate_corners()) rays.push_back({corner, (corner - camera).normalized()});
+  for (const Vector3d& corner : unit_gate_corners())
+    rays.push_back({corner, (corner - camera).normalized()});
   return rays;
 }
 
-Vector3d any_camera(Rng& rng) { return {rng.uniform(-5, -1), rng.uniform(-2, 2), rng.uniform(-1, 1)}; }
+Vector3d any_camera(Rng& rng) {
+  return {rng.uniform(-5, -1), rng.uniform(-2, 2), rng.uniform(-1, 1)};
+}
 
 double squared_distances(const std::vector<Ray>& rays, const Vector3d& t) {
   double sum = 0;
@@ -49,7 +55,8 @@ TEST(NearestPoint, IsTheLeastSumOfSquaredDistances) {
     const auto found = nearest_point(rays);
     ASSERT_TRUE(found);
     const double least = squared_distances(rays, *found);
-    for (int i = 0; i < 10; ++i) EXPECT_GE(squared_distances(rays, *found + any_vector3(rng, 0.05)), least - 1e-12);
+    for (int i = 0; i < 10; ++i)
+      EXPECT_GE(squared_distances(rays, *found + any_vector3(rng, 0.05)), least - 1e-12);
   });
 }
 
@@ -88,9 +95,11 @@ TEST(NearestPoint, TooFewOrParallelRaysHaveNoAnswer) {
   const std::vector<Ray> one{{Vector3d::Zero(), Vector3d::UnitX()}};
   EXPECT_FALSE(nearest_point(one));
   std::vector<Ray> parallel;
-  for (const Vector3d& corner : unit_gate_corners()) parallel.push_back({corner, Vector3d::UnitX()});
+  for (const Vector3d& corner : unit_gate_corners())
+    parallel.push_back({corner, Vector3d::UnitX()});
   EXPECT_FALSE(nearest_point(parallel));
-  const std::vector<Ray> same{{Vector3d::Zero(), Vector3d::UnitX()}, {Vector3d::Zero(), Vector3d::UnitX()}};
+  const std::vector<Ray> same{{Vector3d::Zero(), Vector3d::UnitX()},
+                              {Vector3d::Zero(), Vector3d::UnitX()}};
   EXPECT_FALSE(nearest_point(same));
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -64,7 +65,8 @@ TEST(Path, NearestFindsThePointOneStandsBeside) {
     const double s = rng.uniform(0, path.length()), side = rng.uniform(-0.4, 0.4);
     const PathPoint p = path.at(s);
     const Vector2d beside = p.position + side * Vector2d{-std::sin(p.heading), std::cos(p.heading)};
-    EXPECT_NEAR(path.nearest(beside, std::max(0.0, s - 0.5), std::min(s + 0.8, path.length())), s, 0.005);
+    EXPECT_NEAR(path.nearest(beside, std::max(0.0, s - 0.5), std::min(s + 0.8, path.length())), s,
+                0.005);
   });
 }
 
@@ -84,7 +86,8 @@ TEST(Path, HeightIsASmoothRampDoneBeforeTheGate) {
   EXPECT_EQ(path.z_at(0), -1.0);
   EXPECT_NEAR(path.z_at(total - 1.5), -2.0, 1e-12);
   EXPECT_NEAR(path.z_at(total + 3), -2.0, 1e-12);
-  for (double s = 0; s < total; s += 0.05) EXPECT_LE(path.z_at(s + 0.05), path.z_at(s)) << "climbs all the way";
+  for (double s = 0; s < total; s += 0.05)
+    EXPECT_LE(path.z_at(s + 0.05), path.z_at(s)) << "climbs all the way";
 }
 
 TEST(Path, AnEmptyPathAnswers) {

@@ -21,7 +21,8 @@ bool is(const Transition& t) {
 
 Situation flying() {
   Situation s;
-  s.time = 10, s.rest_samples = 800, s.height = 1.5, s.gate_x = -3, s.lateral_sigma = 0.05, s.speed = 1.5, s.since_fix = 0.1;
+  s.time = 10, s.rest_samples = 800, s.height = 1.5, s.gate_x = -3, s.lateral_sigma = 0.05,
+  s.speed = 1.5, s.since_fix = 0.1;
   return s;
 }
 
@@ -75,7 +76,8 @@ TEST(Phase, SearchesWhenTheGateIsNearAndInDoubt) {
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "just seen";
   s.since_fix = 2.0;
   s.to_go = 6.0;
-  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "on a turn that leads past the gate's plane first";
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)))
+      << "on a turn that leads past the gate's plane first";
   s.to_go = 4.0;
   s.gate_x = -4;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "still far";
@@ -127,7 +129,8 @@ TEST(Phase, LandingEndsOnTheFloorOrAfterAWhileAndForGood) {
   EXPECT_TRUE(is<Landed>(next_phase(Land{9.0}, s, kParams)));
   test::for_all(200, [](Rng& rng) {
     Situation any;
-    any.time = rng.uniform(0, 100), any.rest_samples = rng.uniform_index(2000), any.height = rng.uniform(-1, 3);
+    any.time = rng.uniform(0, 100), any.rest_samples = rng.uniform_index(2000),
+    any.height = rng.uniform(-1, 3);
     any.course_done = rng.uniform_index(2) == 0, any.turn_ahead = rng.uniform_index(2) == 0;
     any.since_imu = rng.uniform(0, 1), any.tilt = rng.uniform(0, 3);
     EXPECT_TRUE(is<Landed>(next_phase(Landed{}, any, kParams)));
@@ -143,7 +146,8 @@ TEST(Phase, EveryPhaseHasItsNameAndEveryReasonItsText) {
   EXPECT_STREQ(name_of(Land{}), "land");
   EXPECT_STREQ(name_of(Landed{}), "landed");
   EXPECT_STREQ(text_of(AbortReason::kNone), "");
-  for (const AbortReason reason : {AbortReason::kGateNotFound, AbortReason::kNoClimb, AbortReason::kUpset, AbortReason::kSensorsLost})
+  for (const AbortReason reason : {AbortReason::kGateNotFound, AbortReason::kNoClimb,
+                                   AbortReason::kUpset, AbortReason::kSensorsLost})
     EXPECT_FALSE(std::string{text_of(reason)}.empty());
 }
 

@@ -51,11 +51,13 @@ bool motors_off(const Command& c) {
 bool is_finite(const Command& c) {
   for (const double w : c.motors)
     if (!std::isfinite(w)) return false;
-  return std::isfinite(c.attitude.roll) && std::isfinite(c.attitude.pitch) && std::isfinite(c.attitude.yaw) && std::isfinite(c.attitude.thrust);
+  return std::isfinite(c.attitude.roll) && std::isfinite(c.attitude.pitch) &&
+         std::isfinite(c.attitude.yaw) && std::isfinite(c.attitude.thrust);
 }
 
 bool is_finite(const Estimate& e) {
-  return e.p_EB.allFinite() && e.v_E.allFinite() && e.covariance_GB.allFinite() && e.accel_bias.allFinite() && std::isfinite(e.attitude.yaw);
+  return e.p_EB.allFinite() && e.v_E.allFinite() && e.covariance_GB.allFinite() &&
+         e.accel_bias.allFinite() && std::isfinite(e.attitude.yaw);
 }
 
 template <class P>
@@ -102,8 +104,10 @@ TEST(Pilot, StaysOnTheGroundWhileItIsCarriedAboutOrDeaf) {
   Pilot carried{config()}, deaf{config()};
   Rng rng{2};
   for (int tick = 1; tick < 5000; ++tick) {
-    EXPECT_TRUE(motors_off(carried.step(at(tick, {Vector3d{1.0, -0.8, 0.5}, Vector3d{0, 0, -9.81} + any_vector3(rng, 3)}))));
-    EXPECT_TRUE(motors_off(deaf.step(at(tick, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)}))));
+    EXPECT_TRUE(motors_off(carried.step(
+        at(tick, {Vector3d{1.0, -0.8, 0.5}, Vector3d{0, 0, -9.81} + any_vector3(rng, 3)}))));
+    EXPECT_TRUE(
+        motors_off(deaf.step(at(tick, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)}))));
   }
   EXPECT_TRUE(in<OnGround>(carried));
   EXPECT_TRUE(in<OnGround>(deaf));
@@ -164,12 +168,18 @@ TEST(Pilot, ASilentImuLeadsToALandingWithAReason) {
 Sensors garbage(int tick, Rng& rng, const Image& noise) {
   const auto wild = [&](double usual) {
     switch (rng.uniform_index(40)) {
-      case 0: return kNan;
-      case 1: return std::numeric_limits<double>::infinity();
-      case 2: return rng.uniform(-1, 1) * 1e300;
-      case 3: return rng.uniform(-1, 1) * 1e6;
-      case 4: return 0.0;
-      default: return rng.uniform(-usual, usual);
+      case 0:
+        return kNan;
+      case 1:
+        return std::numeric_limits<double>::infinity();
+      case 2:
+        return rng.uniform(-1, 1) * 1e300;
+      case 3:
+        return rng.uniform(-1, 1) * 1e6;
+      case 4:
+        return 0.0;
+      default:
+        return rng.uniform(-usual, usual);
     }
   };
   Sensors s = at(tick, {});
@@ -196,10 +206,12 @@ TEST(Pilot, GarbageLeavesEverythingFinite) {
     for (int i = 0; i < 10 * 512; ++i) {
       const Command c = pilot.step(garbage(tick++, rng, noise));
       ASSERT_TRUE(is_finite(c)) << "tick " << i << " phase " << name_of(pilot.phase());
-      ASSERT_TRUE(is_finite(pilot.estimate())) << "tick " << i << " phase " << name_of(pilot.phase());
+      ASSERT_TRUE(is_finite(pilot.estimate()))
+          << "tick " << i << " phase " << name_of(pilot.phase());
       for (const double w : c.motors) ASSERT_LE(w, vehicle.max_speed + 1e-6);
     }
-    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds{20}) << "bounded work";
+    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds{20})
+        << "bounded work";
   });
 }
 
@@ -208,7 +220,8 @@ TEST(Pilot, NoisySensorsOnAFlightKeepItFinite) {
     Pilot pilot{config()};
     int tick = climb(pilot, take_off(pilot));
     for (int i = 0; i < 10 * 512; ++i) {
-      Sensors s = at(tick++, {any_vector3(rng, 1.0), Vector3d{0, 0, -9.81} + any_vector3(rng, 4.0)});
+      Sensors s =
+          at(tick++, {any_vector3(rng, 1.0), Vector3d{0, 0, -9.81} + any_vector3(rng, 4.0)});
       if (i % 26 == 0) s.sonar = rng.uniform(0, 3);
       if (i % 10 == 0) s.baro = 1.5 + rng.uniform(-1, 1);
       ASSERT_TRUE(is_finite(pilot.step(s)));
@@ -225,7 +238,9 @@ TEST(Pilot, SameInputsGiveTheSameOutputs) {
   Pilot a{config()}, b{config()};
   Rng rng{4};
   for (int tick = 1; tick < 4000; ++tick) {
-    Sensors s = at(tick, tick < 900 ? still() : Imu{any_vector3(rng, 0.3), Vector3d{0, 0, -9.9} + any_vector3(rng, 1)});
+    Sensors s = at(
+        tick, tick < 900 ? still()
+                         : Imu{any_vector3(rng, 0.3), Vector3d{0, 0, -9.9} + any_vector3(rng, 1)});
     if (tick % 26 == 0) s.sonar = tick < 900 ? 0.05 : 1.3;
     if (tick % 34 == 0) s.image = image;
     const Command x = a.step(s), y = b.step(s);
@@ -245,7 +260,8 @@ TEST(Pilot, RepeatedAndOlderStampsLetNoTimePass) {
   EXPECT_EQ(pilot.estimate().p_EB, p);
 }
 
-// The drone stands 3.5 m before the gate, where its map says: the picture confirms it and the fix is taken.
+// The drone stands 3.5 m before the gate, where its map says: the picture confirms it and the fix
+// is taken.
 TEST(Pilot, TakesAFixFromAGateInView) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {3.5, 0, -1.5};
@@ -267,7 +283,8 @@ TEST(Pilot, TakesAFixFromAGateInView) {
   EXPECT_LT((pilot.estimate().p_EB - before.p_EB).norm(), 0.15);
 }
 
-// A frame of the bars of two gates says 1.5 m farther; the lower corners of the gate, whose top is cut off, say right here.
+// A frame of the bars of two gates says 1.5 m farther; the lower corners of the gate, whose top is
+// cut off, say right here.
 TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {2.5, 0, -1.9};
@@ -291,11 +308,13 @@ TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
 // Sees a gate as if the drone were somewhere else; whether that corrected it.
 class Watched {
  public:
-  explicit Watched(const PilotConfig& c) : config{c}, pilot{c}, tick{climb(pilot, take_off(pilot))} {}
+  explicit Watched(const PilotConfig& c)
+      : config{c}, pilot{c}, tick{climb(pilot, take_off(pilot))} {}
 
   bool see(const Vector3d& off) {
     const Estimate now = pilot.estimate();
-    const View view{.p_GB = now.p_EB - config.track.gates[0].p_EG + off, .attitude_GB = now.attitude};
+    const View view{.p_GB = now.p_EB - config.track.gates[0].p_EG + off,
+                    .attitude_GB = now.attitude};
     Sensors s = at(tick++, still());
     s.seen.emplace();
     (void)s.seen->gates.push_back({*corners_of(1.0, view, config.camera), 1.0});
@@ -311,7 +330,8 @@ class Watched {
   int tick;
 };
 
-// After a blind leg one gate aside is not believed; two that say the same are, two that do not are not.
+// After a blind leg one gate aside is not believed; two that say the same are, two that do not are
+// not.
 TEST(Pilot, AfterABlindLegTwoSightingsHaveToAgree) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {3.5, 0, -1.5};
@@ -325,8 +345,8 @@ TEST(Pilot, AfterABlindLegTwoSightingsHaveToAgree) {
   }
 }
 
-// What is far off, but not farther than doubt allows, is believed once a second sighting says the same. How far that is
-// depends on the doubt: steps of 2 cm find it.
+// What is far off, but not farther than doubt allows, is believed once a second sighting says the
+// same. How far that is depends on the doubt: steps of 2 cm find it.
 TEST(Pilot, ASightingThatSurprisesNeedsASecondOne) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {3.5, 0, -1.5};
@@ -340,7 +360,8 @@ TEST(Pilot, ASightingThatSurprisesNeedsASecondOne) {
     const bool second = drone.see({-off, 0, 0});
     EXPECT_TRUE(second || !first);
     ++(first ? believed_at_once : second ? believed_then : refused);
-    EXPECT_TRUE(!first || (believed_then == 0 && refused == 0)) << "nearer ones are believed sooner";
+    EXPECT_TRUE(!first || (believed_then == 0 && refused == 0))
+        << "nearer ones are believed sooner";
     EXPECT_TRUE(!second || refused == 0 || first);
   }
   EXPECT_GT(believed_at_once, 2);
@@ -359,7 +380,9 @@ TEST(Pilot, AllocatesNothingOnceBuilt) {
   Rng rng{6};
   const long before = allocations;
   for (int tick = 1; tick < 6000; ++tick) {
-    Sensors s = at(tick, tick < 900 ? still() : Imu{any_vector3(rng, 0.5), Vector3d{0, 0, -9.81} + any_vector3(rng, 1)});
+    Sensors s = at(
+        tick, tick < 900 ? still()
+                         : Imu{any_vector3(rng, 0.5), Vector3d{0, 0, -9.81} + any_vector3(rng, 1)});
     if (tick % 26 == 0) s.sonar = tick < 900 ? 0.0 : 1.4;
     if (tick % 10 == 0) s.baro = tick < 900 ? 0.0 : 1.4;
     if (tick % 34 == 0) s.image = image;

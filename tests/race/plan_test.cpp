@@ -8,6 +8,7 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/race/path.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -27,7 +28,8 @@ Track oval() {
   return track;
 }
 
-void expect_leg(const Path& leg, const Vector2d& from, double from_heading, const Vector2d& to, double to_heading) {
+void expect_leg(const Path& leg, const Vector2d& from, double from_heading, const Vector2d& to,
+                double to_heading) {
   EXPECT_THAT(leg.at(0).position, IsNear(from, 1e-6));
   EXPECT_NEAR(wrap_angle(leg.at(0).heading - from_heading), 0, 1e-6);
   EXPECT_THAT(leg.at(leg.length()).position, IsNear(to, 1e-6));
@@ -78,7 +80,8 @@ TEST(Plan, RandomPairsOfGatesAreReachedOrRefusedWithAReason) {
   for_all(60, [&](Rng& rng) {
     Track track;
     const double yaw = rng.uniform(-1, 1);
-    track.gates = {{{5, 0, -1.5}, 0.0}, {{5 + rng.uniform(3, 6), rng.uniform(-5, 5), rng.uniform(-2, -1.2)}, yaw}};
+    track.gates = {{{5, 0, -1.5}, 0.0},
+                   {{5 + rng.uniform(3, 6), rng.uniform(-5, 5), rng.uniform(-2, -1.2)}, yaw}};
     track.laps = 1;
     try {
       const RacePlan plan = plan_race(track, {});
@@ -100,7 +103,8 @@ TEST(Plan, ATurnedAndShiftedCourseHasTheTurnedAndShiftedPlan) {
   const double turn = 0.7;
   const Vector2d shift{30, -20};
   const auto moved = [&](const Vector2d& p) {
-    return Vector2d{shift + Vector2d{std::cos(turn) * p.x() - std::sin(turn) * p.y(), std::sin(turn) * p.x() + std::cos(turn) * p.y()}};
+    return Vector2d{shift + Vector2d{std::cos(turn) * p.x() - std::sin(turn) * p.y(),
+                                     std::sin(turn) * p.x() + std::cos(turn) * p.y()}};
   };
   Track other = track;
   other.start = moved(track.start), other.start_heading += turn;
@@ -119,7 +123,9 @@ TEST(Plan, ATurnedAndShiftedCourseHasTheTurnedAndShiftedPlan) {
 TEST(Plan, KeepsItsClearanceToObstaclesAndFliesOverLowOnes) {
   const PlanParams params;
   Track track = oval();
-  track.obstacles = {{{6.5, 1.8}, {0.3, 0.3}, 0.4, 2.2}, {{3, 2}, {1, 1}, 0.0, 2.0}, {{0.2, 2.2}, {0.3, 0.3}, 0.0, 2.2}};
+  track.obstacles = {{{6.5, 1.8}, {0.3, 0.3}, 0.4, 2.2},
+                     {{3, 2}, {1, 1}, 0.0, 2.0},
+                     {{0.2, 2.2}, {0.3, 0.3}, 0.0, 2.2}};
   const RacePlan plan = plan_race(track, params);
   for (const Path* leg : {&plan.start, &plan.legs[0], &plan.legs[1]})
     for (const MapObstacle& obstacle : track.obstacles)
@@ -136,7 +142,8 @@ TEST(Plan, StaysInTheRoomOrSaysThatTheWallIsInTheWay) {
   const RacePlan plan = plan_race(track, {});
   for (const Path& leg : plan.legs)
     for (double s = 0; s < leg.length(); s += 0.05) {
-      const Vector2d out = (leg.at(s).position - track.room_center).cwiseAbs() - 0.5 * track.room_size;
+      const Vector2d out =
+          (leg.at(s).position - track.room_center).cwiseAbs() - 0.5 * track.room_size;
       EXPECT_LT(out.maxCoeff(), 0.0);
     }
   track.room_center = {4, 2}, track.room_size = {1, 5};  // gates with their backs to the wall

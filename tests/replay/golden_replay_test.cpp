@@ -15,6 +15,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/io/csv.hpp"
 #include "gatefly/io/text.hpp"
+
 #include "support/recorded_flight.hpp"
 
 namespace gatefly {
@@ -30,15 +31,16 @@ struct Quantity {
 };
 // Other compilers and JPEG decoders differ by less.
 constexpr double kPlace = 0.002, kSpeed = 0.004, kAngle = 0.05;  // [m], [m/s], [deg]
-const std::array<Quantity, 9> kQuantities{{{"x_m", kPlace, [](const Estimate& e) { return e.p_EB.x(); }},
-                                           {"y_m", kPlace, [](const Estimate& e) { return e.p_EB.y(); }},
-                                           {"z_m", kPlace, [](const Estimate& e) { return e.p_EB.z(); }},
-                                           {"vx_mps", kSpeed, [](const Estimate& e) { return e.v_E.x(); }},
-                                           {"vy_mps", kSpeed, [](const Estimate& e) { return e.v_E.y(); }},
-                                           {"vz_mps", kSpeed, [](const Estimate& e) { return e.v_E.z(); }},
-                                           {"roll_deg", kAngle, [](const Estimate& e) { return e.attitude.roll / kDegree; }},
-                                           {"pitch_deg", kAngle, [](const Estimate& e) { return e.attitude.pitch / kDegree; }},
-                                           {"yaw_deg", kAngle, [](const Estimate& e) { return e.attitude.yaw / kDegree; }}}};
+const std::array<Quantity, 9> kQuantities{
+    {{"x_m", kPlace, [](const Estimate& e) { return e.p_EB.x(); }},
+     {"y_m", kPlace, [](const Estimate& e) { return e.p_EB.y(); }},
+     {"z_m", kPlace, [](const Estimate& e) { return e.p_EB.z(); }},
+     {"vx_mps", kSpeed, [](const Estimate& e) { return e.v_E.x(); }},
+     {"vy_mps", kSpeed, [](const Estimate& e) { return e.v_E.y(); }},
+     {"vz_mps", kSpeed, [](const Estimate& e) { return e.v_E.z(); }},
+     {"roll_deg", kAngle, [](const Estimate& e) { return e.attitude.roll / kDegree; }},
+     {"pitch_deg", kAngle, [](const Estimate& e) { return e.attitude.pitch / kDegree; }},
+     {"yaw_deg", kAngle, [](const Estimate& e) { return e.attitude.yaw / kDegree; }}}};
 
 struct TracePoint {
   double t;
@@ -50,13 +52,16 @@ std::vector<TracePoint> trace_of(const closed_loop::ReplayResult& result) {
   for (const auto& row : result.estimates) {
     if (row.t < static_cast<double>(trace.size()) * kPeriod) continue;
     TracePoint point{.t = row.t, .values = {}};
-    for (std::size_t k = 0; k < kQuantities.size(); ++k) point.values[k] = kQuantities[k].of(row.estimate);
+    for (std::size_t k = 0; k < kQuantities.size(); ++k)
+      point.values[k] = kQuantities[k].of(row.estimate);
     trace.push_back(point);
   }
   return trace;
 }
 
-fs::path expected(const std::string& name) { return support::source_folder() / "tests" / "replay" / (name + ".expected.csv"); }
+fs::path expected(const std::string& name) {
+  return support::source_folder() / "tests" / "replay" / (name + ".expected.csv");
+}
 
 void renew(const std::string& name, const std::vector<TracePoint>& trace) {
   std::string csv = "t_s";
@@ -66,7 +71,8 @@ void renew(const std::string& name, const std::vector<TracePoint>& trace) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.3f", point.t);
     csv += text.data();
-    for (const double value : point.values) std::snprintf(text.data(), text.size(), ",%.4f", value), csv += text.data();
+    for (const double value : point.values)
+      std::snprintf(text.data(), text.size(), ",%.4f", value), csv += text.data();
     csv += "\n";
   }
   io::write_file(expected(name), csv);
@@ -91,14 +97,18 @@ void expect_the_trace(const std::string& name, const closed_loop::ReplayResult& 
       if (quantity.tolerance == kAngle) difference = wrap_angle(difference * kDegree) / kDegree;
       if (std::abs(difference) > worst) worst = std::abs(difference), at = trace[i].t;
     }
-    EXPECT_LE(worst, quantity.tolerance) << name << ", " << quantity.name << " at " << at << " s; on purpose? tests/replay/README.md";
+    EXPECT_LE(worst, quantity.tolerance) << name << ", " << quantity.name << " at " << at
+                                         << " s; on purpose? tests/replay/README.md";
   }
 }
 
 TEST(GoldenReplay, TheShippedSimulatedFlightGivesItsTrace) {
-  const auto result = support::replayed_simulated(support::source_folder() / "tests" / "replay" / "oval_flight");
+  const auto result =
+      support::replayed_simulated(support::source_folder() / "tests" / "replay" / "oval_flight");
   EXPECT_EQ(result.gates_passed, 1);
-  EXPECT_GE(std::count_if(result.pictures.begin(), result.pictures.end(), [](const auto& row) { return row.sighting.fix.has_value(); }), 10);
+  EXPECT_GE(std::count_if(result.pictures.begin(), result.pictures.end(),
+                          [](const auto& row) { return row.sighting.fix.has_value(); }),
+            10);
   expect_the_trace("oval_flight", result);
 }
 
@@ -107,12 +117,15 @@ class GoldenRealReplay : public ::testing::TestWithParam<std::pair<const char*, 
 TEST_P(GoldenRealReplay, GivesItsTrace) {
   const auto& [name, heading_offset_deg] = GetParam();
   const fs::path directory = support::real_flights() / name;
-  if (!fs::exists(directory)) GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
+  if (!fs::exists(directory))
+    GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
   expect_the_trace(name, support::replayed_real(directory, heading_offset_deg));
 }
 
 // Heading offsets by `gatefly identify` and, for 11, reprojection.
-INSTANTIATE_TEST_SUITE_P(TwoFlights, GoldenRealReplay, ::testing::Values(std::pair{"flight_07", 18.5}, std::pair{"flight_11", 11.5}),
+INSTANTIATE_TEST_SUITE_P(TwoFlights, GoldenRealReplay,
+                         ::testing::Values(std::pair{"flight_07", 18.5},
+                                           std::pair{"flight_11", 11.5}),
                          [](const auto& each) { return std::string{each.param.first}; });
 
 }  // namespace

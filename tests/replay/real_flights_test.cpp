@@ -14,13 +14,15 @@ namespace fs = std::filesystem;
 
 fs::path flights() { return support::real_flights(); }
 
-closed_loop::ReplayResult replayed(const fs::path& directory, closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
+closed_loop::ReplayResult replayed(
+    const fs::path& directory, closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
   return support::replayed_real(directory, 11.5, estimator);
 }
 
 TEST(RealFlight, ElevenIsFollowedToTheGateWithin04Metres) {
   const fs::path directory = flights() / "flight_11";
-  if (!fs::exists(directory)) GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
+  if (!fs::exists(directory))
+    GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
   const auto result = replayed(directory);
   EXPECT_TRUE(result.finite);
   EXPECT_EQ(result.gates_passed, 1);
@@ -28,15 +30,18 @@ TEST(RealFlight, ElevenIsFollowedToTheGateWithin04Metres) {
   EXPECT_LT(result.rmse.x(), 0.4);
   EXPECT_LT(result.rmse.y(), 0.4);
   int seen = 0;
-  for (const auto& row : result.pictures) seen += row.sighting.seen && row.picture >= 18 && row.picture <= 36;
+  for (const auto& row : result.pictures)
+    seen += row.sighting.seen && row.picture >= 18 && row.picture <= 36;
   EXPECT_GE(seen, 12) << "of the 19 pictures labelled in the air";
 }
 
 // The same fixes through the inertial filter: another estimate, and as near.
 TEST(RealFlight, TheInertialFilterFollowsElevenOnThePilotsFixes) {
   const fs::path directory = flights() / "flight_11";
-  if (!fs::exists(directory)) GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
-  const auto drag = replayed(directory), inertial = replayed(directory, closed_loop::Estimator::kImu15);
+  if (!fs::exists(directory))
+    GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
+  const auto drag = replayed(directory),
+             inertial = replayed(directory, closed_loop::Estimator::kImu15);
   EXPECT_TRUE(inertial.finite);
   EXPECT_EQ(inertial.gates_passed, drag.gates_passed);
   EXPECT_NE(inertial.rmse, drag.rmse);
@@ -45,9 +50,11 @@ TEST(RealFlight, TheInertialFilterFollowsElevenOnThePilotsFixes) {
 }
 
 TEST(RealFlight, TenFlightsReplayWithoutANonFiniteNumber) {
-  if (!fs::exists(flights())) GTEST_SKIP() << "no real flights at " << flights() << " (set GATEFLY_DATA)";
+  if (!fs::exists(flights()))
+    GTEST_SKIP() << "no real flights at " << flights() << " (set GATEFLY_DATA)";
   for (int flight = 3; flight <= 12; ++flight) {
-    const auto result = replayed(flights() / ((flight < 10 ? "flight_0" : "flight_") + std::to_string(flight)));
+    const auto result =
+        replayed(flights() / ((flight < 10 ? "flight_0" : "flight_") + std::to_string(flight)));
     EXPECT_TRUE(result.finite) << "flight " << flight;
   }
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -57,7 +58,8 @@ TYPED_TEST(EveryLens, WhatIsBehindOrBesideDoesNotShow) {
 }
 
 TYPED_TEST(EveryLens, NonFiniteInputHasNoAnswer) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(this->lens.project({nan, 0, 1}));
   EXPECT_FALSE(this->lens.project({0, 0, inf}));
   EXPECT_FALSE(this->lens.bearing({nan, 0}));

@@ -31,7 +31,8 @@ TEST(Image, BytesOfAPicture) {
 std::vector<std::uint8_t> numbered() {
   std::vector<std::uint8_t> bytes;
   for (int y = 0; y < 2; ++y)
-    for (int x = 0; x < 3; ++x) bytes.insert(bytes.end(), {static_cast<std::uint8_t>(10 * y + x), 100, 200});
+    for (int x = 0; x < 3; ++x)
+      bytes.insert(bytes.end(), {static_cast<std::uint8_t>(10 * y + x), 100, 200});
   return bytes;
 }
 
@@ -45,7 +46,8 @@ TEST(Image, ARowVisitsWhatIsThere) {
         int u = 1;
         image.visit_row(1, v, 2, (image.width() - 1) / 2, [&](Yuv c) {
           const Yuv same = image.at(u, v);
-          EXPECT_TRUE(c.y == same.y && c.u == same.u && c.v == same.v) << turn << " deg, " << u << ", " << v;
+          EXPECT_TRUE(c.y == same.y && c.u == same.u && c.v == same.v)
+              << turn << " deg, " << u << ", " << v;
           u += 2;
         });
         EXPECT_EQ(u, 1 + (image.width() - 1) / 2 * 2);
@@ -65,15 +67,18 @@ TEST(Image, PackedPixelsAreThoseThatAreThere) {
           const int pairs = (image.width() - first) / (2 * step);
           for (int v = 0; v < image.height(); ++v) {
             int u = first;
-            image.visit_row_packed<2>(first, v, step, pairs, [&](const std::array<PackedYuv, 2>& c) {
-              for (const PackedYuv& one : c) {
-                const PackedYuv same = PackedYuv::of(image.at(u, v));
-                EXPECT_TRUE(one.y == same.y && one.uv == same.uv) << turn << " deg, " << u << ", " << v;
-                const PackedYuv alone = image.packed_at(u, v);
-                EXPECT_TRUE(alone.y == same.y && alone.uv == same.uv) << turn << " deg, " << u << ", " << v;
-                u += step;
-              }
-            });
+            image.visit_row_packed<2>(first, v, step, pairs,
+                                      [&](const std::array<PackedYuv, 2>& c) {
+                                        for (const PackedYuv& one : c) {
+                                          const PackedYuv same = PackedYuv::of(image.at(u, v));
+                                          EXPECT_TRUE(one.y == same.y && one.uv == same.uv)
+                                              << turn << " deg, " << u << ", " << v;
+                                          const PackedYuv alone = image.packed_at(u, v);
+                                          EXPECT_TRUE(alone.y == same.y && alone.uv == same.uv)
+                                              << turn << " deg, " << u << ", " << v;
+                                          u += step;
+                                        }
+                                      });
             EXPECT_EQ(u, first + 2 * step * pairs);
           }
         }
@@ -139,8 +144,8 @@ TEST(Image, UyvyOfOddWidthDoesNotReadBehindItsBytes) {
 }
 
 TEST(Yuv, OfRgbFollowsJfif) {
-  const Yuv black = yuv_of_rgb(0, 0, 0), white = yuv_of_rgb(255, 255, 255), red = yuv_of_rgb(255, 0, 0),
-            blue = yuv_of_rgb(0, 0, 255);
+  const Yuv black = yuv_of_rgb(0, 0, 0), white = yuv_of_rgb(255, 255, 255),
+            red = yuv_of_rgb(255, 0, 0), blue = yuv_of_rgb(0, 0, 255);
   EXPECT_EQ(black.y, 0);
   EXPECT_EQ(white.y, 255);
   for (int grey = 0; grey < 256; ++grey) {
@@ -157,7 +162,13 @@ TEST(Yuv, OfRgbFollowsJfif) {
 }
 
 TEST(ColorRange, BoundsBelongToItAndGreyDoesNot) {
-  const ColorRange range{.y_min = 30, .y_max = 250, .u_min = 30, .u_max = 126, .v_min = 132, .v_max = 240, .min_chroma = 0};
+  const ColorRange range{.y_min = 30,
+                         .y_max = 250,
+                         .u_min = 30,
+                         .u_max = 126,
+                         .v_min = 132,
+                         .v_max = 240,
+                         .min_chroma = 0};
   EXPECT_TRUE(range.contains({30, 30, 132}));
   EXPECT_TRUE(range.contains({250, 126, 240}));
   EXPECT_FALSE(range.contains({29, 100, 180}));

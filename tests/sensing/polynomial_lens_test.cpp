@@ -8,6 +8,7 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sensing/camera.hpp"
+
 #include "support/for_all.hpp"
 #include "support/matchers.hpp"
 
@@ -23,10 +24,18 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Barrels, pincushions, one that folds back inside the picture, ones whose slope wiggles.
 std::vector<Coefficients> nasty_radials() {
-  return {{0, 0, 0, 0},           {-0.32157, 0.10421, -0.01501, 0},  {-0.5, 0, 0, 0},
-          {-0.9, 0.4, -0.1, 0},   {0.3, 0.1, 0, 0},                  {-1, 1, -0.5, 0.1},
-          {5, -30, 100, 0},       {-40, 0, 0, 0},                    {-0.2, -0.1, 0.05, -0.02},
-          {1e-9, -1e-9, 1e-9, 0}, {0.05, -0.012, 0.006, -0.0015},    {-1.0 / 3.0, 0, 0, 0}};
+  return {{0, 0, 0, 0},
+          {-0.32157, 0.10421, -0.01501, 0},
+          {-0.5, 0, 0, 0},
+          {-0.9, 0.4, -0.1, 0},
+          {0.3, 0.1, 0, 0},
+          {-1, 1, -0.5, 0.1},
+          {5, -30, 100, 0},
+          {-40, 0, 0, 0},
+          {-0.2, -0.1, 0.05, -0.02},
+          {1e-9, -1e-9, 1e-9, 0},
+          {0.05, -0.012, 0.006, -0.0015},
+          {-1.0 / 3.0, 0, 0, 0}};
 }
 
 std::vector<Vector2d> tangentials() { return {{0, 0}, {0.001, -0.002}, {-0.05, 0.03}}; }
@@ -85,13 +94,15 @@ TEST(NastyLens, WhatProjectShowsBearingFindsAgain) {
 
 TEST(PolynomialLens, BearingAfterProjectIsTheDirectionAwayFromTheFold) {
   const RadialPolynomial wide{{0.05, -0.012, 0.006, -0.0015}};
-  const std::vector<AnyCamera> lenses{{BrownConrady{{169, 171}, {150, 85}, {-0.32157, 0.10421, 0, 0, -0.01501}}},
-                                      {BrownConrady{{169, 171}, {150, 85}, {-0.32157, 0.10421, 0.002, -0.003, -0.01501}}},
-                                      {KannalaBrandt{{169, 171}, {150, 85}, wide}}};
+  const std::vector<AnyCamera> lenses{
+      {BrownConrady{{169, 171}, {150, 85}, {-0.32157, 0.10421, 0, 0, -0.01501}}},
+      {BrownConrady{{169, 171}, {150, 85}, {-0.32157, 0.10421, 0.002, -0.003, -0.01501}}},
+      {KannalaBrandt{{169, 171}, {150, 85}, wide}}};
   for (const AnyCamera& lens : lenses) {
     for_all(300, [&](Rng& rng) {
       const double off_axis = rng.uniform(0, 55) * kDegree, turn = rng.uniform(0, 2 * kPi);
-      const Vector3d p{std::sin(off_axis) * std::cos(turn), std::sin(off_axis) * std::sin(turn), std::cos(off_axis)};
+      const Vector3d p{std::sin(off_axis) * std::cos(turn), std::sin(off_axis) * std::sin(turn),
+                       std::cos(off_axis)};
       const auto px = lens.project(rng.uniform(0.1, 20) * p);
       ASSERT_TRUE(px);
       const auto bearing = lens.bearing(*px);
@@ -123,7 +134,8 @@ TEST(RadialPolynomial, GrowsStrictlyUpToItsLimitWhateverTheCoefficients) {
     const RadialPolynomial g{{any(), any(), any(), any()}};
     const double end = std::min(g.limit(), 5.0);
     for (int i = 1; i < 1000; ++i)
-      ASSERT_GT(g(end * (i + 1) / 1000), g(end * i / 1000)) << "limit " << g.limit() << " at " << end * i / 1000;
+      ASSERT_GT(g(end * (i + 1) / 1000), g(end * i / 1000))
+          << "limit " << g.limit() << " at " << end * i / 1000;
     if (g.limit() < 1e6) {
       EXPECT_LE(g(g.limit() * 1.001), g(g.limit())) << "it folds back there";
     }
@@ -152,16 +164,21 @@ TEST(RadialPolynomial, InverseUndoesItUpToTheLimitAndStopsThere) {
 TEST(BrownConrady, DrawsWhereOpenCvsFormulaDoes) {
   const BrownConrady lens{{500, 510}, {320, 240}, {-0.28, 0.07, 0.0012, -0.0007, 0.004}};
   EXPECT_THAT(*lens.project({0.3, -0.2, 1.0}), IsNear(Vector2d{464.5382682, 141.762597624}, 1e-10));
-  EXPECT_THAT(*lens.project({1.0, 0.5, 2.0}), IsNear(Vector2d{549.730126953125, 357.4093959960937}, 1e-10));
+  EXPECT_THAT(*lens.project({1.0, 0.5, 2.0}),
+              IsNear(Vector2d{549.730126953125, 357.4093959960937}, 1e-10));
   EXPECT_THAT(*lens.project({-1.2, 0.9, 1.5}), IsNear(Vector2d{1.026, 484.35936}, 1e-10));
 }
 
 // The same for the fisheye: focal (280, 281), centre (320, 240), k 0.05, -0.012, 0.006, -0.0015.
 TEST(KannalaBrandt, DrawsWhereOpenCvsFormulaDoes) {
-  const KannalaBrandt lens{{280, 281}, {320, 240}, RadialPolynomial{{0.05, -0.012, 0.006, -0.0015}}};
-  EXPECT_THAT(*lens.project({0.3, -0.2, 1.0}), IsNear(Vector2d{401.0896050749542, 185.7471927950902}, 1e-10));
-  EXPECT_THAT(*lens.project({1.0, 0.5, 2.0}), IsNear(Vector2d{449.2266577923763, 304.8440907851031}, 1e-10));
-  EXPECT_THAT(*lens.project({-1.2, 0.9, 1.5}), IsNear(Vector2d{139.2384636873847, 376.0553349210131}, 1e-10));
+  const KannalaBrandt lens{
+      {280, 281}, {320, 240}, RadialPolynomial{{0.05, -0.012, 0.006, -0.0015}}};
+  EXPECT_THAT(*lens.project({0.3, -0.2, 1.0}),
+              IsNear(Vector2d{401.0896050749542, 185.7471927950902}, 1e-10));
+  EXPECT_THAT(*lens.project({1.0, 0.5, 2.0}),
+              IsNear(Vector2d{449.2266577923763, 304.8440907851031}, 1e-10));
+  EXPECT_THAT(*lens.project({-1.2, 0.9, 1.5}),
+              IsNear(Vector2d{139.2384636873847, 376.0553349210131}, 1e-10));
 }
 
 TEST(BrownConrady, WorkedOutByHand) {
@@ -185,7 +202,8 @@ TEST(KannalaBrandt, WithoutDistortionIsEquidistant) {
   const KannalaBrandt lens;  // 168 px a radian
   const double slope = std::tan(0.7);
   EXPECT_THAT(*lens.project({0, -2 * slope, 2}), IsNear(Vector2d{157, 124 - 168 * 0.7}, 1e-10));
-  EXPECT_THAT(*lens.bearing({157 + 168 * 1.2, 124}), IsNear(Vector3d{std::sin(1.2), 0, std::cos(1.2)}, 1e-14));
+  EXPECT_THAT(*lens.bearing({157 + 168 * 1.2, 124}),
+              IsNear(Vector3d{std::sin(1.2), 0, std::cos(1.2)}, 1e-14));
 }
 
 TEST(KannalaBrandt, SeesAlmostToNinetyDegreesAndNoFarther) {
@@ -209,7 +227,8 @@ TEST(BrownConrady, NothingShowsBeyondTheFold) {
 }
 
 TEST(KannalaBrandt, NothingShowsBeyondTheFold) {
-  const KannalaBrandt lens{{100, 100}, {0, 0}, RadialPolynomial{{-1.0 / 3, 0, 0, 0}}};  // up to 1 rad
+  // up to 1 rad
+  const KannalaBrandt lens{{100, 100}, {0, 0}, RadialPolynomial{{-1.0 / 3, 0, 0, 0}}};
   EXPECT_TRUE(lens.project({std::tan(0.999), 0, 1}));
   EXPECT_FALSE(lens.project({std::tan(1.001), 0, 1}));
   EXPECT_TRUE(lens.bearing({0, 66.6}));
@@ -217,8 +236,10 @@ TEST(KannalaBrandt, NothingShowsBeyondTheFold) {
 }
 
 TEST(BrownConrady, TheBebopsCalibrationEndsSixtyDegreesFromTheAxis) {
-  const BrownConrady lens{{169.229, 169.453}, {149.328, 124.100}, {-0.32157, 0.10421, 0, 0, -0.01501}};
-  // First sign change of the slope on a grid of 1e-5 in r², halved: 1.713446764252413 (59.7°), drawn at 0.98403 f.
+  const BrownConrady lens{
+      {169.229, 169.453}, {149.328, 124.100}, {-0.32157, 0.10421, 0, 0, -0.01501}};
+  // First sign change of the slope on a grid of 1e-5 in r², halved: 1.713446764252413 (59.7°),
+  // drawn at 0.98403 f.
   EXPECT_NEAR(lens.limit(), 1.713446764252413, 1e-12);
   EXPECT_TRUE(lens.bearing({0, 124})) << "the left border";
   EXPECT_TRUE(lens.bearing({314, 124})) << "the right border";

@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kStep = 1.0 / 1024;
 
-double hover_speed(const VehicleTruth& v) { return std::sqrt(v.mass * 9.81 / 4 / v.thrust_coefficient); }
+double hover_speed(const VehicleTruth& v) {
+  return std::sqrt(v.mass * 9.81 / 4 / v.thrust_coefficient);
+}
 
 TEST(Body, StandsStillOnThePadWithTheMotorsOff) {
   Body body{SimConfig{}};
@@ -26,12 +28,14 @@ TEST(Body, StandsStillOnThePadWithTheMotorsOff) {
 TEST(Body, HoversAtHoverSpeedAndReadsOneG) {
   Body body{SimConfig{}};
   const double hover = hover_speed(VehicleTruth{});
-  for (int i = 0; i < 400; ++i) body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kStep);
+  for (int i = 0; i < 400; ++i)
+    body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kStep);
   for (int i = 0; i < 200; ++i) body.step({hover, hover, hover, hover}, kStep);
   EXPECT_LT(body.state().p_EB.z(), -0.1);
   // Rising slowly, drag pulls down a little; nothing else.
   const double v_z = body.state().v_E.z();
-  EXPECT_NEAR(body.state().specific_force_B.z(), -9.81 - 0.15 * v_z + 0.022 * std::abs(v_z) * -v_z, 0.05);
+  EXPECT_NEAR(body.state().specific_force_B.z(), -9.81 - 0.15 * v_z + 0.022 * std::abs(v_z) * -v_z,
+              0.05);
 }
 
 TEST(Body, StartsWhereAndHowItIsPut) {
@@ -52,24 +56,29 @@ struct Push {
 
 TEST(Body, RotorsTurnItTheWayTheyShould) {
   const double hover = hover_speed(VehicleTruth{});
-  for (const Push& push : {Push{"left rotors roll right", {1.1, 1, 1, 1.1}, {1, 0, 0}},
-                           Push{"front rotors pitch up", {1.1, 1.1, 1, 1}, {0, 1, 0}},
-                           Push{"right front and left back yaw right", {1, 1.1, 1, 1.1}, {0, 0, 1}}}) {
+  for (const Push& push :
+       {Push{"left rotors roll right", {1.1, 1, 1, 1.1}, {1, 0, 0}},
+        Push{"front rotors pitch up", {1.1, 1.1, 1, 1}, {0, 1, 0}},
+        Push{"right front and left back yaw right", {1, 1.1, 1, 1.1}, {0, 0, 1}}}) {
     Body body{SimConfig{}};
-    for (int i = 0; i < 400; ++i) body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kStep);
+    for (int i = 0; i < 400; ++i)
+      body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kStep);
     std::array<double, 4> command{};
     for (std::size_t i = 0; i < 4; ++i) command[i] = hover * push.factor[i];
     for (int i = 0; i < 60; ++i) body.step(command, kStep);
     for (int axis = 0; axis < 3; ++axis) {
-      if (push.rate_sign(axis) > 0) EXPECT_GT(body.state().rate_B(axis), 0.05) << push.what;
-      else EXPECT_NEAR(body.state().rate_B(axis), 0.0, 0.02) << push.what;
+      if (push.rate_sign(axis) > 0)
+        EXPECT_GT(body.state().rate_B(axis), 0.05) << push.what;
+      else
+        EXPECT_NEAR(body.state().rate_B(axis), 0.0, 0.02) << push.what;
     }
   }
 }
 
 TEST(Body, NamesWhatItHits) {
   SimConfig config;
-  config.world.obstacles = {WorldBox{{0, 0}, {2, 2}, 0.0, 1.0, 1.2, false}};  // a board 1 m above the pad
+  // a board 1 m above the pad
+  config.world.obstacles = {WorldBox{{0, 0}, {2, 2}, 0.0, 1.0, 1.2, false}};
   Body body{config};
   const double full = 1.3 * hover_speed(config.vehicle);
   std::string hit;

@@ -82,7 +82,8 @@ TEST(GatesInView, WhatStandsBeforeACornerHidesIt) {
   EXPECT_TRUE(hall.views()[0].whole);
 }
 
-// Turning right while the columns are read from left to right: what is right is drawn later, further left.
+// Turning right while the columns are read from left to right: what is right is drawn later,
+// further left.
 TEST(GatesInView, ATurningCameraDrawsEachColumnAtItsOwnTime) {
   const auto still = Hall{4.0}.views()[0].corners_px, turning = Hall{4.0}.views(2.0)[0].corners_px;
   const double still_width = still[1].x() - still[0].x(), width = turning[1].x() - turning[0].x();
@@ -104,9 +105,12 @@ Counts look_often(const Hall& hall, const std::string& detector, int times) {
   for (int i = 0; i < times; ++i)
     for (const auto& gate : vision.look(0.0, Hall::history()).gates) {
       double error2 = 0.0;
-      for (std::size_t k = 0; k < 4; ++k) error2 = std::max(error2, (gate.corners_px[k] - truth[k]).squaredNorm());
-      if (gate.fitness < 0.8) ++counts.alarms;
-      else ++counts.hits, counts.error2 += error2;
+      for (std::size_t k = 0; k < 4; ++k)
+        error2 = std::max(error2, (gate.corners_px[k] - truth[k]).squaredNorm());
+      if (gate.fitness < 0.8)
+        ++counts.alarms;
+      else
+        ++counts.hits, counts.error2 += error2;
     }
   return counts;
 }
@@ -123,7 +127,8 @@ TEST(IdealVision, FindsGatesAsOftenAsItsTableSays) {
       }
       const Counts counts = look_often(Hall{distance, 1.3}, detector, kTimes);
       // Five standard deviations of a binomial count.
-      EXPECT_NEAR(counts.hits / double{kTimes}, expected, 5.0 * std::sqrt(expected * (1.0 - expected) / kTimes) + 1e-9)
+      EXPECT_NEAR(counts.hits / double{kTimes}, expected,
+                  5.0 * std::sqrt(expected * (1.0 - expected) / kTimes) + 1e-9)
           << detector << ' ' << distance;
       EXPECT_NEAR(counts.alarms / double{kTimes}, statistics.false_alarms,
                   5.0 * std::sqrt(statistics.false_alarms / kTimes));
@@ -139,8 +144,8 @@ TEST(IdealVision, SeesNothingWithItsBackToTheGate) {
 TEST(IdealVision, TheSameSeedDrawsTheSameErrors) {
   const Hall hall{3.0};
   const SolidSight sight{hall.world};
-  IdealVision one{hall.world, hall.camera, {}, 5, sight}, two{hall.world, hall.camera, {}, 5, sight},
-      other{hall.world, hall.camera, {}, 6, sight};
+  IdealVision one{hall.world, hall.camera, {}, 5, sight},
+      two{hall.world, hall.camera, {}, 5, sight}, other{hall.world, hall.camera, {}, 6, sight};
   bool differs = false;
   for (int i = 0; i < 20; ++i) {
     const auto a = one.look(0.0, Hall::history()).gates, b = two.look(0.0, Hall::history()).gates,
@@ -152,7 +157,9 @@ TEST(IdealVision, TheSameSeedDrawsTheSameErrors) {
   EXPECT_TRUE(differs);
 }
 
-TEST(IdealVision, AnUnknownDetectorIsRefused) { EXPECT_THROW((void)statistics_of("theirs"), std::invalid_argument); }
+TEST(IdealVision, AnUnknownDetectorIsRefused) {
+  EXPECT_THROW((void)statistics_of("theirs"), std::invalid_argument);
+}
 
 }  // namespace
 }  // namespace gatefly::sim

@@ -18,7 +18,8 @@ World one_gate() {
   return world;
 }
 
-BodyState at(const World& world, const Eigen::Vector3d& p_G, double roll = 0.0, double yaw_G = 0.0) {
+BodyState at(const World& world, const Eigen::Vector3d& p_G, double roll = 0.0,
+             double yaw_G = 0.0) {
   const WorldGate& gate = world.gates[0];
   BodyState state;
   state.p_EB = gate.p_EG + rotation_z(gate.yaw_EG) * p_G;
@@ -28,10 +29,12 @@ BodyState at(const World& world, const Eigen::Vector3d& p_G, double roll = 0.0, 
 }
 
 /// Flies `path` (gate frame, by time) for `seconds`, at 1 kHz; how many gates the referee counts.
-int counted(const std::function<Eigen::Vector3d(double)>& path, double seconds, double roll = 0.0, double yaw_G = 0.0) {
+int counted(const std::function<Eigen::Vector3d(double)>& path, double seconds, double roll = 0.0,
+            double yaw_G = 0.0) {
   const World world = one_gate();
   Referee referee{world, VehicleTruth{}, 5};
-  for (double t = 0.0; t < seconds; t += 0.001) (void)referee.update(at(world, path(t), roll, yaw_G), t);
+  for (double t = 0.0; t < seconds; t += 0.001)
+    (void)referee.update(at(world, path(t), roll, yaw_G), t);
   return referee.passed();
 }
 
@@ -78,15 +81,30 @@ TEST(Referee, DoesNotCountAPassOverTheGate) {
 }
 
 TEST(Referee, HoveringInThePlaneIsNotPassing) {
-  EXPECT_EQ(counted([](double t) { return Eigen::Vector3d{0.05 * gatefly::sin(9 * t), 0, 0}; }, 5.0), 0);
+  EXPECT_EQ(counted(
+                [](double t) {
+                  return Eigen::Vector3d{0.05 * gatefly::sin(9 * t), 0, 0};
+                },
+                5.0),
+            0);
 }
 
 TEST(Referee, HalfThroughAndBackIsNotPassing) {
-  EXPECT_EQ(counted([](double t) { return Eigen::Vector3d{t < 1 ? -1 + 1.05 * t : 0.05 - (t - 1), 0, 0}; }, 2.0), 0);
+  EXPECT_EQ(counted(
+                [](double t) {
+                  return Eigen::Vector3d{t < 1 ? -1 + 1.05 * t : 0.05 - (t - 1), 0, 0};
+                },
+                2.0),
+            0);
 }
 
 TEST(Referee, HesitatingInThePlaneAndGoingOnCountsOnce) {
-  EXPECT_EQ(counted([](double t) { return Eigen::Vector3d{-0.5 + 0.4 * t + 0.1 * gatefly::sin(12 * t), 0, 0}; }, 3.0), 1);
+  EXPECT_EQ(counted(
+                [](double t) {
+                  return Eigen::Vector3d{-0.5 + 0.4 * t + 0.1 * gatefly::sin(12 * t), 0, 0};
+                },
+                3.0),
+            1);
 }
 
 TEST(Referee, SeesADiagonalPassAtSixMetresPerSecond) {

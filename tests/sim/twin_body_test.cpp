@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kStep = 1.0 / 1024;
 
-double hover_speed(const VehicleTruth& v) { return std::sqrt(v.mass * kGravity / 4 / v.thrust_coefficient); }
+double hover_speed(const VehicleTruth& v) {
+  return std::sqrt(v.mass * kGravity / 4 / v.thrust_coefficient);
+}
 
 std::array<double, 4> all(double speed) { return {speed, speed, speed, speed}; }
 
@@ -23,7 +25,8 @@ std::array<double, 4> manoeuvre(double t, double hover) {
   const double pitch = t > 1.0 && t < 1.1 ? 0.04 : t > 1.1 && t < 1.2 ? -0.04 : 0.0;
   const double yaw = t > 1.2 && t < 1.6 ? 0.05 : 0.0;
   constexpr std::array<double, 4> kRoll{1, -1, -1, 1}, kPitch{-1, -1, 1, 1}, kYaw{-1, 1, -1, 1};
-  for (std::size_t i = 0; i < 4; ++i) command[i] += hover * (roll * kRoll[i] + pitch * kPitch[i] + yaw * kYaw[i]);
+  for (std::size_t i = 0; i < 4; ++i)
+    command[i] += hover * (roll * kRoll[i] + pitch * kPitch[i] + yaw * kYaw[i]);
   return command;
 }
 
@@ -80,13 +83,14 @@ TEST(TwinBody, LeavesThePadWhenTheRotorsCarryItAndComesBackToIt) {
 
 struct Throw {
   const char* what;
-  double north, east;        // where the gate stands; it is flown at from (0, 0)
+  double north, east;  // where the gate stands; it is flown at from (0, 0)
   double height;
   std::string hit;
 };
 
 // Climbs to a height, leans forward, flies north at it.
-std::string hit_by_flying_north(const SimConfig& config, double height, double lean, auto&& body_of) {
+std::string hit_by_flying_north(const SimConfig& config, double height, double lean,
+                                auto&& body_of) {
   auto body = body_of(config);
   const double hover = hover_speed(config.vehicle);
   // An ideal autopilot: enough for a straight way.
@@ -95,7 +99,8 @@ std::string hit_by_flying_north(const SimConfig& config, double height, double l
     const Eigen::Matrix3d R = R_EB_of(s.q_EB);
     const bool up = s.p_EB.z() < -height + 0.2;
     const double pitch = std::asin(-R(2, 0)), wanted = up ? -lean : 0.0;
-    const double collective = 0.15 * (s.p_EB.z() + height) + 0.15 * s.v_E.z() + 0.5 * (1.0 / R(2, 2) - 1.0);
+    const double collective =
+        0.15 * (s.p_EB.z() + height) + 0.15 * s.v_E.z() + 0.5 * (1.0 / R(2, 2) - 1.0);
     const double turn = std::clamp(0.5 * (wanted - pitch) - 0.1 * s.rate_B.y(), -0.1, 0.1);
     const double front = 1.0 + std::clamp(collective, -0.2, 0.2) + turn, back = front - 2.0 * turn;
     body.step({hover * front, hover * front, hover * back, hover * back}, kStep);
@@ -106,14 +111,23 @@ std::string hit_by_flying_north(const SimConfig& config, double height, double l
 }
 
 TEST(TwinBody, NamesWhatItHitsLikeMuJoCosBody) {
-  for (const Throw& at : {Throw{"upper bar", 3.0, 0.0, 2.0, "gate 1 upper bar"}, Throw{"lower bar", 3.0, 0.0, 1.0, "gate 1 lower bar"},
-                          Throw{"pole", 3.0, 0.0, 0.5, "gate 1 pole"}, Throw{"left bar", 3.0, 0.475, 1.5, "gate 1 left bar"},
-                          Throw{"right bar", 3.0, -0.475, 1.5, "gate 1 right bar"}, Throw{"through it", 3.0, 0.0, 1.5, "north wall"},
+  for (const Throw& at : {Throw{"upper bar", 3.0, 0.0, 2.0, "gate 1 upper bar"},
+                          Throw{"lower bar", 3.0, 0.0, 1.0, "gate 1 lower bar"},
+                          Throw{"pole", 3.0, 0.0, 0.5, "gate 1 pole"},
+                          Throw{"left bar", 3.0, 0.475, 1.5, "gate 1 left bar"},
+                          Throw{"right bar", 3.0, -0.475, 1.5, "gate 1 right bar"},
+                          Throw{"through it", 3.0, 0.0, 1.5, "north wall"},
                           Throw{"beside it", 3.0, 1.5, 1.5, "north wall"}}) {
     SimConfig config;
     config.world.gates = {{.p_EG = {at.north, at.east, -1.5}}};
-    EXPECT_EQ(hit_by_flying_north(config, at.height, 0.1, [](const SimConfig& c) { return TwinBody{c}; }), at.hit) << at.what;
-    EXPECT_EQ(hit_by_flying_north(config, at.height, 0.1, [](const SimConfig& c) { return Body{c}; }), at.hit) << at.what;
+    EXPECT_EQ(
+        hit_by_flying_north(config, at.height, 0.1, [](const SimConfig& c) { return TwinBody{c}; }),
+        at.hit)
+        << at.what;
+    EXPECT_EQ(
+        hit_by_flying_north(config, at.height, 0.1, [](const SimConfig& c) { return Body{c}; }),
+        at.hit)
+        << at.what;
   }
 }
 

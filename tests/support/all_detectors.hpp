@@ -20,25 +20,32 @@ struct DetectorSettings {
   std::optional<Quad> previous;
 };
 
-/// Runs every detector on a picture; "" when all answers are possible ones, else what is wrong with which.
+/// Runs every detector on a picture; "" when all answers are possible ones, else what is wrong with
+/// which.
 class AllDetectors {
  public:
   [[nodiscard]] std::string complaint(const Image& image, const DetectorSettings& settings) {
     SnakeSearch snakes{settings.search};
-    if (const auto what = wrong(snakes.detect(image, settings.model), image); !what.empty()) return "snakes: " + what;
+    if (const auto what = wrong(snakes.detect(image, settings.model), image); !what.empty())
+      return "snakes: " + what;
     CarefulSearch careful{settings.search};
-    if (const auto what = wrong(careful.detect(image, settings.model), image); !what.empty()) return "careful: " + what;
+    if (const auto what = wrong(careful.detect(image, settings.model), image); !what.empty())
+      return "careful: " + what;
     GateSearch search{settings.search};
-    if (const auto what = wrong(search.detect(image, settings.model), image); !what.empty()) return "both: " + what;
-    if (const auto what = wrong(search.detect_all(image, settings.model), image); !what.empty()) return "all: " + what;
+    if (const auto what = wrong(search.detect(image, settings.model), image); !what.empty())
+      return "both: " + what;
+    if (const auto what = wrong(search.detect_all(image, settings.model), image); !what.empty())
+      return "all: " + what;
     PartSearch parts{settings.search};
     if (const auto part = parts.detect(image, settings.model)) {
       if (const auto what = wrong(part->gate, image); !what.empty()) return "part: " + what;
-      if (!is_near(part->bars.left_px, image) || !is_near(part->bars.right_px, image)) return "bars: far outside";
+      if (!is_near(part->bars.left_px, image) || !is_near(part->bars.right_px, image))
+        return "bars: far outside";
       if (part->bars.left_px.x() > part->bars.right_px.x()) return "bars: left is right";
     }
     Rng rng{1};
-    if (const auto what = wrong(detect_as_paper(image, {}, rng), image); !what.empty()) return "paper: " + what;
+    if (const auto what = wrong(detect_as_paper(image, {}, rng), image); !what.empty())
+      return "paper: " + what;
     if (const auto gate = detect_as_flown(image, {}, rng, settings.previous))
       if (const auto what = wrong(*gate, image); !what.empty()) return "flown: " + what;
     return "";

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Counts every allocation of a test program. Include it in one source of the program: it replaces operator new.
+// Counts every allocation of a test program. Include it in one source of the program: it replaces
+// operator new.
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
@@ -22,8 +23,8 @@ inline void expect_that_allocations_are_counted() {
 
 }  // namespace gatefly::test
 
-// GCC takes aligned_alloc for another family than malloc; both are freed by free(). Not inlined: it would warn about new
-// meeting free().
+// GCC takes aligned_alloc for another family than malloc; both are freed by free(). Not inlined: it
+// would warn about new meeting free().
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 
 [[gnu::noinline]] void* operator new(std::size_t size) {
@@ -40,4 +41,6 @@ inline void expect_that_allocations_are_counted() {
 [[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 [[gnu::noinline]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}

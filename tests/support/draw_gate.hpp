@@ -26,15 +26,20 @@ struct View {
 };
 
 /// The Bebop's: fisheye, 20° down.
-inline CameraRig bebop_rig() { return {AnyCamera{DhaneFisheye{}}, camera_mount(20 * kDegree), {0.08, 0, 0}}; }
-
-/// Where a point of the gate's frame shows, if it does.
-inline std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& p_G, const View& view, const CameraRig& rig) {
-  const Eigen::Matrix3d R_GB = rotation_EB(view.attitude_GB).matrix;
-  return rig.lens.project((R_GB * rig.R_BC.matrix).transpose() * (p_G - view.p_GB - R_GB * rig.p_BC));
+inline CameraRig bebop_rig() {
+  return {AnyCamera{DhaneFisheye{}}, camera_mount(20 * kDegree), {0.08, 0, 0}};
 }
 
-/// The outer corners, TL TR BR BL as seen from before the gate; nullopt when one is out of the lens.
+/// Where a point of the gate's frame shows, if it does.
+inline std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& p_G, const View& view,
+                                               const CameraRig& rig) {
+  const Eigen::Matrix3d R_GB = rotation_EB(view.attitude_GB).matrix;
+  return rig.lens.project((R_GB * rig.R_BC.matrix).transpose() *
+                          (p_G - view.p_GB - R_GB * rig.p_BC));
+}
+
+/// The outer corners, TL TR BR BL as seen from before the gate; nullopt when one is out of the
+/// lens.
 inline std::optional<Quad> corners_of(double side, const View& view, const CameraRig& rig) {
   const double h = 0.5 * side;
   const std::array<Eigen::Vector3d, 4> p_G{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
@@ -50,14 +55,20 @@ inline std::optional<Quad> corners_of(double side, const View& view, const Camer
 /// All four corners at least `margin` inside a picture.
 inline bool inside_picture(const Quad& quad, int width, int height, double margin = 3.0) {
   for (const auto& p : quad)
-    if (!(p.x() >= margin && p.y() >= margin && p.x() <= width - 1 - margin && p.y() <= height - 1 - margin)) return false;
+    if (!(p.x() >= margin && p.y() >= margin && p.x() <= width - 1 - margin &&
+          p.y() <= height - 1 - margin))
+      return false;
   return true;
 }
 
-/// A picture to draw gates into; float colours, so that bars blend into the background at their edges.
+/// A picture to draw gates into; float colours, so that bars blend into the background at their
+/// edges.
 class Canvas {
  public:
-  Canvas(int width, int height) : width_{width}, height_{height}, pixels_(static_cast<std::size_t>(width * height), {110, 128, 128}) {}
+  Canvas(int width, int height)
+      : width_{width},
+        height_{height},
+        pixels_(static_cast<std::size_t>(width * height), {110, 128, 128}) {}
 
   /// Coloured noise around grey: what an ordinary wall does to a small sensor.
   void add_noise(Rng& rng, double luma = 20.0, double chroma = 4.0) {
@@ -67,36 +78,47 @@ class Canvas {
       c[2] += rng.uniform(-chroma, chroma);
     }
   }
-  void fill(const std::array<double, 3>& color) { std::fill(pixels_.begin(), pixels_.end(), color); }
+  void fill(const std::array<double, 3>& color) {
+    std::fill(pixels_.begin(), pixels_.end(), color);
+  }
   /// One colour from column `from` to column `to`, from row `top` to row `bottom`.
   void paint(int from, int to, int top, int bottom, const std::array<double, 3>& color) {
     for (int v = std::max(0, top); v < std::min(height_, bottom); ++v)
       for (int u = std::max(0, from); u < std::min(width_, to); ++u) at(u, v) = color;
   }
   /// Back to grey.
-  void blank(int from, int to, int top = 0, int bottom = 1 << 20) { paint(from, to, top, bottom, {110, 128, 128}); }
+  void blank(int from, int to, int top = 0, int bottom = 1 << 20) {
+    paint(from, to, top, bottom, {110, 128, 128});
+  }
 
-  /// A gate by ray casting: each pixel is 4 x 4 rays to the gate plane, coloured where they hit the frame.
+  /// A gate by ray casting: each pixel is 4 x 4 rays to the gate plane, coloured where they hit the
+  /// frame.
   void draw_gate(const View& view, const CameraRig& rig, double side = 1.0, double bar = 0.05,
                  const std::array<double, 3>& color = {120, 90, 190}) {
     const Eigen::Matrix3d R_GB = rotation_EB(view.attitude_GB).matrix;
     const Eigen::Matrix3d R_GC = R_GB * rig.R_BC.matrix;
     const Eigen::Vector3d eye = view.p_GB + R_GB * rig.p_BC;
-    // Only where the frame can be: around its outline, or everywhere when part of it is out of the lens.
+    // Only where the frame can be: around its outline, or everywhere when part of it is out of the
+    // lens.
     Eigen::Vector2d low{0, 0}, high{width_ - 1.0, height_ - 1.0};
     Eigen::Vector2d least{1e9, 1e9}, most{-1e9, -1e9};
     bool whole = true;
     for (int i = 0; i < 80; ++i) {
-      const double along = side * ((i % 20) / 20.0 - 0.5), across = 0.5 * side * (i < 40 ? -1.0 : 1.0);
+      const double along = side * ((i % 20) / 20.0 - 0.5),
+                   across = 0.5 * side * (i < 40 ? -1.0 : 1.0);
       const bool upright = (i / 20) % 2 == 0;
-      const auto px = pixel_of(upright ? Eigen::Vector3d{0, across, along} : Eigen::Vector3d{0, along, across}, view, rig);
+      const auto px =
+          pixel_of(upright ? Eigen::Vector3d{0, across, along} : Eigen::Vector3d{0, along, across},
+                   view, rig);
       if (!px) {
         whole = false;
         break;
       }
       least = least.cwiseMin(*px), most = most.cwiseMax(*px);
     }
-    if (whole) low = low.cwiseMax(least - Eigen::Vector2d{6, 6}), high = high.cwiseMin(most + Eigen::Vector2d{6, 6});
+    if (whole)
+      low = low.cwiseMax(least - Eigen::Vector2d{6, 6}),
+      high = high.cwiseMin(most + Eigen::Vector2d{6, 6});
 
     constexpr int kRays = 4;
     for (int v = static_cast<int>(low.y()); v <= high.y(); ++v)
@@ -143,8 +165,12 @@ class Canvas {
   [[nodiscard]] int height() const { return height_; }
 
  private:
-  static std::uint8_t byte(double x) { return static_cast<std::uint8_t>(std::clamp(std::floor(x + 0.5), 0.0, 255.0)); }
-  std::array<double, 3>& at(int u, int v) { return pixels_[static_cast<std::size_t>(v * width_ + u)]; }
+  static std::uint8_t byte(double x) {
+    return static_cast<std::uint8_t>(std::clamp(std::floor(x + 0.5), 0.0, 255.0));
+  }
+  std::array<double, 3>& at(int u, int v) {
+    return pixels_[static_cast<std::size_t>(v * width_ + u)];
+  }
 
   int width_, height_;
   std::vector<std::array<double, 3>> pixels_;

@@ -11,7 +11,9 @@ namespace gatefly::test {
 /// Every coefficient within `tolerance` of `expected`'s.
 MATCHER_P2(IsNear, expected, tolerance, "") {
   const auto off = (Eigen::MatrixXd(arg) - Eigen::MatrixXd(expected)).cwiseAbs().maxCoeff();
-  *result_listener << "\n" << Eigen::MatrixXd(arg) << "\nis off by " << off << " from\n" << Eigen::MatrixXd(expected);
+  *result_listener << "\n"
+                   << Eigen::MatrixXd(arg) << "\nis off by " << off << " from\n"
+                   << Eigen::MatrixXd(expected);
   return off <= tolerance;  // false for NaN
 }
 

@@ -22,13 +22,17 @@ inline std::filesystem::path source_folder() {
 }
 
 inline std::filesystem::path real_flights() {
-  if (const char* data = std::getenv("GATEFLY_DATA")) return std::filesystem::path{data} / "tudelft_bebop_flights";
+  if (const char* data = std::getenv("GATEFLY_DATA"))
+    return std::filesystem::path{data} / "tudelft_bebop_flights";
   return source_folder() / ".." / "shared" / "data" / "tudelft_bebop_flights";
 }
 
-inline closed_loop::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder, std::vector<closed_loop::RecordedTick> ticks,
-                                          const io::Config& config, closed_loop::Estimator estimator) {
-  for (std::size_t i = 0; i < folder.images.size(); ++i) ticks[folder.images[i].log_row].picture = i;
+inline closed_loop::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
+                                          std::vector<closed_loop::RecordedTick> ticks,
+                                          const io::Config& config,
+                                          closed_loop::Estimator estimator) {
+  for (std::size_t i = 0; i < folder.images.size(); ++i)
+    ticks[folder.images[i].log_row].picture = i;
   io::ImageFile picture;
   const auto load = [&](std::size_t i) {
     picture = io::read_image(folder.images[i].path, config.stored_width(), config.stored_height());
@@ -37,18 +41,22 @@ inline closed_loop::ReplayResult replayed(const PilotConfig& pilot, const io::Fl
   return closed_loop::replay(pilot, ticks, load, estimator);
 }
 
-/// A real flight: heading from its own AHRS plus the offset to motion capture, whose height stands in for a sonar.
-inline closed_loop::ReplayResult replayed_real(const std::filesystem::path& directory, double heading_offset_deg,
-                                               closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
+/// A real flight: heading from its own AHRS plus the offset to motion capture, whose height stands
+/// in for a sonar.
+inline closed_loop::ReplayResult replayed_real(
+    const std::filesystem::path& directory, double heading_offset_deg,
+    closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
   const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
   const io::FlightFolder folder = io::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
-  pilot.track.start_heading = wrap_angle(folder.samples.front().ahrs->yaw + heading_offset_deg * kDegree);
+  pilot.track.start_heading =
+      wrap_angle(folder.samples.front().ahrs->yaw + heading_offset_deg * kDegree);
   std::vector<closed_loop::RecordedTick> ticks(folder.samples.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const auto& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu, ticks[i].p_EB = sample.true_p_EB;
+    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
+    ticks[i].p_EB = sample.true_p_EB;
     if (i % 20 == 0) ticks[i].sensors.sonar = -sample.true_p_EB->z();  // the log has no sonar
   }
   return replayed(pilot, folder, std::move(ticks), config, estimator);
@@ -56,7 +64,8 @@ inline closed_loop::ReplayResult replayed_real(const std::filesystem::path& dire
 
 /// A simulated flight, which carries its own track and configuration.
 inline closed_loop::ReplayResult replayed_simulated(const std::filesystem::path& directory) {
-  const io::Config config = io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
+  const io::Config config =
+      io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
   const io::FlightFolder folder = io::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(directory / "track.toml").track;
@@ -64,7 +73,8 @@ inline closed_loop::ReplayResult replayed_simulated(const std::filesystem::path&
   std::vector<closed_loop::RecordedTick> ticks(folder.samples.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const auto& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu, ticks[i].p_EB = sample.true_p_EB;
+    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
+    ticks[i].p_EB = sample.true_p_EB;
     ticks[i].sensors.sonar = sample.sonar, ticks[i].sensors.baro = sample.baro;
   }
   return replayed(pilot, folder, std::move(ticks), config, closed_loop::Estimator::kDrag);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gatefly/detection/gate_detection.hpp"
+
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
@@ -33,9 +34,12 @@ inline Quad noisy(const Quad& quad, double sigma, Rng& rng) {
 struct Place {
   double distance, roll_deg;
 };
-inline void PrintTo(const Place& p, std::ostream* out) { *out << p.distance << " m, roll " << p.roll_deg << " deg"; }
+inline void PrintTo(const Place& p, std::ostream* out) {
+  *out << p.distance << " m, roll " << p.roll_deg << " deg";
+}
 
-/// Of twenty views, those that show the gate whole, and the worst corner of each that was found [px], sorted.
+/// Of twenty views, those that show the gate whole, and the worst corner of each that was found
+/// [px], sorted.
 struct FoundCorners {
   int views = 0;
   std::vector<double> errors;
@@ -50,7 +54,8 @@ FoundCorners found_corners(const Place& place, const Detector& gates_in) {
   FoundCorners all;
   for_all(20, [&](Rng& rng) {
     const View view{{-place.distance, rng.uniform(-0.4, 0.4), rng.uniform(-0.2, 0.5)},
-                    {place.roll_deg * kDegree + rng.uniform(-0.05, 0.05), rng.uniform(-0.1, 0.0), rng.uniform(-0.2, 0.2)}};
+                    {place.roll_deg * kDegree + rng.uniform(-0.05, 0.05), rng.uniform(-0.1, 0.0),
+                     rng.uniform(-0.2, 0.2)}};
     const auto corners = corners_of(1.0, view, rig);
     if (!corners || !inside_picture(*corners, 315, 160, 4)) return;
     ++all.views;
@@ -58,7 +63,8 @@ FoundCorners found_corners(const Place& place, const Detector& gates_in) {
     canvas.draw_gate(view, rig);
     canvas.add_noise(rng);
     const GateDetections found = gates_in(canvas);
-    if (!found.empty() && worst_corner(found[0].corners_px, *corners) < 6.0) all.errors.push_back(worst_corner(found[0].corners_px, *corners));
+    if (!found.empty() && worst_corner(found[0].corners_px, *corners) < 6.0)
+      all.errors.push_back(worst_corner(found[0].corners_px, *corners));
   });
   std::sort(all.errors.begin(), all.errors.end());
   return all;

@@ -8,7 +8,8 @@
 
 namespace gatefly::test {
 
-/// The largest distance between corners, in the best cyclic order: which corner of a gate on its edge is "top-left" is a matter of taste.
+/// The largest distance between corners, in the best cyclic order: which corner of a gate on its
+/// edge is "top-left" is a matter of taste.
 inline double worst_corner(const Quad& a, const Quad& b) {
   double best = 1e9;
   for (std::size_t turn = 0; turn < 4; ++turn) {

@@ -10,6 +10,7 @@
 
 #include "gatefly/tuning/describe.hpp"
 #include "gatefly/tuning/tune.hpp"
+
 #include "support/draw_gate.hpp"
 
 namespace gatefly::tuning {
@@ -28,13 +29,16 @@ class Album {
     Rng rng{seed};
     const CameraRig rig = test::bebop_rig();
     while (static_cast<int>(pictures_.size()) < gates) {
-      const test::View view{{rng.uniform(-4.0, -2.0), rng.uniform(-0.5, 0.5), rng.uniform(0.0, 0.4)},
-                            {rng.uniform(-0.3, 0.3), 0.0, rng.uniform(-0.2, 0.2)}};
+      const test::View view{
+          {rng.uniform(-4.0, -2.0), rng.uniform(-0.5, 0.5), rng.uniform(0.0, 0.4)},
+          {rng.uniform(-0.3, 0.3), 0.0, rng.uniform(-0.2, 0.2)}};
       auto corners = test::corners_of(1.0, view, rig);
       if (!corners || !test::inside_picture(*corners, 315, 160, 6)) continue;
       test::Canvas canvas(315, 160);
       canvas.draw_gate(view, rig, 1.0, 0.05, color);
-      for (auto& p : *corners) p += Eigen::Vector2d{rng.uniform(-label_error_px, label_error_px), rng.uniform(-label_error_px, label_error_px)};
+      for (auto& p : *corners)
+        p += Eigen::Vector2d{rng.uniform(-label_error_px, label_error_px),
+                             rng.uniform(-label_error_px, label_error_px)};
       add(canvas, rng, {*corners});
     }
     for (int i = 0; i < empty; ++i) {
@@ -49,7 +53,8 @@ class Album {
   void add(test::Canvas& canvas, Rng& rng, std::vector<Quad> gates) {
     canvas.add_noise(rng);
     bytes_.push_back(canvas.yuv444());
-    pictures_.push_back({Image(bytes_.back().data(), PixelFormat::kYuv444, 315, 160), {.gates = std::move(gates), .ignored = {}, .detections = {}}});
+    pictures_.push_back({Image(bytes_.back().data(), PixelFormat::kYuv444, 315, 160),
+                         {.gates = std::move(gates), .ignored = {}, .detections = {}}});
   }
   std::deque<std::vector<std::uint8_t>> bytes_;
   std::vector<LabelledImage> pictures_;
@@ -92,7 +97,8 @@ TEST(TrainOnOwn, LearnsAHueThatTheDescriptionOnlyComesNear) {
   const SelfTraining training = train_on_own(pictures, kDescribedOrange, {});
   ASSERT_TRUE(training.learnt);
   const Yuv bar{120, 112, 178};
-  EXPECT_GT(training.color.absolute[ColorModel::bin(bar)], kDescribedOrange.absolute[ColorModel::bin(bar)]);
+  EXPECT_GT(training.color.absolute[ColorModel::bin(bar)],
+            kDescribedOrange.absolute[ColorModel::bin(bar)]);
   EXPECT_GT(found_part(Album{kReddish, 15, 0, 8}, training.color), 0.9);
 }
 
@@ -122,7 +128,8 @@ TEST(Tune, WithoutLabelsTheThresholdLiesBetweenGatesAndTheRest) {
   chosen.lowest = tuned.chosen.min_score;
   double hits = 0.0, wrong = 0.0;
   for (const LabelledImage& picture : Pictures{pictures})
-    for (const Judged& found : judged_in(picture, tuned.color, chosen)) hits += found.hit, wrong += found.wrong;
+    for (const Judged& found : judged_in(picture, tuned.color, chosen))
+      hits += found.hit, wrong += found.wrong;
   EXPECT_GE(hits, 27);
   EXPECT_LE(wrong, 2);
 }
@@ -143,7 +150,8 @@ TEST(JudgedByHalves, NoPictureIsSearchedWithColoursOfItsOwnHalf) {
   };
   const auto judged = judged_by_halves(pictures, fit, kDefault);
   const LabelledImage* all = Pictures{pictures}.data();
-  EXPECT_EQ(learnt, (std::vector{std::pair{all + 2, std::size_t{3}}, std::pair{all, std::size_t{2}}}));
+  EXPECT_EQ(learnt,
+            (std::vector{std::pair{all + 2, std::size_t{3}}, std::pair{all, std::size_t{2}}}));
   std::vector<std::size_t> numbers;
   for (const Judged& found : judged) numbers.push_back(found.picture);
   EXPECT_EQ(numbers, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
@@ -167,7 +175,8 @@ Judged judged_as(double score, double hit) {
 }
 
 TEST(Roc, CountsFromTheHighestScoreDown) {
-  const std::vector<Judged> judged{judged_as(1.0, 0), judged_as(4.0, 1), judged_as(3.0, 0), judged_as(2.0, 1)};
+  const std::vector<Judged> judged{judged_as(1.0, 0), judged_as(4.0, 1), judged_as(3.0, 0),
+                                   judged_as(2.0, 1)};
   const Roc roc = roc_of(judged, 10, 4);
   EXPECT_DOUBLE_EQ(roc.at(0.0).true_positive_rate, 0.25);
   EXPECT_DOUBLE_EQ(roc.at(0.0).min_score, 3.5);
@@ -200,8 +209,10 @@ std::string complaint(const std::string& text) {
 }
 
 TEST(DescribedColor, RefusesWhatHasNoHueAndWhatIsNoColour) {
-  for (const char* text : {"white", "Grey", "black", "#808080", "200,200,200", "0,0,0"}) EXPECT_THAT(complaint(text), HasSubstr("no hue")) << text;
-  for (const char* text : {"", "oragne", "#12", "#gggggg", "1,2", "1,2,3,4", "300,0,0", "-1,0,0", "nan,0,0", "blue red", "dark"})
+  for (const char* text : {"white", "Grey", "black", "#808080", "200,200,200", "0,0,0"})
+    EXPECT_THAT(complaint(text), HasSubstr("no hue")) << text;
+  for (const char* text : {"", "oragne", "#12", "#gggggg", "1,2", "1,2,3,4", "300,0,0", "-1,0,0",
+                           "nan,0,0", "blue red", "dark"})
     EXPECT_THAT(complaint(text), HasSubstr("is no colour")) << text;
   EXPECT_THAT(complaint("oragne"), HasSubstr("did you mean 'orange'"));
 }

@@ -9,15 +9,21 @@
 
 namespace gatefly::baseline {
 
-void Imu15::start(const Eigen::Vector3d& p_EB, const Attitude& attitude, const Eigen::Vector3d& accel_bias,
-                  const Eigen::Vector3d& gyro_bias) {
-  p_ = p_EB, v_.setZero(), q_ = quaternion_of(attitude), accel_bias_ = accel_bias, gyro_bias_ = gyro_bias;
+void Imu15::start(const Eigen::Vector3d& p_EB, const Attitude& attitude,
+                  const Eigen::Vector3d& accel_bias, const Eigen::Vector3d& gyro_bias) {
+  p_ = p_EB, v_.setZero(), q_ = quaternion_of(attitude), accel_bias_ = accel_bias,
+  gyro_bias_ = gyro_bias;
   P_.setZero();
   P_.diagonal().segment<3>(kP) = params_.start_position_sigma.cwiseAbs2();
-  P_.diagonal().segment<3>(kV).setConstant(params_.start_velocity_sigma * params_.start_velocity_sigma);
-  P_.diagonal().segment<3>(kTheta) = Eigen::Vector3d{params_.start_tilt_sigma, params_.start_tilt_sigma, params_.start_heading_sigma}.cwiseAbs2();
+  P_.diagonal().segment<3>(kV).setConstant(params_.start_velocity_sigma *
+                                           params_.start_velocity_sigma);
+  P_.diagonal().segment<3>(kTheta) =
+      Eigen::Vector3d{params_.start_tilt_sigma, params_.start_tilt_sigma,
+                      params_.start_heading_sigma}
+          .cwiseAbs2();
   P_.diagonal().segment<3>(kAccelBias) = params_.start_bias_sigma.cwiseAbs2();
-  P_.diagonal().segment<3>(kGyroBias).setConstant(params_.start_gyro_sigma * params_.start_gyro_sigma);
+  P_.diagonal().segment<3>(kGyroBias).setConstant(params_.start_gyro_sigma *
+                                                  params_.start_gyro_sigma);
 }
 
 void Imu15::predict(const Imu& imu, double dt) {
@@ -38,20 +44,25 @@ void Imu15::predict(const Imu& imu, double dt) {
   Phi.block<3, 3>(kV, kAccelBias) = -dt * R;
   Phi.block<3, 3>(kTheta, kGyroBias) = -dt * R;
   Covariance P = Phi * P_ * Phi.transpose();
-  const auto add = [&](int at, double density) { P.diagonal().segment<3>(at).array() += density * density * dt; };
-  add(kV, params_.accel_noise), add(kTheta, params_.gyro_noise), add(kAccelBias, params_.accel_walk), add(kGyroBias, params_.gyro_walk);
+  const auto add = [&](int at, double density) {
+    P.diagonal().segment<3>(at).array() += density * density * dt;
+  };
+  add(kV, params_.accel_noise), add(kTheta, params_.gyro_noise),
+      add(kAccelBias, params_.accel_walk), add(kGyroBias, params_.gyro_walk);
   P_ = 0.5 * (P + P.transpose());
 }
 
 template <int N>
-void Imu15::correct(const Eigen::Matrix<double, N, 1>& innovation, const Eigen::Matrix<double, N, kStates>& H,
+void Imu15::correct(const Eigen::Matrix<double, N, 1>& innovation,
+                    const Eigen::Matrix<double, N, kStates>& H,
                     const Eigen::Matrix<double, N, 1>& sigma) {
   if (!innovation.allFinite()) return;
   const Eigen::Matrix<double, N, N> noise = sigma.cwiseAbs2().asDiagonal();
   const Eigen::Matrix<double, N, N> S = H * P_ * H.transpose() + noise;
   const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(H * P_).transpose();
   const Eigen::Matrix<double, kStates, 1> error = K * innovation;
-  const Covariance I_KH = Covariance::Identity() - K * H, joseph = I_KH * P_ * I_KH.transpose() + K * noise * K.transpose();
+  const Covariance I_KH = Covariance::Identity() - K * H,
+                   joseph = I_KH * P_ * I_KH.transpose() + K * noise * K.transpose();
   P_ = 0.5 * (joseph + joseph.transpose());
   p_ += error.segment<3>(kP), v_ += error.segment<3>(kV);
   accel_bias_ += error.segment<3>(kAccelBias), gyro_bias_ += error.segment<3>(kGyroBias);
@@ -78,8 +89,10 @@ void Imu15::correct_heading(double yaw, double sigma) {
   const double level2 = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
   if (level2 < 1e-6) return;
   Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  H.segment<3>(kTheta) = Eigen::RowVector3d{-R(0, 0) * R(2, 0), -R(1, 0) * R(2, 0), level2} / level2;
-  correct<1>(Eigen::Matrix<double, 1, 1>{wrap_angle(yaw - attitude().yaw)}, H, Eigen::Matrix<double, 1, 1>{sigma});
+  H.segment<3>(kTheta) =
+      Eigen::RowVector3d{-R(0, 0) * R(2, 0), -R(1, 0) * R(2, 0), level2} / level2;
+  correct<1>(Eigen::Matrix<double, 1, 1>{wrap_angle(yaw - attitude().yaw)}, H,
+             Eigen::Matrix<double, 1, 1>{sigma});
 }
 
 }  // namespace gatefly::baseline

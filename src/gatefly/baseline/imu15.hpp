@@ -9,21 +9,27 @@
 namespace gatefly::baseline {
 
 struct Imu15Params {
-  double accel_noise = 0.1;    ///< [m/s²/√Hz]
-  double gyro_noise = 0.02;    ///< [rad/s/√Hz; accelerometer and gyro: of .03, .1, .3, 1 and .002, .007, .02, .05 the least drift on real flights]
-  double accel_walk = 0.014;   ///< Of the bias [m/s²/√s]; squared, the drag filter's.
-  double gyro_walk = 2e-4;     ///< Of the bias [rad/s/√s]
-  double gravity = 9.81;       ///< [m/s²]
-  Eigen::Vector3d start_position_sigma{0.15, 0.15, 0.05};  ///< [m]; as the drag filter's, and so is the bias's
-  Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};      ///< [m/s²]
-  double start_velocity_sigma = 0.1;                       ///< [m/s]
-  double start_tilt_sigma = 0.03, start_heading_sigma = 0.02, start_gyro_sigma = 0.01;  ///< [rad], [rad], [rad/s]
+  double accel_noise = 0.1;  ///< [m/s²/√Hz]
+  /// [rad/s/√Hz; accelerometer and gyro: of .03, .1, .3, 1 and .002, .007, .02, .05 the least drift
+  /// on real flights]
+  double gyro_noise = 0.02;
+  double accel_walk = 0.014;  ///< Of the bias [m/s²/√s]; squared, the drag filter's.
+  double gyro_walk = 2e-4;    ///< Of the bias [rad/s/√s]
+  double gravity = 9.81;      ///< [m/s²]
+  /// [m]; as the drag filter's, and so is the bias's
+  Eigen::Vector3d start_position_sigma{0.15, 0.15, 0.05};
+  Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< [m/s²]
+  double start_velocity_sigma = 0.1;                   ///< [m/s]
+  /// [rad], [rad], [rad/s]
+  double start_tilt_sigma = 0.03, start_heading_sigma = 0.02, start_gyro_sigma = 0.01;
 };
 
-/// The classic error-state Kalman filter: position, velocity, attitude, accelerometer and gyro biases.
+/// The classic error-state Kalman filter: position, velocity, attitude, accelerometer and gyro
+/// biases.
 ///
-/// Velocity is integrated acceleration, so what is wrong with tilt or bias integrates twice. Errors of
-/// attitude are in the earth frame, R = exp([θ]×) R̂. [Solà 2017, "Quaternion kinematics", global errors]
+/// Velocity is integrated acceleration, so what is wrong with tilt or bias integrates twice. Errors
+/// of attitude are in the earth frame, R = exp([θ]×) R̂. [Solà 2017, "Quaternion kinematics",
+/// global errors]
 class Imu15 {
  public:
   static constexpr int kStates = 15;
@@ -33,8 +39,8 @@ class Imu15 {
   explicit Imu15(const Imu15Params& params) : params_{params} {}
 
   /// At rest. Earth frame, NED.
-  void start(const Eigen::Vector3d& p_EB, const Attitude& attitude, const Eigen::Vector3d& accel_bias,
-             const Eigen::Vector3d& gyro_bias);
+  void start(const Eigen::Vector3d& p_EB, const Attitude& attitude,
+             const Eigen::Vector3d& accel_bias, const Eigen::Vector3d& gyro_bias);
 
   /// dt <= 0 changes nothing.
   void predict(const Imu& imu, double dt);
@@ -52,7 +58,8 @@ class Imu15 {
 
  private:
   template <int N>
-  void correct(const Eigen::Matrix<double, N, 1>& innovation, const Eigen::Matrix<double, N, kStates>& H,
+  void correct(const Eigen::Matrix<double, N, 1>& innovation,
+               const Eigen::Matrix<double, N, kStates>& H,
                const Eigen::Matrix<double, N, 1>& sigma);
 
   Imu15Params params_;

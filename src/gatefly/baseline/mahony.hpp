@@ -13,7 +13,8 @@ struct MahonyParams {
   double ki = 0.0;  ///< How fast the gyro's bias is learnt [1/s²].
 };
 
-/// The plain complementary filter: whatever the accelerometer reads is taken for gravity. Mahony et al. 2008, explicit filter.
+/// The plain complementary filter: whatever the accelerometer reads is taken for gravity. Mahony et
+/// al. 2008, explicit filter.
 class Mahony {
  public:
   explicit Mahony(const MahonyParams& params = {}) : params_{params} {}

@@ -24,23 +24,33 @@ void keep(const T& result) {
 /// A detector with detect(image, color model).
 template <class Detector, class Params>
 auto with_model(const Params& params, const ColorModel& color) {
-  return [detector = std::make_shared<Detector>(params), color](const Picture& picture) { keep(detector->detect(picture.view(), color)); };
+  return [detector = std::make_shared<Detector>(params), color](const Picture& picture) {
+    keep(detector->detect(picture.view(), color));
+  };
 }
 
 }  // namespace
 
-std::vector<Stage> detection_stages(std::shared_ptr<const std::vector<Picture>> pictures, const PilotConfig& config) {
+std::vector<Stage> detection_stages(std::shared_ptr<const std::vector<Picture>> pictures,
+                                    const PilotConfig& config) {
   std::vector<Stage> stages;
   const auto add = [&](const std::string& name, const std::string& what, auto look) {
-    stages.push_back({.name = name, .what = what, .inputs = pictures->size(),
+    stages.push_back({.name = name,
+                      .what = what,
+                      .inputs = pictures->size(),
                       .call = [pictures, look](std::size_t i) { look((*pictures)[i]); },
                       .baseline = has_opencv() && name != kBaseline ? kBaseline : ""});
   };
-  if (has_opencv()) add(kBaseline, "UYVY, BGR, HSV, inRange, findContours, approxPolyDP", [](const Picture& p) { keep(opencv_quads(p)); });
+  if (has_opencv())
+    add(kBaseline, "UYVY, BGR, HSV, inRange, findContours, approxPolyDP",
+        [](const Picture& p) { keep(opencv_quads(p)); });
   add("snakes", "our fast search", with_model<SnakeSearch>(config.detector, config.gate_color));
-  add("careful", "our search of the whole picture", with_model<CarefulSearch>(config.detector, config.gate_color));
-  add("ours", "the careful one when the fast one is not sure", with_model<GateSearch>(config.detector, config.gate_color));
-  add("parts", "gates that the border cuts", with_model<PartSearch>(config.detector, config.gate_color));
+  add("careful", "our search of the whole picture",
+      with_model<CarefulSearch>(config.detector, config.gate_color));
+  add("ours", "the careful one when the fast one is not sure",
+      with_model<GateSearch>(config.detector, config.gate_color));
+  add("parts", "gates that the border cuts",
+      with_model<PartSearch>(config.detector, config.gate_color));
   add("flown", "Li18's detector as flown", [](const Picture& p) {
     Rng rng{1};
     keep(detect_as_flown(p.view(), {}, rng));

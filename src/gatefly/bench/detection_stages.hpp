@@ -11,6 +11,7 @@
 namespace gatefly::bench {
 
 /// All that looks for gates, each on every picture; the baseline first when OpenCV is there.
-[[nodiscard]] std::vector<Stage> detection_stages(std::shared_ptr<const std::vector<Picture>> pictures, const PilotConfig& config);
+[[nodiscard]] std::vector<Stage> detection_stages(
+    std::shared_ptr<const std::vector<Picture>> pictures, const PilotConfig& config);
 
 }  // namespace gatefly::bench

@@ -24,16 +24,20 @@ struct RecordedFlight {
     Quad corners_px{};
     RotationGB R_GB;
   };
-  std::vector<Moment> moments;     ///< In the air.
-  std::vector<Picture> pictures;   ///< In the air.
-  std::vector<Sight> sights;       ///< Gates that corrected the pilot's position.
+  std::vector<Moment> moments;                  ///< In the air.
+  std::vector<Picture> pictures;                ///< In the air.
+  std::vector<Sight> sights;                    ///< Gates that corrected the pilot's position.
   std::vector<closed_loop::StageTime> timings;  ///< The race's own: whole steps.
 };
 
-/// Flies until so many pictures were taken in the air. @param stopped  asked often; true ends it early.
-[[nodiscard]] RecordedFlight recorded_flight(const closed_loop::RaceConfig& race, std::size_t pictures, const std::function<bool()>& stopped);
+/// Flies until so many pictures were taken in the air. @param stopped  asked often; true ends it
+/// early.
+[[nodiscard]] RecordedFlight recorded_flight(const closed_loop::RaceConfig& race,
+                                             std::size_t pictures,
+                                             const std::function<bool()>& stopped);
 
 /// What follows detection, and the planner.
-[[nodiscard]] std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight, const PilotConfig& config);
+[[nodiscard]] std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight,
+                                               const PilotConfig& config);
 
 }  // namespace gatefly::bench

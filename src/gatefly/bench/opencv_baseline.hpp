@@ -18,17 +18,20 @@ namespace gatefly::bench {
 /// Whether OpenCV was there when this was built; what follows answers nothing without it.
 [[nodiscard]] bool has_opencv();
 
-/// UYVY -> BGR -> HSV -> inRange (orange) -> findContours -> approxPolyDP: convex quads, in the stored picture.
+/// UYVY -> BGR -> HSV -> inRange (orange) -> findContours -> approxPolyDP: convex quads, in the
+/// stored picture.
 /// @return how many.
 [[nodiscard]] int opencv_quads(const Picture& picture);
 
 /// Camera position in the gate's frame from the four outer corners' directions, by cv::solvePnP.
-[[nodiscard]] std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d, 4>& bearings_C, double side);
+[[nodiscard]] std::optional<Eigen::Vector3d> opencv_position(
+    const std::array<Eigen::Vector3d, 4>& bearings_C, double side);
 
 /// The ways to a pose that cv::solvePnP knows.
 enum class OpenCvPose { kP3p, kIppeSquare, kIppe, kSqpnp, kIterative };
 
 /// Distance along the camera's axis of a 1 m gate that a straight lens sees, by cv::solvePnP.
-[[nodiscard]] double opencv_distance(const Quad& px, double focal_px, const Eigen::Vector2d& center_px, OpenCvPose way);
+[[nodiscard]] double opencv_distance(const Quad& px, double focal_px,
+                                     const Eigen::Vector2d& center_px, OpenCvPose way);
 
 }  // namespace gatefly::bench

@@ -18,7 +18,9 @@ double fraction(double x) { return x - std::floor(x); }
 
 /// 0..1, the same for the same whole numbers.
 double random_at(double x, double y) {
-  const auto number = [](double z) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(z))); };
+  const auto number = [](double z) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(z)));
+  };
   Rng rng{number(x) * 0x9E3779B97F4A7C15ull ^ (number(y) + 0x1000) * 0xD1B54A32D192ED03ull};
   return rng.uniform(0.0, 1.0);
 }
@@ -48,7 +50,8 @@ bool is_colored(const Pattern& pattern, double x, double y) {
 
 Picture as_uyvy(const std::string& name, const Image& stored, int rotation_deg) {
   Picture picture{name, {}, stored.width() / 2 * 2, stored.height(), rotation_deg};
-  picture.uyvy.reserve(image_bytes(PixelFormat::kUyvy, picture.stored_width, picture.stored_height));
+  picture.uyvy.reserve(
+      image_bytes(PixelFormat::kUyvy, picture.stored_width, picture.stored_height));
   for (int v = 0; v < stored.height(); ++v)
     for (int u = 0; u + 1 < stored.width(); u += 2) {
       const Yuv a = stored.at(u, v), b = stored.at(u + 1, v);
@@ -73,7 +76,10 @@ std::span<const PatternKind> pattern_kinds() {
       {"spiral", "turns: distance px, part", {3, 0.1, 0}, {60, 0.9, 1}},
       {"rings", "squares in squares: distance px, part, roll deg", {3, 0.1, 0}, {80, 0.9, 60}},
       {"stripes", "distance px, part, roll deg", {2, 0.1, 0}, {80, 0.9, 90}},
-      {"comb", "bars on one bar, up to the border: distance px, part, roll deg", {3, 0.03, -10}, {100, 0.6, 10}},
+      {"comb",
+       "bars on one bar, up to the border: distance px, part, roll deg",
+       {3, 0.03, -10},
+       {100, 0.6, 10}},
       {"gates", "a grid: distance px, bar/distance, roll deg", {10, 0.03, 0}, {160, 0.3, 60}}};
   return kinds;
 }
@@ -83,11 +89,13 @@ Pattern pattern_of(const std::string& text) {
   Pattern pattern;
   std::getline(parts, pattern.kind, ':');
   const auto kinds = pattern_kinds();
-  const auto known = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.kind == pattern.kind; });
+  const auto known = std::find_if(kinds.begin(), kinds.end(),
+                                  [&](const auto& k) { return k.kind == pattern.kind; });
   if (known == kinds.end()) {
     std::vector<std::string> names;
     for (const auto& kind : kinds) names.push_back(kind.kind);
-    throw std::runtime_error("'" + io::one_line(text) + "' is no file, and no pattern (there are: " + io::joined(names) + ")");
+    throw std::runtime_error("'" + io::one_line(text) +
+                             "' is no file, and no pattern (there are: " + io::joined(names) + ")");
   }
   for (std::size_t i = 0; i < pattern.numbers.size(); ++i) {
     pattern.numbers[i] = 0.5 * (known->least[i] + known->most[i]);
@@ -95,9 +103,11 @@ Pattern pattern_of(const std::string& text) {
     if (!std::getline(parts, number, ':')) continue;
     char* end = nullptr;
     pattern.numbers[i] = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0' || !(pattern.numbers[i] >= known->least[i] && pattern.numbers[i] <= known->most[i]))
-      throw std::runtime_error("pattern '" + io::one_line(text) + "': '" + io::one_line(number) + "' must be in " +
-                               io::text_of(known->least[i]) + ".." + io::text_of(known->most[i]) + " (" + known->what + ")");
+    if (number.empty() || *end != '\0' ||
+        !(pattern.numbers[i] >= known->least[i] && pattern.numbers[i] <= known->most[i]))
+      throw std::runtime_error("pattern '" + io::one_line(text) + "': '" + io::one_line(number) +
+                               "' must be in " + io::text_of(known->least[i]) + ".." +
+                               io::text_of(known->most[i]) + " (" + known->what + ")");
   }
   return pattern;
 }
@@ -111,7 +121,8 @@ Picture drawn(const Pattern& pattern, int width, int height) {
     for (int u = 0; u < width; ++u) {
       const double x = scale * (u + 0.5 - 0.5 * width), y = scale * (v + 0.5 - 0.5 * height);
       const bool colored = is_colored(pattern, x, y);
-      const double grain = random_at(u + 7, v + 3) - 0.5, patch = random_at(x / 9 + 500, y / 9) - 0.5;
+      const double grain = random_at(u + 7, v + 3) - 0.5,
+                   patch = random_at(x / 9 + 500, y / 9) - 0.5;
       upright.push_back(byte((colored ? 130 : 110 + 40 * patch) + 12 * grain));
       upright.push_back(byte((colored ? 80 : 128 - 12 * patch) + 4 * grain));
       upright.push_back(byte((colored ? 185 : 128 + 12 * patch) - 4 * grain));

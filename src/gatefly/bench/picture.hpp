@@ -44,7 +44,8 @@ struct PatternKind {
 /// @throws std::runtime_error one line: no such kind or number.
 [[nodiscard]] Pattern pattern_of(const std::string& text);
 
-/// The pattern in orange on a grey wall, upright `width` x `height` (even); lengths in it grow with the width.
+/// The pattern in orange on a grey wall, upright `width` x `height` (even); lengths in it grow with
+/// the width.
 [[nodiscard]] Picture drawn(const Pattern& pattern, int width = 315, int height = 160);
 
 }  // namespace gatefly::bench

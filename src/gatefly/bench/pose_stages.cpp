@@ -16,14 +16,17 @@ namespace gatefly::bench {
 namespace {
 
 constexpr double kSigmaPx = 2.5, kTiltSigma = 0.02, kYawSigma = 0.04;
-const std::array<Eigen::Vector3d, 4> kCorners{{{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
+const std::array<Eigen::Vector3d, 4> kCorners{
+    {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
 
 struct Gate {
   Quad px;
   Attitude attitude;
 };
 
-CameraRig straight_rig() { return {AnyCamera{Pinhole{}}, camera_mount(20 * kDegree), Eigen::Vector3d::Zero()}; }
+CameraRig straight_rig() {
+  return {AnyCamera{Pinhole{}}, camera_mount(20 * kDegree), Eigen::Vector3d::Zero()};
+}
 
 /// Seen from 1.5 to 4 m, with noise on corners and attitude.
 std::vector<Gate> gates_seen(const CameraRig& rig) {
@@ -43,7 +46,8 @@ std::vector<Gate> gates_seen(const CameraRig& rig) {
       gate.px[i] = rig.lens.project(R_CG * (kCorners[i] - p_GB)).value_or(Eigen::Vector2d::Zero());
       for (double& coordinate : gate.px[i]) coordinate += kSigmaPx * noise();
     }
-    gate.attitude.roll += kTiltSigma * noise(), gate.attitude.pitch += kTiltSigma * noise(), gate.attitude.yaw += kYawSigma * noise();
+    gate.attitude.roll += kTiltSigma * noise(), gate.attitude.pitch += kTiltSigma * noise(),
+        gate.attitude.yaw += kYawSigma * noise();
   }
   return gates;
 }
@@ -51,14 +55,20 @@ std::vector<Gate> gates_seen(const CameraRig& rig) {
 double by_map(const Gate& gate, const CameraRig& rig, double scale) {
   GateObservations seen;
   add_corners(seen, gate.px, 1.0, kSigmaPx);
-  const auto answer = map_pose(seen, {.attitude_GB = gate.attitude, .roll_sigma = scale * kTiltSigma, .pitch_sigma = scale * kTiltSigma, .yaw_sigma = scale * kYawSigma}, rig);
+  const auto answer = map_pose(seen,
+                               {.attitude_GB = gate.attitude,
+                                .roll_sigma = scale * kTiltSigma,
+                                .pitch_sigma = scale * kTiltSigma,
+                                .yaw_sigma = scale * kYawSigma},
+                               rig);
   return answer.pose ? answer.pose->p_GB.x() : 0.0;
 }
 
 double by_rays(const Gate& gate, const CameraRig& rig) {
   const Eigen::Matrix3d R_GC = rotation_EB(gate.attitude).matrix * rig.R_BC.matrix;
   std::array<Ray, 4> rays;
-  for (std::size_t i = 0; i < 4; ++i) rays[i] = {kCorners[i], R_GC * rig.lens.bearing(gate.px[i]).value_or(Eigen::Vector3d::UnitZ())};
+  for (std::size_t i = 0; i < 4; ++i)
+    rays[i] = {kCorners[i], R_GC * rig.lens.bearing(gate.px[i]).value_or(Eigen::Vector3d::UnitZ())};
   const auto camera = nearest_point(rays);
   return camera ? camera->x() : 0.0;
 }
@@ -73,19 +83,34 @@ std::vector<Stage> pose_stages() {
   const CameraRig rig = straight_rig();
   const auto gates = std::make_shared<const std::vector<Gate>>(gates_seen(rig));
   std::vector<Stage> stages;
-  const auto add = [&](const std::string& name, const std::string& what, auto solve, const std::string& baseline = "") {
-    stages.push_back({.name = name, .what = what, .inputs = gates->size(), .call = [gates, solve](std::size_t i) { keep(solve((*gates)[i])); },
-                      .baseline = has_opencv() ? baseline : "", .at_once = kAtOnce});
+  const auto add = [&](const std::string& name, const std::string& what, auto solve,
+                       const std::string& baseline = "") {
+    stages.push_back({.name = name,
+                      .what = what,
+                      .inputs = gates->size(),
+                      .call = [gates, solve](std::size_t i) { keep(solve((*gates)[i])); },
+                      .baseline = has_opencv() ? baseline : "",
+                      .at_once = kAtOnce});
   };
   if (has_opencv()) {
     const Pinhole lens;
-    for (const auto& [name, way] : {std::pair{"p3p", OpenCvPose::kP3p}, std::pair{"ippe_square", OpenCvPose::kIppeSquare}, std::pair{"ippe", OpenCvPose::kIppe},
-                                    std::pair{"sqpnp", OpenCvPose::kSqpnp}, std::pair{"iterative", OpenCvPose::kIterative}})
-      add(name, "cv::solvePnP", [lens, way = way](const Gate& g) { return opencv_distance(g.px, lens.focal_px.x(), lens.center_px, way); });
+    for (const auto& [name, way] :
+         {std::pair{"p3p", OpenCvPose::kP3p}, std::pair{"ippe_square", OpenCvPose::kIppeSquare},
+          std::pair{"ippe", OpenCvPose::kIppe}, std::pair{"sqpnp", OpenCvPose::kSqpnp},
+          std::pair{"iterative", OpenCvPose::kIterative}})
+      add(name, "cv::solvePnP", [lens, way = way](const Gate& g) {
+        return opencv_distance(g.px, lens.focal_px.x(), lens.center_px, way);
+      });
   }
-  add("rays", "least squares over the rays, attitude known", [rig](const Gate& g) { return by_rays(g, rig); }, "p3p");
-  add("map", "most probable pose, attitude known to 1.1°, yaw to 2.3°", [rig](const Gate& g) { return by_map(g, rig, 1.0); }, "ippe_square");
-  add("map_walked", "the same, 4.6° and 9.2°", [rig](const Gate& g) { return by_map(g, rig, 4.0); }, "ippe_square");
+  add(
+      "rays", "least squares over the rays, attitude known",
+      [rig](const Gate& g) { return by_rays(g, rig); }, "p3p");
+  add(
+      "map", "most probable pose, attitude known to 1.1°, yaw to 2.3°",
+      [rig](const Gate& g) { return by_map(g, rig, 1.0); }, "ippe_square");
+  add(
+      "map_walked", "the same, 4.6° and 9.2°", [rig](const Gate& g) { return by_map(g, rig, 4.0); },
+      "ippe_square");
   return stages;
 }
 

@@ -10,24 +10,30 @@ namespace {
 double microseconds(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
+      .count();
 }
 
 Cost cost_of(std::vector<double>& times) {
   if (times.empty()) return {};
   std::sort(times.begin(), times.end());
-  const auto at = [&](double part) { return times[static_cast<std::size_t>(part * static_cast<double>(times.size() - 1))]; };
+  const auto at = [&](double part) {
+    return times[static_cast<std::size_t>(part * static_cast<double>(times.size() - 1))];
+  };
   return {at(0.5), at(0.99), at(1.0)};
 }
 
 }  // namespace
 
 // A name that callgrind can be told: not inlined, not mangled.
-extern "C" [[gnu::noinline]] void gatefly_bench_call(const Stage* stage, std::size_t input) { stage->call(input); }
+extern "C" [[gnu::noinline]] void gatefly_bench_call(const Stage* stage, std::size_t input) {
+  stage->call(input);
+}
 
 void call(const Stage& stage, std::size_t input) { gatefly_bench_call(&stage, input); }
 
-std::vector<Cost> measure(std::span<const Stage> stages, int rounds, const std::function<bool()>& stopped) {
+std::vector<Cost> measure(std::span<const Stage> stages, int rounds,
+                          const std::function<bool()>& stopped) {
   std::vector<std::vector<double>> times(stages.size());
   std::size_t inputs = 0;
   for (const Stage& stage : stages) inputs = std::max(inputs, stage.inputs / stage.at_once);
@@ -53,7 +59,8 @@ double least_time(const std::function<void()>& work, int calls) {
 }
 
 const Stage* find(std::span<const Stage> stages, const std::string& name) {
-  const auto found = std::find_if(stages.begin(), stages.end(), [&](const Stage& s) { return s.name == name; });
+  const auto found =
+      std::find_if(stages.begin(), stages.end(), [&](const Stage& s) { return s.name == name; });
   return found == stages.end() ? nullptr : &*found;
 }
 

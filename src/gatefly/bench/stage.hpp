@@ -15,7 +15,8 @@ struct Stage {
   std::size_t inputs = 0;
   std::function<void(std::size_t)> call;  ///< Does the work on input i; the same work each time.
   std::string baseline = {};              ///< The stage it is compared with; "": none.
-  std::size_t at_once = 1;                ///< Calls between two looks at the clock: many for short ones.
+  /// Calls between two looks at the clock: many for short ones.
+  std::size_t at_once = 1;
 };
 
 /// What one call takes [µs].
@@ -23,10 +24,11 @@ struct Cost {
   double median = 0.0, p99 = 0.0, most = 0.0;
 };
 
-/// Costs of all stages, in their order: stage after stage on an input before the next input, so that
-/// whatever else the machine does meets all of them. One untimed round comes first.
+/// Costs of all stages, in their order: stage after stage on an input before the next input, so
+/// that whatever else the machine does meets all of them. One untimed round comes first.
 /// @param stopped  asked often; true ends it early.
-[[nodiscard]] std::vector<Cost> measure(std::span<const Stage> stages, int rounds, const std::function<bool()>& stopped);
+[[nodiscard]] std::vector<Cost> measure(std::span<const Stage> stages, int rounds,
+                                        const std::function<bool()>& stopped);
 
 /// Least time of several calls [µs]: what the work itself takes.
 [[nodiscard]] double least_time(const std::function<void()>& work, int calls);

@@ -15,7 +15,7 @@ struct WorstPicture {
 
 /// The pattern that takes longest: random ones of every kind, then steps from the slowest of each.
 /// @param look  what is measured; @param tries  pictures of each kind. Same seed, same tries.
-[[nodiscard]] WorstPicture worst_picture(const std::function<void(const Picture&)>& look, int tries, Rng& rng,
-                                         const std::function<bool()>& stopped);
+[[nodiscard]] WorstPicture worst_picture(const std::function<void(const Picture&)>& look, int tries,
+                                         Rng& rng, const std::function<bool()>& stopped);
 
 }  // namespace gatefly::bench

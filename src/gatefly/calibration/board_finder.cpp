@@ -37,7 +37,8 @@ Corners find_sector_based(const cv::Mat& picture, const cv::Size& pattern, cv::S
 
 Corners find_classic(const cv::Mat& picture, const cv::Size& pattern) {
   Corners corners;
-  const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+  const int flags =
+      cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
   return cv::findChessboardCorners(picture, pattern, corners, flags) ? corners : Corners{};
 }
 
@@ -54,34 +55,40 @@ double spacing_px(const Corners& corners, const cv::Size& pattern) {
 }
 
 void refine(const cv::Mat& picture, Corners& corners, const cv::Size& pattern) {
-  const int half = std::clamp(static_cast<int>(0.4 * spacing_px(corners, pattern)), 2, 8);  // no neighbour within
+  // no neighbour within
+  const int half = std::clamp(static_cast<int>(0.4 * spacing_px(corners, pattern)), 2, 8);
   cv::cornerSubPix(picture, corners, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-3});
 }
 
-BoardView view_of(const Corners& corners, const std::string& name, const BoardPattern& pattern, const cv::Size& size) {
+BoardView view_of(const Corners& corners, const std::string& name, const BoardPattern& pattern,
+                  const cv::Size& size) {
   BoardView view{name, {}};
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto column = static_cast<double>(static_cast<int>(i) % size.width);
     const auto row = static_cast<double>(static_cast<int>(i) / size.width);
-    view.corners.push_back({{pattern.square * column, pattern.square * row}, {corners[i].x, corners[i].y}});
+    view.corners.push_back(
+        {{pattern.square * column, pattern.square * row}, {corners[i].x, corners[i].y}});
   }
   return view;
 }
 
-bool same(const cv::Size& a, const cv::Size& b) { return a == b || a == cv::Size(b.height, b.width); }
+bool same(const cv::Size& a, const cv::Size& b) {
+  return a == b || a == cv::Size(b.height, b.width);
+}
 
 /// The value that this part of all pixels does not exceed.
 double quantile(const cv::Mat& picture, double part) {
   std::vector<float> values;
   picture.reshape(1, 1).convertTo(values, CV_32F);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return static_cast<double>(*at);
 }
 
-/// How far the sharpest edges need from dark to bright [px], across or down, whichever is worse: a motion blurs
-/// one of the two.
+/// How far the sharpest edges need from dark to bright [px], across or down, whichever is worse: a
+/// motion blurs one of the two.
 double edge_width_px(const cv::Mat& picture) {
   const double range = quantile(picture, 0.99) - quantile(picture, 0.01);
   double widest = 0.0;
@@ -94,21 +101,26 @@ double edge_width_px(const cv::Mat& picture) {
 }
 
 /// Why there is no board, as far as that can be seen.
-std::string diagnosis(const cv::Mat& picture, const BoardPattern& pattern, std::optional<BoardPattern>& other) {
+std::string diagnosis(const cv::Mat& picture, const BoardPattern& pattern,
+                      std::optional<BoardPattern>& other) {
   constexpr double kLeastContrast = 10.0;  // grey levels; sensor noise alone has less
   const double contrast = quantile(picture, 0.99) - quantile(picture, 0.01);
-  if (contrast < kLeastContrast) return "shows nothing: all its grey levels are within " + io::text_of(contrast, 3) + " of 255";
+  if (contrast < kLeastContrast)
+    return "shows nothing: all its grey levels are within " + io::text_of(contrast, 3) + " of 255";
   constexpr double kBlurredPx = 12.0;  // sharp pictures have 2-4 px
   if (const double width = edge_width_px(picture); width > kBlurredPx)
     return "blurred: its sharpest edges are " + io::text_of(width, 2) + " px wide";
   cv::Size seen;
-  if (!find_sector_based(picture, {3, 3}, seen).empty() && !same(seen, {pattern.columns, pattern.rows})) {
-    other = BoardPattern{std::max(seen.width, seen.height), std::min(seen.width, seen.height), pattern.square};
+  if (!find_sector_based(picture, {3, 3}, seen).empty() &&
+      !same(seen, {pattern.columns, pattern.rows})) {
+    other = BoardPattern{std::max(seen.width, seen.height), std::min(seen.width, seen.height),
+                         pattern.square};
     if (other->columns * other->rows < pattern.columns * pattern.rows)
       return "only " + other->text() + " of " + pattern.text() + " inner corners can be seen";
     return "shows " + other->text() + " inner corners, not " + pattern.text();
   }
-  return "no board of " + pattern.text() + " inner corners seen: hidden in part, too small, or not sharp";
+  return "no board of " + pattern.text() +
+         " inner corners seen: hidden in part, too small, or not sharp";
 }
 
 }  // namespace
@@ -118,12 +130,17 @@ BoardSearch find_board(const Image& picture, const std::string& name, const Boar
   const cv::Size size{pattern.columns, pattern.rows};
   cv::Size seen;
   Corners corners = find_sector_based(mat, size, seen);
-  // Tilted squares pull the finder's own corners: of a drawn board, 0.08 px instead of 0.03, and 1 % of focal length.
+  // Tilted squares pull the finder's own corners: of a drawn board, 0.08 px instead of 0.03, and 1
+  // % of focal length.
   if (!corners.empty()) refine(mat, corners, seen);
-  if (!corners.empty() && same(seen, size)) return {.view = view_of(corners, name, pattern, seen), .reason = {}, .other = {}};
+  if (!corners.empty() && same(seen, size))
+    return {.view = view_of(corners, name, pattern, seen), .reason = {}, .other = {}};
   if (!corners.empty()) {
-    const BoardPattern other{std::max(seen.width, seen.height), std::min(seen.width, seen.height), pattern.square};
-    return {.view = {}, .reason = "shows " + other.text() + " inner corners, not " + pattern.text(), .other = other};
+    const BoardPattern other{std::max(seen.width, seen.height), std::min(seen.width, seen.height),
+                             pattern.square};
+    return {.view = {},
+            .reason = "shows " + other.text() + " inner corners, not " + pattern.text(),
+            .other = other};
   }
   corners = find_classic(mat, size);
   if (!corners.empty()) {

@@ -16,9 +16,10 @@ struct BoardSearch {
   std::optional<BoardPattern> other;  ///< The board that is there instead.
 };
 
-/// Finds a checkerboard's inner corners to some hundredths of a pixel: OpenCV's sector-based finder [Duda and
-/// Frese 2018], else its classic one, both refined by cornerSubPix. All of the pattern's corners, or none; blur alone does not matter as long as squares
-/// can be told apart.
-[[nodiscard]] BoardSearch find_board(const Image& picture, const std::string& name, const BoardPattern& pattern);
+/// Finds a checkerboard's inner corners to some hundredths of a pixel: OpenCV's sector-based finder
+/// [Duda and Frese 2018], else its classic one, both refined by cornerSubPix. All of the pattern's
+/// corners, or none; blur alone does not matter as long as squares can be told apart.
+[[nodiscard]] BoardSearch find_board(const Image& picture, const std::string& name,
+                                     const BoardPattern& pattern);
 
 }  // namespace gatefly::calibration

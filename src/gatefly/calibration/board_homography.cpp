@@ -36,7 +36,9 @@ std::optional<Eigen::Matrix3d> homography(const std::vector<Sight>& sights) {
 }
 
 /// Sine of the angle between where a corner is seen and where it should be.
-double misfit(const Sight& sight, const Eigen::Matrix3d& H) { return sight.bearing_C.cross((H * sight.p).normalized()).norm(); }
+double misfit(const Sight& sight, const Eigen::Matrix3d& H) {
+  return sight.bearing_C.cross((H * sight.p).normalized()).norm();
+}
 
 double median_misfit(const std::vector<Sight>& sights, const Eigen::Matrix3d& H) {
   std::vector<double> misfits;
@@ -46,10 +48,10 @@ double median_misfit(const std::vector<Sight>& sights, const Eigen::Matrix3d& H)
   return *middle;
 }
 
-/// The homography of the corners that agree: least median of squares over small samples [Rousseeuw 1984],
-/// then all that are no more than three times as far off as usual.
+/// The homography of the corners that agree: least median of squares over small samples [Rousseeuw
+/// 1984], then all that are no more than three times as far off as usual.
 std::optional<Eigen::Matrix3d> robust_homography(const std::vector<Sight>& sights) {
-  constexpr int kSamples = 20;          // all with a bad corner: one in a million at 10 % bad ones
+  constexpr int kSamples = 20;  // all with a bad corner: one in a million at 10 % bad ones
   constexpr std::size_t kSampleSize = 6;
   Rng rng{1};
   std::optional<Eigen::Matrix3d> best = homography(sights);
@@ -58,7 +60,8 @@ std::optional<Eigen::Matrix3d> robust_homography(const std::vector<Sight>& sight
   for (int sample = 0; sample < kSamples; ++sample) {
     std::vector<Sight> some;
     for (std::size_t i = 0; i < kSampleSize; ++i)
-      some.push_back(sights[static_cast<std::size_t>(rng.uniform_index(static_cast<int>(sights.size())))]);
+      some.push_back(
+          sights[static_cast<std::size_t>(rng.uniform_index(static_cast<int>(sights.size())))]);
     const auto H = homography(some);
     if (!H) continue;
     if (const double middle = median_misfit(sights, *H); middle < least) {
@@ -78,8 +81,10 @@ std::optional<Eigen::Matrix3d> robust_homography(const std::vector<Sight>& sight
 std::optional<BoardPose> pose_from_homography(const BoardView& view, const AnyCamera& lens) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double size = 0.0;
-  for (const BoardCorner& corner : view.corners) middle += corner.p_W / static_cast<double>(view.corners.size());
-  for (const BoardCorner& corner : view.corners) size = std::max(size, (corner.p_W - middle).norm());
+  for (const BoardCorner& corner : view.corners)
+    middle += corner.p_W / static_cast<double>(view.corners.size());
+  for (const BoardCorner& corner : view.corners)
+    size = std::max(size, (corner.p_W - middle).norm());
   if (!(size > 0.0)) return std::nullopt;
   std::vector<Sight> sights;
   for (const BoardCorner& corner : view.corners)
@@ -90,7 +95,8 @@ std::optional<BoardPose> pose_from_homography(const BoardView& view, const AnyCa
   const auto found = robust_homography(sights);
   if (!found) return std::nullopt;
   Eigen::Matrix3d H = *found;
-  H *= (H(2, 2) < 0.0 ? -1.0 : 1.0) * 2.0 / (H.col(0).norm() + H.col(1).norm());  // its middle is in front
+  // its middle is in front
+  H *= (H(2, 2) < 0.0 ? -1.0 : 1.0) * 2.0 / (H.col(0).norm() + H.col(1).norm());
 
   Eigen::Matrix3d R;
   R << H.col(0), H.col(1), H.col(0).cross(H.col(1));

@@ -27,7 +27,9 @@ struct BoardPattern {
   int columns = 0, rows = 0;
   double square = 1.0;  ///< [m]
 
-  [[nodiscard]] std::string text() const { return std::to_string(columns) + "x" + std::to_string(rows); }
+  [[nodiscard]] std::string text() const {
+    return std::to_string(columns) + "x" + std::to_string(rows);
+  }
 };
 
 }  // namespace gatefly::calibration

@@ -13,14 +13,17 @@
 namespace gatefly::calibration {
 namespace {
 
-constexpr std::size_t kMinViews = 5;      // ours: fewer leave no view to hold out of every fold
-constexpr std::size_t kMinCorners = 8;    // ours: twice what a pose needs
-constexpr double kOutlierSigmas = 5.0;    // ours: a corner in 300,000 by chance
-constexpr double kMinSigmaPx = 0.02;      // ours: no corner is known better; keeps exact corners of a computer
-constexpr double kMaxLostPart = 0.3;      // ours: of a view's corners, else the view goes
-constexpr double kMinTilt = 10.0 * kDegree;  // ours: between two boards; below, focal length and distance trade
-constexpr double kMaxFocalSigma = 0.02;   // ours: of the focal length
-constexpr double kMaxRms = 0.003;         // ours: of the picture's diagonal; worse is no flat board of that pattern
+constexpr std::size_t kMinViews = 5;    // ours: fewer leave no view to hold out of every fold
+constexpr std::size_t kMinCorners = 8;  // ours: twice what a pose needs
+constexpr double kOutlierSigmas = 5.0;  // ours: a corner in 300,000 by chance
+// ours: no corner is known better; keeps exact corners of a computer
+constexpr double kMinSigmaPx = 0.02;
+constexpr double kMaxLostPart = 0.3;  // ours: of a view's corners, else the view goes
+// ours: between two boards; below, focal length and distance trade
+constexpr double kMinTilt = 10.0 * kDegree;
+constexpr double kMaxFocalSigma = 0.02;  // ours: of the focal length
+// ours: of the picture's diagonal; worse is no flat board of that pattern
+constexpr double kMaxRms = 0.003;
 
 std::string rounded(double value, int digits = 3) { return io::text_of(value, digits); }
 
@@ -32,7 +35,8 @@ double median(std::vector<double> values) {
 }
 
 /// Distances of all corners of a view [px]; infinite where the lens shows nothing.
-std::vector<double> distances_px(const BoardView& view, const AnyCamera& lens, const BoardPose& pose) {
+std::vector<double> distances_px(const BoardView& view, const AnyCamera& lens,
+                                 const BoardPose& pose) {
   std::vector<double> distances;
   for (const Eigen::Vector2d& residual : residuals_px(view, lens, pose)) {
     const double distance = residual.norm();
@@ -45,7 +49,8 @@ double median_distance_px(const BoardViews& views, const LensFit& fit) {
   std::vector<double> all;
   const AnyCamera lens = fit.lens();
   for (std::size_t i = 0; i < views.size(); ++i)
-    for (const double distance : distances_px(views[i], lens, fit.poses[i])) all.push_back(distance);
+    for (const double distance : distances_px(views[i], lens, fit.poses[i]))
+      all.push_back(distance);
   return median(std::move(all));
 }
 
@@ -60,7 +65,8 @@ std::optional<LensFit> most_flexible(const BoardViews& views, const LensFit& sta
   std::optional<LensFit> best;
   double best_px = std::numeric_limits<double>::infinity();
   LensFit from = start;
-  for (const LensModel model : {LensModel::kKannalaBrandt, LensModel::kBrownConrady, LensModel::kDhane, LensModel::kPinhole}) {
+  for (const LensModel model : {LensModel::kKannalaBrandt, LensModel::kBrownConrady,
+                                LensModel::kDhane, LensModel::kPinhole}) {
     auto fit = fit_lens(views, as_model(from, model), kHuberPx);
     if (!fit) continue;
     const double px = median_distance_px(views, *fit);
@@ -79,7 +85,8 @@ struct Kept {
   LensFit fit;
 };
 
-/// Without the corners farther off than five robust standard deviations, and the views that lose too many.
+/// Without the corners farther off than five robust standard deviations, and the views that lose
+/// too many.
 Kept without_outliers(const Kept& all, std::map<std::string, std::string>& reasons, bool& changed) {
   const AnyCamera lens = all.fit.lens();
   // The median distance of a two-dimensional Gauss error is 1.1774 σ.
@@ -94,10 +101,12 @@ Kept without_outliers(const Kept& all, std::map<std::string, std::string>& reaso
       if (distances[j] <= kOutlierSigmas * sigma_px) good.corners.push_back(view.corners[j]);
     const auto lost = static_cast<double>(view.corners.size() - good.corners.size());
     changed |= lost > 0.0;
-    if (lost > kMaxLostPart * static_cast<double>(view.corners.size()) || good.corners.size() < kMinCorners) {
+    if (lost > kMaxLostPart * static_cast<double>(view.corners.size()) ||
+        good.corners.size() < kMinCorners) {
       changed = true;
-      reasons[view.image] = "its corners are off by " + rounded(median(distances), 2) + " px where " +
-                            rounded(sigma_px, 2) + " px is usual: blurred, bent, or mistaken";
+      reasons[view.image] = "its corners are off by " + rounded(median(distances), 2) +
+                            " px where " + rounded(sigma_px, 2) +
+                            " px is usual: blurred, bent, or mistaken";
       continue;
     }
     kept.views.push_back(std::move(good));
@@ -107,21 +116,27 @@ Kept without_outliers(const Kept& all, std::map<std::string, std::string>& reaso
 }
 
 [[noreturn]] void refuse_few(std::size_t left, std::size_t all) {
-  throw std::runtime_error(std::to_string(left) + " of " + std::to_string(all) + " pictures can be used, at least " +
-                           std::to_string(kMinViews) + " are needed, better 20: tilted to all sides, the board in every part of the picture");
+  throw std::runtime_error(
+      std::to_string(left) + " of " + std::to_string(all) + " pictures can be used, at least " +
+      std::to_string(kMinViews) +
+      " are needed, better 20: tilted to all sides, the board in every part of the picture");
 }
 
 /// Bad corners and bad views out, until nothing changes any more.
-Kept cleaned(BoardViews views, const LensFit& start, std::map<std::string, std::string>& reasons, std::size_t all) {
+Kept cleaned(BoardViews views, const LensFit& start, std::map<std::string, std::string>& reasons,
+             std::size_t all) {
   const auto robust = most_flexible(views, start);
-  if (!robust) throw std::runtime_error("no lens fits these corners at all: are they of one flat board, in its order?");
+  if (!robust)
+    throw std::runtime_error(
+        "no lens fits these corners at all: are they of one flat board, in its order?");
   Kept kept{std::move(views), *robust};
   constexpr int kMaxRounds = 5;
   bool changed = true;
   for (int round = 0; round < kMaxRounds && changed; ++round) {
     changed = false;
     kept = without_outliers(kept, reasons, changed);
-    if (kept.views.size() < kMinViews || kept.views.size() * 2 < all) refuse_few(kept.views.size(), all);
+    if (kept.views.size() < kMinViews || kept.views.size() * 2 < all)
+      refuse_few(kept.views.size(), all);
     if (!changed) break;
     if (auto fit = fit_lens(kept.views, kept.fit, kHuberPx)) kept.fit = *std::move(fit);
   }
@@ -196,27 +211,35 @@ ModelResult result_of(LensModel model, const Kept& kept, const CalibrationOption
   std::size_t hidden = 0;
   for (std::size_t i = 0; i < kept.views.size(); ++i)
     for (const double distance : distances_px(kept.views[i], fit->lens(), fit->poses[i])) {
-      if (std::isinf(distance)) ++hidden;
-      else distances.push_back(distance);
+      if (std::isinf(distance))
+        ++hidden;
+      else
+        distances.push_back(distance);
     }
   result.rms_px = std::sqrt(mean_square(distances));
   if (!result.failure.empty()) return result;
   if (hidden > 0) {
-    result.failure = "it does not show " + std::to_string(hidden) + " of the corners: they are outside its field of view";
+    result.failure = "it does not show " + std::to_string(hidden) +
+                     " of the corners: they are outside its field of view";
     return result;
   }
   result.held_out_px2 = held_out(kept.views, *fit, options.folds);
   result.held_out_px = std::sqrt(mean(result.held_out_px2));
-  if (!std::isfinite(result.held_out_px)) result.failure = "some held-out corners are outside its field of view";
+  if (!std::isfinite(result.held_out_px))
+    result.failure = "some held-out corners are outside its field of view";
   return result;
 }
 
-/// Of those that can be used, the simplest within one standard error of the best [Breiman et al. 1984].
+/// Of those that can be used, the simplest within one standard error of the best [Breiman et al.
+/// 1984].
 std::size_t recommended(const std::vector<ModelResult>& models) {
   std::size_t best = models.size();
   for (std::size_t i = 0; i < models.size(); ++i)
-    if (models[i].failure.empty() && (best == models.size() || models[i].held_out_px < models[best].held_out_px)) best = i;
-  if (best == models.size()) throw std::runtime_error("no lens model shows all corners of these pictures");
+    if (models[i].failure.empty() &&
+        (best == models.size() || models[i].held_out_px < models[best].held_out_px))
+      best = i;
+  if (best == models.size())
+    throw std::runtime_error("no lens model shows all corners of these pictures");
   for (std::size_t i = 0; i < best; ++i) {
     if (!models[i].failure.empty()) continue;
     std::vector<double> worse;
@@ -231,7 +254,8 @@ std::size_t recommended(const std::vector<ModelResult>& models) {
 }
 
 /// What each view came to, in the order they were given.
-void describe_views(Calibration& answer, const BoardViews& all, const std::map<std::string, std::string>& reasons) {
+void describe_views(Calibration& answer, const BoardViews& all,
+                    const std::map<std::string, std::string>& reasons) {
   const AnyCamera lens = answer.best().fit.lens();
   std::size_t k = 0;
   for (const BoardView& view : all) {
@@ -246,7 +270,8 @@ void describe_views(Calibration& answer, const BoardViews& all, const std::map<s
       ++k;
     } else {
       const auto reason = reasons.find(view.image);
-      result.reason = reason == reasons.end() ? "no pose of the board explains its corners" : reason->second;
+      result.reason =
+          reason == reasons.end() ? "no pose of the board explains its corners" : reason->second;
       result.dropped = view.corners.size();
     }
     answer.views.push_back(std::move(result));
@@ -257,7 +282,8 @@ double coverage(const BoardViews& views, const Eigen::Vector2i& size_px) {
   const Eigen::Vector2d middle = 0.5 * (size_px.cast<double>() - Eigen::Vector2d::Ones());
   double most = 0.0;
   for (const BoardView& view : views)
-    for (const BoardCorner& corner : view.corners) most = std::max(most, (corner.px - middle).norm());
+    for (const BoardCorner& corner : view.corners)
+      most = std::max(most, (corner.px - middle).norm());
   return most / middle.norm();
 }
 
@@ -266,24 +292,33 @@ void refuse_hopeless(const Calibration& answer) {
   const ModelResult& best = answer.models[answer.recommended];
   const double limit_px = kMaxRms * answer.size_px.cast<double>().norm();
   if (best.rms_px > limit_px)
-    throw std::runtime_error("the best model (" + name_of(best.fit.model) + ") leaves " + rounded(best.rms_px) +
-                             " px, at most " + rounded(limit_px) +
-                             " px (0.3 % of the diagonal) is a calibration: is the board flat and of that pattern, its corners in order?");
+    throw std::runtime_error("the best model (" + name_of(best.fit.model) + ") leaves " +
+                             rounded(best.rms_px) + " px, at most " + rounded(limit_px) +
+                             " px (0.3 % of the diagonal) is a calibration: is the board flat and "
+                             "of that pattern, its corners in order?");
   const double angle = spread(best.fit);
   if (angle < kMinTilt)
-    throw std::runtime_error("all views are alike: no two boards differ by more than " + rounded(angle / kDegree) +
-                             "° in direction, at least 10° is needed to tell focal length from distance: tilt the board by 30° to all sides");
+    throw std::runtime_error("all views are alike: no two boards differ by more than " +
+                             rounded(angle / kDegree) +
+                             "° in direction, at least 10° is needed to tell focal length from "
+                             "distance: tilt the board by 30° to all sides");
   const LensFit& fit = answer.best().fit;
-  const double sigma = fit.sigma.size() < 2 ? 1.0 : (fit.sigma.head<2>().cwiseQuotient(fit.parameters.head<2>())).maxCoeff();
+  const double sigma =
+      fit.sigma.size() < 2
+          ? 1.0
+          : (fit.sigma.head<2>().cwiseQuotient(fit.parameters.head<2>())).maxCoeff();
   if (!(sigma < kMaxFocalSigma))
-    throw std::runtime_error("these views do not determine the focal length of " + name_of(fit.model) +
-                             (sigma < 1.0 ? ": ±" + rounded(100 * sigma, 2) + " %" : std::string{}) +
-                             ", at most 2 % is usable: take more pictures, tilted to all sides, from different distances");
+    throw std::runtime_error(
+        "these views do not determine the focal length of " + name_of(fit.model) +
+        (sigma < 1.0 ? ": ±" + rounded(100 * sigma, 2) + " %" : std::string{}) +
+        ", at most 2 % is usable: take more pictures, tilted to all sides, from different "
+        "distances");
 }
 
 }  // namespace
 
-Calibration calibrate(BoardViews all, const Eigen::Vector2i& size_px, const CalibrationOptions& options) {
+Calibration calibrate(BoardViews all, const Eigen::Vector2i& size_px,
+                      const CalibrationOptions& options) {
   if (all.size() < kMinViews) refuse_few(all.size(), all.size());
   Calibration answer;
   answer.size_px = size_px;
@@ -303,7 +338,8 @@ Calibration calibrate(BoardViews all, const Eigen::Vector2i& size_px, const Cali
   if (options.model)
     for (std::size_t i = 0; i < answer.models.size(); ++i)
       if (answer.models[i].fit.model == *options.model) answer.chosen = i;
-  if (const std::string& failure = answer.best().failure; !failure.empty() && answer.best().fit.sigma.size() == 0)
+  if (const std::string& failure = answer.best().failure;
+      !failure.empty() && answer.best().fit.sigma.size() == 0)
     throw std::runtime_error(name_of(answer.best().fit.model) + " cannot be fitted: " + failure);
   refuse_hopeless(answer);
   describe_views(answer, all, reasons);

@@ -14,25 +14,29 @@ namespace gatefly::calibration {
 
 /// What a calibration file says about a camera, whoever wrote it.
 struct CameraFile {
-  AnyCamera lens;                      ///< Of the upright picture.
-  Eigen::Vector2i size_px{0, 0};       ///< Of the upright picture.
-  int stored_rotation_deg = 0;         ///< Our own files only; others describe the picture as it is stored.
-  std::optional<double> tilt_down;     ///< [rad] Our own files only.
+  AnyCamera lens;                 ///< Of the upright picture.
+  Eigen::Vector2i size_px{0, 0};  ///< Of the upright picture.
+  /// Our own files only; others describe the picture as it is stored.
+  int stored_rotation_deg = 0;
+  std::optional<double> tilt_down;  ///< [rad] Our own files only.
 };
 
 enum class CameraFormat { kToml, kKalibr, kRos };
 
-/// Reads a Kalibr camchain (radtan, equidistant, none) or a ROS camera_info file (plumb_bob, equidistant),
-/// told apart by what is in them, or a configuration with a [camera] (.toml).
+/// Reads a Kalibr camchain (radtan, equidistant, none) or a ROS camera_info file (plumb_bob,
+/// equidistant), told apart by what is in them, or a configuration with a [camera] (.toml).
 ///
-/// radtan and plumb_bob are Brown-Conrady, equidistant is Kannala-Brandt; all zeros of them a pinhole.
+/// radtan and plumb_bob are Brown-Conrady, equidistant is Kannala-Brandt; all zeros of them a
+/// pinhole.
 /// @param camera  which of a camchain, "cam0"; "": the only one.
-/// @throws std::runtime_error one line: file, key, value, what is allowed; also for a lens that we do not have
-///         (rational polynomials, omni, fov, skewed pixels, ...).
-[[nodiscard]] CameraFile read_camera(const std::filesystem::path& path, const std::string& camera = "");
+/// @throws std::runtime_error one line: file, key, value, what is allowed; also for a lens that we
+///     do not have (rational polynomials, omni, fov, skewed pixels, ...).
+[[nodiscard]] CameraFile read_camera(const std::filesystem::path& path,
+                                     const std::string& camera = "");
 
 /// The file's text. @param comments  lines that are put above.
-/// @throws std::runtime_error when the format has no such lens: Dhane's is in none but our own, a k3 not in Kalibr's.
+/// @throws std::runtime_error when the format has no such lens: Dhane's is in none but our own, a
+///     k3 not in Kalibr's.
 [[nodiscard]] std::string camera_text(const CameraFile& camera, CameraFormat format,
                                       const std::vector<std::string>& comments = {});
 

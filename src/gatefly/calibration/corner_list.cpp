@@ -17,19 +17,21 @@ struct Pair {
   double scale, origin;
 };
 
-std::vector<Eigen::Vector2d> read_pairs(const io::Csv& csv, const std::filesystem::path& path, const Pair& one,
-                                        const Pair& other) {
+std::vector<Eigen::Vector2d> read_pairs(const io::Csv& csv, const std::filesystem::path& path,
+                                        const Pair& one, const Pair& other) {
   const Pair& pair = csv.has(one.first) || !csv.has(other.first) ? one : other;
   if (!csv.has(pair.first) || !csv.has(pair.second))
-    throw std::runtime_error(path.string() + ": has no columns " + one.first + "," + one.second + " nor " + other.first +
-                             "," + other.second + ": see gatefly calibrate --help");
+    throw std::runtime_error(path.string() + ": has no columns " + one.first + "," + one.second +
+                             " nor " + other.first + "," + other.second +
+                             ": see gatefly calibrate --help");
   const auto first = csv.numbers(pair.first), second = csv.numbers(pair.second);
   std::vector<Eigen::Vector2d> pairs;
   for (std::size_t i = 0; i < csv.rows(); ++i) {
     const Eigen::Vector2d read{first[i], second[i]};
     for (const int k : {0, 1})
       if (!std::isfinite(read[k]))
-        throw std::runtime_error(csv.place(i, k == 0 ? pair.first : pair.second) + ": must be a number");
+        throw std::runtime_error(csv.place(i, k == 0 ? pair.first : pair.second) +
+                                 ": must be a number");
     pairs.emplace_back(pair.scale * (read - Eigen::Vector2d::Constant(pair.origin)));
   }
   return pairs;
@@ -42,7 +44,8 @@ BoardViews read_corner_list(const std::filesystem::path& path) {
   const std::string key = csv.has("view") && !csv.has("image") ? "view" : "image";
   const auto images = csv.texts(key);
   const auto p_W = read_pairs(csv, path, {"X_m", "Y_m", 1.0, 0.0}, {"X_mm", "Y_mm", 1e-3, 0.0});
-  const auto px = read_pairs(csv, path, {"u_px", "v_px", 1.0, 0.0}, {"u_px_1based", "v_px_1based", 1.0, 1.0});
+  const auto px =
+      read_pairs(csv, path, {"u_px", "v_px", 1.0, 0.0}, {"u_px_1based", "v_px_1based", 1.0, 1.0});
   BoardViews views;
   std::map<std::string, std::size_t> index;
   for (std::size_t i = 0; i < csv.rows(); ++i) {

@@ -18,8 +18,8 @@
 namespace gatefly::calibration {
 namespace {
 
-// The lenses of sensing/camera.hpp once more, as templates that Ceres can differentiate (a test compares
-// them): from a point in front of the camera to where a focal length of 1 px draws it.
+// The lenses of sensing/camera.hpp once more, as templates that Ceres can differentiate (a test
+// compares them): from a point in front of the camera to where a focal length of 1 px draws it.
 
 template <class T>
 using Point = Eigen::Matrix<T, 3, 1>;
@@ -51,7 +51,8 @@ struct KannalaBrandtLens {
     const T squared = p.template head<2>().squaredNorm();
     if (squared < 1e-20 * p.z() * p.z()) return p.template head<2>() / p.z();
     const T side = sqrt(squared), angle = atan2(side, p.z()), s = angle * angle;
-    return p.template head<2>() * (angle * (1.0 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3])))) / side);
+    return p.template head<2>() *
+           (angle * (1.0 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3])))) / side);
   }
 };
 
@@ -62,7 +63,8 @@ struct BrownConradyLens {
     const Drawn<T> m = p.template head<2>() / p.z();
     const T x = m.x(), y = m.y(), s = m.squaredNorm();
     const T a = 1.0 + s * (d[0] + s * (d[1] + s * d[4]));
-    return {a * x + 2.0 * d[2] * x * y + d[3] * (s + 2.0 * x * x), a * y + d[2] * (s + 2.0 * y * y) + 2.0 * d[3] * x * y};
+    return {a * x + 2.0 * d[2] * x * y + d[3] * (s + 2.0 * x * x),
+            a * y + d[2] * (s + 2.0 * y * y) + 2.0 * d[3] * x * y};
   }
 };
 
@@ -86,22 +88,29 @@ struct Reprojection {
 
 template <class Lens>
 ceres::CostFunction* cost_of(const BoardCorner& corner) {
-  return new ceres::AutoDiffCostFunction<Reprojection<Lens>, 2, Lens::kParameters, 6>(new Reprojection<Lens>{corner});
+  return new ceres::AutoDiffCostFunction<Reprojection<Lens>, 2, Lens::kParameters, 6>(
+      new Reprojection<Lens>{corner});
 }
 
 ceres::CostFunction* cost_of(LensModel model, const BoardCorner& corner) {
   switch (model) {
-    case LensModel::kPinhole: return cost_of<PinholeLens>(corner);
-    case LensModel::kDhane: return cost_of<DhaneLens>(corner);
-    case LensModel::kKannalaBrandt: return cost_of<KannalaBrandtLens>(corner);
-    case LensModel::kBrownConrady: break;
+    case LensModel::kPinhole:
+      return cost_of<PinholeLens>(corner);
+    case LensModel::kDhane:
+      return cost_of<DhaneLens>(corner);
+    case LensModel::kKannalaBrandt:
+      return cost_of<KannalaBrandtLens>(corner);
+    case LensModel::kBrownConrady:
+      break;
   }
   return cost_of<BrownConradyLens>(corner);
 }
 
-void add(ceres::Problem& problem, const BoardView& view, LensModel model, double* lens, double* pose, double huber_px) {
+void add(ceres::Problem& problem, const BoardView& view, LensModel model, double* lens,
+         double* pose, double huber_px) {
   for (const BoardCorner& corner : view.corners)
-    problem.AddResidualBlock(cost_of(model, corner), huber_px > 0.0 ? new ceres::HuberLoss(huber_px) : nullptr, lens, pose);
+    problem.AddResidualBlock(cost_of(model, corner),
+                             huber_px > 0.0 ? new ceres::HuberLoss(huber_px) : nullptr, lens, pose);
 }
 
 /// Whether a minimum was found.
@@ -119,7 +128,8 @@ bool solve(ceres::Problem& problem) {
 }
 
 /// One standard deviation of the lens's parameters, from the scatter of the residuals.
-Eigen::VectorXd sigma_of(ceres::Problem& problem, const double* lens, Eigen::Index count, std::size_t fixed) {
+Eigen::VectorXd sigma_of(ceres::Problem& problem, const double* lens, Eigen::Index count,
+                         std::size_t fixed) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
   ceres::Covariance covariance(options);
@@ -136,7 +146,8 @@ Eigen::VectorXd sigma_of(ceres::Problem& problem, const double* lens, Eigen::Ind
 /// Root mean square over the corners of a view; infinite when one does not show.
 double rms_px(const BoardView& view, const AnyCamera& lens, const BoardPose& pose) {
   double sum = 0.0;
-  for (const Eigen::Vector2d& residual : residuals_px(view, lens, pose)) sum += residual.squaredNorm();
+  for (const Eigen::Vector2d& residual : residuals_px(view, lens, pose))
+    sum += residual.squaredNorm();
   return std::isfinite(sum) ? std::sqrt(sum / static_cast<double>(view.corners.size()))
                             : std::numeric_limits<double>::infinity();
 }
@@ -163,7 +174,8 @@ std::pair<BoardViews, LensFit> split(const BoardViews& views, const Guess& all) 
 Guess guess(const BoardViews& views, const Eigen::Vector2i& size_px, double focal_px) {
   Guess result;
   result.fit.parameters = Eigen::VectorXd::Zero(8);
-  result.fit.parameters.head<4>() << focal_px, focal_px, 0.5 * (size_px.x() - 1), 0.5 * (size_px.y() - 1);
+  result.fit.parameters.head<4>() << focal_px, focal_px, 0.5 * (size_px.x() - 1),
+      0.5 * (size_px.y() - 1);
   const AnyCamera lens = result.fit.lens();
   std::vector<double> misfits;
   for (const BoardView& view : views) {
@@ -184,7 +196,8 @@ Eigen::Vector3d in_camera(const BoardPose& pose, const Eigen::Vector2d& p_W) {
   const Eigen::Vector3d turn = pose.head<3>();
   const double angle = turn.norm();
   const Eigen::Vector3d on_board{p_W.x(), p_W.y(), 0.0};
-  const Eigen::Vector3d turned = angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle) * on_board : on_board;
+  const Eigen::Vector3d turned =
+      angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle) * on_board : on_board;
   return turned + pose.tail<3>();
 }
 
@@ -204,7 +217,8 @@ LensFit first_guess(BoardViews& views, const Eigen::Vector2i& size_px) {
   again.fit.poses.clear();
   std::size_t next = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto pose = best.has_pose[i] ? std::optional{fit.poses[next++]} : pose_from_homography(views[i], fit.lens());
+    const auto pose = best.has_pose[i] ? std::optional{fit.poses[next++]}
+                                       : pose_from_homography(views[i], fit.lens());
     again.has_pose.push_back(pose.has_value());
     again.fit.poses.push_back(pose.value_or(BoardPose::Zero()));
   }
@@ -217,15 +231,18 @@ LensFit as_model(const LensFit& fit, LensModel model) {
   other.model = model;
   other.sigma.resize(0);
   other.fixed.clear();
-  other.parameters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameter_names(model).size()));
+  other.parameters =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameter_names(model).size()));
   other.parameters.head<4>() = fit.parameters.head<4>();
-  if (model == fit.model) other.parameters = fit.parameters;
+  if (model == fit.model)
+    other.parameters = fit.parameters;
   else if (model == LensModel::kDhane) {
     constexpr double kWide = 1.1;  // drawn at f sin θ / k for small θ
     other.parameters[4] = kWide;
     other.parameters.head<2>() *= kWide;
   } else if (model == LensModel::kBrownConrady && fit.model == LensModel::kKannalaBrandt) {
-    other.parameters[4] = 0.1 * (fit.parameters[4] - 1.0 / 3.0);  // tan θ = θ + θ³/3; a tenth: fold-back must not start it
+    // tan θ = θ + θ³/3; a tenth: fold-back must not start it
+    other.parameters[4] = 0.1 * (fit.parameters[4] - 1.0 / 3.0);
   }
   return other;
 }
@@ -236,14 +253,19 @@ std::optional<LensFit> fit_lens(const BoardViews& views, const LensFit& start, d
   for (std::size_t i = 0; i < views.size(); ++i)
     add(problem, views[i], fit.model, fit.parameters.data(), fit.poses[i].data(), huber_px);
   if (!fit.fixed.empty())
-    problem.SetManifold(fit.parameters.data(), new ceres::SubsetManifold(static_cast<int>(fit.parameters.size()), fit.fixed));
-  if (!solve(problem) || !fit.parameters.allFinite() || fit.parameters.head<2>().minCoeff() <= 0.0) return std::nullopt;
+    problem.SetManifold(
+        fit.parameters.data(),
+        new ceres::SubsetManifold(static_cast<int>(fit.parameters.size()), fit.fixed));
+  if (!solve(problem) || !fit.parameters.allFinite() || fit.parameters.head<2>().minCoeff() <= 0.0)
+    return std::nullopt;
   fit.sigma.resize(0);
-  if (huber_px == 0.0) fit.sigma = sigma_of(problem, fit.parameters.data(), fit.parameters.size(), fit.fixed.size());
+  if (huber_px == 0.0)
+    fit.sigma = sigma_of(problem, fit.parameters.data(), fit.parameters.size(), fit.fixed.size());
   return fit;
 }
 
-std::optional<BoardPose> fit_pose(const BoardView& view, const LensFit& lens, const BoardPose& start) {
+std::optional<BoardPose> fit_pose(const BoardView& view, const LensFit& lens,
+                                  const BoardPose& start) {
   BoardPose pose = start;
   Eigen::VectorXd parameters = lens.parameters;
   ceres::Problem problem;
@@ -253,10 +275,12 @@ std::optional<BoardPose> fit_pose(const BoardView& view, const LensFit& lens, co
   return pose;
 }
 
-std::vector<Eigen::Vector2d> residuals_px(const BoardView& view, const AnyCamera& lens, const BoardPose& pose) {
+std::vector<Eigen::Vector2d> residuals_px(const BoardView& view, const AnyCamera& lens,
+                                          const BoardPose& pose) {
   std::vector<Eigen::Vector2d> residuals;
   residuals.reserve(view.corners.size());
-  const Eigen::Vector2d nowhere = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Eigen::Vector2d nowhere =
+      Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   for (const BoardCorner& corner : view.corners) {
     const auto px = lens.project(in_camera(pose, corner.p_W));
     residuals.push_back(px ? Eigen::Vector2d{corner.px - *px} : nowhere);

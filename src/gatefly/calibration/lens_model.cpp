@@ -23,21 +23,27 @@ LensParameters parts_of(const DhaneFisheye& lens) {
 }
 LensParameters parts_of(const KannalaBrandt& lens) {
   const auto& k = lens.radial.coefficients();
-  return {LensModel::kKannalaBrandt, parameters(lens.focal_px, lens.center_px, {k.begin(), k.end()})};
+  return {LensModel::kKannalaBrandt,
+          parameters(lens.focal_px, lens.center_px, {k.begin(), k.end()})};
 }
 LensParameters parts_of(const BrownConrady& lens) {
   const auto d = lens.distortion();
-  return {LensModel::kBrownConrady, parameters(lens.focal_px, lens.center_px, {d.begin(), d.end()})};
+  return {LensModel::kBrownConrady,
+          parameters(lens.focal_px, lens.center_px, {d.begin(), d.end()})};
 }
 
 }  // namespace
 
 std::string name_of(LensModel model) {
   switch (model) {
-    case LensModel::kPinhole: return "pinhole";
-    case LensModel::kDhane: return "dhane";
-    case LensModel::kKannalaBrandt: return "kannala-brandt";
-    case LensModel::kBrownConrady: break;
+    case LensModel::kPinhole:
+      return "pinhole";
+    case LensModel::kDhane:
+      return "dhane";
+    case LensModel::kKannalaBrandt:
+      return "kannala-brandt";
+    case LensModel::kBrownConrady:
+      break;
   }
   return "brown-conrady";
 }
@@ -50,7 +56,9 @@ std::optional<LensModel> lens_model(const std::string& name) {
 
 std::vector<std::string> parameter_names(LensModel model) {
   std::vector<std::string> names{"fx", "fy", "cx", "cy"};
-  const auto add = [&](std::initializer_list<const char*> more) { names.insert(names.end(), more.begin(), more.end()); };
+  const auto add = [&](std::initializer_list<const char*> more) {
+    names.insert(names.end(), more.begin(), more.end());
+  };
   if (model == LensModel::kDhane) add({"k"});
   if (model == LensModel::kKannalaBrandt) add({"k1", "k2", "k3", "k4"});
   if (model == LensModel::kBrownConrady) add({"k1", "k2", "p1", "p2", "k3"});
@@ -60,11 +68,14 @@ std::vector<std::string> parameter_names(LensModel model) {
 AnyCamera lens_of(LensModel model, const Eigen::VectorXd& p) {
   const Eigen::Vector2d focal_px = p.head<2>(), center_px = p.segment<2>(2);
   switch (model) {
-    case LensModel::kPinhole: return {Pinhole{focal_px, center_px}};
-    case LensModel::kDhane: return {DhaneFisheye{focal_px, center_px, p[4]}};
+    case LensModel::kPinhole:
+      return {Pinhole{focal_px, center_px}};
+    case LensModel::kDhane:
+      return {DhaneFisheye{focal_px, center_px, p[4]}};
     case LensModel::kKannalaBrandt:
       return {KannalaBrandt{focal_px, center_px, RadialPolynomial{{p[4], p[5], p[6], p[7]}}}};
-    case LensModel::kBrownConrady: break;
+    case LensModel::kBrownConrady:
+      break;
   }
   return {BrownConrady{focal_px, center_px, {p[4], p[5], p[6], p[7], p[8]}}};
 }

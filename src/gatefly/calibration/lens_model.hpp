@@ -14,8 +14,8 @@ namespace gatefly::calibration {
 
 /// The lenses of sensing/camera.hpp, the one with fewest parameters first.
 enum class LensModel { kPinhole, kDhane, kKannalaBrandt, kBrownConrady };
-inline constexpr std::array kLensModels{LensModel::kPinhole, LensModel::kDhane, LensModel::kKannalaBrandt,
-                                        LensModel::kBrownConrady};
+inline constexpr std::array kLensModels{LensModel::kPinhole, LensModel::kDhane,
+                                        LensModel::kKannalaBrandt, LensModel::kBrownConrady};
 
 /// As camera.model in a configuration has it.
 [[nodiscard]] std::string name_of(LensModel model);

@@ -15,13 +15,16 @@ io::Canvas residual_picture(const Calibration& answer) {
   constexpr double kRmsLength = 12.0;  // of an arrow as long as the RMS [px of the drawing]
   const ModelResult& best = answer.best();
   const double scale = kWidth / answer.size_px.x(), height = scale * answer.size_px.y();
-  const double enlarged = best.rms_px > 0.0 ? std::pow(10.0, std::floor(std::log10(kRmsLength / best.rms_px))) : 1.0;
+  const double enlarged =
+      best.rms_px > 0.0 ? std::pow(10.0, std::floor(std::log10(kRmsLength / best.rms_px))) : 1.0;
   const double stretch = enlarged * std::max(1.0, std::floor(kRmsLength / best.rms_px / enlarged));
 
-  io::Canvas canvas(static_cast<int>(kWidth + 2 * kBorder), static_cast<int>(height + kHead + kBorder));
+  io::Canvas canvas(static_cast<int>(kWidth + 2 * kBorder),
+                    static_cast<int>(height + kHead + kBorder));
   canvas.text({kBorder, 34.0},
-              name_of(best.fit.model) + ": residuals of " + std::to_string(answer.kept.size()) + " pictures, RMS " +
-                  io::text_of(best.rms_px, 3) + " px; arrows are " + io::text_of(stretch) + " times as long",
+              name_of(best.fit.model) + ": residuals of " + std::to_string(answer.kept.size()) +
+                  " pictures, RMS " + io::text_of(best.rms_px, 3) + " px; arrows are " +
+                  io::text_of(stretch) + " times as long",
               {.color = io::look::kInk, .size = 18.0});
   const io::Box frame{kBorder, kHead, kWidth, height};
   canvas.fill(frame, io::look::kPanel);
@@ -33,7 +36,8 @@ io::Canvas residual_picture(const Calibration& answer) {
     const auto residuals = residuals_px(view, lens, best.fit.poses[i]);
     for (std::size_t j = 0; j < residuals.size(); ++j) {
       if (!residuals[j].allFinite()) continue;
-      const Eigen::Vector2d at = origin + scale * (view.corners[j].px + Eigen::Vector2d::Constant(0.5));
+      const Eigen::Vector2d at =
+          origin + scale * (view.corners[j].px + Eigen::Vector2d::Constant(0.5));
       canvas.disc(at, 1.2, io::look::kMuted);
       canvas.line(at, at + stretch * residuals[j], {.color = io::look::kDetection, .width = 1.2});
     }

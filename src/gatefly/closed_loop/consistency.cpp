@@ -10,7 +10,8 @@
 namespace gatefly::closed_loop {
 
 void ChiSquareCount::add(double chi2, int dof) {
-  constexpr std::array<double, 3> kLow{0.000982, 0.0506, 0.2158}, kHigh{5.024, 7.378, 9.348};  // 2.5 and 97.5 %
+  // 2.5 and 97.5 %
+  constexpr std::array<double, 3> kLow{0.000982, 0.0506, 0.2158}, kHigh{5.024, 7.378, 9.348};
   if (dof < 1 || dof > 3) return;
   const auto i = static_cast<std::size_t>(dof - 1);
   ++samples;
@@ -18,12 +19,16 @@ void ChiSquareCount::add(double chi2, int dof) {
   inside += chi2 >= kLow[i] && chi2 <= kHigh[i];
 }
 
-void ConsistencyWatch::update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time, bool picture) {
+void ConsistencyWatch::update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time,
+                              bool picture) {
   const Phase& phase = pilot.phase();
-  const bool on_course = std::holds_alternative<Straight>(phase) || std::holds_alternative<Turn>(phase) || std::holds_alternative<Search>(phase);
+  const bool on_course = std::holds_alternative<Straight>(phase) ||
+                         std::holds_alternative<Turn>(phase) ||
+                         std::holds_alternative<Search>(phase);
   if (!on_course || pilot.finished()) return;
   const Sighting& sighting = pilot.sighting();
-  if (picture && sighting.source != Sighting::Source::kNone) result_.nis.add(sighting.innovation2, sighting.innovation_dof);
+  if (picture && sighting.source != Sighting::Source::kNone)
+    result_.nis.add(sighting.innovation2, sighting.innovation_dof);
 
   const Estimate estimate = pilot.estimate();
   const sim::WorldGate& gate = gates_[static_cast<std::size_t>(pilot.target_gate())];
@@ -33,14 +38,16 @@ void ConsistencyWatch::update(const Pilot& pilot, const Eigen::Vector3d& true_p_
     next_ = time + kPeriod;
     result_.nees.add(error.dot(estimate.covariance_GB.ldlt().solve(error)), 3);
   }
-  const Eigen::Vector3d believed_E = rotation_z(map_.gates[static_cast<std::size_t>(pilot.target_gate())].yaw_EG) * estimate.p_GB;
+  const Eigen::Vector3d believed_E =
+      rotation_z(map_.gates[static_cast<std::size_t>(pilot.target_gate())].yaw_EG) * estimate.p_GB;
   if (!((true_p_EB - gate.p_EG - believed_E).norm() > kFar)) {
     far_since_ = -1.0;
     return;
   }
   if (far_since_ < 0.0) far_since_ = time, seen_while_far_ = counted_ = false;
   seen_while_far_ = seen_while_far_ || (picture && sighting.offered);
-  if (!counted_ && seen_while_far_ && time - far_since_ > kLong) ++result_.divergences, counted_ = true;
+  if (!counted_ && seen_while_far_ && time - far_since_ > kLong)
+    ++result_.divergences, counted_ = true;
 }
 
 }  // namespace gatefly::closed_loop

@@ -20,19 +20,23 @@ struct ChiSquareCount {
   void add(double chi2, int dof);
 };
 
-/// Whether the pilot's covariance is true: NEES of its position, NIS of its fixes. Bar-Shalom et al. 2001, §5.4.
+/// Whether the pilot's covariance is true: NEES of its position, NIS of its fixes. Bar-Shalom et
+/// al. 2001, §5.4.
 struct Consistency {
-  ChiSquareCount nees;        ///< 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
-  ChiSquareCount nis;         ///< Of every fix that was used.
-  /// Farther off than 1 m for more than 1 s, from where the gate stands and in earth axes, although a fix was offered in that time:
-  /// far from a gate that faces elsewhere than the map says, its own frame tells of the gate, not of the drone.
+  /// 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
+  ChiSquareCount nees;
+  ChiSquareCount nis;  ///< Of every fix that was used.
+  /// Farther off than 1 m for more than 1 s, from where the gate stands and in earth axes, although
+  /// a fix was offered in that time: far from a gate that faces elsewhere than the map says, its
+  /// own frame tells of the gate, not of the drone.
   int divergences = 0;
 };
 
 /// Fills it while a race goes on.
 class ConsistencyWatch {
  public:
-  ConsistencyWatch(std::vector<sim::WorldGate> gates, const Track& map) : gates_{std::move(gates)}, map_{map} {}
+  ConsistencyWatch(std::vector<sim::WorldGate> gates, const Track& map)
+      : gates_{std::move(gates)}, map_{map} {}
 
   /// One tick. @param picture  whether the pilot has just looked.
   void update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time, bool picture);

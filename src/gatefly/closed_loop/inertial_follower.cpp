@@ -18,7 +18,8 @@ void InertialFollower::update(const Sensors& sensors, const Pilot& pilot) {
     return;
   }
   filter_.predict(sensors.imu, dt);
-  constexpr double kSonarSigma = 0.05, kBaroSigma = 0.3, kTable = 0.3;  // [m]; what stands on the floor is higher than that
+  // [m]; what stands on the floor is higher than that
+  constexpr double kSonarSigma = 0.05, kBaroSigma = 0.3, kTable = 0.3;
   if (sensors.sonar) {
     const double z = -*sensors.sonar * rotation_EB(filter_.attitude()).matrix(2, 2);
     if (std::abs(z - filter_.position().z()) < kTable) filter_.correct_altitude(z, kSonarSigma);

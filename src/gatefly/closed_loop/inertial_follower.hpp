@@ -6,7 +6,8 @@
 
 namespace gatefly::closed_loop {
 
-/// The classic inertial filter beside a pilot: the same IMU, heights and fixes, another estimate. For comparison.
+/// The classic inertial filter beside a pilot: the same IMU, heights and fixes, another estimate.
+/// For comparison.
 class InertialFollower {
  public:
   explicit InertialFollower(const baseline::Imu15Params& params = {}) : filter_{params} {}
@@ -14,7 +15,8 @@ class InertialFollower {
   /// After pilot.step(sensors). Starts from what the pilot believes when the motors start.
   void update(const Sensors& sensors, const Pilot& pilot);
 
-  /// The pilot's estimate with position, velocity, attitude and biases of this filter in their place.
+  /// The pilot's estimate with position, velocity, attitude and biases of this filter in their
+  /// place.
   [[nodiscard]] Estimate estimate(const Pilot& pilot) const;
 
  private:

@@ -17,8 +17,8 @@
 namespace gatefly::closed_loop {
 namespace {
 
-constexpr int kSonarEvery = 26;   // IMU ticks: 20 Hz
-constexpr int kBaroEvery = 20;    // 25 Hz
+constexpr int kSonarEvery = 26;     // IMU ticks: 20 Hz
+constexpr int kBaroEvery = 20;      // 25 Hz
 constexpr double kAirborne = 0.15;  // from here on, a contact is a crash [m]
 
 /// Of this thread: a campaign flies several races at once, each in a thread of its own.
@@ -43,7 +43,9 @@ class Stopwatch {
       Stopwatch* self;
       std::chrono::steady_clock::time_point from;
       ~AtEnd() {
-        self->samples_.push_back(std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - from).count());
+        self->samples_.push_back(
+            std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - from)
+                .count());
       }
     } at_end{this, from};
     return work();
@@ -51,7 +53,10 @@ class Stopwatch {
   [[nodiscard]] StageTime result() {
     if (samples_.empty()) return {stage_};
     std::sort(samples_.begin(), samples_.end());
-    const auto at = [&](double q) { return static_cast<double>(samples_[static_cast<std::size_t>(q * static_cast<double>(samples_.size() - 1))]); };
+    const auto at = [&](double q) {
+      return static_cast<double>(
+          samples_[static_cast<std::size_t>(q * static_cast<double>(samples_.size() - 1))]);
+    };
     return {stage_, at(0.5), at(0.99), at(1.0)};
   }
 
@@ -149,7 +154,8 @@ void fill(RaceResult& result, const Logbook& book, int gates_per_lap, double mot
 struct RenderedSimulator {
   explicit RenderedSimulator(const sim::SimConfig& config)
       : truth{config.camera},
-        renderer{config.world, config.camera, config.light, config.seed, config.cache_dir, config.bake_threads},
+        renderer{config.world, config.camera,    config.light,
+                 config.seed,  config.cache_dir, config.bake_threads},
         body{config} {}
 
   [[nodiscard]] const sim::Sight& sight() const { return renderer; }
@@ -158,7 +164,8 @@ struct RenderedSimulator {
     renderer.render(frame, t_start, history, bytes);
   }
   void deliver(Sensors& sensors) const {
-    sensors.image = Image{bytes.data(), PixelFormat::kUyvy, truth.stored_width, truth.stored_height, 90};
+    sensors.image =
+        Image{bytes.data(), PixelFormat::kUyvy, truth.stored_width, truth.stored_height, 90};
   }
   [[nodiscard]] std::span<const std::uint8_t> picture() const { return bytes; }
 
@@ -185,7 +192,8 @@ struct IdealSimulator {
   void deliver(Sensors& sensors) const {
     SeenGates& gates = sensors.seen.emplace();
     gates.image_width = width;
-    for (const auto& gate : seen.gates) (void)gates.gates.push_back({gate.corners_px, gate.fitness});
+    for (const auto& gate : seen.gates)
+      (void)gates.gates.push_back({gate.corners_px, gate.fitness});
     if (seen.lower) gates.open = OpenGate{seen.lower->left_px, seen.lower->right_px, 1.0};
     if (seen.bars) gates.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
   }
@@ -209,7 +217,8 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
   CameraFeed camera{config.sim};
   Scorer scorer{config.sim.world, config.sim.camera};
   ConsistencyWatch consistency{config.sim.world.gates, config.pilot.track};
-  Stopwatch step_watch{"pilot_step"}, image_watch{"pilot_step_with_image"}, camera_watch{"camera"}, physics_watch{"physics"};
+  Stopwatch step_watch{"pilot_step"}, image_watch{"pilot_step_with_image"}, camera_watch{"camera"},
+      physics_watch{"physics"};
 
   RaceResult result;
   result.gates_total = referee.total();
@@ -264,13 +273,15 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
 
     // The pilot thinks, the motors obey.
     const std::uint64_t allocated = config.allocations ? config.allocations() : 0;
-    const Command command = (frame ? image_watch : step_watch).time([&] { return pilot.step(sensors); });
+    const Command command =
+        (frame ? image_watch : step_watch).time([&] { return pilot.step(sensors); });
     if (config.allocations) result.step_allocations += config.allocations() - allocated;
     motors = command.motors;
     if (motors_on < 0.0 && motors[0] > 0.0) motors_on = now;
 
     // The books.
-    if (frame) scorer.score(camera.middle_pose(), pilot.sighting(), pilot.target_gate(), simulator.sight());
+    if (frame)
+      scorer.score(camera.middle_pose(), pilot.sighting(), pilot.target_gate(), simulator.sight());
     const bool searching = std::holds_alternative<Search>(pilot.phase());
     result.searches += searching && !was_searching;
     was_searching = searching;
@@ -280,18 +291,26 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
       book.error2 += (pilot.estimate().p_EB - s.p_EB).cwiseAbs2();
       ++book.error_count;
     }
-    const Tick record{sensors, command, pilot, {s.p_EB, s.v_E, attitude_of_body(s)},
+    const Tick record{sensors,
+                      command,
+                      pilot,
+                      {s.p_EB, s.v_E, attitude_of_body(s)},
                       frame ? simulator.picture() : std::span<const std::uint8_t>{},
                       frame ? std::optional{camera.start()} : std::nullopt};
     if (on_tick && !on_tick(record)) result.stop_reason = "stopped";
-    if (result.stop_reason.empty() && referee.finished() && (pilot.landed() || now > finish_time + 8.0)) result.stop_reason = "finished";
-    if (result.stop_reason.empty() && pilot.landed() && !referee.finished()) result.stop_reason = "abort";
+    if (result.stop_reason.empty() && referee.finished() &&
+        (pilot.landed() || now > finish_time + 8.0))
+      result.stop_reason = "finished";
+    if (result.stop_reason.empty() && pilot.landed() && !referee.finished())
+      result.stop_reason = "abort";
     if (result.stop_reason.empty() && now > config.timeout) result.stop_reason = "timeout";
   }
 
   result.finished = referee.finished();
   if (result.stop_reason == "abort")
-    result.abort_reason = pilot.abort_reason() == AbortReason::kNone ? "landed before the last gate" : text_of(pilot.abort_reason());
+    result.abort_reason = pilot.abort_reason() == AbortReason::kNone
+                              ? "landed before the last gate"
+                              : text_of(pilot.abort_reason());
   result.flight_time = body.time();
   fill(result, book, static_cast<int>(config.sim.world.gates.size()), motors_on);
   result.consistency = consistency.result();
@@ -300,8 +319,10 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
   result.true_positives = scorer.true_positives();
   result.false_positives = scorer.false_positives();
   result.cpu_seconds = cpu_seconds() - cpu_start;
-  result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  result.timings = {step_watch.result(), image_watch.result(), camera_watch.result(), physics_watch.result()};
+  result.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  result.timings = {step_watch.result(), image_watch.result(), camera_watch.result(),
+                    physics_watch.result()};
   return result;
 }
 

@@ -20,13 +20,14 @@ namespace gatefly::closed_loop {
 /// Where the pilot's sightings come from.
 enum class Vision {
   kRendered,  ///< Pictures are rendered and really detected; MuJoCo moves the body.
-  kIdeal,     ///< Corners drawn from the detector's statistics; the twin body. Hundreds of times real time.
+  /// Corners drawn from the detector's statistics; the twin body. Hundreds of times real time.
+  kIdeal,
 };
 
 struct RaceConfig {
   Vision vision = Vision::kRendered;
   PilotConfig pilot;
-  sim::SimConfig sim;  ///< Already drawn for the seed.
+  sim::SimConfig sim;      ///< Already drawn for the seed.
   double timeout = 240.0;  ///< Of the whole flight [s].
   /// Allocations of the process so far, for tests that count them; may be empty.
   std::function<std::uint64_t()> allocations;
@@ -45,7 +46,8 @@ struct Tick {
   const Pilot& pilot;
   Truth truth;
   std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
-  std::optional<double> exposed = std::nullopt;  ///< When what the pilot sees now began its exposure [s].
+  /// When what the pilot sees now began its exposure [s].
+  std::optional<double> exposed = std::nullopt;
 };
 
 struct StageTime {
@@ -62,23 +64,26 @@ struct RaceResult {
   double mean_speed = 0.0, max_speed = 0.0;  ///< First to last gate plane [m/s].
   std::optional<double> crash_time;          ///< [s]
   std::string crash_object;
-  std::string stop_reason;                   ///< finished, crash, timeout, abort
-  std::string abort_reason;                  ///< In words; empty when not aborted.
-  std::vector<Eigen::Vector2d> gate_offsets; ///< Lateral, vertical (down) at each pass [m].
-  Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();  ///< Earth frame, first to last gate [m].
-  Consistency consistency;                   ///< Whether the pilot knew how wrong it was.
+  std::string stop_reason;                    ///< finished, crash, timeout, abort
+  std::string abort_reason;                   ///< In words; empty when not aborted.
+  std::vector<Eigen::Vector2d> gate_offsets;  ///< Lateral, vertical (down) at each pass [m].
+  /// Earth frame, first to last gate [m].
+  Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();
+  Consistency consistency;  ///< Whether the pilot knew how wrong it was.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
-  int searches = 0;                          ///< How often the pilot had to look for a gate.
-  double flight_time = 0.0;                  ///< Simulated [s].
+  int searches = 0;          ///< How often the pilot had to look for a gate.
+  double flight_time = 0.0;  ///< Simulated [s].
   double bake_seconds = 0.0, wall_seconds = 0.0, cpu_seconds = 0.0;  ///< CPU without the bake.
-  std::uint64_t step_allocations = 0;        ///< By Pilot::step, when counted (tests).
-  std::vector<StageTime> timings;            ///< pilot, camera, physics, ...
+  std::uint64_t step_allocations = 0;  ///< By Pilot::step, when counted (tests).
+  std::vector<StageTime> timings;      ///< pilot, camera, physics, ...
 };
 
-/// Flies one race: pilot against simulator, in lock-step, until finished, crashed, aborted or timed out.
+/// Flies one race: pilot against simulator, in lock-step, until finished, crashed, aborted or timed
+/// out.
 ///
 /// @param on_tick  called after every pilot step; may be empty. Return false to stop (Ctrl-C).
 /// Same configuration, same result, to the byte (but the timings).
-[[nodiscard]] RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick);
+[[nodiscard]] RaceResult fly(const RaceConfig& config,
+                             const std::function<bool(const Tick&)>& on_tick);
 
 }  // namespace gatefly::closed_loop

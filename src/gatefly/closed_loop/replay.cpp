@@ -16,8 +16,9 @@ bool is_finite(const Command& c) {
 }
 
 bool is_finite(const Estimate& e) {
-  return e.p_EB.allFinite() && e.v_E.allFinite() && e.accel_bias.allFinite() && e.covariance_GB.allFinite() &&
-         std::isfinite(e.attitude.roll) && std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
+  return e.p_EB.allFinite() && e.v_E.allFinite() && e.accel_bias.allFinite() &&
+         e.covariance_GB.allFinite() && std::isfinite(e.attitude.roll) &&
+         std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
 }
 
 }  // namespace
@@ -37,7 +38,8 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     const double t = std::chrono::duration<double>(sensors.time).count();
 
     if (estimator == Estimator::kImu15) inertial.update(sensors, pilot);
-    EstimateRow row{t, estimator == Estimator::kImu15 ? inertial.estimate(pilot) : pilot.estimate()};
+    EstimateRow row{t,
+                    estimator == Estimator::kImu15 ? inertial.estimate(pilot) : pilot.estimate()};
     if (tick.picture) {
       row.source = pilot.sighting().source;
       result.pictures.push_back({*tick.picture, t, pilot.sighting()});

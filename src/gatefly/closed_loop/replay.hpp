@@ -14,8 +14,8 @@ namespace gatefly::closed_loop {
 
 /// One recorded IMU tick: what the sensors said, and where the drone really was, if the log knows.
 struct RecordedTick {
-  Sensors sensors;             ///< Without its image.
-  std::optional<std::size_t> picture;  ///< Index of the picture that arrived with it.
+  Sensors sensors;                      ///< Without its image.
+  std::optional<std::size_t> picture;   ///< Index of the picture that arrived with it.
   std::optional<Eigen::Vector3d> p_EB;  ///< Truth [m].
 };
 
@@ -36,19 +36,20 @@ struct PictureRow {
 struct ReplayResult {
   std::vector<EstimateRow> estimates;
   std::vector<PictureRow> pictures;
-  std::vector<Command> commands;         ///< Computed, not flown.
+  std::vector<Command> commands;  ///< Computed, not flown.
   int gates_passed = 0;
-  bool finite = true;                    ///< Every number of every command and estimate is.
-  std::optional<double> first_fix;       ///< When a gate first corrected the filter [s].
-  std::optional<double> last_gate;       ///< When the pilot thought it passed the last gate [s].
+  bool finite = true;               ///< Every number of every command and estimate is.
+  std::optional<double> first_fix;  ///< When a gate first corrected the filter [s].
+  std::optional<double> last_gate;  ///< When the pilot thought it passed the last gate [s].
   Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
-  int rmse_samples = 0;                  ///< 0: the log has no truth there.
+  int rmse_samples = 0;                            ///< 0: the log has no truth there.
 };
 
 /// Whose estimates a replay reports.
 enum class Estimator {
-  kDrag,   ///< The pilot's own.
-  kImu15,  ///< The classic inertial filter's, fed with what the pilot sees; the pilot flies on by its own.
+  kDrag,  ///< The pilot's own.
+  /// The classic inertial filter's, fed with what the pilot sees; the pilot flies on by its own.
+  kImu15,
 };
 
 /// Feeds a recorded flight to the very Pilot::step that flies the simulator.

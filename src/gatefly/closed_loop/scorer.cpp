@@ -22,7 +22,8 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
   const Eigen::Vector3d eye_E = pose.p_EB + R_EB * camera_.p_BC;
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
-  if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;  // from behind it is not to be flown
+  // from behind it is not to be flown
+  if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;
   const double h = 0.5 * gate.side;
   const std::array<Eigen::Vector3d, 4> corners{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
   Quad quad;
@@ -30,7 +31,8 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
     const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners[i];
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
     // Upright size: the stored picture is turned.
-    if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.stored_height - 1 || px->y() > camera_.stored_width - 1)
+    if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.stored_height - 1 ||
+        px->y() > camera_.stored_width - 1)
       return std::nullopt;
     quad[i] = *px;
     // A little before the corner, so that the gate does not hide itself.
@@ -40,7 +42,8 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   return quad;
 }
 
-void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::Sight& scene) {
+void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target,
+                   const sim::Sight& scene) {
   ++frames_;
   const auto wanted = visible_gate(pose, world_.gates[static_cast<std::size_t>(target)], &scene);
   with_gate_ += wanted.has_value();

@@ -12,18 +12,22 @@ namespace gatefly::closed_loop {
 /// Compares what the pilot saw with what was there to see (rule overlap70 of the interfaces page).
 class Scorer {
  public:
-  Scorer(const sim::World& world, const sim::CameraTruth& camera) : world_{world}, camera_{camera} {}
+  Scorer(const sim::World& world, const sim::CameraTruth& camera)
+      : world_{world}, camera_{camera} {}
 
   /// One delivered frame, exposed around `pose`.
-  void score(const sim::BodyPose& pose, const Sighting& sighting, int target, const sim::Sight& scene);
+  void score(const sim::BodyPose& pose, const Sighting& sighting, int target,
+             const sim::Sight& scene);
 
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] int frames_with_gate() const { return with_gate_; }  ///< Target whole and unhidden.
   [[nodiscard]] int true_positives() const { return true_; }
-  [[nodiscard]] int false_positives() const { return false_; }       ///< Detections that are no gate at all.
+  /// Detections that are no gate at all.
+  [[nodiscard]] int false_positives() const { return false_; }
 
   /// Where a gate's outer corners are in the picture; nullopt unless all are inside and unhidden.
-  [[nodiscard]] std::optional<Quad> visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
+  [[nodiscard]] std::optional<Quad> visible_gate(const sim::BodyPose& pose,
+                                                 const sim::WorldGate& gate,
                                                  const sim::Sight* scene) const;
 
  private:

@@ -16,9 +16,11 @@ struct AltitudeParams {
 /// Holds a height: PID on z (down), answering the vertical acceleration to ask for, upwards [m/s²].
 class Altitude {
  public:
-  double step(double z_target, double vz_target, double z, double vz, double dt, const AltitudeParams& params) {
+  double step(double z_target, double vz_target, double z, double vz, double dt,
+              const AltitudeParams& params) {
     const double low = z - z_target;  // z is down: positive when too low
-    integral_ = std::clamp(integral_ + params.ki * low * dt, -params.max_integral, params.max_integral);
+    integral_ =
+        std::clamp(integral_ + params.ki * low * dt, -params.max_integral, params.max_integral);
     return std::clamp(params.kp * low + params.kd * (vz - vz_target) + integral_, -params.max_accel,
                       params.max_accel);
   }

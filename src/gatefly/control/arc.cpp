@@ -7,7 +7,8 @@
 
 namespace gatefly {
 
-Eigen::Vector3d drag_F(const Eigen::Vector3d& v_F, double roll, double pitch, const Eigen::Vector3d& drag) {
+Eigen::Vector3d drag_F(const Eigen::Vector3d& v_F, double roll, double pitch,
+                       const Eigen::Vector3d& drag) {
   const Eigen::Matrix3d R_FB = rotation_y(pitch) * rotation_x(roll);
   return R_FB * drag.cwiseProduct(R_FB.transpose() * v_F);  // Eq. (26)
 }
@@ -22,7 +23,8 @@ AttitudeCommand step(Arc& arc, double dt, const ArcParams& params) {
 
   // Eq. (25), with the forces just commanded.
   const double T = lift / (cos(params.pitch) * cos(roll));
-  const Eigen::Vector3d thrust_F = rotation_y(params.pitch) * rotation_x(roll) * Eigen::Vector3d{0, 0, T};
+  const Eigen::Vector3d thrust_F =
+      rotation_y(params.pitch) * rotation_x(roll) * Eigen::Vector3d{0, 0, T};
   const Eigen::Vector3d gravity{0, 0, params.gravity};
   const Eigen::Vector3d omega{0, 0, yaw_rate};
   const Eigen::Vector3d v_dot = gravity + thrust_F + a_F - omega.cross(arc.v_F);

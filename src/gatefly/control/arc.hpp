@@ -9,10 +9,10 @@
 namespace gatefly {
 
 struct ArcParams {
-  double radius = 1.5;             ///< > 0 turns right, < 0 left; 0 is straight ahead [m].
-  double pitch = -5.0 * kDegree;   ///< θ_0. [Li18 §4]
+  double radius = 1.5;                      ///< > 0 turns right, < 0 left; 0 is straight ahead [m].
+  double pitch = -5.0 * kDegree;            ///< θ_0. [Li18 §4]
   Eigen::Vector3d drag{-0.52, -0.47, 0.0};  ///< k_x, k_y, k_z [1/s]. [recorded flights]
-  double gravity = 9.81;           ///< [m/s²]
+  double gravity = 9.81;                    ///< [m/s²]
   double max_roll = 40.0 * kDegree;
 };
 
@@ -21,9 +21,12 @@ struct ArcParams {
 /// The arc owns the commanded heading and the predicted velocity; nothing is measured.
 /// Sign: radius > 0 turns right, and a right turn rolls right (roll > 0).
 struct Arc {
-  double yaw = 0.0;                                 ///< Commanded heading; starts at the heading on entry [rad].
-  Eigen::Vector3d v_F = Eigen::Vector3d::Zero();    ///< Predicted velocity in F; starts at the estimate [m/s].
-  double roll = 0.0;                                ///< Last commanded, for the drag of the next step [rad].
+  /// Commanded heading; starts at the heading on entry [rad].
+  double yaw = 0.0;
+  /// Predicted velocity in F; starts at the estimate [m/s].
+  Eigen::Vector3d v_F = Eigen::Vector3d::Zero();
+  /// Last commanded, for the drag of the next step [rad].
+  double roll = 0.0;
 };
 
 /// Eq. (26): drag acceleration in F for a velocity in F.

@@ -6,8 +6,10 @@ namespace gatefly {
 /// What the outer loop asks of the inner one.
 struct AttitudeCommand {
   double roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< [rad]
-  double yaw_rate = 0.0;                      ///< Feed-forward: how fast `yaw` itself moves [rad/s].
-  double thrust = 0.0;                        ///< Specific thrust along −z_B, positive lifts [m/s²].
+  /// Feed-forward: how fast `yaw` itself moves [rad/s].
+  double yaw_rate = 0.0;
+  /// Specific thrust along −z_B, positive lifts [m/s²].
+  double thrust = 0.0;
 };
 
 }  // namespace gatefly

@@ -16,7 +16,8 @@ Indi::Indi(const IndiParams& params, const VehicleParams& vehicle)
       vehicle_{vehicle},
       rate_filter_{params.filter_hz, params.sample_hz, params.filter_damping},
       actuator_filter_{params.filter_hz, params.sample_hz, params.filter_damping} {
-  // Columns: left front, right front, right back, left back. A rotor on the right (y > 0) rolls left.
+  // Columns: left front, right front, right back, left back. A rotor on the right (y > 0) rolls
+  // left.
   const double lx = vehicle.arm_x, ly = vehicle.arm_y, c = vehicle.torque_coefficient;
   effect_ << ly, -ly, -ly, ly,  //
       lx, lx, -lx, -lx,         //
@@ -33,24 +34,31 @@ std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationE
                                  const Eigen::Vector3d& rate_B, double dt) {
   if (!(dt > 0.0)) dt = 1.0 / params_.sample_hz;
 
-  // Measured: filtered rate and its derivative; and what the rotors did meanwhile, through the same filter.
+  // Measured: filtered rate and its derivative; and what the rotors did meanwhile, through the same
+  // filter.
   const Eigen::Vector3d rate = rate_filter_.update(rate_B);
-  const Eigen::Vector3d accel = started_ ? Eigen::Vector3d{(rate - last_rate_) / dt} : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d accel =
+      started_ ? Eigen::Vector3d{(rate - last_rate_) / dt} : Eigen::Vector3d::Zero();
   last_rate_ = rate;
   started_ = true;
   const Eigen::Vector3d produced = actuator_filter_.update(effect_of(rotor_thrusts_).head<3>());
 
   // Wanted: a second-order response of the error rotation, split into tilt and heading.
-  const Eigen::Matrix3d R_wanted = rotation_EB(Attitude{command.roll, command.pitch, command.yaw}).matrix;
+  const Eigen::Matrix3d R_wanted =
+      rotation_EB(Attitude{command.roll, command.pitch, command.yaw}).matrix;
   const Eigen::Matrix3d E = R_EB.matrix.transpose() * R_wanted;
-  const Eigen::Vector3d error = 0.5 * Eigen::Vector3d{E(2, 1) - E(1, 2), E(0, 2) - E(2, 0), E(1, 0) - E(0, 1)};
-  const Eigen::Vector3d rate_wanted = R_EB.matrix.transpose() * Eigen::Vector3d{0, 0, command.yaw_rate};
-  const double yaw_rate = std::clamp(
-      rate_wanted.z() + params_.yaw_attitude_gain / params_.yaw_rate_gain * error.z(), -params_.max_yaw_rate,
-      params_.max_yaw_rate);
+  const Eigen::Vector3d error =
+      0.5 * Eigen::Vector3d{E(2, 1) - E(1, 2), E(0, 2) - E(2, 0), E(1, 0) - E(0, 1)};
+  const Eigen::Vector3d rate_wanted =
+      R_EB.matrix.transpose() * Eigen::Vector3d{0, 0, command.yaw_rate};
+  const double yaw_rate =
+      std::clamp(rate_wanted.z() + params_.yaw_attitude_gain / params_.yaw_rate_gain * error.z(),
+                 -params_.max_yaw_rate, params_.max_yaw_rate);
   Eigen::Vector3d wanted;
-  wanted.x() = params_.attitude_gain * error.x() + params_.rate_gain * (rate_wanted.x() - rate_B.x());
-  wanted.y() = params_.attitude_gain * error.y() + params_.rate_gain * (rate_wanted.y() - rate_B.y());
+  wanted.x() =
+      params_.attitude_gain * error.x() + params_.rate_gain * (rate_wanted.x() - rate_B.x());
+  wanted.y() =
+      params_.attitude_gain * error.y() + params_.rate_gain * (rate_wanted.y() - rate_B.y());
   wanted.z() = params_.yaw_rate_gain * (yaw_rate - rate_B.z());
 
   // Increment, then allocate; heading gives way first when a rotor is at its limit.
@@ -58,7 +66,8 @@ std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationE
   target.head<3>() = produced + (wanted - accel);
   target(3) = std::clamp(command.thrust, 2.0, 25.0);
   const double k = vehicle_.thrust_coefficient;
-  const double low = k * vehicle_.min_speed * vehicle_.min_speed, high = k * vehicle_.max_speed * vehicle_.max_speed;
+  const double low = k * vehicle_.min_speed * vehicle_.min_speed,
+               high = k * vehicle_.max_speed * vehicle_.max_speed;
   Eigen::Vector4d thrusts = allocation_ * target;
   if (thrusts.minCoeff() < low || thrusts.maxCoeff() > high) {
     target(2) = 0.3 * target(2);

@@ -13,18 +13,22 @@ namespace gatefly {
 
 /// The drone as its team knows it. Rotor order: left front, right front, right back, left back.
 struct VehicleParams {
-  double mass = 0.42;                                ///< [kg] Bebop 1 with guards.
-  Eigen::Vector3d inertia{0.0021, 0.0020, 0.0035};   ///< Diagonal, body axes [kg m²]. [ours: box model]
-  double arm_x = 0.112, arm_y = 0.095;               ///< Rotor distance from the centre along x, y [m].
-  double thrust_coefficient = 1.72e-6;               ///< Thrust / speed² [N/(rad/s)²]: hovers at 7,380 rpm.
-  double torque_coefficient = 0.016;                 ///< Yaw torque / thrust [m].
-  double min_speed = 150.0, max_speed = 1250.0;      ///< Of a rotor [rad/s].
-  double rotor_time_constant = 0.0185;               ///< [s] [Li18 code: 0.1 per 512 Hz sample]
+  double mass = 0.42;  ///< [kg] Bebop 1 with guards.
+  /// Diagonal, body axes [kg m²]. [ours: box model]
+  Eigen::Vector3d inertia{0.0021, 0.0020, 0.0035};
+  /// Rotor distance from the centre along x, y [m].
+  double arm_x = 0.112, arm_y = 0.095;
+  /// Thrust / speed² [N/(rad/s)²]: hovers at 7,380 rpm.
+  double thrust_coefficient = 1.72e-6;
+  double torque_coefficient = 0.016;             ///< Yaw torque / thrust [m].
+  double min_speed = 150.0, max_speed = 1250.0;  ///< Of a rotor [rad/s].
+  double rotor_time_constant = 0.0185;           ///< [s] [Li18 code: 0.1 per 512 Hz sample]
 };
 
 struct IndiParams {
-  double attitude_gain = 180.0;  ///< On the error angle [1/s²]: ω_n² . [Li18 code: 200 -> 14.1 rad/s]
-  double rate_gain = 24.0;       ///< 2 ζ ω_n [1/s]. [Li18 code: 28]
+  /// On the error angle [1/s²]: ω_n² . [Li18 code: 200 -> 14.1 rad/s]
+  double attitude_gain = 180.0;
+  double rate_gain = 24.0;  ///< 2 ζ ω_n [1/s]. [Li18 code: 28]
   double yaw_attitude_gain = 20.0;
   double yaw_rate_gain = 9.0;
   double max_yaw_rate = 2.8;     ///< [rad/s] [Li18 code: 2.1; ours: tight arcs at 1.6 m/s need 2]
@@ -33,10 +37,12 @@ struct IndiParams {
   double sample_hz = 512.0;
 };
 
-/// Attitude control by incremental nonlinear dynamic inversion. Smeur et al. 2016, non-adaptive as flown.
+/// Attitude control by incremental nonlinear dynamic inversion. Smeur et al. 2016, non-adaptive as
+/// flown.
 ///
-/// Angular acceleration is measured (filtered gyro, differenced), compared with the wanted one, and only
-/// the difference is put on the rotors: what the model does not know is already in the measurement.
+/// Angular acceleration is measured (filtered gyro, differenced), compared with the wanted one, and
+/// only the difference is put on the rotors: what the model does not know is already in the
+/// measurement.
 class Indi {
  public:
   Indi(const IndiParams& params, const VehicleParams& vehicle);
@@ -49,7 +55,9 @@ class Indi {
 
  private:
   /// Angular acceleration and specific thrust that four rotor thrusts [N] give.
-  [[nodiscard]] Eigen::Vector4d effect_of(const Eigen::Vector4d& thrusts) const { return effect_ * thrusts; }
+  [[nodiscard]] Eigen::Vector4d effect_of(const Eigen::Vector4d& thrusts) const {
+    return effect_ * thrusts;
+  }
 
   IndiParams params_;
   VehicleParams vehicle_;

@@ -8,7 +8,8 @@
 namespace gatefly {
 
 struct LateralParams {
-  double kp = 0.30;                  ///< [rad/m] [Li18 code: 0.35-0.50; ours: less, with more damping]
+  /// [rad/m] [Li18 code: 0.35-0.50; ours: less, with more damping]
+  double kp = 0.30;
   double kd = 0.26;                  ///< [rad s/m] [Li18 code: 0.20-0.25 effective]
   double max_roll = 25.0 * kDegree;  ///< [Li18 flight code]
 };

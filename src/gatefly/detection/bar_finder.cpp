@@ -12,11 +12,11 @@ namespace gatefly {
 namespace {
 
 constexpr int kLimit = EvidenceMap::kLimit;
-constexpr int kBar = 6;           // evidence of a sample on a bar
-constexpr int kStrongest = 60;    // evidence of a crossing that counts
+constexpr int kBar = 6;                          // evidence of a sample on a bar
+constexpr int kStrongest = 60;                   // evidence of a crossing that counts
 constexpr std::size_t kMostSnakes = 3 * kEight;  // at once
-constexpr int kLeast = 3;         // rows of a bar
-constexpr int kLeastToBend = 6;   // rows of a bar whose bend is looked at
+constexpr int kLeast = 3;                        // rows of a bar
+constexpr int kLeastToBend = 6;                  // rows of a bar whose bend is looked at
 
 }  // namespace
 
@@ -37,14 +37,18 @@ struct BarFinder::Snake {
     slope += (moved - slope) >> static_cast<int>(count > 1);
     const int y = row - first;
     sum_x += x, sum_xy += x * static_cast<float>(y), sum_y += y, sum_yy += y * y;
-    sum_xyy += static_cast<double>(x) * (y * y), sum_yyy += y * y * y, sum_yyyy += y * y * y * y, width += wide;
+    sum_xyy += static_cast<double>(x) * (y * y), sum_yyy += y * y * y, sum_yyyy += y * y * y * y,
+        width += wide;
     at = now, last = row, ++count, strength += evidence;
   }
   /// Where it will be at a row.
-  [[nodiscard]] std::int16_t expected(int row) const { return static_cast<std::int16_t>(at + slope * (row - last)); }
+  [[nodiscard]] std::int16_t expected(int row) const {
+    return static_cast<std::int16_t>(at + slope * (row - last));
+  }
   /// How far beside it may be: 45 deg at first.
   [[nodiscard]] std::int16_t reach(int row) const {
-    constexpr std::array<std::array<std::int16_t, 2>, 2> kReach{{{4 * kOne, 8 * kOne}, {2 * kOne, 5 * kOne / 2}}};
+    constexpr std::array<std::array<std::int16_t, 2>, 2> kReach{
+        {{4 * kOne, 8 * kOne}, {2 * kOne, 5 * kOne / 2}}};
     return kReach[static_cast<std::size_t>(count > 1)][static_cast<std::size_t>(row - last - 1)];
   }
 };
@@ -52,7 +56,8 @@ struct BarFinder::Snake {
 namespace {
 
 // The snake expected nearest to x of those that reach it; where none does, beyond all.
-std::size_t nearest_of(const std::array<std::int16_t, kMostSnakes>& expected, const std::array<std::int16_t, kMostSnakes>& reach, std::int16_t x) {
+std::size_t nearest_of(const std::array<std::int16_t, kMostSnakes>& expected,
+                       const std::array<std::int16_t, kMostSnakes>& reach, std::int16_t x) {
   // How far off and which one in one number: the least is the nearest.
   constexpr int kBits = 5, kFar = (1 << 15) - 1;
   static_assert(kMostSnakes < 1 << kBits);
@@ -72,7 +77,8 @@ std::size_t nearest_of(const std::array<std::int16_t, kMostSnakes>& expected, co
 
 // The sums of groups, and which of them may hold a bar.
 void BarFinder::read(const Image& image, const ColorModel& color) {
-  step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns, (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
+  step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns,
+                    (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
   stride_ = kGroup * step_;
   per_stride_ = (std::uint64_t{1} << 32) / static_cast<std::uint64_t>(stride_) + 1;
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
@@ -82,20 +88,26 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
     std::uint32_t* const uv = sums_uv_[row].data() + kBeyond;
     std::uint64_t hopeless = 0;
     int g = 0;
-    image.visit_row_packed<kGroup>(first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
-      // Two samples say what a group's mean is.
-      y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y), uv[g] = c[0].uv + c[2].uv;
-      const auto is_hopeless = [&](std::size_t k) { return color.hopeless[ColorModel::chroma_bin(c[k])]; };
-      hopeless |= std::uint64_t{static_cast<std::uint8_t>(is_hopeless(0) & is_hopeless(1) & is_hopeless(2) & is_hopeless(3))} << g++;
-    });
+    image.visit_row_packed<kGroup>(
+        first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
+          // Two samples say what a group's mean is.
+          y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y), uv[g] = c[0].uv + c[2].uv;
+          const auto is_hopeless = [&](std::size_t k) {
+            return color.hopeless[ColorModel::chroma_bin(c[k])];
+          };
+          hopeless |= std::uint64_t{static_cast<std::uint8_t>(is_hopeless(0) & is_hopeless(1) &
+                                                              is_hopeless(2) & is_hopeless(3))}
+                      << g++;
+        });
     std::fill_n(y - kBeyond, kBeyond, y[0]), std::fill_n(y + groups_, kBeyond, y[groups_ - 1]);
     std::fill_n(uv - kBeyond, kBeyond, uv[0]), std::fill_n(uv + groups_, kBeyond, uv[groups_ - 1]);
     hopeful_[row] = ~hopeless & ((std::uint64_t{1} << groups_) - 1);
   }
 }
 
-// Mean of the groups around each; what is beyond the border is as at the border. One group more to the right and below:
-// pixels that make no whole group are asked for, too. Loops of one length, which the compiler takes eight at a time.
+// Mean of the groups around each; what is beyond the border is as at the border. One group more to
+// the right and below: pixels that make no whole group are asked for, too. Loops of one length,
+// which the compiler takes eight at a time.
 template <class T>
 void BarFinder::average_around(const Sums<T>& sums, std::uint8_t* around) const {
   using Row = std::array<T, kMostGroups>;
@@ -109,29 +121,37 @@ void BarFinder::average_around(const Sums<T>& sums, std::uint8_t* around) const 
     Row& sum = across[r];
     const T* const row = sums[r].data() + kBeyond;
     each([&](std::size_t g) { sum[g] = static_cast<T>((row - 1)[g] + row[g] + (row + 1)[g]); });
-    for (int i = 2; i <= reach; ++i) each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + (row - i)[g] + (row + i)[g]); });
+    for (int i = 2; i <= reach; ++i)
+      each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + (row - i)[g] + (row + i)[g]); });
   }
-  const auto row_at = [&](int r) -> const Row& { return across[static_cast<std::size_t>(std::clamp(r, 0, rows - 1))]; };
+  const auto row_at = [&](int r) -> const Row& {
+    return across[static_cast<std::size_t>(std::clamp(r, 0, rows - 1))];
+  };
   Row sum{};
   for (int i = -reach - 1; i < reach; ++i) {
     const Row& row = row_at(i);
     each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + row[g]); });
   }
-  constexpr std::size_t kNumbers = sizeof(Row) / sizeof(std::uint16_t);  // both chromas of a group in one sum
+  // both chromas of a group in one sum
+  constexpr std::size_t kNumbers = sizeof(Row) / sizeof(std::uint16_t);
   std::array<std::uint16_t, kNumbers> numbers;
   for (int r = 0; r < std::min(rows + 1, kMostRows); ++r, around += kNumbers) {
     const Row &enters = row_at(r + reach), &leaves = row_at(r - reach - 1);
     each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + enters[g] - leaves[g]); });
     std::memcpy(numbers.data(), sum.data(), sizeof sum);
-    for (std::size_t k = 0; k < kNumbers; ++k) around[k] = static_cast<std::uint8_t>((std::uint32_t{numbers[k]} * per_sum) >> 16);
+    for (std::size_t k = 0; k < kNumbers; ++k)
+      around[k] = static_cast<std::uint8_t>((std::uint32_t{numbers[k]} * per_sum) >> 16);
   }
 }
 
 Bar BarFinder::bar_of(const Snake& s) const {
-  const double n = s.count, n_y = s.sum_y, spread = n * s.sum_yy - n_y * n_y;  // three rows or more: not zero
+  // three rows or more: not zero
+  const double n = s.count, n_y = s.sum_y, spread = n * s.sum_yy - n_y * n_y;
   const double slope = (n * s.sum_xy - s.sum_x * n_y) / spread, x = (s.sum_x - slope * n_y) / n;
   // Samples and rows to pixels.
-  Bar bar{.slope = slope / kGroup, .top = s.first * stride_ + 0.5 * (stride_ - 1), .bottom = s.last * stride_ + 0.5 * (stride_ - 1),
+  Bar bar{.slope = slope / kGroup,
+          .top = s.first * stride_ + 0.5 * (stride_ - 1),
+          .bottom = s.last * stride_ + 0.5 * (stride_ - 1),
           .strength = static_cast<double>(s.strength)};
   bar.at_0 = (x + 0.5) * step_ - 0.5 - bar.slope * bar.top;
   bar.width = static_cast<double>(s.width) / n * step_;
@@ -140,30 +160,41 @@ Bar BarFinder::bar_of(const Snake& s) const {
   // What is left of y² beside a line, a + b y, is what a bend looks like.
   const double n_yy = s.sum_yy, n_yyy = s.sum_yyy;
   const double b = (n * n_yyy - n_y * n_yy) / spread, a = (n_yy - b * n_y) / n;
-  const double bend = (s.sum_xyy - a * s.sum_x - b * s.sum_xy) / (s.sum_yyyy - a * n_yy - b * n_yyy) * step_;  // px / row²
+  // px / row²
+  const double bend =
+      (s.sum_xyy - a * s.sum_x - b * s.sum_xy) / (s.sum_yyyy - a * n_yy - b * n_yyy) * step_;
   const double row = stride_, top = bar.top;
-  bar.curve += bend * Eigen::Vector3d{top * top / (row * row) + b * top / row - a, -2.0 * top / (row * row) - b / row, 1.0 / (row * row)};
+  bar.curve += bend * Eigen::Vector3d{top * top / (row * row) + b * top / row - a,
+                                      -2.0 * top / (row * row) - b / row, 1.0 / (row * row)};
   return bar;
 }
 
-// Where a row crosses something of a bar's colour and width. Hardly a branch depends on a sample: nobody could foretell it.
+// Where a row crosses something of a bar's colour and width. Hardly a branch depends on a sample:
+// nobody could foretell it.
 template <class Visit>
-void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit) {
+void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row,
+                              const Visit& visit) {
   const int v = row_px(row), first = first_column(), step = step_;
-  std::array<std::uint8_t, kMostColumns + 2> edges;        // samples where what shows a bar begins or has ended, in turns
+  // samples where what shows a bar begins or has ended, in turns
+  std::array<std::uint8_t, kMostColumns + 2> edges;
   std::size_t count = 0;
   unsigned before = 0;  // whether the sample before shows one
-  const auto edge = [&](int c, unsigned shows) { edges[count] = static_cast<std::uint8_t>(c), count += shows ^ before, before = shows; };
+  const auto edge = [&](int c, unsigned shows) {
+    edges[count] = static_cast<std::uint8_t>(c), count += shows ^ before, before = shows;
+  };
   int next = 0;
-  for (std::uint64_t hopeful = hopeful_[static_cast<std::size_t>(row)]; hopeful != 0; hopeful &= hopeful - 1) {
+  for (std::uint64_t hopeful = hopeful_[static_cast<std::size_t>(row)]; hopeful != 0;
+       hopeful &= hopeful - 1) {
     const int g = std::countr_zero(hopeful);
     int c = g * kGroup;
     edge(next, before & static_cast<unsigned>(c == next));
     const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
     image.visit_row(c * step + first, v, step, kGroup, [&](Yuv sample) {
-      const int alone = color.absolute[ColorModel::bin(sample)], both = alone + color.relative[ColorModel::difference_bin(sample, mean)];
+      const int alone = color.absolute[ColorModel::bin(sample)],
+                both = alone + color.relative[ColorModel::difference_bin(sample, mean)];
       twice_[static_cast<std::size_t>(c)] = static_cast<std::int16_t>(both);
-      edge(c++, static_cast<unsigned>(both >= 2 * kBar) & static_cast<unsigned>(alone >= ColorModel::kHopeless));
+      edge(c++, static_cast<unsigned>(both >= 2 * kBar) &
+                    static_cast<unsigned>(alone >= ColorModel::kHopeless));
     });
     next = c;
   }
@@ -177,9 +208,11 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
       sum += e, moment += e * k;
     };
     add(0, -1);
-    add(1, -static_cast<int>(start + 1 < end)), add(2, -static_cast<int>(start + 2 < end)), add(3, -static_cast<int>(start + 3 < end));
+    add(1, -static_cast<int>(start + 1 < end)), add(2, -static_cast<int>(start + 2 < end)),
+        add(3, -static_cast<int>(start + 3 < end));
     for (int k = kUsual; k < end - start; ++k) add(k, -1);
-    visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum), std::min(sum, kStrongest), end - start);
+    visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum),
+          std::min(sum, kStrongest), end - start);
   }
 }
 
@@ -193,7 +226,8 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& col
   average_around(sums_y_, around_y_.data());
   average_around(sums_uv_, around_uv_.data());
   FixedList<Snake, kMostSnakes> snakes;
-  std::array<std::int16_t, kMostSnakes> expected{}, reach{};  // of each in the present row; where there is no snake, no reach
+  // of each in the present row; where there is no snake, no reach
+  std::array<std::int16_t, kMostSnakes> expected{}, reach{};
   const auto finish = [&](const Snake& snake) {
     if (snake.count < kLeast) return;
     const Bar bar = bar_of(snake);
@@ -202,14 +236,16 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& col
     if (weaker(weakest, bar)) weakest = bar;
   };
   const auto cross = [&](float x, int row, int strength, int width) {
-    const std::size_t nearest = nearest_of(expected, reach, static_cast<std::int16_t>(Snake::kOne * x));
+    const std::size_t nearest =
+        nearest_of(expected, reach, static_cast<std::int16_t>(Snake::kOne * x));
     const std::size_t mine = std::min(nearest, snakes.size());
     if (mine == snakes.size() && !snakes.push_back(Snake{x, row})) return;
     snakes[mine].cross(x, row, strength, width);
     reach[mine] = 0;  // once a row
   };
   for (int r = 0; r < rows_; ++r) {
-    each_crossing(image, color, r, [&](float x, int strength, int width) { cross(x, r, strength, width); });
+    each_crossing(image, color, r,
+                  [&](float x, int strength, int width) { cross(x, r, strength, width); });
     for (std::size_t i = 0; i < snakes.size(); ++i) {
       while (i < snakes.size() && r - snakes[i].last >= 2) {
         finish(snakes[i]);

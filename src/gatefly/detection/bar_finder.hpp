@@ -18,25 +18,31 @@ namespace gatefly {
 struct Bar {
   double at_0 = 0.0, slope = 0.0, top = 0.0, bottom = 0.0, strength = 0.0;
   double width = 0.0;  ///< Along the rows, mean [px].
-  Eigen::Vector3d curve = Eigen::Vector3d::Zero();  ///< x = c₀ + c₁ y + c₂ y²: a lens bends long bars.
+  /// x = c₀ + c₁ y + c₂ y²: a lens bends long bars.
+  Eigen::Vector3d curve = Eigen::Vector3d::Zero();
 
   [[nodiscard]] double x(double y) const { return at_0 + slope * y; }
   [[nodiscard]] Eigen::Vector2d at(double y) const { return {x(y), y}; }
   [[nodiscard]] double length() const { return bottom - top; }
-  [[nodiscard]] Eigen::Vector2d on_curve(double y) const { return {curve[0] + y * (curve[1] + y * curve[2]), y}; }
+  [[nodiscard]] Eigen::Vector2d on_curve(double y) const {
+    return {curve[0] + y * (curve[1] + y * curve[2]), y};
+  }
 };
 
 /// Finds bars: Li18's snakes (Algorithm 2), in strides, on colour evidence.
 ///
-/// Every eighth row is read, every second pixel of it (at 315 x 160; larger pictures in larger strides). A bar
-/// crosses several rows: a snake follows it from row to row, one may be missing. [ours]
+/// Every eighth row is read, every second pixel of it (at 315 x 160; larger pictures in larger
+/// strides). A bar crosses several rows: a snake follows it from row to row, one may be missing.
+/// [ours]
 class BarFinder {
  public:
-  static constexpr int kGroup = 4;  ///< Samples of a row whose mean is taken; rows are as many samples apart.
+  /// Samples of a row whose mean is taken; rows are as many samples apart.
+  static constexpr int kGroup = 4;
   using Bars = FixedList<Bar, 24>;
 
   /// @param widest  what is wider is no bar [samples].
-  /// @param around  a colour's surroundings reach so many groups to each side: wider than the widest bar.
+  /// @param around  a colour's surroundings reach so many groups to each side: wider than the
+  ///     widest bar.
   BarFinder(int widest, int around) : widest_{widest}, reach_{around} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
@@ -59,17 +65,23 @@ class BarFinder {
 
     /// Of `count` places from (x, y) on, (dx, dy) apart, all in 1/65536 cells: visit(k, evidence).
     template <class Visit>
-    void along(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, int count, const Visit& visit) const {
+    void along(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, int count,
+               const Visit& visit) const {
       x *= cell_, y *= cell_, dx *= cell_, dy *= cell_;
-      const auto contains = [&](std::int64_t u, std::int64_t v) { return image_.contains(static_cast<int>(u >> 16), static_cast<int>(v >> 16)); };
+      const auto contains = [&](std::int64_t u, std::int64_t v) {
+        return image_.contains(static_cast<int>(u >> 16), static_cast<int>(v >> 16));
+      };
       // Where both ends are, all is.
       const bool inside = contains(x, y) && contains(x + (count - 1) * dx, y + (count - 1) * dy);
       for (int k = 0; k < count; ++k, x += dx, y += dy)
-        visit(k, inside || contains(x, y) ? at_pixel(static_cast<int>(x >> 16), static_cast<int>(y >> 16)) : EvidenceMap::kOutside);
+        visit(k, inside || contains(x, y)
+                     ? at_pixel(static_cast<int>(x >> 16), static_cast<int>(y >> 16))
+                     : EvidenceMap::kOutside);
     }
 
-    /// Of `count` cells from (x, y) on, to the right or down: visit(evidence). Without branches, which nobody could foretell
-    /// at a bar: what is around the middle one is taken for around all, a hopeless colour for 0.
+    /// Of `count` cells from (x, y) on, to the right or down: visit(evidence). Without branches,
+    /// which nobody could foretell at a bar: what is around the middle one is taken for around all,
+    /// a hopeless colour for 0.
     template <class Visit>
     void across(int x, int y, bool down, int count, const Visit& visit) const {
       const int u = x * cell_ + cell_ / 2, v = y * cell_ + cell_ / 2, last = (count - 1) * cell_;
@@ -79,16 +91,22 @@ class BarFinder {
       }
       const Yuv mean = finder_.around(group(down ? u : u + last / 2, down ? v + last / 2 : v));
       const auto take = [&](Yuv c) {
-        visit(least(color_.evidence(c, mean), EvidenceMap::kLimit) & -static_cast<int>(color_.absolute[ColorModel::bin(c)] >= ColorModel::kHopeless));
+        visit(least(color_.evidence(c, mean), EvidenceMap::kLimit) &
+              -static_cast<int>(color_.absolute[ColorModel::bin(c)] >= ColorModel::kHopeless));
       };
-      if (down) image_.visit_column(u, v, cell_, count, take);
-      else image_.visit_row(u, v, cell_, count, take);
+      if (down)
+        image_.visit_column(u, v, cell_, count, take);
+      else
+        image_.visit_row(u, v, cell_, count, take);
     }
 
    private:
-    [[nodiscard]] int at_pixel(int u, int v) const { return finder_.evidence_of(color_, image_.packed_at(u, v), group(u, v)); }
+    [[nodiscard]] int at_pixel(int u, int v) const {
+      return finder_.evidence_of(color_, image_.packed_at(u, v), group(u, v));
+    }
     [[nodiscard]] std::size_t group(int u, int v) const {
-      const auto g = (static_cast<std::uint64_t>(u) * finder_.per_stride_) >> 32, r = (static_cast<std::uint64_t>(v) * finder_.per_stride_) >> 32;
+      const auto g = (static_cast<std::uint64_t>(u) * finder_.per_stride_) >> 32,
+                 r = (static_cast<std::uint64_t>(v) * finder_.per_stride_) >> 32;
       return r * kMostGroups + g;
     }
 
@@ -97,14 +115,17 @@ class BarFinder {
     const ColorModel& color_;
     int cell_;
   };
-  [[nodiscard]] Evidence evidence(const Image& image, const ColorModel& color, int cell) const { return {*this, image, color, cell}; }
+  [[nodiscard]] Evidence evidence(const Image& image, const ColorModel& color, int cell) const {
+    return {*this, image, color, cell};
+  }
 
   [[nodiscard]] int step() const { return step_; }      ///< Pixels from sample to sample.
   [[nodiscard]] int stride() const { return stride_; }  ///< Pixels from row to row.
 
  private:
   struct Snake;
-  static constexpr int kNoBar = -24;  // evidence of a hopeless colour: with -2.5 nats a gap in a bar would count too much
+  // evidence of a hopeless colour: with -2.5 nats a gap in a bar would count too much
+  static constexpr int kNoBar = -24;
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
   static constexpr int kUsual = 4;   // samples of a crossing; few are wider
   static constexpr int kBeyond = 8;  // groups; more than around_ reaches
@@ -125,25 +146,31 @@ class BarFinder {
     if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kNoBar;
     const Yuv pixel = c.unpacked();
     if (color.absolute[ColorModel::bin(pixel)] < ColorModel::kHopeless) return kNoBar;
-    return std::clamp(color.evidence(pixel, around(group)), -EvidenceMap::kLimit, EvidenceMap::kLimit);
+    return std::clamp(color.evidence(pixel, around(group)), -EvidenceMap::kLimit,
+                      EvidenceMap::kLimit);
   }
-  [[nodiscard]] Yuv around(std::size_t group) const { return {around_y_[group], around_uv_[2 * group], around_uv_[2 * group + 1]}; }
+  [[nodiscard]] Yuv around(std::size_t group) const {
+    return {around_y_[group], around_uv_[2 * group], around_uv_[2 * group + 1]};
+  }
   [[nodiscard]] int first_column() const { return step_ / 2; }
   [[nodiscard]] int row_px(int row) const { return row * stride_ + stride_ / 2; }
 
   Bars bars_;  // of the picture that was searched last
   int widest_, reach_;
   int step_ = 0, stride_ = 0;
-  int rows_ = 0, groups_ = 0;                        // read of the picture; four samples of a row make a group
-  std::uint64_t per_stride_ = 0;                     // 2^32 / stride_
+  // read of the picture; four samples of a row make a group
+  int rows_ = 0, groups_ = 0;
+  std::uint64_t per_stride_ = 0;  // 2^32 / stride_
   // Of each group; what is beyond either side is as at the border. Chromas as PackedYuv has them.
   Sums<std::uint16_t> sums_y_{};
   Sums<std::uint32_t> sums_uv_{};
   // Means of the groups around each; u and v in turns.
   std::array<std::uint8_t, kMostGroups * kMostRows> around_y_{};
   std::array<std::uint8_t, 2 * kMostGroups * kMostRows> around_uv_{};
-  std::array<std::int16_t, kMostColumns + kUsual> twice_{};  // evidence of a row's samples, of both tables together
-  std::array<std::uint64_t, kMostRows> hopeful_{};  // of each row, a bit for each group: whether it may hold a bar
+  // evidence of a row's samples, of both tables together
+  std::array<std::int16_t, kMostColumns + kUsual> twice_{};
+  // of each row, a bit for each group: whether it may hold a bar
+  std::array<std::uint64_t, kMostRows> hopeful_{};
 };
 
 }  // namespace gatefly

@@ -11,7 +11,9 @@
 namespace gatefly {
 namespace {
 
-constexpr std::size_t kTried = 48;  // places that are looked at closely [of 24, 48, 96: two thirds of the cost of 96, a gate in 300 less]
+// places that are looked at closely [of 24, 48, 96: two thirds of the cost of 96, a gate in 300
+// less]
+constexpr std::size_t kTried = 48;
 
 constexpr double kWideBar = 4.0;  // cells; wider ones need no look at single pixels
 
@@ -19,8 +21,11 @@ bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.tot
 
 // Of two frames in one place: a post in the opening makes a frame of each half, so size counts.
 bool better_here(const Frame& a, const Frame& b) {
-  constexpr double kNatsPerDoubling = 0.5;  // [of 0, .5, 1, 1.7: the most gates of all labelled sets]
-  const auto worth = [](const Frame& f) { return f.score.total + kNatsPerDoubling * std::log2(std::max(1.0, std::abs(area(f.quad)))); };
+  // [of 0, .5, 1, 1.7: the most gates of all labelled sets]
+  constexpr double kNatsPerDoubling = 0.5;
+  const auto worth = [](const Frame& f) {
+    return f.score.total + kNatsPerDoubling * std::log2(std::max(1.0, std::abs(area(f.quad))));
+  };
   return worth(a) > worth(b);
 }
 
@@ -41,7 +46,9 @@ Frame pulled(const Fit& fit, Frame f, double least_side, double most_aspect) {
 // The same on pixels, and through the middle of the bars.
 template <class Fit>
 Frame finished(const Fit& fit, Quad q, double least_side, const GateSearchParams& params) {
-  const auto has_shape = [&](const std::optional<Quad>& quad) { return quad && is_frame_shaped(*quad, least_side, params.max_aspect); };
+  const auto has_shape = [&](const std::optional<Quad>& quad) {
+    return quad && is_frame_shaped(*quad, least_side, params.max_aspect);
+  };
   FrameScore score = fit.score(q);
   for (const int reach : {3, 2, 1}) {
     const auto moved = fit.moved(q, reach);
@@ -51,10 +58,12 @@ Frame finished(const Fit& fit, Quad q, double least_side, const GateSearchParams
   }
   const double size = std::sqrt(std::abs(area(q)));
   const double around = std::min(0.0437 * size, 5.0);
-  const auto centered = fit.centered(q, std::max(2, static_cast<int>(0.5 * params.bar() * size + around + 0.5)));
+  const auto centered =
+      fit.centered(q, std::max(2, static_cast<int>(0.5 * params.bar() * size + around + 0.5)));
   if (has_shape(centered)) {
     const FrameScore now = fit.score(*centered);
-    if (now.total > score.total - 0.3) q = *centered, score = now;  // sub-pixel is worth a little evidence
+    // sub-pixel is worth a little evidence
+    if (now.total > score.total - 0.3) q = *centered, score = now;
   }
   return {q, score};
 }
@@ -63,7 +72,8 @@ using BestFrames = FixedList<Frame, 8>;
 
 // One frame a place, the best ones.
 void keep(BestFrames& best, const Frame& frame) {
-  const auto known = std::find_if(best.begin(), best.end(), [&](const Frame& b) { return same_place(b.quad, frame.quad); });
+  const auto known = std::find_if(best.begin(), best.end(),
+                                  [&](const Frame& b) { return same_place(b.quad, frame.quad); });
   if (known != best.end()) {
     if (better_here(frame, *known)) *known = frame;
   } else if (!best.push_back(frame)) {
@@ -107,7 +117,8 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
     }
     if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
     frame.quad = refined_corners(image, frame.quad, params_.bar());
-    (void)found.push_back(detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale));
+    (void)found.push_back(
+        detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale));
   }
   insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return found;

@@ -9,8 +9,8 @@
 
 namespace gatefly {
 
-/// Finds washed-out, blurred and turned gates: evidence everywhere, frames of every size and turn tried
-/// everywhere, the best ones fitted. [ours; Li18 has no counterpart.]
+/// Finds washed-out, blurred and turned gates: evidence everywhere, frames of every size and turn
+/// tried everywhere, the best ones fitted. [ours; Li18 has no counterpart.]
 class CarefulSearch {
  public:
   explicit CarefulSearch(const GateSearchParams& params = {}) : params_{params} {}

@@ -6,8 +6,8 @@
 namespace gatefly {
 namespace {
 
-// Evidence of a chroma `along` the hue and `across` it: from `zero` on it speaks for the gate, a nat more
-// with every `scale`; what is off the hue by more than `slack` counts against it.
+// Evidence of a chroma `along` the hue and `across` it: from `zero` on it speaks for the gate, a
+// nat more with every `scale`; what is off the hue by more than `slack` counts against it.
 struct Slope {
   double zero, scale, off_hue, slack;
 };
@@ -17,13 +17,16 @@ constexpr double kMostNats = 3.0;
 std::int8_t evidence_of(const Slope& slope, double along, double across) {
   const double off = std::max(0.0, std::abs(across) - 0.35 * std::max(0.0, along) - slope.slack);
   const double nats = (along - slope.zero - slope.off_hue * off) / slope.scale;
-  return static_cast<std::int8_t>(std::lround(ColorModel::kUnit * std::clamp(nats, -kMostNats, kMostNats)));
+  return static_cast<std::int8_t>(
+      std::lround(ColorModel::kUnit * std::clamp(nats, -kMostNats, kMostNats)));
 }
 
 }  // namespace
 
 ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
-  const auto byte = [](double c) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0))); };
+  const auto byte = [](double c) {
+    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0)));
+  };
   const Yuv color = yuv_of_rgb(byte(rgb[0]), byte(rgb[1]), byte(rgb[2]));
   const double u = color.u - 128, v = color.v - 128, chroma = std::max(1.0, std::hypot(u, v));
   const double hue_u = u / chroma, hue_v = v / chroma;
@@ -33,7 +36,8 @@ ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
     for (int bu = 0; bu < static_cast<int>(kChroma); ++bu)
       for (int bv = 0; bv < static_cast<int>(kChroma); ++bv, ++i) {
         // The middle of the bin, of a colour and of a difference.
-        const auto fill = [&](std::array<std::int8_t, kBins>& table, const Slope& slope, double du, double dv) {
+        const auto fill = [&](std::array<std::int8_t, kBins>& table, const Slope& slope, double du,
+                              double dv) {
           table[i] = evidence_of(slope, du * hue_u + dv * hue_v, du * hue_v - dv * hue_u);
         };
         fill(model.absolute, kAbsolute, 4 * bu + 1.5 - 64, 4 * bv + 1.5 - 64);
@@ -48,7 +52,8 @@ void ColorModel::find_hopeless() {
   for (int u = 0; u < 256; u += 4)
     for (int v = 0; v < 256; v += 4) {
       bool all = true;
-      for (int y = 0; y < 256; y += 16) all = all && absolute[bin({byte(y), byte(u), byte(v)})] < kHopeless;
+      for (int y = 0; y < 256; y += 16)
+        all = all && absolute[bin({byte(y), byte(u), byte(v)})] < kHopeless;
       hopeless[chroma_bin(PackedYuv::of({0, byte(u), byte(v)}))] = all;
     }
 }

@@ -17,33 +17,42 @@
 namespace gatefly {
 namespace {
 
-constexpr int kWidest = 31;                   // pixels of a line
-constexpr double kMargin = 2.0;               // beside a bar [px]
-constexpr double kEnds = 2.0;                 // beside the half of the bar that crosses at either end [px]
-constexpr float kLeastContrast = 4.0f;        // grey levels between the colours of a bar and of what is beside it
-constexpr float kLeastShown = 0.35f;          // of a bar's width, on a line that counts
-constexpr float kEnd = 64.0f;                 // half a pixel beyond the end of a line: kEnd² / 2^5 = 128, there a pixel counts nothing
+constexpr int kWidest = 31;      // pixels of a line
+constexpr double kMargin = 2.0;  // beside a bar [px]
+// beside the half of the bar that crosses at either end [px]
+constexpr double kEnds = 2.0;
+// grey levels between the colours of a bar and of what is beside it
+constexpr float kLeastContrast = 4.0f;
+constexpr float kLeastShown = 0.35f;  // of a bar's width, on a line that counts
+// half a pixel beyond the end of a line: kEnd² / 2^5 = 128, there a pixel counts nothing
+constexpr float kEnd = 64.0f;
 constexpr int kLeastLines = 4;
-constexpr double kLittle = 0.3;               // of a side that is in view: it does not say how it leans
-constexpr double kRough = 0.5;                // lines that the rough side counts as, at either end
-constexpr float kLuma = 0.4f;                 // of a grey level, beside one of chroma: what is behind a gate differs in luma
-constexpr double kLeap = 3.0;                 // px
-constexpr float kNear = 0.9f;                 // from a line's middle pixel to where it is thought to cross: not read again [px]
+// of a side that is in view: it does not say how it leans
+constexpr double kLittle = 0.3;
+constexpr double kRough = 0.5;  // lines that the rough side counts as, at either end
+// of a grey level, beside one of chroma: what is behind a gate differs in luma
+constexpr float kLuma = 0.4f;
+constexpr double kLeap = 3.0;  // px
+// from a line's middle pixel to where it is thought to cross: not read again [px]
+constexpr float kNear = 0.9f;
 
 struct Effort {
   int passes;    // at most
   double still;  // a pass that moves no corner farther is the last [px]
   double eager;  // times the step: it falls short, for pixels near where the line was count more
 };
-constexpr Effort kQuick{.passes = 3, .still = 0.3, .eager = 1.5}, kCareful{.passes = 5, .still = 0.2, .eager = 1.0};
+constexpr Effort kQuick{.passes = 3, .still = 0.3, .eager = 1.5},
+    kCareful{.passes = 5, .still = 0.2, .eager = 1.0};
 
-// A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always cross the bar.
+// A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always
+// cross the bar.
 struct Side {
   double at_0 = 0.0, slope = 0.0;
   bool level = false;
 
   Side() = default;
-  Side(const Eigen::Vector2d& a, const Eigen::Vector2d& b) : level{std::abs(b.x() - a.x()) > std::abs(b.y() - a.y())} {
+  Side(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
+      : level{std::abs(b.x() - a.x()) > std::abs(b.y() - a.y())} {
     const double length = along(b) - along(a);
     slope = (across(b) - across(a)) / (std::abs(length) > 1e-9 ? length : 1e-9);
     at_0 = across(a) - slope * along(a);
@@ -51,15 +60,20 @@ struct Side {
   [[nodiscard]] double along(const Eigen::Vector2d& p) const { return level ? p.x() : p.y(); }
   [[nodiscard]] double across(const Eigen::Vector2d& p) const { return level ? p.y() : p.x(); }
   [[nodiscard]] double x(double y) const { return at_0 + slope * y; }
-  void lean_like(const Side& other, double y) { at_0 = x(y) - other.slope * y, slope = other.slope; }
+  void lean_like(const Side& other, double y) {
+    at_0 = x(y) - other.slope * y, slope = other.slope;
+  }
   /// n · p = c, as (n, c).
-  [[nodiscard]] Eigen::Vector3d equation() const { return level ? Eigen::Vector3d{-slope, 1.0, at_0} : Eigen::Vector3d{1.0, -slope, at_0}; }
+  [[nodiscard]] Eigen::Vector3d equation() const {
+    return level ? Eigen::Vector3d{-slope, 1.0, at_0} : Eigen::Vector3d{1.0, -slope, at_0};
+  }
 };
 
 std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
   const Eigen::Vector3d m = before.equation(), n = after.equation();
   const double det = m[0] * n[1] - m[1] * n[0];
-  if (!(det * det > 0.04 * m.head<2>().squaredNorm() * n.head<2>().squaredNorm())) return std::nullopt;
+  if (!(det * det > 0.04 * m.head<2>().squaredNorm() * n.head<2>().squaredNorm()))
+    return std::nullopt;
   return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
 }
 
@@ -74,22 +88,28 @@ class Strip {
   /// Reads the picture across a side from y = `from` to `to`.
   void read(const Image& image, const Side& side, double from, double to, double bar_px) {
     side_ = side, count_ = 0;
-    const double lean = std::sqrt(1.0 + side.slope * side.slope), half_bar = std::min(0.5 * bar_px * lean, 1e6);
-    const int reach = static_cast<int>(half_bar + kMargin * lean + 0.5), breadth = side.level ? image.height() : image.width();
+    const double lean = std::sqrt(1.0 + side.slope * side.slope),
+                 half_bar = std::min(0.5 * bar_px * lean, 1e6);
+    const int reach = static_cast<int>(half_bar + kMargin * lean + 0.5),
+              breadth = side.level ? image.height() : image.width();
     step_ = 1 + 2 * reach / kWidest;
     half_ = reach / step_;
     const int first = static_cast<int>(std::clamp(from + 1.0, 0.0, 1e6));
-    const int last = static_cast<int>(std::max(-1.0, std::min((side.level ? image.width() : image.height()) - 1.0, to)));
-    const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_, starts = breadth - 2 * beyond;
+    const int last = static_cast<int>(
+        std::max(-1.0, std::min((side.level ? image.width() : image.height()) - 1.0, to)));
+    const int lines = std::min(kLines, last - first + 1), beyond = step_ * half_,
+              starts = breadth - 2 * beyond;
     if (lines < 1 || starts <= 0 || !(std::abs(side.at_0) < 1e6)) return;
     // All in 1/65536 px: what is shifted need not be converted for each line.
     constexpr int kBits = 16;
     constexpr std::int64_t kOne = 1 << kBits;
     const std::int64_t apart = kOne * (last - first) / std::max(1, lines - 1);
-    const auto slope = static_cast<std::int64_t>(kOne * side.slope), at_0 = static_cast<std::int64_t>(kOne * side.at_0);
+    const auto slope = static_cast<std::int64_t>(kOne * side.slope),
+               at_0 = static_cast<std::int64_t>(kOne * side.at_0);
     const int n = 2 * half_ + 1;
     std::array<int, static_cast<std::size_t>(kLines)> y, off;
-    Levels *const luma = colors_[0].data(), *const u = colors_[1].data(), *const v = colors_[2].data();
+    Levels *const luma = colors_[0].data(), *const u = colors_[1].data(),
+                  *const v = colors_[2].data();
     std::int64_t along = kOne * first;
     for (int k = 0; k < lines; ++k, along += apart) {
       const int at = static_cast<int>(along >> kBits);
@@ -98,21 +118,29 @@ class Strip {
       if (static_cast<unsigned>(start) >= static_cast<unsigned>(starts)) continue;
       const auto line = static_cast<std::size_t>(count_);
       std::size_t i = 0;
-      const auto take = [&](Yuv c) { luma[i][line] = c.y, u[i][line] = c.u, v[i][line] = c.v, ++i; };
-      if (side.level) image.visit_column(at, start, step_, n, take);
-      else image.visit_row(start, at, step_, n, take);
+      const auto take = [&](Yuv c) {
+        luma[i][line] = c.y, u[i][line] = c.u, v[i][line] = c.v, ++i;
+      };
+      if (side.level)
+        image.visit_column(at, start, step_, n, take);
+      else
+        image.visit_row(start, at, step_, n, take);
       y[line] = at, off[line] = static_cast<int>(x - kOne * middle);
       ++count_;
     }
     if (count_ == 0) return;
     // Lines that are not there are black, where the first one is: they add nothing to sums.
     if (count_ < kLines) {
-      std::fill(y.begin() + count_, y.end(), y[0]), std::fill(off.begin() + count_, off.end(), off[0]);
+      std::fill(y.begin() + count_, y.end(), y[0]),
+          std::fill(off.begin() + count_, off.end(), off[0]);
       for (auto& color : colors_)
-        for (int i = 0; i < n; ++i) std::fill(color[static_cast<std::size_t>(i)].begin() + count_, color[static_cast<std::size_t>(i)].end(), std::int16_t{0});
+        for (int i = 0; i < n; ++i)
+          std::fill(color[static_cast<std::size_t>(i)].begin() + count_,
+                    color[static_cast<std::size_t>(i)].end(), std::int16_t{0});
     }
     y_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(y.data()).template cast<float>();
-    off_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(off.data()).template cast<float>() / static_cast<float>(kOne * step_);
+    off_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(off.data()).template cast<float>() /
+           static_cast<float>(kOne * step_);
     const int core = static_cast<int>(std::max(0.6, 0.5 * half_bar)) / step_;
     bar_ = mean(half_ - core, 2 * core + 1), before_ = mean(0, 2), behind_ = mean(2 * half_ - 1, 2);
   }
@@ -120,7 +148,8 @@ class Strip {
   [[nodiscard]] bool empty() const { return count_ == 0; }
   /// Whether what was read is still across this side, and near enough to its middle.
   [[nodiscard]] bool fits(const Side& side) const {
-    return count_ > 0 && side.level == side_.level && off_from(side).abs().maxCoeff() * static_cast<float>(step_) < kNear;
+    return count_ > 0 && side.level == side_.level &&
+           off_from(side).abs().maxCoeff() * static_cast<float>(step_) < kNear;
   }
   /// Of the side in view: from the first line to the last, and halfway between them.
   [[nodiscard]] double length() const { return y_[count_ - 1] - y_[0]; }
@@ -129,26 +158,34 @@ class Strip {
   /// Colour of the bar less that of what is beside it.
   [[nodiscard]] Eigen::Vector3f contrast() const { return bar_ - 0.5f * (before_ + behind_); }
 
-  /// A line through the bar's middles: least squares, twice, those far off counting less the second time.
-  /// @param contrast  of a bar; how far a pixel is on that way from the colour beside, which changes evenly from one
-  ///                  flank to the other, says how much of it is bar.
-  [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px, double eager) const {
+  /// A line through the bar's middles: least squares, twice, those far off counting less the second
+  /// time.
+  /// @param contrast  of a bar; how far a pixel is on that way from the colour beside, which
+  ///     changes evenly from one flank to the other, says how much of it is bar.
+  [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px,
+                          double eager) const {
     if (count_ < kLeastLines) return rough;
     const Lines off = off_from(rough);
     const auto [sum, moment] = bar_pixels(off, contrast);
-    const float least = kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
+    const float least =
+        kLeastShown * std::max(1.0f, static_cast<float>(bar_px)) / static_cast<float>(step_);
     // Lines that are not there show nothing.
     Lines shown;
     for (int k = 0; k < kLines; ++k) shown[k] = sum[k] >= least ? 1.0f : 0.0f;
     if (shown.sum() < kLeastLines) return rough;
-    const float y_middle = static_cast<float>(middle()), half_length = 0.5f * static_cast<float>(length());
-    // The rough line counts as a crossing at either end: a side that shows little of itself must not swing.
-    const Lines y = y_ - y_middle, x = shown * static_cast<float>(step_) * (moment / sum.max(1e-6f) - off);
+    const float y_middle = static_cast<float>(middle()),
+                half_length = 0.5f * static_cast<float>(length());
+    // The rough line counts as a crossing at either end: a side that shows little of itself must
+    // not swing.
+    const Lines y = y_ - y_middle,
+                x = shown * static_cast<float>(step_) * (moment / sum.max(1e-6f) - off);
     double shift = 0.0, slope = 0.0;  // beside the rough line
     for (int pass = 0; pass < 2; ++pass) {
       const Lines left = x - static_cast<float>(shift) - static_cast<float>(slope) * y;
       const Lines w = pass == 0 ? shown : Lines{shown / (1.0f + 0.5f * left * left)};
-      const double n = w.sum() + kRough, n_y = (w * y).sum(), n_yy = (w * y * y).sum() + kRough * half_length * half_length, n_x = (w * x).sum(), n_xy = (w * x * y).sum();
+      const double n = w.sum() + kRough, n_y = (w * y).sum(),
+                   n_yy = (w * y * y).sum() + kRough * half_length * half_length,
+                   n_x = (w * x).sum(), n_xy = (w * x * y).sum();
       const double det = n * n_yy - n_y * n_y;
       if (!(det > 1e-3)) return rough;
       slope = (n * n_xy - n_x * n_y) / det, shift = (n_x - slope * n_y) / n;
@@ -163,45 +200,64 @@ class Strip {
   using Levels = std::array<std::int16_t, static_cast<std::size_t>(kLines)>;  // one of each line
   // Color by color, pixel by pixel of a line, line by line.
   std::array<std::array<Levels, kWidest>, 3> colors_;
-  Lines y_, off_;                          // of a line; from its middle pixel to the side it was read along [steps]
+  // of a line; from its middle pixel to the side it was read along [steps]
+  Lines y_, off_;
   Eigen::Vector3f bar_, before_, behind_;  // mean colours
   int step_ = 1, half_ = 0, count_ = 0;
-  Side side_;                              // along which it was read
+  Side side_;  // along which it was read
 
   [[nodiscard]] Lines off_from(const Side& side) const {
-    return off_ + (static_cast<float>(side.at_0 - side_.at_0) + static_cast<float>(side.slope - side_.slope) * y_) / static_cast<float>(step_);
+    return off_ + (static_cast<float>(side.at_0 - side_.at_0) +
+                   static_cast<float>(side.slope - side_.slope) * y_) /
+                      static_cast<float>(step_);
   }
 
-  // Of each line, how many of its pixels are bar, those at its ends counting less; and the same times where they are.
-  [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Lines& off_middle, const Eigen::Vector3f& contrast) const {
-    // All in 16 bits. Colours along the vector from what is beside to the bar, in 1/64 grey levels: the difference of any
-    // two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 * 64..127 of each pixel.
+  // Of each line, how many of its pixels are bar, those at its ends counting less; and the same
+  // times where they are.
+  [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Lines& off_middle,
+                                                   const Eigen::Vector3f& contrast) const {
+    // All in 16 bits. Colours along the vector from what is beside to the bar, in 1/64 grey levels:
+    // the difference of any two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 *
+    // 64..127 of each pixel.
     constexpr float kUnit = 64.0f;
-    const Eigen::Vector3f weighted = contrast.cwiseProduct(Eigen::Vector3f{kLuma, 1.0f, 1.0f}), unit = kUnit / weighted.norm() * weighted;
+    const Eigen::Vector3f weighted = contrast.cwiseProduct(Eigen::Vector3f{kLuma, 1.0f, 1.0f}),
+                          unit = kUnit / weighted.norm() * weighted;
     const float full = contrast.dot(unit);
     const int halvings = static_cast<int>(std::bit_width(static_cast<unsigned>(full))) - 7;
-    const Eigen::Vector3f way = unit.unaryExpr([](float x) { return static_cast<float>(whole(x)); });
-    const Eight way_y = eight(whole(way[0])), way_u = eight(whole(way[1])), way_v = eight(whole(way[2])), most = eight(whole(std::min(1.2f * full, 32767.0f))), none{};
-    const float from = way.dot(before_), change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
+    const Eigen::Vector3f way =
+        unit.unaryExpr([](float x) { return static_cast<float>(whole(x)); });
+    const Eight way_y = eight(whole(way[0])), way_u = eight(whole(way[1])),
+                way_v = eight(whole(way[2])), most = eight(whole(std::min(1.2f * full, 32767.0f))),
+                none{};
+    const float from = way.dot(before_),
+                change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
     const float per_pixel = kEnd / (static_cast<float>(half_) + 0.5f);
     Levels sums, moments, offs;
-    Eigen::Map<Eigen::Array<std::int16_t, kLines, 1>>(offs.data()) = (per_pixel * off_middle).template cast<int>().template cast<std::int16_t>();
+    Eigen::Map<Eigen::Array<std::int16_t, kLines, 1>>(offs.data()) =
+        (per_pixel * off_middle).template cast<int>().template cast<std::int16_t>();
     for (std::size_t k = 0; k < kLines; k += kEight) {
       Eight sum{}, moment{};
       for (int i = -half_; i <= half_; ++i) {
         const auto column = static_cast<std::size_t>(i + half_);
-        const auto level = [&](std::size_t color) { return eight(colors_[color][column].data() + k); };
-        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) - eight(whole(from + change * static_cast<float>(i + half_)));
+        const auto level = [&](std::size_t color) {
+          return eight(colors_[color][column].data() + k);
+        };
+        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) -
+                     eight(whole(from + change * static_cast<float>(i + half_)));
         part = (part < none ? none : part > most ? most : part) >> halvings;
         const Eight off = eight(whole(per_pixel * static_cast<float>(i))) - eight(offs.data() + k);
         const Eight weight = 128 - (off * off >> 5);
         part = part * (weight < none ? none : weight * weight >> 7) >> 6;
         sum += part, moment += part * static_cast<std::int16_t>(i);
       }
-      std::memcpy(sums.data() + k, &sum, sizeof sum), std::memcpy(moments.data() + k, &moment, sizeof moment);
+      std::memcpy(sums.data() + k, &sum, sizeof sum),
+          std::memcpy(moments.data() + k, &moment, sizeof moment);
     }
     const float pixel = 0.5f * static_cast<float>(1 << halvings) / full;
-    const auto in_pixels = [&](const Levels& of_lines) { return Lines{pixel * Eigen::Map<const Eigen::Array<std::int16_t, kLines, 1>>(of_lines.data()).template cast<float>()}; };
+    const auto in_pixels = [&](const Levels& of_lines) {
+      return Lines{pixel * Eigen::Map<const Eigen::Array<std::int16_t, kLines, 1>>(of_lines.data())
+                               .template cast<float>()};
+    };
     return {in_pixels(sums), in_pixels(moments)};
   }
 
@@ -211,10 +267,12 @@ class Strip {
     for (std::size_t color = 0; color < 3; ++color) {
       Eight sums{};
       for (int i = first; i < first + pixels; ++i)
-        for (std::size_t k = 0; k < kLines; k += kEight) sums += eight(colors_[color][static_cast<std::size_t>(i)].data() + k);
+        for (std::size_t k = 0; k < kLines; k += kEight)
+          sums += eight(colors_[color][static_cast<std::size_t>(i)].data() + k);
       int sum = 0;
       for (std::size_t k = 0; k < kEight; ++k) sum += sums[k];
-      mean[static_cast<Eigen::Index>(color)] = static_cast<float>(sum) / static_cast<float>(std::max(1, count_ * pixels));
+      mean[static_cast<Eigen::Index>(color)] =
+          static_cast<float>(sum) / static_cast<float>(std::max(1, count_ * pixels));
     }
     return mean;
   }
@@ -234,19 +292,24 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
       const double from = sides[i].along(a + end * (b - a)), to = sides[i].along(b - end * (b - a));
       strips[i].read(image, sides[i], std::min(from, to), std::max(from, to), bar_px);
     }
-    // One colour for all bars: a side that is off by its bar's width takes the bar for what is beside it.
+    // One colour for all bars: a side that is off by its bar's width takes the bar for what is
+    // beside it.
     Eigen::Vector3f contrast = Eigen::Vector3f::Zero();
     int shown = 0;
     for (const auto& s : strips)
       if (!s.empty()) contrast += s.contrast(), ++shown;
     contrast /= static_cast<float>(std::max(1, shown));
     if (!(contrast.squaredNorm() >= kLeastContrast * kLeastContrast)) return corners;
-    for (std::size_t i = 0; i < 4; ++i) sides[i] = strips[i].line(sides[i], contrast, bar_px, effort.eager);
+    for (std::size_t i = 0; i < 4; ++i)
+      sides[i] = strips[i].line(sides[i], contrast, bar_px, effort.eager);
     // A side of which the border leaves little says where it is, the opposite one how it leans.
     for (std::size_t i = 0; i < 4; ++i) {
       const Side& opposite = sides[(i + 2) % 4];
-      const double length = std::abs(sides[i].along(corners[(i + 1) % 4]) - sides[i].along(corners[i]));
-      if (!strips[i].empty() && strips[i].length() < kLittle * length && opposite.level == sides[i].level) sides[i].lean_like(opposite, strips[i].middle());
+      const double length =
+          std::abs(sides[i].along(corners[(i + 1) % 4]) - sides[i].along(corners[i]));
+      if (!strips[i].empty() && strips[i].length() < kLittle * length &&
+          opposite.level == sides[i].level)
+        sides[i].lean_like(opposite, strips[i].middle());
     }
     Quad now;
     for (std::size_t i = 0; i < 4; ++i) {

@@ -12,14 +12,17 @@ enum class RefinementEffort {
   kCareful,  ///< 32, at most five times.
 };
 
-/// The corners of a frame, sub-pixel: where the middle lines of its bars cross. [ours; Li18 §3.1 ends at "the centroid
-/// of the patch around each rough corner"]
+/// The corners of a frame, sub-pixel: where the middle lines of its bars cross. [ours; Li18 §3.1
+/// ends at "the centroid of the patch around each rough corner"]
 ///
-/// What is bar and what is beside it is told by the colours in this very picture: a colour model's bins are as coarse
-/// as the noise of a camera, and its steps move a line by a pixel between two pictures of one scene.
+/// What is bar and what is beside it is told by the colours in this very picture: a colour model's
+/// bins are as coarse as the noise of a camera, and its steps move a line by a pixel between two
+/// pictures of one scene.
 /// @param frame  the bars' middle lines, to a pixel or two [px].
 /// @param bar  bar width / side of the bars' middle lines.
-/// A side that shows no bar stays where it is; a frame of which a corner would leap is returned as it was. Allocates nothing.
-[[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort = RefinementEffort::kCareful);
+/// A side that shows no bar stays where it is; a frame of which a corner would leap is returned as
+/// it was. Allocates nothing.
+[[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar,
+                                   RefinementEffort effort = RefinementEffort::kCareful);
 
 }  // namespace gatefly

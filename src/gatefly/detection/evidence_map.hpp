@@ -11,7 +11,8 @@
 
 namespace gatefly {
 
-/// A picture as evidence for the gate, on a grid of at most kCells cells whatever the picture's size.
+/// A picture as evidence for the gate, on a grid of at most kCells cells whatever the picture's
+/// size.
 class EvidenceMap {
  public:
   static constexpr int kCells = 20'000, kMargin = 1;
@@ -34,7 +35,8 @@ class EvidenceMap {
 
   /// Mean colour of the cells around a pixel. @param u,v  inside a picture that has cells.
   [[nodiscard]] Yuv around(int u, int v) const {
-    const auto k = static_cast<std::size_t>(std::min(v / step_, height_ - 1) * width_ + std::min(u / step_, width_ - 1));
+    const auto k = static_cast<std::size_t>(std::min(v / step_, height_ - 1) * width_ +
+                                            std::min(u / step_, width_ - 1));
     return {around_y_[k], around_u_[k], around_v_[k]};
   }
 
@@ -47,9 +49,9 @@ class EvidenceMap {
   void average_around();
 
   int width_ = 0, height_ = 0, step_ = 1;
-  std::vector<std::uint8_t> y_, u_, v_;                 // mean colour of each cell
+  std::vector<std::uint8_t> y_, u_, v_;  // mean colour of each cell
   std::vector<std::uint8_t> around_y_, around_u_, around_v_;
-  std::vector<std::uint16_t> columns_;                  // running sums of the box filter
+  std::vector<std::uint16_t> columns_;  // running sums of the box filter
   std::vector<std::int8_t> evidence_;
 };
 

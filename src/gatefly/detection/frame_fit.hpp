@@ -20,14 +20,16 @@ namespace gatefly {
 struct FrameScore {
   double total = -9.0;
   double mean = 0.0, weakest = 0.0;  ///< Along the four sides; along the worst of them.
-  double inside = 0.0, outside = 0.0;  ///< Beside the sides and in the middle: a gate is empty there.
+  /// Beside the sides and in the middle: a gate is empty there.
+  double inside = 0.0, outside = 0.0;
   std::array<double, 4> side{};  ///< Top, right, bottom, left.
 };
 
 /// What decides whether a frame is a gate. [chosen on labelled pictures, docs/paper/results.md]
 struct FrameWeights {
   double weakest = 0.6, inside = 0.9, outside = 0.8;
-  double size = 0.3;  ///< With every doubling of the side, 0 at 50 px: long sides are seldom like bars by chance.
+  /// With every doubling of the side, 0 at 50 px: long sides are seldom like bars by chance.
+  double size = 0.3;
 };
 
 /// How closely a frame is looked at.
@@ -37,13 +39,15 @@ struct FrameEffort {
   int middles = 32;   ///< Of a side, to centre it.
 };
 
-/// Fits frames to evidence: any function (x, y) of whole cells or pixels, in 1/16 nats. One that knows a faster way for
-/// places along a line or a row has `along` and `across`, as BarFinder::Evidence has.
+/// Fits frames to evidence: any function (x, y) of whole cells or pixels, in 1/16 nats. One that
+/// knows a faster way for places along a line or a row has `along` and `across`, as
+/// BarFinder::Evidence has.
 template <class Evidence, FrameEffort kEffort = FrameEffort{}>
 class FrameFit {
  public:
   /// @param bar  bar width / side of the bars' middle lines.
-  explicit FrameFit(const Evidence& evidence, const FrameWeights& weights = {}, double bar = kThinBar)
+  explicit FrameFit(const Evidence& evidence, const FrameWeights& weights = {},
+                    double bar = kThinBar)
       : evidence_{evidence}, weights_{weights}, half_bar_{0.5 * bar} {}
 
   [[nodiscard]] FrameScore score(const Quad& q) const {
@@ -68,7 +72,8 @@ class FrameFit {
       s.outside += 0.25 * std::max(-1.0, along(a - off * in, d));
     }
     s.inside = std::max(s.inside, middle(q));
-    s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside - weights_.outside * s.outside +
+    s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
+              weights_.outside * s.outside +
               weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0);
     return s;
   }
@@ -91,10 +96,14 @@ class FrameFit {
     Eigen::Vector2d a, b;
   };
   /// A line through the middle of the bar, sub-pixel, within `reach` of a and b.
-  [[nodiscard]] Line centered_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const { return middle_line(a, b, reach); }
+  [[nodiscard]] Line centered_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                   int reach) const {
+    return middle_line(a, b, reach);
+  }
 
   /// Where two lines cross; nullopt when they are nearly parallel.
-  [[nodiscard]] static std::optional<Eigen::Vector2d> crossing(const Line& before, const Line& after) {
+  [[nodiscard]] static std::optional<Eigen::Vector2d> crossing(const Line& before,
+                                                               const Line& after) {
     const Eigen::Vector2d d = before.b - before.a, e = after.b - after.a, to = after.a - before.a;
     const double cross = d.x() * e.y() - d.y() * e.x();
     if (!(std::abs(cross) > 0.2 * d.norm() * e.norm())) return std::nullopt;
@@ -102,25 +111,33 @@ class FrameFit {
   }
 
   /// Evidence at the nearest cell.
-  [[nodiscard]] int at(const Eigen::Vector2d& p) const { return evidence_(nearest(p.x()), nearest(p.y())); }
+  [[nodiscard]] int at(const Eigen::Vector2d& p) const {
+    return evidence_(nearest(p.x()), nearest(p.y()));
+  }
 
   /// Evidence at `count` places from `a` on, `step` apart: visit(k, evidence).
   template <class Visit>
-  void each_along(const Eigen::Vector2d& a, const Eigen::Vector2d& step, int count, const Visit& visit) const {
+  void each_along(const Eigen::Vector2d& a, const Eigen::Vector2d& step, int count,
+                  const Visit& visit) const {
     // In 1/2^16 cells: what is shifted need not be converted each time, and is rounded down.
     constexpr double kOne = 1 << 16;
-    auto x = static_cast<std::int64_t>((a.x() + 0.5) * kOne), y = static_cast<std::int64_t>((a.y() + 0.5) * kOne);
-    const auto dx = static_cast<std::int64_t>(step.x() * kOne), dy = static_cast<std::int64_t>(step.y() * kOne);
-    if constexpr (requires { evidence_.along(x, y, dx, dy, count, visit); }) evidence_.along(x, y, dx, dy, count, visit);
+    auto x = static_cast<std::int64_t>((a.x() + 0.5) * kOne),
+         y = static_cast<std::int64_t>((a.y() + 0.5) * kOne);
+    const auto dx = static_cast<std::int64_t>(step.x() * kOne),
+               dy = static_cast<std::int64_t>(step.y() * kOne);
+    if constexpr (requires { evidence_.along(x, y, dx, dy, count, visit); })
+      evidence_.along(x, y, dx, dy, count, visit);
     else
-      for (int k = 0; k < count; ++k, x += dx, y += dy) visit(k, evidence_(static_cast<int>(x >> 16), static_cast<int>(y >> 16)));
+      for (int k = 0; k < count; ++k, x += dx, y += dy)
+        visit(k, evidence_(static_cast<int>(x >> 16), static_cast<int>(y >> 16)));
   }
 
   /// Evidence at `count` cells from the one nearest to p on, to the right or down: visit(evidence).
   template <class Visit>
   void each_across(const Eigen::Vector2d& p, bool down, int count, const Visit& visit) const {
     const int x = nearest(p.x()), y = nearest(p.y());
-    if constexpr (requires { evidence_.across(x, y, down, count, visit); }) evidence_.across(x, y, down, count, visit);
+    if constexpr (requires { evidence_.across(x, y, down, count, visit); })
+      evidence_.across(x, y, down, count, visit);
     else
       for (int k = 0; k < count; ++k) visit(down ? evidence_(x, y + k) : evidence_(x + k, y));
   }
@@ -129,13 +146,16 @@ class FrameFit {
   void set_cell_size(double px) { cell_px_ = px; }
 
  private:
-  static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12, kMostLines = 3;
+  static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
+                       kMostLines = 3;
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
   static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637;
 
-  // A wide bar is looked at along several lines, so that letters and patterns on it do not matter: so many on
-  // either side of the middle one.
-  [[nodiscard]] int lines_beside(double length) const { return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines); }
+  // A wide bar is looked at along several lines, so that letters and patterns on it do not matter:
+  // so many on either side of the middle one.
+  [[nodiscard]] int lines_beside(double length) const {
+    return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines);
+  }
 
   // std::floor is a call on older processors.
   [[nodiscard]] static int nearest(double x) {
@@ -157,8 +177,10 @@ class FrameFit {
     int sum = 0;
     for (int i = 0; i < kGrid; ++i) {
       const double v = kFirst + kApart * i;
-      const Eigen::Vector2d left = q[0] + v * (q[3] - q[0]), across = q[1] + v * (q[2] - q[1]) - left;
-      each_along(left + kFirst * across, kApart * across, kGrid, [&](int, int evidence) { sum += std::max(-16, evidence); });
+      const Eigen::Vector2d left = q[0] + v * (q[3] - q[0]),
+                            across = q[1] + v * (q[2] - q[1]) - left;
+      each_along(left + kFirst * across, kApart * across, kGrid,
+                 [&](int, int evidence) { sum += std::max(-16, evidence); });
     }
     return sum / (16.0 * kGrid * kGrid);
   }
@@ -169,20 +191,25 @@ class FrameFit {
     std::array<std::array<int, 2 * kMostReach + 1>, static_cast<std::size_t>(kCount)> value;
     Eigen::Vector2d normal;
   };
-  [[nodiscard]] static constexpr double station(int j, int count) { return 0.06 + 0.88 * j / (count - 1); }
+  [[nodiscard]] static constexpr double station(int j, int count) {
+    return 0.06 + 0.88 * j / (count - 1);
+  }
   template <int kCount>
-  [[nodiscard]] Strip<kCount> strip(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+  [[nodiscard]] Strip<kCount> strip(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                    int reach) const {
     Strip<kCount> s;
     const Eigen::Vector2d d = b - a;
     s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
     for (int j = 0; j < kCount; ++j) {
       int* const first = s.value[static_cast<std::size_t>(j)].data() + kMostReach - reach;
-      each_along(a + station(j, kCount) * d - reach * s.normal, s.normal, 2 * reach + 1, [&](int o, int evidence) { first[o] = evidence; });
+      each_along(a + station(j, kCount) * d - reach * s.normal, s.normal, 2 * reach + 1,
+                 [&](int o, int evidence) { first[o] = evidence; });
     }
     return s;
   }
 
-  [[nodiscard]] Line best_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+  [[nodiscard]] Line best_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                               int reach) const {
     const int half = std::min(static_cast<int>(0.6 * half_bar_ * (b - a).norm()), kMostReach / 2);
     reach = std::min(reach, kMostReach - half);
     Strip<kStations> s = strip<kStations>(a, b, half > 1 ? reach + half : reach);
@@ -209,39 +236,49 @@ class FrameFit {
       const auto narrow = value;
       for (int o = -reach; o <= reach; ++o) {
         int sum = 0;
-        for (int k = -half; k <= half; ++k) sum += narrow[static_cast<std::size_t>(o + k + kMostReach)];
+        for (int k = -half; k <= half; ++k)
+          sum += narrow[static_cast<std::size_t>(o + k + kMostReach)];
         value[static_cast<std::size_t>(o + kMostReach)] = sum / (2 * half + 1);
       }
     }
   }
 
-  [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int reach) const {
+  [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                 int reach) const {
     // Along rows or columns, whichever cross the side more steeply.
     const Eigen::Vector2d d = b - a;
     const bool down = std::abs(d.x()) > std::abs(d.y());
     const Eigen::Vector2d axis{down ? 0.0 : 1.0, down ? 1.0 : 0.0};
-    // Weighted least squares of the bar's middle at every station that shows it: from (1 - t) + to t.
+    // Weighted least squares of the bar's middle at every station that shows it: from (1 - t) + to
+    // t.
     using Stations = Eigen::Array<float, kMiddles, 1>;
     const Eigen::Map<const Stations> t{kMiddleT.data()};
     const Stations s = 1.0f - t;
     Stations middle, shown;
     for (int j = 0; j < kMiddles; ++j) {
       int sum = 0, moment = 0, o = -reach;
-      each_across(a + station(j, kMiddles) * d - reach * axis, down, 2 * reach + 1, [&](int evidence) {
-        const int w = std::max(0, evidence);
-        sum += w, moment += w * o++;
-      });
-      middle[j] = static_cast<float>(moment) / static_cast<float>(std::max(1, sum)), shown[j] = sum > 8 ? 1.0f : 0.0f;
+      each_across(a + station(j, kMiddles) * d - reach * axis, down, 2 * reach + 1,
+                  [&](int evidence) {
+                    const int w = std::max(0, evidence);
+                    sum += w, moment += w * o++;
+                  });
+      middle[j] = static_cast<float>(moment) / static_cast<float>(std::max(1, sum)),
+      shown[j] = sum > 8 ? 1.0f : 0.0f;
     }
     float from = 0.0f, to = 0.0f;
     for (int pass = 0; pass < 2; ++pass) {
-      const Stations left = middle - from * s - to * t, w = pass == 0 ? shown : Stations{shown / (1.0f + left * left)}, ws = w * s, wt = w * t;
-      const float aa = 1e-3f + (ws * s).sum(), ab = (ws * t).sum(), bb = 1e-3f + (wt * t).sum(), ya = (ws * middle).sum(), yb = (wt * middle).sum();
+      const Stations left = middle - from * s - to * t,
+                     w = pass == 0 ? shown : Stations{shown / (1.0f + left * left)}, ws = w * s,
+                     wt = w * t;
+      const float aa = 1e-3f + (ws * s).sum(), ab = (ws * t).sum(), bb = 1e-3f + (wt * t).sum(),
+                  ya = (ws * middle).sum(), yb = (wt * middle).sum();
       const float det = aa * bb - ab * ab;
       if (!(det > 1e-6f)) return {a, b};
       from = (bb * ya - ab * yb) / det, to = (aa * yb - ab * ya) / det;
     }
-    const auto moved = [&](const Eigen::Vector2d& p, float by) -> Eigen::Vector2d { return p + std::clamp<double>(by, -reach, reach) * axis; };
+    const auto moved = [&](const Eigen::Vector2d& p, float by) -> Eigen::Vector2d {
+      return p + std::clamp<double>(by, -reach, reach) * axis;
+    };
     return {moved(a, from), moved(b, to)};
   }
 
@@ -257,13 +294,15 @@ class FrameFit {
 
   static constexpr std::array<int, static_cast<std::size_t>(kStations)> kStationT = [] {
     std::array<int, static_cast<std::size_t>(kStations)> t{};
-    for (int j = 0; j < kStations; ++j) t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * station(j, kStations));
+    for (int j = 0; j < kStations; ++j)
+      t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * station(j, kStations));
     return t;
   }();
 
   static constexpr std::array<float, static_cast<std::size_t>(kMiddles)> kMiddleT = [] {
     std::array<float, static_cast<std::size_t>(kMiddles)> t{};
-    for (int j = 0; j < kMiddles; ++j) t[static_cast<std::size_t>(j)] = static_cast<float>(station(j, kMiddles));
+    for (int j = 0; j < kMiddles; ++j)
+      t[static_cast<std::size_t>(j)] = static_cast<float>(station(j, kMiddles));
     return t;
   }();
 
@@ -272,7 +311,8 @@ class FrameFit {
   double half_bar_, off_min_ = 1.5, cell_px_ = 1.0;
 };
 
-/// Whether a quad can be a picture of a square frame: convex, no side much shorter than its opposite.
+/// Whether a quad can be a picture of a square frame: convex, no side much shorter than its
+/// opposite.
 [[nodiscard]] inline bool is_frame_shaped(const Quad& q, double least_side, double most_aspect) {
   double shortest = 1e9, longest = 0.0;
   std::array<double, 4> length{};
@@ -283,7 +323,8 @@ class FrameFit {
     if (!(a.x() * b.y() - a.y() * b.x() > 0.4 * a.norm() * b.norm())) return false;
   }
   const auto alike = [](double a, double b) { return a < 1.8 * b && b < 1.8 * a; };
-  return alike(length[0], length[2]) && alike(length[1], length[3]) && shortest > least_side && longest < most_aspect * shortest;
+  return alike(length[0], length[2]) && alike(length[1], length[3]) && shortest > least_side &&
+         longest < most_aspect * shortest;
 }
 
 /// A frame that was fitted: the bars' middle lines.
@@ -298,23 +339,37 @@ struct Frame {
 }
 
 /// Part of frames with this score that were gates, on the authors' labelled pictures.
-[[nodiscard]] inline double confidence_of(double score) { return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45))); }
+[[nodiscard]] inline double confidence_of(double score) {
+  return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45)));
+}
 /// Back from a confidence.
-[[nodiscard]] inline double score_of(double confidence) { return 2.45 + std::log(confidence / (1.0 - confidence)) / 2.2; }
+[[nodiscard]] inline double score_of(double confidence) {
+  return 2.45 + std::log(confidence / (1.0 - confidence)) / 2.2;
+}
 
-/// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides; as above.
-[[nodiscard]] inline double corner_confidence_of(double side) { return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side)); }
+/// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides;
+/// as above.
+[[nodiscard]] inline double corner_confidence_of(double side) {
+  return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side));
+}
 
-/// What a frame says to the outside: corners `corner_scale` times as far out as the bars' middle lines, and confidences.
-[[nodiscard]] inline GateDetection detection_of(const Frame& frame, DetectionMethod method, const Image& image, double corner_scale) {
+/// What a frame says to the outside: corners `corner_scale` times as far out as the bars' middle
+/// lines, and confidences.
+[[nodiscard]] inline GateDetection detection_of(const Frame& frame, DetectionMethod method,
+                                                const Image& image, double corner_scale) {
   const Quad corners = scaled(frame.quad, corner_scale), listed = clockwise_from_top_left(corners);
-  const auto first = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), listed[0]) - corners.begin());
-  GateDetection gate{.corners_px = listed, .fitness = confidence_of(frame.score.total), .method = method};
+  const auto first = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), listed[0]) -
+                                              corners.begin());
+  GateDetection gate{
+      .corners_px = listed, .fitness = confidence_of(frame.score.total), .method = method};
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t k = (first + i) % 4;
     const Eigen::Vector2d& p = frame.quad[k];
-    const bool in_view = p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image.width() - 2.0 && p.y() <= image.height() - 2.0;
-    gate.corner_fitness[i] = in_view ? corner_confidence_of(std::min(frame.score.side[k], frame.score.side[(k + 3) % 4])) : 0.0;
+    const bool in_view = p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image.width() - 2.0 &&
+                         p.y() <= image.height() - 2.0;
+    gate.corner_fitness[i] =
+        in_view ? corner_confidence_of(std::min(frame.score.side[k], frame.score.side[(k + 3) % 4]))
+                : 0.0;
     gate.whole = gate.whole && in_view;
   }
   return gate;

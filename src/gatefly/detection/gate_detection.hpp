@@ -11,16 +11,21 @@
 
 namespace gatefly {
 
-/// How a gate was found: along its bars, by trying frames everywhere, or by two side bars that the border cuts.
+/// How a gate was found: along its bars, by trying frames everywhere, or by two side bars that the
+/// border cuts.
 enum class DetectionMethod { kSnake, kFrames, kBars };
 
 /// What every detector answers with.
 struct GateDetection {
-  Quad corners_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  ///< Outer corners, sub-pixel; clockwise from top-left.
-  double fitness = 0.0;  ///< 0..1. Careful search: part of such frames that were gates; paper's: cf, Eq. (1).
-  std::array<double, 4> corner_fitness{1.0, 1.0, 1.0, 1.0};  ///< 0..1; 0 for what is not in the picture.
+  /// Outer corners, sub-pixel; clockwise from top-left.
+  Quad corners_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
+                  Eigen::Vector2d::Zero()};
+  /// 0..1. Careful search: part of such frames that were gates; paper's: cf, Eq. (1).
+  double fitness = 0.0;
+  /// 0..1; 0 for what is not in the picture.
+  std::array<double, 4> corner_fitness{1.0, 1.0, 1.0, 1.0};
   DetectionMethod method = DetectionMethod::kSnake;
-  bool whole = true;     ///< All four bars are in the picture; else corners outside are a guess.
+  bool whole = true;  ///< All four bars are in the picture; else corners outside are a guess.
 };
 
 /// Distinct gates of one picture, best first.
@@ -34,12 +39,14 @@ struct OpenGate {
 
 /// The two side bars of a gate that no longer fits into the picture.
 struct GateBars {
-  Eigen::Vector2d left_px, right_px;  ///< On the middle line of each bar, halfway along what is in view.
+  /// On the middle line of each bar, halfway along what is in view.
+  Eigen::Vector2d left_px, right_px;
 };
 
 /// A gate that the border cuts: two side bars, and what else of it is in the picture.
 struct GatePart {
-  GateDetection gate;  ///< `whole` is false; a corner of fitness 0 is not in view: there its bar leaves the picture.
+  /// `whole` is false; a corner of fitness 0 is not in view: there its bar leaves the picture.
+  GateDetection gate;
   GateBars bars;
 
   /// The lower corners, when both are in view.

@@ -7,14 +7,17 @@ namespace gatefly {
 
 /// What counts as a gate, for the fast and for the careful search.
 struct GateSearchParams {
-  double min_score = 2.5;     ///< Of FrameScore::total: one in two such frames is a gate. [docs/paper/results.md]
-  double sure_score = 3.5;    ///< Of the fast search: no careful one follows. [of 2.5, 3, 3.5, 4: the labelled sets' best]
-  double max_inside = 0.5;    ///< Evidence in the opening [nats]: a filled square is no gate.
+  /// Of FrameScore::total: one in two such frames is a gate. [docs/paper/results.md]
+  double min_score = 2.5;
+  /// Of the fast search: no careful one follows. [of 2.5, 3, 3.5, 4: the labelled sets' best]
+  double sure_score = 3.5;
+  double max_inside = 0.5;     ///< Evidence in the opening [nats]: a filled square is no gate.
   double max_roll_deg = 60.0;  ///< Of the careful search.
-  double min_side_px = 10.0;  ///< Of the bars' centre lines.
+  double min_side_px = 10.0;   ///< Of the bars' centre lines.
   double max_aspect = 3.2;
-  double corner_scale = 1.0 / 0.95;  ///< From the bars' middle lines to the corners that are meant: outer ones.
-  double bar_ratio = 0.05;           ///< Bar width / outer side of the gate.
+  /// From the bars' middle lines to the corners that are meant: outer ones.
+  double corner_scale = 1.0 / 0.95;
+  double bar_ratio = 0.05;  ///< Bar width / outer side of the gate.
   FrameWeights weights;
 
   /// Bar width / side of the bars' middle lines.

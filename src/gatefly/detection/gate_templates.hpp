@@ -18,11 +18,12 @@ struct GateCandidate {
 
 using GateCandidates = FixedList<GateCandidate, 96>;
 
-/// Every square frame of a set of sizes, turns and foreshortenings, tried at every place of the evidence.
+/// Every square frame of a set of sizes, turns and foreshortenings, tried at every place of the
+/// evidence.
 ///
-/// On a pyramid of maxima, so that thin bars survive; a side is eight samples, a frame four sides that are
-/// shared between frames, and an empty middle. Everything is bytes in long rows: sixteen places an
-/// instruction. The cost depends on the picture's size only, not on what is in it.
+/// On a pyramid of maxima, so that thin bars survive; a side is eight samples, a frame four sides
+/// that are shared between frames, and an empty middle. Everything is bytes in long rows: sixteen
+/// places an instruction. The cost depends on the picture's size only, not on what is in it.
 class GateTemplates {
  public:
   GateTemplates();  ///< Allocates once; search() never does.

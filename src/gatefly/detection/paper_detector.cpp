@@ -37,7 +37,8 @@ struct Square {
   }
 };
 
-/// As wide as the longer stretch, in the middle of the horizontal one and beside the middle of the vertical one.
+/// As wide as the longer stretch, in the middle of the horizontal one and beside the middle of the
+/// vertical one.
 Square minimal_square(const Stretch& upright, const Stretch& level) {
   return {level.from.u + level.to.u, upright.from.v + upright.to.v,
           std::max(upright.to.v - upright.from.v, level.to.u - level.from.u)};
@@ -53,15 +54,19 @@ double mode(int from, int to, Ties ties, double otherwise, const Count& count) {
   double first = otherwise, last = otherwise;
   for (int i = from; i <= to; ++i) {
     const int here = count(i);
-    if (here > most) most = here, first = last = i;
-    else if (here == most && most > 0) last = i;
+    if (here > most)
+      most = here, first = last = i;
+    else if (here == most && most > 0)
+      last = i;
   }
   return ties == Ties::kFirst ? first : 0.5 * (first + last);
 }
 
 /// Column and row with the most coloured pixels in the window around a corner.
-Eigen::Vector2d refined(const ColorMask& is_gate, const Eigen::Vector2d& corner, double half_width, Ties ties) {
-  const int u0 = std::max(0, nearest(corner.x() - half_width)), v0 = std::max(0, nearest(corner.y() - half_width));
+Eigen::Vector2d refined(const ColorMask& is_gate, const Eigen::Vector2d& corner, double half_width,
+                        Ties ties) {
+  const int u0 = std::max(0, nearest(corner.x() - half_width)),
+            v0 = std::max(0, nearest(corner.y() - half_width));
   const int u1 = std::min(is_gate.width() - 1, nearest(corner.x() + half_width));
   const int v1 = std::min(is_gate.height() - 1, nearest(corner.y() + half_width));
   const auto in_column = [&](int u) {
@@ -82,7 +87,9 @@ Quad refined(const ColorMask& is_gate, Quad corners, double half_width, Ties tie
   return corners;
 }
 
-double side_length(const Quad& quad, std::size_t side) { return (quad[(side + 1) % 4] - quad[side]).norm(); }
+double side_length(const Quad& quad, std::size_t side) {
+  return (quad[(side + 1) % 4] - quad[side]).norm();
+}
 
 bool every_side_exceeds(const Quad& quad, double length) {
   for (std::size_t side = 0; side < 4; ++side)
@@ -132,7 +139,8 @@ std::optional<Square> square_from(const ColorMask& is_gate, Pixel sample, double
 }
 
 /// As flown: both horizontal searches start in the sample's own column.
-std::optional<Square> flown_square_from(const ColorMask& is_gate, Pixel sample, double min_side_px) {
+std::optional<Square> flown_square_from(const ColorMask& is_gate, Pixel sample,
+                                        double min_side_px) {
   const Stretch upright = vertical(is_gate, sample);
   if (upright.length() <= min_side_px) return std::nullopt;
   for (const int v : {upright.to.v, upright.from.v}) {
@@ -148,7 +156,8 @@ struct SideCheck {
   int sides = 0;         ///< That are coloured and long enough.
 };
 
-SideCheck check_sides(const ColorMask& is_gate, const Quad& quad, const FlownDetectorParams& params) {
+SideCheck check_sides(const ColorMask& is_gate, const Quad& quad,
+                      const FlownDetectorParams& params) {
   constexpr int kPoints = 20;
   SideCheck check;
   int colored_all = 0, inside_all = 0;
@@ -162,7 +171,8 @@ SideCheck check_sides(const ColorMask& is_gate, const Quad& quad, const FlownDet
       colored += is_gate(u, v);
     }
     colored_all += colored;
-    check.sides += colored >= params.min_side_fitness * kPoints && side_length(quad, side) > params.min_side_px;
+    check.sides += colored >= params.min_side_fitness * kPoints &&
+                   side_length(quad, side) > params.min_side_px;
   }
   if (inside_all > 0) check.fitness = static_cast<double>(colored_all) / inside_all;
   return check;
@@ -193,7 +203,8 @@ std::optional<GateDetection> flown_gate(const ColorMask& is_gate, const Quad& ro
 
 PaperDetections detect_as_paper(const Image& image, const PaperDetectorParams& params, Rng& rng) {
   PaperDetections accepted;
-  FixedList<Square, 1'000> tried;  // the same square has the same answer: no need to refine it again
+  // the same square has the same answer: no need to refine it again
+  FixedList<Square, 1'000> tried;
   const ColorMask is_gate{image, params.color};
   for (int sample = 0; sample < params.samples && !accepted.full(); ++sample) {
     const Pixel P0{rng.uniform_index(image.width()), rng.uniform_index(image.height())};
@@ -207,16 +218,17 @@ PaperDetections detect_as_paper(const Image& image, const PaperDetectorParams& p
     const Quad corners = refined(is_gate, once, params.second_window * half, Ties::kFirst);
     if (!every_side_exceeds(corners, params.min_side_px)) continue;
     const GateDetection gate{corners, polygon_fitness(is_gate, corners)};
-    const bool known = std::any_of(accepted.begin(), accepted.end(), [&](const GateDetection& other) {
-      return same_gate(gate.corners_px, other.corners_px, params.same_gate);
-    });
+    const bool known =
+        std::any_of(accepted.begin(), accepted.end(), [&](const GateDetection& other) {
+          return same_gate(gate.corners_px, other.corners_px, params.same_gate);
+        });
     if (gate.fitness > params.min_color_fitness && !known) accepted.push_back(gate);
   }
   return accepted;
 }
 
-std::optional<GateDetection> detect_as_flown(const Image& image, const FlownDetectorParams& params, Rng& rng,
-                                             const std::optional<Quad>& previous) {
+std::optional<GateDetection> detect_as_flown(const Image& image, const FlownDetectorParams& params,
+                                             Rng& rng, const std::optional<Quad>& previous) {
   if (image.empty()) return std::nullopt;
   const ColorMask is_gate{image, params.color};
   FixedList<Square, 50> improving;  // each has a better fitness than the one before
@@ -227,14 +239,16 @@ std::optional<GateDetection> detect_as_flown(const Image& image, const FlownDete
     const auto square = flown_square_from(is_gate, P0, params.min_side_px);
     if (!square) continue;
     const double fitness = check_sides(is_gate, square->corners(), params).fitness;
-    if (fitness <= best_square || random_inside(is_gate, *square, rng) > params.max_inside) continue;
+    if (fitness <= best_square || random_inside(is_gate, *square, rng) > params.max_inside)
+      continue;
     best_square = fitness;
     improving.push_back(*square);
   }
 
   std::optional<GateDetection> best;
   constexpr std::size_t kRefined = 10;
-  for (std::size_t i = improving.size() - std::min(improving.size(), kRefined); i < improving.size(); ++i) {
+  for (std::size_t i = improving.size() - std::min(improving.size(), kRefined);
+       i < improving.size(); ++i) {
     const auto gate = flown_gate(is_gate, improving[i].corners(), improving[i].side, params);
     if (gate && (!best || gate->fitness > best->fitness)) best = gate;
   }

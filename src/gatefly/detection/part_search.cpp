@@ -15,18 +15,21 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kWidest = 16, kAround = 3;  // samples; groups, 56 px at 315 x 160: a bar of 5 cm is 28 px wide at 0.3 m
-constexpr double kLeastLength = 0.25;   // of a bar in view / the picture's height
-constexpr double kLeastApart = 0.12;    // of two bars / the picture's width: a gate of 1 m at 4 m
-constexpr double kLeastShared = 0.5;    // of the rows of both bars / those of either
-constexpr double kMostWidth = 0.2;      // of a bar / the distance of both, blurred
-constexpr double kMostTaper = 2.0;      // distance of the bars at one end / at the other
-constexpr double kHighest = 2.0;        // bars' length in view / their distance: a gate seen from aside
-constexpr double kLowest = 0.3;         // the same of what is left of a near gate
-constexpr double kAlike = 0.5;          // evidence of the weaker bar / of the stronger one: they have one colour
+// samples; groups, 56 px at 315 x 160: a bar of 5 cm is 28 px wide at 0.3 m
+constexpr int kWidest = 16, kAround = 3;
+constexpr double kLeastLength = 0.25;  // of a bar in view / the picture's height
+constexpr double kLeastApart = 0.12;   // of two bars / the picture's width: a gate of 1 m at 4 m
+constexpr double kLeastShared = 0.5;   // of the rows of both bars / those of either
+constexpr double kMostWidth = 0.2;     // of a bar / the distance of both, blurred
+constexpr double kMostTaper = 2.0;     // distance of the bars at one end / at the other
+// bars' length in view / their distance: a gate seen from aside
+constexpr double kHighest = 2.0;
+constexpr double kLowest = 0.3;  // the same of what is left of a near gate
+// evidence of the weaker bar / of the stronger one: they have one colour
+constexpr double kAlike = 0.5;
 constexpr int kLevelSamples = 8, kLeastLevelSamples = 3, kBarSamples = 16;
-constexpr double kLeastLevel = 0.5;     // of a level bar in view [nats]
-constexpr double kNearBorder = 4.9;     // rows in which too little of a level bar may be in view
+constexpr double kLeastLevel = 0.5;  // of a level bar in view [nats]
+constexpr double kNearBorder = 4.9;  // rows in which too little of a level bar may be in view
 constexpr FrameEffort kEffort{.samples = 12, .stations = 8, .middles = 12};
 
 // Where a bar is at row y: along its curve, straight on beyond its ends.
@@ -39,11 +42,15 @@ Vector2d beyond(const Bar& bar, double y) {
 bool goes_on(const Bar& a, const Bar& b, int stride) {
   const double gap = b.top - a.bottom, y = 0.5 * (a.bottom + b.top);
   return gap > -1.5 * stride && gap < 4.5 * stride &&
-         std::abs(beyond(a, y).x() - beyond(b, y).x()) < 0.5 * stride + 0.3 * std::max(a.width, b.width);
+         std::abs(beyond(a, y).x() - beyond(b, y).x()) <
+             0.5 * stride + 0.3 * std::max(a.width, b.width);
 }
 
 Bar joined(const Bar& a, const Bar& b, int stride) {
-  Bar bar{.top = a.top, .bottom = b.bottom, .strength = a.strength + b.strength, .width = (a.width * a.length() + b.width * b.length()) / (a.length() + b.length())};
+  Bar bar{.top = a.top,
+          .bottom = b.bottom,
+          .strength = a.strength + b.strength,
+          .width = (a.width * a.length() + b.width * b.length()) / (a.length() + b.length())};
   // One parabola through the rows of both.
   const double middle = 0.5 * (bar.top + bar.bottom), half = 0.5 * bar.length();
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
@@ -56,7 +63,8 @@ Bar joined(const Bar& a, const Bar& b, int stride) {
     }
   const Eigen::Vector3d c = A.ldlt().solve(x);
   const double m = middle / half;
-  bar.curve = {c[0] - c[1] * m + c[2] * m * m, (c[1] - 2.0 * c[2] * m) / half, c[2] / (half * half)};
+  bar.curve = {c[0] - c[1] * m + c[2] * m * m, (c[1] - 2.0 * c[2] * m) / half,
+               c[2] / (half * half)};
   return bar;
 }
 
@@ -73,19 +81,27 @@ void join_pieces(BarFinder::Bars& bars, int stride) {
 
 struct Pair {
   Bar left, right;
-  double top = 0.0, bottom = 0.0, apart = 0.0;  // rows that both show, distance in the middle of them
+  // rows that both show, distance in the middle of them
+  double top = 0.0, bottom = 0.0, apart = 0.0;
   double worth = 0.0;
 };
 
 std::optional<Pair> pair_of(const Bar& l, const Bar& r, const Image& image) {
-  Pair p{.left = l, .right = r, .top = std::max(l.top, r.top), .bottom = std::min(l.bottom, r.bottom)};
+  Pair p{
+      .left = l, .right = r, .top = std::max(l.top, r.top), .bottom = std::min(l.bottom, r.bottom)};
   const double least = kLeastLength * image.height(), shared = p.bottom - p.top;
-  if (std::min(l.length(), r.length()) < least || shared < kLeastShared * std::max(l.length(), r.length())) return std::nullopt;
+  if (std::min(l.length(), r.length()) < least ||
+      shared < kLeastShared * std::max(l.length(), r.length()))
+    return std::nullopt;
   const auto apart = [&](double y) { return r.on_curve(y).x() - l.on_curve(y).x(); };
   const double above = apart(p.top), below = apart(p.bottom);
   p.apart = apart(0.5 * (p.top + p.bottom));
-  if (std::min({above, below, p.apart}) < kLeastApart * image.width() || std::max(above, below) > kMostTaper * std::min(above, below)) return std::nullopt;
-  if (std::max(l.width, r.width) > kMostWidth * p.apart || shared > kHighest * p.apart || shared < kLowest * p.apart) return std::nullopt;
+  if (std::min({above, below, p.apart}) < kLeastApart * image.width() ||
+      std::max(above, below) > kMostTaper * std::min(above, below))
+    return std::nullopt;
+  if (std::max(l.width, r.width) > kMostWidth * p.apart || shared > kHighest * p.apart ||
+      shared < kLowest * p.apart)
+    return std::nullopt;
   p.worth = (l.strength + r.strength) * shared / std::max(l.length(), r.length());
   return p;
 }
@@ -96,24 +112,28 @@ enum class End { kTop = -1, kBottom = 1 };
 /// What joins the bars at one end.
 struct Level {
   Vector2d left{0, 0}, right{0, 0};  // where it meets the bars' middle lines
-  double sag = 0.0;      // how far its middle hangs below [px]
-  double mean = -9.0;    // evidence of what is in view [nats]
+  double sag = 0.0;                  // how far its middle hangs below [px]
+  double mean = -9.0;                // evidence of what is in view [nats]
   double positive = 0.0;
-  int samples = 0;       // in view
+  int samples = 0;  // in view
 };
 
 template <class Fit>
 class Part {
  public:
-  Part(const Pair& pair, const Image& image, const Fit& fit, int stride) : pair_{pair}, image_{image}, fit_{fit}, stride_{stride} {}
+  Part(const Pair& pair, const Image& image, const Fit& fit, int stride)
+      : pair_{pair}, image_{image}, fit_{fit}, stride_{stride} {}
 
   [[nodiscard]] bool in_view(const Vector2d& p) const {
-    return p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image_.width() - 2.0 && p.y() <= image_.height() - 2.0;
+    return p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image_.width() - 2.0 &&
+           p.y() <= image_.height() - 2.0;
   }
   /// Whether a bar ends within so many rows of the border, or leaves at the side.
   [[nodiscard]] bool is_cut(const Bar& bar, End end, double within_rows = 1.9) const {
-    const double near = within_rows * stride_, y = end == End::kTop ? bar.top : bar.bottom, x = bar.on_curve(y).x();
-    return (end == End::kTop ? y < near : y > image_.height() - 1.0 - near) || x < 0.75 * stride_ || x > image_.width() - 1.0 - 0.75 * stride_;
+    const double near = within_rows * stride_, y = end == End::kTop ? bar.top : bar.bottom,
+                 x = bar.on_curve(y).x();
+    return (end == End::kTop ? y < near : y > image_.height() - 1.0 - near) || x < 0.75 * stride_ ||
+           x > image_.width() - 1.0 - 0.75 * stride_;
   }
 
   [[nodiscard]] Level along(const Vector2d& left, const Vector2d& right, double sag) const {
@@ -144,13 +164,15 @@ class Part {
   /// The level bar at an end, the one with the most evidence.
   [[nodiscard]] std::optional<Level> level_at(End end) const {
     const double outwards = end == End::kTop ? -1.0 : 1.0;
-    const bool one_is_cut = is_cut(pair_.left, end) != is_cut(pair_.right, end);  // the other end of the level bar is beyond the border
+    // the other end of the level bar is beyond the border
+    const bool one_is_cut = is_cut(pair_.left, end) != is_cut(pair_.right, end);
     const auto rows = [&](const Bar& bar) {
       FixedList<double, 16> y;
       const double last = end == End::kTop ? bar.top : bar.bottom;
       for (int k = -1; k <= 5; ++k) y.push_back(last + outwards * 0.5 * k * stride_);
       if (one_is_cut && is_cut(bar, end))
-        for (int k = 1; k <= 6; ++k) y.push_back(last + outwards * (2.5 * stride_ + 0.13 * k * pair_.apart));
+        for (int k = 1; k <= 6; ++k)
+          y.push_back(last + outwards * (2.5 * stride_ + 0.13 * k * pair_.apart));
       return y;
     };
     const auto worth = [](const Level& l) { return l.mean * l.samples; };
@@ -160,7 +182,8 @@ class Part {
       for (const double yr : rights) {
         if (std::abs(yl - yr) > 0.8 * pair_.apart) continue;
         for (const double part : {0.0, 0.05}) {  // lenses bend it outwards
-          const Level level = along(beyond(pair_.left, yl), beyond(pair_.right, yr), outwards * part * pair_.apart);
+          const Level level =
+              along(beyond(pair_.left, yl), beyond(pair_.right, yr), outwards * part * pair_.apart);
           if (worth(level) > worth(best)) best = level;
         }
       }
@@ -176,7 +199,8 @@ class Part {
   /// Mean evidence of a bar in view [nats].
   [[nodiscard]] double along(const Bar& bar) const {
     int sum = 0;
-    for (int k = 0; k < kBarSamples; ++k) sum += fit_.at(bar.on_curve(bar.top + bar.length() * (k + 0.5) / kBarSamples));
+    for (int k = 0; k < kBarSamples; ++k)
+      sum += fit_.at(bar.on_curve(bar.top + bar.length() * (k + 0.5) / kBarSamples));
     return sum / (16.0 * kBarSamples);
   }
 
@@ -186,20 +210,27 @@ class Part {
     int sum = 0;
     for (int i = 0; i < kGrid; ++i)
       for (int j = 0; j < kGrid; ++j) {
-        const double t = 0.2 + 0.6 * i / (kGrid - 1), y = pair_.top + (pair_.bottom - pair_.top) * (0.1 + 0.8 * j / (kGrid - 1));
-        sum += std::max(-16, fit_.at((1.0 - t) * beyond(pair_.left, y) + t * beyond(pair_.right, y)));
+        const double t = 0.2 + 0.6 * i / (kGrid - 1),
+                     y = pair_.top + (pair_.bottom - pair_.top) * (0.1 + 0.8 * j / (kGrid - 1));
+        sum +=
+            std::max(-16, fit_.at((1.0 - t) * beyond(pair_.left, y) + t * beyond(pair_.right, y)));
       }
     return sum / (16.0 * kGrid * kGrid);
   }
 
-  /// The corner between a side bar and a level one, sub-pixel: near it both are straight, whatever the lens does.
+  /// The corner between a side bar and a level one, sub-pixel: near it both are straight, whatever
+  /// the lens does.
   [[nodiscard]] Vector2d corner(const Bar& bar, const Level& level, bool is_left, End end) const {
-    const Vector2d rough = is_left ? level.left : level.right, other = is_left ? level.right : level.left;
-    const double inwards = end == End::kTop ? 1.0 : -1.0, reach = 0.4 * std::min(bar.length(), pair_.apart);
+    const Vector2d rough = is_left ? level.left : level.right,
+                   other = is_left ? level.right : level.left;
+    const double inwards = end == End::kTop ? 1.0 : -1.0,
+                 reach = 0.4 * std::min(bar.length(), pair_.apart);
     const int around = std::clamp(static_cast<int>(0.6 * bar.width + 3.5), 3, 12);
     const Vector2d middle = 0.5 * (rough + other) + Vector2d{0.0, level.sag};
-    const auto side = fit_.centered_line(beyond(bar, rough.y() + inwards * 0.15 * reach), beyond(bar, rough.y() + inwards * reach), around);
-    const auto across = fit_.centered_line(rough + 0.1 * (middle - rough), rough + 0.9 * (middle - rough), around);
+    const auto side = fit_.centered_line(beyond(bar, rough.y() + inwards * 0.15 * reach),
+                                         beyond(bar, rough.y() + inwards * reach), around);
+    const auto across =
+        fit_.centered_line(rough + 0.1 * (middle - rough), rough + 0.9 * (middle - rough), around);
     const auto met = Fit::crossing(side, across);
     return met && (*met - rough).norm() < 2.0 * around ? *met : rough;
   }
@@ -224,7 +255,8 @@ struct Candidate {
 
 // The pair with its level bars; nullopt when it is part of no gate.
 template <class Fit>
-std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, const Fit& fit, int stride, const GateSearchParams& params) {
+std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, const Fit& fit,
+                                      int stride, const GateSearchParams& params) {
   const Part<Fit> part{pair, image, fit, stride};
   Candidate found{.pair = &pair, .evidence = {part.along(pair.left), part.along(pair.right)}};
   const auto [weaker, stronger] = std::minmax(found.evidence[0], found.evidence[1]);
@@ -233,24 +265,32 @@ std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, cons
   double sum = weaker + stronger, weakest = weaker;
   int sides = 2;
   for (std::size_t e = 0; e < 2; ++e) {
-    const auto both_end_within = [&](double rows) { return part.is_cut(pair.left, kEnds[e], rows) && part.is_cut(pair.right, kEnds[e], rows); };
+    const auto both_end_within = [&](double rows) {
+      return part.is_cut(pair.left, kEnds[e], rows) && part.is_cut(pair.right, kEnds[e], rows);
+    };
     const auto level = found.levels[e] = part.level_at(kEnds[e]);
     if (!level && !both_end_within(kNearBorder)) return std::nullopt;
     if (level) sum += level->mean, ++sides, weakest = std::min(weakest, level->mean);
-    found.whole = found.whole && level && !part.is_cut(pair.left, kEnds[e]) && !part.is_cut(pair.right, kEnds[e]);
+    found.whole = found.whole && level && !part.is_cut(pair.left, kEnds[e]) &&
+                  !part.is_cut(pair.right, kEnds[e]);
   }
   // As FrameFit::score, of what is in view.
   const FrameWeights& weights = params.weights;
-  found.score = sum / sides + weights.weakest * weakest - weights.inside * inside + weights.size * std::log2(std::max(1.0, pair.apart) / 50.0);
+  found.score = sum / sides + weights.weakest * weakest - weights.inside * inside +
+                weights.size * std::log2(std::max(1.0, pair.apart) / 50.0);
   return found.score < params.min_score ? std::nullopt : std::optional{found};
 }
 
 template <class Fit>
-GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit, int stride, double corner_scale) {
+GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit, int stride,
+                 double corner_scale) {
   const Part<Fit> part{*candidate.pair, image, fit, stride};
   const std::array<const Bar*, 2> bars{&candidate.pair->left, &candidate.pair->right};
   const auto middle = [](const Bar& bar) { return bar.on_curve(0.5 * (bar.top + bar.bottom)); };
-  GatePart found{.gate = {.fitness = confidence_of(candidate.score), .corner_fitness = {0.0, 0.0, 0.0, 0.0}, .method = DetectionMethod::kBars, .whole = false},
+  GatePart found{.gate = {.fitness = confidence_of(candidate.score),
+                          .corner_fitness = {0.0, 0.0, 0.0, 0.0},
+                          .method = DetectionMethod::kBars,
+                          .whole = false},
                  .bars = {middle(*bars[0]), middle(*bars[1])}};
   for (std::size_t e = 0; e < 2; ++e)
     for (std::size_t i = 0; i < 2; ++i) {
@@ -259,11 +299,14 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
       const auto& level = candidate.levels[e];
       if (!level) continue;
       // From the middle lines out to the corners that are meant.
-      const Vector2d sideways = 0.5 * (corner_scale - 1.0) * (level->right - level->left), down{-sideways.y(), sideways.x()};
-      const Vector2d corner = part.corner(*bars[i], *level, i == 0, kEnds[e]) + (i == 0 ? -sideways : sideways) + (e == 0 ? -down : down);
+      const Vector2d sideways = 0.5 * (corner_scale - 1.0) * (level->right - level->left),
+                     down{-sideways.y(), sideways.x()};
+      const Vector2d corner = part.corner(*bars[i], *level, i == 0, kEnds[e]) +
+                              (i == 0 ? -sideways : sideways) + (e == 0 ? -down : down);
       if (!part.in_view(corner)) continue;
       found.gate.corners_px[k] = corner;
-      found.gate.corner_fitness[k] = corner_confidence_of(std::min(candidate.evidence[i], level->mean));
+      found.gate.corner_fitness[k] =
+          corner_confidence_of(std::min(candidate.evidence[i], level->mean));
     }
   return found;
 }

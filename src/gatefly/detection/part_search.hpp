@@ -11,11 +11,12 @@
 
 namespace gatefly {
 
-/// Finds a gate that the border cuts: Li18 §3.1, last paragraph, and its lower or upper corners where they are in view.
+/// Finds a gate that the border cuts: Li18 §3.1, last paragraph, and its lower or upper corners
+/// where they are in view.
 ///
-/// The same bars as for whole gates. Two that could be the sides of one gate: where both leave the picture, nothing more
-/// is asked; else a level bar must join them, as far as it is in the picture. In place of the paper's column histogram.
-/// [ours, docs/paper/deviations.md#bars]
+/// The same bars as for whole gates. Two that could be the sides of one gate: where both leave the
+/// picture, nothing more is asked; else a level bar must join them, as far as it is in the picture.
+/// In place of the paper's column histogram. [ours, docs/paper/deviations.md#bars]
 class PartSearch {
  public:
   explicit PartSearch(const GateSearchParams& params = {});

@@ -63,9 +63,7 @@ Quad clockwise_from_top_left(const Quad& quad) {
   return q;
 }
 
-Eigen::Vector2d center(const Quad& quad) {
-  return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]);
-}
+Eigen::Vector2d center(const Quad& quad) { return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]); }
 
 double largest_move(const Quad& a, const Quad& b) {
   double most = 0.0;

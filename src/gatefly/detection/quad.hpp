@@ -28,7 +28,9 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 [[nodiscard]] Quad scaled(const Quad& quad, double factor);
 
 /// Pixels to cells of `cell` by `cell` pixels, and back: the middle of either is a whole number.
-[[nodiscard]] inline Eigen::Vector2d to_cells(const Eigen::Vector2d& p_px, double cell) { return ((p_px.array() + 0.5) / cell - 0.5).matrix(); }
+[[nodiscard]] inline Eigen::Vector2d to_cells(const Eigen::Vector2d& p_px, double cell) {
+  return ((p_px.array() + 0.5) / cell - 0.5).matrix();
+}
 [[nodiscard]] Quad to_cells(Quad quad_px, double cell);
 [[nodiscard]] Quad to_pixels(Quad quad_cells, double cell);
 

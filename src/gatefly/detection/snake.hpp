@@ -16,10 +16,11 @@ inline double distance(Pixel a, Pixel b) {
   return std::sqrt(du * du + dv * dv);
 }
 
-/// Follows a bar from `p` in direction (du, dv), one of them ±1: Li18 Algorithm 2, any of its branches.
+/// Follows a bar from `p` in direction (du, dv), one of them ±1: Li18 Algorithm 2, any of its
+/// branches.
 ///
-/// Ahead, ahead and to one side, ahead and to the other; over a hole of one pixel as well [2018 flight
-/// code] unless `over_holes` is false. Ends at the border at the latest.
+/// Ahead, ahead and to one side, ahead and to the other; over a hole of one pixel as well [2018
+/// flight code] unless `over_holes` is false. Ends at the border at the latest.
 inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv, bool over_holes = true) {
   const int side_u = dv != 0 ? 1 : 0, side_v = du != 0 ? 1 : 0;
   for (;;) {

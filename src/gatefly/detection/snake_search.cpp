@@ -15,33 +15,39 @@
 namespace gatefly {
 namespace {
 
-constexpr int kWidest = 5, kAround = 1;           // samples; what is wider is no upright bar; groups: 24 px at 315 x 160
-constexpr double kLeastShared = 0.2;             // of two bars' heights: either may be broken
-constexpr double kStrongBar = 100.0;             // three rows of 2 nats
-constexpr int kReach = 3;                       // of the middle of a bar from a rough side [px]
+// samples; what is wider is no upright bar; groups: 24 px at 315 x 160
+constexpr int kWidest = 5, kAround = 1;
+constexpr double kLeastShared = 0.2;  // of two bars' heights: either may be broken
+constexpr double kStrongBar = 100.0;  // three rows of 2 nats
+constexpr int kReach = 3;             // of the middle of a bar from a rough side [px]
 constexpr FrameEffort kEffort{.samples = 8, .middles = 8};
 
 }  // namespace
 
-/// Two bars, and the frame that would be square between them: levels drop by `shift` from right to left [px].
+/// Two bars, and the frame that would be square between them: levels drop by `shift` from right to
+/// left [px].
 struct SnakeSearch::Pair {
   Bar left, right;
-  double width = 0.0, shift = 0.0;   ///< Reach of an upright side over rows; see above.
-  double top = 0.0, bottom = 0.0;    ///< Of the bars, at the middle between them.
+  double width = 0.0, shift = 0.0;  ///< Reach of an upright side over rows; see above.
+  double top = 0.0, bottom = 0.0;   ///< Of the bars, at the middle between them.
   double worth = 0.0;
 
   [[nodiscard]] Eigen::Vector2d on_left(double level) const { return left.at(level + 0.5 * shift); }
-  [[nodiscard]] Eigen::Vector2d on_right(double level) const { return right.at(level - 0.5 * shift); }
+  [[nodiscard]] Eigen::Vector2d on_right(double level) const {
+    return right.at(level - 0.5 * shift);
+  }
 };
 
-SnakeSearch::SnakeSearch(const GateSearchParams& params) : params_{params}, finder_{kWidest, kAround} {}
+SnakeSearch::SnakeSearch(const GateSearchParams& params)
+    : params_{params}, finder_{kWidest, kAround} {}
 
 SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
   const auto better = [](const Pair& a, const Pair& b) { return a.worth > b.worth; };
   Pairs pairs;
   for (const Bar& l : bars)
     for (const Bar& r : bars) {
-      const double middle = 0.25 * (l.top + l.bottom + r.top + r.bottom), apart = r.x(middle) - l.x(middle);
+      const double middle = 0.25 * (l.top + l.bottom + r.top + r.bottom),
+                   apart = r.x(middle) - l.x(middle);
       if (apart < params_.min_side_px || std::abs(l.slope - r.slope) > 0.35) continue;
       const double slope = 0.5 * (l.slope + r.slope);
       Pair p{.left = l, .right = r, .width = apart / (1.0 + slope * slope)};
@@ -50,9 +56,12 @@ SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
       const double right_top = r.top + 0.5 * p.shift, right_bottom = r.bottom + 0.5 * p.shift;
       p.top = std::min(left_top, right_top), p.bottom = std::max(left_bottom, right_bottom);
       const double height = p.bottom - p.top + finder_.stride();
-      const double shared = std::min(left_bottom, right_bottom) - std::max(left_top, right_top) + finder_.stride();
-      if (shared < kLeastShared * height || p.width > 2.2 * height || p.width < 0.25 * height) continue;
-      p.worth = (l.strength + r.strength) * std::max(0.2 * height, shared) / (height * (1.0 + std::abs(std::log(p.width / height))));
+      const double shared =
+          std::min(left_bottom, right_bottom) - std::max(left_top, right_top) + finder_.stride();
+      if (shared < kLeastShared * height || p.width > 2.2 * height || p.width < 0.25 * height)
+        continue;
+      p.worth = (l.strength + r.strength) * std::max(0.2 * height, shared) /
+                (height * (1.0 + std::abs(std::log(p.width / height))));
       if (pairs.push_back(p)) continue;
       Pair& worst = *std::max_element(pairs.begin(), pairs.end(), better);
       if (better(p, worst)) worst = p;
@@ -63,13 +72,17 @@ SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
 
 namespace {
 
-/// The level bars of a pair: of all level lines near its upper end, a little tilted or not, the one with the most
-/// evidence; and near its lower end. A level is six samples from bar to bar.
+/// The level bars of a pair: of all level lines near its upper end, a little tilted or not, the one
+/// with the most evidence; and near its lower end. A level is six samples from bar to bar.
 template <class Pair, class Fit>
 class LevelBars {
  public:
   LevelBars(const Pair& pair, int step, int stride, int cell, const Fit& fit)
-      : pair_{pair}, fit_{fit}, cell_{cell}, beyond_{std::max(0.9 * stride, 0.15 * pair.width)}, next_row_{static_cast<double>(stride)} {
+      : pair_{pair},
+        fit_{fit},
+        cell_{cell},
+        beyond_{std::max(0.9 * stride, 0.15 * pair.width)},
+        next_row_{static_cast<double>(stride)} {
     const double range = beyond_ + 0.4 * (pair.bottom - pair.top);
     levels_ = std::clamp(1 + static_cast<int>(range / step), 2, kMostLevels);
     apart_ = range / (levels_ - 1);
@@ -79,10 +92,13 @@ class LevelBars {
   [[nodiscard]] std::optional<Quad> frame() const {
     End upper{pair_.top, -1.0}, lower{pair_.bottom, +1.0};
     // Most pairs are no gate: two samples of six show it.
-    if (look(upper, 1) + look(upper, 4) + look(lower, 1) + look(lower, 4) < kLeastShown) return std::nullopt;
+    if (look(upper, 1) + look(upper, 4) + look(lower, 1) + look(lower, 4) < kLeastShown)
+      return std::nullopt;
     const Level above = best_level(upper), below = best_level(lower);
     if (above.sum + below.sum < 0) return std::nullopt;
-    return to_cells(Quad{pair_.on_left(above.left), pair_.on_right(above.right), pair_.on_right(below.right), pair_.on_left(below.left)}, cell_);
+    return to_cells(Quad{pair_.on_left(above.left), pair_.on_right(above.right),
+                         pair_.on_right(below.right), pair_.on_left(below.left)},
+                    cell_);
   }
 
  private:
@@ -90,7 +106,8 @@ class LevelBars {
   static constexpr int kClear = 15 * kAcross;  // evidence of a bar that leaves no doubt
   static constexpr int kLeastShown = -20;      // of the best sample in each of four columns
   static constexpr double kTilt = 0.25;
-  static constexpr double kLeftOver = 192.0;   // a nat a pixel of both bars, beside a level of six samples
+  // a nat a pixel of both bars, beside a level of six samples
+  static constexpr double kLeftOver = 192.0;
 
   struct Level {
     double left, right;  // where it meets the bars
@@ -98,10 +115,13 @@ class LevelBars {
   };
   struct End {
     double at, outwards;
-    std::array<int, kMostLevels> sums{};  // of the samples looked at so far, from the outermost level on
+    // of the samples looked at so far, from the outermost level on
+    std::array<int, kMostLevels> sums{};
   };
 
-  [[nodiscard]] double level(const End& end, int k) const { return end.at + end.outwards * (beyond_ - k * apart_); }
+  [[nodiscard]] double level(const End& end, int k) const {
+    return end.at + end.outwards * (beyond_ - k * apart_);
+  }
   [[nodiscard]] Eigen::Vector2d sample(double left, double right, int j) const {
     const Eigen::Vector2d a = pair_.on_left(left), b = pair_.on_right(right);
     return to_cells(a + (j + 0.5) / kAcross * (b - a), cell_);
@@ -112,23 +132,27 @@ class LevelBars {
     const double first = level(end, 0), last = level(end, levels_ - 1);
     const Eigen::Vector2d start = sample(first, first, j);
     int most = -kLimit;
-    fit_.each_along(start, (sample(last, last, j) - start) / (levels_ - 1), levels_, [&](int k, int evidence) {
-      most = std::max(most, evidence), end.sums[static_cast<std::size_t>(k)] += evidence;
-    });
+    fit_.each_along(
+        start, (sample(last, last, j) - start) / (levels_ - 1), levels_, [&](int k, int evidence) {
+          most = std::max(most, evidence), end.sums[static_cast<std::size_t>(k)] += evidence;
+        });
     return most;
   }
 
   // A level inside the bars' ends leaves bar over, one beyond the next row lacks it.
   [[nodiscard]] int left_over(int k) const {
     const double off = beyond_ - k * apart_;
-    return static_cast<int>(kLeftOver * (std::max(0.0, -off) + std::max(0.0, off - next_row_)) / pair_.width);
+    return static_cast<int>(kLeftOver * (std::max(0.0, -off) + std::max(0.0, off - next_row_)) /
+                            pair_.width);
   }
 
   // Adds samples to a level, if it becomes better than the best: no further than it still can.
-  void improve(Level& best, double left, double right, int sum, std::initializer_list<int> samples) const {
+  void improve(Level& best, double left, double right, int sum,
+               std::initializer_list<int> samples) const {
     int most = sum + static_cast<int>(samples.size()) * kLimit;
     if (most <= best.sum) return;
-    const Eigen::Vector2d first = sample(left, right, 0), apart = (sample(left, right, kAcross - 1) - first) / (kAcross - 1);
+    const Eigen::Vector2d first = sample(left, right, 0),
+                          apart = (sample(left, right, kAcross - 1) - first) / (kAcross - 1);
     for (const int j : samples) {
       if (most <= best.sum) return;
       most += fit_.at(first + j * apart) - kLimit;
@@ -138,22 +162,26 @@ class LevelBars {
 
   [[nodiscard]] Level best_level(const End& end) const {
     std::array<int, kMostLevels> so_far;
-    for (int k = 0; k < levels_; ++k) so_far[static_cast<std::size_t>(k)] = end.sums[static_cast<std::size_t>(k)] - left_over(k);
+    for (int k = 0; k < levels_; ++k)
+      so_far[static_cast<std::size_t>(k)] = end.sums[static_cast<std::size_t>(k)] - left_over(k);
     Level best{end.at, end.at, -1 << 20};
     int best_k = 0;
     const auto try_level = [&](int k) {
       const int before = best.sum;
-      improve(best, level(end, k), level(end, k), so_far[static_cast<std::size_t>(k)], {0, 2, 3, 5});
+      improve(best, level(end, k), level(end, k), so_far[static_cast<std::size_t>(k)],
+              {0, 2, 3, 5});
       if (best.sum > before) best_k = k;
     };
     // The most likely one first: few others need all their samples then.
-    try_level(static_cast<int>(std::max_element(so_far.begin(), so_far.begin() + levels_) - so_far.begin()));
+    try_level(static_cast<int>(std::max_element(so_far.begin(), so_far.begin() + levels_) -
+                               so_far.begin()));
     for (int k = 0; k < levels_; ++k) try_level(k);
     for (const double tilt : {-kTilt, kTilt}) {
       if (best.sum >= kClear) break;
       const double half = 0.5 * tilt * pair_.width;
       for (int k = std::max(0, best_k - 3); k < std::min(levels_, best_k + 4); ++k)
-        improve(best, level(end, k) - half, level(end, k) + half, -left_over(k), {0, 1, 2, 3, 4, 5});
+        improve(best, level(end, k) - half, level(end, k) + half, -left_over(k),
+                {0, 1, 2, 3, 4, 5});
     }
     return best;
   }
@@ -161,18 +189,24 @@ class LevelBars {
   const Pair& pair_;
   const Fit& fit_;
   int cell_, levels_ = 0;
-  double beyond_, next_row_, apart_ = 0.0;  // of the bars' ends: how far outwards; a bar may end anywhere before the next row [px]
+  // of the bars' ends: how far outwards; a bar may end anywhere before the next row [px]
+  double beyond_, next_row_, apart_ = 0.0;
 };
 
-// A frame from where its sides are, roughly, to where they are; nullopt when it is no gate. In cells.
+// A frame from where its sides are, roughly, to where they are; nullopt when it is no gate. In
+// cells.
 template <class Fit>
-std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell, const GateSearchParams& params) {
-  const auto has_shape = [&](const Quad& q) { return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect); };
+std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell,
+                            const GateSearchParams& params) {
+  const auto has_shape = [&](const Quad& q) {
+    return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect);
+  };
   if (!has_shape(rough)) return std::nullopt;
   const auto centered = fit.centered(rough, kReach);
   const Quad& quad = centered && has_shape(*centered) ? *centered : rough;
   const Frame frame{quad, fit.score(quad)};
-  if (frame.score.total < params.min_score || frame.score.inside > params.max_inside) return std::nullopt;
+  if (frame.score.total < params.min_score || frame.score.inside > params.max_inside)
+    return std::nullopt;
   return frame;
 }
 
@@ -188,23 +222,34 @@ GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) 
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);
   FixedList<Frame, Pairs::kCapacity> frames;
-  const auto in_place_of = [&](const Quad& q) { return std::find_if(frames.begin(), frames.end(), [&](const Frame& f) { return same_place(f.quad, q); }); };
+  const auto in_place_of = [&](const Quad& q) {
+    return std::find_if(frames.begin(), frames.end(),
+                        [&](const Frame& f) { return same_place(f.quad, q); });
+  };
   for (const Pair& pair : pairs_of(bars)) {
     // Once more a frame that leaves no doubt, from other pieces of its bars: not worth the time.
-    const auto known = in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top), pair.on_right(pair.bottom), pair.on_left(pair.bottom)}, cell));
+    const auto known =
+        in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top),
+                                  pair.on_right(pair.bottom), pair.on_left(pair.bottom)},
+                             cell));
     if (known != frames.end() && known->score.total > params_.sure_score) continue;
     const auto rough = LevelBars{pair, finder_.step(), finder_.stride(), cell, fit}.frame();
     if (!rough) continue;
     const auto frame = fitted(fit, *rough, cell, params_);
     if (!frame) continue;
     const auto same = in_place_of(frame->quad);
-    if (same == frames.end()) (void)frames.push_back(*frame);
-    else if (frame->score.total > same->score.total) *same = *frame;
+    if (same == frames.end())
+      (void)frames.push_back(*frame);
+    else if (frame->score.total > same->score.total)
+      *same = *frame;
   }
-  insertion_sort(frames, [](const Frame& a, const Frame& b) { return a.score.total > b.score.total; });
+  insertion_sort(frames,
+                 [](const Frame& a, const Frame& b) { return a.score.total > b.score.total; });
   for (const Frame& frame : frames) {
-    const Quad corners = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(), RefinementEffort::kQuick);
-    (void)found.push_back(detection_of({corners, frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
+    const Quad corners = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(),
+                                         RefinementEffort::kQuick);
+    (void)found.push_back(
+        detection_of({corners, frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
   }
   return found;
 }
@@ -215,7 +260,9 @@ bool SnakeSearch::shows_bars_beside(const GateDetections& gates) const {
     if (bar.strength < kStrongBar) return false;
     const double u = bar.x(0.5 * (bar.top + bar.bottom));
     return std::none_of(gates.begin(), gates.end(), [&](const GateDetection& gate) {
-      const auto [first, last] = std::minmax_element(gate.corners_px.begin(), gate.corners_px.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
+      const auto [first, last] =
+          std::minmax_element(gate.corners_px.begin(), gate.corners_px.end(),
+                              [](const auto& a, const auto& b) { return a.x() < b.x(); });
       return u > first->x() - finder_.stride() && u < last->x() + finder_.stride();
     });
   });

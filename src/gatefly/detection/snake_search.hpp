@@ -12,9 +12,10 @@ namespace gatefly {
 
 /// Finds gates that stand out, in microseconds: Li18's snakes (Algorithm 1), in strides.
 ///
-/// Two bars of like slope and height are the sides of a frame; its level bars are looked for between them, then all
-/// four sides are fitted. What differs from the paper: no random samples, evidence in place of a colour box, upright
-/// bars first at any roll up to 60 deg (one pair of a frame's sides is always within 45 deg of upright).
+/// Two bars of like slope and height are the sides of a frame; its level bars are looked for
+/// between them, then all four sides are fitted. What differs from the paper: no random samples,
+/// evidence in place of a colour box, upright bars first at any roll up to 60 deg (one pair of a
+/// frame's sides is always within 45 deg of upright).
 class SnakeSearch {
  public:
   explicit SnakeSearch(const GateSearchParams& params = {});
@@ -22,7 +23,8 @@ class SnakeSearch {
   /// Distinct gates, best first. Allocates nothing; the cost hardly depends on the picture's size.
   [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
 
-  /// Whether the picture that was searched last shows a bar left or right of all these gates: there may be another one.
+  /// Whether the picture that was searched last shows a bar left or right of all these gates: there
+  /// may be another one.
   [[nodiscard]] bool shows_bars_beside(const GateDetections& gates) const;
 
  private:

@@ -10,7 +10,8 @@ void Ahrs::start(double yaw) {
   *this = Ahrs{params_};
   set({0.0, 0.0, yaw});
   const double rest_bias_sigma = 0.004;  // of a 1 s mean, with what warms up afterwards [rad/s]
-  P_ << params_.start_heading_sigma * params_.start_heading_sigma, 0, 0, rest_bias_sigma * rest_bias_sigma;
+  P_ << params_.start_heading_sigma * params_.start_heading_sigma, 0, 0,
+      rest_bias_sigma * rest_bias_sigma;
 }
 
 void Ahrs::set(const Attitude& attitude) {
@@ -30,7 +31,8 @@ void Ahrs::update_at_rest(const Imu& imu) {
   slow_gyro_ += kSlow * (imu.gyro_B - slow_gyro_);
   slow_accel_ += kSlow * (accel - slow_accel_);
   ++rest_samples_;
-  if (slow_gyro_.norm() > params_.rest_gyro || (slow_accel_ - accel_bias_).norm() > params_.rest_accel) {
+  if (slow_gyro_.norm() > params_.rest_gyro ||
+      (slow_accel_ - accel_bias_).norm() > params_.rest_accel) {
     rest_samples_ = 0;  // moved: begin again
     gyro_bias_.setZero();
     accel_bias_.setZero();
@@ -56,7 +58,8 @@ void Ahrs::update(const Imu& imu, const Eigen::Vector3d& v_B, double dt) {
 
   // The velocity is known to a part only: the more it changes, the less is left to believe.
   const double off = (std::abs(up_E.norm() - g) + accel_E_.norm()) / g;
-  const double weight = std::clamp(1.0 - params_.gravity_factor * off / 10.0, params_.min_weight, 1.0);
+  const double weight =
+      std::clamp(1.0 - params_.gravity_factor * off / 10.0, params_.min_weight, 1.0);
   const Eigen::Vector3d error_B = R.transpose() * Eigen::Vector3d{-up_E.y(), up_E.x(), 0.0} / g;
   Eigen::Vector3d bias_step = weight * params_.omega * params_.omega * dt * error_B;
   bias_step.z() = 0.0;  // the yaw gyro's bias belongs to the heading filter
@@ -64,13 +67,16 @@ void Ahrs::update(const Imu& imu, const Eigen::Vector3d& v_B, double dt) {
   const double gain = weight * 2.0 * params_.zeta * params_.omega;
   q_ = integrated(q_, gain * error_B, dt);
 
-  // Tilt: Ṗ = −2kP + k²S + Q; what the average is off by is noise that lasts as long as the average.
-  const double S = 2.0 * params_.gravity_time * (up_E / g + Eigen::Vector3d::UnitZ()).squaredNorm() / 3.0;
+  // Tilt: Ṗ = −2kP + k²S + Q; what the average is off by is noise that lasts as long as the
+  // average.
+  const double S =
+      2.0 * params_.gravity_time * (up_E / g + Eigen::Vector3d::UnitZ()).squaredNorm() / 3.0;
   tilt_P_ += dt * (gain * gain * S + params_.tilt_process * params_.tilt_process);
   tilt_P_ /= 1.0 + 2.0 * gain * dt;
 
   // Heading filter: ψ̇ error = −bias error.
-  P_(0, 0) += dt * (-2.0 * P_(0, 1) + dt * P_(1, 1)) + params_.heading_process * params_.heading_process * dt;
+  P_(0, 0) += dt * (-2.0 * P_(0, 1) + dt * P_(1, 1)) +
+              params_.heading_process * params_.heading_process * dt;
   P_(0, 0) += 2.0 * std::sqrt(P_(0, 0)) * params_.scale_sigma * std::abs(rate_B_.z()) * dt;
   P_(0, 1) -= dt * P_(1, 1);
   P_(1, 0) = P_(0, 1);
@@ -93,7 +99,8 @@ void Ahrs::correct_heading(double error, double variance) {
 double Ahrs::heading_sigma() const { return std::sqrt(P_(0, 0)); }
 
 double Ahrs::tilt_sigma() const {
-  const double level = params_.accel_bias_sigma / params_.gravity, late = params_.gyro_delay * rate_B_.head<2>().norm();
+  const double level = params_.accel_bias_sigma / params_.gravity,
+               late = params_.gyro_delay * rate_B_.head<2>().norm();
   return std::sqrt(tilt_P_ + level * level + 0.5 * late * late);
 }
 

@@ -6,13 +6,15 @@
 namespace gatefly {
 
 struct AltimeterParams {
-  double sonar_sigma = 0.04;       ///< [m] [ours]
-  double baro_sigma = 0.30;        ///< Of one sample, after its drift was taken off [m]. [ours]
-  double max_step = 0.20;          ///< Sonar nearer than expected by more than this saw furniture [m]. [ours]
+  double sonar_sigma = 0.04;  ///< [m] [ours]
+  double baro_sigma = 0.30;   ///< Of one sample, after its drift was taken off [m]. [ours]
+  /// Sonar nearer than expected by more than this saw furniture [m]. [ours]
+  double max_step = 0.20;
   double max_disagreement = 0.35;  ///< Between sonar and slow barometer [m]. [ours]
   double baro_time = 0.8;          ///< Smoothing of the barometer [s]. [ours]
   double drift_time = 8.0;         ///< How fast the barometer's drift is followed [s]. [ours]
-  double lost_after = 1.5;         ///< Without a good echo for this long, any that agrees with the barometer [s].
+  /// Without a good echo for this long, any that agrees with the barometer [s].
+  double lost_after = 1.5;
 };
 
 /// A height above the floor worth fusing.
@@ -21,10 +23,12 @@ struct Height {
   double sigma = 0.0;  ///< [m]
 };
 
-/// Sonar where it sees the floor, barometer where it does not. The paper's altitude is the autopilot's.
+/// Sonar where it sees the floor, barometer where it does not. The paper's altitude is the
+/// autopilot's.
 ///
-/// A sonar flying past a table reads the table. Three witnesses expose it: the filter's own height, the
-/// barometer (slow, drifting, blind to furniture), and that furniture only ever makes the floor *nearer*.
+/// A sonar flying past a table reads the table. Three witnesses expose it: the filter's own height,
+/// the barometer (slow, drifting, blind to furniture), and that furniture only ever makes the floor
+/// *nearer*.
 class Altimeter {
  public:
   explicit Altimeter(const AltimeterParams& params) : params_{params} {}
@@ -34,17 +38,20 @@ class Altimeter {
   std::optional<Height> sonar(double height, double expected, double time) {
     const double step = height - expected;
     const double baro = baro_ - drift_;
-    const bool like_baro = !has_baro_ || (height - baro < params_.max_disagreement && baro - height < params_.max_disagreement);
+    const bool like_baro = !has_baro_ || (height - baro < params_.max_disagreement &&
+                                          baro - height < params_.max_disagreement);
     const bool like_filter = step > -params_.max_step && step < 2.0 * params_.max_step;
     if (!has_echo_) last_good_ = time;
     has_echo_ = true;
     if (!like_baro || (!like_filter && time - last_good_ < params_.lost_after)) return std::nullopt;
-    if (has_baro_ && like_filter) drift_ += (baro_ - height - drift_) * 0.05 / params_.drift_time;  // 20 Hz
+    // 20 Hz
+    if (has_baro_ && like_filter) drift_ += (baro_ - height - drift_) * 0.05 / params_.drift_time;
     last_good_ = time;
     return Height{height, params_.sonar_sigma};
   }
 
-  /// The drone rose by `meters`, says the filter: the smoothed barometer need not lag behind a climb.
+  /// The drone rose by `meters`, says the filter: the smoothed barometer need not lag behind a
+  /// climb.
   void climb(double meters) { baro_ += meters; }
 
   /// @param height  barometric, above the pad [m].
@@ -54,7 +61,8 @@ class Altimeter {
       has_baro_ = true;
     } else {
       const double dt = time - baro_at_;
-      if (dt > 0.0) baro_ += (height - baro_) * (dt < params_.baro_time ? dt / params_.baro_time : 1.0);
+      if (dt > 0.0)
+        baro_ += (height - baro_) * (dt < params_.baro_time ? dt / params_.baro_time : 1.0);
     }
     baro_at_ = time;
     return Height{height - drift_, params_.baro_sigma};

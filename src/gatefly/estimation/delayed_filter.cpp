@@ -13,7 +13,8 @@ namespace gatefly {
 namespace {
 
 template <std::size_t... I>
-std::array<DelayedFilter::Moment, sizeof...(I)> moments_of(const DelayedFilter::Moment& moment, std::index_sequence<I...>) {
+std::array<DelayedFilter::Moment, sizeof...(I)> moments_of(const DelayedFilter::Moment& moment,
+                                                           std::index_sequence<I...>) {
   return {((void)I, moment)...};
 }
 
@@ -21,10 +22,11 @@ std::array<DelayedFilter::Moment, sizeof...(I)> moments_of(const DelayedFilter::
 
 DelayedFilter::DelayedFilter(const DragFilterParams& params, const RestartParams& restart)
     : restart_{restart},
-      moments_{moments_of(Moment{.input = {}, .heights = {}, .filter = DragFilter{params}}, std::make_index_sequence<kMoments>{})} {}
+      moments_{moments_of(Moment{.input = {}, .heights = {}, .filter = DragFilter{params}},
+                          std::make_index_sequence<kMoments>{})} {}
 
-void DelayedFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const DragFilter::MapDoubt& doubt,
-                          double time) {
+void DelayedFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
+                          const DragFilter::MapDoubt& doubt, double time) {
   newest().filter.start(p_G, accel_bias, doubt);
   newest().time = time;
   forget_past();
@@ -71,7 +73,10 @@ const DelayedFilter::Moment* DelayedFilter::at(double time) const {
 Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
   const auto index = index_at(time);
   if (!index || *index == oldest()) return Fusion::kTooLate;
-  const auto gone = [&] { return fixes_.full() || (!fixes_.empty() && fixes_[0].time < moments_[oldest() % kMoments].time); };
+  const auto gone = [&] {
+    return fixes_.full() ||
+           (!fixes_.empty() && fixes_[0].time < moments_[oldest() % kMoments].time);
+  };
   while (gone()) {
     std::move(fixes_.begin() + 1, fixes_.end(), fixes_.begin());
     fixes_.pop_back();
@@ -89,7 +94,8 @@ Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
   return Fusion::kRestarted;
 }
 
-// All ticks from `index` on once more, with the heights and fixes of each; what became of the fix of `time`.
+// All ticks from `index` on once more, with the heights and fixes of each; what became of the fix
+// of `time`.
 Fusion DelayedFilter::redo_from(std::size_t index, double time) {
   Fusion fusion = Fusion::kRefused;
   std::size_t f = 0;
@@ -98,7 +104,8 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
     Moment& moment = moments_[i % kMoments];
     moment.filter = moments_[(i - 1) % kMoments].filter;
     moment.filter.predict(moment.input, moment.dt);
-    for (const Moment::Height& height : moment.heights) (void)moment.filter.correct_altitude(height.z, height.sigma, height.lasting);
+    for (const Moment::Height& height : moment.heights)
+      (void)moment.filter.correct_altitude(height.z, height.sigma, height.lasting);
     for (; f < fixes_.size() && index_at(fixes_[f].time) == i; ++f) {
       const Fusion one = moment.filter.correct(fixes_[f].fix);
       if (fixes_[f].time == time) fusion = one;
@@ -107,7 +114,8 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
   return fusion;
 }
 
-// Whether enough refused fixes say the same. Wrong ones in between count against it [Boyer, Moore 1981].
+// Whether enough refused fixes say the same. Wrong ones in between count against it [Boyer, Moore
+// 1981].
 bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry) {
   if (run_.count > 0 && time <= run_.last) return false;  // one picture is one witness
   const Eigen::Vector3d start = fix.p_GB - odometry;
@@ -128,7 +136,8 @@ bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& o
   return run_.count >= restart_.fixes && time - run_.since >= restart_.duration;
 }
 
-void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn, const DragFilter::MapDoubt& doubt) {
+void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
+                                 double turn, const DragFilter::MapDoubt& doubt) {
   newest().filter.change_frame(R, offset, doubt);
   newest().input.yaw = wrap_angle(newest().input.yaw + turn);
   forget_past();

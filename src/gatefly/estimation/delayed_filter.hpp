@@ -13,18 +13,21 @@
 namespace gatefly {
 
 struct RestartParams {
-  int fixes = 4;               ///< So many more that agree with the first of them than do not ...
-  double duration = 0.3;       ///< ... over at least this long [s] ...
-  double longest = 2.0;        ///< ... and at most this [s]. [ours]
-  double odometry = 0.6;       ///< What dead reckoning may be off by: what threw the position is in it, too [m/s]. [ours]
+  int fixes = 4;          ///< So many more that agree with the first of them than do not ...
+  double duration = 0.3;  ///< ... over at least this long [s] ...
+  double longest = 2.0;   ///< ... and at most this [s]. [ours]
+  /// What dead reckoning may be off by: what threw the position is in it, too [m/s]. [ours]
+  double odometry = 0.6;
 };
 
-/// The drag filter with a memory: a fix is fused at the moment of its picture, however late it comes.
+/// The drag filter with a memory: a fix is fused at the moment of its picture, however late it
+/// comes.
 ///
-/// The last quarter of a second is kept, tick by tick. A fix takes its place in it and everything after it is done
-/// again, so that the order of arrival does not matter. Fixes that the filter refuses but that agree with each other
-/// start its position anew: it is never locked out, and never thrown by one or two wrong gates.
-/// Cost: a prediction and a copy of 1 KiB per tick; a fix costs a prediction per tick of its age. Allocates nothing.
+/// The last quarter of a second is kept, tick by tick. A fix takes its place in it and everything
+/// after it is done again, so that the order of arrival does not matter. Fixes that the filter
+/// refuses but that agree with each other start its position anew: it is never locked out, and
+/// never thrown by one or two wrong gates. Cost: a prediction and a copy of 1 KiB per tick; a fix
+/// costs a prediction per tick of its age. Allocates nothing.
 class DelayedFilter {
  public:
   static constexpr std::size_t kMoments = 128;  ///< 250 ms at 512 Hz.
@@ -45,7 +48,8 @@ class DelayedFilter {
   explicit DelayedFilter(const DragFilterParams& params, const RestartParams& restart = {});
 
   /// See DragFilter. The memory begins here.
-  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const DragFilter::MapDoubt& doubt, double time);
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
+             const DragFilter::MapDoubt& doubt, double time);
 
   /// One tick, which ends at `time` [s].
   void predict(const drag_model::Input& input, double dt, double time);
@@ -57,7 +61,8 @@ class DelayedFilter {
   Fusion correct(const Fix& fix, double time, bool may_restart = false);
 
   /// Goes over to another gate's frame; what was before can no longer be corrected.
-  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn, const DragFilter::MapDoubt& doubt);
+  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn,
+                    const DragFilter::MapDoubt& doubt);
 
   /// The heading was found to be off: so it was in the past.
   void turn_past(double angle);
@@ -72,16 +77,19 @@ class DelayedFilter {
     double time = 0.0;
     Fix fix;
   };
-  struct Run {  ///< Refused fixes that agree with the first of them.
+  struct Run {      ///< Refused fixes that agree with the first of them.
     int count = 0;  ///< Less those that do not.
     double since = 0.0, last = 0.0;
-    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says the first fix [m].
+    /// Where dead reckoning began, says the first fix [m].
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   };
 
   [[nodiscard]] const Moment& newest() const { return moments_[(count_ - 1) % kMoments]; }
   Moment& newest() { return moments_[(count_ - 1) % kMoments]; }
-  [[nodiscard]] std::size_t oldest() const { return count_ - first_ < kMoments ? first_ : count_ - kMoments; }
+  [[nodiscard]] std::size_t oldest() const {
+    return count_ - first_ < kMoments ? first_ : count_ - kMoments;
+  }
   [[nodiscard]] std::optional<std::size_t> index_at(double time) const;
   void forget_past();
   Fusion redo_from(std::size_t index, double time);

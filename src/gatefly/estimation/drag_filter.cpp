@@ -18,32 +18,38 @@ using drag_model::StateMatrix;
 
 using Cross = DragFilter::Cross;
 
-constexpr double kTiltLasts = 5.0, kScaleLasts = 2.0;  // time constants [s]. [ours: fixes of 30 races]
+// time constants [s]. [ours: fixes of 30 races]
+constexpr double kTiltLasts = 5.0, kScaleLasts = 2.0;
 
 template <int N>
 struct Measurement {
   Eigen::Matrix<double, N, 1> innovation;
-  Eigen::Matrix<double, N, kStates> H;  ///< Picks N of the position states.
-  Eigen::Matrix<double, N, N> R;        ///< What is new in every measurement ...
+  Eigen::Matrix<double, N, kStates> H;          ///< Picks N of the position states.
+  Eigen::Matrix<double, N, N> R;                ///< What is new in every measurement ...
   Eigen::Matrix<double, N, lasting::kCount> L;  ///< ... and what is not.
 };
 
 template <int N>
-Eigen::Matrix<double, N, N> covariance_of_innovation(const StateMatrix& P, const Cross& C, const Measurement<N>& m) {
+Eigen::Matrix<double, N, N> covariance_of_innovation(const StateMatrix& P, const Cross& C,
+                                                     const Measurement<N>& m) {
   const Eigen::Matrix<double, N, N> HCL = m.H * C * m.L.transpose();
   return m.H * P * m.H.transpose() + HCL + HCL.transpose() + m.L * m.L.transpose() + m.R;
 }
 
-// EKF update in place. Li18 appendix (4), and (5) in Joseph form, with what lasts considered, not estimated [Schmidt 1966].
+// EKF update in place. Li18 appendix (4), and (5) in Joseph form, with what lasts considered, not
+// estimated [Schmidt 1966].
 template <int N>
 void update(State& x, StateMatrix& P, Cross& C, const Measurement<N>& m) {
   const Eigen::Matrix<double, N, N> S = covariance_of_innovation(P, C, m);
   // K = (P Hᵀ + C Lᵀ) S⁻¹, by solving S Kᵀ = H P + L Cᵀ: S is never inverted.
-  const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(m.H * P + m.L * C.transpose()).transpose();
+  const Eigen::Matrix<double, kStates, N> K =
+      S.ldlt().solve(m.H * P + m.L * C.transpose()).transpose();
   x += K * m.innovation;
   const StateMatrix I_KH = StateMatrix::Identity() - K * m.H;
   const StateMatrix mixed = I_KH * C * m.L.transpose() * K.transpose();
-  const StateMatrix joseph = I_KH * P * I_KH.transpose() + K * (m.R + m.L * m.L.transpose()) * K.transpose() - mixed - mixed.transpose();
+  const StateMatrix joseph = I_KH * P * I_KH.transpose() +
+                             K * (m.R + m.L * m.L.transpose()) * K.transpose() - mixed -
+                             mixed.transpose();
   P = 0.5 * (joseph + joseph.transpose());
   C = I_KH * C - K * m.L;
 }
@@ -68,7 +74,8 @@ Eigen::Vector4d DragFilter::start_variance() const {
   return {0.01, bias.x(), bias.y(), bias.z()};
 }
 
-void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const MapDoubt& doubt) {
+void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
+                       const MapDoubt& doubt) {
   x_.setZero();
   x_.segment<3>(kX) = p_G;
   x_.segment<3>(drag_model::kBiasX) = accel_bias;
@@ -92,10 +99,13 @@ void DragFilter::predict(const drag_model::Input& input, double dt) {
   Cross C = Phi * C_;
   age(C, input.yaw_sigma, dt);
   StateMatrix P = Phi * P_ * Phi.transpose();  // Eq. (33)
-  const Eigen::Matrix<double, kStates, 1> with = input.yaw_sigma * C.col(lasting::kHeading) + gate_yaw_sigma_ * C.col(lasting::kGateYaw);
+  const Eigen::Matrix<double, kStates, 1> with =
+      input.yaw_sigma * C.col(lasting::kHeading) + gate_yaw_sigma_ * C.col(lasting::kGateYaw);
   P.leftCols<3>() += with * turned.transpose();
   P.topRows<3>() += turned * with.transpose();
-  P.topLeftCorner<3, 3>() += (input.yaw_sigma * input.yaw_sigma + gate_yaw_sigma_ * gate_yaw_sigma_) * turned * turned.transpose();
+  P.topLeftCorner<3, 3>() +=
+      (input.yaw_sigma * input.yaw_sigma + gate_yaw_sigma_ * gate_yaw_sigma_) * turned *
+      turned.transpose();
   C.col(lasting::kHeading).head<3>() += input.yaw_sigma * turned;
   C.col(lasting::kGateYaw).head<3>() += gate_yaw_sigma_ * turned;
   C_ = C;
@@ -107,18 +117,23 @@ void DragFilter::predict(const drag_model::Input& input, double dt) {
 
 // What lasts is not the same for ever: the part of it that is new knows nothing of the state.
 void DragFilter::age(Cross& C, double yaw_sigma, double dt) {
-  for (const auto column : {lasting::kTiltX, lasting::kTiltY}) C.col(column) *= 1.0 - dt / kTiltLasts;
+  for (const auto column : {lasting::kTiltX, lasting::kTiltY})
+    C.col(column) *= 1.0 - dt / kTiltLasts;
   C.col(lasting::kScale) *= 1.0 - dt / kScaleLasts;
   // A heading's doubt grows by what is new, and shrinks by what a gate took away.
-  if (yaw_sigma_ > 0.0 && yaw_sigma > 0.0) C.col(lasting::kHeading) *= std::min(yaw_sigma / yaw_sigma_, yaw_sigma_ / yaw_sigma);
+  if (yaw_sigma_ > 0.0 && yaw_sigma > 0.0)
+    C.col(lasting::kHeading) *= std::min(yaw_sigma / yaw_sigma_, yaw_sigma_ / yaw_sigma);
   yaw_sigma_ = yaw_sigma;
 }
 
 double DragFilter::distance2(const Fix& fix) const {
   const Eigen::Vector3d innovation = fix.p_GB - position();
   if (!innovation.allFinite()) return 1e12;
-  const auto squared = [&](const auto& m) { return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation)); };
-  return fix.has_height ? squared(measured<3>(fix, innovation)) : squared(measured<2>(fix, innovation));
+  const auto squared = [&](const auto& m) {
+    return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation));
+  };
+  return fix.has_height ? squared(measured<3>(fix, innovation))
+                        : squared(measured<2>(fix, innovation));
 }
 
 Fusion DragFilter::correct(const Fix& fix) {
@@ -153,12 +168,16 @@ void DragFilter::restart(const Fix& fix) {
 
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
   const double innovation = z_G - x_(kZ);
-  Measurement<1> m{.innovation = Eigen::Matrix<double, 1, 1>{innovation}, .H = {}, .R = Eigen::Matrix<double, 1, 1>{sigma * sigma}, .L = {}};
+  Measurement<1> m{.innovation = Eigen::Matrix<double, 1, 1>{innovation},
+                   .H = {},
+                   .R = Eigen::Matrix<double, 1, 1>{sigma * sigma},
+                   .L = {}};
   m.H.setZero();
   m.H(kZ) = 1.0;
   m.L.setZero();
   m.L(lasting::kHeight) = height_sigma;
-  if (!std::isfinite(innovation) || !(innovation * innovation < 25.0 * covariance_of_innovation(P_, C_, m)(0, 0))) {
+  if (!std::isfinite(innovation) ||
+      !(innovation * innovation < 25.0 * covariance_of_innovation(P_, C_, m)(0, 0))) {
     // The filter is too sure of itself: doubt, but do not jump.
     if (std::isfinite(innovation)) P_(kZ, kZ) += 0.01;
     return Fusion::kRefused;
@@ -167,7 +186,8 @@ Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigm
   return Fusion::kAccepted;
 }
 
-void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, const MapDoubt& doubt) {
+void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
+                              const MapDoubt& doubt) {
   x_.segment<3>(kX) = R * position() + offset;
   StateMatrix T = StateMatrix::Identity();
   T.topLeftCorner<3, 3>() = R;
@@ -179,7 +199,8 @@ void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& o
   add(doubt);
 }
 
-// A gate's heading and height are off in the position as they will be in its fixes and heights: these do not tell.
+// A gate's heading and height are off in the position as they will be in its fixes and heights:
+// these do not tell.
 void DragFilter::add(const MapDoubt& doubt) {
   P_.diagonal().head<2>().array() += doubt.position * doubt.position;
   gate_yaw_sigma_ = doubt.yaw;

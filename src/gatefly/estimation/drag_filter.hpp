@@ -10,14 +10,16 @@ namespace gatefly {
 
 struct DragFilterParams {
   drag_model::Params model;
-  /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms update;
-  /// ours: what drag's velocity errs by lasts for seconds, so most of it is the bias's]
+  /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms
+  /// update; ours: what drag's velocity errs by lasts for seconds, so most of it is the bias's]
   double position_noise = 0.004;
   double vertical_noise = 0.03;
   double bias_noise = 4e-4;
-  Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};       ///< On the pad [m]. [ours]
-  Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< After the rest calibration [m/s²]. [ours]
-  double gate_sigma = 3.5;        ///< Fixes farther off than this many σ are refused: 1 in 150 of the right ones. [ours]
+  Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};  ///< On the pad [m]. [ours]
+  /// After the rest calibration [m/s²]. [ours]
+  Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};
+  /// Fixes farther off than this many σ are refused: 1 in 150 of the right ones. [ours]
+  double gate_sigma = 3.5;
 };
 
 /// What became of a measurement.
@@ -30,17 +32,20 @@ enum class Fusion {
 
 /// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
 ///
-/// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph form,
-/// innovation gate; what is off in all fixes of a gate alike is considered (docs/paper/deviations.md#eq-31).
+/// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph
+/// form, innovation gate; what is off in all fixes of a gate alike is considered
+/// (docs/paper/deviations.md#eq-31).
 class DragFilter {
  public:
-  /// Covariance of the state's error with what lasts (unit variance each): it is considered, never estimated.
+  /// Covariance of the state's error with what lasts (unit variance each): it is considered, never
+  /// estimated.
   using Cross = Eigen::Matrix<double, drag_model::kStates, lasting::kCount>;
 
   /// How well the map knows one gate relative to another.
   struct MapDoubt {
-    double position = 0.0, height = 0.0;  ///< On the floor plan, and of the centre above the floor [m].
-    double yaw = 0.0;                     ///< [rad]
+    /// On the floor plan, and of the centre above the floor [m].
+    double position = 0.0, height = 0.0;
+    double yaw = 0.0;  ///< [rad]
   };
 
   explicit DragFilter(const DragFilterParams& params) : params_{params} {}
@@ -49,7 +54,9 @@ class DragFilter {
   /// @param accel_bias  as found at rest [m/s²].
   /// @param doubt       about the first gate; its position is in start_sigma.
   void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const MapDoubt& doubt);
-  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias) { start(p_G, accel_bias, {}); }
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias) {
+    start(p_G, accel_bias, {});
+  }
 
   /// Eq. (31)-(33). dt <= 0 changes nothing; non-finite input changes nothing.
   void predict(const drag_model::Input& input, double dt);
@@ -64,12 +71,12 @@ class DragFilter {
   /// Squared Mahalanobis distance of a fix.
   [[nodiscard]] double distance2(const Fix& fix) const;
 
-  /// The position is what a fix says, whatever it was before. Velocity and biases stay, with the doubt of the start:
-  /// what threw the position was in them, too.
+  /// The position is what a fix says, whatever it was before. Velocity and biases stay, with the
+  /// doubt of the start: what threw the position was in them, too.
   void restart(const Fix& fix);
 
-  /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place, height and heading
-  /// is as if the drone were elsewhere.
+  /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place,
+  /// height and heading is as if the drone were elsewhere.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, const MapDoubt& doubt);
 
   /// Covariance of what a fix will differ from the estimate by [m²].
@@ -77,7 +84,8 @@ class DragFilter {
   /// How much a heading that is off by one standard deviation adds to the innovation of a fix [m].
   [[nodiscard]] Eigen::Vector2d heading_lever(const Fix& fix) const;
 
-  /// Doubt about y [m] as far as it is still there in the gate: there it does not matter which way the gate faces.
+  /// Doubt about y [m] as far as it is still there in the gate: there it does not matter which way
+  /// the gate faces.
   [[nodiscard]] double lateral_sigma() const;
 
   [[nodiscard]] const drag_model::State& state() const { return x_; }

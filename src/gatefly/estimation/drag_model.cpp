@@ -8,8 +8,8 @@ namespace gatefly::drag_model {
 
 Eigen::Vector3d velocity_B(const State& x, const Input& u, const Params& params) {
   // Eq. (14): v = K⁻¹ (a − b). Drag makes the accelerometer a speedometer.
-  return {(u.accel_B.x() - x(kBiasX)) / params.drag.x(), (u.accel_B.y() - x(kBiasY)) / params.drag.y(),
-          x(kVz)};
+  return {(u.accel_B.x() - x(kBiasX)) / params.drag.x(),
+          (u.accel_B.y() - x(kBiasY)) / params.drag.y(), x(kVz)};
 }
 
 State derivative(const State& x, const Input& u, const Params& params) {

@@ -23,8 +23,9 @@ struct Input {
 };
 
 struct Params {
-  Eigen::Vector2d drag{-0.52, -0.47};  ///< k_x, k_y of Eq. (13) [1/s], negative. [14 recorded flights]
-  double gravity = 9.81;               ///< [m/s²]
+  /// k_x, k_y of Eq. (13) [1/s], negative. [14 recorded flights]
+  Eigen::Vector2d drag{-0.52, -0.47};
+  double gravity = 9.81;  ///< [m/s²]
 };
 
 /// Eq. (14): body velocity as drag shows it, K⁻¹ (a − b); z is the state.

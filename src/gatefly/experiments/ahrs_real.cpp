@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our AHRS, as flown, beside a plain Mahony filter: hand-held with a true attitude, in turns, on real flights.
+// Our AHRS, as flown, beside a plain Mahony filter: hand-held with a true attitude, in turns, on
+// real flights.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -28,13 +29,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr double kShown = 0.1;             // between two points of a plot [s]
-constexpr double kBeforeMovement = 1.0;    // the rest ends so long before it [s]
-constexpr double kLogRest = 0.7;           // of every flight's log, before the motors start [s]
-constexpr double kCorrections = 1.0 / 15, kAltitudeSigma = 0.05, kHeadingSigma = 0.05;  // as gates give them [s], [m], [rad]
-constexpr double kReferenceSigma = 0.01;   // of a position of motion capture [m]
-constexpr double kLeastFlight = 3.0;       // to be scored [s]
-constexpr double kWithin95 = 2.4477;       // of two errors, in σ
+constexpr double kShown = 0.1;           // between two points of a plot [s]
+constexpr double kBeforeMovement = 1.0;  // the rest ends so long before it [s]
+constexpr double kLogRest = 0.7;         // of every flight's log, before the motors start [s]
+// as gates give them [s], [m], [rad]
+constexpr double kCorrections = 1.0 / 15, kAltitudeSigma = 0.05, kHeadingSigma = 0.05;
+constexpr double kReferenceSigma = 0.01;  // of a position of motion capture [m]
+constexpr double kLeastFlight = 3.0;      // to be scored [s]
+constexpr double kWithin95 = 2.4477;      // of two errors, in σ
 
 /// Squared errors [rad²] and what was claimed.
 struct Errors {
@@ -54,13 +56,18 @@ std::string degrees(double value) { return io::text_of(value, 3) + "°"; }
 /// Both errors [deg] over time, ours and Mahony's.
 struct Trace {
   explicit Trace(std::string title, std::string y = "inclination error [°]")
-      : plot{.title = std::move(title), .x_label = "time [s]", .y_label = std::move(y),
-             .series = {{.name = "Mahony, Kp 0.5", .color = io::look::kGate}, {.name = "ours, as flown"}}, .y_from_0 = false} {}
+      : plot{.title = std::move(title),
+             .x_label = "time [s]",
+             .y_label = std::move(y),
+             .series = {{.name = "Mahony, Kp 0.5", .color = io::look::kGate},
+                        {.name = "ours, as flown"}},
+             .y_from_0 = false} {}
 
   void add(double t, double ours, double mahony) {
     if (t < next) return;
     next = t + kShown;
-    plot.series[0].points.emplace_back(t, mahony / kDegree), plot.series[1].points.emplace_back(t, ours / kDegree);
+    plot.series[0].points.emplace_back(t, mahony / kDegree),
+        plot.series[1].points.emplace_back(t, ours / kDegree);
   }
 
   io::Plot plot;
@@ -86,12 +93,16 @@ std::vector<Held> read_held(const fs::path& file) {
   const std::array q{column("opt_qw"), column("opt_qx"), column("opt_qy"), column("opt_qz")};
   std::vector<Held> rows;
   for (std::size_t i = 0; i < csv.rows(); ++i) {
-    if (i > 0 && !(t[i] > t[i - 1])) throw std::runtime_error(csv.place(i, "t_s") + ": time must grow");
+    if (i > 0 && !(t[i] > t[i - 1]))
+      throw std::runtime_error(csv.place(i, "t_s") + ": time must grow");
     Held row;
     row.t = t[i], row.moves = moves[i] == 1.0;
     row.imu = {{gyro[0][i], -gyro[1][i], -gyro[2][i]}, {accel[0][i], -accel[1][i], -accel[2][i]}};
-    if (!row.imu.gyro_B.allFinite() || !row.imu.accel_B.allFinite()) throw std::runtime_error(csv.place(i) + ": a number is missing");
-    const Eigen::Vector3d up = Eigen::Quaterniond{q[0][i], q[1][i], q[2][i], q[3][i]}.normalized().inverse() * Eigen::Vector3d::UnitZ();
+    if (!row.imu.gyro_B.allFinite() || !row.imu.accel_B.allFinite())
+      throw std::runtime_error(csv.place(i) + ": a number is missing");
+    const Eigen::Vector3d up =
+        Eigen::Quaterniond{q[0][i], q[1][i], q[2][i], q[3][i]}.normalized().inverse() *
+        Eigen::Vector3d::UnitZ();
     row.up_B = {up.x(), -up.y(), -up.z()};
     rows.push_back(row);
   }
@@ -112,7 +123,8 @@ struct HeldErrors {
 
 HeldErrors held(const fs::path& file) {
   const std::vector<Held> rows = read_held(file);
-  const double moved = std::find_if(rows.begin(), rows.end(), [](const Held& row) { return row.moves; })->t;
+  const double moved =
+      std::find_if(rows.begin(), rows.end(), [](const Held& row) { return row.moves; })->t;
   HeldErrors result{{}, {}, Trace(file.stem().string())};
   Ahrs ahrs{AhrsParams{}};
   baseline::Mahony mahony;
@@ -121,11 +133,14 @@ HeldErrors held(const fs::path& file) {
   for (const Held& row : rows) {
     const double dt = row.t - before;
     before = row.t;
-    if (row.t < moved - kBeforeMovement) ahrs.update_at_rest(row.imu);
-    else ahrs.update(row.imu, Eigen::Vector3d::Zero(), dt);
+    if (row.t < moved - kBeforeMovement)
+      ahrs.update_at_rest(row.imu);
+    else
+      ahrs.update(row.imu, Eigen::Vector3d::Zero(), dt);
     mahony.update(row.imu, dt);
     if (!row.moves || !row.up_B.allFinite()) continue;
-    const double e = inclination_error(ahrs.R_EB(), row.up_B), m = inclination_error(mahony.R_EB(), row.up_B);
+    const double e = inclination_error(ahrs.R_EB(), row.up_B),
+                 m = inclination_error(mahony.R_EB(), row.up_B);
     result.ours.add(e, ahrs.tilt_sigma()), result.mahony.add(m, 0.0);
     result.trace.add(row.t, e, m);
   }
@@ -147,11 +162,14 @@ Turns turns(const TurnCourse& course, int seeds) {
     double t = 0.0, next = 0.0;
     for (const Moment& moment : coordinated_turns(course, static_cast<std::uint64_t>(seed))) {
       t += moment.dt;
-      if (moment.rests) ours.rest(moment.imu, moment.z);
-      else ours.step(moment.imu, moment.dt);
+      if (moment.rests)
+        ours.rest(moment.imu, moment.z);
+      else
+        ours.step(moment.imu, moment.dt);
       if (t >= next) ours.correct_altitude(moment.z, kAltitudeSigma), next = t + kCorrections;
       mahony.update(moment.imu, moment.dt);
-      const double e = ours.ahrs().attitude().roll - moment.truth.roll, m = mahony.attitude().roll - moment.truth.roll;
+      const double e = ours.ahrs().attitude().roll - moment.truth.roll,
+                   m = mahony.attitude().roll - moment.truth.roll;
       if (moment.turns) result.ours.add(e, ours.ahrs().tilt_sigma()), result.mahony.add(m, 0.0);
       if (seed == 1) result.trace.add(t, e, m);
     }
@@ -165,7 +183,9 @@ Turns turns(const TurnCourse& course, int seeds) {
 struct Differences {
   std::vector<Eigen::Vector2d> all;
 
-  void add(const Attitude& a, const Attitude& reference) { all.emplace_back(a.roll - reference.roll, a.pitch - reference.pitch); }
+  void add(const Attitude& a, const Attitude& reference) {
+    all.emplace_back(a.roll - reference.roll, a.pitch - reference.pitch);
+  }
   [[nodiscard]] Eigen::Vector2d offset() const {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (const auto& d : all) sum += d;
@@ -188,9 +208,14 @@ struct Flown {
 // What motion capture's positions say about the tilt: an inertial filter that is told all of them.
 Flown flown(const std::string& name, const io::FlightFolder& flight, double heading_offset) {
   const auto rows = identification::airborne(flight);
-  Flown result{name, {}, {}, {}, 0.0, Trace(name + ", beside motion capture", "roll difference [°]")};
-  const auto seconds = [](std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); };
-  const auto yaw_of = [&](const io::FlightSample& s) { return wrap_angle(s.ahrs->yaw + heading_offset); };
+  Flown result{name, {},  {},
+               {},   0.0, Trace(name + ", beside motion capture", "roll difference [°]")};
+  const auto seconds = [](std::chrono::nanoseconds t) {
+    return std::chrono::duration<double>(t).count();
+  };
+  const auto yaw_of = [&](const io::FlightSample& s) {
+    return wrap_angle(s.ahrs->yaw + heading_offset);
+  };
   FlownAttitude ours{AhrsParams{}, yaw_of(flight.samples.front())};
   baseline::Mahony mahony;
   mahony.start({0.0, 0.0, yaw_of(flight.samples.front())});
@@ -205,34 +230,49 @@ Flown flown(const std::string& name, const io::FlightFolder& flight, double head
     mahony.update(s.imu, dt);
     if (t < kLogRest) {
       ours.rest(s.imu, s.true_p_EB->z());
-      reference.start(*s.true_p_EB, {s.ahrs->roll, s.ahrs->pitch, yaw_of(s)}, ours.ahrs().accel_bias(), ours.ahrs().gyro_bias());
+      reference.start(*s.true_p_EB, {s.ahrs->roll, s.ahrs->pitch, yaw_of(s)},
+                      ours.ahrs().accel_bias(), ours.ahrs().gyro_bias());
       continue;
     }
     ours.step(s.imu, dt);
     reference.predict(s.imu, dt);
-    if (*s.true_p_EB != last_p) reference.correct_position(*s.true_p_EB, Eigen::Vector3d::Constant(kReferenceSigma)), last_p = *s.true_p_EB;
+    if (*s.true_p_EB != last_p)
+      reference.correct_position(*s.true_p_EB, Eigen::Vector3d::Constant(kReferenceSigma)),
+          last_p = *s.true_p_EB;
     if (t >= next) {
       next = t + kCorrections;
       reference.correct_heading(yaw_of(s), kHeadingSigma);
       ours.correct_altitude(s.true_p_EB->z(), kAltitudeSigma);
-      ours.correct_heading(wrap_angle(yaw_of(s) - ours.ahrs().attitude().yaw), kHeadingSigma * kHeadingSigma);
+      ours.correct_heading(wrap_angle(yaw_of(s) - ours.ahrs().attitude().yaw),
+                           kHeadingSigma * kHeadingSigma);
     }
     if (i < rows.first) continue;
     const Attitude truth = reference.attitude();
-    result.ours.add(ours.ahrs().attitude(), truth), result.mahony.add(mahony.attitude(), truth), result.authors.add(*s.ahrs, truth);
-    result.trace.add(t, ours.ahrs().attitude().roll - truth.roll, mahony.attitude().roll - truth.roll);
-    result.reference_sigma_deg = std::sqrt(reference.covariance()(baseline::Imu15::kTheta, baseline::Imu15::kTheta)) / kDegree;
+    result.ours.add(ours.ahrs().attitude(), truth), result.mahony.add(mahony.attitude(), truth),
+        result.authors.add(*s.ahrs, truth);
+    result.trace.add(t, ours.ahrs().attitude().roll - truth.roll,
+                     mahony.attitude().roll - truth.roll);
+    result.reference_sigma_deg =
+        std::sqrt(reference.covariance()(baseline::Imu15::kTheta, baseline::Imu15::kTheta)) /
+        kDegree;
   }
   return result;
 }
 
 struct Report {
-  Result result{.table = {}, .json = {}, .csv = "kind,name,ours_rms_deg,mahony_rms_deg,authors_rms_deg,ours_claimed_deg\n", .picture = io::Canvas(1, 1)};
+  Result result{.table = {},
+                .json = {},
+                .csv = "kind,name,ours_rms_deg,mahony_rms_deg,authors_rms_deg,ours_claimed_deg\n",
+                .picture = io::Canvas(1, 1)};
   std::vector<io::Plot> plots;
 
-  void row(const std::string& kind, const std::string& name, double ours, double mahony, const std::string& authors, const std::string& claimed) {
-    result.csv += kind + "," + name + "," + io::text_of(ours, 4) + "," + io::text_of(mahony, 4) + "," + authors + "," + claimed + "\n";
-    result.table.push_back({name, "", degrees(ours) + " (Mahony " + degrees(mahony) + (authors.empty() ? "" : ", autopilot " + authors + "°") + ")"});
+  void row(const std::string& kind, const std::string& name, double ours, double mahony,
+           const std::string& authors, const std::string& claimed) {
+    result.csv += kind + "," + name + "," + io::text_of(ours, 4) + "," + io::text_of(mahony, 4) +
+                  "," + authors + "," + claimed + "\n";
+    result.table.push_back({name, "",
+                            degrees(ours) + " (Mahony " + degrees(mahony) +
+                                (authors.empty() ? "" : ", autopilot " + authors + "°") + ")"});
   }
 };
 
@@ -247,26 +287,37 @@ void add_held(Report& report, const fs::path& folder, const Options& options) {
     if (options.stopped()) throw Stopped{};
     options.progress(0.1, file.stem().string());
     const HeldErrors c = held(file);
-    json[file.stem().string()] = {{"inclination_rmse_deg", c.ours.rms_deg()}, {"mahony_rmse_deg", c.mahony.rms_deg()}, {"max_deg", c.ours.most / kDegree},
-                                  {"claimed_rms_deg", c.ours.claimed_deg()}, {"within_95", static_cast<double>(c.ours.within) / c.ours.n}};
-    report.row("broad", file.stem().string(), c.ours.rms_deg(), c.mahony.rms_deg(), "", io::text_of(c.ours.claimed_deg(), 4));
+    json[file.stem().string()] = {{"inclination_rmse_deg", c.ours.rms_deg()},
+                                  {"mahony_rmse_deg", c.mahony.rms_deg()},
+                                  {"max_deg", c.ours.most / kDegree},
+                                  {"claimed_rms_deg", c.ours.claimed_deg()},
+                                  {"within_95", static_cast<double>(c.ours.within) / c.ours.n}};
+    report.row("broad", file.stem().string(), c.ours.rms_deg(), c.mahony.rms_deg(), "",
+               io::text_of(c.ours.claimed_deg(), 4));
     report.plots.push_back(c.trace.plot);
   }
 }
 
 void add_turns(Report& report, const Options& options) {
   const int seeds = options.quick ? 4 : 20;
-  auto& json = report.result.json["turns"] = {{"radius_m", TurnCourse{}.radius}, {"speed_mps", TurnCourse{}.speed}, {"seeds", seeds}};
+  auto& json = report.result.json["turns"] = {
+      {"radius_m", TurnCourse{}.radius}, {"speed_mps", TurnCourse{}.speed}, {"seeds", seeds}};
   for (const int in_a_row : {1, 4}) {
     if (options.stopped()) throw Stopped{};
     options.progress(0.4, "turns");
     const Turns t = turns({.turns = in_a_row, .level = "race"}, seeds);
     const std::string name = in_a_row == 1 ? "one" : "four";
     const double claimed = t.ours.claimed_deg() / std::sqrt(2.0);
-    json[name] = {{"roll_rmse_deg", t.ours.rms_deg()}, {"roll_max_deg", t.ours.most / kDegree}, {"mahony_rmse_deg", t.mahony.rms_deg()},
-                  {"mahony_max_deg", t.mahony.most / kDegree}, {"claimed_deg", claimed}};
-    report.row("turns", "roll, " + name + " of 180°, " + std::to_string(seeds) + " seeds", t.ours.rms_deg(), t.mahony.rms_deg(), "", io::text_of(claimed, 4));
-    report.result.table.push_back({"  at most", "", degrees(t.ours.most / kDegree) + " (Mahony " + degrees(t.mahony.most / kDegree) + ")"});
+    json[name] = {{"roll_rmse_deg", t.ours.rms_deg()},
+                  {"roll_max_deg", t.ours.most / kDegree},
+                  {"mahony_rmse_deg", t.mahony.rms_deg()},
+                  {"mahony_max_deg", t.mahony.most / kDegree},
+                  {"claimed_deg", claimed}};
+    report.row("turns", "roll, " + name + " of 180°, " + std::to_string(seeds) + " seeds",
+               t.ours.rms_deg(), t.mahony.rms_deg(), "", io::text_of(claimed, 4));
+    report.result.table.push_back(
+        {"  at most", "",
+         degrees(t.ours.most / kDegree) + " (Mahony " + degrees(t.mahony.most / kDegree) + ")"});
     if (in_a_row == 4) report.plots.push_back(t.trace.plot);
   }
 }
@@ -274,29 +325,42 @@ void add_turns(Report& report, const Options& options) {
 void add_flights(Report& report, const fs::path& folder, const Options& options) {
   std::vector<fs::path> flights;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_directory() && entry.path().filename().string().starts_with("flight_")) flights.push_back(entry.path());
-  if (flights.empty()) throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
+    if (entry.is_directory() && entry.path().filename().string().starts_with("flight_"))
+      flights.push_back(entry.path());
+  if (flights.empty())
+    throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::sort(flights.begin(), flights.end());
   auto& json = report.result.json["flights"] = ordered_json::object();
-  io::Plot plot{.title = "Real flights: roll and pitch beside motion capture, RMS", .x_label = "flight", .y_label = "difference [°]"};
-  plot.series = {{.name = "Mahony, Kp 0.5", .color = io::look::kGate, .line = false}, {.name = "ours, as flown", .line = false},
-                 {.name = "the autopilot's", .color = io::look::kFlown, .line = false, .rings = true}};
+  io::Plot plot{.title = "Real flights: roll and pitch beside motion capture, RMS",
+                .x_label = "flight",
+                .y_label = "difference [°]"};
+  plot.series = {
+      {.name = "Mahony, Kp 0.5", .color = io::look::kGate, .line = false},
+      {.name = "ours, as flown", .line = false},
+      {.name = "the autopilot's", .color = io::look::kFlown, .line = false, .rings = true}};
   for (std::size_t i = 0; i < flights.size(); ++i) {
     if (options.stopped()) throw Stopped{};
     const std::string name = flights[i].filename().string();
-    options.progress(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(flights.size()), name);
+    options.progress(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(flights.size()),
+                     name);
     const io::FlightFolder flight = io::read_flight_folder(flights[i]);
     const auto fit = identification::fit_drag(flight);
     if (!fit) continue;
     const Flown f = flown(name, flight, fit->heading_offset);
     if (static_cast<double>(f.ours.all.size()) < 512.0 * kLeastFlight) continue;
     const auto told = [](const Differences& d) {
-      return ordered_json{{"rms_deg", d.rms_deg()}, {"offset_deg", {d.offset().x() / kDegree, d.offset().y() / kDegree}}};
+      return ordered_json{{"rms_deg", d.rms_deg()},
+                          {"offset_deg", {d.offset().x() / kDegree, d.offset().y() / kDegree}}};
     };
-    json[name] = {{"ours", told(f.ours)}, {"mahony", told(f.mahony)}, {"autopilot", told(f.authors)}, {"reference_sigma_deg", f.reference_sigma_deg}};
-    report.row("flight", name, f.ours.rms_deg(), f.mahony.rms_deg(), io::text_of(f.authors.rms_deg(), 3), "");
+    json[name] = {{"ours", told(f.ours)},
+                  {"mahony", told(f.mahony)},
+                  {"autopilot", told(f.authors)},
+                  {"reference_sigma_deg", f.reference_sigma_deg}};
+    report.row("flight", name, f.ours.rms_deg(), f.mahony.rms_deg(),
+               io::text_of(f.authors.rms_deg(), 3), "");
     const double number = std::stod("0" + name.substr(std::string("flight_").size()));
-    plot.series[0].points.emplace_back(number, f.mahony.rms_deg()), plot.series[1].points.emplace_back(number, f.ours.rms_deg());
+    plot.series[0].points.emplace_back(number, f.mahony.rms_deg()),
+        plot.series[1].points.emplace_back(number, f.ours.rms_deg());
     plot.series[2].points.emplace_back(number, f.authors.rms_deg());
     if (report.plots.size() == 4) report.plots.push_back(f.trace.plot);
   }
@@ -307,14 +371,16 @@ io::Canvas sheet(const std::vector<io::Plot>& plots) {
   constexpr int kWidth = 760, kHeight = 400;
   io::Canvas sheet(2 * kWidth, kHeight * static_cast<int>((plots.size() + 1) / 2));
   for (std::size_t i = 0; i < plots.size(); ++i)
-    sheet.paste(io::draw(plots[i], kWidth, kHeight), {static_cast<double>(i % 2) * kWidth, static_cast<double>(i / 2) * kHeight});
+    sheet.paste(io::draw(plots[i], kWidth, kHeight),
+                {static_cast<double>(i % 2) * kWidth, static_cast<double>(i / 2) * kHeight});
   return sheet;
 }
 
 }  // namespace
 
 Result ahrs_real(const Options& options) {
-  const fs::path held_folder = data_folder("broad_ahrs", options), flights = data_folder("tudelft_bebop_flights", options);
+  const fs::path held_folder = data_folder("broad_ahrs", options),
+                 flights = data_folder("tudelft_bebop_flights", options);
   Report report;
   add_held(report, held_folder, options);
   add_turns(report, options);

@@ -32,7 +32,7 @@ struct Moment {
   double distance = 0.0;        ///< By the label's area [m]; NaN without a label.
   int paper_hits = 0;           ///< Of all repeats.
   bool flown_hit = false;
-  std::vector<Quad> shown;      ///< Candidates of mode paper in the first repeat.
+  std::vector<Quad> shown;  ///< Candidates of mode paper in the first repeat.
   bool shown_hit = false;
 };
 
@@ -43,18 +43,24 @@ std::vector<Moment> moments_of(const LabelledSet& set) {
     for (std::size_t i = 0; i < set.size(); ++i) {
       const io::LabelledPicture& picture = set.labels.pictures[i];
       const int number = number_of(picture.image);
-      if (number < kSequences[s].first || number > kSequences[s].last || place == kLongest) continue;
-      const double distance =
-          picture.gates.empty() ? std::nan("") : distance_from_area(io::polygon_area(picture.gates.front()));
-      moments.push_back({.sequence = s, .place = place++, .picture = i, .distance = distance, .shown = {}});
+      if (number < kSequences[s].first || number > kSequences[s].last || place == kLongest)
+        continue;
+      const double distance = picture.gates.empty()
+                                  ? std::nan("")
+                                  : distance_from_area(io::polygon_area(picture.gates.front()));
+      moments.push_back(
+          {.sequence = s, .place = place++, .picture = i, .distance = distance, .shown = {}});
     }
   }
   return moments;
 }
 
-bool hit(const io::PictureToScore& picture) { return io::score({&picture, 1}, io::Rule::kOverlap70Authors).hits > 0; }
+bool hit(const io::PictureToScore& picture) {
+  return io::score({&picture, 1}, io::Rule::kOverlap70Authors).hits > 0;
+}
 
-void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats, const Options& options) {
+void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats,
+          const Options& options) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     if (options.stopped()) throw Stopped{};
     const auto pictures = run_paper(set, {}, repeat);
@@ -67,7 +73,8 @@ void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats, con
   in_parallel(moments.size(), [&](std::size_t i) {
     Rng rng{i};
     const auto gate = detect_as_flown(set.picture(moments[i].picture), {}, rng);
-    io::PictureToScore picture{.gates = set.labels.pictures[moments[i].picture].gates, .ignored = {}, .detections = {}};
+    io::PictureToScore picture{
+        .gates = set.labels.pictures[moments[i].picture].gates, .ignored = {}, .detections = {}};
     if (gate) picture.detections.push_back(gate->corners_px);
     moments[i].flown_hit = hit(picture);
   });
@@ -76,15 +83,20 @@ void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats, con
 /// A row for each sequence, from far to near: pictures, labels thin, candidates thick.
 io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& moments) {
   constexpr int kGap = 10, kCaption = 22, kTop = 50;
-  const int width = set.picture(moments.front().picture).width(), height = set.picture(moments.front().picture).height();
+  const int width = set.picture(moments.front().picture).width(),
+            height = set.picture(moments.front().picture).height();
   io::Canvas sheet(static_cast<int>(kLongest) * (width + kGap) + kGap,
                    kTop + static_cast<int>(kSequences.size()) * (height + kCaption + kGap));
-  sheet.text({kGap, 32.0}, "The paper's detector while a gate is approached: label (dashed), found (cyan), found but no gate (pink)",
+  sheet.text({kGap, 32.0},
+             "The paper's detector while a gate is approached: label (dashed), found (cyan), found "
+             "but no gate (pink)",
              {.size = 17.0, .bold = true});
   for (const Moment& moment : moments) {
-    const io::Box tile{.x = kGap + static_cast<double>(moment.place) * (width + kGap),
-                       .y = kTop + static_cast<double>(moment.sequence) * (height + kCaption + kGap),
-                       .width = static_cast<double>(width), .height = static_cast<double>(height)};
+    const io::Box tile{
+        .x = kGap + static_cast<double>(moment.place) * (width + kGap),
+        .y = kTop + static_cast<double>(moment.sequence) * (height + kCaption + kGap),
+        .width = static_cast<double>(width),
+        .height = static_cast<double>(height)};
     const io::LabelledPicture& labelled = set.labels.pictures[moment.picture];
     sheet.clip(tile);
     sheet.image(set.picture(moment.picture), {tile.x, tile.y}, 1.0);
@@ -94,17 +106,20 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
       sheet.outline(at, {.color = io::look::kInk, .width = 1.0, .dash = 3.0});
     }
     for (const Quad& quad : moment.shown) {
-      const bool is_gate = std::any_of(labelled.gates.begin(), labelled.gates.end(), [&](const Quad& gate) {
-        return io::matches(quad, gate, io::Rule::kOverlap70Authors);
-      });
-      io::draw_detection(sheet, {quad, 1.0}, {tile.x, tile.y}, 1.0,
-                         {.color = is_gate ? io::look::kDetection : io::look::kEstimate, .width = 1.6});
+      const bool is_gate = std::any_of(
+          labelled.gates.begin(), labelled.gates.end(),
+          [&](const Quad& gate) { return io::matches(quad, gate, io::Rule::kOverlap70Authors); });
+      io::draw_detection(
+          sheet, {quad, 1.0}, {tile.x, tile.y}, 1.0,
+          {.color = is_gate ? io::look::kDetection : io::look::kEstimate, .width = 1.6});
     }
     sheet.unclip();
-    sheet.text({tile.x, tile.bottom() + 15.0},
-               labelled.image + "  " + (std::isfinite(moment.distance) ? fixed(moment.distance, 1) + " m" : "no label") +
-                   (moment.shown_hit ? "  found" : ""),
-               {.color = moment.shown_hit ? io::look::kDetection : io::look::kMuted, .size = 12.0});
+    sheet.text(
+        {tile.x, tile.bottom() + 15.0},
+        labelled.image + "  " +
+            (std::isfinite(moment.distance) ? fixed(moment.distance, 1) + " m" : "no label") +
+            (moment.shown_hit ? "  found" : ""),
+        {.color = moment.shown_hit ? io::look::kDetection : io::look::kMuted, .size = 12.0});
   }
   return sheet;
 }
@@ -114,31 +129,41 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
 Result approach_sequence(const Options& options) {
   const LabelledSet set(data_folder("tudelft_bebop_gates", options) / "basement32_hq");
   std::vector<Moment> moments = moments_of(set);
-  if (moments.empty()) throw std::runtime_error("basement32_hq/labels.csv: names no picture of img_00111 to img_00145");
+  if (moments.empty())
+    throw std::runtime_error(
+        "basement32_hq/labels.csv: names no picture of img_00111 to img_00145");
   const int repeats = options.quick ? 2 : 10;
   look(set, moments, repeats, options);
 
-  Result result{.table = {}, .json = {}, .csv = "image,distance_m,paper_mode_hits,repeats,flown_mode_hit\n",
+  Result result{.table = {},
+                .json = {},
+                .csv = "image,distance_m,paper_mode_hits,repeats,flown_mode_hit\n",
                 .picture = contact_sheet(set, moments)};
   auto list = nlohmann::ordered_json::array();
   for (const Moment& moment : moments) {
     const std::string& image = set.labels.pictures[moment.picture].image;
-    result.csv += image + "," + (std::isfinite(moment.distance) ? io::text_of(moment.distance, 4) : "") + "," +
+    result.csv += image + "," +
+                  (std::isfinite(moment.distance) ? io::text_of(moment.distance, 4) : "") + "," +
                   std::to_string(moment.paper_hits) + "," + std::to_string(repeats) + "," +
                   (moment.flown_hit ? "1" : "0") + "\n";
-    list.push_back({{"image", image}, {"sequence", moment.sequence},
-                    {"distance_m", std::isfinite(moment.distance) ? nlohmann::ordered_json(moment.distance) : nullptr},
-                    {"paper_mode_hits", moment.paper_hits}, {"flown_mode_hit", moment.flown_hit}});
+    list.push_back(
+        {{"image", image},
+         {"sequence", moment.sequence},
+         {"distance_m",
+          std::isfinite(moment.distance) ? nlohmann::ordered_json(moment.distance) : nullptr},
+         {"paper_mode_hits", moment.paper_hits},
+         {"flown_mode_hit", moment.flown_hit}});
   }
   for (std::size_t s = 0; s < kSequences.size(); ++s) {
     int labelled = 0, hits = 0, flown = 0;
     for (const Moment& moment : moments)
       if (moment.sequence == s && std::isfinite(moment.distance))
         ++labelled, hits += moment.paper_hits, flown += moment.flown_hit;
-    result.table.push_back({"img " + std::to_string(kSequences[s].first) + "-" + std::to_string(kSequences[s].last),
-                            "picture only",
-                            fixed(static_cast<double>(hits) / repeats, 1) + " of " + std::to_string(labelled) +
-                                " (as flown: " + std::to_string(flown) + ")"});
+    result.table.push_back(
+        {"img " + std::to_string(kSequences[s].first) + "-" + std::to_string(kSequences[s].last),
+         "picture only",
+         fixed(static_cast<double>(hits) / repeats, 1) + " of " + std::to_string(labelled) +
+             " (as flown: " + std::to_string(flown) + ")"});
   }
   result.json = {{"rule", "overlap70-authors"}, {"repeats", repeats}, {"pictures", list}};
   return result;

@@ -11,7 +11,8 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr double kStep = 1.0 / 512, kRest = 2.0, kSpeedUp = 2.0, kStraight = 1.5, kRollIn = 0.3;  // [s]
+// [s]
+constexpr double kStep = 1.0 / 512, kRest = 2.0, kSpeedUp = 2.0, kStraight = 1.5, kRollIn = 0.3;
 constexpr double kRotorSpeed = 750.0;  // about hover [rad/s]
 
 /// Speed and turning rate of the course at a time.
@@ -23,16 +24,22 @@ struct Pace {
 double ease(double x) { return x <= 0.0 ? 0.0 : x >= 1.0 ? 1.0 : x * x * (3.0 - 2.0 * x); }
 
 struct Course {
-  explicit Course(const TurnCourse& course) : c{course}, full{kPi * c.radius / c.speed - kRollIn}, piece{kStraight + full + 2.0 * kRollIn} {}
+  explicit Course(const TurnCourse& course)
+      : c{course},
+        full{kPi * c.radius / c.speed - kRollIn},
+        piece{kStraight + full + 2.0 * kRollIn} {}
 
   [[nodiscard]] double length() const { return kRest + kSpeedUp + c.turns * piece + kStraight; }
   [[nodiscard]] Pace at(double t) const {
     const double x = (t - kRest) / kSpeedUp;
-    Pace pace{.speed = c.speed * ease(x), .acceleration = x > 0.0 && x < 1.0 ? c.speed * 6.0 * x * (1.0 - x) / kSpeedUp : 0.0};
+    Pace pace{.speed = c.speed * ease(x),
+              .acceleration = x > 0.0 && x < 1.0 ? c.speed * 6.0 * x * (1.0 - x) / kSpeedUp : 0.0};
     const double flown = t - kRest - kSpeedUp;
     if (flown < 0.0 || flown >= c.turns * piece) return pace;
-    const double turning = std::fmod(flown, piece) - kStraight, side = static_cast<int>(flown / piece) % 2 == 0 ? 1.0 : -1.0;
-    pace.yaw_rate = side * c.speed / c.radius * (ease(turning / kRollIn) - ease((turning - kRollIn - full) / kRollIn));
+    const double turning = std::fmod(flown, piece) - kStraight,
+                 side = static_cast<int>(flown / piece) % 2 == 0 ? 1.0 : -1.0;
+    pace.yaw_rate = side * c.speed / c.radius *
+                    (ease(turning / kRollIn) - ease((turning - kRollIn - full) / kRollIn));
     return pace;
   }
 
@@ -42,11 +49,13 @@ struct Course {
 
 // The roll and pitch with which thrust, along the body's z alone, and drag make this acceleration.
 Attitude attitude_for(const Pace& pace, double yaw, const Eigen::Vector3d& drag) {
-  const Eigen::Vector3d v_F{pace.speed, 0, 0}, force_F{pace.acceleration, pace.speed * pace.yaw_rate, -sim::kGravity};
+  const Eigen::Vector3d v_F{pace.speed, 0, 0},
+      force_F{pace.acceleration, pace.speed * pace.yaw_rate, -sim::kGravity};
   Attitude attitude;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Matrix3d R = rotation_EB(attitude).matrix;
-    const Eigen::Vector3d down = (R * drag.cwiseProduct(R.transpose() * v_F) - force_F).normalized();
+    const Eigen::Vector3d down =
+        (R * drag.cwiseProduct(R.transpose() * v_F) - force_F).normalized();
     attitude = {-std::asin(down.y()), atan2(down.x(), down.z()), 0.0};
   }
   attitude.yaw = yaw;
@@ -66,13 +75,20 @@ std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t se
   for (double t = 0.0; t < c.length(); t += kStep) {
     const Pace pace = c.at(t);
     yaw += pace.yaw_rate * kStep;
-    Moment moment{.imu = {}, .dt = kStep, .z = -1.5, .truth = attitude_for(pace, yaw, drag), .rests = t < kRest, .turns = std::abs(pace.yaw_rate) > 0.1};
+    Moment moment{.imu = {},
+                  .dt = kStep,
+                  .z = -1.5,
+                  .truth = attitude_for(pace, yaw, drag),
+                  .rests = t<kRest, .turns = std::abs(pace.yaw_rate)> 0.1};
     const RotationEB R = rotation_EB(moment.truth);
     const Eigen::AngleAxisd turned(before.transpose() * R.matrix);
     before = R.matrix;
     sim::BodyState state;
     state.rate_B = turned.angle() / kStep * turned.axis();
-    state.specific_force_B = R.matrix.transpose() * (rotation_z(yaw) * Eigen::Vector3d{pace.acceleration, pace.speed * pace.yaw_rate, -sim::kGravity});
+    state.specific_force_B =
+        R.matrix.transpose() *
+        (rotation_z(yaw) *
+         Eigen::Vector3d{pace.acceleration, pace.speed * pace.yaw_rate, -sim::kGravity});
     if (!moment.rests) state.rotor_speed.fill(kRotorSpeed);
     moment.imu = sensor.measure(state, kStep);
     moments.push_back(moment);
@@ -90,7 +106,8 @@ void FlownAttitude::rest(const Imu& imu, double z) {
 void FlownAttitude::step(const Imu& imu, double dt) {
   ahrs_.update(imu, velocity_.v_B(), dt);
   const Attitude attitude = ahrs_.attitude();
-  const drag_model::Input input{attitude.roll, attitude.pitch, attitude.yaw, low_pass_.update(imu.accel_B), ahrs_.rate_B()};
+  const drag_model::Input input{attitude.roll, attitude.pitch, attitude.yaw,
+                                low_pass_.update(imu.accel_B), ahrs_.rate_B()};
   filter_.predict(input, dt);
   velocity_.update(filter_.state(), input, filter_.params().model, dt);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far two filters drift on real flights when nothing is seen: drag (Li18 §3.3) and the classic inertial one.
+// How far two filters drift on real flights when nothing is seen: drag (Li18 §3.3) and the classic
+// inertial one.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -28,11 +29,11 @@ namespace {
 namespace fs = std::filesystem;
 using identification::DragFit;
 
-constexpr double kRest = 0.7;                // of every log, before the motors start [s]
-constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;  // as on board
+constexpr double kRest = 0.7;  // of every log, before the motors start [s]
+constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;                 // as on board
 constexpr double kFixPeriod = 1.0 / 15.0, kEvery = 0.1, kSettle = 1.0;  // [s]
-constexpr double kFixSigma = 0.03;           // [m]
-constexpr double kBiasSigma = 0.05;          // of a bias that other flights taught [m/s²]
+constexpr double kFixSigma = 0.03;                                      // [m]
+constexpr double kBiasSigma = 0.05;  // of a bias that other flights taught [m/s²]
 constexpr std::array kLengths{0.5, 1.0, 1.5, 2.0, 3.0, 4.0};  // of a blind piece [s]
 constexpr std::size_t kTwoSeconds = 3;
 
@@ -67,7 +68,8 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
   Errors errors;
   *fine = true;
   if (rows.first == rows.last) return errors;
-  const double from = seconds(flight.samples[rows.first].time) + kSettle, to = seconds(flight.samples[rows.last - 1].time);
+  const double from = seconds(flight.samples[rows.first].time) + kSettle,
+               to = seconds(flight.samples[rows.last - 1].time);
   LowPass low_pass{kAccelCutoffHz, kImuHz};
   sim::Stream noise{1, "altitude"};
   std::vector<Blind<Filter>> blind;
@@ -80,7 +82,8 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
     if (t < kRest || !s.true_p_EB || !s.ahrs) continue;
     tick.yaw = wrap_angle(s.ahrs->yaw + heading_offset);
     const bool is_fix = t >= next_fix;
-    if (is_fix) next_fix = t + kFixPeriod, tick.z = s.true_p_EB->z() + kAltitudeSigma * noise.normal();
+    if (is_fix)
+      next_fix = t + kFixPeriod, tick.z = s.true_p_EB->z() + kAltitudeSigma * noise.normal();
     filter.step(tick);
     for (auto& b : blind) b.filter.step(tick);
     if (is_fix) filter.fix(*s.true_p_EB, {kFixSigma, kFixSigma, kAltitudeSigma});
@@ -88,7 +91,8 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
       if (b.next < kLengths.size() && t >= b.start + kLengths[b.next])
         errors.add(b.next++, (b.filter.position() - *s.true_p_EB).template head<2>().norm());
     std::erase_if(blind, [](const auto& b) { return b.next == kLengths.size(); });
-    if (t >= next_blind && t + kLengths[kTwoSeconds] <= to) blind.push_back({t, filter}), next_blind = t + kEvery;
+    if (t >= next_blind && t + kLengths[kTwoSeconds] <= to)
+      blind.push_back({t, filter}), next_blind = t + kEvery;
     *fine = *fine && filter.position().allFinite();
   }
   return errors;
@@ -104,8 +108,10 @@ std::vector<Flight> flights_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_directory() && entry.path().filename().string().starts_with("flight_"))
       flights.push_back({entry.path().filename().string(), io::read_flight_folder(entry.path())});
-  if (flights.empty()) throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
-  std::sort(flights.begin(), flights.end(), [](const Flight& a, const Flight& b) { return a.name < b.name; });
+  if (flights.empty())
+    throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
+  std::sort(flights.begin(), flights.end(),
+            [](const Flight& a, const Flight& b) { return a.name < b.name; });
   return flights;
 }
 
@@ -137,7 +143,8 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   Outcome outcome;
   outcome.heading_offset = identification::fit_heading(flight, others);
   const Rest rest = rest_of(flight, outcome.heading_offset);
-  const Eigen::Vector3d bias{others.bias.x(), others.bias.y(), 0.0}, bias_sigma{kBiasSigma, kBiasSigma, 0.3};
+  const Eigen::Vector3d bias{others.bias.x(), others.bias.y(), 0.0},
+      bias_sigma{kBiasSigma, kBiasSigma, 0.3};
 
   DragFilterParams params;
   params.start_bias_sigma = bias_sigma;
@@ -153,7 +160,8 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   baseline::Imu15 imu15{classic};
   imu15.start(rest.p_EB, rest.attitude, bias, rest.ahrs.gyro_bias());
   outcome.imu15 = flown(flight, outcome.heading_offset, InertialPilot{imu15}, &imu_fine);
-  if (!drag_fine || !imu_fine) throw std::runtime_error(flight.directory.string() + ": an estimate is not a finite number");
+  if (!drag_fine || !imu_fine)
+    throw std::runtime_error(flight.directory.string() + ": an estimate is not a finite number");
   return outcome;
 }
 
@@ -161,7 +169,9 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-std::string metres(double value) { return std::isfinite(value) ? io::text_of(value, 3) + " m" : "-"; }
+std::string metres(double value) {
+  return std::isfinite(value) ? io::text_of(value, 3) + " m" : "-";
+}
 
 }  // namespace
 
@@ -171,18 +181,28 @@ Result blind_real(const Options& options) {
   std::vector<std::size_t> fit_of(flights.size(), flights.size());
   for (std::size_t i = 0; i < flights.size(); ++i) {
     if (options.stopped()) throw Stopped{};
-    options.progress(0.5 * static_cast<double>(i) / static_cast<double>(flights.size()), flights[i].name);
-    if (const auto fit = identification::fit_drag(flights[i].folder)) fit_of[i] = fits.size(), fits.push_back(*fit);
+    options.progress(0.5 * static_cast<double>(i) / static_cast<double>(flights.size()),
+                     flights[i].name);
+    if (const auto fit = identification::fit_drag(flights[i].folder))
+      fit_of[i] = fits.size(), fits.push_back(*fit);
   }
-  if (fits.size() < 2) throw std::runtime_error("tudelft_bebop_flights: fewer than two flights with a true position: nothing to learn from");
+  if (fits.size() < 2)
+    throw std::runtime_error(
+        "tudelft_bebop_flights: fewer than two flights with a true position: nothing to learn "
+        "from");
 
-  Result result{.table = {}, .json = {}, .csv = "flight,windows,heading_offset_deg,drag_rms_2s_m,imu15_rms_2s_m\n", .picture = io::Canvas(1, 1)};
+  Result result{.table = {},
+                .json = {},
+                .csv = "flight,windows,heading_offset_deg,drag_rms_2s_m,imu15_rms_2s_m\n",
+                .picture = io::Canvas(1, 1)};
   Errors drag, imu15;
-  auto per_drag = nlohmann::ordered_json::object(), per_imu15 = nlohmann::ordered_json::object(), offsets = nlohmann::ordered_json::object();
+  auto per_drag = nlohmann::ordered_json::object(), per_imu15 = nlohmann::ordered_json::object(),
+       offsets = nlohmann::ordered_json::object();
   auto without = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < flights.size(); ++i) {
     if (options.stopped()) throw Stopped{};
-    options.progress(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(flights.size()), flights[i].name);
+    options.progress(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(flights.size()),
+                     flights[i].name);
     const DragFit others = identification::mean_of(fits, fit_of[i]);
     const Outcome outcome = outcome_of(flights[i].folder, others);
     const int windows = outcome.drag.count[kTwoSeconds];
@@ -193,30 +213,45 @@ Result blind_real(const Options& options) {
       continue;
     }
     drag.add(outcome.drag), imu15.add(outcome.imu15);
-    per_drag[flights[i].name] = outcome.drag.rms(kTwoSeconds), per_imu15[flights[i].name] = outcome.imu15.rms(kTwoSeconds);
+    per_drag[flights[i].name] = outcome.drag.rms(kTwoSeconds),
+    per_imu15[flights[i].name] = outcome.imu15.rms(kTwoSeconds);
     offsets[flights[i].name] = offset;
-    result.csv += flights[i].name + "," + std::to_string(windows) + "," + io::text_of(offset, 4) + "," +
-                  io::text_of(outcome.drag.rms(kTwoSeconds), 4) + "," + io::text_of(outcome.imu15.rms(kTwoSeconds), 4) + "\n";
-    result.table.push_back({flights[i].name + ", heading " + io::text_of(offset, 3) + "°, " + std::to_string(windows) + " windows", "",
-                            metres(outcome.drag.rms(kTwoSeconds)) + " (imu15 " + metres(outcome.imu15.rms(kTwoSeconds)) + ")"});
+    result.csv += flights[i].name + "," + std::to_string(windows) + "," + io::text_of(offset, 4) +
+                  "," + io::text_of(outcome.drag.rms(kTwoSeconds), 4) + "," +
+                  io::text_of(outcome.imu15.rms(kTwoSeconds), 4) + "\n";
+    result.table.push_back({flights[i].name + ", heading " + io::text_of(offset, 3) + "°, " +
+                                std::to_string(windows) + " windows",
+                            "",
+                            metres(outcome.drag.rms(kTwoSeconds)) + " (imu15 " +
+                                metres(outcome.imu15.rms(kTwoSeconds)) + ")"});
   }
-  result.table.push_back({"all, blind for 2 s", "", metres(drag.rms(kTwoSeconds)) + " (imu15 " + metres(imu15.rms(kTwoSeconds)) + ")"});
+  result.table.push_back(
+      {"all, blind for 2 s", "",
+       metres(drag.rms(kTwoSeconds)) + " (imu15 " + metres(imu15.rms(kTwoSeconds)) + ")"});
   const DragFit mean = identification::mean_of(fits);
   auto by_length = nlohmann::ordered_json::array();
-  io::Plot plot{.title = "Blind on real flights: horizontal error, pooled RMS", .x_label = "seconds without a fix", .y_label = "error [m]"};
-  plot.series = {{.name = "drag filter, 7 states"}, {.name = "inertial filter, 15 states", .color = io::look::kGate}};
+  io::Plot plot{.title = "Blind on real flights: horizontal error, pooled RMS",
+                .x_label = "seconds without a fix",
+                .y_label = "error [m]"};
+  plot.series = {{.name = "drag filter, 7 states"},
+                 {.name = "inertial filter, 15 states", .color = io::look::kGate}};
   for (std::size_t k = 0; k < kLengths.size(); ++k) {
-    by_length.push_back({{"blind_s", kLengths[k]}, {"windows", drag.count[k]}, {"drag_rms_m", number(drag.rms(k))}, {"imu15_rms_m", number(imu15.rms(k))}});
-    plot.series[0].points.emplace_back(kLengths[k], drag.rms(k)), plot.series[1].points.emplace_back(kLengths[k], imu15.rms(k));
+    by_length.push_back({{"blind_s", kLengths[k]},
+                         {"windows", drag.count[k]},
+                         {"drag_rms_m", number(drag.rms(k))},
+                         {"imu15_rms_m", number(imu15.rms(k))}});
+    plot.series[0].points.emplace_back(kLengths[k], drag.rms(k)),
+        plot.series[1].points.emplace_back(kLengths[k], imu15.rms(k));
   }
-  result.json = {{"drag", {{"rms_2s_m", number(drag.rms(kTwoSeconds))}, {"per_flight", per_drag}}},
-                 {"imu15", {{"rms_2s_m", number(imu15.rms(kTwoSeconds))}, {"per_flight", per_imu15}}},
-                 {"windows", drag.count[kTwoSeconds]},
-                 {"by_length", by_length},
-                 {"heading_offset_deg", offsets},
-                 {"without_window", without},
-                 {"mean_drag_1ps", {mean.drag.x(), mean.drag.y()}},
-                 {"fix", {{"rate_hz", 15}, {"sigma_m", kFixSigma}}}};
+  result.json = {
+      {"drag", {{"rms_2s_m", number(drag.rms(kTwoSeconds))}, {"per_flight", per_drag}}},
+      {"imu15", {{"rms_2s_m", number(imu15.rms(kTwoSeconds))}, {"per_flight", per_imu15}}},
+      {"windows", drag.count[kTwoSeconds]},
+      {"by_length", by_length},
+      {"heading_offset_deg", offsets},
+      {"without_window", without},
+      {"mean_drag_1ps", {mean.drag.x(), mean.drag.y()}},
+      {"fix", {{"rate_hz", 15}, {"sigma_m", kFixSigma}}}};
   result.picture = io::draw(plot);
   return result;
 }

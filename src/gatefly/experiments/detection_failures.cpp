@@ -21,8 +21,8 @@ constexpr std::size_t kWorst = 20;
 
 struct Failure {
   std::string set, image;
-  bool miss = false;             ///< Else a false positive.
-  double by = 0.0;               ///< How far on the wrong side of the threshold [score].
+  bool miss = false;  ///< Else a false positive.
+  double by = 0.0;    ///< How far on the wrong side of the threshold [score].
   double score = 0.0, threshold = 0.0;
   std::optional<Quad> label = {}, found = {};
   double side_px = 0.0, aspect = 0.0, evidence = 0.0;  ///< Of the label, else of what was found.
@@ -31,7 +31,9 @@ struct Failure {
 
 double aspect_of(const Quad& q) {
   double least = 1e9, most = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) least = std::min(least, (q[(i + 1) % 4] - q[i]).norm()), most = std::max(most, (q[(i + 1) % 4] - q[i]).norm());
+  for (std::size_t i = 0; i < 4; ++i)
+    least = std::min(least, (q[(i + 1) % 4] - q[i]).norm()),
+    most = std::max(most, (q[(i + 1) % 4] - q[i]).norm());
   return most / std::max(1e-9, least);
 }
 
@@ -47,23 +49,34 @@ double evidence_along(const OwnSet& set, const Image& image, const Quad& corners
 
 void add_failures(const OwnSet& set, std::size_t number, std::vector<Failure>& failures) {
   const std::vector<tuning::Judged> judged = judged_by_halves(set, Colors::kLabels);
-  const double threshold = tuning::roc_of(judged, set.size(), set.gates()).at(kFalsePerImage).min_score;
+  const double threshold =
+      tuning::roc_of(judged, set.size(), set.gates()).at(kFalsePerImage).min_score;
   std::vector<const tuning::Judged*> best(set.size(), nullptr);
   std::vector<bool> is_hit(set.size(), false);
   for (const tuning::Judged& found : judged) {
-    if (best[found.picture] == nullptr || (found.hit > 0.0 && best[found.picture]->hit < 1.0)) best[found.picture] = &found;
+    if (best[found.picture] == nullptr || (found.hit > 0.0 && best[found.picture]->hit < 1.0))
+      best[found.picture] = &found;
     if (found.hit > 0.0 && found.score >= threshold) is_hit[found.picture] = true;
   }
   for (std::size_t i = 0; i < set.size(); ++i) {
     const tuning::LabelledImage& picture = set.picture(i);
     const tuning::Judged* found = best[i];
-    Failure failure{.set = set.name, .image = set.names[i], .threshold = threshold, .set_number = number, .picture = i};
+    Failure failure{.set = set.name,
+                    .image = set.names[i],
+                    .threshold = threshold,
+                    .set_number = number,
+                    .picture = i};
     if (found != nullptr) failure.score = found->score, failure.found = found->corners_px;
     const bool is_false = found != nullptr && found->wrong > 0.0 && found->score >= threshold;
     if (!picture.truth.gates.empty()) failure.label = io::polygon(picture.truth.gates[0]);
-    if (is_false) failure.by = found->score - threshold;
-    else if (failure.label && !is_hit[i]) failure.miss = true, failure.by = threshold - (found != nullptr && found->hit > 0.0 ? found->score : set.judging.lowest);
-    else continue;
+    if (is_false)
+      failure.by = found->score - threshold;
+    else if (failure.label && !is_hit[i])
+      failure.miss = true,
+      failure.by =
+          threshold - (found != nullptr && found->hit > 0.0 ? found->score : set.judging.lowest);
+    else
+      continue;
     const Quad& about = failure.label ? *failure.label : *failure.found;
     failure.side_px = std::sqrt(io::polygon_area(about)), failure.aspect = aspect_of(about);
     failure.evidence = evidence_along(set, picture.image, about);
@@ -77,13 +90,20 @@ io::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& fa
   io::Canvas canvas(kColumns * kWidth, rows * kHeight);
   for (std::size_t i = 0; i < failures.size(); ++i) {
     const Failure& f = failures[i];
-    const Eigen::Vector2d at{static_cast<double>(static_cast<int>(i) % kColumns * kWidth), static_cast<double>(static_cast<int>(i) / kColumns * kHeight)};
+    const Eigen::Vector2d at{static_cast<double>(static_cast<int>(i) % kColumns * kWidth),
+                             static_cast<double>(static_cast<int>(i) / kColumns * kHeight)};
     canvas.clip({at.x(), at.y(), kWidth, kHeight});
     canvas.image(sets[f.set_number].picture(f.picture).image, at, kScale);
-    if (f.label) io::draw_detection(canvas, {.corners_px = *f.label}, at, kScale, {.color = io::look::kFlown, .width = 1.0});
-    if (f.found) io::draw_detection(canvas, {.corners_px = *f.found}, at, kScale, {.color = io::look::kEstimate, .width = 1.0});
-    canvas.text(at + Eigen::Vector2d{4, kHeight - 10.0}, std::to_string(i + 1) + " " + f.set + " " + f.image + (f.miss ? " missed, " : " false, ") +
-                fixed(f.score, 2) + " / " + fixed(f.threshold, 2));
+    if (f.label)
+      io::draw_detection(canvas, {.corners_px = *f.label}, at, kScale,
+                         {.color = io::look::kFlown, .width = 1.0});
+    if (f.found)
+      io::draw_detection(canvas, {.corners_px = *f.found}, at, kScale,
+                         {.color = io::look::kEstimate, .width = 1.0});
+    canvas.text(at + Eigen::Vector2d{4, kHeight - 10.0},
+                std::to_string(i + 1) + " " + f.set + " " + f.image +
+                    (f.miss ? " missed, " : " false, ") + fixed(f.score, 2) + " / " +
+                    fixed(f.threshold, 2));
     canvas.unclip();
   }
   return canvas;
@@ -101,21 +121,39 @@ Result detection_failures(const Options& options) {
     sets.push_back(own_set(own_set_names()[s], options));
     add_failures(sets.back(), s, failures);
   }
-  const auto misses = static_cast<std::size_t>(std::count_if(failures.begin(), failures.end(), [](const Failure& f) { return f.miss; }));
+  const auto misses = static_cast<std::size_t>(
+      std::count_if(failures.begin(), failures.end(), [](const Failure& f) { return f.miss; }));
   // Misses by how far below the threshold, of equals the larger gate first.
-  std::stable_sort(failures.begin(), failures.end(), [](const Failure& a, const Failure& b) { return a.by != b.by ? a.by > b.by : a.side_px > b.side_px; });
-  Result result{.table = {{"missed gates", "-", std::to_string(misses)}, {"false positives", "-", std::to_string(failures.size() - misses)}},
-                .json = {{"allowed_fp_per_image", kFalsePerImage}, {"missed", misses}, {"false_positives", failures.size() - misses}},
-                .csv = "rank,set,image,kind,score,threshold,side_px,aspect,evidence_nats\n", .picture = io::Canvas(1, 1)};
+  std::stable_sort(failures.begin(), failures.end(), [](const Failure& a, const Failure& b) {
+    return a.by != b.by ? a.by > b.by : a.side_px > b.side_px;
+  });
+  Result result{.table = {{"missed gates", "-", std::to_string(misses)},
+                          {"false positives", "-", std::to_string(failures.size() - misses)}},
+                .json = {{"allowed_fp_per_image", kFalsePerImage},
+                         {"missed", misses},
+                         {"false_positives", failures.size() - misses}},
+                .csv = "rank,set,image,kind,score,threshold,side_px,aspect,evidence_nats\n",
+                .picture = io::Canvas(1, 1)};
   auto list = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < failures.size(); ++i) {
     const Failure& f = failures[i];
     const char* kind = f.miss ? "missed" : "false";
-    result.csv += std::to_string(i + 1) + "," + f.set + "," + f.image + "," + kind + "," + (f.found ? io::text_of(f.score, 4) : "") + "," +
-                  io::text_of(f.threshold, 4) + "," + io::text_of(f.side_px, 3) + "," + io::text_of(f.aspect, 3) + "," + io::text_of(f.evidence, 3) + "\n";
+    result.csv += std::to_string(i + 1) + "," + f.set + "," + f.image + "," + kind + "," +
+                  (f.found ? io::text_of(f.score, 4) : "") + "," + io::text_of(f.threshold, 4) +
+                  "," + io::text_of(f.side_px, 3) + "," + io::text_of(f.aspect, 3) + "," +
+                  io::text_of(f.evidence, 3) + "\n";
     if (i >= kWorst) continue;
-    result.table.push_back({f.set, "-", f.image + " " + kind + ", side " + fixed(f.side_px, 0) + " px, score " + fixed(f.score, 2) + " of " + fixed(f.threshold, 2)});
-    list.push_back({{"set", f.set}, {"image", f.image}, {"kind", kind}, {"score", f.score}, {"threshold", f.threshold}, {"side_px", f.side_px}, {"aspect", f.aspect}, {"evidence_nats", f.evidence}});
+    result.table.push_back({f.set, "-",
+                            f.image + " " + kind + ", side " + fixed(f.side_px, 0) + " px, score " +
+                                fixed(f.score, 2) + " of " + fixed(f.threshold, 2)});
+    list.push_back({{"set", f.set},
+                    {"image", f.image},
+                    {"kind", kind},
+                    {"score", f.score},
+                    {"threshold", f.threshold},
+                    {"side_px", f.side_px},
+                    {"aspect", f.aspect},
+                    {"evidence_nats", f.evidence}});
   }
   result.json["worst"] = list;
   failures.resize(std::min(failures.size(), kWorst));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laps through two gates: the filter beside the truth, and how its errors are spread. Li18 §3.3, Fig. "EKF result", "EKF error".
+// Laps through two gates: the filter beside the truth, and how its errors are spread. Li18 §3.3,
+// Fig. "EKF result", "EKF error".
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,8 +21,8 @@ namespace gatefly::experiments {
 namespace {
 
 constexpr int kLaps = 3;
-constexpr double kPeriod = 0.05;                   // between samples of the error [s]
-constexpr double kBin = 0.02, kMost = 0.5;         // of the histograms [m]
+constexpr double kPeriod = 0.05;            // between samples of the error [s]
+constexpr double kBin = 0.02, kMost = 0.5;  // of the histograms [m]
 constexpr std::array kAxes{'x', 'y', 'z'};
 
 /// What the paper's histograms show, read off its figure [m].
@@ -51,10 +52,12 @@ Flight flown(std::uint64_t seed, closed_loop::Vision vision, const Options& opti
   const auto result = closed_loop::fly(race, [&](const closed_loop::Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     inertial.update(tick.sensors, tick.pilot);
-    if ((tick.sensors.image || tick.sensors.seen) && tick.pilot.sighting().fix) last_fix = t, flight.fixes.emplace_back(t, tick.pilot.sighting().fix->p_EB);
+    if ((tick.sensors.image || tick.sensors.seen) && tick.pilot.sighting().fix)
+      last_fix = t, flight.fixes.emplace_back(t, tick.pilot.sighting().fix->p_EB);
     if (last_fix < 0.0 || t < next || tick.pilot.finished()) return !options.stopped();
     next = t + kPeriod;
-    flight.moments.push_back({t, tick.truth.p_EB, tick.pilot.estimate().p_EB, inertial.estimate(tick.pilot).p_EB, t - last_fix > kBlind});
+    flight.moments.push_back({t, tick.truth.p_EB, tick.pilot.estimate().p_EB,
+                              inertial.estimate(tick.pilot).p_EB, t - last_fix > kBlind});
     return true;
   });
   flight.finished = result.finished;
@@ -78,72 +81,107 @@ struct Spread {
   [[nodiscard]] double quantile(double part) const {
     std::vector<double> sorted = errors;
     std::sort(sorted.begin(), sorted.end());
-    return sorted.empty() ? std::nan("") : sorted[static_cast<std::size_t>(std::lround(part * static_cast<double>(sorted.size() - 1)))];
+    return sorted.empty() ? std::nan("")
+                          : sorted[static_cast<std::size_t>(
+                                std::lround(part * static_cast<double>(sorted.size() - 1)))];
   }
   [[nodiscard]] double beyond(double limit) const {
-    return static_cast<double>(std::count_if(errors.begin(), errors.end(), [&](double e) { return std::abs(e) > limit; })) / static_cast<double>(errors.size());
+    return static_cast<double>(std::count_if(errors.begin(), errors.end(),
+                                             [&](double e) { return std::abs(e) > limit; })) /
+           static_cast<double>(errors.size());
   }
 };
 using Spreads = std::array<Spread, 3>;
 
 void add(Spreads& spreads, const Eigen::Vector3d& error) {
-  for (int axis = 0; axis < 3; ++axis) spreads[static_cast<std::size_t>(axis)].errors.push_back(error[axis]);
+  for (int axis = 0; axis < 3; ++axis)
+    spreads[static_cast<std::size_t>(axis)].errors.push_back(error[axis]);
 }
 
 io::PlotSeries histogram(const std::string& name, const Spread& spread, const io::Color& color) {
   std::vector<double> counts(static_cast<std::size_t>(std::lround(2.0 * kMost / kBin)));
   for (const double e : spread.errors) {
     const double bin = std::floor((e + kMost) / kBin);
-    if (bin >= 0.0 && bin < static_cast<double>(counts.size())) ++counts[static_cast<std::size_t>(bin)];
+    if (bin >= 0.0 && bin < static_cast<double>(counts.size()))
+      ++counts[static_cast<std::size_t>(bin)];
   }
   io::PlotSeries series{.name = name, .points = {}, .color = color};
   for (std::size_t i = 0; i < counts.size(); ++i)
-    series.points.emplace_back(-kMost + (static_cast<double>(i) + 0.5) * kBin, 100.0 * counts[i] / static_cast<double>(spread.errors.size()));
+    series.points.emplace_back(-kMost + (static_cast<double>(i) + 0.5) * kBin,
+                               100.0 * counts[i] / static_cast<double>(spread.errors.size()));
   return series;
 }
 
 io::PlotSeries as_normal(const PaperAxis& paper) {
-  io::PlotSeries series{.name = "paper, as a normal distribution", .points = {}, .color = io::look::kMuted};
+  io::PlotSeries series{
+      .name = "paper, as a normal distribution", .points = {}, .color = io::look::kMuted};
   for (double e = -kMost + 0.5 * kBin; e < kMost; e += kBin)
-    series.points.emplace_back(e, 100.0 * kBin / (paper.std * std::sqrt(2.0 * kPi)) * std::exp(-0.5 * std::pow((e - paper.mean) / paper.std, 2)));
+    series.points.emplace_back(e, 100.0 * kBin / (paper.std * std::sqrt(2.0 * kPi)) *
+                                      std::exp(-0.5 * std::pow((e - paper.mean) / paper.std, 2)));
   return series;
 }
 
 io::Canvas picture_of(const Flight& flight, const Spreads& drag, const Spreads& imu15) {
   constexpr int kWidth = 640, kHeight = 420;
   io::Canvas canvas(3 * kWidth, 2 * kHeight);
-  const auto series = [](const char* name, const io::Color& color, bool line) { return io::PlotSeries{.name = name, .points = {}, .color = color, .line = line, .rings = !line}; };
-  const std::vector<io::PlotSeries> empty{series("truth", io::look::kInk, true), series("fixes", io::look::kGate, false), series("15 states", io::look::kEstimate, true),
+  const auto series = [](const char* name, const io::Color& color, bool line) {
+    return io::PlotSeries{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
+  };
+  const std::vector<io::PlotSeries> empty{series("truth", io::look::kInk, true),
+                                          series("fixes", io::look::kGate, false),
+                                          series("15 states", io::look::kEstimate, true),
                                           series("drag filter", io::look::kDetection, true)};
-  std::array<io::Plot, 3> plots{io::Plot{.title = "two gates, from above", .x_label = "x [m]", .y_label = "y [m]", .series = empty, .y_from_0 = false},
-                                io::Plot{.title = "x", .x_label = "t [s]", .y_label = "x [m]", .series = empty, .y_from_0 = false},
-                                io::Plot{.title = "y", .x_label = "t [s]", .y_label = "y [m]", .series = empty, .y_from_0 = false}};
+  std::array<io::Plot, 3> plots{
+      io::Plot{.title = "two gates, from above",
+               .x_label = "x [m]",
+               .y_label = "y [m]",
+               .series = empty,
+               .y_from_0 = false},
+      io::Plot{
+          .title = "x", .x_label = "t [s]", .y_label = "x [m]", .series = empty, .y_from_0 = false},
+      io::Plot{.title = "y",
+               .x_label = "t [s]",
+               .y_label = "y [m]",
+               .series = empty,
+               .y_from_0 = false}};
   const auto point = [&](std::size_t which, double t, const Eigen::Vector3d& p) {
-    plots[0].series[which].points.emplace_back(p.x(), p.y()), plots[1].series[which].points.emplace_back(t, p.x()), plots[2].series[which].points.emplace_back(t, p.y());
+    plots[0].series[which].points.emplace_back(p.x(), p.y()),
+        plots[1].series[which].points.emplace_back(t, p.x()),
+        plots[2].series[which].points.emplace_back(t, p.y());
   };
   for (std::size_t i = 0; i < flight.moments.size(); i += 3) {
     const Moment& m = flight.moments[i];
     point(0, m.t, m.truth), point(2, m.t, m.imu15), point(3, m.t, m.drag);
   }
-  for (std::size_t i = 0; i < flight.fixes.size(); i += 3) point(1, flight.fixes[i].first, flight.fixes[i].second);
+  for (std::size_t i = 0; i < flight.fixes.size(); i += 3)
+    point(1, flight.fixes[i].first, flight.fixes[i].second);
   for (std::size_t i = 0; i < 3; ++i) {
     canvas.paste(io::draw(plots[i], kWidth, kHeight), {static_cast<double>(i) * kWidth, 0.0});
-    io::Plot errors{.title = std::string{"error of "} + kAxes[i], .x_label = "estimate - truth [m]", .y_label = "part of the samples [%]"};
+    io::Plot errors{.title = std::string{"error of "} + kAxes[i],
+                    .x_label = "estimate - truth [m]",
+                    .y_label = "part of the samples [%]"};
     if (i < kPaper.size()) errors.series.push_back(as_normal(kPaper[i]));
-    errors.series.push_back(histogram("15 states", imu15[i], io::look::kEstimate)), errors.series.push_back(histogram("drag filter", drag[i], io::look::kDetection));
+    errors.series.push_back(histogram("15 states", imu15[i], io::look::kEstimate)),
+        errors.series.push_back(histogram("drag filter", drag[i], io::look::kDetection));
     canvas.paste(io::draw(errors, kWidth, kHeight), {static_cast<double>(i) * kWidth, kHeight});
   }
   return canvas;
 }
 
-std::string text_of(const Spread& s) { return "mean " + fixed(s.mean(), 3) + ", std " + fixed(s.deviation(), 3) + " m"; }
+std::string text_of(const Spread& s) {
+  return "mean " + fixed(s.mean(), 3) + ", std " + fixed(s.deviation(), 3) + " m";
+}
 
 nlohmann::ordered_json json_of(const Spreads& spreads) {
   auto json = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < 3; ++i) {
     const Spread& s = spreads[i];
-    json[std::string{kAxes[i]}] = {{"mean_m", number(s.mean())}, {"std_m", number(s.deviation())}, {"p1_m", number(s.quantile(0.01))},
-                                   {"p99_m", number(s.quantile(0.99))}, {"beyond_0.2_m", number(s.beyond(0.2))}, {"samples", s.errors.size()}};
+    json[std::string{kAxes[i]}] = {{"mean_m", number(s.mean())},
+                                   {"std_m", number(s.deviation())},
+                                   {"p1_m", number(s.quantile(0.01))},
+                                   {"p99_m", number(s.quantile(0.99))},
+                                   {"beyond_0.2_m", number(s.beyond(0.2))},
+                                   {"samples", s.errors.size()}};
   }
   return json;
 }
@@ -158,7 +196,11 @@ Result ekf_track(const Options& options) {
     if (flights[i].moments.empty()) flights[i] = flown(i + 1, vision, options);
   });
 
-  Result result{.table = {}, .json = {}, .csv = "seed,t_s,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m,imu15_x_m,imu15_y_m,imu15_z_m\n", .picture = io::Canvas(1, 1)};
+  Result result{
+      .table = {},
+      .json = {},
+      .csv = "seed,t_s,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m,imu15_x_m,imu15_y_m,imu15_z_m\n",
+      .picture = io::Canvas(1, 1)};
   Spreads drag, imu15, drag_blind, imu15_blind;
   int finished = 0;
   for (std::size_t i = 0; i < flights.size(); ++i) {
@@ -172,18 +214,36 @@ Result ekf_track(const Options& options) {
       result.csv += "\n";
     }
   }
-  result.table.push_back({std::to_string(flights.size()) + " flights of " + std::to_string(kLaps) + " laps, finished", "", std::to_string(finished)});
-  const std::array<std::string, 3> paper{"mean -0.040, std 0.104 m", "mean -0.011, std 0.069 m", "within 0.05 m"};
+  result.table.push_back(
+      {std::to_string(flights.size()) + " flights of " + std::to_string(kLaps) + " laps, finished",
+       "", std::to_string(finished)});
+  const std::array<std::string, 3> paper{"mean -0.040, std 0.104 m", "mean -0.011, std 0.069 m",
+                                         "within 0.05 m"};
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string axis{kAxes[i]};
-    result.table.push_back({"error of " + axis, paper[i], text_of(drag[i]) + " (imu15 " + text_of(imu15[i]) + ")"});
-    result.table.push_back({"  1 and 99 %", i == 0 ? "-0.39, 0.17 m" : i == 1 ? "-0.28, ? m" : "", fixed(drag[i].quantile(0.01), 2) + ", " + fixed(drag[i].quantile(0.99), 2) + " m (imu15 " +
-                            fixed(imu15[i].quantile(0.01), 2) + ", " + fixed(imu15[i].quantile(0.99), 2) + " m)"});
-    result.table.push_back({"  more than 0.2 m", i < 2 ? "a few" : "", fixed(100.0 * drag[i].beyond(0.2), 1) + " % (imu15 " + fixed(100.0 * imu15[i].beyond(0.2), 1) + " %)"});
-    if (i < 2) result.table.push_back({"  without a gate for 0.3 s", "", text_of(drag_blind[i]) + " (imu15 " + text_of(imu15_blind[i]) + ")"});
+    result.table.push_back(
+        {"error of " + axis, paper[i], text_of(drag[i]) + " (imu15 " + text_of(imu15[i]) + ")"});
+    result.table.push_back(
+        {"  1 and 99 %",
+         i == 0   ? "-0.39, 0.17 m"
+         : i == 1 ? "-0.28, ? m"
+                  : "",
+         fixed(drag[i].quantile(0.01), 2) + ", " + fixed(drag[i].quantile(0.99), 2) + " m (imu15 " +
+             fixed(imu15[i].quantile(0.01), 2) + ", " + fixed(imu15[i].quantile(0.99), 2) + " m)"});
+    result.table.push_back({"  more than 0.2 m", i < 2 ? "a few" : "",
+                            fixed(100.0 * drag[i].beyond(0.2), 1) + " % (imu15 " +
+                                fixed(100.0 * imu15[i].beyond(0.2), 1) + " %)"});
+    if (i < 2)
+      result.table.push_back({"  without a gate for 0.3 s", "",
+                              text_of(drag_blind[i]) + " (imu15 " + text_of(imu15_blind[i]) + ")"});
   }
-  result.json = {{"flights", flights.size()}, {"finished", finished}, {"vision", options.quick ? "ideal" : "rendered"}, {"drag", json_of(drag)}, {"imu15", json_of(imu15)},
-                 {"drag_blind", json_of(drag_blind)}, {"imu15_blind", json_of(imu15_blind)}};
+  result.json = {{"flights", flights.size()},
+                 {"finished", finished},
+                 {"vision", options.quick ? "ideal" : "rendered"},
+                 {"drag", json_of(drag)},
+                 {"imu15", json_of(imu15)},
+                 {"drag_blind", json_of(drag_blind)},
+                 {"imu15_blind", json_of(imu15_blind)}};
   result.picture = picture_of(flights[0], drag, imu15);
   return result;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the drag model gains over the classic filter: how fast the accelerometer's bias is found, how far the position
-// drifts while no gate is seen. Li18 §3.3, where the paper says so without a figure.
+// What the drag model gains over the classic filter: how fast the accelerometer's bias is found,
+// how far the position drifts while no gate is seen. Li18 §3.3, where the paper says so without a
+// figure.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,12 +26,16 @@ namespace gatefly::experiments {
 namespace {
 
 constexpr int kLaps = 3, kRuns = 60, kQuickRuns = 8;
-constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;   // as on board
-constexpr double kFixPeriod = 1.0 / 15.0, kFixSigma = 0.10, kAltitudePeriod = 1.0 / 15.0;  // [s], [m]
-constexpr double kHeadingError = 1.0 * kDegree;           // constant over a run, one standard deviation
-constexpr double kBiasSigma = 0.25;                       // what races draw, and what both filters are told [m/s²]
-constexpr double kGap = 0.3;                              // no fix for this long: blind since the last [s]
-constexpr double kBiasStep = 1.0, kDriftStep = 0.25;      // between points of the curves [s]
+constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;  // as on board
+// [s], [m]
+constexpr double kFixPeriod = 1.0 / 15.0, kFixSigma = 0.10, kAltitudePeriod = 1.0 / 15.0;
+// constant over a run, one standard deviation
+constexpr double kHeadingError = 1.0 * kDegree;
+// what races draw, and what both filters are told [m/s²]
+constexpr double kBiasSigma = 0.25;
+// no fix for this long: blind since the last [s]
+constexpr double kGap = 0.3;
+constexpr double kBiasStep = 1.0, kDriftStep = 0.25;        // between points of the curves [s]
 constexpr std::size_t kBiasPoints = 26, kDriftPoints = 13;  // to 25 s; to 3 s
 constexpr std::size_t kOneSecond = 4, kTwoSeconds = 8;
 
@@ -40,7 +45,8 @@ using Samples = std::array<std::vector<double>, N>;
 
 /// What one filter made of one run.
 struct Course {
-  Samples<kBiasPoints> bias;                  ///< Horizontal, by seconds since the first fix [m/s²].
+  /// Horizontal, by seconds since the first fix [m/s²].
+  Samples<kBiasPoints> bias;
   Samples<kDriftPoints> first_gap, later_gaps;  ///< Horizontal, by time since the last fix [m].
 };
 
@@ -50,7 +56,8 @@ void append(Samples<N>& to, const Samples<N>& from) {
 }
 
 void append(Course& to, const Course& from) {
-  append(to.bias, from.bias), append(to.first_gap, from.first_gap), append(to.later_gaps, from.later_gaps);
+  append(to.bias, from.bias), append(to.first_gap, from.first_gap),
+      append(to.later_gaps, from.later_gaps);
 }
 
 /// When a fix comes, and whether it is the last one before the gate goes out of sight.
@@ -60,7 +67,9 @@ struct FixTime {
 };
 std::vector<FixTime> fix_times(const std::vector<LapMoment>& moments) {
   std::vector<FixTime> fixes;
-  const auto since_last = [&](double t) { return fixes.empty() ? 1e9 : t - moments[fixes.back().moment].t; };
+  const auto since_last = [&](double t) {
+    return fixes.empty() ? 1e9 : t - moments[fixes.back().moment].t;
+  };
   for (std::size_t i = 0; i < moments.size(); ++i) {
     if (!moments[i].faces_gate || since_last(moments[i].t) < kFixPeriod) continue;
     if (!fixes.empty() && since_last(moments[i].t) > kGap) fixes.back().last = true;
@@ -80,7 +89,8 @@ struct Blind {
 
 /// Both filters are given the same: fixes while a gate is ahead, altitude and heading always.
 template <class Filter>
-Course course_of(const SimulatedLaps& laps, const std::vector<FixTime>& fixes, Filter filter, std::uint64_t seed) {
+Course course_of(const SimulatedLaps& laps, const std::vector<FixTime>& fixes, Filter filter,
+                 std::uint64_t seed) {
   Course course;
   sim::Stream noise{seed, "fixes"};
   const double heading_error = kHeadingError * noise.normal();
@@ -91,14 +101,23 @@ Course course_of(const SimulatedLaps& laps, const std::vector<FixTime>& fixes, F
   bool is_first_gap = true;
   for (std::size_t i = 0; i < laps.moments.size() && !fixes.empty(); ++i) {
     const LapMoment& m = laps.moments[i];
-    FilterTick tick{m.imu, low_pass.update(m.imu.accel_B), m.dt, wrap_angle(m.attitude.yaw + heading_error), {}};
+    FilterTick tick{m.imu,
+                    low_pass.update(m.imu.accel_B),
+                    m.dt,
+                    wrap_angle(m.attitude.yaw + heading_error),
+                    {}};
     if (m.rests) continue;
-    if (m.t >= next_z) next_z = m.t + kAltitudePeriod, tick.z = m.p_EB.z() + kAltitudeSigma * noise.normal();
+    if (m.t >= next_z)
+      next_z = m.t + kAltitudePeriod, tick.z = m.p_EB.z() + kAltitudeSigma * noise.normal();
     filter.step(tick);
     for (auto& b : blind) b.filter.step(tick);
     if (fix < fixes.size() && fixes[fix].moment == i) {
-      filter.fix(m.p_EB + kFixSigma * Eigen::Vector3d{noise.normal(), noise.normal(), noise.normal()}, Eigen::Vector3d::Constant(kFixSigma));
-      if (fixes[fix++].last) blind.push_back({m.t, is_first_gap ? &course.first_gap : &course.later_gaps, filter}), is_first_gap = false;
+      filter.fix(
+          m.p_EB + kFixSigma * Eigen::Vector3d{noise.normal(), noise.normal(), noise.normal()},
+          Eigen::Vector3d::Constant(kFixSigma));
+      if (fixes[fix++].last)
+        blind.push_back({m.t, is_first_gap ? &course.first_gap : &course.later_gaps, filter}),
+            is_first_gap = false;
     }
     for (auto& b : blind)
       if (b.next < kDriftPoints && m.t >= b.since + static_cast<double>(b.next) * kDriftStep)
@@ -106,14 +125,17 @@ Course course_of(const SimulatedLaps& laps, const std::vector<FixTime>& fixes, F
     std::erase_if(blind, [](const auto& b) { return b.next == kDriftPoints; });
     const double since_first = m.t - laps.moments[fixes.front().moment].t;
     if (bias_point < kBiasPoints && since_first >= static_cast<double>(bias_point) * kBiasStep)
-      course.bias[bias_point++].push_back((filter.accel_bias() - laps.accel_bias).template head<2>().norm());
+      course.bias[bias_point++].push_back(
+          (filter.accel_bias() - laps.accel_bias).template head<2>().norm());
   }
   return course;
 }
 
-/// Both filters start with what rest says of attitude and gyro; the accelerometer's bias is not told.
+/// Both filters start with what rest says of attitude and gyro; the accelerometer's bias is not
+/// told.
 struct Race {
-  explicit Race(std::uint64_t number) : seed{number}, laps{simulated_laps("oval", kLaps, seed)}, fixes{fix_times(laps.moments)} {
+  explicit Race(std::uint64_t number)
+      : seed{number}, laps{simulated_laps("oval", kLaps, seed)}, fixes{fix_times(laps.moments)} {
     ahrs.start(laps.moments.front().attitude.yaw);
     for (const LapMoment& m : laps.moments)
       if (m.rests) ahrs.update_at_rest(m.imu);
@@ -147,7 +169,8 @@ struct Run {
 double quantile(std::vector<double> values, double part) {
   if (values.empty()) return std::nan("");
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(std::lround(part * static_cast<double>(values.size() - 1)))];
+  return values[static_cast<std::size_t>(
+      std::lround(part * static_cast<double>(values.size() - 1)))];
 }
 
 double rms(const std::vector<double>& values) {
@@ -156,7 +179,8 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// The classic filter at its best: of all these noises the ones that drift least in 2 s, on flights that are not shown.
+/// The classic filter at its best: of all these noises the ones that drift least in 2 s, on flights
+/// that are not shown.
 baseline::Imu15Params tuned(const Options& options) {
   if (options.stopped()) throw Stopped{};
   constexpr std::uint64_t kFirstSeed = 1001;
@@ -185,10 +209,13 @@ baseline::Imu15Params tuned(const Options& options) {
 
 /// Median, and the band that holds 90 %.
 template <std::size_t N>
-void add_curve(io::Plot& plot, const std::string& name, const Samples<N>& samples, double step, const io::Color& color) {
+void add_curve(io::Plot& plot, const std::string& name, const Samples<N>& samples, double step,
+               const io::Color& color) {
   for (const double part : {0.5, 0.05, 0.95}) {
-    io::PlotSeries series{.name = part == 0.5 ? name : "", .color = part == 0.5 ? color : color.faded(0.45)};
-    for (std::size_t i = 0; i < N; ++i) series.points.emplace_back(static_cast<double>(i) * step, quantile(samples[i], part));
+    io::PlotSeries series{.name = part == 0.5 ? name : "",
+                          .color = part == 0.5 ? color : color.faded(0.45)};
+    for (std::size_t i = 0; i < N; ++i)
+      series.points.emplace_back(static_cast<double>(i) * step, quantile(samples[i], part));
     plot.series.push_back(series);
   }
 }
@@ -197,24 +224,34 @@ template <std::size_t N>
 nlohmann::ordered_json curve_json(const Samples<N>& drag, const Samples<N>& imu15, double step) {
   auto list = nlohmann::ordered_json::array();
   const auto told = [](const std::vector<double>& v) {
-    return nlohmann::ordered_json{{"median", number(quantile(v, 0.5))}, {"p5", number(quantile(v, 0.05))}, {"p95", number(quantile(v, 0.95))}, {"rms", number(rms(v))}};
+    return nlohmann::ordered_json{{"median", number(quantile(v, 0.5))},
+                                  {"p5", number(quantile(v, 0.05))},
+                                  {"p95", number(quantile(v, 0.95))},
+                                  {"rms", number(rms(v))}};
   };
   for (std::size_t i = 0; i < N; ++i)
-    list.push_back({{"t_s", static_cast<double>(i) * step}, {"samples", drag[i].size()}, {"drag", told(drag[i])}, {"imu15", told(imu15[i])}});
+    list.push_back({{"t_s", static_cast<double>(i) * step},
+                    {"samples", drag[i].size()},
+                    {"drag", told(drag[i])},
+                    {"imu15", told(imu15[i])}});
   return list;
 }
 
-std::string against(const std::vector<double>& drag, const std::vector<double>& imu15, const std::string& unit) {
+std::string against(const std::vector<double>& drag, const std::vector<double>& imu15,
+                    const std::string& unit) {
   const auto band = [&](const std::vector<double>& v) {
-    return fixed(quantile(v, 0.5), 2) + " (" + fixed(quantile(v, 0.05), 2) + "-" + fixed(quantile(v, 0.95), 2) + ") " + unit;
+    return fixed(quantile(v, 0.5), 2) + " (" + fixed(quantile(v, 0.05), 2) + "-" +
+           fixed(quantile(v, 0.95), 2) + ") " + unit;
   };
-  return band(drag) + ", imu15 " + band(imu15) + ", ratio " + fixed(quantile(imu15, 0.5) / quantile(drag, 0.5), 1);
+  return band(drag) + ", imu15 " + band(imu15) + ", ratio " +
+         fixed(quantile(imu15, 0.5) / quantile(drag, 0.5), 1);
 }
 
 io::Canvas side_by_side(const std::vector<io::Plot>& plots) {
   constexpr int kWidth = 640, kHeight = 480;
   io::Canvas canvas(kWidth * static_cast<int>(plots.size()), kHeight);
-  for (std::size_t i = 0; i < plots.size(); ++i) canvas.paste(io::draw(plots[i], kWidth, kHeight), {static_cast<double>(i) * kWidth, 0.0});
+  for (std::size_t i = 0; i < plots.size(); ++i)
+    canvas.paste(io::draw(plots[i], kWidth, kHeight), {static_cast<double>(i) * kWidth, 0.0});
   return canvas;
 }
 
@@ -231,36 +268,66 @@ Result ekf_vs_15(const Options& options) {
   });
   Course drag, imu15;
   int finished = 0;
-  for (const Run& run : runs) append(drag, run.drag), append(imu15, run.imu15), finished += run.finished;
+  for (const Run& run : runs)
+    append(drag, run.drag), append(imu15, run.imu15), finished += run.finished;
 
-  Result result{.table = {}, .json = {}, .csv = "what,t_s,samples,drag_median,drag_p5,drag_p95,imu15_median,imu15_p5,imu15_p95\n", .picture = io::Canvas(1, 1)};
-  result.table.push_back({std::to_string(count) + " flights of " + std::to_string(kLaps) + " laps, finished", "", std::to_string(finished)});
+  Result result{
+      .table = {},
+      .json = {},
+      .csv = "what,t_s,samples,drag_median,drag_p5,drag_p95,imu15_median,imu15_p5,imu15_p95\n",
+      .picture = io::Canvas(1, 1)};
+  result.table.push_back(
+      {std::to_string(count) + " flights of " + std::to_string(kLaps) + " laps, finished", "",
+       std::to_string(finished)});
   for (const std::size_t second : {0u, 1u, 2u, 5u, 10u, 20u})
-    result.table.push_back({"bias x, y, " + std::to_string(second) + " s after the first fix", second == 0 ? "" : "converges faster", against(drag.bias[second], imu15.bias[second], "m/s²")});
-  for (const auto& [name, d, i] : {std::tuple{"first gap", &drag.first_gap, &imu15.first_gap}, std::tuple{"later gaps", &drag.later_gaps, &imu15.later_gaps}})
+    result.table.push_back({"bias x, y, " + std::to_string(second) + " s after the first fix",
+                            second == 0 ? "" : "converges faster",
+                            against(drag.bias[second], imu15.bias[second], "m/s²")});
+  for (const auto& [name, d, i] : {std::tuple{"first gap", &drag.first_gap, &imu15.first_gap},
+                                   std::tuple{"later gaps", &drag.later_gaps, &imu15.later_gaps}})
     for (const std::size_t point : {std::size_t{0}, kOneSecond, kTwoSeconds})
-      result.table.push_back({std::string{"position, "} + name + ", " + io::text_of(static_cast<double>(point) * kDriftStep, 2) + " s blind", "", against((*d)[point], (*i)[point], "m")});
+      result.table.push_back({std::string{"position, "} + name + ", " +
+                                  io::text_of(static_cast<double>(point) * kDriftStep, 2) +
+                                  " s blind",
+                              "", against((*d)[point], (*i)[point], "m")});
 
-  io::Plot bias{.title = "accelerometer bias found: error of x and y", .x_label = "seconds since the first fix", .y_label = "median, 90 % band [m/s²]"};
-  io::Plot first{.title = "first gap", .x_label = "seconds without a fix", .y_label = "horizontal error, median, 90 % band [m]"}, later = first;
+  io::Plot bias{.title = "accelerometer bias found: error of x and y",
+                .x_label = "seconds since the first fix",
+                .y_label = "median, 90 % band [m/s²]"};
+  io::Plot first{.title = "first gap",
+                 .x_label = "seconds without a fix",
+                 .y_label = "horizontal error, median, 90 % band [m]"},
+      later = first;
   later.title = "later gaps";
-  const auto add = [&](const std::string& what, io::Plot& plot, const auto& d, const auto& i, double step) {
-    add_curve(plot, "15 states", i, step, io::look::kGate), add_curve(plot, "drag filter, 7 states", d, step, io::look::kDetection);
+  const auto add = [&](const std::string& what, io::Plot& plot, const auto& d, const auto& i,
+                       double step) {
+    add_curve(plot, "15 states", i, step, io::look::kGate),
+        add_curve(plot, "drag filter, 7 states", d, step, io::look::kDetection);
     result.json[what] = curve_json(d, i, step);
     for (std::size_t k = 0; k < d.size(); ++k) {
-      result.csv += what + "," + io::text_of(static_cast<double>(k) * step, 4) + "," + std::to_string(d[k].size());
+      result.csv += what + "," + io::text_of(static_cast<double>(k) * step, 4) + "," +
+                    std::to_string(d[k].size());
       for (const auto* v : {&d[k], &i[k]})
-        for (const double part : {0.5, 0.05, 0.95}) result.csv += "," + io::text_of(quantile(*v, part), 4);
+        for (const double part : {0.5, 0.05, 0.95})
+          result.csv += "," + io::text_of(quantile(*v, part), 4);
       result.csv += "\n";
     }
   };
-  result.json = {{"runs", count}, {"laps", kLaps}, {"finished", finished}, {"fix", {{"rate_hz", 15}, {"sigma_m", kFixSigma}}},
-                 {"imu15", {{"accel_noise", classic.accel_noise}, {"gyro_noise", classic.gyro_noise}, {"start_tilt_sigma_rad", classic.start_tilt_sigma}}}};
+  result.json = {{"runs", count},
+                 {"laps", kLaps},
+                 {"finished", finished},
+                 {"fix", {{"rate_hz", 15}, {"sigma_m", kFixSigma}}},
+                 {"imu15",
+                  {{"accel_noise", classic.accel_noise},
+                   {"gyro_noise", classic.gyro_noise},
+                   {"start_tilt_sigma_rad", classic.start_tilt_sigma}}}};
   add("bias_error_mps2", bias, drag.bias, imu15.bias, kBiasStep);
   add("first_gap_m", first, drag.first_gap, imu15.first_gap, kDriftStep);
   add("later_gaps_m", later, drag.later_gaps, imu15.later_gaps, kDriftStep);
-  result.json["ratio_2s_later_gaps"] = number(quantile(imu15.later_gaps[kTwoSeconds], 0.5) / quantile(drag.later_gaps[kTwoSeconds], 0.5));
-  result.json["ratio_2s_first_gap"] = number(quantile(imu15.first_gap[kTwoSeconds], 0.5) / quantile(drag.first_gap[kTwoSeconds], 0.5));
+  result.json["ratio_2s_later_gaps"] = number(quantile(imu15.later_gaps[kTwoSeconds], 0.5) /
+                                              quantile(drag.later_gaps[kTwoSeconds], 0.5));
+  result.json["ratio_2s_first_gap"] = number(quantile(imu15.first_gap[kTwoSeconds], 0.5) /
+                                             quantile(drag.first_gap[kTwoSeconds], 0.5));
   result.picture = side_by_side({bias, first, later});
   return result;
 }

@@ -14,18 +14,33 @@ std::span<const Experiment> all() {
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
-      {"approach-sequence", "what is found picture by picture while a gate is approached", approach_sequence},
-      {"own-detector", "our detector, colours fitted to one half of the pictures and scored on the other", own_detector},
-      {"detection-failures", "the pictures where our detector is most wrong, by name", detection_failures},
-      {"ekf-track", "laps through two gates: the filter beside the truth, its errors as histograms", ekf_track, false},
-      {"ekf-vs-15", "simulated laps with gaps: drag filter beside the 15-state inertial one, bias and drift", ekf_vs_15, false},
-      {"blind-real", "drift without a fix on real flights: drag filter beside the 15-state inertial one", blind_real},
-      {"ahrs-real", "roll and pitch beside a plain Mahony filter: hand-held, in turns, on real flights", ahrs_real},
-      {"eyes-real", "real flights through the pilot: IMU and pictures, from the first gate seen until the gate", eyes_real},
-      {"pose-ls-p3p", "position error of least squares and P3P over the distance", pose_ls_p3p, false},
+      {"approach-sequence", "what is found picture by picture while a gate is approached",
+       approach_sequence},
+      {"own-detector",
+       "our detector, colours fitted to one half of the pictures and scored on the other",
+       own_detector},
+      {"detection-failures", "the pictures where our detector is most wrong, by name",
+       detection_failures},
+      {"ekf-track", "laps through two gates: the filter beside the truth, its errors as histograms",
+       ekf_track, false},
+      {"ekf-vs-15",
+       "simulated laps with gaps: drag filter beside the 15-state inertial one, bias and drift",
+       ekf_vs_15, false},
+      {"blind-real",
+       "drift without a fix on real flights: drag filter beside the 15-state inertial one",
+       blind_real},
+      {"ahrs-real",
+       "roll and pitch beside a plain Mahony filter: hand-held, in turns, on real flights",
+       ahrs_real},
+      {"eyes-real",
+       "real flights through the pilot: IMU and pictures, from the first gate seen until the gate",
+       eyes_real},
+      {"pose-ls-p3p", "position error of least squares and P3P over the distance", pose_ls_p3p,
+       false},
       {"pose-bars", "position error from the two side bars over the distance", pose_bars, false},
       {"pose-grid", "our pose against rays and PnP; is its covariance honest?", pose_grid, false},
-      {"pose-real", "distances to a real gate, and a real flight against motion capture", pose_real},
+      {"pose-real", "distances to a real gate, and a real flight against motion capture",
+       pose_real},
   }};
   return list;
 }
@@ -35,8 +50,9 @@ std::filesystem::path data_folder(const std::string& name, const Options& option
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error))
     throw std::runtime_error(name + ": there is no such folder" +
-                             (options.data.empty() ? " (name the folder of real data by --data or $GATEFLY_DATA)"
-                                                   : " in " + options.data));
+                             (options.data.empty()
+                                  ? " (name the folder of real data by --data or $GATEFLY_DATA)"
+                                  : " in " + options.data));
   return folder;
 }
 

@@ -17,7 +17,8 @@ namespace gatefly::experiments {
 struct Options {
   std::string data;    ///< Folder of real data; "": $GATEFLY_DATA, else ../shared/data.
   bool quick = false;  ///< Fewer points and repeats: seconds instead of minutes.
-  std::function<void(double part, const std::string& text)> progress = [](double, const std::string&) {};
+  std::function<void(double part, const std::string& text)> progress = [](double,
+                                                                          const std::string&) {};
   std::function<bool()> stopped = [] { return false; };  ///< Asked often; true ends it by Stopped.
 };
 
@@ -46,7 +47,8 @@ struct Experiment {
 /// All that there are, in the paper's order.
 [[nodiscard]] std::span<const Experiment> all();
 
-/// A folder below the real data. @throws std::runtime_error saying how to name it when it is not there.
+/// A folder below the real data. @throws std::runtime_error saying how to name it when it is not
+/// there.
 [[nodiscard]] std::filesystem::path data_folder(const std::string& name, const Options& options);
 
 Result roc_length(const Options& options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real flights through the pilot: IMU, pictures and a height in, position out, beside motion capture. Li18 §3.3, Fig. "EKF result".
+// Real flights through the pilot: IMU, pictures and a height in, position out, beside motion
+// capture. Li18 §3.3, Fig. "EKF result".
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -35,7 +36,9 @@ struct AxisErrors {
   void add(const Eigen::Vector3d& error) { sum += error, squares += error.cwiseAbs2(), ++n; }
   void add(const AxisErrors& other) { sum += other.sum, squares += other.squares, n += other.n; }
   [[nodiscard]] Eigen::Vector3d rms() const { return (squares / n).cwiseSqrt(); }
-  [[nodiscard]] Eigen::Vector3d deviation() const { return (squares / n - (sum / n).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt(); }
+  [[nodiscard]] Eigen::Vector3d deviation() const {
+    return (squares / n - (sum / n).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  }
 };
 
 struct Replayed {
@@ -45,17 +48,23 @@ struct Replayed {
   int pictures = 0;                                     ///< That corrected the filter.
 };
 
-/// From the first picture in the air that corrected the filter until the drone is in the gate's plane.
-Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe& airframe, const io::Config& config, Estimator estimator) {
+/// From the first picture in the air that corrected the filter until the drone is in the gate's
+/// plane.
+Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe& airframe,
+                  const io::Config& config, Estimator estimator) {
   io::ImageFile file;
   const auto load = [&](std::size_t i) {
     file = io::read_image(flight.folder.images[i].path);
     return file.view(config.stored_rotation_deg);
   };
   const ReplayResult result = closed_loop::replay(pilot, flight.ticks, load, estimator);
-  if (!result.finite) throw std::runtime_error(flight.folder.directory.string() + ": an estimate is not a finite number");
+  if (!result.finite)
+    throw std::runtime_error(flight.folder.directory.string() +
+                             ": an estimate is not a finite number");
   const MapGate& gate = pilot.track.gates.front();
-  const auto in_gate = [&](const Eigen::Vector3d& p_E) { return Eigen::Vector3d{rotation_z(-gate.yaw_EG) * (p_E - gate.p_EG)}; };
+  const auto in_gate = [&](const Eigen::Vector3d& p_E) {
+    return Eigen::Vector3d{rotation_z(-gate.yaw_EG) * (p_E - gate.p_EG)};
+  };
   Replayed out;
   double end = 1e9, begin = 1e9;
   for (const auto& row : result.pictures) {
@@ -66,7 +75,8 @@ Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe
   }
   for (const auto& row : result.estimates) {
     if (row.t < begin || row.t > end) continue;
-    const Eigen::Vector3d truth = in_gate(flight.motion.position(row.t + airframe.mocap_delay)), estimate = in_gate(row.estimate.p_EB);
+    const Eigen::Vector3d truth = in_gate(flight.motion.position(row.t + airframe.mocap_delay)),
+                          estimate = in_gate(row.estimate.p_EB);
     if (truth.x() > 0.0) end = row.t;
     out.errors.add(estimate - truth);
     out.t.push_back(row.t), out.truth.push_back(truth), out.estimate.push_back(estimate);
@@ -82,9 +92,11 @@ nlohmann::ordered_json json_of(const AxisErrors& e) {
           {"x_std_m", number(std.x())}, {"y_std_m", number(std.y())}, {"samples", e.n}};
 }
 
-io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points, const io::Color& color, bool line) {
+io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points,
+                        const io::Color& color, bool line) {
   io::PlotSeries series{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
-  for (std::size_t i = 0; i < points.size(); i += line ? 60 : 1) series.points.emplace_back(points[i].x(), points[i].y());
+  for (std::size_t i = 0; i < points.size(); i += line ? 60 : 1)
+    series.points.emplace_back(points[i].x(), points[i].y());
   return series;
 }
 
@@ -98,43 +110,62 @@ struct Shown {
 io::Canvas panels_of(const std::vector<Shown>& shown) {
   const int rows = (static_cast<int>(shown.size()) + kColumns - 1) / kColumns;
   io::Canvas canvas(kColumns * kPanelWidth, std::max(1, rows) * kPanelHeight + 2 * kPanelHeight);
-  io::Plot errors_x{.title = "error of x, through the gate; each flight", .x_label = "seconds before the gate", .y_label = "[m]", .y_from_0 = false};
+  io::Plot errors_x{.title = "error of x, through the gate; each flight",
+                    .x_label = "seconds before the gate",
+                    .y_label = "[m]",
+                    .y_from_0 = false};
   io::Plot errors_y = errors_x;
   errors_y.title = "error of y, to the right";
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const Replayed& r = shown[i].drag;
-    const io::Plot plot{.title = shown[i].name + ": RMS " + x_and_y(r.errors.rms()) + " m", .x_label = "x before the gate [m]", .y_label = "y to the right [m]",
-                        .series = {top_down("truth", r.truth, io::look::kInk, true), top_down("fixes", r.fixes, io::look::kGate, false),
-                                   top_down("imu15", shown[i].imu15.estimate, io::look::kEstimate, true), top_down("ours", r.estimate, io::look::kDetection, true)},
-                        .y_from_0 = false};
-    canvas.paste(io::draw(plot, kPanelWidth, kPanelHeight), {static_cast<double>(static_cast<int>(i) % kColumns * kPanelWidth), static_cast<double>(static_cast<int>(i) / kColumns * kPanelHeight)});
-    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, io::look::kEstimate}, std::pair{&shown[i].drag, io::look::kDetection}}) {
+    const io::Plot plot{
+        .title = shown[i].name + ": RMS " + x_and_y(r.errors.rms()) + " m",
+        .x_label = "x before the gate [m]",
+        .y_label = "y to the right [m]",
+        .series = {top_down("truth", r.truth, io::look::kInk, true),
+                   top_down("fixes", r.fixes, io::look::kGate, false),
+                   top_down("imu15", shown[i].imu15.estimate, io::look::kEstimate, true),
+                   top_down("ours", r.estimate, io::look::kDetection, true)},
+        .y_from_0 = false};
+    canvas.paste(io::draw(plot, kPanelWidth, kPanelHeight),
+                 {static_cast<double>(static_cast<int>(i) % kColumns * kPanelWidth),
+                  static_cast<double>(static_cast<int>(i) / kColumns * kPanelHeight)});
+    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, io::look::kEstimate},
+                                        std::pair{&shown[i].drag, io::look::kDetection}}) {
       io::PlotSeries x{.name = i > 0 ? "" : replay == &r ? "ours" : "imu15", .color = color}, y = x;
       for (std::size_t k = 0; k < replay->t.size(); k += 100) {
         const Eigen::Vector3d error = replay->estimate[k] - replay->truth[k];
-        x.points.emplace_back(replay->t[k] - replay->t.back(), error.x()), y.points.emplace_back(replay->t[k] - replay->t.back(), error.y());
+        x.points.emplace_back(replay->t[k] - replay->t.back(), error.x()),
+            y.points.emplace_back(replay->t[k] - replay->t.back(), error.y());
       }
       errors_x.series.push_back(x), errors_y.series.push_back(y);
     }
   }
   const double top = rows * kPanelHeight;
   canvas.paste(io::draw(errors_x, kColumns * kPanelWidth / 2, 2 * kPanelHeight), {0.0, top});
-  canvas.paste(io::draw(errors_y, kColumns * kPanelWidth / 2, 2 * kPanelHeight), {0.5 * kColumns * kPanelWidth, top});
+  canvas.paste(io::draw(errors_y, kColumns * kPanelWidth / 2, 2 * kPanelHeight),
+               {0.5 * kColumns * kPanelWidth, top});
   return canvas;
 }
 
-nlohmann::ordered_json fitted_json(const Located& found, const Survey& s, std::size_t i, const Flight& flight) {
+nlohmann::ordered_json fitted_json(const Located& found, const Survey& s, std::size_t i,
+                                   const Flight& flight) {
   const SurveyedGate& g = s.gates[found.gate_of[i]];
-  return {{"gate_m", {g.p_EG.x(), g.p_EG.y(), g.p_EG.z()}}, {"gate_yaw_deg", g.yaw / kDegree},
-          {"heading_offset_deg", wrap_angle(s.flights[i].heading - log_yaw(flight)) / kDegree}, {"tilt_deg", s.flights[i].tilt / kDegree},
-          {"camera_roll_deg", s.airframe.camera_roll / kDegree}, {"exposure_delay_ms", 1e3 * s.airframe.exposure_delay},
-          {"mocap_delay_ms", 1e3 * s.airframe.mocap_delay}, {"gate_from", found.shared(i) ? "other flights" : "this flight"}};
+  return {{"gate_m", {g.p_EG.x(), g.p_EG.y(), g.p_EG.z()}},
+          {"gate_yaw_deg", g.yaw / kDegree},
+          {"heading_offset_deg", wrap_angle(s.flights[i].heading - log_yaw(flight)) / kDegree},
+          {"tilt_deg", s.flights[i].tilt / kDegree},
+          {"camera_roll_deg", s.airframe.camera_roll / kDegree},
+          {"exposure_delay_ms", 1e3 * s.airframe.exposure_delay},
+          {"mocap_delay_ms", 1e3 * s.airframe.mocap_delay},
+          {"gate_from", found.shared(i) ? "other flights" : "this flight"}};
 }
 
 void add_rows(const Shown& one, std::string& csv) {
   for (std::size_t k = 0; k < one.drag.t.size(); k += 26) {
     csv += one.name + "," + io::text_of(one.drag.t[k], 6);
-    for (const Eigen::Vector3d& p : {one.drag.truth[k], one.drag.estimate[k], one.imu15.estimate[k]})
+    for (const Eigen::Vector3d& p :
+         {one.drag.truth[k], one.drag.estimate[k], one.imu15.estimate[k]})
       csv += "," + io::text_of(p.x(), 5) + "," + io::text_of(p.y(), 5);
     csv += "\n";
   }
@@ -148,7 +179,8 @@ struct Pool {
   void add(const std::string& flight, const Replayed& one) {
     all.add(one.errors);
     per_flight[flight] = json_of(one.errors);
-    per_flight[flight]["pictures"] = one.pictures, per_flight[flight]["from_s"] = one.t.front(), per_flight[flight]["to_s"] = one.t.back();
+    per_flight[flight]["pictures"] = one.pictures, per_flight[flight]["from_s"] = one.t.front(),
+    per_flight[flight]["to_s"] = one.t.back();
   }
   [[nodiscard]] nlohmann::ordered_json json() const {
     auto json = json_of(all);
@@ -167,22 +199,29 @@ Result eyes_real(const Options& options) {
   std::vector<Flight> flights = flights_in(folder, config, pilot, options);
   const Located found = located(flights, pilot);
 
-  Result result{.table = {}, .json = {}, .csv = "flight,t_s,true_x_m,true_y_m,x_m,y_m,imu15_x_m,imu15_y_m\n", .picture = io::Canvas(1, 1)};
+  Result result{.table = {},
+                .json = {},
+                .csv = "flight,t_s,true_x_m,true_y_m,x_m,y_m,imu15_x_m,imu15_y_m\n",
+                .picture = io::Canvas(1, 1)};
   auto without = nlohmann::ordered_json::object(), fits = without;
   const auto leave_out = [&](const std::string& flight, const std::string& why) {
     without[flight] = why;
     result.table.push_back({flight, "", "left out: " + why});
   };
-  for (const Flight& flight : flights) leave_out(flight.name, "a whole gate in " + std::to_string(flight.seen.size()) + " pictures that agree");
+  for (const Flight& flight : flights)
+    leave_out(flight.name,
+              "a whole gate in " + std::to_string(flight.seen.size()) + " pictures that agree");
 
   Pool drag, imu15, gate_from_all;
   std::vector<Shown> shown;
   for (std::size_t i = 0; i < found.flights.size(); ++i) {
     const Flight& flight = found.flights[i];
     if (options.stopped()) throw Stopped{};
-    options.progress(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(found.flights.size()), flight.name);
+    options.progress(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(found.flights.size()),
+                     flight.name);
     const auto fly = [&](const Survey& survey, Estimator estimator) {
-      return replayed(flight, told(pilot, survey, found.gate_of[i], i), survey.airframe, config, estimator);
+      return replayed(flight, told(pilot, survey, found.gate_of[i], i), survey.airframe, config,
+                      estimator);
     };
     const Survey others = by_the_others(found, i, pilot);
     Shown s{flight.name, fly(others, Estimator::kDrag), fly(others, Estimator::kImu15)};
@@ -193,19 +232,34 @@ Result eyes_real(const Options& options) {
     }
     drag.add(s.name, s.drag), imu15.add(s.name, s.imu15), gate_from_all.add(s.name, all);
     fits[s.name] = fitted_json(found, others, i, flight);
-    result.table.push_back({s.name + (found.shared(i) ? "" : ", gate from itself") + ", " + fixed(s.drag.t.back() - s.drag.t.front(), 1) + " s, " +
-                                std::to_string(s.drag.pictures) + " pictures", "",
-                            x_and_y(s.drag.errors.rms()) + " m (imu15 " + x_and_y(s.imu15.errors.rms()) + ")"});
+    result.table.push_back(
+        {s.name + (found.shared(i) ? "" : ", gate from itself") + ", " +
+             fixed(s.drag.t.back() - s.drag.t.front(), 1) + " s, " +
+             std::to_string(s.drag.pictures) + " pictures",
+         "", x_and_y(s.drag.errors.rms()) + " m (imu15 " + x_and_y(s.imu15.errors.rms()) + ")"});
     add_rows(s, result.csv);
     shown.push_back(std::move(s));
   }
-  if (shown.empty()) throw std::runtime_error(folder.string() + ": no flight whose gate can be located");
-  result.table.push_back({"all, RMS of x, y", "", x_and_y(drag.all.rms()) + " m (imu15 " + x_and_y(imu15.all.rms()) + ")"});
-  result.table.push_back({"all, std of x, y", "0.104, 0.069 m", x_and_y(drag.all.deviation()) + " m (imu15 " + x_and_y(imu15.all.deviation()) + ")"});
-  result.table.push_back({"all, RMS, gate from all flights", "", x_and_y(gate_from_all.all.rms()) + " m"});
-  const double misfit = misfit_px(found, pilot), misfit_of_log = misfit_px(with_logged_attitudes(found, pilot), pilot);
-  result.table.push_back({"misfit of all corners, RMS", "", fixed(misfit, 2) + " px (attitudes of the log's AHRS: " + fixed(misfit_of_log, 2) + " px)"});
-  result.json = {{"drag", drag.json()}, {"imu15", imu15.json()}, {"drag_gate_from_all", gate_from_all.json()}, {"misfit_px", {{"our_ahrs", misfit}, {"logs_ahrs", misfit_of_log}}}, {"fitted", fits}, {"without_window", without}};
+  if (shown.empty())
+    throw std::runtime_error(folder.string() + ": no flight whose gate can be located");
+  result.table.push_back({"all, RMS of x, y", "",
+                          x_and_y(drag.all.rms()) + " m (imu15 " + x_and_y(imu15.all.rms()) + ")"});
+  result.table.push_back(
+      {"all, std of x, y", "0.104, 0.069 m",
+       x_and_y(drag.all.deviation()) + " m (imu15 " + x_and_y(imu15.all.deviation()) + ")"});
+  result.table.push_back(
+      {"all, RMS, gate from all flights", "", x_and_y(gate_from_all.all.rms()) + " m"});
+  const double misfit = misfit_px(found, pilot),
+               misfit_of_log = misfit_px(with_logged_attitudes(found, pilot), pilot);
+  result.table.push_back(
+      {"misfit of all corners, RMS", "",
+       fixed(misfit, 2) + " px (attitudes of the log's AHRS: " + fixed(misfit_of_log, 2) + " px)"});
+  result.json = {{"drag", drag.json()},
+                 {"imu15", imu15.json()},
+                 {"drag_gate_from_all", gate_from_all.json()},
+                 {"misfit_px", {{"our_ahrs", misfit}, {"logs_ahrs", misfit_of_log}}},
+                 {"fitted", fits},
+                 {"without_window", without}};
   result.picture = panels_of(shown);
   return result;
 }

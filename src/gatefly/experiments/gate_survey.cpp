@@ -18,7 +18,8 @@ constexpr Eigen::Index kAirframe = 3, kGate = 4, kFlight = 2;  // unknowns
 constexpr double kSoftPx = 2.0, kUnseenPx = 100.0;
 
 Eigen::VectorXd unknowns_of(const Survey& s) {
-  const auto gates = static_cast<Eigen::Index>(s.gates.size()), flights = static_cast<Eigen::Index>(s.flights.size());
+  const auto gates = static_cast<Eigen::Index>(s.gates.size()),
+             flights = static_cast<Eigen::Index>(s.flights.size());
   Eigen::VectorXd x(kAirframe + kGate * gates + kFlight * flights);
   x.head<kAirframe>() << s.airframe.camera_roll, s.airframe.exposure_delay, s.airframe.mocap_delay;
   for (Eigen::Index i = 0; i < gates; ++i) {
@@ -40,7 +41,8 @@ Survey survey_of(const Eigen::VectorXd& x, Survey s) {
     s.gates[i] = {.p_EG = g.head<3>(), .yaw = g(3)};
   }
   for (std::size_t i = 0; i < s.flights.size(); ++i) {
-    const auto f = x.segment<kFlight>(kAirframe + kGate * gates + kFlight * static_cast<Eigen::Index>(i));
+    const auto f =
+        x.segment<kFlight>(kAirframe + kGate * gates + kFlight * static_cast<Eigen::Index>(i));
     s.flights[i] = {.heading = f(0), .tilt = f(1)};
   }
   return s;
@@ -48,7 +50,8 @@ Survey survey_of(const Eigen::VectorXd& x, Survey s) {
 
 using Errors = Eigen::Matrix<double, 8, 1>;
 
-Errors errors_px(const Survey& s, std::size_t flight, const SurveyFlight& seen, const GatePicture& picture, const PilotConfig& pilot) {
+Errors errors_px(const Survey& s, std::size_t flight, const SurveyFlight& seen,
+                 const GatePicture& picture, const PilotConfig& pilot) {
   const CameraRig rig = mounted(pilot.camera, s.airframe, s.flights[flight]);
   const SurveyedGate& gate = s.gates[seen.gate];
   const double h = 0.5 * pilot.track.gates.front().side;
@@ -61,8 +64,10 @@ Errors errors_px(const Survey& s, std::size_t flight, const SurveyFlight& seen, 
   Errors errors;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d p_E = gate.p_EG + rotation_z(gate.yaw) * corners[i];
-    const auto px = rig.lens.project(rig.R_BC.matrix.transpose() * (R_EB.transpose() * (p_E - p_EB) - rig.p_BC));
-    errors.segment<2>(2 * static_cast<Eigen::Index>(i)) = px ? Eigen::Vector2d{*px - picture.px[i]} : Eigen::Vector2d::Constant(kUnseenPx);
+    const auto px = rig.lens.project(rig.R_BC.matrix.transpose() *
+                                     (R_EB.transpose() * (p_E - p_EB) - rig.p_BC));
+    errors.segment<2>(2 * static_cast<Eigen::Index>(i)) =
+        px ? Eigen::Vector2d{*px - picture.px[i]} : Eigen::Vector2d::Constant(kUnseenPx);
   }
   return errors;
 }
@@ -91,10 +96,12 @@ struct Residuals {
     Eigen::Index row = 0;
     for (std::size_t i = 0; i < flights.size(); ++i)
       for (const GatePicture& picture : flights[i].pictures) {
-        r.segment<8>(row) = errors_px(survey, i, flights[i], picture, pilot).unaryExpr([](double e) {
-          const double soft = 2.0 * kSoftPx * kSoftPx * (std::sqrt(1.0 + e * e / (kSoftPx * kSoftPx)) - 1.0);
-          return std::copysign(std::sqrt(soft), e);
-        });
+        r.segment<8>(row) =
+            errors_px(survey, i, flights[i], picture, pilot).unaryExpr([](double e) {
+              const double soft =
+                  2.0 * kSoftPx * kSoftPx * (std::sqrt(1.0 + e * e / (kSoftPx * kSoftPx)) - 1.0);
+              return std::copysign(std::sqrt(soft), e);
+            });
         row += 8;
       }
     return 0;
@@ -106,7 +113,8 @@ struct Residuals {
 double exposed_at(const GatePicture& picture, const Airframe& airframe, const PilotConfig& pilot) {
   // Upright columns are read out one after the other.
   constexpr double kWidth = 315.0;
-  return picture.t - airframe.exposure_delay + (center(picture.px).x() / kWidth - 0.5) * pilot.camera_timing.readout;
+  return picture.t - airframe.exposure_delay +
+         (center(picture.px).x() / kWidth - 0.5) * pilot.camera_timing.readout;
 }
 
 CameraRig mounted(CameraRig lens, const Airframe& airframe, const FlightSetup& flight) {
@@ -114,16 +122,25 @@ CameraRig mounted(CameraRig lens, const Airframe& airframe, const FlightSetup& f
   return lens;
 }
 
-double misfit_px(const Survey& survey, std::size_t flight, const SurveyFlight& seen, const GatePicture& picture, const PilotConfig& pilot) {
+double misfit_px(const Survey& survey, std::size_t flight, const SurveyFlight& seen,
+                 const GatePicture& picture, const PilotConfig& pilot) {
   return std::sqrt(errors_px(survey, flight, seen, picture, pilot).squaredNorm() / 4.0);
 }
 
-Survey surveyed(std::span<const SurveyFlight> flights, const Survey& start, Open open, const PilotConfig& pilot) {
+Survey surveyed(std::span<const SurveyFlight> flights, const Survey& start, Open open,
+                const PilotConfig& pilot) {
   const auto gates = static_cast<Eigen::Index>(start.gates.size());
-  const Eigen::Index first = open == Open::kAll ? 0 : open == Open::kNotAirframe ? kAirframe : kAirframe + kGate * gates;
+  const Eigen::Index first = open == Open::kAll           ? 0
+                             : open == Open::kNotAirframe ? kAirframe
+                                                          : kAirframe + kGate * gates;
   std::size_t pictures = 0;
   for (const SurveyFlight& flight : flights) pictures += flight.pictures.size();
-  const Residuals residuals{.flights = flights, .form = start, .pilot = pilot, .x = unknowns_of(start), .first_open = first, .count = static_cast<int>(8 * pictures)};
+  const Residuals residuals{.flights = flights,
+                            .form = start,
+                            .pilot = pilot,
+                            .x = unknowns_of(start),
+                            .first_open = first,
+                            .count = static_cast<int>(8 * pictures)};
   Eigen::VectorXd x = residuals.x.tail(residuals.inputs());
   if (residuals.values() < residuals.inputs()) return start;
   Eigen::NumericalDiff<Residuals, Eigen::Central> with_slope{residuals, 1e-10};

@@ -53,24 +53,28 @@ struct Survey {
 };
 
 /// The camera of a drone that is measured so.
-[[nodiscard]] CameraRig mounted(CameraRig lens, const Airframe& airframe, const FlightSetup& flight);
+[[nodiscard]] CameraRig mounted(CameraRig lens, const Airframe& airframe,
+                                const FlightSetup& flight);
 
 /// When the line of the picture that shows a gate's middle was exposed [s].
-[[nodiscard]] double exposed_at(const GatePicture& picture, const Airframe& airframe, const PilotConfig& pilot);
+[[nodiscard]] double exposed_at(const GatePicture& picture, const Airframe& airframe,
+                                const PilotConfig& pilot);
 
-/// Distances between the corners that a survey expects in a picture and those that were seen, RMS [px].
-[[nodiscard]] double misfit_px(const Survey& survey, std::size_t flight, const SurveyFlight& seen, const GatePicture& picture,
-                               const PilotConfig& pilot);
+/// Distances between the corners that a survey expects in a picture and those that were seen, RMS
+/// [px].
+[[nodiscard]] double misfit_px(const Survey& survey, std::size_t flight, const SurveyFlight& seen,
+                               const GatePicture& picture, const PilotConfig& pilot);
 
 /// What is left open in a fit.
 enum class Open {
-  kAll,         ///< Airframe, gates, flights.
+  kAll,  ///< Airframe, gates, flights.
   kNotAirframe,
-  kFlights,     ///< Heading and tilt of each flight alone.
+  kFlights,  ///< Heading and tilt of each flight alone.
 };
 
 /// Least squares over the corners of all pictures, outliers weighing less (soft L1 from 2 px).
 /// @param pilot  lens and place of the camera, its read-out, the side of the map's first gate.
-[[nodiscard]] Survey surveyed(std::span<const SurveyFlight> flights, const Survey& start, Open open, const PilotConfig& pilot);
+[[nodiscard]] Survey surveyed(std::span<const SurveyFlight> flights, const Survey& start, Open open,
+                              const PilotConfig& pilot);
 
 }  // namespace gatefly::experiments

@@ -22,7 +22,8 @@ struct CameraInG {
 
 /// Coefficients, constant first.
 template <int A, int B>
-Eigen::Matrix<double, A + B - 1, 1> product(const Eigen::Matrix<double, A, 1>& a, const Eigen::Matrix<double, B, 1>& b) {
+Eigen::Matrix<double, A + B - 1, 1> product(const Eigen::Matrix<double, A, 1>& a,
+                                            const Eigen::Matrix<double, B, 1>& b) {
   Eigen::Matrix<double, A + B - 1, 1> c = Eigen::Matrix<double, A + B - 1, 1>::Zero();
   for (int i = 0; i < A; ++i) c.template segment<B>(i) += a(i) * b;
   return c;
@@ -37,9 +38,10 @@ Eigen::Matrix3d axes_along(const Eigen::Vector3d& first, const Eigen::Vector3d& 
   return axes;
 }
 
-/// All poses from which three points show in three directions. The plane through the camera and the first two points
-/// is turned by θ about their connection; the camera sees the first at the angle α from it. With x = cos θ the third
-/// point gives cot α = a(x) / b(x) and one more equation, a quartic in x.
+/// All poses from which three points show in three directions. The plane through the camera and the
+/// first two points is turned by θ about their connection; the camera sees the first at the angle α
+/// from it. With x = cos θ the third point gives cot α = a(x) / b(x) and one more equation, a
+/// quartic in x.
 std::vector<CameraInG> p3p(Three bearings, Three points, bool complex_roots) {
   Eigen::Matrix3d T = axes_along(bearings[0], bearings[1]);
   if (T.row(2).dot(bearings[2]) > 0.0) {  // so that 0 <= θ <= π
@@ -58,7 +60,8 @@ std::vector<CameraInG> p3p(Three bearings, Three points, bool complex_roots) {
   left.head<2>() += p.x() * b;
   const Eigen::Vector3d sum = product<2, 2>(a, a) + product<2, 2>(b, b);
   const double weight = slope * slope * p.y() * p.y();
-  const Eigen::Matrix<double, 5, 1> quartic = product<3, 3>(left, left) - product<3, 3>(weight * Eigen::Vector3d{1.0, 0.0, -1.0}, sum);
+  const Eigen::Matrix<double, 5, 1> quartic =
+      product<3, 3>(left, left) - product<3, 3>(weight * Eigen::Vector3d{1.0, 0.0, -1.0}, sum);
   if (!quartic.allFinite() || quartic(4) == 0.0) return {};
 
   constexpr double kReal = 1e-7;  // an imaginary part that is rounding
@@ -68,24 +71,28 @@ std::vector<CameraInG> p3p(Three bearings, Three points, bool complex_roots) {
     if (!(std::abs(x) <= 1.0) || (!complex_roots && std::abs(root.imag()) > kReal)) continue;
     const double sin_theta = std::sqrt(1.0 - x * x);
     const Eigen::Vector2d along = Eigen::Vector2d{a(0) + a(1) * x, b(0) + b(1) * x}.normalized();
-    const double sin_alpha = std::abs(along.y()), cos_alpha = along.y() < 0.0 ? -along.x() : along.x();
+    const double sin_alpha = std::abs(along.y()),
+                 cos_alpha = along.y() < 0.0 ? -along.x() : along.x();
     Eigen::Matrix3d Q;
     Q << -cos_alpha, -sin_alpha * x, -sin_alpha * sin_theta,  //
         sin_alpha, -cos_alpha * x, -cos_alpha * sin_theta,    //
         0.0, -sin_theta, x;
     const Eigen::Vector3d camera = -d * (sin_alpha * cot_beta + cos_alpha) * Q.row(0);
-    if (camera.allFinite()) found.push_back({N.transpose() * Q.transpose() * T, points[0] + N.transpose() * camera});
+    if (camera.allFinite())
+      found.push_back({N.transpose() * Q.transpose() * T, points[0] + N.transpose() * camera});
   }
   return found;
 }
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> camera_by_kneip(const Quad& corners, double focal_px, double side, const KneipRule& rule) {
+std::optional<Eigen::Vector3d> camera_by_kneip(const Quad& corners, double focal_px, double side,
+                                               const KneipRule& rule) {
   const double h = 0.5 * side;
   const std::array<Eigen::Vector3d, 4> points{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
   std::array<Eigen::Vector3d, 4> bearings;
-  for (std::size_t i = 0; i < 4; ++i) bearings[i] = Eigen::Vector3d{corners[i].x(), corners[i].y(), focal_px}.normalized();
+  for (std::size_t i = 0; i < 4; ++i)
+    bearings[i] = Eigen::Vector3d{corners[i].x(), corners[i].y(), focal_px}.normalized();
 
   const auto error_of = [&](const CameraInG& pose) {
     double sum = 0.0;
@@ -100,7 +107,9 @@ std::optional<Eigen::Vector3d> camera_by_kneip(const Quad& corners, double focal
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t first = 0; first < static_cast<std::size_t>(rule.triples); ++first) {
     const std::size_t second = (first + 1) % 4, third = (first + 2) % 4;
-    for (const CameraInG& pose : p3p({bearings[first], bearings[second], bearings[third]}, {points[first], points[second], points[third]}, rule.complex_roots)) {
+    for (const CameraInG& pose :
+         p3p({bearings[first], bearings[second], bearings[third]},
+             {points[first], points[second], points[third]}, rule.complex_roots)) {
       const double error = error_of(pose);
       if (error < least) least = error, best = pose.p_GC;
     }

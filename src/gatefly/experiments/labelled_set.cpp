@@ -25,14 +25,18 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work
   worker();
 }
 
-LabelledSet::LabelledSet(const std::filesystem::path& folder, const std::string& labels_file, int rotation_deg)
+LabelledSet::LabelledSet(const std::filesystem::path& folder, const std::string& labels_file,
+                         int rotation_deg)
     : labels{io::read_labels(folder / labels_file)}, stored_rotation_deg{rotation_deg} {
-  std::stable_sort(labels.pictures.begin(), labels.pictures.end(),
-                   [](const auto& a, const auto& b) { return io::counts_before(a.image, b.image); });
-  for (const io::LabelledPicture& picture : labels.pictures) files.push_back(io::read_image(folder / picture.image));
+  std::stable_sort(
+      labels.pictures.begin(), labels.pictures.end(),
+      [](const auto& a, const auto& b) { return io::counts_before(a.image, b.image); });
+  for (const io::LabelledPicture& picture : labels.pictures)
+    files.push_back(io::read_image(folder / picture.image));
 }
 
-std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params, int repeat) {
+std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params,
+                                          int repeat) {
   std::vector<io::PictureToScore> pictures(set.size());
   in_parallel(set.size(), [&](std::size_t i) {
     Rng rng{1'000'003u * static_cast<std::uint64_t>(repeat) + i};
@@ -43,7 +47,8 @@ std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDet
   return pictures;
 }
 
-RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats, const Options& options) {
+RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats,
+                   const Options& options) {
   RocPoint point{.min_side_px = params.min_side_px, .min_color_fitness = params.min_color_fitness};
   double squares = 0.0;
   for (int repeat = 0; repeat < repeats; ++repeat) {
@@ -58,11 +63,18 @@ RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, in
 }
 
 double distance_from_area(double area_px2) {
-  // px², m: read off the authors' curve, a straight line between two of its points. It ends at 6000 px²;
-  // nearer, the size in the picture goes with 1 / distance.
-  constexpr std::array<std::pair<double, double>, 8> kCurve{
-      {{100, 8.0}, {300, 7.2}, {600, 6.2}, {1000, 5.2}, {1500, 4.3}, {2500, 3.35}, {4000, 2.6}, {6000, 1.9}}};
-  if (area_px2 > kCurve.back().first) return kCurve.back().second * std::sqrt(kCurve.back().first / area_px2);
+  // px², m: read off the authors' curve, a straight line between two of its points. It ends at 6000
+  // px²; nearer, the size in the picture goes with 1 / distance.
+  constexpr std::array<std::pair<double, double>, 8> kCurve{{{100, 8.0},
+                                                             {300, 7.2},
+                                                             {600, 6.2},
+                                                             {1000, 5.2},
+                                                             {1500, 4.3},
+                                                             {2500, 3.35},
+                                                             {4000, 2.6},
+                                                             {6000, 1.9}}};
+  if (area_px2 > kCurve.back().first)
+    return kCurve.back().second * std::sqrt(kCurve.back().first / area_px2);
   std::size_t i = 1;
   while (i + 1 < kCurve.size() && area_px2 > kCurve[i].first) ++i;
   const auto [near_area, near] = kCurve[i];

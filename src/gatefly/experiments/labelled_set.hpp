@@ -26,13 +26,16 @@ struct LabelledSet {
 
   /// Pictures in the order of their numbers.
   /// @throws std::runtime_error one line: a file is missing or wrong.
-  explicit LabelledSet(const std::filesystem::path& folder, const std::string& labels_file = "labels.csv", int rotation_deg = 90);
+  explicit LabelledSet(const std::filesystem::path& folder,
+                       const std::string& labels_file = "labels.csv", int rotation_deg = 90);
   [[nodiscard]] std::size_t size() const { return files.size(); }
   [[nodiscard]] Image picture(std::size_t i) const { return files[i].view(stored_rotation_deg); }
 };
 
-/// One run of the paper's detector over a set; the repeat's number seeds it. Same numbers, same answer.
-[[nodiscard]] std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params,
+/// One run of the paper's detector over a set; the repeat's number seeds it. Same numbers, same
+/// answer.
+[[nodiscard]] std::vector<io::PictureToScore> run_paper(const LabelledSet& set,
+                                                        const PaperDetectorParams& params,
                                                         int repeat);
 
 /// Hits and false positives of several runs, counted as the authors did.
@@ -41,8 +44,8 @@ struct RocPoint {
   double tpr = 0.0, tpr_std = 0.0;  ///< Mean and standard deviation over the runs.
   double fp_per_image = 0.0;
 };
-[[nodiscard]] RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats,
-                                 const Options& options);
+[[nodiscard]] RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params,
+                                 int repeats, const Options& options);
 
 /// Distance to a 1 m gate from its labelled area, as the authors' analysis has it [m].
 [[nodiscard]] double distance_from_area(double area_px2);

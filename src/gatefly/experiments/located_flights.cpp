@@ -27,12 +27,12 @@ namespace fs = std::filesystem;
 using closed_loop::RecordedTick;
 using closed_loop::ReplayResult;
 
-constexpr int kRestSamples = 350;              // 0.7 s: the motors start soon after in these logs
+constexpr int kRestSamples = 350;  // 0.7 s: the motors start soon after in these logs
 constexpr double kAltitudePeriod = 1.0 / 15.0, kAltitudeSigma = 0.05;  // as blind-real [s], [m]
-constexpr double kWellInTheAir = 0.8;          // [m]
+constexpr double kWellInTheAir = 0.8;                                  // [m]
 constexpr double kBorderPx = 3.0, kOutlierPx = 5.0;
 constexpr std::size_t kFewestPictures = 5;
-constexpr double kSameGate = 0.5;              // places nearer than this are one gate's [m]
+constexpr double kSameGate = 0.5;  // places nearer than this are one gate's [m]
 
 double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
@@ -43,18 +43,21 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
   double next = 0.0;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const io::FlightSample& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu, ticks[i].p_EB = sample.true_p_EB;
+    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
+    ticks[i].p_EB = sample.true_p_EB;
     if (!sample.true_p_EB || !sample.ahrs || seconds(sample.time) < next) continue;
     next = seconds(sample.time) + kAltitudePeriod;
     const double height = -sample.true_p_EB->z() + kAltitudeSigma * noise.normal();
     if (height > 0.0) ticks[i].sensors.sonar = height / rotation_EB(*sample.ahrs).matrix(2, 2);
   }
-  for (std::size_t i = 0; i < folder.images.size(); ++i) ticks[folder.images[i].log_row].picture = i;
+  for (std::size_t i = 0; i < folder.images.size(); ++i)
+    ticks[folder.images[i].log_row].picture = i;
   return ticks;
 }
 
 /// Attitudes that our AHRS has without any picture.
-LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<RecordedTick>& ticks, PilotConfig pilot) {
+LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<RecordedTick>& ticks,
+                       PilotConfig pilot) {
   pilot.track.start_heading = 0.0;
   LoggedMotion motion{folder};
   motion.clear_attitudes();
@@ -65,7 +68,8 @@ LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<Recorde
 
 bool clear_of_border(const Quad& px, const io::Config& config) {
   return std::all_of(px.begin(), px.end(), [&](const Eigen::Vector2d& p) {
-    return p.x() > kBorderPx && p.y() > kBorderPx && p.x() < config.width - 1 - kBorderPx && p.y() < config.height - 1 - kBorderPx;
+    return p.x() > kBorderPx && p.y() > kBorderPx && p.x() < config.width - 1 - kBorderPx &&
+           p.y() < config.height - 1 - kBorderPx;
   });
 }
 
@@ -76,7 +80,8 @@ std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config
     const double t = seconds(image.time);
     if (flight.motion.position(t).z() > -kWellInTheAir) continue;
     const io::ImageFile file = io::read_image(image.path);
-    const GateDetections gates = search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
+    const GateDetections gates =
+        search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
     if (!gates.empty() && gates[0].whole && clear_of_border(gates[0].corners_px, config))
       seen.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
   }
@@ -87,21 +92,28 @@ std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config
 Survey first_guess(const Flight& flight, const PilotConfig& pilot) {
   Survey guess;
   const auto drag = identification::fit_drag(flight.folder);
-  guess.flights = {{.heading = log_yaw(flight) + (drag ? drag->heading_offset : 0.0), .tilt = 15.0 * kDegree}};
-  const GatePicture& nearest = *std::max_element(flight.seen.begin(), flight.seen.end(), [](const GatePicture& a, const GatePicture& b) {
-    return std::abs(area(a.px)) < std::abs(area(b.px));
-  });
+  guess.flights = {
+      {.heading = log_yaw(flight) + (drag ? drag->heading_offset : 0.0), .tilt = 15.0 * kDegree}};
+  const GatePicture& nearest = *std::max_element(
+      flight.seen.begin(), flight.seen.end(), [](const GatePicture& a, const GatePicture& b) {
+        return std::abs(area(a.px)) < std::abs(area(b.px));
+      });
   Attitude attitude = flight.motion.attitude(nearest.t);
   attitude.yaw += guess.flights[0].heading;
   const CameraRig rig = mounted(pilot.camera, guess.airframe, guess.flights[0]);
-  const double distance = 168.0 * pilot.track.gates.front().side / std::sqrt(std::abs(area(nearest.px)));
-  const Eigen::Vector3d ray_C = rig.lens.bearing(center(nearest.px)).value_or(Eigen::Vector3d::UnitZ());
+  const double distance =
+      168.0 * pilot.track.gates.front().side / std::sqrt(std::abs(area(nearest.px)));
+  const Eigen::Vector3d ray_C =
+      rig.lens.bearing(center(nearest.px)).value_or(Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d ray_E = rotation_EB(attitude).matrix * (rig.R_BC.matrix * ray_C);
-  guess.gates = {{.p_EG = flight.motion.position(nearest.t) + distance * ray_E, .yaw = gatefly::atan2(ray_E.y(), ray_E.x())}};
+  guess.gates = {{.p_EG = flight.motion.position(nearest.t) + distance * ray_E,
+                  .yaw = gatefly::atan2(ray_E.y(), ray_E.x())}};
   return guess;
 }
 
-SurveyFlight sights_of(const Flight& flight, std::size_t gate) { return {.motion = &flight.motion, .pictures = flight.seen, .gate = gate}; }
+SurveyFlight sights_of(const Flight& flight, std::size_t gate) {
+  return {.motion = &flight.motion, .pictures = flight.seen, .gate = gate};
+}
 
 /// A flight alone. Pictures that no gate of its own explains are dropped: another thing was seen.
 Survey alone(Flight& flight, const PilotConfig& pilot) {
@@ -109,13 +121,16 @@ Survey alone(Flight& flight, const PilotConfig& pilot) {
   for (int round = 0; round < 3 && flight.seen.size() >= kFewestPictures; ++round) {
     const SurveyFlight sights = sights_of(flight, 0);
     survey = surveyed({&sights, 1}, survey, Open::kNotAirframe, pilot);
-    std::erase_if(flight.seen, [&](const GatePicture& p) { return misfit_px(survey, 0, sights, p, pilot) > kOutlierPx; });
+    std::erase_if(flight.seen, [&](const GatePicture& p) {
+      return misfit_px(survey, 0, sights, p, pilot) > kOutlierPx;
+    });
   }
   return survey;
 }
 
 /// All flights together, but one; what only that one would tell stays as it is in `start`.
-Survey together(const Located& found, const Survey& start, std::optional<std::size_t> but, const PilotConfig& pilot) {
+Survey together(const Located& found, const Survey& start, std::optional<std::size_t> but,
+                const PilotConfig& pilot) {
   std::vector<SurveyFlight> sights;
   for (std::size_t i = 0; i < found.flights.size(); ++i) {
     sights.push_back(sights_of(found.flights[i], found.gate_of[i]));
@@ -126,28 +141,38 @@ Survey together(const Located& found, const Survey& start, std::optional<std::si
 
 }  // namespace
 
-double log_yaw(const Flight& flight) { return flight.folder.samples.front().ahrs ? flight.folder.samples.front().ahrs->yaw : 0.0; }
+double log_yaw(const Flight& flight) {
+  return flight.folder.samples.front().ahrs ? flight.folder.samples.front().ahrs->yaw : 0.0;
+}
 
 PilotConfig pilot_for_recordings(const io::Config& config) {
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
   pilot.track.room_size = {100.0, 100.0};  // whatever way a frame is turned
   pilot.phase.rest_samples = kRestSamples;
-  pilot.phase.climb_timeout = 60.0;        // these drones climb when somebody else wants
+  pilot.phase.climb_timeout = 60.0;  // these drones climb when somebody else wants
   return pilot;
 }
 
-std::vector<Flight> flights_in(const fs::path& folder, const io::Config& config, const PilotConfig& pilot, const Options& options) {
+std::vector<Flight> flights_in(const fs::path& folder, const io::Config& config,
+                               const PilotConfig& pilot, const Options& options) {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_directory() && entry.path().filename().string().starts_with("flight_")) paths.push_back(entry.path());
+    if (entry.is_directory() && entry.path().filename().string().starts_with("flight_"))
+      paths.push_back(entry.path());
   std::sort(paths.begin(), paths.end());
-  if (paths.empty()) throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
+  if (paths.empty())
+    throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::vector<Flight> flights;
   for (const fs::path& path : paths) {
     if (options.stopped()) throw Stopped{};
-    options.progress(0.4 * static_cast<double>(flights.size()) / static_cast<double>(paths.size()), path.filename().string());
-    Flight flight{.name = path.filename().string(), .folder = io::read_flight_folder(path), .ticks = {}, .motion = {}, .seen = {}};
+    options.progress(0.4 * static_cast<double>(flights.size()) / static_cast<double>(paths.size()),
+                     path.filename().string());
+    Flight flight{.name = path.filename().string(),
+                  .folder = io::read_flight_folder(path),
+                  .ticks = {},
+                  .motion = {},
+                  .seen = {}};
     flight.ticks = ticks_of(flight.folder);
     flight.motion = motion_of(flight.folder, flight.ticks, pilot);
     flight.seen = gates_in(flight, config);
@@ -167,7 +192,9 @@ Located located(std::vector<Flight>& flights, const PilotConfig& pilot) {
       continue;
     }
     auto& gates = found.survey.gates;
-    const auto same = std::find_if(gates.begin(), gates.end(), [&](const SurveyedGate& g) { return (g.p_EG - own.gates[0].p_EG).norm() < kSameGate; });
+    const auto same = std::find_if(gates.begin(), gates.end(), [&](const SurveyedGate& g) {
+      return (g.p_EG - own.gates[0].p_EG).norm() < kSameGate;
+    });
     found.gate_of.push_back(static_cast<std::size_t>(same - gates.begin()));
     if (same == gates.end()) gates.push_back(own.gates[0]);
     found.survey.flights.push_back(own.flights[0]);
@@ -191,14 +218,17 @@ Survey by_the_others(const Located& found, std::size_t i, const PilotConfig& pil
   Survey survey = together(found, found.survey, i, pilot);
   const std::size_t gate = found.gate_of[i];
   const SurveyFlight sights = sights_of(found.flights[i], 0);
-  const Survey one = surveyed({&sights, 1}, {.airframe = survey.airframe, .gates = {survey.gates[gate]}, .flights = {survey.flights[i]}},
-                              found.shared(i) ? Open::kFlights : Open::kNotAirframe, pilot);
+  const Survey one = surveyed(
+      {&sights, 1},
+      {.airframe = survey.airframe, .gates = {survey.gates[gate]}, .flights = {survey.flights[i]}},
+      found.shared(i) ? Open::kFlights : Open::kNotAirframe, pilot);
   survey.gates[gate] = one.gates[0], survey.flights[i] = one.flights[0];
   return survey;
 }
 
 PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate, std::size_t flight) {
-  pilot.track.gates.front().p_EG = survey.gates[gate].p_EG, pilot.track.gates.front().yaw_EG = survey.gates[gate].yaw;
+  pilot.track.gates.front().p_EG = survey.gates[gate].p_EG,
+  pilot.track.gates.front().yaw_EG = survey.gates[gate].yaw;
   pilot.track.start_heading = survey.flights[flight].heading;
   pilot.camera = mounted(pilot.camera, survey.airframe, survey.flights[flight]);
   pilot.camera_timing.latency = survey.airframe.exposure_delay;
@@ -209,7 +239,8 @@ double misfit_px(const Located& found, const PilotConfig& pilot) {
   double squares = 0.0, n = 0.0;
   for (std::size_t i = 0; i < found.flights.size(); ++i) {
     const SurveyFlight sights = sights_of(found.flights[i], found.gate_of[i]);
-    for (const GatePicture& picture : sights.pictures) squares += std::pow(misfit_px(found.survey, i, sights, picture, pilot), 2), n += 1.0;
+    for (const GatePicture& picture : sights.pictures)
+      squares += std::pow(misfit_px(found.survey, i, sights, picture, pilot), 2), n += 1.0;
   }
   return std::sqrt(squares / n);
 }

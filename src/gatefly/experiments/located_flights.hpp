@@ -20,15 +20,20 @@ struct Flight {
   std::string name;
   io::FlightFolder folder;
   std::vector<closed_loop::RecordedTick> ticks;
-  LoggedMotion motion;            ///< Motion capture, and attitudes of our AHRS that starts at heading 0.
+  /// Motion capture, and attitudes of our AHRS that starts at heading 0.
+  LoggedMotion motion;
   std::vector<GatePicture> seen;  ///< Whole gates, in the air.
 };
 
-/// The pilot of a configuration for flights without a track: anywhere, in the air when somebody else wants.
+/// The pilot of a configuration for flights without a track: anywhere, in the air when somebody
+/// else wants.
 [[nodiscard]] PilotConfig pilot_for_recordings(const io::Config& config);
 
-/// All flight_* of a folder. @throws std::runtime_error when there is none, or as the files' readers.
-[[nodiscard]] std::vector<Flight> flights_in(const std::filesystem::path& folder, const io::Config& config, const PilotConfig& pilot, const Options& options);
+/// All flight_* of a folder. @throws std::runtime_error when there is none, or as the files'
+/// readers.
+[[nodiscard]] std::vector<Flight> flights_in(const std::filesystem::path& folder,
+                                             const io::Config& config, const PilotConfig& pilot,
+                                             const Options& options);
 
 /// Flights whose gate can be located, and where.
 struct Located {
@@ -36,7 +41,9 @@ struct Located {
   std::vector<std::size_t> gate_of;  ///< For each flight: which of survey.gates.
   Survey survey;                     ///< Of all of them.
 
-  [[nodiscard]] bool shared(std::size_t flight) const { return std::count(gate_of.begin(), gate_of.end(), gate_of[flight]) > 1; }
+  [[nodiscard]] bool shared(std::size_t flight) const {
+    return std::count(gate_of.begin(), gate_of.end(), gate_of[flight]) > 1;
+  }
 };
 
 /// Takes from `flights` those whose gate can be located: five pictures or more that agree.
@@ -45,12 +52,13 @@ struct Located {
 /// The same survey with the attitudes that the log's own AHRS wrote.
 [[nodiscard]] Located with_logged_attitudes(Located found, const PilotConfig& pilot);
 
-/// Gate and airframe as the other flights have them; heading of the frame and tilt are this flight's own. A gate that no
-/// other flight went to is its own, too.
+/// Gate and airframe as the other flights have them; heading of the frame and tilt are this
+/// flight's own. A gate that no other flight went to is its own, too.
 [[nodiscard]] Survey by_the_others(const Located& found, std::size_t i, const PilotConfig& pilot);
 
 /// A pilot that knows what a survey found.
-[[nodiscard]] PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate, std::size_t flight);
+[[nodiscard]] PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate,
+                               std::size_t flight);
 
 /// Distance between expected and seen corners in all pictures, RMS [px].
 [[nodiscard]] double misfit_px(const Located& found, const PilotConfig& pilot);

@@ -14,13 +14,15 @@ LoggedMotion::LoggedMotion(const io::FlightFolder& flight) {
     const double t = std::chrono::duration<double>(sample.time).count();
     if (sample.ahrs) add_attitude(t, *sample.ahrs);
     // The log repeats a position until the next one has come.
-    if (sample.true_p_EB && (positions_.empty() || positions_.back().value != *sample.true_p_EB)) positions_.push_back({t, *sample.true_p_EB});
+    if (sample.true_p_EB && (positions_.empty() || positions_.back().value != *sample.true_p_EB))
+      positions_.push_back({t, *sample.true_p_EB});
   }
 }
 
 void LoggedMotion::add_attitude(double t, const Attitude& attitude) {
   const double before = attitudes_.empty() ? attitude.yaw : attitudes_.back().value.z();
-  attitudes_.push_back({t, {attitude.roll, attitude.pitch, before + wrap_angle(attitude.yaw - before)}});
+  attitudes_.push_back(
+      {t, {attitude.roll, attitude.pitch, before + wrap_angle(attitude.yaw - before)}});
 }
 
 Attitude LoggedMotion::attitude(double t) const {
@@ -30,7 +32,8 @@ Attitude LoggedMotion::attitude(double t) const {
 
 Eigen::Vector3d LoggedMotion::between(const std::vector<Point>& points, double t) {
   if (points.empty()) return Eigen::Vector3d::Zero();
-  const auto after = std::lower_bound(points.begin(), points.end(), t, [](const Point& p, double at) { return p.t < at; });
+  const auto after = std::lower_bound(points.begin(), points.end(), t,
+                                      [](const Point& p, double at) { return p.t < at; });
   if (after == points.begin()) return points.front().value;
   if (after == points.end()) return points.back().value;
   const Point &a = *std::prev(after), &b = *after;

@@ -10,7 +10,8 @@
 
 namespace gatefly::experiments {
 
-/// Motion capture's positions and somebody's attitudes, between their samples. Before the first and after the last: those.
+/// Motion capture's positions and somebody's attitudes, between their samples. Before the first and
+/// after the last: those.
 class LoggedMotion {
  public:
   LoggedMotion() = default;
@@ -21,7 +22,8 @@ class LoggedMotion {
   void clear_attitudes() { attitudes_.clear(); }
   void add_attitude(double t, const Attitude& attitude);
 
-  [[nodiscard]] Eigen::Vector3d position(double t) const { return between(positions_, t); }  ///< Earth frame [m].
+  /// Earth frame [m].
+  [[nodiscard]] Eigen::Vector3d position(double t) const { return between(positions_, t); }
   [[nodiscard]] Attitude attitude(double t) const;
 
  private:

@@ -11,17 +11,20 @@
 
 namespace gatefly::experiments {
 
-/// A set of real pictures, ready for our detector: identical pictures once, what is no mistake on the ignored list.
+/// A set of real pictures, ready for our detector: identical pictures once, what is no mistake on
+/// the ignored list.
 struct OwnSet {
   std::string name;
   LabelledSet files;
-  io::Config config;                                ///< Shipped: basement, cyberzoo, washington.
+  io::Config config;                                 ///< Shipped: basement, cyberzoo, washington.
   std::vector<tuning::LabelledImage> first, second;  ///< Halves of the set's rows.
-  std::vector<std::string> names;                   ///< Of the pictures of both.
+  std::vector<std::string> names;                    ///< Of the pictures of both.
   tuning::Judging judging;
 
   [[nodiscard]] std::size_t size() const { return first.size() + second.size(); }
-  [[nodiscard]] const tuning::LabelledImage& picture(std::size_t i) const { return i < first.size() ? first[i] : second[i - first.size()]; }
+  [[nodiscard]] const tuning::LabelledImage& picture(std::size_t i) const {
+    return i < first.size() ? first[i] : second[i - first.size()];
+  }
   [[nodiscard]] int gates() const;
 };
 
@@ -34,7 +37,9 @@ struct OwnSet {
 /// How the gate's colours are known.
 enum class Colors { kDescribed, kOwnDetections, kLabels };
 
-/// Every picture searched with the colours that the other half taught, on all cores; by the fast search alone if asked.
-[[nodiscard]] std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors, bool fast = false);
+/// Every picture searched with the colours that the other half taught, on all cores; by the fast
+/// search alone if asked.
+[[nodiscard]] std::vector<tuning::Judged> judged_by_halves(const OwnSet& set, Colors colors,
+                                                           bool fast = false);
 
 }  // namespace gatefly::experiments

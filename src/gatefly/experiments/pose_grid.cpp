@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ours: the pose by maximum a posteriori against rays and PnP, over distance, attitude noise, pixel noise and the
-// gate's yaw; whether its covariance is honest; and with one gross outlier.
+// Ours: the pose by maximum a posteriori against rays and PnP, over distance, attitude noise, pixel
+// noise and the gate's yaw; whether its covariance is honest; and with one gross outlier.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,8 +27,9 @@ struct Cell {
   double distance, attitude_deg, px, yaw_deg;
 
   Rmse map = {}, rays = {}, sqpnp = {}, ippe = {}, p3p = {};
-  double nees = 0.0;            ///< Summed, of the position.
-  Rmse map_outlier = {}, oracle = {};     ///< With an outlier in 30 % of the trials; the oracle knows which corner it is.
+  double nees = 0.0;  ///< Summed, of the position.
+  /// With an outlier in 30 % of the trials; the oracle knows which corner it is.
+  Rmse map_outlier = {}, oracle = {};
   double nees_outlier = 0.0;
 
   [[nodiscard]] double best_other() const {
@@ -42,7 +43,8 @@ struct Cell {
   [[nodiscard]] double against_oracle() const { return map_outlier.all() / oracle.all(); }
   [[nodiscard]] double nees_per_axis() const { return nees / (3.0 * map.n); }
   [[nodiscard]] std::string name() const {
-    return io::text_of(distance) + " m, " + io::text_of(attitude_deg) + "°, " + io::text_of(px) + " px, yaw " + io::text_of(yaw_deg) + "°";
+    return io::text_of(distance) + " m, " + io::text_of(attitude_deg) + "°, " + io::text_of(px) +
+           " px, yaw " + io::text_of(yaw_deg) + "°";
   }
 };
 
@@ -52,7 +54,8 @@ std::vector<Cell> grid() {
     for (const double px : {1.0, 3.5, 5.0})
       for (const double distance : {1.0, 1.5, 2.0, 3.0, 4.0, 6.0})
         for (const double yaw_deg : {-30.0, 0.0, 30.0})
-          cells.push_back({.distance = distance, .attitude_deg = attitude_deg, .px = px, .yaw_deg = yaw_deg});
+          cells.push_back(
+              {.distance = distance, .attitude_deg = attitude_deg, .px = px, .yaw_deg = yaw_deg});
   return cells;
 }
 
@@ -81,7 +84,8 @@ void run(Cell& cell, int trials) {
       for (double& coordinate : corner) coordinate += cell.px * random.normal();
     const double roll = sigma * random.normal(), pitch = sigma * random.normal();
     const Attitude measured{roll, pitch, yaw + sigma * random.normal()};
-    const PosePrior prior{.attitude_GB = measured, .roll_sigma = sigma, .pitch_sigma = sigma, .yaw_sigma = sigma};
+    const PosePrior prior{
+        .attitude_GB = measured, .roll_sigma = sigma, .pitch_sigma = sigma, .yaw_sigma = sigma};
 
     GateObservations seen;
     add_corners(seen, px, 1.0, cell.px);
@@ -98,12 +102,14 @@ void run(Cell& cell, int trials) {
     GateObservations good = seen;
     if (random.uniform() < kOutlierShare) {
       const auto bad = static_cast<std::size_t>(4.0 * random.uniform());
-      const double direction = random.uniform(-kPi, kPi), size = random.uniform(kLeastOutlierPx, kMostOutlierPx);
+      const double direction = random.uniform(-kPi, kPi),
+                   size = random.uniform(kLeastOutlierPx, kMostOutlierPx);
       seen[bad].px += size * Eigen::Vector2d{gatefly::cos(direction), gatefly::sin(direction)};
       good[bad] = good[3];
       good.pop_back();
     }
-    const MapPoseAnswer robust = map_pose(seen, prior, rig), oracle = map_pose(good, prior, rig, {.max_outliers = 0.0});
+    const MapPoseAnswer robust = map_pose(seen, prior, rig),
+                        oracle = map_pose(good, prior, rig, {.max_outliers = 0.0});
     if (!robust.pose || !oracle.pose) {
       cell.map_outlier.none += !robust.pose, cell.oracle.none += !oracle.pose;
       continue;
@@ -129,46 +135,68 @@ struct Claim {
       ++n, kept += v >= at_least && v <= at_most;
       if (worst == nullptr || v > value(*worst)) worst = &cell;
     }
-    const std::string limit = (at_least > 0.0 ? fixed(at_least, 2) + "-" : "at most ") + fixed(at_most, 2);
-    result.table.push_back({what, limit, std::to_string(kept) + " of " + std::to_string(n) +
-                                             (worst != nullptr ? ", most " + fixed(value(*worst), 2) + " (" + worst->name() + ")" : "")});
-    result.json["claims"].push_back({{"what", what}, {"at_least", at_least}, {"at_most", at_most}, {"cells", n}, {"kept", kept},
+    const std::string limit =
+        (at_least > 0.0 ? fixed(at_least, 2) + "-" : "at most ") + fixed(at_most, 2);
+    result.table.push_back(
+        {what, limit,
+         std::to_string(kept) + " of " + std::to_string(n) +
+             (worst != nullptr ? ", most " + fixed(value(*worst), 2) + " (" + worst->name() + ")"
+                               : "")});
+    result.json["claims"].push_back({{"what", what},
+                                     {"at_least", at_least},
+                                     {"at_most", at_most},
+                                     {"cells", n},
+                                     {"kept", kept},
                                      {"most", worst != nullptr ? number(value(*worst)) : nullptr}});
   }
 };
 
 const std::vector<Claim>& claims() {
   static const std::vector<Claim> list{
-      {"MAP / best other, <= 5°", [](const Cell& c) { return c.attitude_deg <= 5.0; }, [](const Cell& c) { return c.against_best(); }, 0, 1.05},
-      {"MAP / best other, 15°", [](const Cell& c) { return c.attitude_deg > 5.0; }, [](const Cell& c) { return c.against_best(); }, 0, 1.10},
-      {"MAP / rays, 1 m, >= 5°", [](const Cell& c) { return c.distance == 1.0 && c.attitude_deg >= 5.0; },
+      {"MAP / best other, <= 5°", [](const Cell& c) { return c.attitude_deg <= 5.0; },
+       [](const Cell& c) { return c.against_best(); }, 0, 1.05},
+      {"MAP / best other, 15°", [](const Cell& c) { return c.attitude_deg > 5.0; },
+       [](const Cell& c) { return c.against_best(); }, 0, 1.10},
+      {"MAP / rays, 1 m, >= 5°",
+       [](const Cell& c) { return c.distance == 1.0 && c.attitude_deg >= 5.0; },
        [](const Cell& c) { return c.against_rays(); }, 0, 0.70},
       {"MAP / rays, 1.5-2 m, 15°, <= 3.5 px",
-       [](const Cell& c) { return (c.distance == 1.5 || c.distance == 2.0) && c.attitude_deg > 5.0 && c.px <= 3.5; },
+       [](const Cell& c) {
+         return (c.distance == 1.5 || c.distance == 2.0) && c.attitude_deg > 5.0 && c.px <= 3.5;
+       },
        [](const Cell& c) { return c.against_rays(); }, 0, 0.70},
-      {"NEES/3, <= 5°", [](const Cell& c) { return c.attitude_deg <= 5.0; }, [](const Cell& c) { return c.nees_per_axis(); }, 0.8, 1.25},
-      {"NEES/3, 15° (conservative)", [](const Cell& c) { return c.attitude_deg > 5.0; }, [](const Cell& c) { return c.nees_per_axis(); }, 0, 1.25},
-      {"outlier: MAP / oracle, <= 5°", [](const Cell& c) { return c.attitude_deg <= 5.0; }, [](const Cell& c) { return c.against_oracle(); }, 0, 1.2},
-      {"outlier: MAP / oracle, 15°", [](const Cell& c) { return c.attitude_deg > 5.0; }, [](const Cell& c) { return c.against_oracle(); }, 0, 1.2},
+      {"NEES/3, <= 5°", [](const Cell& c) { return c.attitude_deg <= 5.0; },
+       [](const Cell& c) { return c.nees_per_axis(); }, 0.8, 1.25},
+      {"NEES/3, 15° (conservative)", [](const Cell& c) { return c.attitude_deg > 5.0; },
+       [](const Cell& c) { return c.nees_per_axis(); }, 0, 1.25},
+      {"outlier: MAP / oracle, <= 5°", [](const Cell& c) { return c.attitude_deg <= 5.0; },
+       [](const Cell& c) { return c.against_oracle(); }, 0, 1.2},
+      {"outlier: MAP / oracle, 15°", [](const Cell& c) { return c.attitude_deg > 5.0; },
+       [](const Cell& c) { return c.against_oracle(); }, 0, 1.2},
   };
   return list;
 }
 
 /// The largest share of trials without an answer of any cell.
-double most_refused(const std::vector<Cell>& cells, Rmse Cell::* method) {
+double most_refused(const std::vector<Cell>& cells, Rmse Cell::*method) {
   double most = 0.0;
   for (const Cell& cell : cells)
-    most = std::max(most, static_cast<double>((cell.*method).none) / std::max(1, (cell.*method).n + (cell.*method).none));
+    most = std::max(most, static_cast<double>((cell.*method).none) /
+                              std::max(1, (cell.*method).n + (cell.*method).none));
   return most;
 }
 
 std::string csv_of(const std::vector<Cell>& cells) {
-  std::string csv = "distance_m,attitude_deg,px,gate_yaw_deg,map_m,rays_m,sqpnp_m,ippe_m,p3p_m,map_over_best,nees_per_axis,map_refused,"
-                    "outlier_map_m,outlier_oracle_m,outlier_ratio,outlier_nees_per_axis,outlier_refused\n";
+  std::string csv =
+      "distance_m,attitude_deg,px,gate_yaw_deg,map_m,rays_m,sqpnp_m,ippe_m,p3p_m,map_over_best,"
+      "nees_per_axis,map_refused,"
+      "outlier_map_m,outlier_oracle_m,outlier_ratio,outlier_nees_per_axis,outlier_refused\n";
   for (const Cell& c : cells) {
-    for (const double value : {c.distance, c.attitude_deg, c.px, c.yaw_deg, c.map.all(), c.rays.all(), c.sqpnp.all(), c.ippe.all(), c.p3p.all(),
-                               c.against_best(), c.nees_per_axis(), static_cast<double>(c.map.none), c.map_outlier.all(), c.oracle.all(),
-                               c.against_oracle(), c.nees_outlier / (3.0 * c.map_outlier.n)})
+    for (const double value :
+         {c.distance, c.attitude_deg, c.px, c.yaw_deg, c.map.all(), c.rays.all(), c.sqpnp.all(),
+          c.ippe.all(), c.p3p.all(), c.against_best(), c.nees_per_axis(),
+          static_cast<double>(c.map.none), c.map_outlier.all(), c.oracle.all(), c.against_oracle(),
+          c.nees_outlier / (3.0 * c.map_outlier.n)})
       csv += (std::isfinite(value) ? io::text_of(value, 5) : "") + ",";
     csv += std::to_string(c.map_outlier.none) + "\n";
   }
@@ -180,15 +208,24 @@ io::Canvas plotted(const std::vector<Cell>& cells) {
   io::Canvas sheet(kWidth, 3 * kHeight);
   int place = 0;
   for (const double attitude_deg : {0.0, 5.0, 15.0}) {
-    io::Plot plot{.title = "Position error, 3.5 px, attitude " + io::text_of(attitude_deg) + "°, gate straight across",
-                  .x_label = "distance [m]", .y_label = "3-D RMSE [m]",
-                  .series = {{.name = "P3P", .color = io::look::kMuted}, {.name = "IPPE", .color = io::look::kFlown},
-                             {.name = "SQPNP", .color = io::look::kEstimate}, {.name = "MAP (ours)", .color = io::look::kDetection},
-                             {.name = "rays (paper)", .color = io::look::kGate, .line = false, .rings = true}}};  // often the same points
+    io::Plot plot{.title = "Position error, 3.5 px, attitude " + io::text_of(attitude_deg) +
+                           "°, gate straight across",
+                  .x_label = "distance [m]",
+                  .y_label = "3-D RMSE [m]",
+                  .series = {{.name = "P3P", .color = io::look::kMuted},
+                             {.name = "IPPE", .color = io::look::kFlown},
+                             {.name = "SQPNP", .color = io::look::kEstimate},
+                             {.name = "MAP (ours)", .color = io::look::kDetection},
+                             {.name = "rays (paper)",
+                              .color = io::look::kGate,
+                              .line = false,
+                              .rings = true}}};  // often the same points
     for (const Cell& c : cells) {
       if (c.attitude_deg != attitude_deg || c.px != 3.5 || c.yaw_deg != 0.0) continue;
-      const std::array<double, 5> values{c.p3p.all(), c.ippe.all(), c.sqpnp.all(), c.map.all(), c.rays.all()};
-      for (std::size_t i = 0; i < values.size(); ++i) plot.series[i].points.emplace_back(c.distance, values[i]);
+      const std::array<double, 5> values{c.p3p.all(), c.ippe.all(), c.sqpnp.all(), c.map.all(),
+                                         c.rays.all()};
+      for (std::size_t i = 0; i < values.size(); ++i)
+        plot.series[i].points.emplace_back(c.distance, values[i]);
     }
     sheet.paste(io::draw(plot, kWidth, kHeight), {0.0, static_cast<double>(kHeight * place++)});
   }
@@ -202,11 +239,19 @@ Result pose_grid(const Options& options) {
   std::vector<Cell> cells = grid();
   in_pieces(cells.size(), options, [&](std::size_t i) { run(cells[i], trials); });
 
-  Result result{.table = {}, .json = {{"trials", trials}, {"cells", cells.size()}, {"opencv", has_pnp()}, {"claims", nlohmann::ordered_json::array()}},
-                .csv = csv_of(cells), .picture = plotted(cells)};
+  Result result{.table = {},
+                .json = {{"trials", trials},
+                         {"cells", cells.size()},
+                         {"opencv", has_pnp()},
+                         {"claims", nlohmann::ordered_json::array()}},
+                .csv = csv_of(cells),
+                .picture = plotted(cells)};
   for (const Claim& claim : claims()) claim.report(cells, result);
-  const double refused = most_refused(cells, &Cell::map), refused_outlier = most_refused(cells, &Cell::map_outlier);
-  result.table.push_back({"refused, worst cell", "-", fixed(100 * refused, 1) + " %, with outliers " + fixed(100 * refused_outlier, 1) + " %"});
+  const double refused = most_refused(cells, &Cell::map),
+               refused_outlier = most_refused(cells, &Cell::map_outlier);
+  result.table.push_back(
+      {"refused, worst cell", "-",
+       fixed(100 * refused, 1) + " %, with outliers " + fixed(100 * refused_outlier, 1) + " %"});
   result.json["most_refused"] = refused, result.json["most_refused_outlier"] = refused_outlier;
   if (!has_pnp()) result.table.push_back({"SQPNP, IPPE, P3P", "-", kNoPnp});
   return result;

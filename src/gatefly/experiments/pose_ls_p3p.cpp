@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Li18's figure "LS vs PnP": position error of least squares and P3P over the distance; with the noise that the
-// authors really drew, and with the noise that the paper names.
+// Li18's figure "LS vs PnP": position error of least squares and P3P over the distance; with the
+// noise that the authors really drew, and with the noise that the paper names.
 #include <array>
 #include <cmath>
 #include <optional>
@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A curve of a figure or a column of a table: one value for each distance, NaN where there is none.
+/// A curve of a figure or a column of a table: one value for each distance, NaN where there is
+/// none.
 using Column = std::vector<double>;
 
 /// Errors of one draw of noise.
@@ -45,7 +46,9 @@ struct Curve {
 Noise as_run(const char* name, double attitude_width_deg) {
   return {name, false, 1.75 / std::sqrt(3.0), 0.5 * attitude_width_deg * kDegree / std::sqrt(3.0)};
 }
-Noise as_printed(const char* name, double attitude_sigma_deg) { return {name, true, 3.5, attitude_sigma_deg * kDegree}; }
+Noise as_printed(const char* name, double attitude_sigma_deg) {
+  return {name, true, 3.5, attitude_sigma_deg * kDegree};
+}
 
 constexpr KneipRule kAuthors;
 
@@ -55,19 +58,20 @@ const Column kTableDistances{.87, 1.87, 2.87, 3.87, 5.0, 6.0};
 /// Digitised from the authors' figure files; the noise from their analysis code (E7).
 std::vector<Curve> curves_as_run() {
   const Noise none = as_run("0", 0.0), five = as_run("'5'", 2.2), fifteen = as_run("'15'", 3.8);
-  return {{"P3P x", none, kAuthors, 0, {.005, .009, .013, .021, .031, .046, .080, .129, .194, .243}},
-          {"P3P y", none, kAuthors, 1, {.012, .027, .053, .092, .154, .212, .296, .422, .563, .680}},
-          {"P3P z", none, kAuthors, 2, {.011, .028, .059, .104, .158, .219, .287, .436, .575, .693}},
-          {"LS x", none, {}, 0, {.003, .006, .010, .014, .019, .026, .034, .042, .048, .059}},
-          {"LS y '0'", none, {}, 1, {.003, .004, .004, .005, .006, .007, .008, .009, .010, .011}},
-          {"LS y '5'", five, {}, 1, {.013, .017, .019, .024, .028, .032, .036, .040, .043, .046}},
-          {"LS y '15'", fifteen, {}, 1, {.022, .028, .035, .040, .047, .054, .060, .067, .073, .080}}};
+  return {
+      {"P3P x", none, kAuthors, 0, {.005, .009, .013, .021, .031, .046, .080, .129, .194, .243}},
+      {"P3P y", none, kAuthors, 1, {.012, .027, .053, .092, .154, .212, .296, .422, .563, .680}},
+      {"P3P z", none, kAuthors, 2, {.011, .028, .059, .104, .158, .219, .287, .436, .575, .693}},
+      {"LS x", none, {}, 0, {.003, .006, .010, .014, .019, .026, .034, .042, .048, .059}},
+      {"LS y '0'", none, {}, 1, {.003, .004, .004, .005, .006, .007, .008, .009, .010, .011}},
+      {"LS y '5'", five, {}, 1, {.013, .017, .019, .024, .028, .032, .036, .040, .043, .046}},
+      {"LS y '15'", fifteen, {}, 1, {.022, .028, .035, .040, .047, .054, .060, .067, .073, .080}}};
 }
 
 /// Recomputed by others from the paper's text: 3.5 px and the printed variances, taken as they are.
 std::vector<Curve> curves_as_printed() {
-  const Noise none = as_printed("0", 0.0), five = as_printed("2.24°", 2.24), fifteen = as_printed("3.87°", 3.87),
-              poor = as_printed("15°", 15.0);
+  const Noise none = as_printed("0", 0.0), five = as_printed("2.24°", 2.24),
+              fifteen = as_printed("3.87°", 3.87), poor = as_printed("15°", 15.0);
   return {{"LS x", none, {}, 0, {.011, .047, .114, .199, .34, .48}},
           {"LS y", none, {}, 1, {.009, .018, .028, .037, .048, .059}},
           {"LS y 2.24°", five, {}, 1, {.046, .083, .123, .165, .21, .25}},
@@ -81,15 +85,19 @@ Rmse errors_of(const Curve& curve, double distance, int trials) {
   const CameraRig rig = study_rig();
   const Eigen::Vector3d p_GB{-distance, 0, 0};
   const Quad exact = corners_seen_from(p_GB, {}, rig);
-  sim::Stream random(static_cast<std::uint64_t>(std::lround(100.0 * distance)), std::string("pose-ls-p3p/") + curve.noise.name);
+  sim::Stream random(static_cast<std::uint64_t>(std::lround(100.0 * distance)),
+                     std::string("pose-ls-p3p/") + curve.noise.name);
   Rmse rmse;
   for (int i = 0; i < trials; ++i) {
     Quad px = exact;
     for (Eigen::Vector2d& corner : px)
-      for (double& coordinate : corner) coordinate += curve.noise.draw(random, curve.noise.px_sigma);
-    const double roll = curve.noise.draw(random, curve.noise.attitude_sigma), pitch = curve.noise.draw(random, curve.noise.attitude_sigma);
+      for (double& coordinate : corner)
+        coordinate += curve.noise.draw(random, curve.noise.px_sigma);
+    const double roll = curve.noise.draw(random, curve.noise.attitude_sigma),
+                 pitch = curve.noise.draw(random, curve.noise.attitude_sigma);
     const Attitude attitude{roll, pitch, curve.noise.draw(random, curve.noise.attitude_sigma)};
-    rmse.add(curve.p3p ? by_kneip(*curve.p3p, px, rig, 1.0) : by_rays(px, attitude, rig, 1.0), p_GB);
+    rmse.add(curve.p3p ? by_kneip(*curve.p3p, px, rig, 1.0) : by_rays(px, attitude, rig, 1.0),
+             p_GB);
   }
   return rmse;
 }
@@ -106,7 +114,8 @@ void run(Study& study, int trials, const Options& options) {
   study.ours.assign(study.curves.size(), Column(points, kNone));
   in_pieces(study.curves.size() * points, options, [&](std::size_t i) {
     const Curve& curve = study.curves[i / points];
-    study.ours[i / points][i % points] = errors_of(curve, study.distances[i % points], trials).axis(curve.axis);
+    study.ours[i / points][i % points] =
+        errors_of(curve, study.distances[i % points], trials).axis(curve.axis);
   });
 }
 
@@ -129,19 +138,30 @@ void report(const Study& study, Result& result) {
     auto points = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < study.distances.size(); ++i) {
       const double theirs = curve.paper[i], mine = study.ours[c][i];
-      if (std::isfinite(theirs) && std::isfinite(mine)) ++compared, good += reproduced(mine, theirs);
+      if (std::isfinite(theirs) && std::isfinite(mine))
+        ++compared, good += reproduced(mine, theirs);
       if (shown(study, i)) paper += fixed(theirs, 3) + " ", ours += fixed(mine, 3) + " ";
-      points.push_back({{"distance_m", study.distances[i]}, {"paper_rmse_m", number(theirs)}, {"rmse_m", number(mine)}});
-      result.csv += std::string(study.name) + "," + curve.name + "," + io::text_of(study.distances[i]) + "," +
-                    (std::isfinite(theirs) ? io::text_of(theirs) : "") + "," + (std::isfinite(mine) ? io::text_of(mine, 5) : "") + "\n";
+      points.push_back({{"distance_m", study.distances[i]},
+                        {"paper_rmse_m", number(theirs)},
+                        {"rmse_m", number(mine)}});
+      result.csv += std::string(study.name) + "," + curve.name + "," +
+                    io::text_of(study.distances[i]) + "," +
+                    (std::isfinite(theirs) ? io::text_of(theirs) : "") + "," +
+                    (std::isfinite(mine) ? io::text_of(mine, 5) : "") + "\n";
     }
-    const std::string within = compared > 0 ? "(" + std::to_string(good) + " of " + std::to_string(compared) + ")" : "";
+    const std::string within =
+        compared > 0 ? "(" + std::to_string(good) + " of " + std::to_string(compared) + ")" : "";
     result.table.push_back({std::string(study.name) + " " + curve.name, paper, ours + within});
-    result.json["curves"].push_back({{"study", study.name}, {"curve", curve.name}, {"compared", compared}, {"within", good}, {"points", points}});
+    result.json["curves"].push_back({{"study", study.name},
+                                     {"curve", curve.name},
+                                     {"compared", compared},
+                                     {"within", good},
+                                     {"points", points}});
   }
 }
 
-/// How the authors may have chosen among a P3P's answers, and how many points of their curves that gives.
+/// How the authors may have chosen among a P3P's answers, and how many points of their curves that
+/// gives.
 struct Variant {
   const char* name;
   KneipRule rule;
@@ -149,11 +169,12 @@ struct Variant {
 };
 
 std::vector<Variant> variants(int trials, const Options& options) {
-  std::vector<Variant> list{{"real parts of complex roots, least distances", kAuthors},
-                            {"real parts of complex roots, least squares", {.squares = true}},
-                            {"real roots only, least distances", {.complex_roots = false}},
-                            {"real roots only, least squares", {.complex_roots = false, .squares = true}},
-                            {"TL TR BR only, the fourth chooses", {.triples = 1}}};
+  std::vector<Variant> list{
+      {"real parts of complex roots, least distances", kAuthors},
+      {"real parts of complex roots, least squares", {.squares = true}},
+      {"real roots only, least distances", {.complex_roots = false}},
+      {"real roots only, least squares", {.complex_roots = false, .squares = true}},
+      {"TL TR BR only, the fourth chooses", {.triples = 1}}};
   std::vector<Curve> theirs = curves_as_run();
   std::erase_if(theirs, [](const Curve& curve) { return !curve.p3p; });
   const std::size_t points = kDistances.size();
@@ -165,14 +186,16 @@ std::vector<Variant> variants(int trials, const Options& options) {
   });
   for (std::size_t i = 0; i < errors.size(); ++i)
     for (const Curve& curve : theirs)
-      ++list[i / points].compared, list[i / points].within += reproduced(errors[i].axis(curve.axis), curve.paper[i % points]);
+      ++list[i / points].compared, list[i / points].within +=
+                                   reproduced(errors[i].axis(curve.axis), curve.paper[i % points]);
   return list;
 }
 
 void report(const std::vector<Variant>& list, Result& result) {
   auto json = nlohmann::ordered_json::array();
   for (const Variant& v : list) {
-    result.table.push_back({std::string("P3P as run: ") + v.name, "", std::to_string(v.within) + " of " + std::to_string(v.compared)});
+    result.table.push_back({std::string("P3P as run: ") + v.name, "",
+                            std::to_string(v.within) + " of " + std::to_string(v.compared)});
     json.push_back({{"variant", v.name}, {"compared", v.compared}, {"within", v.within}});
   }
   result.json["p3p_variants"] = json;
@@ -180,7 +203,8 @@ void report(const std::vector<Variant>& list, Result& result) {
 
 /// One panel: the curves of one method.
 io::Plot panel(const Study& study, bool p3p, const std::string& title) {
-  constexpr std::array<io::Color, 4> kColors{io::look::kEstimate, io::look::kGate, io::look::kDetection, io::look::kFlown};
+  constexpr std::array<io::Color, 4> kColors{io::look::kEstimate, io::look::kGate,
+                                             io::look::kDetection, io::look::kFlown};
   io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
   for (std::size_t c = 0, shown = 0; c < study.curves.size(); ++c) {
     if (study.curves[c].p3p.has_value() != p3p) continue;
@@ -200,8 +224,13 @@ io::Plot panel(const Study& study, bool p3p, const std::string& title) {
 io::Canvas plotted(const Study& study) {
   constexpr int kWidth = 960, kHeight = 460;
   io::Canvas sheet(kWidth, 2 * kHeight);
-  sheet.paste(io::draw(panel(study, true, "P3P, noise as the authors drew it (rings: their figure)"), kWidth, kHeight), {0.0, 0.0});
-  sheet.paste(io::draw(panel(study, false, "Least squares (LS), the same corners"), kWidth, kHeight), {0.0, static_cast<double>(kHeight)});
+  sheet.paste(
+      io::draw(panel(study, true, "P3P, noise as the authors drew it (rings: their figure)"),
+               kWidth, kHeight),
+      {0.0, 0.0});
+  sheet.paste(
+      io::draw(panel(study, false, "Least squares (LS), the same corners"), kWidth, kHeight),
+      {0.0, static_cast<double>(kHeight)});
   return sheet;
 }
 
@@ -209,11 +238,14 @@ io::Canvas plotted(const Study& study) {
 
 Result pose_ls_p3p(const Options& options) {
   const int trials = options.quick ? 500 : 10'000;
-  Study as_run_{"as run", kDistances, curves_as_run()}, printed{"3.5 px", kTableDistances, curves_as_printed()};
+  Study as_run_{"as run", kDistances, curves_as_run()},
+      printed{"3.5 px", kTableDistances, curves_as_printed()};
   run(as_run_, trials, options);
   run(printed, trials, options);
-  Result result{.table = {}, .json = {{"trials", trials}, {"curves", nlohmann::ordered_json::array()}},
-                .csv = "study,curve,distance_m,paper_rmse_m,rmse_m\n", .picture = plotted(as_run_)};
+  Result result{.table = {},
+                .json = {{"trials", trials}, {"curves", nlohmann::ordered_json::array()}},
+                .csv = "study,curve,distance_m,paper_rmse_m,rmse_m\n",
+                .picture = plotted(as_run_)};
   report(as_run_, result);
   report(printed, result);
   report(variants(trials, options), result);

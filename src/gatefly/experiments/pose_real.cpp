@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ours: distances to a gate that somebody measured with a tape, and a real flight against motion capture.
+// Ours: distances to a gate that somebody measured with a tape, and a real flight against motion
+// capture.
 #include "gatefly/experiments/pose_real.hpp"
 
 #include <filesystem>
@@ -19,19 +20,26 @@ io::Config config_with(const std::string& name) {
 }
 
 calibration::Calibration calibrated(const char* corners, int rotation_deg, const Options& options) {
-  const Eigen::Vector2i upright{315, 160}, stored = rotation_deg == 0 ? upright : Eigen::Vector2i{160, 315};
-  calibration::BoardViews views = calibration::read_corner_list(data_folder("fisheye_calibration", options) / "bebop_front_camera" / corners);
+  const Eigen::Vector2i upright{315, 160},
+      stored = rotation_deg == 0 ? upright : Eigen::Vector2i{160, 315};
+  calibration::BoardViews views = calibration::read_corner_list(
+      data_folder("fisheye_calibration", options) / "bebop_front_camera" / corners);
   calibration::turn_upright(views, stored, rotation_deg);
   return calibration::calibrate(std::move(views), upright);
 }
 
-AnyCamera lens_of(const calibration::ModelResult& result) { return calibration::lens_of(result.fit.model, result.fit.parameters); }
+AnyCamera lens_of(const calibration::ModelResult& result) {
+  return calibration::lens_of(result.fit.model, result.fit.parameters);
+}
 
 }  // namespace pose_real_parts
 
 Result pose_real(const Options& options) {
   using namespace pose_real_parts;
-  Result result{.table = {}, .json = {}, .csv = "from,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m\n", .picture = io::Canvas(1, 1)};
+  Result result{.table = {},
+                .json = {},
+                .csv = "from,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m\n",
+                .picture = io::Canvas(1, 1)};
   if (options.stopped()) throw Stopped{};
   constexpr int kWidth = 960, kHeight = 500;
   const calibration::Calibration camera = calibrated(kCorners, 0, options);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // A real flight against motion capture.
-#include "gatefly/experiments/pose_real.hpp"
-
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -16,6 +14,7 @@
 #include "gatefly/experiments/gate_survey.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/logged_motion.hpp"
+#include "gatefly/experiments/pose_real.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/io/flight_folder.hpp"
@@ -28,29 +27,35 @@
 namespace gatefly::experiments::pose_real_parts {
 namespace {
 
-/// Labels or detections of one gate, and what the recording does not say: fitted once to the labels of all pictures taken
-/// in the air.
+/// Labels or detections of one gate, and what the recording does not say: fitted once to the labels
+/// of all pictures taken in the air.
 struct Flown {
   LoggedMotion motion;
   PilotConfig pilot;
   Survey setup;
 
   [[nodiscard]] const SurveyedGate& gate() const { return setup.gates.front(); }
-  [[nodiscard]] double exposed(const GatePicture& picture) const { return exposed_at(picture, setup.airframe, pilot); }
+  [[nodiscard]] double exposed(const GatePicture& picture) const {
+    return exposed_at(picture, setup.airframe, pilot);
+  }
   [[nodiscard]] Attitude attitude_GB(const GatePicture& picture) const {
     Attitude attitude = motion.attitude(exposed(picture));
     attitude.yaw = wrap_angle(attitude.yaw + setup.flights.front().heading - gate().yaw);
     return attitude;
   }
   [[nodiscard]] Eigen::Vector3d true_p_GB(const GatePicture& picture) const {
-    return rotation_z(-gate().yaw) * (motion.position(exposed(picture) + setup.airframe.mocap_delay) - gate().p_EG);
+    return rotation_z(-gate().yaw) *
+           (motion.position(exposed(picture) + setup.airframe.mocap_delay) - gate().p_EG);
   }
 };
 
-Survey fitted(const LoggedMotion& motion, const std::vector<GatePicture>& pictures, PilotConfig pilot, double side) {
+Survey fitted(const LoggedMotion& motion, const std::vector<GatePicture>& pictures,
+              PilotConfig pilot, double side) {
   pilot.track.gates.front().side = side;
   const MapGate& gate = pilot.track.gates.front();
-  const Survey start{.airframe = {}, .gates = {{gate.p_EG, gate.yaw_EG}}, .flights = {{.heading = 11.5 * kDegree, .tilt = 13.2 * kDegree}}};
+  const Survey start{.airframe = {},
+                     .gates = {{gate.p_EG, gate.yaw_EG}},
+                     .flights = {{.heading = 11.5 * kDegree, .tilt = 13.2 * kDegree}}};
   const SurveyFlight seen{.motion = &motion, .pictures = pictures, .gate = 0};
   return surveyed({&seen, 1}, start, Open::kAll, pilot);
 }
@@ -59,7 +64,8 @@ Survey fitted(const LoggedMotion& motion, const std::vector<GatePicture>& pictur
 double rms_px(const Flown& flown, const std::vector<GatePicture>& pictures) {
   const SurveyFlight seen{.motion = &flown.motion, .pictures = {}, .gate = 0};
   double squares = 0.0;
-  for (const GatePicture& picture : pictures) squares += std::pow(misfit_px(flown.setup, 0, seen, picture, flown.pilot), 2);
+  for (const GatePicture& picture : pictures)
+    squares += std::pow(misfit_px(flown.setup, 0, seen, picture, flown.pilot), 2);
   return std::sqrt(squares / (2.0 * static_cast<double>(pictures.size())));
 }
 
@@ -72,7 +78,9 @@ double rms_px_with_side(Flown flown, const std::vector<GatePicture>& pictures, d
 /// Where the parabola through the misfits of three sides is least [m].
 double best_side(const Flown& flown, const std::vector<GatePicture>& pictures) {
   constexpr double kStep = 0.05;
-  const auto cost = [&](double side) { return std::pow(rms_px_with_side(flown, pictures, side), 2); };
+  const auto cost = [&](double side) {
+    return std::pow(rms_px_with_side(flown, pictures, side), 2);
+  };
   const double less = cost(kSide - kStep), here = cost(kSide), more = cost(kSide + kStep);
   return kSide + 0.5 * kStep * (less - more) / (less - 2.0 * here + more);
 }
@@ -84,8 +92,10 @@ struct FlightErrors {
   std::vector<Eigen::Vector3d> found, truth;
 };
 
-FlightErrors errors_of(const Flown& flown, const std::vector<GatePicture>& pictures, double sigma_px) {
-  const CameraRig rig = mounted(flown.pilot.camera, flown.setup.airframe, flown.setup.flights.front());
+FlightErrors errors_of(const Flown& flown, const std::vector<GatePicture>& pictures,
+                       double sigma_px) {
+  const CameraRig rig =
+      mounted(flown.pilot.camera, flown.setup.airframe, flown.setup.flights.front());
   FlightErrors errors;
   for (const GatePicture& picture : pictures) {
     const Eigen::Vector3d p_GB = flown.true_p_GB(picture);
@@ -116,29 +126,40 @@ Seen seen_in_flight(const io::FlightFolder& flight, const io::Config& config) {
   Seen seen;
   for (std::size_t i = kFirst; i < flight.images.size(); ++i)
     for (const io::LabelledPicture& picture : labels.pictures) {
-      if (picture.image != flight.images[i].path.filename().string() || picture.gates.empty()) continue;
+      if (picture.image != flight.images[i].path.filename().string() || picture.gates.empty())
+        continue;
       const double t = std::chrono::duration<double>(flight.images[i].time).count();
       seen.labels.push_back({t, picture.gates.front()});
       const io::ImageFile file = io::read_image(flight.images[i].path);
-      const GateDetections gates = search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
-      if (!gates.empty()) seen.detections.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
+      const GateDetections gates =
+          search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
+      if (!gates.empty())
+        seen.detections.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
     }
-  if (seen.labels.empty()) throw std::runtime_error("flight_11/labels.csv: labels no picture taken in the air");
+  if (seen.labels.empty())
+    throw std::runtime_error("flight_11/labels.csv: labels no picture taken in the air");
   return seen;
 }
 
 std::string per_axis(const FlightErrors& errors) {
-  return "x " + fixed(errors.map.axis(0), 3) + ", y " + fixed(errors.map.axis(1), 3) + ", z " + fixed(errors.map.axis(2), 3) + " m of " +
-         std::to_string(errors.map.n) + " (rays " + fixed(errors.rays.axis(0), 3) + ", " + fixed(errors.rays.axis(1), 3) + ")";
+  return "x " + fixed(errors.map.axis(0), 3) + ", y " + fixed(errors.map.axis(1), 3) + ", z " +
+         fixed(errors.map.axis(2), 3) + " m of " + std::to_string(errors.map.n) + " (rays " +
+         fixed(errors.rays.axis(0), 3) + ", " + fixed(errors.rays.axis(1), 3) + ")";
 }
 
 nlohmann::ordered_json json_of(const FlightErrors& errors) {
-  return {{"frames", errors.map.n}, {"refused", errors.map.none}, {"rmse_x_m", number(errors.map.axis(0))}, {"rmse_y_m", number(errors.map.axis(1))},
-          {"rmse_z_m", number(errors.map.axis(2))}, {"rays_rmse_x_m", number(errors.rays.axis(0))}, {"rays_rmse_y_m", number(errors.rays.axis(1))},
+  return {{"frames", errors.map.n},
+          {"refused", errors.map.none},
+          {"rmse_x_m", number(errors.map.axis(0))},
+          {"rmse_y_m", number(errors.map.axis(1))},
+          {"rmse_z_m", number(errors.map.axis(2))},
+          {"rays_rmse_x_m", number(errors.rays.axis(0))},
+          {"rays_rmse_y_m", number(errors.rays.axis(1))},
           {"nees_per_axis", number(errors.nees / (3.0 * errors.map.n))}};
 }
 
-io::PlotSeries series(const std::string& name, const std::vector<Eigen::Vector3d>& points, const io::Color& color, bool line, bool rings) {
+io::PlotSeries series(const std::string& name, const std::vector<Eigen::Vector3d>& points,
+                      const io::Color& color, bool line, bool rings) {
   io::PlotSeries out{.name = name, .points = {}, .color = color, .line = line, .rings = rings};
   for (const Eigen::Vector3d& p : points) out.points.emplace_back(p.x(), p.y());
   return out;
@@ -155,8 +176,10 @@ void add_rows(const std::string& from, const FlightErrors& errors, std::string& 
 
 }  // namespace
 
-io::Plot report_flight(const Options& options, const calibration::Calibration& camera, Result& result) {
-  const io::FlightFolder flight = io::read_flight_folder(data_folder("tudelft_bebop_flights", options) / "flight_11");
+io::Plot report_flight(const Options& options, const calibration::Calibration& camera,
+                       Result& result) {
+  const io::FlightFolder flight =
+      io::read_flight_folder(data_folder("tudelft_bebop_flights", options) / "flight_11");
   const io::Config config = config_with("flights");
   const Seen seen = seen_in_flight(flight, config);
   Flown flown{.motion = LoggedMotion(flight), .pilot = config.pilot, .setup = {}};
@@ -164,7 +187,8 @@ io::Plot report_flight(const Options& options, const calibration::Calibration& c
   flown.pilot.track = io::read_track(io::find_track("flights")).track;
   flown.setup = fitted(flown.motion, seen.labels, flown.pilot, kSide);
   const FlightErrors labels = errors_of(flown, seen.labels, kLabelSigmaPx);
-  const FlightErrors detections = errors_of(flown, seen.detections, config.pilot.pose.corner_sigma_px);
+  const FlightErrors detections =
+      errors_of(flown, seen.detections, config.pilot.pose.corner_sigma_px);
 
   result.table.push_back({"flight_11, labels", "<= 0.12 m", per_axis(labels)});
   result.table.push_back({"flight_11, detections", "<= 0.20 m", per_axis(detections)});
@@ -172,23 +196,37 @@ io::Plot report_flight(const Options& options, const calibration::Calibration& c
   const Eigen::Vector3d& p_EG = gates.front().p_EG;
   const double misfit = rms_px(flown, seen.labels), side = best_side(flown, seen.labels);
   result.table.push_back({"  fitted once to the labels", "-",
-                          "gate " + fixed(p_EG.x(), 2) + ", " + fixed(p_EG.y(), 2) + ", " + fixed(p_EG.z(), 2) + " m, turned " +
-                              fixed(gates.front().yaw / kDegree, 1) + "°; heading " + fixed(flights.front().heading / kDegree, 1) + "°; tilt " +
-                              fixed(flights.front().tilt / kDegree, 1) + "°, roll " + fixed(airframe.camera_roll / kDegree, 1) + "°; pictures " +
-                              fixed(1e3 * airframe.exposure_delay, 0) + " ms late, positions " + fixed(1e3 * airframe.mocap_delay, 0) + " ms; " +
-                              fixed(misfit, 2) + " px RMS; best with a side of " + fixed(side, 3) + " m"});
-  result.json["flight_11"] = {{"camera", calibration::name_of(camera.best().fit.model)}, {"labels", json_of(labels)}, {"detections", json_of(detections)},
-                              {"fitted", {{"gate_m", {p_EG.x(), p_EG.y(), p_EG.z()}}, {"gate_yaw_deg", gates.front().yaw / kDegree},
-                                          {"heading_offset_deg", flights.front().heading / kDegree}, {"tilt_deg", flights.front().tilt / kDegree},
-                                          {"camera_roll_deg", airframe.camera_roll / kDegree}, {"exposure_delay_ms", 1e3 * airframe.exposure_delay},
-                                          {"mocap_delay_ms", 1e3 * airframe.mocap_delay}, {"rms_px", misfit}}},
+                          "gate " + fixed(p_EG.x(), 2) + ", " + fixed(p_EG.y(), 2) + ", " +
+                              fixed(p_EG.z(), 2) + " m, turned " +
+                              fixed(gates.front().yaw / kDegree, 1) + "°; heading " +
+                              fixed(flights.front().heading / kDegree, 1) + "°; tilt " +
+                              fixed(flights.front().tilt / kDegree, 1) + "°, roll " +
+                              fixed(airframe.camera_roll / kDegree, 1) + "°; pictures " +
+                              fixed(1e3 * airframe.exposure_delay, 0) + " ms late, positions " +
+                              fixed(1e3 * airframe.mocap_delay, 0) + " ms; " + fixed(misfit, 2) +
+                              " px RMS; best with a side of " + fixed(side, 3) + " m"});
+  result.json["flight_11"] = {{"camera", calibration::name_of(camera.best().fit.model)},
+                              {"labels", json_of(labels)},
+                              {"detections", json_of(detections)},
+                              {"fitted",
+                               {{"gate_m", {p_EG.x(), p_EG.y(), p_EG.z()}},
+                                {"gate_yaw_deg", gates.front().yaw / kDegree},
+                                {"heading_offset_deg", flights.front().heading / kDegree},
+                                {"tilt_deg", flights.front().tilt / kDegree},
+                                {"camera_roll_deg", airframe.camera_roll / kDegree},
+                                {"exposure_delay_ms", 1e3 * airframe.exposure_delay},
+                                {"mocap_delay_ms", 1e3 * airframe.mocap_delay},
+                                {"rms_px", misfit}}},
                               {"best_side_m", side}};
   add_rows("labels", labels, result.csv), add_rows("detections", detections, result.csv);
-  return {.title = "flight_11 before the gate: motion capture and our pose from single pictures",
-          .x_label = "x, through the gate [m]", .y_label = "y, to the right [m]",
-          .series = {series("motion capture", labels.truth, io::look::kInk, true, false), series("from labels", labels.found, io::look::kGate, false, true),
-                     series("from detections", detections.found, io::look::kDetection, false, false)},
-          .y_from_0 = false};
+  return {
+      .title = "flight_11 before the gate: motion capture and our pose from single pictures",
+      .x_label = "x, through the gate [m]",
+      .y_label = "y, to the right [m]",
+      .series = {series("motion capture", labels.truth, io::look::kInk, true, false),
+                 series("from labels", labels.found, io::look::kGate, false, true),
+                 series("from detections", detections.found, io::look::kDetection, false, false)},
+      .y_from_0 = false};
 }
 
 }  // namespace gatefly::experiments::pose_real_parts

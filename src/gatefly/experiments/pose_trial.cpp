@@ -30,17 +30,24 @@ std::optional<Quad> straightened(const Quad& px, const CameraRig& rig) {
 
 }  // namespace
 
-CameraRig study_rig() { return {AnyCamera{Pinhole{}}, camera_mount(20.0 * kDegree), Eigen::Vector3d::Zero()}; }
+CameraRig study_rig() {
+  return {AnyCamera{Pinhole{}}, camera_mount(20.0 * kDegree), Eigen::Vector3d::Zero()};
+}
 
-Quad corners_seen_from(const Eigen::Vector3d& p_GB, const Attitude& attitude_GB, const CameraRig& rig) {
+Quad corners_seen_from(const Eigen::Vector3d& p_GB, const Attitude& attitude_GB,
+                       const CameraRig& rig) {
   const Eigen::Matrix3d R_GB = rotation_EB(attitude_GB).matrix;
   Quad px;
   for (std::size_t i = 0; i < 4; ++i)
-    px[i] = rig.lens.project(rig.R_BC.matrix.transpose() * (R_GB.transpose() * (corners_G(1.0)[i] - p_GB) - rig.p_BC)).value();
+    px[i] = rig.lens
+                .project(rig.R_BC.matrix.transpose() *
+                         (R_GB.transpose() * (corners_G(1.0)[i] - p_GB) - rig.p_BC))
+                .value();
   return px;
 }
 
-std::optional<Eigen::Vector3d> by_rays(const Quad& px, const Attitude& attitude_GB, const CameraRig& rig, double side) {
+std::optional<Eigen::Vector3d> by_rays(const Quad& px, const Attitude& attitude_GB,
+                                       const CameraRig& rig, double side) {
   const Eigen::Matrix3d R_GB = rotation_EB(attitude_GB).matrix;
   std::array<Ray, 4> rays;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -53,12 +60,14 @@ std::optional<Eigen::Vector3d> by_rays(const Quad& px, const Attitude& attitude_
   return Eigen::Vector3d{*camera_G - R_GB * rig.p_BC};
 }
 
-std::optional<Eigen::Vector3d> by_pnp(Pnp method, const Quad& px, const CameraRig& rig, double side) {
+std::optional<Eigen::Vector3d> by_pnp(Pnp method, const Quad& px, const CameraRig& rig,
+                                      double side) {
   const auto straight = straightened(px, rig);
   return straight ? camera_by(method, *straight, kStudyFocalPx, side) : std::nullopt;
 }
 
-std::optional<Eigen::Vector3d> by_kneip(const KneipRule& rule, const Quad& px, const CameraRig& rig, double side) {
+std::optional<Eigen::Vector3d> by_kneip(const KneipRule& rule, const Quad& px, const CameraRig& rig,
+                                        double side) {
   const auto straight = straightened(px, rig);
   return straight ? camera_by_kneip(*straight, kStudyFocalPx, side, rule) : std::nullopt;
 }
@@ -72,17 +81,21 @@ void Rmse::add(const std::optional<Eigen::Vector3d>& found, const Eigen::Vector3
   squares += error.cwiseAbs2(), sum += error, ++n;
 }
 
-bool reproduced(double ours, double paper) { return std::abs(ours - paper) <= std::max(0.1 * paper, 0.002); }
+bool reproduced(double ours, double paper) {
+  return std::abs(ours - paper) <= std::max(0.1 * paper, 0.002);
+}
 
 nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-void in_pieces(std::size_t count, const Options& options, const std::function<void(std::size_t)>& work) {
+void in_pieces(std::size_t count, const Options& options,
+               const std::function<void(std::size_t)>& work) {
   constexpr std::size_t kPiece = 12;
   for (std::size_t from = 0; from < count; from += kPiece) {
     if (options.stopped()) throw Stopped{};
-    options.progress(static_cast<double>(from) / static_cast<double>(count), std::to_string(from) + " of " + std::to_string(count));
+    options.progress(static_cast<double>(from) / static_cast<double>(count),
+                     std::to_string(from) + " of " + std::to_string(count));
     in_parallel(std::min(kPiece, count - from), [&](std::size_t i) { work(from + i); });
   }
 }

@@ -16,7 +16,8 @@ namespace {
 constexpr const char* kData = "tudelft_bebop_gates";
 
 /// The points of one of the authors' two stored sweeps ("sigma_L", "sigma_cf").
-std::vector<RocPoint> authors_points(const std::filesystem::path& folder, const std::string& sweep) {
+std::vector<RocPoint> authors_points(const std::filesystem::path& folder,
+                                     const std::string& sweep) {
   const io::Csv csv(folder / "roc_reference_of_the_authors.csv");
   const auto sweeps = csv.texts("sweep");
   const auto length = csv.numbers("sigma_L"), fitness = csv.numbers("sigma_cf");
@@ -24,7 +25,9 @@ std::vector<RocPoint> authors_points(const std::filesystem::path& folder, const 
   std::vector<RocPoint> points;
   for (std::size_t row = 0; row < csv.rows(); ++row)
     if (sweeps[row] == sweep)
-      points.push_back({.min_side_px = length[row], .min_color_fitness = fitness[row], .tpr = tpr[row],
+      points.push_back({.min_side_px = length[row],
+                        .min_color_fitness = fitness[row],
+                        .tpr = tpr[row],
                         .fp_per_image = fp[row]});
   return points;
 }
@@ -32,25 +35,28 @@ std::vector<RocPoint> authors_points(const std::filesystem::path& folder, const 
 using Settings = std::vector<PaperDetectorParams>;
 
 /// The authors' point at the same value of what is swept; NaN where they have none.
-RocPoint partner(const std::vector<RocPoint>& authors, double RocPoint::* swept, double value) {
+RocPoint partner(const std::vector<RocPoint>& authors, double RocPoint::*swept, double value) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (const RocPoint& point : authors)
     if (std::abs(point.*swept - value) < 1e-9) return point;
   return {.tpr = kNone, .fp_per_image = kNone};
 }
 
-std::vector<RocPoint> measured(const LabelledSet& set, const Settings& settings, const Options& options) {
+std::vector<RocPoint> measured(const LabelledSet& set, const Settings& settings,
+                               const Options& options) {
   std::vector<RocPoint> points;
   for (const PaperDetectorParams& params : settings) {
     options.progress(static_cast<double>(points.size()) / static_cast<double>(settings.size()),
-                     "σ_L " + io::text_of(params.min_side_px) + " px, σ_cf " + io::text_of(params.min_color_fitness));
+                     "σ_L " + io::text_of(params.min_side_px) + " px, σ_cf " +
+                         io::text_of(params.min_color_fitness));
     points.push_back(roc_point(set, params, options.quick ? 2 : 10, options));
   }
   return points;
 }
 
 std::string rates(const RocPoint& point) {
-  return std::isfinite(point.tpr) ? fixed(point.tpr, 3) + " at " + fixed(point.fp_per_image, 3) : "-";
+  return std::isfinite(point.tpr) ? fixed(point.tpr, 3) + " at " + fixed(point.fp_per_image, 3)
+                                  : "-";
 }
 
 nlohmann::ordered_json number(double value) {
@@ -58,36 +64,50 @@ nlohmann::ordered_json number(double value) {
 }
 
 /// Table, JSON and CSV of ours beside the authors'.
-Result compared(const std::vector<RocPoint>& ours, const std::vector<RocPoint>& authors, double RocPoint::* swept,
-                const LabelledSet& set, int repeats, io::Canvas picture) {
+Result compared(const std::vector<RocPoint>& ours, const std::vector<RocPoint>& authors,
+                double RocPoint::*swept, const LabelledSet& set, int repeats, io::Canvas picture) {
   Result result{.table = {}, .json = {}, .csv = {}, .picture = std::move(picture)};
   result.csv = "sigma_l_px,sigma_cf,tpr,tpr_std,fp_per_image,paper_tpr,paper_fp_per_image\n";
   auto points = nlohmann::ordered_json::array();
   for (const RocPoint& point : ours) {
     const RocPoint paper = partner(authors, swept, point.*swept);
-    result.table.push_back({"σ_L " + io::text_of(point.min_side_px) + " px, σ_cf " + io::text_of(point.min_color_fitness, 6),
+    result.table.push_back({"σ_L " + io::text_of(point.min_side_px) + " px, σ_cf " +
+                                io::text_of(point.min_color_fitness, 6),
                             rates(paper), rates(point)});
-    const auto cell = [](double value) { return std::isfinite(value) ? io::text_of(value, 6) : std::string{}; };
-    result.csv += cell(point.min_side_px) + "," + cell(point.min_color_fitness) + "," + cell(point.tpr) + "," +
-                  cell(point.tpr_std) + "," + cell(point.fp_per_image) + "," + cell(paper.tpr) + "," +
-                  cell(paper.fp_per_image) + "\n";
-    points.push_back({{"sigma_l_px", point.min_side_px}, {"sigma_cf", point.min_color_fitness}, {"tpr", point.tpr},
-                      {"tpr_std", point.tpr_std}, {"fp_per_image", point.fp_per_image},
-                      {"paper", {{"tpr", number(paper.tpr)}, {"fp_per_image", number(paper.fp_per_image)}}}});
+    const auto cell = [](double value) {
+      return std::isfinite(value) ? io::text_of(value, 6) : std::string{};
+    };
+    result.csv += cell(point.min_side_px) + "," + cell(point.min_color_fitness) + "," +
+                  cell(point.tpr) + "," + cell(point.tpr_std) + "," + cell(point.fp_per_image) +
+                  "," + cell(paper.tpr) + "," + cell(paper.fp_per_image) + "\n";
+    points.push_back(
+        {{"sigma_l_px", point.min_side_px},
+         {"sigma_cf", point.min_color_fitness},
+         {"tpr", point.tpr},
+         {"tpr_std", point.tpr_std},
+         {"fp_per_image", point.fp_per_image},
+         {"paper", {{"tpr", number(paper.tpr)}, {"fp_per_image", number(paper.fp_per_image)}}}});
   }
-  result.json = {{"rule", "overlap70-authors"}, {"pictures", set.size()}, {"samples", PaperDetectorParams{}.samples},
-                 {"repeats", repeats}, {"points", points}};
+  result.json = {{"rule", "overlap70-authors"},
+                 {"pictures", set.size()},
+                 {"samples", PaperDetectorParams{}.samples},
+                 {"repeats", repeats},
+                 {"points", points}};
   return result;
 }
 
-io::PlotSeries series(const std::string& name, const std::vector<RocPoint>& points, const io::Color& color, bool rings) {
+io::PlotSeries series(const std::string& name, const std::vector<RocPoint>& points,
+                      const io::Color& color, bool rings) {
   io::PlotSeries curve{.name = name, .points = {}, .color = color, .line = true, .rings = rings};
   for (const RocPoint& point : points) curve.points.emplace_back(point.fp_per_image, point.tpr);
   return curve;
 }
 
 io::Plot roc_plot(const std::string& title) {
-  return {.title = title, .x_label = "false positives per picture", .y_label = "true positive rate", .series = {},
+  return {.title = title,
+          .x_label = "false positives per picture",
+          .y_label = "true positive rate",
+          .series = {},
           .log_x = true};
 }
 
@@ -102,7 +122,8 @@ Result roc_length(const Options& options) {
   for (const double fitness : {0.0, 0.7})
     for (int length = 0; length <= 95; length += 5)
       if (!options.quick || std::find(quick.begin(), quick.end(), length) != quick.end())
-        settings.push_back({.min_side_px = static_cast<double>(length), .min_color_fitness = fitness});
+        settings.push_back(
+            {.min_side_px = static_cast<double>(length), .min_color_fitness = fitness});
   const auto ours = measured(set, settings, options);
 
   const auto half = ours.begin() + static_cast<std::ptrdiff_t>(ours.size() / 2);
@@ -110,7 +131,8 @@ Result roc_length(const Options& options) {
   plot.series = {series("authors' stored run", authors, io::look::kGate, true),
                  series("ours, σ_cf 0", {ours.begin(), half}, io::look::kDetection, false),
                  series("ours, σ_cf 0.7", {half, ours.end()}, io::look::kFlown, false)};
-  return compared(ours, authors, &RocPoint::min_side_px, set, options.quick ? 2 : 10, io::draw(plot));
+  return compared(ours, authors, &RocPoint::min_side_px, set, options.quick ? 2 : 10,
+                  io::draw(plot));
 }
 
 Result roc_fitness(const Options& options) {
@@ -119,13 +141,16 @@ Result roc_fitness(const Options& options) {
   const LabelledSet set(folder / "basement580");
   Settings settings;
   for (int percent = 0; percent <= 95; percent += 5)
-    if (!options.quick || percent % 35 == 0 || percent >= 90) settings.push_back({.min_color_fitness = percent / 100.0});
+    if (!options.quick || percent % 35 == 0 || percent >= 90)
+      settings.push_back({.min_color_fitness = percent / 100.0});
   const auto ours = measured(set, settings, options);
 
-  io::Plot plot = roc_plot("ROC over σ_cf at σ_L = 25 px, the paper's detector on its own 580 pictures");
+  io::Plot plot =
+      roc_plot("ROC over σ_cf at σ_L = 25 px, the paper's detector on its own 580 pictures");
   plot.series = {series("authors' stored run", authors, io::look::kGate, true),
                  series("ours", ours, io::look::kDetection, false)};
-  return compared(ours, authors, &RocPoint::min_color_fitness, set, options.quick ? 2 : 10, io::draw(plot));
+  return compared(ours, authors, &RocPoint::min_color_fitness, set, options.quick ? 2 : 10,
+                  io::draw(plot));
 }
 
 }  // namespace gatefly::experiments

@@ -19,14 +19,17 @@ constexpr double kRunOut = 0.3;  // after the last gate [s]
 bool is_faced(const sim::WorldGate& gate, const Eigen::Vector3d& p_EB, double yaw) {
   constexpr double kNear = 0.5, kFar = 4.0, kAskew = 25.0 * kDegree;
   const Eigen::Vector3d p_GB = rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG);
-  return p_GB.x() < -kNear && p_GB.x() > -kFar && std::abs(p_GB.y()) < 1.0 && std::abs(wrap_angle(yaw - gate.yaw_EG)) < kAskew;
+  return p_GB.x() < -kNear && p_GB.x() > -kFar && std::abs(p_GB.y()) < 1.0 &&
+         std::abs(wrap_angle(yaw - gate.yaw_EG)) < kAskew;
 }
 
 }  // namespace
 
-closed_loop::RaceConfig race_on(const std::string& track, int laps, closed_loop::Vision vision, std::uint64_t seed, bool exact_map) {
+closed_loop::RaceConfig race_on(const std::string& track, int laps, closed_loop::Vision vision,
+                                std::uint64_t seed, bool exact_map) {
   const io::Config config = io::load_config(io::config_files(std::vector<std::string>{}));
-  const io::TrackFile file = io::read_track(io::find_track(track), {.side = config.gate_side, .bar = config.gate_bar});
+  const io::TrackFile file =
+      io::read_track(io::find_track(track), {.side = config.gate_side, .bar = config.gate_bar});
   closed_loop::RaceConfig race;
   race.vision = vision, race.timeout = config.timeout, race.pilot = config.pilot;
   race.pilot.track = file.track;
@@ -47,9 +50,14 @@ SimulatedLaps simulated_laps(const std::string& track, int laps, std::uint64_t s
   double done = 1e9;
   const auto result = closed_loop::fly(race, [&](const closed_loop::Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
-    LapMoment m{.imu = tick.sensors.imu, .t = t, .dt = flown.moments.empty() ? 0.0 : t - flown.moments.back().t, .p_EB = tick.truth.p_EB, .attitude = tick.truth.attitude};
+    LapMoment m{.imu = tick.sensors.imu,
+                .t = t,
+                .dt = flown.moments.empty() ? 0.0 : t - flown.moments.back().t,
+                .p_EB = tick.truth.p_EB,
+                .attitude = tick.truth.attitude};
     m.rests = std::holds_alternative<OnGround>(tick.pilot.phase());
-    for (const sim::WorldGate& gate : race.sim.world.gates) m.faces_gate = m.faces_gate || (!m.rests && is_faced(gate, m.p_EB, m.attitude.yaw));
+    for (const sim::WorldGate& gate : race.sim.world.gates)
+      m.faces_gate = m.faces_gate || (!m.rests && is_faced(gate, m.p_EB, m.attitude.yaw));
     flown.moments.push_back(m);
     if (tick.pilot.finished()) done = std::min(done, t);
     return t < done + kRunOut;

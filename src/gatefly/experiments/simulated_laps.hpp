@@ -11,18 +11,22 @@
 
 namespace gatefly::experiments {
 
-/// A race as `gatefly fly` makes it with its defaults. @throws std::runtime_error as the files' readers.
+/// A race as `gatefly fly` makes it with its defaults. @throws std::runtime_error as the files'
+/// readers.
 /// @param exact_map  the gates stand where the map says.
-[[nodiscard]] closed_loop::RaceConfig race_on(const std::string& track, int laps, closed_loop::Vision vision, std::uint64_t seed, bool exact_map = false);
+[[nodiscard]] closed_loop::RaceConfig race_on(const std::string& track, int laps,
+                                              closed_loop::Vision vision, std::uint64_t seed,
+                                              bool exact_map = false);
 
 /// One IMU sample of a simulated flight.
 struct LapMoment {
   Imu imu;
-  double t = 0.0, dt = 0.0;                       ///< [s]
-  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(); ///< True [m].
-  Attitude attitude;                              ///< True.
-  bool rests = false;                             ///< On the pad.
-  bool faces_gate = false;                        ///< A gate ahead could be seen: 0.5 to 4 m, within 25°.
+  double t = 0.0, dt = 0.0;                        ///< [s]
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< True [m].
+  Attitude attitude;                               ///< True.
+  bool rests = false;                              ///< On the pad.
+  /// A gate ahead could be seen: 0.5 to 4 m, within 25°.
+  bool faces_gate = false;
 };
 
 /// Laps on ideal vision, flown by the pilot; what the drone's sensors said and where it really was.

@@ -6,7 +6,8 @@ namespace gatefly::experiments {
 void DragPilot::step(const FilterTick& tick) {
   const Attitude before = ahrs.attitude();
   drag_model::Input input{before.roll, before.pitch, tick.yaw, tick.accel_B, ahrs.rate_B()};
-  ahrs.update(tick.imu, drag_model::velocity_B(filter.state(), input, filter.params().model), tick.dt);
+  ahrs.update(tick.imu, drag_model::velocity_B(filter.state(), input, filter.params().model),
+              tick.dt);
   const Attitude now = ahrs.attitude();
   input.roll = now.roll, input.pitch = now.pitch, input.gyro_B = ahrs.rate_B();
   filter.predict(input, tick.dt);

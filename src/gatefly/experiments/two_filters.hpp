@@ -11,7 +11,8 @@
 
 namespace gatefly::experiments {
 
-inline constexpr double kAltitudeSigma = 0.05, kHeadingSigma = 0.02;  ///< Of what both filters are told [m], [rad].
+/// Of what both filters are told [m], [rad].
+inline constexpr double kAltitudeSigma = 0.05, kHeadingSigma = 0.02;
 
 /// One IMU sample, the same for both filters.
 struct FilterTick {
@@ -29,7 +30,9 @@ struct DragPilot {
   void step(const FilterTick& tick);
   void fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma);
   [[nodiscard]] Eigen::Vector3d position() const { return filter.position(); }
-  [[nodiscard]] Eigen::Vector3d accel_bias() const { return filter.state().segment<3>(drag_model::kBiasX); }
+  [[nodiscard]] Eigen::Vector3d accel_bias() const {
+    return filter.state().segment<3>(drag_model::kBiasX);
+  }
 };
 
 /// The classic inertial filter, told the same.
@@ -37,7 +40,9 @@ struct InertialPilot {
   baseline::Imu15 filter;
 
   void step(const FilterTick& tick);
-  void fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) { filter.correct_position(p_EB, sigma); }
+  void fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
+    filter.correct_position(p_EB, sigma);
+  }
   [[nodiscard]] Eigen::Vector3d position() const { return filter.position(); }
   [[nodiscard]] Eigen::Vector3d accel_bias() const { return filter.accel_bias(); }
 };

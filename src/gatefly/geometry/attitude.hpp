@@ -34,7 +34,8 @@ struct Quaternion {
 /// `q` after turning at `rate_B` [rad/s] for `dt` [s]; stays a unit quaternion.
 [[nodiscard]] Quaternion integrated(const Quaternion& q, const Eigen::Vector3d& rate_B, double dt);
 
-/// Camera orientation from its mount: pitched down by `tilt`, rolled by `roll` about its axis [rad].
+/// Camera orientation from its mount: pitched down by `tilt`, rolled by `roll` about its axis
+/// [rad].
 [[nodiscard]] RotationBC camera_mount(double tilt_down, double roll = 0.0);
 
 /// v as a matrix: skew(a) * b = a × b.

@@ -38,11 +38,13 @@ class FixedList {
   std::size_t size_ = 0;
 };
 
-/// Sorts a short list in place, stable: std::sort on a list of a few makes compilers fear for its end.
+/// Sorts a short list in place, stable: std::sort on a list of a few makes compilers fear for its
+/// end.
 template <class T, std::size_t N, class Before>
 void insertion_sort(FixedList<T, N>& list, Before before) {
   for (std::size_t i = 1; i < list.size(); ++i)
-    for (std::size_t j = i; j > 0 && before(list[j], list[j - 1]); --j) std::swap(list[j], list[j - 1]);
+    for (std::size_t j = i; j > 0 && before(list[j], list[j - 1]); --j)
+      std::swap(list[j], list[j - 1]);
 }
 
 }  // namespace gatefly

@@ -51,10 +51,14 @@ SinCos sincos(double angle) {
   const double s = sin_small(x);
   const double c = cos_small(x);
   switch (static_cast<long long>(turns) & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 

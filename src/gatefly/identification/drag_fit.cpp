@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPiece = 1.0, kEvery = 0.1;  // [s]
 constexpr double kFlownDragY = -0.47, kFlownWeight = 0.3;
-constexpr double kBiasWeight = 5.0;  // of a known bias, in pieces
+constexpr double kBiasWeight = 5.0;                      // of a known bias, in pieces
 constexpr double kMostOffset = 40.0, kOffsetStep = 0.5;  // [deg]
 
 double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
@@ -30,10 +30,12 @@ struct Solution {
   double cost = std::numeric_limits<double>::infinity();
 };
 
-Solution solved(std::span<const Displacement> pieces, const Eigen::Matrix4d& prior_weight, const Theta& prior) {
+Solution solved(std::span<const Displacement> pieces, const Eigen::Matrix4d& prior_weight,
+                const Theta& prior) {
   Eigen::Matrix4d N = prior_weight;
   Theta right = prior_weight * prior;
-  for (const Displacement& d : pieces) N += d.M.transpose() * d.M, right += d.M.transpose() * d.moved;
+  for (const Displacement& d : pieces)
+    N += d.M.transpose() * d.M, right += d.M.transpose() * d.moved;
   const Eigen::LDLT<Eigen::Matrix4d> ldlt = N.ldlt();
   Solution s{.theta = ldlt.solve(right), .inverse = ldlt.solve(Eigen::Matrix4d::Identity())};
   s.cost = (s.theta - prior).dot(prior_weight * (s.theta - prior));
@@ -47,7 +49,8 @@ std::pair<double, Solution> best_offset(const Solve& solve) {
   std::pair<double, Solution> best;
   for (double degrees = -kMostOffset; degrees <= kMostOffset; degrees += kOffsetStep) {
     const Solution s = solve(degrees * kDegree);
-    if (s.theta(0) < 0.0 && s.theta(2) < 0.0 && s.cost < best.second.cost) best = {degrees * kDegree, s};
+    if (s.theta(0) < 0.0 && s.theta(2) < 0.0 && s.cost < best.second.cost)
+      best = {degrees * kDegree, s};
   }
   return best;
 }
@@ -55,14 +58,17 @@ std::pair<double, Solution> best_offset(const Solve& solve) {
 }  // namespace
 
 Airborne airborne(const io::FlightFolder& flight) {
-  const auto above = [&](std::size_t i, double height) { return is_complete(flight.samples[i]) && flight.samples[i].true_p_EB->z() < -height; };
+  const auto above = [&](std::size_t i, double height) {
+    return is_complete(flight.samples[i]) && flight.samples[i].true_p_EB->z() < -height;
+  };
   Airborne rows{0, flight.samples.size()};
   while (rows.first < rows.last && !above(rows.first, 0.9)) ++rows.first;
   while (rows.last > rows.first && !above(rows.last - 1, 0.6)) --rows.last;
   return rows;
 }
 
-std::vector<Displacement> displacements(const io::FlightFolder& flight, const Airborne& rows, double heading_offset, double length) {
+std::vector<Displacement> displacements(const io::FlightFolder& flight, const Airborne& rows,
+                                        double heading_offset, double length) {
   // Integrals up to each row; a piece is the difference of two.
   struct Integral {
     std::size_t row;
@@ -79,7 +85,8 @@ std::vector<Displacement> displacements(const io::FlightFolder& flight, const Ai
     attitude.yaw += heading_offset;
     const Eigen::Matrix3d R = rotation_EB(attitude).matrix;
     // v_z of the body is what makes up the true vertical velocity.
-    const Eigen::Matrix2d A = R.topLeftCorner<2, 2>() - R.topRightCorner<2, 1>() * R.bottomLeftCorner<1, 2>() / R(2, 2);
+    const Eigen::Matrix2d A =
+        R.topLeftCorner<2, 2>() - R.topRightCorner<2, 1>() * R.bottomLeftCorner<1, 2>() / R(2, 2);
     for (int axis = 0; axis < 2; ++axis) {
       sum.M.col(2 * axis) += dt * s.imu.accel_B[axis] * A.col(axis);
       sum.M.col(2 * axis + 1) += dt * A.col(axis);
@@ -97,7 +104,10 @@ std::vector<Displacement> displacements(const io::FlightFolder& flight, const Ai
     if (to == integrals.size()) break;
     next = time(from) + kEvery;
     const Integral &a = integrals[from], &b = integrals[to];
-    pieces.push_back({b.M - a.M, (*flight.samples[b.row].true_p_EB - *flight.samples[a.row].true_p_EB).head<2>() - (b.vertical - a.vertical)});
+    pieces.push_back(
+        {b.M - a.M,
+         (*flight.samples[b.row].true_p_EB - *flight.samples[a.row].true_p_EB).head<2>() -
+             (b.vertical - a.vertical)});
   }
   return pieces;
 }
@@ -109,7 +119,8 @@ std::optional<DragFit> fit_drag(const io::FlightFolder& flight) {
   Eigen::Matrix4d weight = Eigen::Matrix4d::Zero();
   weight(2, 2) = kFlownWeight;
   const Theta prior{0.0, 0.0, 1.0 / kFlownDragY, 0.0};
-  const auto [offset, s] = best_offset([&](double o) { return solved(displacements(flight, rows, o, kPiece), weight, prior); });
+  const auto [offset, s] = best_offset(
+      [&](double o) { return solved(displacements(flight, rows, o, kPiece), weight, prior); });
   if (!std::isfinite(s.cost)) return std::nullopt;
 
   DragFit fit{.heading_offset = offset, .pieces = pieces};
@@ -118,15 +129,21 @@ std::optional<DragFit> fit_drag(const io::FlightFolder& flight) {
   fit.rms = std::sqrt(s.cost / static_cast<double>(pieces));
   // Pieces overlap: one in ten is independent.
   const double variance = 0.5 * fit.rms * fit.rms * kPiece / kEvery;
-  for (int axis = 0; axis < 2; ++axis) fit.drag_sigma[axis] = std::sqrt(variance * s.inverse(2 * axis, 2 * axis)) * fit.drag[axis] * fit.drag[axis];
+  for (int axis = 0; axis < 2; ++axis)
+    fit.drag_sigma[axis] =
+        std::sqrt(variance * s.inverse(2 * axis, 2 * axis)) * fit.drag[axis] * fit.drag[axis];
   return fit;
 }
 
 double fit_heading(const io::FlightFolder& flight, const DragFit& fit) {
   const Airborne rows = airborne(flight);
-  const Theta known{1.0 / fit.drag.x(), -fit.bias.x() / fit.drag.x(), 1.0 / fit.drag.y(), -fit.bias.y() / fit.drag.y()};
+  const Theta known{1.0 / fit.drag.x(), -fit.bias.x() / fit.drag.x(), 1.0 / fit.drag.y(),
+                    -fit.bias.y() / fit.drag.y()};
   const Eigen::Matrix4d weight = Eigen::Vector4d{1e6, kBiasWeight, 1e6, kBiasWeight}.asDiagonal();
-  return best_offset([&](double o) { return solved(displacements(flight, rows, o, 2.0 * kPiece), weight, known); }).first;
+  return best_offset([&](double o) {
+           return solved(displacements(flight, rows, o, 2.0 * kPiece), weight, known);
+         })
+      .first;
 }
 
 DragFit mean_of(std::span<const DragFit> fits, std::optional<std::size_t> left_out) {
@@ -135,13 +152,15 @@ DragFit mean_of(std::span<const DragFit> fits, std::optional<std::size_t> left_o
   Eigen::Vector2d square = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < fits.size(); ++i) {
     if (i == left_out) continue;
-    mean.drag += fits[i].drag, mean.bias += fits[i].bias, square += fits[i].drag.cwiseAbs2(), n += 1.0;
+    mean.drag += fits[i].drag, mean.bias += fits[i].bias, square += fits[i].drag.cwiseAbs2(),
+        n += 1.0;
     mean.pieces += fits[i].pieces;
   }
   if (n == 0.0) return mean;
   mean.drag /= n, mean.bias /= n;
   // Of the mean, from the scatter of the flights.
-  if (n > 1.0) mean.drag_sigma = ((square / n - mean.drag.cwiseAbs2()).cwiseMax(0.0) / (n - 1.0)).cwiseSqrt();
+  if (n > 1.0)
+    mean.drag_sigma = ((square / n - mean.drag.cwiseAbs2()).cwiseMax(0.0) / (n - 1.0)).cwiseSqrt();
   return mean;
 }
 

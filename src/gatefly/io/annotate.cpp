@@ -15,9 +15,13 @@ constexpr int kLargestSide = 1600;  // [px]
 constexpr double kLargestScale = 3.0;
 
 /// Light letters on a dark plate, wholly inside the picture: readable on any background.
-void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d& above, const Color& color) {
+void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d& above,
+                const Color& color) {
   const Lettering lettering{.color = look::kBackground, .size = 13.0, .bold = true};
-  Box plate{.x = above.x(), .y = above.y() - 26.0, .width = canvas.text_width(label, lettering) + 12.0, .height = 19.0};
+  Box plate{.x = above.x(),
+            .y = above.y() - 26.0,
+            .width = canvas.text_width(label, lettering) + 12.0,
+            .height = 19.0};
   plate.x = std::clamp(plate.x, 2.0, std::max(2.0, canvas.width() - plate.width - 2.0));
   plate.y = std::clamp(plate.y, 2.0, std::max(2.0, canvas.height() - plate.height - 2.0));
   canvas.fill(plate, color, 4.0);
@@ -26,44 +30,53 @@ void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d&
 
 std::string label_of(std::size_t rank, const GateDetection& gate) {
   std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%s %zu   %.2f", gate.method == DetectionMethod::kBars ? "part" : "gate", rank, gate.fitness);
+  std::snprintf(text.data(), text.size(), "%s %zu   %.2f",
+                gate.method == DetectionMethod::kBars ? "part" : "gate", rank, gate.fitness);
   return text.data();
 }
 
 }  // namespace
 
 double annotation_scale(const Image& image) {
-  const double fits = static_cast<double>(kLargestSide) / std::max({image.width(), image.height(), 1});
+  const double fits =
+      static_cast<double>(kLargestSide) / std::max({image.width(), image.height(), 1});
   return fits < 1.0 ? fits : std::min(std::floor(fits), kLargestScale);
 }
 
-void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vector2d& at, double scale,
-                    const Stroke& stroke) {
+void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vector2d& at,
+                    double scale, const Stroke& stroke) {
   Quad corners;
   for (std::size_t i = 0; i < corners.size(); ++i)
     corners[i] = at + scale * (gate.corners_px[i] + Eigen::Vector2d{0.5, 0.5});
   const bool is_part = gate.method == DetectionMethod::kBars;
   const auto in_view = [&](std::size_t i) { return !is_part || gate.corner_fitness[i] > 0.0; };
-  for (const Stroke& each : {Stroke{.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0}, stroke}) {
+  for (const Stroke& each :
+       {Stroke{.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0}, stroke}) {
     if (!is_part) canvas.outline(corners, each);
     // Of a part its side bars, and the level ones as far as they are known.
-    if (is_part) canvas.line(corners[0], corners[3], each), canvas.line(corners[1], corners[2], each);
+    if (is_part)
+      canvas.line(corners[0], corners[3], each), canvas.line(corners[1], corners[2], each);
     if (is_part && (in_view(0) || in_view(1))) canvas.line(corners[0], corners[1], each);
     if (is_part && (in_view(2) || in_view(3))) canvas.line(corners[2], corners[3], each);
   }
   // Rings, so that the corner itself stays in sight.
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!in_view(i)) continue;
-    canvas.circle(corners[i], 2.5 * stroke.width, {.color = look::kBackground.faded(0.6), .width = stroke.width + 1.5});
+    canvas.circle(corners[i], 2.5 * stroke.width,
+                  {.color = look::kBackground.faded(0.6), .width = stroke.width + 1.5});
     canvas.circle(corners[i], 2.5 * stroke.width, stroke);
   }
   if (in_view(0)) canvas.disc(corners[0], 1.2 * stroke.width, stroke.color);
 }
 
-void annotate(const Image& image, std::span<const GateDetection> gates, const std::filesystem::path& png) {
-  if (image.empty()) throw std::runtime_error(png.string() + ": cannot be written: the picture is empty");
+void annotate(const Image& image, std::span<const GateDetection> gates,
+              const std::filesystem::path& png) {
+  if (image.empty())
+    throw std::runtime_error(png.string() + ": cannot be written: the picture is empty");
   const double scale = annotation_scale(image);
-  const auto enlarged = [scale](int side) { return std::max(1, static_cast<int>(std::lround(scale * side))); };
+  const auto enlarged = [scale](int side) {
+    return std::max(1, static_cast<int>(std::lround(scale * side)));
+  };
   Canvas canvas(enlarged(image.width()), enlarged(image.height()));
   canvas.image(image, {0, 0}, scale);
 

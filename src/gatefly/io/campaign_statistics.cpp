@@ -16,7 +16,8 @@ std::string cell(const std::string& text) {
 
 std::string cause_of(const nlohmann::json& summary) {
   if (summary.at("finished").get<bool>()) return "finished";
-  if (!summary.at("crash").is_null()) return "crash: " + summary.at("crash").at("object").get<std::string>();
+  if (!summary.at("crash").is_null())
+    return "crash: " + summary.at("crash").at("object").get<std::string>();
   const auto reason = summary.at("stop_reason").get<std::string>();
   if (reason == "abort") return "abort: " + summary.at("abort_reason").get<std::string>();
   return reason;
@@ -25,17 +26,27 @@ std::string cause_of(const nlohmann::json& summary) {
 nlohmann::ordered_json quantiles(const std::vector<double>& values) {
   if (values.empty()) return nullptr;
   nlohmann::ordered_json json;
-  for (const auto& [name, q] :
-       {std::pair{"min", 0.0}, {"p10", 0.1}, {"p25", 0.25}, {"p50", 0.5}, {"p75", 0.75}, {"p90", 0.9}, {"max", 1.0}})
+  for (const auto& [name, q] : {std::pair{"min", 0.0},
+                                {"p10", 0.1},
+                                {"p25", 0.25},
+                                {"p50", 0.5},
+                                {"p75", 0.75},
+                                {"p90", 0.9},
+                                {"max", 1.0}})
     json[name] = quantile(values, q);
   return json;
 }
 
 closed_loop::ChiSquareCount count_of(const nlohmann::json& json) {
-  return {json.at("samples").get<int>(), json.at("sum_per_dof").get<double>(), json.at("inside").get<int>()};
+  return {json.at("samples").get<int>(), json.at("sum_per_dof").get<double>(),
+          json.at("inside").get<int>()};
 }
-double mean_of(const closed_loop::ChiSquareCount& c) { return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0; }
-double inside_of(const closed_loop::ChiSquareCount& c) { return c.samples > 0 ? static_cast<double>(c.inside) / c.samples : 0.0; }
+double mean_of(const closed_loop::ChiSquareCount& c) {
+  return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0;
+}
+double inside_of(const closed_loop::ChiSquareCount& c) {
+  return c.samples > 0 ? static_cast<double>(c.inside) / c.samples : 0.0;
+}
 
 nlohmann::ordered_json pooled(const std::vector<RunRow>& rows) {
   closed_loop::Consistency all;
@@ -43,9 +54,11 @@ nlohmann::ordered_json pooled(const std::vector<RunRow>& rows) {
     to.samples += from.samples, to.sum_per_dof += from.sum_per_dof, to.inside += from.inside;
   };
   for (const RunRow& row : rows)
-    add(all.nees, row.consistency.nees), add(all.nis, row.consistency.nis), all.divergences += row.consistency.divergences;
+    add(all.nees, row.consistency.nees), add(all.nis, row.consistency.nis),
+        all.divergences += row.consistency.divergences;
   const auto json = [](const closed_loop::ChiSquareCount& c) {
-    return nlohmann::ordered_json{{"samples", c.samples}, {"mean_per_dof", mean_of(c)}, {"inside_95", inside_of(c)}};
+    return nlohmann::ordered_json{
+        {"samples", c.samples}, {"mean_per_dof", mean_of(c)}, {"inside_95", inside_of(c)}};
   };
   return {{"nees", json(all.nees)}, {"nis", json(all.nis)}, {"divergences", all.divergences}};
 }
@@ -70,7 +83,8 @@ RunRow row_of(const nlohmann::json& summary) {
   row.searches = summary.at("searches").get<int>();
   if (summary.contains("consistency")) {
     const auto& consistency = summary.at("consistency");
-    row.consistency = {count_of(consistency.at("nees")), count_of(consistency.at("nis")), consistency.at("divergences").get<int>()};
+    row.consistency = {count_of(consistency.at("nees")), count_of(consistency.at("nis")),
+                       consistency.at("divergences").get<int>()};
   }
   return row;
 }
@@ -99,11 +113,12 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
       "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
       "nees_mean,nees_inside,nis_mean,nis_inside,divergences\n";
   for (const RunRow& r : rows) {
-    csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) + "," +
-           std::to_string(r.gates_total) + "," + text_of(r.time) + "," + text_of(r.mean_speed) + "," +
-           text_of(r.max_speed) + "," + cell(r.cause);
+    csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
+           "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," +
+           text_of(r.mean_speed) + "," + text_of(r.max_speed) + "," + cell(r.cause);
     for (const double error : r.rmse) csv += "," + text_of(error);
-    for (const int count : {r.frames, r.true_positives, r.false_positives, r.searches}) csv += "," + std::to_string(count);
+    for (const int count : {r.frames, r.true_positives, r.false_positives, r.searches})
+      csv += "," + std::to_string(count);
     for (const auto& count : {r.consistency.nees, r.consistency.nis})
       csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
     csv += "," + std::to_string(r.consistency.divergences) + "\n";
@@ -117,12 +132,15 @@ nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   long gates = 0, gates_total = 0;
   for (const RunRow& row : rows) {
     gates += row.gates, gates_total += row.gates_total;
-    if (row.finished) times.push_back(row.time), speeds.push_back(row.mean_speed);
-    else causes[row.cause].push_back(row.seed);
+    if (row.finished)
+      times.push_back(row.time), speeds.push_back(row.mean_speed);
+    else
+      causes[row.cause].push_back(row.seed);
   }
   const int runs = static_cast<int>(rows.size()), finished = static_cast<int>(times.size());
   const Interval interval = wilson95(finished, runs);
-  std::vector<std::pair<std::string, std::vector<std::uint64_t>>> ranked(causes.begin(), causes.end());
+  std::vector<std::pair<std::string, std::vector<std::uint64_t>>> ranked(causes.begin(),
+                                                                         causes.end());
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
 

@@ -18,10 +18,11 @@ struct RunRow {
   int gates = 0, gates_total = 0;
   double time = 0.0;                         ///< Motors on to the last gate passed [s].
   double mean_speed = 0.0, max_speed = 0.0;  ///< [m/s]
-  std::string cause;                         ///< "finished", "crash: gate 1 left bar", "abort: ...", "timeout".
-  std::vector<double> rmse;                  ///< Of the estimate, x y z [m].
+  /// "finished", "crash: gate 1 left bar", "abort: ...", "timeout".
+  std::string cause;
+  std::vector<double> rmse;  ///< Of the estimate, x y z [m].
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
-  closed_loop::Consistency consistency;      ///< Nothing in it when an older summary has none.
+  closed_loop::Consistency consistency;  ///< Nothing in it when an older summary has none.
 };
 
 /// @throws std::exception when it is not the summary of a race.
@@ -40,7 +41,8 @@ struct Interval {
 /// runs.csv, one row a seed.
 [[nodiscard]] std::string runs_csv(const std::vector<RunRow>& rows);
 
-/// Rates, quantiles and causes: what campaign.json says about its runs. The same rows, the same bytes.
+/// Rates, quantiles and causes: what campaign.json says about its runs. The same rows, the same
+/// bytes.
 [[nodiscard]] nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows);
 
 }  // namespace gatefly::io

@@ -16,7 +16,9 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-void use(cairo_t* context, const Color& color) { cairo_set_source_rgba(context, color.r, color.g, color.b, color.a); }
+void use(cairo_t* context, const Color& color) {
+  cairo_set_source_rgba(context, color.r, color.g, color.b, color.a);
+}
 
 void use(cairo_t* context, const Lettering& lettering) {
   cairo_select_font_face(context, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
@@ -27,14 +29,18 @@ void use(cairo_t* context, const Lettering& lettering) {
 void check(cairo_surface_t* surface) {
   const cairo_status_t status = cairo_surface_status(surface);
   if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error(std::string{"no picture to draw on: "} + cairo_status_to_string(status));
+    throw std::runtime_error(std::string{"no picture to draw on: "} +
+                             cairo_status_to_string(status));
 }
 
 /// A pixel as Cairo keeps it: 0x00RRGGBB in the machine's own byte order. JFIF 1.02, full range.
 std::uint32_t pixel_of(const Yuv& c) {
   const double y = c.y, u = c.u - 128.0, v = c.v - 128.0;
-  const auto part = [](double x) { return static_cast<std::uint32_t>(std::clamp(std::lround(x), 0L, 255L)); };
-  return part(y + 1.402 * v) << 16 | part(y - 0.344136 * u - 0.714136 * v) << 8 | part(y + 1.772 * u);
+  const auto part = [](double x) {
+    return static_cast<std::uint32_t>(std::clamp(std::lround(x), 0L, 255L));
+  };
+  return part(y + 1.402 * v) << 16 | part(y - 0.344136 * u - 0.714136 * v) << 8 |
+         part(y + 1.772 * u);
 }
 
 cairo_status_t append(void* file, const unsigned char* bytes, unsigned length) try {
@@ -50,7 +56,8 @@ void Canvas::Free::operator()(cairo_t* context) const { cairo_destroy(context); 
 void Canvas::Free::operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
 
 Canvas::Canvas(int width, int height, const Color& background)
-    : surface_{cairo_image_surface_create(CAIRO_FORMAT_RGB24, std::max(width, 0), std::max(height, 0))} {
+    : surface_{
+          cairo_image_surface_create(CAIRO_FORMAT_RGB24, std::max(width, 0), std::max(height, 0))} {
   check(surface_.get());
   if (width < 1 || height < 1) throw std::runtime_error("no picture to draw on: it has no pixels");
   context_.reset(cairo_create(surface_.get()));
@@ -131,7 +138,9 @@ double Canvas::text_width(const std::string& line, const Lettering& lettering) {
 }
 
 void Canvas::text(const Eigen::Vector2d& at, const std::string& line, const Lettering& lettering) {
-  const double part = lettering.align == Align::kLeft ? 0.0 : lettering.align == Align::kCenter ? 0.5 : 1.0;
+  const double part = lettering.align == Align::kLeft     ? 0.0
+                      : lettering.align == Align::kCenter ? 0.5
+                                                          : 1.0;
   const double x = at.x() - part * text_width(line, lettering);
   use(context_.get(), lettering.color);
   cairo_move_to(context_.get(), x, at.y());
@@ -148,7 +157,8 @@ void Canvas::image(const Image& image, const Eigen::Vector2d& at, double scale) 
   for (int v = 0; v < image.height(); ++v)
     for (int u = 0; u < image.width(); ++u) {
       const std::uint32_t pixel = pixel_of(image.at(u, v));
-      std::memcpy(bytes + static_cast<std::size_t>(v) * stride + 4 * static_cast<std::size_t>(u), &pixel, 4);
+      std::memcpy(bytes + static_cast<std::size_t>(v) * stride + 4 * static_cast<std::size_t>(u),
+                  &pixel, 4);
     }
   cairo_surface_mark_dirty(source.get());
 
@@ -157,7 +167,8 @@ void Canvas::image(const Image& image, const Eigen::Vector2d& at, double scale) 
   cairo_translate(c, at.x(), at.y());
   cairo_scale(c, scale, scale);
   cairo_set_source_surface(c, source.get(), 0.0, 0.0);
-  cairo_pattern_set_filter(cairo_get_source(c), scale < 1.0 ? CAIRO_FILTER_GOOD : CAIRO_FILTER_NEAREST);
+  cairo_pattern_set_filter(cairo_get_source(c),
+                           scale < 1.0 ? CAIRO_FILTER_GOOD : CAIRO_FILTER_NEAREST);
   cairo_paint(c);
   cairo_restore(c);
 }
@@ -179,7 +190,8 @@ std::vector<std::uint8_t> Canvas::rgb() const {
   cairo_surface_flush(surface_.get());
   const unsigned char* const bytes = cairo_image_surface_get_data(surface_.get());
   const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_.get()));
-  const auto columns = static_cast<std::size_t>(width()), lines = static_cast<std::size_t>(height());
+  const auto columns = static_cast<std::size_t>(width()),
+             lines = static_cast<std::size_t>(height());
   std::vector<std::uint8_t> out(3 * columns * lines);
   std::uint8_t* to = out.data();
   for (std::size_t y = 0; y < lines; ++y)
@@ -197,7 +209,8 @@ void Canvas::write_png(const std::filesystem::path& path) const {
   std::string file;
   const cairo_status_t status = cairo_surface_write_to_png_stream(surface_.get(), append, &file);
   if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error(path.string() + ": cannot be written: " + cairo_status_to_string(status));
+    throw std::runtime_error(path.string() +
+                             ": cannot be written: " + cairo_status_to_string(status));
   write_file(path, file);
 }
 

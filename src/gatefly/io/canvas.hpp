@@ -31,23 +31,26 @@ struct Color {
 
 /// The one look of every picture that gatefly draws.
 namespace look {
-inline constexpr Color kBackground = color_of(0x10141a), kPanel = color_of(0x171d26), kSolid = color_of(0x2b3542);
-inline constexpr Color kInk = color_of(0xe6edf3), kMuted = color_of(0x8b98a7), kFaint = color_of(0x3a4655);
+inline constexpr Color kBackground = color_of(0x10141a), kPanel = color_of(0x171d26),
+                       kSolid = color_of(0x2b3542);
+inline constexpr Color kInk = color_of(0xe6edf3), kMuted = color_of(0x8b98a7),
+                       kFaint = color_of(0x3a4655);
 inline constexpr Color kGate = color_of(0xff8c1a), kDetection = color_of(0x22d3ee);
-inline constexpr Color kFlown = color_of(0x7ee787), kEstimate = color_of(0xf472b6), kPlan = color_of(0x64748b);
+inline constexpr Color kFlown = color_of(0x7ee787), kEstimate = color_of(0xf472b6),
+                       kPlan = color_of(0x64748b);
 }  // namespace look
 
 struct Stroke {
   Color color = look::kInk;
-  double width = 1.5;   ///< [px]
-  double dash = 0.0;    ///< Length of dashes and gaps [px]; 0: one line.
+  double width = 1.5;  ///< [px]
+  double dash = 0.0;   ///< Length of dashes and gaps [px]; 0: one line.
 };
 
 enum class Align { kLeft, kCenter, kRight };
 
 struct Lettering {
   Color color = look::kInk;
-  double size = 13.0;   ///< [px]
+  double size = 13.0;  ///< [px]
   Align align = Align::kLeft;
   bool bold = false;
 };
@@ -73,9 +76,9 @@ class Canvas {
 
   void fill(const Box& box, const Color& color, double corner_radius = 0.0);
   void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Stroke& stroke);
-  void polyline(Points points, const Stroke& stroke);           ///< Open.
-  void outline(Points points, const Stroke& stroke);            ///< Closed.
-  void polygon(Points points, const Color& color);              ///< Filled.
+  void polyline(Points points, const Stroke& stroke);  ///< Open.
+  void outline(Points points, const Stroke& stroke);   ///< Closed.
+  void polygon(Points points, const Color& color);     ///< Filled.
   void disc(const Eigen::Vector2d& center, double radius, const Color& color);
   void circle(const Eigen::Vector2d& center, double radius, const Stroke& stroke);
   /// One line; `at` is on its baseline, at the end that `align` says.
@@ -92,7 +95,8 @@ class Canvas {
 
   /// R G B, 3 bytes a pixel, line by line without padding.
   [[nodiscard]] std::vector<std::uint8_t> rgb() const;
-  /// Writes it whole or not at all. @throws std::runtime_error naming the file and why it cannot be written.
+  /// Writes it whole or not at all. @throws std::runtime_error naming the file and why it cannot be
+  /// written.
   void write_png(const std::filesystem::path& path) const;
 
  private:

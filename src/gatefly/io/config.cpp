@@ -30,7 +30,8 @@ std::vector<std::string> key_names() {
 
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+  return first == std::string::npos ? ""
+                                    : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 std::vector<std::string> section_names() {
@@ -39,8 +40,8 @@ std::vector<std::string> section_names() {
   return {sections.begin(), sections.end()};
 }
 
-/// What somebody who wrote `name` meant: the key of that name in another section, or of a like name in
-/// this one, or any like it.
+/// What somebody who wrote `name` meant: the key of that name in another section, or of a like name
+/// in this one, or any like it.
 std::string key_suggestion(const std::string& name) {
   const auto section = name.substr(0, name.find('.') + 1);  // "" when there is none
   const std::string last = name.substr(section.size());
@@ -50,7 +51,8 @@ std::string key_suggestion(const std::string& name) {
     if (!section.empty() && key.starts_with(section)) beside.push_back(key.substr(section.size()));
   }
   if (!same.empty()) return ", did you mean '" + nearest(name, same) + "'?";
-  if (!suggestion(last, beside).empty()) return ", did you mean '" + section + nearest(last, beside) + "'?";
+  if (!suggestion(last, beside).empty())
+    return ", did you mean '" + section + nearest(last, beside) + "'?";
   const std::string any = beside.empty() ? suggestion(name, key_names()) : "";
   return any.empty() ? ", gatefly config --show lists them all" : any;
 }
@@ -63,16 +65,27 @@ std::string beside(const std::string& where, const std::string& name) {
 
 /// Keys of the colour box and of the searches that used it: known, so that older files still load.
 bool is_retired(const std::string& name) {
-  static const std::set<std::string> retired{
-      "color.y_min", "color.y_max", "color.cb_min", "color.cb_max", "color.cr_min", "color.cr_max", "color.min_chroma",
-      "detector.open_samples", "detector.open_min_width_px", "detector.bars_min_height", "detector.bars_min_ratio",
-      "detector.bars_smoothing_px", "detector.bars_min_gap_px"};
+  static const std::set<std::string> retired{"color.y_min",
+                                             "color.y_max",
+                                             "color.cb_min",
+                                             "color.cb_max",
+                                             "color.cr_min",
+                                             "color.cr_max",
+                                             "color.min_chroma",
+                                             "detector.open_samples",
+                                             "detector.open_min_width_px",
+                                             "detector.bars_min_height",
+                                             "detector.bars_min_ratio",
+                                             "detector.bars_smoothing_px",
+                                             "detector.bars_min_gap_px"};
   return retired.contains(name);
 }
 
 void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
   if (is_retired(name)) {
-    config.notes.push_back(where + ": " + name + " has no effect any more: color.rgb or color.table says what a gate looks like");
+    config.notes.push_back(
+        where + ": " + name +
+        " has no effect any more: color.rgb or color.table says what a gate looks like");
     return;
   }
   if (name.starts_with("randomize.")) {
@@ -83,20 +96,25 @@ void set_key(Config& config, const std::string& name, const json& value, const s
     const auto found = std::find_if(keys.begin(), keys.end(),
                                     [&](const auto& key) { return key.rule.name == name; });
     if (found == keys.end())
-      throw std::runtime_error(where + ": " + one_line(name) + " is not a known key" + key_suggestion(name));
+      throw std::runtime_error(where + ": " + one_line(name) + " is not a known key" +
+                               key_suggestion(name));
     json allowed = checked(found->rule, value, where);
-    if (found->rule.kind == KeyRule::Kind::kFile) allowed = beside(where, allowed.get<std::string>());
+    if (found->rule.kind == KeyRule::Kind::kFile)
+      allowed = beside(where, allowed.get<std::string>());
     found->set(config, allowed);
   }
   config.set_by[name] = where;
 }
 
-[[noreturn]] void unknown_section(const std::string& section, const json& content, const std::string& file) {
+[[noreturn]] void unknown_section(const std::string& section, const json& content,
+                                  const std::string& file) {
   const std::string where = file + ": ";
   if (!content.is_object())
-    throw std::runtime_error(where + one_line(section) + " stands outside every [section]" + key_suggestion(section));
+    throw std::runtime_error(where + one_line(section) + " stands outside every [section]" +
+                             key_suggestion(section));
   throw std::runtime_error(where + "[" + one_line(section) + "] is not a known section" +
-                           suggestion(section, section_names()) + " (there are: " + joined(section_names()) + ")");
+                           suggestion(section, section_names()) +
+                           " (there are: " + joined(section_names()) + ")");
 }
 
 void read_config_file(Config& config, const std::filesystem::path& path) {
@@ -106,19 +124,23 @@ void read_config_file(Config& config, const std::filesystem::path& path) {
     if (std::find(sections.begin(), sections.end(), section) == sections.end())
       unknown_section(section, table, path.string());
     if (!table.is_object())
-      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) + ", must be a section: [" +
-                               section + "] on a line of its own, its keys below");
-    for (const auto& [key, value] : table.items()) set_key(config, section + "." + key, value, path.string());
+      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) +
+                               ", must be a section: [" + section +
+                               "] on a line of its own, its keys below");
+    for (const auto& [key, value] : table.items())
+      set_key(config, section + "." + key, value, path.string());
   }
 }
 
 /// `low` may not be above `high`, whoever set them.
-void ordered(const Config& config, const char* low_key, double low, const char* high_key, double high) {
+void ordered(const Config& config, const char* low_key, double low, const char* high_key,
+             double high) {
   if (low <= high) return;
-  const auto who = config.set_by.contains(low_key) ? config.set_by.at(low_key)
-                   : config.set_by.contains(high_key) ? config.set_by.at(high_key) : "default";
-  throw std::runtime_error(who + ": " + low_key + " = " + text_of(low) + ", must be at most " + high_key +
-                           " = " + text_of(high));
+  const auto who = config.set_by.contains(low_key)    ? config.set_by.at(low_key)
+                   : config.set_by.contains(high_key) ? config.set_by.at(high_key)
+                                                      : "default";
+  throw std::runtime_error(who + ": " + low_key + " = " + text_of(low) + ", must be at most " +
+                           high_key + " = " + text_of(high));
 }
 
 /// What camera.distortion has to hold for a model.
@@ -129,11 +151,13 @@ struct LensRule {
 };
 
 const LensRule& lens_rule(const std::string& model) {
-  static const std::array<LensRule, 4> rules{{{"dhane", {"k"}, 0.5, 2},
-                                              {"pinhole", {}, 0, 0},
-                                              {"brown-conrady", {"k1", "k2", "p1", "p2", "k3"}, -1000, 1000},
-                                              {"kannala-brandt", {"k1", "k2", "k3", "k4"}, -1000, 1000}}};
-  return *std::find_if(rules.begin(), rules.end() - 1, [&](const LensRule& rule) { return rule.model == model; });
+  static const std::array<LensRule, 4> rules{
+      {{"dhane", {"k"}, 0.5, 2},
+       {"pinhole", {}, 0, 0},
+       {"brown-conrady", {"k1", "k2", "p1", "p2", "k3"}, -1000, 1000},
+       {"kannala-brandt", {"k1", "k2", "k3", "k4"}, -1000, 1000}}};
+  return *std::find_if(rules.begin(), rules.end() - 1,
+                       [&](const LensRule& rule) { return rule.model == model; });
 }
 
 void check_distortion(const Config& c) {
@@ -144,12 +168,15 @@ void check_distortion(const Config& c) {
                     std::all_of(c.distortion.begin(), c.distortion.end(),
                                 [&](double each) { return each >= rule.low && each <= rule.high; });
   if (fits) return;
-  const std::string need = rule.coefficients.empty() ? "[]"
-                           : std::to_string(rule.coefficients.size()) + " number" +
-                                 (rule.coefficients.size() == 1 ? "" : "s") + " [" + joined(rule.coefficients) +
-                                 "] in " + text_of(rule.low) + ".." + text_of(rule.high);
-  throw std::runtime_error(c.set_by.at(given ? "camera.distortion" : "camera.model") + ": camera.distortion = " +
-                           shown(json(c.distortion)) + (given ? "" : " (the default)") + ", must be " + need +
+  const std::string need = rule.coefficients.empty()
+                               ? "[]"
+                               : std::to_string(rule.coefficients.size()) + " number" +
+                                     (rule.coefficients.size() == 1 ? "" : "s") + " [" +
+                                     joined(rule.coefficients) + "] in " + text_of(rule.low) +
+                                     ".." + text_of(rule.high);
+  throw std::runtime_error(c.set_by.at(given ? "camera.distortion" : "camera.model") +
+                           ": camera.distortion = " + shown(json(c.distortion)) +
+                           (given ? "" : " (the default)") + ", must be " + need +
                            " with camera.model = \"" + c.camera_model + "\"");
 }
 
@@ -198,7 +225,10 @@ void derive(Config& c) {
 
   const double bar = c.gate_bar / c.gate_side;
   c.pilot.detector.bar_ratio = bar;
-  c.pilot.detector.corner_scale = (c.gate_corners == "outer" ? 1.0 : c.gate_corners == "inner" ? 1.0 - 2.0 * bar : 1.0 - bar) / (1.0 - bar);
+  c.pilot.detector.corner_scale = (c.gate_corners == "outer"   ? 1.0
+                                   : c.gate_corners == "inner" ? 1.0 - 2.0 * bar
+                                                               : 1.0 - bar) /
+                                  (1.0 - bar);
   c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
 
   const VehicleParams& known = c.pilot.vehicle;
@@ -228,7 +258,8 @@ Config::Config() {
   derive(*this);
 }
 
-Config load_config(std::span<const std::filesystem::path> files, std::span<const std::string> settings) {
+Config load_config(std::span<const std::filesystem::path> files,
+                   std::span<const std::string> settings) {
   Config config;
   for (const auto& file : files) read_config_file(config, file);
   for (const std::string& setting : settings) {
@@ -253,20 +284,25 @@ std::vector<std::filesystem::path> config_files(std::span<const std::string> nam
 std::string show(const Config& config) {
   std::ostringstream text;
   std::string section;
-  const auto line = [&](const std::string& name, const std::string& value, const std::string& source) {
+  const auto line = [&](const std::string& name, const std::string& value,
+                        const std::string& source) {
     const auto dot = name.find('.');
     if (name.substr(0, dot) != section) {
       text << (section.empty() ? "" : "\n") << '[' << (section = name.substr(0, dot)) << "]\n";
     }
     const auto set_by = config.set_by.find(name);
     const std::string unit = unit_of(name);
-    text << std::left << std::setw(28) << name.substr(dot + 1) << " = " << std::setw(22)
-         << value << "  # " << (unit.empty() ? "" : unit + ", ")
-         << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second) << '\n';
+    text << std::left << std::setw(28) << name.substr(dot + 1) << " = " << std::setw(22) << value
+         << "  # " << (unit.empty() ? "" : unit + ", ")
+         << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second)
+         << '\n';
   };
-  for (const auto& key : config_keys()) line(key.rule.name, shown(key.get(config)), key.rule.source);
+  for (const auto& key : config_keys())
+    line(key.rule.name, shown(key.get(config)), key.rule.source);
   const json& over = config.randomize;
-  const auto or_track = [&](const std::string& key) { return over.contains(key) ? shown(over[key]) : "\"track's\""; };
+  const auto or_track = [&](const std::string& key) {
+    return over.contains(key) ? shown(over[key]) : "\"track's\"";
+  };
   line("randomize.level", or_track("level"), "the track file's");
   for (const auto& key : randomize_keys())
     line(key.rule.name, or_track(key.rule.name.substr(10)), "the track file's");

@@ -6,7 +6,8 @@
 #include "gatefly/io/config.hpp"
 
 // The member behind a key, for const and mutable configurations alike.
-#define AT(expression) [](auto& c) -> auto& { return c.expression; }
+#define AT(expression) \
+  [](auto& c) -> auto& { return c.expression; }
 
 namespace gatefly::io {
 namespace {
@@ -15,14 +16,20 @@ using Keys = std::vector<Key<Config>>;
 constexpr double kMilli = 1e-3, kMicro = 1e-6;
 
 template <class Member>
-Key<Config> k(const char* name, double low, double high, Member member, const char* source, double unit = 1.0) {
+Key<Config> k(const char* name, double low, double high, Member member, const char* source,
+              double unit = 1.0) {
   return key<Config>(name, low, high, member, source, unit);
 }
 
 Key<Config> size_key() {
   Key<Config> size;
-  size.rule = {.name = "camera.size_px", .low = 16, .high = 4096, .source = "Bebop, scaler 1/8",
-               .kind = KeyRule::Kind::kNumbers, .count = 2, .whole = true};
+  size.rule = {.name = "camera.size_px",
+               .low = 16,
+               .high = 4096,
+               .source = "Bebop, scaler 1/8",
+               .kind = KeyRule::Kind::kNumbers,
+               .count = 2,
+               .whole = true};
   size.get = [](const Config& c) { return nlohmann::json{c.width, c.height}; };
   size.set = [](Config& c, const nlohmann::json& v) {
     c.width = v[0].get<int>();
@@ -31,17 +38,23 @@ Key<Config> size_key() {
   return size;
 }
 
-/// As many coefficients as the model has; how many that are is checked with the model. One may stand alone.
+/// As many coefficients as the model has; how many that are is checked with the model. One may
+/// stand alone.
 Key<Config> distortion_key() {
   Key<Config> distortion;
-  distortion.rule = {.name = "camera.distortion", .low = -1000, .high = 1000,
+  distortion.rule = {.name = "camera.distortion",
+                     .low = -1000,
+                     .high = 1000,
                      .source = "dhane: k; fit on flights 3, 4, 10: 1.03-1.08",
-                     .kind = KeyRule::Kind::kNumberOrList, .count = 5};
+                     .kind = KeyRule::Kind::kNumberOrList,
+                     .count = 5};
   distortion.get = [](const Config& c) {
-    return c.distortion.size() == 1 ? nlohmann::json(c.distortion[0]) : nlohmann::json(c.distortion);
+    return c.distortion.size() == 1 ? nlohmann::json(c.distortion[0])
+                                    : nlohmann::json(c.distortion);
   };
   distortion.set = [](Config& c, const nlohmann::json& v) {
-    c.distortion = v.is_array() ? v.get<std::vector<double>>() : std::vector<double>{v.get<double>()};
+    c.distortion =
+        v.is_array() ? v.get<std::vector<double>>() : std::vector<double>{v.get<double>()};
   };
   return distortion;
 }
@@ -49,9 +62,15 @@ Key<Config> distortion_key() {
 /// Two plain members as one pair.
 Key<Config> arm_key() {
   Key<Config> arm;
-  arm.rule = {.name = "vehicle.arm_m", .low = 0.01, .high = 2, .source = "Bebop, measured on drawings",
-              .kind = KeyRule::Kind::kNumbers, .count = 2};
-  arm.get = [](const Config& c) { return nlohmann::json{c.pilot.vehicle.arm_x, c.pilot.vehicle.arm_y}; };
+  arm.rule = {.name = "vehicle.arm_m",
+              .low = 0.01,
+              .high = 2,
+              .source = "Bebop, measured on drawings",
+              .kind = KeyRule::Kind::kNumbers,
+              .count = 2};
+  arm.get = [](const Config& c) {
+    return nlohmann::json{c.pilot.vehicle.arm_x, c.pilot.vehicle.arm_y};
+  };
   arm.set = [](Config& c, const nlohmann::json& v) {
     c.pilot.vehicle.arm_x = v[0].get<double>();
     c.pilot.vehicle.arm_y = v[1].get<double>();
@@ -61,17 +80,21 @@ Key<Config> arm_key() {
 
 Keys camera_keys() {
   return {
-      choice<Config>("camera.model", {"dhane", "pinhole", "brown-conrady", "kannala-brandt"}, AT(camera_model),
-                     "Dhane et al. 2012"),
+      choice<Config>("camera.model", {"dhane", "pinhole", "brown-conrady", "kannala-brandt"},
+                     AT(camera_model), "Dhane et al. 2012"),
       size_key(),
       k("camera.focal_px", 10, 10000, AT(focal_px), "Li18 flight code"),
-      k("camera.center_px", -4096, 8192, AT(center_px), "authors' flight code and data: (157, 35 from below)"),
+      k("camera.center_px", -4096, 8192, AT(center_px),
+        "authors' flight code and data: (157, 35 from below)"),
       distortion_key(),
       k("camera.stored_rotation_deg", 0, 270, AT(stored_rotation_deg), "the sensor is turned"),
-      k("camera.tilt_deg", -90, 90, AT(sim.camera.tilt_down), "down; authors' flight code and data: 16-20", kDegree),
+      k("camera.tilt_deg", -90, 90, AT(sim.camera.tilt_down),
+        "down; authors' flight code and data: 16-20", kDegree),
       k("camera.position_m", -2, 2, AT(sim.camera.p_BC), "in the body frame; Bebop's nose"),
-      k("camera.latency_ms", 0, 500, AT(camera_latency), "end of read-out to arrival; simulation.md", kMilli),
-      k("camera.readout_ms", 0, 200, AT(sim.camera.readout), "first to last line; simulation.md", kMilli),
+      k("camera.latency_ms", 0, 500, AT(camera_latency),
+        "end of read-out to arrival; simulation.md", kMilli),
+      k("camera.readout_ms", 0, 200, AT(sim.camera.readout), "first to last line; simulation.md",
+        kMilli),
       k("camera.exposure_ms", 0.01, 100, AT(sim.camera.exposure), "longest; simulation.md", kMilli),
       k("camera.rate_hz", 1, 120, AT(sim.sensors.camera_hz), "MT9F002_TARGET_FPS 15"),
   };
@@ -81,33 +104,49 @@ Keys detection_keys() {
   return {
       k("color.rgb", 0, 1, AT(gate_rgb), "orange, as cameras see it; ours"),
       file_name<Config>("color.table", AT(color_table), "none: color.rgb; gatefly tune writes one"),
-      choice<Config>("detector.mode", {"ours", "fast", "careful", "paper", "flown"}, AT(detector_mode),
-                     "of detect; paper: ROC study, flown: basement, March 2018, each with its own colours and numbers"),
-      k("detector.min_score", -5, 10, AT(pilot.detector.min_score), "one such frame in two is a gate; docs/paper/results.md"),
-      k("detector.sure_score", -5, 20, AT(pilot.detector.sure_score), "a frame of the fast search that needs no careful one; ours"),
-      k("detector.max_roll_deg", 0, 90, AT(pilot.detector.max_roll_deg), "turns that are tried; ours"),
-      k("detector.min_side_px", 1, 500, AT(pilot.detector.min_side_px), "of the bars' middle lines; ours"),
-      k("detector.max_inside", -3, 3, AT(pilot.detector.max_inside), "evidence in the opening, nats; ours"),
-      k("detector.size_bonus", 0, 5, AT(pilot.detector.weights.size), "score with every doubling of the side; labelled sets"),
-      k("detector.max_aspect", 1, 20, AT(pilot.detector.max_aspect), "longest side / shortest; ours"),
+      choice<Config>("detector.mode", {"ours", "fast", "careful", "paper", "flown"},
+                     AT(detector_mode),
+                     "of detect; paper: ROC study, flown: basement, March 2018, each with its own "
+                     "colours and numbers"),
+      k("detector.min_score", -5, 10, AT(pilot.detector.min_score),
+        "one such frame in two is a gate; docs/paper/results.md"),
+      k("detector.sure_score", -5, 20, AT(pilot.detector.sure_score),
+        "a frame of the fast search that needs no careful one; ours"),
+      k("detector.max_roll_deg", 0, 90, AT(pilot.detector.max_roll_deg),
+        "turns that are tried; ours"),
+      k("detector.min_side_px", 1, 500, AT(pilot.detector.min_side_px),
+        "of the bars' middle lines; ours"),
+      k("detector.max_inside", -3, 3, AT(pilot.detector.max_inside),
+        "evidence in the opening, nats; ours"),
+      k("detector.size_bonus", 0, 5, AT(pilot.detector.weights.size),
+        "score with every doubling of the side; labelled sets"),
+      k("detector.max_aspect", 1, 20, AT(pilot.detector.max_aspect),
+        "longest side / shortest; ours"),
       k("gate.side_m", 0.3, 5, AT(gate_side), "outer side; Bebop gates"),
       k("gate.bar_m", 0.005, 1, AT(gate_bar), "docs/conventions.md"),
-      choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate_corners), "docs/conventions.md"),
+      choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate_corners),
+                     "docs/conventions.md"),
       k("gate.map_sigma_m", 0.001, 5, AT(pilot.map_sigma), "ours"),
       k("gate.height_sigma_m", 0, 2, AT(pilot.gate_height_sigma), "simulation.md"),
       k("gate.heading_sigma_deg", 0.01, 90, AT(pilot.gate_yaw_sigma), "ours", kDegree),
-      k("pose.corner_sigma_px", 0.1, 100, AT(pilot.pose.corner_sigma_px), "authors' detections: 3 px robust"),
+      k("pose.corner_sigma_px", 0.1, 100, AT(pilot.pose.corner_sigma_px),
+        "authors' detections: 3 px robust"),
       k("pose.attitude_sigma_deg", 0, 45, AT(pilot.pose.attitude_sigma), "ours", kDegree),
-      k("pose.heading_sigma_deg", 0, 45, AT(pilot.pose.heading_sigma), "ours: map 3°, gyro", kDegree),
+      k("pose.heading_sigma_deg", 0, 45, AT(pilot.pose.heading_sigma), "ours: map 3°, gyro",
+        kDegree),
       k("pose.max_lateral_m", 0.1, 100, AT(pilot.pose.max_lateral), "Li18 flight code"),
       k("pose.max_distance_m", 0.5, 100, AT(pilot.pose.max_distance), "ours: 1 m is 19 px there"),
       k("pose.min_bars_distance_m", 0.05, 10, AT(pilot.pose.min_bars_distance), "Li18 flight code"),
       k("pose.max_bars_distance_m", 0.05, 10, AT(pilot.pose.max_bars_distance), "Li18 flight code"),
-      k("pose.max_misfit", 0.1, 1000, AT(pilot.pose.max_misfit), "mean squared residual / σ²; ours"),
+      k("pose.max_misfit", 0.1, 1000, AT(pilot.pose.max_misfit),
+        "mean squared residual / σ²; ours"),
       k("pose.bars_sigma_m", 0.001, 1, AT(pilot.pose.bars_sigma), "at 1 m; ours"),
-      k("pose.scale_sigma", 0, 1, AT(pilot.pose.scale_sigma), "part of the distance; ours: 30 races"),
-      k("pose.white_px", 0.01, 100, AT(pilot.pose.white_px), "new in every picture; ours: 30 races"),
-      k("pose.white_part_px", 0.01, 100, AT(pilot.pose.white_part_px), "the same of lower corners and bars; ours: 30 races"),
+      k("pose.scale_sigma", 0, 1, AT(pilot.pose.scale_sigma),
+        "part of the distance; ours: 30 races"),
+      k("pose.white_px", 0.01, 100, AT(pilot.pose.white_px),
+        "new in every picture; ours: 30 races"),
+      k("pose.white_part_px", 0.01, 100, AT(pilot.pose.white_part_px),
+        "the same of lower corners and bars; ours: 30 races"),
   };
 }
 
@@ -126,17 +165,22 @@ Keys estimation_keys() {
       k("ahrs.heading_process", 0, 1, AT(pilot.ahrs.heading_process), "rad/√s; ours"),
       k("ahrs.bias_process", 0, 1, AT(pilot.ahrs.bias_process), "rad/s/√s; ours"),
       k("ahrs.start_heading_sigma_deg", 0, 90, AT(pilot.ahrs.start_heading_sigma), "ours", kDegree),
-      k("filter.drag_per_s", -5, -0.01, AT(pilot.filter.model.drag), "k_x, k_y; 14 recorded flights"),
+      k("filter.drag_per_s", -5, -0.01, AT(pilot.filter.model.drag),
+        "k_x, k_y; 14 recorded flights"),
       k("filter.position_noise", 0, 100, AT(pilot.filter.position_noise), "m²/s; ours"),
       k("filter.vertical_noise", 0, 100, AT(pilot.filter.vertical_noise), "(m/s)²/s; ours"),
       k("filter.bias_noise", 0, 100, AT(pilot.filter.bias_noise), "(m/s²)²/s; ours"),
       k("filter.start_sigma_m", 0.001, 10, AT(pilot.filter.start_sigma), "on the pad; ours"),
-      k("filter.start_bias_sigma_mps2", 0.001, 10, AT(pilot.filter.start_bias_sigma), "after rest; ours"),
-      k("filter.gate_sigma", 0.5, 100, AT(pilot.filter.gate_sigma), "fixes farther off are refused; ours"),
+      k("filter.start_bias_sigma_mps2", 0.001, 10, AT(pilot.filter.start_bias_sigma),
+        "after rest; ours"),
+      k("filter.gate_sigma", 0.5, 100, AT(pilot.filter.gate_sigma),
+        "fixes farther off are refused; ours"),
       k("filter.sonar_sigma_m", 0.001, 10, AT(pilot.altimeter.sonar_sigma), "ours"),
       k("filter.baro_sigma_m", 0.001, 10, AT(pilot.altimeter.baro_sigma), "ours"),
-      k("filter.sonar_max_step_m", 0.01, 10, AT(pilot.altimeter.max_step), "nearer is furniture; ours"),
-      k("filter.max_disagreement_m", 0.01, 10, AT(pilot.altimeter.max_disagreement), "sonar, barometer; ours"),
+      k("filter.sonar_max_step_m", 0.01, 10, AT(pilot.altimeter.max_step),
+        "nearer is furniture; ours"),
+      k("filter.max_disagreement_m", 0.01, 10, AT(pilot.altimeter.max_disagreement),
+        "sonar, barometer; ours"),
       k("filter.baro_time_s", 0.01, 60, AT(pilot.altimeter.baro_time), "smoothing; ours"),
       k("filter.baro_drift_time_s", 0.1, 600, AT(pilot.altimeter.drift_time), "ours"),
       k("filter.sonar_lost_after_s", 0.1, 60, AT(pilot.altimeter.lost_after), "ours"),
@@ -176,10 +220,12 @@ Keys control_keys() {
       k("control.rest_samples", 1, 100000, AT(pilot.phase.rest_samples), "ours: 1.5 s at 512 Hz"),
       k("control.go_height_m", 0.1, 10, AT(pilot.phase.go_height), "ours"),
       k("control.climb_timeout_s", 0.5, 60, AT(pilot.phase.climb_timeout), "ours"),
-      k("control.search_before_m", 0.2, 10, AT(pilot.phase.search_before), "ours: 1 m stops 1.7 m/s"),
+      k("control.search_before_m", 0.2, 10, AT(pilot.phase.search_before),
+        "ours: 1 m stops 1.7 m/s"),
       k("control.max_lateral_sigma_m", 0.01, 10, AT(pilot.phase.max_lateral_sigma), "ours"),
       k("control.search_timeout_s", 0.5, 120, AT(pilot.phase.search_timeout), "ours"),
-      k("control.max_tilt_deg", 20, 180, AT(pilot.phase.max_tilt), "beyond it the flight is lost", kDegree),
+      k("control.max_tilt_deg", 20, 180, AT(pilot.phase.max_tilt), "beyond it the flight is lost",
+        kDegree),
       k("control.imu_timeout_ms", 5, 5000, AT(pilot.phase.imu_timeout), "ours", kMilli),
   };
 }
@@ -191,7 +237,8 @@ Keys vehicle_keys() {
       arm_key(),
       k("vehicle.thrust_coefficient", 1e-9, 1e-3, AT(pilot.vehicle.thrust_coefficient),
         "N/(rad/s)²; hovers at 7,380 rpm"),
-      k("vehicle.torque_coefficient_m", 1e-4, 1, AT(pilot.vehicle.torque_coefficient), "yaw torque / thrust"),
+      k("vehicle.torque_coefficient_m", 1e-4, 1, AT(pilot.vehicle.torque_coefficient),
+        "yaw torque / thrust"),
       k("vehicle.min_rotor_radps", 0, 20000, AT(pilot.vehicle.min_speed), "ours"),
       k("vehicle.max_rotor_radps", 10, 20000, AT(pilot.vehicle.max_speed), "Bebop: 12,000 rpm"),
       k("vehicle.rotor_time_constant_ms", 1, 500, AT(pilot.vehicle.rotor_time_constant),
@@ -204,9 +251,11 @@ Keys sim_keys() {
   return {
       choice<Config>("sim.ideal_detector", {"ours", "paper"}, AT(sim.ideal_vision.detector),
                      "whose statistics --vision ideal draws from: simulation.md"),
-      k("sim.ghosts_percent", 0, 100, AT(sim.ideal_vision.ghosts), "ideal vision: gates seen as from up to 3 m away", 0.01),
+      k("sim.ghosts_percent", 0, 100, AT(sim.ideal_vision.ghosts),
+        "ideal vision: gates seen as from up to 3 m away", 0.01),
       k("sim.timeout_s", 1, 3600, AT(timeout), "ours"),
-      k("sim.bake_threads", 1, 64, AT(sim.bake_threads), "ours; the light map does not depend on it"),
+      k("sim.bake_threads", 1, 64, AT(sim.bake_threads),
+        "ours; the light map does not depend on it"),
       k("sim.size_m", 0.02, 2, AT(sim.vehicle.size), "with guards: simulation.md"),
       k("sim.propeller_radius_m", 0.01, 1, AT(sim.vehicle.propeller_radius), "Bebop"),
       k("sim.rotor_time_constant_ms", 1, 500, AT(sim.vehicle.rotor_time_constant), "Bebop", kMilli),
@@ -232,7 +281,8 @@ Keys sim_keys() {
 const std::vector<Key<Config>>& config_keys() {
   static const Keys all = [] {
     Keys keys;
-    for (Keys part : {camera_keys(), detection_keys(), estimation_keys(), control_keys(), vehicle_keys(), sim_keys()})
+    for (Keys part : {camera_keys(), detection_keys(), estimation_keys(), control_keys(),
+                      vehicle_keys(), sim_keys()})
       for (Key<Config>& each : part) keys.push_back(std::move(each));
     return keys;
   }();

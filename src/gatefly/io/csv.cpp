@@ -47,7 +47,8 @@ Csv::Csv(const std::filesystem::path& path) : file_{path.string()}, content_{rea
     const auto cells = cells_of(next_line());
     if (cells.size() != header_.size())
       throw std::runtime_error(place(rows_) + ": has " + std::to_string(cells.size()) +
-                               " cells, must have " + std::to_string(header_.size()) + " as the header");
+                               " cells, must have " + std::to_string(header_.size()) +
+                               " as the header");
     cells_.insert(cells_.end(), cells.begin(), cells.end());
     ++rows_;
   }
@@ -66,7 +67,8 @@ bool Csv::has(const std::string& column) const {
 std::size_t Csv::index_of(const std::string& column) const {
   const auto found = std::find(header_.begin(), header_.end(), column);
   if (found == header_.end())
-    throw std::runtime_error(file_ + ":1: has no column '" + column + "'" + suggestion(column, header_));
+    throw std::runtime_error(file_ + ":1: has no column '" + column + "'" +
+                             suggestion(column, header_));
   return static_cast<std::size_t>(found - header_.begin());
 }
 
@@ -77,9 +79,11 @@ std::vector<double> Csv::numbers(const std::string& column) const {
     const std::string_view text = cell(row, index);
     if (text.empty()) continue;
     const auto result = std::from_chars(text.data(), text.data() + text.size(), values[row]);
-    if (result.ec != std::errc{} || result.ptr != text.data() + text.size() || !std::isfinite(values[row]))
-      throw std::runtime_error(place(row) + ":" + std::to_string(index + 1) + ": " + column + " = '" +
-                               std::string{text.substr(0, 40)} + "', must be a number or nothing");
+    if (result.ec != std::errc{} || result.ptr != text.data() + text.size() ||
+        !std::isfinite(values[row]))
+      throw std::runtime_error(place(row) + ":" + std::to_string(index + 1) + ": " + column +
+                               " = '" + std::string{text.substr(0, 40)} +
+                               "', must be a number or nothing");
   }
   return values;
 }

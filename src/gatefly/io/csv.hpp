@@ -11,8 +11,8 @@ namespace gatefly::io {
 /// A table of text cells with a header line; every cell's place is known for error messages.
 class Csv {
  public:
-  /// Reads a comma-separated file: no quotes, every line as wide as the header, one trailing newline
-  /// (or CR LF) allowed.
+  /// Reads a comma-separated file: no quotes, every line as wide as the header, one trailing
+  /// newline (or CR LF) allowed.
   /// @throws std::runtime_error "file:line: what is wrong".
   explicit Csv(const std::filesystem::path& path);
 

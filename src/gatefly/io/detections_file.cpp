@@ -10,19 +10,28 @@
 namespace gatefly::io {
 namespace {
 
-constexpr std::array<const char*, 8> kCorners{"tl_u", "tl_v", "tr_u", "tr_v", "br_u", "br_v", "bl_u", "bl_v"};
+constexpr std::array<const char*, 8> kCorners{"tl_u", "tl_v", "tr_u", "tr_v",
+                                              "br_u", "br_v", "bl_u", "bl_v"};
 
-double coordinate(const Quad& quad, std::size_t k) { return quad[k / 2][static_cast<Eigen::Index>(k % 2)]; }
+double coordinate(const Quad& quad, std::size_t k) {
+  return quad[k / 2][static_cast<Eigen::Index>(k % 2)];
+}
 
 std::string name_of(DetectionMethod method) {
-  return method == DetectionMethod::kFrames ? "frames" : method == DetectionMethod::kBars ? "bars" : "snake";
+  return method == DetectionMethod::kFrames ? "frames"
+         : method == DetectionMethod::kBars ? "bars"
+                                            : "snake";
 }
 
 }  // namespace
 
 DetectionRow row_of(const std::string& image, int rank, const GateDetection& gate) {
-  return {.image = image, .gate = rank, .corners_px = gate.corners_px, .fitness = gate.fitness,
-          .method = name_of(gate.method), .corner_fitness = gate.corner_fitness};
+  return {.image = image,
+          .gate = rank,
+          .corners_px = gate.corners_px,
+          .fitness = gate.fitness,
+          .method = name_of(gate.method),
+          .corner_fitness = gate.corner_fitness};
 }
 
 std::string detections_header() {
@@ -33,7 +42,8 @@ std::string detections_header() {
 
 std::string line_of(const DetectionRow& row) {
   std::string line = row.image + ',' + std::to_string(row.gate);
-  for (std::size_t k = 0; k < kCorners.size(); ++k) line += ',' + text_of(coordinate(row.corners_px, k), 7);
+  for (std::size_t k = 0; k < kCorners.size(); ++k)
+    line += ',' + text_of(coordinate(row.corners_px, k), 7);
   line += ',' + text_of(row.fitness, 4) + ',' + row.method;
   for (const double fitness : row.corner_fitness) line += ',' + text_of(fitness, 3);
   return line + '\n';
@@ -64,7 +74,8 @@ bool is_whole(const Quad& quad) {
 void expect_whole(const Quad& quad, const Csv& csv, std::size_t row) {
   for (std::size_t k = 0; k < kCorners.size(); ++k)
     if (std::isnan(coordinate(quad, k)))
-      throw std::runtime_error(csv.place(row, kCorners[k]) + ": " + kCorners[k] + " = '', must be a number");
+      throw std::runtime_error(csv.place(row, kCorners[k]) + ": " + kCorners[k] +
+                               " = '', must be a number");
 }
 
 std::vector<DetectionRow> read_detections(const std::filesystem::path& path) {
@@ -72,7 +83,8 @@ std::vector<DetectionRow> read_detections(const std::filesystem::path& path) {
   const auto images = csv.texts("image");
   const auto quads = read_corners(csv);
   std::vector<DetectionRow> rows(csv.rows());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {.image = images[i], .corners_px = quads[i]};
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows[i] = {.image = images[i], .corners_px = quads[i]};
 
   if (csv.has("method")) {
     const auto methods = csv.texts("method");
@@ -93,7 +105,8 @@ std::vector<DetectionRow> read_detections(const std::filesystem::path& path) {
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].image.empty())
-      throw std::runtime_error(csv.place(i, "image") + ": image = '', must be a picture's file name");
+      throw std::runtime_error(csv.place(i, "image") +
+                               ": image = '', must be a picture's file name");
     if (rows[i].method != "bars") expect_whole(rows[i].corners_px, csv, i);
   }
   return rows;

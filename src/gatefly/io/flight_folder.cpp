@@ -67,29 +67,35 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   const Csv csv(path);
   if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
   const std::vector<nanoseconds> times = times_of(csv);
-  // A flight without its IMU is none: these must be there. An empty cell stays NaN, as a lost sample.
-  const auto p = csv.numbers("gyro_p_radps"), q = csv.numbers("gyro_q_radps"), r = csv.numbers("gyro_r_radps");
-  const auto ax = csv.numbers("acc_x_mps2"), ay = csv.numbers("acc_y_mps2"), az = csv.numbers("acc_z_mps2");
+  // A flight without its IMU is none: these must be there. An empty cell stays NaN, as a lost
+  // sample.
+  const auto p = csv.numbers("gyro_p_radps"), q = csv.numbers("gyro_q_radps"),
+             r = csv.numbers("gyro_r_radps");
+  const auto ax = csv.numbers("acc_x_mps2"), ay = csv.numbers("acc_y_mps2"),
+             az = csv.numbers("acc_z_mps2");
   const Column sonar(csv, "sonar_m"), baro(csv, "baro_m");
-  const Triple true_p(csv, "ot_", {"x_m", "y_m", "z_m"}), true_v(csv, "ot_", {"vx_mps", "vy_mps", "vz_mps"});
+  const Triple true_p(csv, "ot_", {"x_m", "y_m", "z_m"}),
+      true_v(csv, "ot_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple true_angles(csv, "true_", {"roll_rad", "pitch_rad", "yaw_rad"});
   const Triple ahrs(csv, "ahrs_", {"phi_rad", "theta_rad", "psi_rad"});
-  const Triple est_p(csv, "est_", {"x_m", "y_m", "z_m"}), est_v(csv, "est_", {"vx_mps", "vy_mps", "vz_mps"});
+  const Triple est_p(csv, "est_", {"x_m", "y_m", "z_m"}),
+      est_v(csv, "est_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple est_angles(csv, "est_", {"roll_rad", "pitch_rad", "yaw_rad"});
 
   std::vector<FlightSample> samples(csv.rows());
   for (std::size_t row = 0; row < samples.size(); ++row) {
-    samples[row] = {.time = times[row],
-                    .imu = {.gyro_B = {p[row], q[row], r[row]}, .accel_B = {ax[row], ay[row], az[row]}},
-                    .sonar = sonar.at(row),
-                    .baro = baro.at(row),
-                    .true_p_EB = true_p.at(row),
-                    .true_v_E = true_v.at(row),
-                    .true_attitude = true_angles.attitude(row),
-                    .ahrs = ahrs.attitude(row),
-                    .est_p_EB = est_p.at(row),
-                    .est_v_E = est_v.at(row),
-                    .est_attitude = est_angles.attitude(row)};
+    samples[row] = {
+        .time = times[row],
+        .imu = {.gyro_B = {p[row], q[row], r[row]}, .accel_B = {ax[row], ay[row], az[row]}},
+        .sonar = sonar.at(row),
+        .baro = baro.at(row),
+        .true_p_EB = true_p.at(row),
+        .true_v_E = true_v.at(row),
+        .true_attitude = true_angles.attitude(row),
+        .ahrs = ahrs.attitude(row),
+        .est_p_EB = est_p.at(row),
+        .est_v_E = est_v.at(row),
+        .est_attitude = est_angles.attitude(row)};
   }
   return samples;
 }
@@ -104,12 +110,14 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory, std
   for (std::size_t i = 0; i < csv.rows(); ++i) {
     const std::filesystem::path name{names[i]};
     if (name.empty() || name.has_parent_path())
-      throw std::runtime_error(csv.place(i) + ": image = '" + names[i] + "', must be a file name in this folder");
+      throw std::runtime_error(csv.place(i) + ": image = '" + names[i] +
+                               "', must be a file name in this folder");
     const double row = rows[i];
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
                                std::to_string(log_rows - 1) + ", the rows of log_si.csv");
-    images.push_back({.path = directory / name, .time = times[i], .log_row = static_cast<std::size_t>(row)});
+    images.push_back(
+        {.path = directory / name, .time = times[i], .log_row = static_cast<std::size_t>(row)});
     if (i > 0 && images[i].log_row < images[i - 1].log_row)
       throw std::runtime_error(csv.place(i) + ": log_row runs backwards");
   }
@@ -122,7 +130,8 @@ FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   std::error_code error;
   if (!std::filesystem::is_directory(directory, error))
     throw std::runtime_error(directory.string() + ": is no folder");
-  FlightFolder flight{.directory = directory, .samples = read_log(directory / "log_si.csv"), .images = {}};
+  FlightFolder flight{
+      .directory = directory, .samples = read_log(directory / "log_si.csv"), .images = {}};
   if (std::filesystem::exists(directory / "images.csv", error))
     flight.images = read_images(directory, flight.samples.size());
   return flight;

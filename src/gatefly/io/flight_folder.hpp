@@ -21,8 +21,8 @@ namespace gatefly::io {
 struct FlightSample {
   std::chrono::nanoseconds time{0};
   Imu imu;
-  std::optional<double> sonar = std::nullopt;  ///< [m]
-  std::optional<double> baro = std::nullopt;   ///< [m]
+  std::optional<double> sonar = std::nullopt;               ///< [m]
+  std::optional<double> baro = std::nullopt;                ///< [m]
   std::optional<Eigen::Vector3d> true_p_EB = std::nullopt;  ///< Motion capture or simulator [m].
   std::optional<Eigen::Vector3d> true_v_E = std::nullopt;   ///< [m/s]
   std::optional<Attitude> true_attitude = std::nullopt;     ///< Simulator only.
@@ -45,15 +45,18 @@ struct FlightFolder {
   std::vector<FlightImage> images;    ///< Ascending in log_row.
 };
 
-/// Reads log_si.csv and, if there is one, images.csv; real logs' columns or ours. Pictures stay on disk.
-/// @throws std::runtime_error one line with file and line: unreadable, damaged, time runs backwards.
+/// Reads log_si.csv and, if there is one, images.csv; real logs' columns or ours. Pictures stay on
+/// disk.
+/// @throws std::runtime_error one line with file and line: unreadable, damaged, time runs
+///     backwards.
 [[nodiscard]] FlightFolder read_flight_folder(const std::filesystem::path& directory);
 
-/// Writes a flight while it is flown: log_si.csv, images.csv, frame_00000.uyvy ..., and what the pilot saw
-/// in each frame: detections.csv.
+/// Writes a flight while it is flown: log_si.csv, images.csv, frame_00000.uyvy ..., and what the
+/// pilot saw in each frame: detections.csv.
 ///
-/// Everything goes to `<out>.partial`, which finish() renames, so that a folder that is there is whole;
-/// an unfinished one is removed by the destructor. Numbers have 17 digits: they read back exactly.
+/// Everything goes to `<out>.partial`, which finish() renames, so that a folder that is there is
+/// whole; an unfinished one is removed by the destructor. Numbers have 17 digits: they read back
+/// exactly.
 class FlightRecorder {
  public:
   /// @throws std::runtime_error when `out` cannot be written, or is there and is no earlier flight.
@@ -69,7 +72,9 @@ class FlightRecorder {
   void add_file(const std::string& name, const std::string& content);
 
   /// Where somebody else may write a file of the folder, before finish().
-  [[nodiscard]] std::filesystem::path place_for(const std::string& name) const { return partial_ / name; }
+  [[nodiscard]] std::filesystem::path place_for(const std::string& name) const {
+    return partial_ / name;
+  }
 
   /// Writes summary.json and gives the folder its name, in place of an earlier flight's.
   void finish(const std::string& summary_json);

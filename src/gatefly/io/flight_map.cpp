@@ -22,16 +22,19 @@ Color between(const Color& a, const Color& b, double part) {
 }
 
 /// The corners of a rectangle lying at `center`, `half` sized, turned by `heading`.
-std::array<Eigen::Vector2d, 4> corners(const Eigen::Vector2d& center, const Eigen::Vector2d& half, double heading) {
+std::array<Eigen::Vector2d, 4> corners(const Eigen::Vector2d& center, const Eigen::Vector2d& half,
+                                       double heading) {
   const Eigen::Vector2d along = half.x() * direction(heading);
   const Eigen::Vector2d across = half.y() * Eigen::Vector2d{-std::sin(heading), std::cos(heading)};
-  return {center - along - across, center + along - across, center + along + across, center - along + across};
+  return {center - along - across, center + along - across, center + along + across,
+          center - along + across};
 }
 
 }  // namespace
 
 FlightMap::FlightMap(const Box& area, const closed_loop::RaceConfig& race)
-    : world_{race.sim.world}, fast_{1.4 * race.pilot.plan.speed},
+    : world_{race.sim.world},
+      fast_{1.4 * race.pilot.plan.speed},
       scale_{std::min(area.width / world_.room_size.y(), area.height / world_.room_size.x())},
       middle_px_{area.x + 0.5 * area.width, area.y + 0.5 * area.height} {}
 
@@ -42,7 +45,8 @@ Eigen::Vector2d FlightMap::at(const Eigen::Vector2d& p_E) const {
 
 Color FlightMap::color_of_speed(double speed) const {
   const double part = std::clamp(speed / fast_, 0.0, 1.0);
-  return part < 0.6 ? between(kSlow, kQuick, part / 0.6) : between(kQuick, kFast, (part - 0.6) / 0.4);
+  return part < 0.6 ? between(kSlow, kQuick, part / 0.6)
+                    : between(kQuick, kFast, (part - 0.6) / 0.4);
 }
 
 void FlightMap::draw_obstacle(Canvas& canvas, const sim::WorldBox& box) const {
@@ -59,7 +63,8 @@ void FlightMap::draw_obstacle(Canvas& canvas, const sim::WorldBox& box) const {
 
 void FlightMap::draw_gate(Canvas& canvas, std::size_t gate, const Color& color) const {
   const sim::WorldGate& g = world_.gates[gate];
-  const Eigen::Vector2d center = g.p_EG.head<2>(), ahead = direction(g.yaw_EG), right{-ahead.y(), ahead.x()};
+  const Eigen::Vector2d center = g.p_EG.head<2>(), ahead = direction(g.yaw_EG),
+                        right{-ahead.y(), ahead.x()};
   const double bar = std::max(0.5 * g.side, 9.0 / scale_), tip = 13.0 / scale_;
   const std::array<Eigen::Vector2d, 3> arrow{at(center + tip * ahead),
                                              at(center + tip * (0.25 * ahead + 0.35 * right)),
@@ -74,7 +79,8 @@ void FlightMap::draw_gate(Canvas& canvas, std::size_t gate, const Color& color) 
 void FlightMap::draw_path(Canvas& canvas, const Path& path) const {
   std::vector<Eigen::Vector2d> points;
   const int steps = static_cast<int>(std::ceil(path.length() / 0.1));
-  for (int i = 0; i <= steps; ++i) points.push_back(at(path.at(path.length() * i / std::max(steps, 1)).position));
+  for (int i = 0; i <= steps; ++i)
+    points.push_back(at(path.at(path.length() * i / std::max(steps, 1)).position));
   canvas.polyline(points, {.color = look::kPlan, .width = 1.3, .dash = 5.0});
 }
 
@@ -95,10 +101,12 @@ void FlightMap::draw_course(Canvas& canvas, const RacePlan& plan) const {
   canvas.text(scale + Eigen::Vector2d{scale_ + 8, 4}, "1 m", {.color = look::kMuted, .size = 12});
 }
 
-void FlightMap::draw_flown(Canvas& canvas, const Moment& from, const Moment& to, double strength) const {
+void FlightMap::draw_flown(Canvas& canvas, const Moment& from, const Moment& to,
+                           double strength) const {
   // Darker, not translucent: translucent pieces show their overlapping ends as beads.
-  canvas.line(at(from.true_p_EB.head<2>()), at(to.true_p_EB.head<2>()),
-              {.color = between(look::kBackground, color_of_speed(to.true_speed), strength), .width = 3.0});
+  canvas.line(
+      at(from.true_p_EB.head<2>()), at(to.true_p_EB.head<2>()),
+      {.color = between(look::kBackground, color_of_speed(to.true_speed), strength), .width = 3.0});
 }
 
 void FlightMap::draw_estimate(Canvas& canvas, const Moment& from, const Moment& to) const {
@@ -127,11 +135,13 @@ void FlightMap::draw_view(Canvas& canvas, const Eigen::Vector2d& p_E, const Eige
 
 void FlightMap::draw_drone(Canvas& canvas, const Moment& now, double yaw) const {
   canvas.circle(at(now.est_p_EB.head<2>()), 6.0, {.color = look::kEstimate, .width = 1.5});
-  const Eigen::Vector2d center = now.true_p_EB.head<2>(), ahead = direction(yaw), right{-ahead.y(), ahead.x()};
+  const Eigen::Vector2d center = now.true_p_EB.head<2>(), ahead = direction(yaw),
+                        right{-ahead.y(), ahead.x()};
   const auto point = [&](double along_px, double across_px) {
     return at(center + (along_px * ahead + across_px * right) / scale_);
   };
-  const std::array<Eigen::Vector2d, 4> arrow{point(13, 0), point(-8, 8), point(-4, 0), point(-8, -8)};
+  const std::array<Eigen::Vector2d, 4> arrow{point(13, 0), point(-8, 8), point(-4, 0),
+                                             point(-8, -8)};
   canvas.outline(arrow, {.color = look::kBackground, .width = 4.0});
   canvas.polygon(arrow, look::kInk);
 }
@@ -149,7 +159,8 @@ void FlightMap::draw_legend(Canvas& canvas, const Eigen::Vector2d& at_px) const 
     name(text);
   };
   for (int i = 0; i < 40; ++i)
-    canvas.fill({.x = pen.x() + i, .y = pen.y() - 1.5, .width = 1.5, .height = 3.0}, color_of_speed(fast_ * i / 39.0));
+    canvas.fill({.x = pen.x() + i, .y = pen.y() - 1.5, .width = 1.5, .height = 3.0},
+                color_of_speed(fast_ * i / 39.0));
   pen.x() += 48;
   std::array<char, 48> flown{};
   std::snprintf(flown.data(), flown.size(), "flown, 0 to %.1f m/s", fast_);

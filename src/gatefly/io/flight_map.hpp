@@ -10,7 +10,7 @@ namespace gatefly::io {
 
 /// One moment of a flight, as far as pictures of it need it.
 struct Moment {
-  double time = 0.0;   ///< [s]
+  double time = 0.0;                                                                        ///< [s]
   Eigen::Vector3d true_p_EB = Eigen::Vector3d::Zero(), est_p_EB = Eigen::Vector3d::Zero();  ///< [m]
   double true_speed = 0.0, est_speed = 0.0;  ///< [m/s]
 };
@@ -21,7 +21,8 @@ class FlightMap {
   /// @param area  where on the canvas; the room is fitted into it.
   FlightMap(const Box& area, const closed_loop::RaceConfig& race);
 
-  /// Room, obstacles and gates where they really stand, and the way that the pilot planned by its map.
+  /// Room, obstacles and gates where they really stand, and the way that the pilot planned by its
+  /// map.
   void draw_course(Canvas& canvas, const RacePlan& plan) const;
   /// The way from one moment to the next, coloured by speed. @param strength  0..1
   void draw_flown(Canvas& canvas, const Moment& from, const Moment& to, double strength) const;

@@ -18,9 +18,11 @@ namespace fs = std::filesystem;
 constexpr std::size_t kPiece = 1 << 20;  // [bytes]
 
 constexpr const char* kHeader =
-    "t_ns,t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2,sonar_m,baro_m,"
+    "t_ns,t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2,sonar_m,baro_"
+    "m,"
     "ot_x_m,ot_y_m,ot_z_m,ot_vx_mps,ot_vy_mps,ot_vz_mps,true_roll_rad,true_pitch_rad,true_yaw_rad,"
-    "est_x_m,est_y_m,est_z_m,est_vx_mps,est_vy_mps,est_vz_mps,est_roll_rad,est_pitch_rad,est_yaw_rad,"
+    "est_x_m,est_y_m,est_z_m,est_vx_mps,est_vy_mps,est_vz_mps,est_roll_rad,est_pitch_rad,est_yaw_"
+    "rad,"
     "cmd_roll_rad,cmd_pitch_rad,cmd_yaw_rad,cmd_thrust_mps2,"
     "motor_lf_radps,motor_rf_radps,motor_rb_radps,motor_lb_radps,phase,target_gate,gates_passed\n";
 
@@ -33,7 +35,9 @@ void refuse_foreign(const fs::path& out) {
   if (!fs::is_directory(out, error))
     throw std::runtime_error(out.string() + ": is there and is no folder, choose another --out");
   if (!fs::is_empty(out, error) && !fs::exists(out / "summary.json", error))
-    throw std::runtime_error(out.string() + ": is there and holds no earlier flight (summary.json), choose another --out");
+    throw std::runtime_error(
+        out.string() +
+        ": is there and holds no earlier flight (summary.json), choose another --out");
 }
 
 }  // namespace
@@ -71,7 +75,8 @@ FlightRecorder::~FlightRecorder() {
 }
 
 void FlightRecorder::check(const std::ofstream& file, const fs::path& path) const {
-  if (!file) throw std::runtime_error((partial_ / path).string() + ": cannot be written (disk full?)");
+  if (!file)
+    throw std::runtime_error((partial_ / path).string() + ": cannot be written (disk full?)");
 }
 
 void FlightRecorder::append(double value) {
@@ -81,7 +86,8 @@ void FlightRecorder::append(double value) {
     return;
   }
   // 17 significant digits: any double reads back as itself.
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 17);
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 17);
   buffer_.append(text.data(), end.ptr);
   buffer_ += ',';
 }
@@ -104,8 +110,10 @@ void FlightRecorder::flush(bool all) {
 void FlightRecorder::record(const closed_loop::Tick& tick) {
   const Sensors& sensors = tick.sensors;
   const auto append_if = [&](const std::optional<double>& value) {
-    if (value) append(*value);
-    else buffer_ += ',';
+    if (value)
+      append(*value);
+    else
+      buffer_ += ',';
   };
   buffer_ += std::to_string(sensors.time.count()) + ",";
   append(seconds(sensors.time));
@@ -124,7 +132,8 @@ void FlightRecorder::record(const closed_loop::Tick& tick) {
   append(Eigen::Vector3d{command.roll, command.pitch, command.yaw});
   append(command.thrust);
   for (const double speed : tick.command.motors) append(speed);
-  buffer_ += std::to_string(tick.pilot.phase().index()) + "," + std::to_string(tick.pilot.target_gate()) + "," +
+  buffer_ += std::to_string(tick.pilot.phase().index()) + "," +
+             std::to_string(tick.pilot.target_gate()) + "," +
              std::to_string(estimate.gates_passed) + "\n";
   flush(false);
 
@@ -137,14 +146,17 @@ void FlightRecorder::record_frame(const closed_loop::Tick& tick) {
   std::array<char, 32> name{};
   std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
   std::ofstream file(partial_ / name.data(), std::ios::binary);
-  file.write(reinterpret_cast<const char*>(tick.frame.data()), static_cast<std::streamsize>(tick.frame.size()));
+  file.write(reinterpret_cast<const char*>(tick.frame.data()),
+             static_cast<std::streamsize>(tick.frame.size()));
   file.flush();
   check(file, name.data());
-  images_ << name.data() << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count() << '\n';
+  images_ << name.data() << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count()
+          << '\n';
   check(images_, "images.csv");
 
   int rank = 0;
-  for (const GateDetection& gate : tick.pilot.sighting().detections) detections_ << line_of(row_of(name.data(), rank++, gate));
+  for (const GateDetection& gate : tick.pilot.sighting().detections)
+    detections_ << line_of(row_of(name.data(), rank++, gate));
   check(detections_, "detections.csv");
 }
 

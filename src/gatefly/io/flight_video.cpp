@@ -16,10 +16,10 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 720;  // [px]
 constexpr int kPicturesPerSecond = 20;
 constexpr double kMargin = 16.0, kHead = 62.0, kLegend = 34.0;  // [px]
-constexpr double kStatusHeight = 40.0;  // [px]
-constexpr double kBright = 7.0;     // the way flown in these last seconds is drawn brightest
-constexpr double kWindow = 30.0;    // of the strips [s]
-constexpr double kHold = 2.0;       // of the last frame [s]
+constexpr double kStatusHeight = 40.0;                          // [px]
+constexpr double kBright = 7.0;   // the way flown in these last seconds is drawn brightest
+constexpr double kWindow = 30.0;  // of the strips [s]
+constexpr double kHold = 2.0;     // of the last frame [s]
 
 std::string fixed(const char* format, double value) {
   std::array<char, 64> text{};
@@ -28,7 +28,10 @@ std::string fixed(const char* format, double value) {
 }
 
 Box left_column(bool pictures) {
-  return {.x = kMargin, .y = kHead, .width = pictures ? 632.0 : 360.0, .height = kHeight - kHead - kMargin};
+  return {.x = kMargin,
+          .y = kHead,
+          .width = pictures ? 632.0 : 360.0,
+          .height = kHeight - kHead - kMargin};
 }
 
 /// The picture twice as large; without pictures, a line that says so.
@@ -41,7 +44,10 @@ Box right_of(const Box& left) {
 
 /// Where the map goes in its panel: room around it, the legend below.
 Box inside(const Box& panel) {
-  return {.x = panel.x + 20, .y = panel.y + 16, .width = panel.width - 40, .height = panel.height - 30 - kLegend};
+  return {.x = panel.x + 20,
+          .y = panel.y + 16,
+          .width = panel.width - 40,
+          .height = panel.height - 30 - kLegend};
 }
 
 /// What to draw over time: the truth and what the pilot believed.
@@ -56,8 +62,13 @@ class Strip {
  public:
   /// @param moments  at least one; must outlive the strip, as `curve` must.
   Strip(const Box& panel, const Curve& curve, std::span<const Moment> moments)
-      : panel_{panel}, curve_{curve}, moments_{moments},
-        area_{.x = panel.x + 34, .y = panel.y + 30, .width = panel.width - 46, .height = panel.height - 42} {
+      : panel_{panel},
+        curve_{curve},
+        moments_{moments},
+        area_{.x = panel.x + 34,
+              .y = panel.y + 30,
+              .width = panel.width - 46,
+              .height = panel.height - 42} {
     end_ = std::max(kWindow, moments.back().time);
     top_ = curve.at_least;
     for (const Moment& m : moments) top_ = std::max(top_, std::ceil(curve.truth(m)));
@@ -68,15 +79,20 @@ class Strip {
   void draw(Canvas& canvas, std::span<const double> passes) const {
     canvas.fill(panel_, look::kPanel, 8.0);
     canvas.text({panel_.x + 12, panel_.y + 20}, curve_.name, {.color = look::kMuted, .size = 13});
-    canvas.text({panel_.right() - 12, panel_.y + 20}, fixed("%.2f ", curve_.truth(moments_.back())) + curve_.unit,
+    canvas.text({panel_.right() - 12, panel_.y + 20},
+                fixed("%.2f ", curve_.truth(moments_.back())) + curve_.unit,
                 {.color = look::kInk, .size = 14, .align = Align::kRight, .bold = true});
     for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
       const double y = at(end_, level).y();
-      canvas.line({area_.x, y}, {area_.right(), y}, {.color = look::kFaint.faded(0.6), .width = 1.0});
+      canvas.line({area_.x, y}, {area_.right(), y},
+                  {.color = look::kFaint.faded(0.6), .width = 1.0});
       canvas.text({area_.x - 8, y + 4}, fixed("%.0f", level),
                   {.color = look::kMuted, .size = 11, .align = Align::kRight});
     }
-    canvas.clip({.x = area_.x - 2, .y = area_.y - 6, .width = area_.width + 4, .height = area_.height + 12});
+    canvas.clip({.x = area_.x - 2,
+                 .y = area_.y - 6,
+                 .width = area_.width + 4,
+                 .height = area_.height + 12});
     for (const double pass : passes)
       canvas.line(at(pass, 0.0), at(pass, top_), {.color = look::kGate.faded(0.55), .width = 1.5});
     trace(canvas, curve_.estimate, {.color = look::kEstimate, .width = 1.1});
@@ -87,9 +103,11 @@ class Strip {
 
  private:
   [[nodiscard]] Eigen::Vector2d at(double time, double value) const {
-    return {area_.right() - (end_ - time) / kWindow * area_.width, area_.bottom() - value / top_ * area_.height};
+    return {area_.right() - (end_ - time) / kWindow * area_.width,
+            area_.bottom() - value / top_ * area_.height};
   }
-  void trace(Canvas& canvas, const std::function<double(const Moment&)>& value, const Stroke& stroke) const {
+  void trace(Canvas& canvas, const std::function<double(const Moment&)>& value,
+             const Stroke& stroke) const {
     std::vector<Eigen::Vector2d> points;
     for (const Moment& m : moments_) points.push_back(at(m.time, value(m)));
     canvas.polyline(points, stroke);
@@ -102,7 +120,8 @@ class Strip {
   double end_ = kWindow, top_ = 1.0;
 };
 
-void draw_strips(Canvas& canvas, const Box& box, std::span<const Moment> moments, std::span<const double> passes) {
+void draw_strips(Canvas& canvas, const Box& box, std::span<const Moment> moments,
+                 std::span<const double> passes) {
   const Curve height{"height", "m", [](const Moment& m) { return -m.true_p_EB.z(); },
                      [](const Moment& m) { return -m.est_p_EB.z(); }, 2.0};
   const Curve speed{"speed", "m/s", [](const Moment& m) { return m.true_speed; },
@@ -114,16 +133,21 @@ void draw_strips(Canvas& canvas, const Box& box, std::span<const Moment> moments
 
 const char* name_of(Sighting::Source source) {
   switch (source) {
-    case Sighting::Source::kCorners: return "position from corners";
-    case Sighting::Source::kBars: return "position from side bars";
-    case Sighting::Source::kNone: break;
+    case Sighting::Source::kCorners:
+      return "position from corners";
+    case Sighting::Source::kBars:
+      return "position from side bars";
+    case Sighting::Source::kNone:
+      break;
   }
   return "IMU only";
 }
 
 /// Everything that the detector reported in one picture; what the pilot used is drawn strongest.
 void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, double height) {
-  const auto at = [scale](const Eigen::Vector2d& px) { return Eigen::Vector2d{scale * (px.array() + 0.5)}; };
+  const auto at = [scale](const Eigen::Vector2d& px) {
+    return Eigen::Vector2d{scale * (px.array() + 0.5)};
+  };
   int rank = 0;
   for (const GateDetection& gate : sighting.detections) {
     const bool used = rank++ == sighting.used;
@@ -132,7 +156,8 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
   }
   const Stroke stroke{.color = look::kDetection, .width = 2.5};
   if (sighting.open) {
-    const Eigen::Vector2d left = at(sighting.open->bottom_left_px), right = at(sighting.open->bottom_right_px);
+    const Eigen::Vector2d left = at(sighting.open->bottom_left_px),
+                          right = at(sighting.open->bottom_right_px);
     const Eigen::Vector2d up{0, -0.35 * (right - left).norm()};
     const std::array<Eigen::Vector2d, 4> feet{left + up, left, right, right + up};
     canvas.polyline(feet, stroke);
@@ -144,11 +169,17 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
 
 }  // namespace
 
-FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race, std::string title,
-                         bool pictures)
-    : race_{race}, title_{std::move(title)}, pictures_{pictures}, left_{left_column(pictures)},
-      map_box_{right_of(left_)}, map_{inside(map_box_), race},
-      file_{mp4, kWidth, kHeight, kPicturesPerSecond}, backdrop_{kWidth, kHeight}, frame_{kWidth, kHeight},
+FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race,
+                         std::string title, bool pictures)
+    : race_{race},
+      title_{std::move(title)},
+      pictures_{pictures},
+      left_{left_column(pictures)},
+      map_box_{right_of(left_)},
+      map_{inside(map_box_), race},
+      file_{mp4, kWidth, kHeight, kPicturesPerSecond},
+      backdrop_{kWidth, kHeight},
+      frame_{kWidth, kHeight},
       view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), look::kPanel} {}
 
 void FlightVideo::start(const closed_loop::Tick& tick) {
@@ -165,15 +196,18 @@ void FlightVideo::start(const closed_loop::Tick& tick) {
 void FlightVideo::look(const closed_loop::Tick& tick) {
   const Image& image = *tick.sensors.image;
   picture_size_ = Eigen::Vector2d{image.width(), image.height()};
-  const double fits = std::min(view_.width() / picture_size_->x(), view_.height() / picture_size_->y());
+  const double fits =
+      std::min(view_.width() / picture_size_->x(), view_.height() / picture_size_->y());
   const double scale = fits >= 1.0 ? std::floor(fits) : fits;
   const Eigen::Vector2d size = scale * *picture_size_;
 
   Canvas picture(static_cast<int>(size.x()), static_cast<int>(size.y()));
   picture.image(image, {0, 0}, scale);
   draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
-  view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()}, look::kPanel);
-  view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())), std::floor(0.5 * (view_.height() - size.y()))});
+  view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()},
+             look::kPanel);
+  view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())),
+                        std::floor(0.5 * (view_.height() - size.y()))});
 }
 
 void FlightVideo::record(const closed_loop::Tick& tick) {
@@ -185,7 +219,8 @@ void FlightVideo::record(const closed_loop::Tick& tick) {
   while (static_cast<int>(passes_.size()) < estimate.gates_passed) passes_.push_back(now);
 
   while (now * kPicturesPerSecond >= static_cast<double>(moments_.size())) {
-    moments_.push_back({now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()});
+    moments_.push_back(
+        {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()});
     draw(tick);
     file_.add(frame_);
   }
@@ -200,7 +235,10 @@ void FlightVideo::draw(const closed_loop::Tick& tick) {
   frame_.paste(backdrop_, {0, 0});
   draw_head(tick);
   frame_.paste(view_, {left_.x, left_.y});
-  const Box status{.x = left_.x, .y = left_.y + view_height(pictures_), .width = left_.width, .height = kStatusHeight};
+  const Box status{.x = left_.x,
+                   .y = left_.y + view_height(pictures_),
+                   .width = left_.width,
+                   .height = kStatusHeight};
   draw_status(tick, status);
   const double strips = status.bottom() + 12.0;
   draw_strips(frame_, {left_.x, strips, left_.width, left_.bottom() - strips}, moments_, passes_);
@@ -208,27 +246,32 @@ void FlightVideo::draw(const closed_loop::Tick& tick) {
 }
 
 void FlightVideo::draw_head(const closed_loop::Tick& tick) {
-  const int gates = static_cast<int>(race_.pilot.track.gates.size()), total = gates * race_.pilot.track.laps;
+  const int gates = static_cast<int>(race_.pilot.track.gates.size()),
+            total = gates * race_.pilot.track.laps;
   const int passed = tick.pilot.estimate().gates_passed;
   const int lap = std::min(passed / std::max(gates, 1) + 1, race_.pilot.track.laps);
   frame_.text({kWidth - kMargin - 2, 33}, fixed("%.1f s", moments_.back().time),
               {.color = look::kInk, .size = 24, .align = Align::kRight, .bold = true});
-  const std::string progress = "gates " + std::to_string(passed) + " of " + std::to_string(total) + "     lap " +
-                               std::to_string(lap) + " of " + std::to_string(race_.pilot.track.laps);
-  frame_.text({kWidth - kMargin - 130, 32}, progress, {.color = look::kMuted, .size = 16, .align = Align::kRight});
+  const std::string progress = "gates " + std::to_string(passed) + " of " + std::to_string(total) +
+                               "     lap " + std::to_string(lap) + " of " +
+                               std::to_string(race_.pilot.track.laps);
+  frame_.text({kWidth - kMargin - 130, 32}, progress,
+              {.color = look::kMuted, .size = 16, .align = Align::kRight});
 
   // One mark for each gate of the race.
   const double width = (kWidth - 2.0 * kMargin + 4.0) / std::max(total, 1);
   for (int i = 0; i < total; ++i)
-    frame_.fill({.x = kMargin + i * width, .y = 46, .width = std::max(1.0, width - 4.0), .height = 4},
-                i < passed ? look::kGate : look::kSolid, 2.0);
+    frame_.fill(
+        {.x = kMargin + i * width, .y = 46, .width = std::max(1.0, width - 4.0), .height = 4},
+        i < passed ? look::kGate : look::kSolid, 2.0);
 }
 
 void FlightVideo::draw_status(const closed_loop::Tick& tick, const Box& box) {
   frame_.fill(box, look::kPanel);
   const double line = box.y + 26;
   const std::string phase = gatefly::name_of(tick.pilot.phase());
-  const Lettering plate{.color = look::kBackground, .size = 14, .align = Align::kCenter, .bold = true};
+  const Lettering plate{
+      .color = look::kBackground, .size = 14, .align = Align::kCenter, .bold = true};
   const double width = 92.0;
   frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 25}, look::kInk, 5.0);
   frame_.text({box.x + 10 + 0.5 * width, line}, phase, plate);
@@ -240,15 +283,18 @@ void FlightVideo::draw_status(const closed_loop::Tick& tick, const Box& box) {
               {.color = look::kInk, .size = 15, .align = Align::kCenter});
   const bool fix = source_ != Sighting::Source::kNone;
   const std::string source = name_of(source_);
-  const Lettering lettering{.color = fix ? look::kDetection : look::kMuted, .size = 14, .align = Align::kRight};
+  const Lettering lettering{
+      .color = fix ? look::kDetection : look::kMuted, .size = 14, .align = Align::kRight};
   frame_.text({box.right() - 12, line}, source, lettering);
-  frame_.disc({box.right() - 22 - frame_.text_width(source, lettering), line - 5}, 5.0, lettering.color);
+  frame_.disc({box.right() - 22 - frame_.text_width(source, lettering), line - 5}, 5.0,
+              lettering.color);
 }
 
 void FlightVideo::draw_view(const closed_loop::Tick& tick) {
   const double row = 0.5 * picture_size_->y();
   const CameraRig& rig = race_.pilot.camera;
-  const auto left = rig.lens.bearing({0.0, row}), right = rig.lens.bearing({picture_size_->x() - 1.0, row});
+  const auto left = rig.lens.bearing({0.0, row}),
+             right = rig.lens.bearing({picture_size_->x() - 1.0, row});
   if (!left || !right) return;
   const Eigen::Matrix3d R_EC = rotation_EB(tick.truth.attitude).matrix * rig.R_BC.matrix;
   const Eigen::Vector3d left_E = R_EC * *left, right_E = R_EC * *right;
@@ -277,7 +323,8 @@ void FlightVideo::finish(const std::string& outcome) {
   const double middle = map_box_.x + 0.5 * map_box_.width;
   const Box plate{.x = middle - 0.5 * width, .y = map_box_.y + 8, .width = width, .height = 46};
   frame_.fill(plate, look::kInk.faded(0.25), 8.0);
-  frame_.fill({plate.x + 1.5, plate.y + 1.5, plate.width - 3, plate.height - 3}, look::kBackground.faded(0.92), 7.0);
+  frame_.fill({plate.x + 1.5, plate.y + 1.5, plate.width - 3, plate.height - 3},
+              look::kBackground.faded(0.92), 7.0);
   frame_.text({middle, plate.y + 30}, outcome, lettering);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();

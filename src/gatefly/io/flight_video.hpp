@@ -13,15 +13,16 @@
 
 namespace gatefly::io {
 
-/// A flight as a film, drawn while it is flown, in real time: what the pilot saw, where it flew, how
-/// high and how fast. Draws only; the flight is the same without it.
+/// A flight as a film, drawn while it is flown, in real time: what the pilot saw, where it flew,
+/// how high and how fast. Draws only; the flight is the same without it.
 class FlightVideo {
  public:
   /// @param mp4       written as VideoFile says: whole or not at all.
   /// @param title     e.g. "showroom, seed 1"
   /// @param pictures  false when the race has none (ideal vision): the map takes their place.
   /// @throws std::runtime_error when ffmpeg cannot be started.
-  FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race, std::string title, bool pictures);
+  FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race,
+              std::string title, bool pictures);
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
   void record(const closed_loop::Tick& tick);
@@ -43,9 +44,10 @@ class FlightVideo {
   Box left_, map_box_;
   FlightMap map_;
   VideoFile file_;
-  Canvas backdrop_, frame_, view_;  ///< What stays; the frame being drawn; the last picture with detections.
-  std::vector<Moment> moments_;     ///< One a frame.
-  std::vector<double> passes_;      ///< When the pilot counted a gate [s].
+  /// What stays; the frame being drawn; the last picture with detections.
+  Canvas backdrop_, frame_, view_;
+  std::vector<Moment> moments_;                  ///< One a frame.
+  std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
   std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
   Sighting::Source source_ = Sighting::Source::kNone;
 };

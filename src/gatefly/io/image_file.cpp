@@ -21,8 +21,9 @@ namespace {
 
 constexpr int kLargestSide = 16384;  // [px]
 
-// libjpeg leaves by longjmp. No object with a destructor may live in the frame that calls setjmp, and
-// nothing that changes between setjmp and longjmp may be a local of it: all of that is in `Decoder`.
+// libjpeg leaves by longjmp. No object with a destructor may live in the frame that calls setjmp,
+// and nothing that changes between setjmp and longjmp may be a local of it: all of that is in
+// `Decoder`.
 struct Decoder {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -92,7 +93,9 @@ ImageFile decode_jpeg(const std::string& path, const std::string& file) {
     Decoder& decoder;
     ~Closer() { jpeg_destroy_decompress(&decoder.jpeg); }
   } closer{decoder};
-  const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": not a usable JPEG: " + why); };
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(path + ": not a usable JPEG: " + why);
+  };
 
   if (!read_header(decoder, file)) fail(decoder.message.data());
   const bool grey = decoder.jpeg.num_components == 1;
@@ -101,9 +104,10 @@ ImageFile decode_jpeg(const std::string& path, const std::string& file) {
   if (decoder.jpeg.jpeg_color_space == JCS_RGB) image.format = PixelFormat::kRgb;
   image.stored_width = static_cast<int>(decoder.jpeg.output_width);
   image.stored_height = static_cast<int>(decoder.jpeg.output_height);
-  if (image.stored_width > kLargestSide || image.stored_height > kLargestSide) fail("it is larger than 16384 px");
-  image.bytes.resize(static_cast<std::size_t>(image.stored_width) * static_cast<std::size_t>(image.stored_height) *
-                     (grey ? 1 : 3));
+  if (image.stored_width > kLargestSide || image.stored_height > kLargestSide)
+    fail("it is larger than 16384 px");
+  image.bytes.resize(static_cast<std::size_t>(image.stored_width) *
+                     static_cast<std::size_t>(image.stored_height) * (grey ? 1 : 3));
   decoder.bytes = image.bytes.data();
   if (!read_lines(decoder)) fail(decoder.message.data());
   if (grey) image.bytes = with_neutral_chroma(image.bytes);
@@ -117,12 +121,17 @@ ImageFile decode_png(const std::string& path, const std::string& file) {
     png_image& png;
     ~Closer() { png_image_free(&png); }
   } closer{png};
-  const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": not a usable PNG: " + why); };
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(path + ": not a usable PNG: " + why);
+  };
 
   if (png_image_begin_read_from_memory(&png, file.data(), file.size()) == 0) fail(png.message);
   if (png.width > kLargestSide || png.height > kLargestSide) fail("it is larger than 16384 px");
-  png.format = PNG_FORMAT_RGB;  // grey, palettes, 16 bit become 8-bit RGB; what is transparent lies on black
-  ImageFile image{.bytes = {}, .format = PixelFormat::kRgb, .stored_width = static_cast<int>(png.width),
+  // grey, palettes, 16 bit become 8-bit RGB; what is transparent lies on black
+  png.format = PNG_FORMAT_RGB;
+  ImageFile image{.bytes = {},
+                  .format = PixelFormat::kRgb,
+                  .stored_width = static_cast<int>(png.width),
                   .stored_height = static_cast<int>(png.height)};
   image.bytes.resize(image_bytes(image.format, image.stored_width, image.stored_height));
   if (png_image_finish_read(&png, nullptr, image.bytes.data(), 0, nullptr) == 0) fail(png.message);
@@ -131,22 +140,27 @@ ImageFile decode_png(const std::string& path, const std::string& file) {
 
 /// The next word of a PPM header, after blanks and comments; nullopt when it is no number.
 std::optional<int> ppm_number(const std::string& file, std::size_t& at) {
-  while (at < file.size() && (std::isspace(static_cast<unsigned char>(file[at])) || file[at] == '#')) {
+  while (at < file.size() &&
+         (std::isspace(static_cast<unsigned char>(file[at])) || file[at] == '#')) {
     if (file[at] == '#') at = std::min(file.find('\n', at), file.size() - 1);
     ++at;
   }
   int number = 0;
   const std::size_t first = at;
-  for (; at < file.size() && std::isdigit(static_cast<unsigned char>(file[at])) && at - first < 6; ++at)
+  for (; at < file.size() && std::isdigit(static_cast<unsigned char>(file[at])) && at - first < 6;
+       ++at)
     number = 10 * number + (file[at] - '0');
   return at > first ? std::optional{number} : std::nullopt;
 }
 
 ImageFile decode_ppm(const std::string& path, const std::string& file) {
-  const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": not a usable PPM: " + why); };
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(path + ": not a usable PPM: " + why);
+  };
   if (!file.starts_with("P6")) fail("it does not start with P6");
   std::size_t at = 2;
-  const auto width = ppm_number(file, at), height = ppm_number(file, at), top = ppm_number(file, at);
+  const auto width = ppm_number(file, at), height = ppm_number(file, at),
+             top = ppm_number(file, at);
   if (!width || !height || !top) fail("its header has no width, height and maximum");
   if (*width < 1 || *height < 1 || *width > kLargestSide || *height > kLargestSide)
     fail("its size must be in 1..16384 px");
@@ -155,7 +169,8 @@ ImageFile decode_ppm(const std::string& path, const std::string& file) {
   ++at;  // one blank ends the header
   if (file.size() < at + wanted) fail("it ends early");
 
-  ImageFile image{.bytes = {}, .format = PixelFormat::kRgb, .stored_width = *width, .stored_height = *height};
+  ImageFile image{
+      .bytes = {}, .format = PixelFormat::kRgb, .stored_width = *width, .stored_height = *height};
   image.bytes.assign(file.begin() + static_cast<std::ptrdiff_t>(at),
                      file.begin() + static_cast<std::ptrdiff_t>(at + wanted));
   return image;
@@ -164,12 +179,15 @@ ImageFile decode_ppm(const std::string& path, const std::string& file) {
 ImageFile decode_uyvy(const std::string& path, const std::string& file, int width, int height) {
   const std::size_t wanted = image_bytes(PixelFormat::kUyvy, width, height);
   if (wanted == 0 || width % 2 != 0)
-    throw std::runtime_error(path + ": a .uyvy needs the camera's stored size, of even width (camera.size_px)");
+    throw std::runtime_error(
+        path + ": a .uyvy needs the camera's stored size, of even width (camera.size_px)");
   if (file.size() != wanted)
     throw std::runtime_error(path + ": has " + std::to_string(file.size()) + " bytes, must be " +
                              std::to_string(wanted) + ": " + std::to_string(width) + " x " +
                              std::to_string(height) + " stored pixels of UYVY");
-  return {.bytes = {file.begin(), file.end()}, .format = PixelFormat::kUyvy, .stored_width = width,
+  return {.bytes = {file.begin(), file.end()},
+          .format = PixelFormat::kUyvy,
+          .stored_width = width,
           .stored_height = height};
 }
 
@@ -192,7 +210,8 @@ bool is_raw(const std::filesystem::path& path) { return kind_of(path) == ".uyvy"
 
 ImageFile read_image(const std::filesystem::path& path, int uyvy_width, int uyvy_height) {
   if (!is_picture(path))
-    throw std::runtime_error(path.string() + ": not a picture: its name must end in .jpg, .jpeg, .png, .ppm or .uyvy");
+    throw std::runtime_error(
+        path.string() + ": not a picture: its name must end in .jpg, .jpeg, .png, .ppm or .uyvy");
   const std::string kind = kind_of(path), file = read_file(path);
   if (file.empty()) throw std::runtime_error(path.string() + ": is empty");
   if (kind == ".png") return decode_png(path.string(), file);

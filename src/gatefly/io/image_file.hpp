@@ -32,6 +32,7 @@ struct ImageFile {
 ///
 /// @param uyvy_width,uyvy_height  stored size of the camera; only a .uyvy needs it.
 /// @throws std::runtime_error one line with the path: unreadable, empty, corrupt, wrong size.
-[[nodiscard]] ImageFile read_image(const std::filesystem::path& path, int uyvy_width = 0, int uyvy_height = 0);
+[[nodiscard]] ImageFile read_image(const std::filesystem::path& path, int uyvy_width = 0,
+                                   int uyvy_height = 0);
 
 }  // namespace gatefly::io

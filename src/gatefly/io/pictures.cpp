@@ -14,14 +14,16 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> picture_files(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) throw std::runtime_error(path.string() + ": there is no such file or folder");
+  if (!fs::exists(path, error))
+    throw std::runtime_error(path.string() + ": there is no such file or folder");
   if (!fs::is_directory(path, error)) return {path};
 
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path, error))
     if (is_picture(entry.path()) && !is_raw(entry.path())) files.push_back(entry.path());
   if (error) throw std::runtime_error(path.string() + ": cannot be read: " + error.message());
-  if (files.empty()) throw std::runtime_error(path.string() + ": holds no .jpg, .jpeg, .png or .ppm");
+  if (files.empty())
+    throw std::runtime_error(path.string() + ": holds no .jpg, .jpeg, .png or .ppm");
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -7,8 +7,8 @@
 
 namespace gatefly::io {
 
-/// The files that a path on the command line means, sorted by name: itself, or a folder's .jpg, .jpeg, .png, .ppm
-/// (not what lies in folders below; raw .uyvy only when named).
+/// The files that a path on the command line means, sorted by name: itself, or a folder's .jpg,
+/// .jpeg, .png, .ppm (not what lies in folders below; raw .uyvy only when named).
 ///
 /// @throws std::runtime_error one line: there is no such path, or the folder has no picture.
 [[nodiscard]] std::vector<std::filesystem::path> picture_files(const std::filesystem::path& path);
@@ -17,6 +17,7 @@ namespace gatefly::io {
 ///
 /// Real data: `data` if not empty, else $GATEFLY_DATA, else the sibling folder ../shared/data.
 /// @throws std::runtime_error `data` is given, but no folder.
-[[nodiscard]] std::filesystem::path find_data(const std::filesystem::path& path, const std::string& data);
+[[nodiscard]] std::filesystem::path find_data(const std::filesystem::path& path,
+                                              const std::string& data);
 
 }  // namespace gatefly::io

@@ -12,11 +12,12 @@ namespace gatefly::io {
 
 /// One curve of a plot.
 struct PlotSeries {
-  std::string name = {};                     ///< In the legend; "" is not.
-  std::vector<Eigen::Vector2d> points = {};  ///< In order. What is not finite, or not above 0 on a log axis, is left out.
+  std::string name = {};  ///< In the legend; "" is not.
+  /// In order. What is not finite, or not above 0 on a log axis, is left out.
+  std::vector<Eigen::Vector2d> points = {};
   Color color = look::kDetection;
-  bool line = true;      ///< Joins the points.
-  bool rings = false;    ///< Rings instead of discs: somebody else's points beside ours.
+  bool line = true;    ///< Joins the points.
+  bool rings = false;  ///< Rings instead of discs: somebody else's points beside ours.
 };
 
 struct Plot {
@@ -29,7 +30,8 @@ struct Plot {
 /// Places for about `count` ticks at 1, 2 or 5 times a power of ten that lie in [low, high].
 [[nodiscard]] std::vector<double> ticks(double low, double high, int count);
 
-/// Draws axes with ticks and grid, the curves, and a legend above them. Without any point the axes are empty.
+/// Draws axes with ticks and grid, the curves, and a legend above them. Without any point the axes
+/// are empty.
 [[nodiscard]] Canvas draw(const Plot& plot, int width = 960, int height = 600);
 
 }  // namespace gatefly::io

@@ -16,7 +16,8 @@ namespace gatefly::io {
 /// @throws std::runtime_error "where: randomize.key ..." when not, or when there is no such key.
 void check_randomize(const std::string& key, const nlohmann::json& value, const std::string& where);
 
-/// `base` with a [randomize] table put over it: first its level, if it has one, then its other keys.
+/// `base` with a [randomize] table put over it: first its level, if it has one, then its other
+/// keys.
 /// @throws std::runtime_error as check_randomize.
 [[nodiscard]] sim::Randomize randomized(const sim::Randomize& base, const nlohmann::json& table,
                                         const std::string& where);

@@ -15,21 +15,27 @@ namespace {
 std::string allowed(const KeyRule& rule) {
   const std::string range = text_of(rule.low) + ".." + text_of(rule.high);
   switch (rule.kind) {
-    case KeyRule::Kind::kNumber: return "a number in " + range;
-    case KeyRule::Kind::kInteger: return "a whole number in " + range;
+    case KeyRule::Kind::kNumber:
+      return "a number in " + range;
+    case KeyRule::Kind::kInteger:
+      return "a whole number in " + range;
     case KeyRule::Kind::kNumbers:
-      return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") + range;
+      return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") +
+             range;
     case KeyRule::Kind::kNumberOrList:
       return "a number or a list of at most " + std::to_string(rule.count) + ", in " + range;
-    case KeyRule::Kind::kFile: return "the name of a file, or \"\" for none";
-    case KeyRule::Kind::kText: break;
+    case KeyRule::Kind::kFile:
+      return "the name of a file, or \"\" for none";
+    case KeyRule::Kind::kText:
+      break;
   }
   return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
 }
 
 // 315.0 is as whole as 315.
 bool is_whole(const nlohmann::json& value) {
-  return value.is_number_integer() || (value.is_number() && std::floor(value.get<double>()) == value.get<double>());
+  return value.is_number_integer() ||
+         (value.is_number() && std::floor(value.get<double>()) == value.get<double>());
 }
 
 bool in_range(const KeyRule& rule, const nlohmann::json& value) {
@@ -40,19 +46,24 @@ bool in_range(const KeyRule& rule, const nlohmann::json& value) {
 
 bool fits(const KeyRule& rule, const nlohmann::json& value) {
   switch (rule.kind) {
-    case KeyRule::Kind::kNumber: return in_range(rule, value);
-    case KeyRule::Kind::kInteger: return is_whole(value) && in_range(rule, value);
+    case KeyRule::Kind::kNumber:
+      return in_range(rule, value);
+    case KeyRule::Kind::kInteger:
+      return is_whole(value) && in_range(rule, value);
     case KeyRule::Kind::kNumbers:
       return value.is_array() && value.size() == rule.count &&
              std::all_of(value.begin(), value.end(), [&](const auto& v) {
                return in_range(rule, v) && (!rule.whole || is_whole(v));
              });
     case KeyRule::Kind::kNumberOrList:
-      return in_range(rule, value) ||
-             (value.is_array() && value.size() <= rule.count &&
-              std::all_of(value.begin(), value.end(), [&](const auto& v) { return in_range(rule, v); }));
-    case KeyRule::Kind::kFile: return value.is_string();
-    case KeyRule::Kind::kText: break;
+      return in_range(rule, value) || (value.is_array() && value.size() <= rule.count &&
+                                       std::all_of(value.begin(), value.end(), [&](const auto& v) {
+                                         return in_range(rule, v);
+                                       }));
+    case KeyRule::Kind::kFile:
+      return value.is_string();
+    case KeyRule::Kind::kText:
+      break;
   }
   return value.is_string() && std::find(rule.choices.begin(), rule.choices.end(),
                                         value.get<std::string>()) != rule.choices.end();
@@ -62,16 +73,34 @@ bool fits(const KeyRule& rule, const nlohmann::json& value) {
 
 nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value, const std::string& where) {
   if (!fits(rule, value))
-    throw std::runtime_error(where + ": " + rule.name + " = " + shown(value) + ", must be " + allowed(rule));
+    throw std::runtime_error(where + ": " + rule.name + " = " + shown(value) + ", must be " +
+                             allowed(rule));
   return value;
 }
 
 std::string unit_of(const std::string& key) {
   static const std::array<std::pair<const char*, const char*>, 21> units{
-      {{"_rad_per_m", "rad/m"}, {"_rad_s_per_m", "rad s/m"}, {"_per_s2", "1/s²"}, {"_per_s", "1/s"},
-       {"_per_m", "1/m"}, {"_radps", "rad/s"}, {"_degps", "°/s"}, {"_mps2", "m/s²"}, {"_mps", "m/s"},
-       {"_kgm2", "kg m²"}, {"_kg", "kg"}, {"_deg", "°"}, {"_px", "px"}, {"_hz", "Hz"}, {"_ms", "ms"},
-       {"_us", "µs"}, {"_percent", "%"}, {"_m", "m"}, {"_s", "s"}, {"_m2", "m²"}, {"_rad", "rad"}}};
+      {{"_rad_per_m", "rad/m"},
+       {"_rad_s_per_m", "rad s/m"},
+       {"_per_s2", "1/s²"},
+       {"_per_s", "1/s"},
+       {"_per_m", "1/m"},
+       {"_radps", "rad/s"},
+       {"_degps", "°/s"},
+       {"_mps2", "m/s²"},
+       {"_mps", "m/s"},
+       {"_kgm2", "kg m²"},
+       {"_kg", "kg"},
+       {"_deg", "°"},
+       {"_px", "px"},
+       {"_hz", "Hz"},
+       {"_ms", "ms"},
+       {"_us", "µs"},
+       {"_percent", "%"},
+       {"_m", "m"},
+       {"_s", "s"},
+       {"_m2", "m²"},
+       {"_rad", "rad"}}};
   for (const auto& [ending, unit] : units)
     if (key.ends_with(ending)) return unit;
   return "";

@@ -17,17 +17,18 @@ namespace gatefly::io {
 /// What a configuration key may hold, and where its default comes from.
 struct KeyRule {
   enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText, kFile };
-  std::string name;                  ///< "section.key", the unit at its end.
-  double low = 0.0, high = 0.0;      ///< Of every number, in the key's unit, bounds included.
+  std::string name;                       ///< "section.key", the unit at its end.
+  double low = 0.0, high = 0.0;           ///< Of every number, in the key's unit, bounds included.
   std::string source = {};                ///< Of the default.
   std::vector<std::string> choices = {};  ///< Of a text.
   Kind kind = Kind::kNumber;
-  std::size_t count = 1;             ///< Of a list of numbers; the most of kNumberOrList.
-  bool whole = false;                ///< Only whole numbers in a list.
+  std::size_t count = 1;  ///< Of a list of numbers; the most of kNumberOrList.
+  bool whole = false;     ///< Only whole numbers in a list.
 };
 
 /// `value` if the rule allows it. @throws std::runtime_error "where: key = value, must be ...".
-[[nodiscard]] nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value, const std::string& where);
+[[nodiscard]] nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value,
+                                     const std::string& where);
 
 /// The unit that a key's name ends in: "deg", "px", "m/s", ...; "" when it has none.
 [[nodiscard]] std::string unit_of(const std::string& key);
@@ -36,7 +37,7 @@ struct KeyRule {
 template <class Target>
 struct Key {
   KeyRule rule;
-  std::function<nlohmann::json(const Target&)> get;        ///< In the key's unit.
+  std::function<nlohmann::json(const Target&)> get;         ///< In the key's unit.
   std::function<void(Target&, const nlohmann::json&)> set;  ///< With a value that was checked.
 };
 
@@ -76,9 +77,12 @@ Key<Target> key(std::string name, double low, double high, Member member, std::s
 
 /// A key whose member is one of a few words.
 template <class Target, class Member>
-Key<Target> choice(std::string name, std::vector<std::string> choices, Member member, std::string source) {
+Key<Target> choice(std::string name, std::vector<std::string> choices, Member member,
+                   std::string source) {
   Key<Target> result;
-  result.rule = {.name = std::move(name), .source = std::move(source), .choices = std::move(choices),
+  result.rule = {.name = std::move(name),
+                 .source = std::move(source),
+                 .choices = std::move(choices),
                  .kind = KeyRule::Kind::kText};
   result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
   result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<std::string>(); };

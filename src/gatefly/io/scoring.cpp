@@ -17,11 +17,14 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 using Triangle = std::array<Eigen::Vector2d, 3>;
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 bool cross_each_other(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                       const Eigen::Vector2d& d) {
-  return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 && cross(d - c, a - c) * cross(d - c, b - c) < 0.0;
+  return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 &&
+         cross(d - c, a - c) * cross(d - c, b - c) < 0.0;
 }
 
 /// A polygon cut along the diagonal that lies inside it.
@@ -40,7 +43,8 @@ double intersection_over_union(const Quad& a, const Quad& b) {
 }
 
 bool matches_any(const Quad& quad, std::span<const Quad> others, Rule rule) {
-  return std::any_of(others.begin(), others.end(), [&](const Quad& other) { return matches(quad, other, rule); });
+  return std::any_of(others.begin(), others.end(),
+                     [&](const Quad& other) { return matches(quad, other, rule); });
 }
 
 /// A detection and a gate that match.
@@ -55,7 +59,8 @@ std::vector<Match> hits_of(const PictureToScore& picture, Rule rule) {
   for (std::size_t d = 0; d < picture.detections.size(); ++d)
     for (std::size_t g = 0; g < picture.gates.size(); ++g)
       if (matches(picture.detections[d], picture.gates[g], rule))
-        candidates.push_back({d, g, intersection_over_union(picture.detections[d], picture.gates[g])});
+        candidates.push_back(
+            {d, g, intersection_over_union(picture.detections[d], picture.gates[g])});
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Match& a, const Match& b) { return a.overlap > b.overlap; });
   for (const Match& candidate : candidates)
@@ -74,7 +79,8 @@ void count(std::vector<HitRate>& rates, double value, bool hit) {
 std::vector<HitRate> size_rates() {
   std::vector<HitRate> rates;
   const std::array<double, 6> edges{0, 20, 30, 45, 70, std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i + 1 < edges.size(); ++i) rates.push_back({.from = edges[i], .to = edges[i + 1]});
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+    rates.push_back({.from = edges[i], .to = edges[i + 1]});
   return rates;
 }
 
@@ -82,7 +88,8 @@ std::vector<HitRate> size_rates() {
 std::vector<HitRate> distance_rates(std::span<const PictureToScore> pictures) {
   std::set<double> metres;
   for (const auto& picture : pictures)
-    if (!picture.gates.empty() && std::isfinite(picture.true_distance)) metres.insert(std::round(picture.true_distance));
+    if (!picture.gates.empty() && std::isfinite(picture.true_distance))
+      metres.insert(std::round(picture.true_distance));
   std::vector<HitRate> rates;
   for (const double metre : metres) rates.push_back({.from = metre - 0.5, .to = metre + 0.5});
   return rates;
@@ -93,9 +100,12 @@ void add(Score& total, const PictureToScore& picture, Rule rule) {
   std::vector<bool> gate_hit(picture.gates.size()), detection_hit(picture.detections.size());
   for (const Match& hit : hits) {
     gate_hit[hit.gate] = detection_hit[hit.detection] = true;
-    const CornerErrors errors = corner_errors(picture.detections[hit.detection], picture.gates[hit.gate]);
-    total.best_order_px.insert(total.best_order_px.end(), errors.best_order.begin(), errors.best_order.end());
-    total.as_listed_px.insert(total.as_listed_px.end(), errors.as_listed.begin(), errors.as_listed.end());
+    const CornerErrors errors =
+        corner_errors(picture.detections[hit.detection], picture.gates[hit.gate]);
+    total.best_order_px.insert(total.best_order_px.end(), errors.best_order.begin(),
+                               errors.best_order.end());
+    total.as_listed_px.insert(total.as_listed_px.end(), errors.as_listed.begin(),
+                              errors.as_listed.end());
   }
   for (std::size_t g = 0; g < picture.gates.size(); ++g) {
     count(total.by_size, std::sqrt(polygon_area(picture.gates[g])), gate_hit[g]);
@@ -103,9 +113,12 @@ void add(Score& total, const PictureToScore& picture, Rule rule) {
   }
   for (std::size_t d = 0; d < picture.detections.size(); ++d) {
     if (detection_hit[d]) continue;
-    const bool forgiven = rule == Rule::kOverlap70Authors && matches_any(picture.detections[d], picture.gates, rule);
-    if (forgiven || matches_any(picture.detections[d], picture.ignored, rule)) ++total.neither;
-    else ++total.false_positives;
+    const bool forgiven =
+        rule == Rule::kOverlap70Authors && matches_any(picture.detections[d], picture.gates, rule);
+    if (forgiven || matches_any(picture.detections[d], picture.ignored, rule))
+      ++total.neither;
+    else
+      ++total.false_positives;
   }
   ++total.pictures;
   total.gates += static_cast<int>(picture.gates.size());
@@ -126,8 +139,10 @@ Rule rule_of(const std::string& name) {
 Quad polygon(const Quad& quad) {
   // Sides that cross are the diagonals of a convex polygon.
   Quad p = quad;
-  if (cross_each_other(p[0], p[1], p[2], p[3])) std::swap(p[1], p[2]);
-  else if (cross_each_other(p[1], p[2], p[3], p[0])) std::swap(p[2], p[3]);
+  if (cross_each_other(p[0], p[1], p[2], p[3]))
+    std::swap(p[1], p[2]);
+  else if (cross_each_other(p[1], p[2], p[3], p[0]))
+    std::swap(p[2], p[3]);
   if (area(p) < 0) std::swap(p[1], p[3]);
   return p;
 }
@@ -137,16 +152,20 @@ double polygon_area(const Quad& quad) { return std::abs(area(polygon(quad))); }
 double polygon_shared_area(const Quad& a, const Quad& b) {
   double shared = 0.0;
   for (const Triangle& part_a : triangles(polygon(a)))
-    for (const Triangle& part_b : triangles(polygon(b))) shared += shared_area(as_quad(part_a), as_quad(part_b));
+    for (const Triangle& part_b : triangles(polygon(b)))
+      shared += shared_area(as_quad(part_a), as_quad(part_b));
   return shared;
 }
 
 bool matches(const Quad& a, const Quad& b, Rule rule) {
   switch (rule) {
-    case Rule::kIou50: return intersection_over_union(a, b) >= 0.5;
-    case Rule::kIou75: return intersection_over_union(a, b) >= 0.75;
+    case Rule::kIou50:
+      return intersection_over_union(a, b) >= 0.5;
+    case Rule::kIou75:
+      return intersection_over_union(a, b) >= 0.75;
     case Rule::kOverlap70:
-    case Rule::kOverlap70Authors: break;
+    case Rule::kOverlap70Authors:
+      break;
   }
   const double larger = std::max(polygon_area(a), polygon_area(b));
   return larger > 0.0 && polygon_shared_area(a, b) >= 0.7 * larger;
@@ -171,7 +190,9 @@ CornerErrors corner_errors(const Quad& detection, const Quad& label) {
   return errors;
 }
 
-double Score::true_positive_rate() const { return gates > 0 ? static_cast<double>(hits) / gates : kNone; }
+double Score::true_positive_rate() const {
+  return gates > 0 ? static_cast<double>(hits) / gates : kNone;
+}
 
 double Score::false_positives_per_image() const {
   return pictures > 0 ? static_cast<double>(false_positives) / pictures : kNone;
@@ -193,8 +214,8 @@ Score score(std::span<const PictureToScore> pictures, Rule rule, bool nearest) {
   return total;
 }
 
-ScoreInput brought_together(const Labels& labels, std::span<const DetectionRow> detections, const Labels& ignored,
-                            Rule rule) {
+ScoreInput brought_together(const Labels& labels, std::span<const DetectionRow> detections,
+                            const Labels& ignored, Rule rule) {
   ScoreInput input;
   input.degenerate = static_cast<int>(labels.degenerate.size());
   constexpr std::size_t kLeftOut = std::numeric_limits<std::size_t>::max();
@@ -203,14 +224,18 @@ ScoreInput brought_together(const Labels& labels, std::span<const DetectionRow> 
 
   std::set<std::string> seen;  // one name for each group of identical pictures
   for (const LabelledPicture& picture : labels.pictures) {
-    const bool first = seen.insert(picture.first_identical.empty() ? picture.image : picture.first_identical).second;
+    const bool first =
+        seen.insert(picture.first_identical.empty() ? picture.image : picture.first_identical)
+            .second;
     if (!first && rule != Rule::kOverlap70Authors) {
       place_of[picture.image] = kLeftOut;
       ++input.duplicates;
       continue;
     }
     place_of[picture.image] = input.pictures.size();
-    input.pictures.push_back({.gates = picture.gates, .ignored = {}, .detections = {},
+    input.pictures.push_back({.gates = picture.gates,
+                              .ignored = {},
+                              .detections = {},
                               .true_distance = picture.true_distance});
   }
   for (const LabelledPicture& picture : ignored.pictures) {
@@ -221,10 +246,14 @@ ScoreInput brought_together(const Labels& labels, std::span<const DetectionRow> 
   }
   for (const DetectionRow& row : detections) {
     const auto found = place_of.find(row.image);
-    if (found == place_of.end()) input.unknown.push_back(row.image);
-    else if (found->second == kLeftOut) continue;
-    else if (row.method == "bars") ++input.bars;
-    else input.pictures[found->second].detections.push_back(row.corners_px);
+    if (found == place_of.end())
+      input.unknown.push_back(row.image);
+    else if (found->second == kLeftOut)
+      continue;
+    else if (row.method == "bars")
+      ++input.bars;
+    else
+      input.pictures[found->second].detections.push_back(row.corners_px);
   }
   return input;
 }

@@ -23,14 +23,17 @@ int start(std::vector<std::string> words, Streams streams, pid_t& pid) {
   posix_spawn_file_actions_init(&files);
   posix_spawnattr_init(&attributes);
   const auto connect = [&](int from, int to) {
-    if (from >= 0) posix_spawn_file_actions_adddup2(&files, from, to);
-    else posix_spawn_file_actions_addopen(&files, to, "/dev/null", O_RDWR, 0);
+    if (from >= 0)
+      posix_spawn_file_actions_adddup2(&files, from, to);
+    else
+      posix_spawn_file_actions_addopen(&files, to, "/dev/null", O_RDWR, 0);
   };
   connect(streams.input, STDIN_FILENO);
   connect(streams.output, STDOUT_FILENO);
   connect(streams.errors, STDERR_FILENO);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  const int error = posix_spawnp(&pid, arguments[0], &files, &attributes, arguments.data(), environ);
+  const int error =
+      posix_spawnp(&pid, arguments[0], &files, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   return error;
@@ -47,8 +50,10 @@ std::string last_line(std::FILE* file) {
   std::rewind(file);
   std::string line, last;
   for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
-    if (c != '\n') line += static_cast<char>(c);
-    else if (!line.empty()) last = std::exchange(line, {});
+    if (c != '\n')
+      line += static_cast<char>(c);
+    else if (!line.empty())
+      last = std::exchange(line, {});
   }
   return line.empty() ? last : line;
 }

@@ -12,12 +12,14 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
     offsets.push_back(Json::array({offset.x(), offset.y()}));
   Json timings = Json::object();
   for (const closed_loop::StageTime& stage : result.timings)
-    timings[stage.stage] = {{"p50_us", stage.p50_us}, {"p99_us", stage.p99_us}, {"max_us", stage.max_us}};
+    timings[stage.stage] = {
+        {"p50_us", stage.p50_us}, {"p99_us", stage.p99_us}, {"max_us", stage.max_us}};
   timings["whole_flight"] = {
       {"cpu_s", result.cpu_seconds},
       {"wall_s", result.wall_seconds},
       {"bake_s", result.bake_seconds},
-      {"cpu_s_per_flight_s", result.flight_time > 0 ? result.cpu_seconds / result.flight_time : 0.0}};
+      {"cpu_s_per_flight_s",
+       result.flight_time > 0 ? result.cpu_seconds / result.flight_time : 0.0}};
 
   const Eigen::Vector3d& rmse = result.estimation_rmse;
   Json json;
@@ -34,7 +36,8 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["gate_offsets_m"] = offsets;
   json["estimation_rmse_m"] = Json::array({rmse.x(), rmse.y(), rmse.z()});
   const auto counted = [](const closed_loop::ChiSquareCount& count) {
-    return Json{{"samples", count.samples}, {"sum_per_dof", count.sum_per_dof}, {"inside", count.inside}};
+    return Json{
+        {"samples", count.samples}, {"sum_per_dof", count.sum_per_dof}, {"inside", count.inside}};
   };
   json["consistency"] = {{"nees", counted(result.consistency.nees)},
                          {"nis", counted(result.consistency.nis)},

@@ -12,14 +12,16 @@ namespace gatefly::io {
 
 /// What a race was flown with.
 struct RaceIdentity {
-  std::string track;      ///< The track's name.
+  std::string track;  ///< The track's name.
   std::uint64_t seed = 1;
   std::string vision = "rendered";  ///< Or "ideal".
-  std::string version;    ///< Of gatefly.
-  nlohmann::json config;  ///< Effective configuration: as_json(config).
+  std::string version;              ///< Of gatefly.
+  nlohmann::json config;            ///< Effective configuration: as_json(config).
 };
 
-/// summary.json with the keys people and scripts rely on. Only "timings" may differ between two runs of one seed.
-[[nodiscard]] nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race);
+/// summary.json with the keys people and scripts rely on. Only "timings" may differ between two
+/// runs of one seed.
+[[nodiscard]] nlohmann::ordered_json summary(const closed_loop::RaceResult& result,
+                                             const RaceIdentity& race);
 
 }  // namespace gatefly::io

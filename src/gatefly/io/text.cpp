@@ -37,10 +37,10 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, std::span<const std::string> candidates) {
-  const auto best = std::min_element(
-      candidates.begin(), candidates.end(), [&](const std::string& a, const std::string& b) {
-        return edit_distance(word, a) < edit_distance(word, b);
-      });
+  const auto best = std::min_element(candidates.begin(), candidates.end(),
+                                     [&](const std::string& a, const std::string& b) {
+                                       return edit_distance(word, a) < edit_distance(word, b);
+                                     });
   return best == candidates.end() ? std::string{} : *best;
 }
 
@@ -109,7 +109,8 @@ std::string one_line(std::string text, std::size_t most) {
 
 std::string read_file(const fs::path& path) {
   std::error_code error;
-  if (fs::is_directory(path, error)) throw std::runtime_error(path.string() + ": is a folder, not a file");
+  if (fs::is_directory(path, error))
+    throw std::runtime_error(path.string() + ": is a folder, not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
   std::string content{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
@@ -155,8 +156,8 @@ fs::path find_toml(const std::string& name, const std::string& folder) {
   if (fs::is_directory(status)) throw std::runtime_error(name + ": is a folder, not a file");
   if (fs::exists(status)) return name;
   const std::vector<std::string> list{names.begin(), names.end()};
-  throw std::runtime_error((name.empty() ? "\"\"" : name) + ": no such file, nor a name in " + folder + "/ (there are: " +
-                           joined(list) + ")" + suggestion(name, list));
+  throw std::runtime_error((name.empty() ? "\"\"" : name) + ": no such file, nor a name in " +
+                           folder + "/ (there are: " + joined(list) + ")" + suggestion(name, list));
 }
 
 }  // namespace gatefly::io

@@ -16,7 +16,8 @@ namespace gatefly::io {
 [[nodiscard]] std::string nearest(std::string_view word, std::span<const std::string> candidates);
 
 /// ", did you mean 'x'?" when a candidate is near enough to be meant, else "".
-[[nodiscard]] std::string suggestion(std::string_view word, std::span<const std::string> candidates);
+[[nodiscard]] std::string suggestion(std::string_view word,
+                                     std::span<const std::string> candidates);
 
 /// Order of names as people count: "img_9" before "img_10".
 [[nodiscard]] bool counts_before(std::string_view a, std::string_view b);
@@ -25,9 +26,11 @@ namespace gatefly::io {
 [[nodiscard]] std::string text_of(double value, int digits = 0);
 
 /// "a, b, c".
-[[nodiscard]] std::string joined(std::span<const std::string> words, std::string_view between = ", ");
+[[nodiscard]] std::string joined(std::span<const std::string> words,
+                                 std::string_view between = ", ");
 
-/// `text` on one line, cut after about `most` bytes: control characters become spaces, whole UTF-8 letters stay.
+/// `text` on one line, cut after about `most` bytes: control characters become spaces, whole UTF-8
+/// letters stay.
 [[nodiscard]] std::string one_line(std::string text, std::size_t most = 60);
 
 /// All bytes of a file. @throws std::runtime_error naming it and why it cannot be read.

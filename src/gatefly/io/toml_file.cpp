@@ -90,9 +90,9 @@ std::string Table::name_of(const std::string& key) const {
 
 void Table::fail(const std::string& key, const std::string& what) const {
   const bool there = value_.contains(key);
-  throw std::runtime_error(file_ + ": " + name_of(key) +
-                           (there ? " = " + shown(value_.at(key)) + ", must be " : " is missing, must be ") +
-                           what);
+  throw std::runtime_error(
+      file_ + ": " + name_of(key) +
+      (there ? " = " + shown(value_.at(key)) + ", must be " : " is missing, must be ") + what);
 }
 
 const json& Table::raw(const std::string& key) {
@@ -126,7 +126,8 @@ int Table::integer(const std::string& key, int low, int high, int fallback) {
   return static_cast<int>(checked(key, value, low, high));
 }
 
-std::vector<double> Table::numbers(const std::string& key, std::size_t count, double low, double high) {
+std::vector<double> Table::numbers(const std::string& key, std::size_t count, double low,
+                                   double high) {
   const json& value = raw(key);
   const std::string what =
       std::to_string(count) + " numbers in " + text_of(low) + ".." + text_of(high);

@@ -42,14 +42,16 @@ class Table {
   /// The value of a key as it is; null when absent.
   const nlohmann::json& raw(const std::string& key);
 
-  /// To be called last. @throws std::runtime_error naming a key nobody asked for, and the nearest known.
+  /// To be called last. @throws std::runtime_error naming a key nobody asked for, and the nearest
+  /// known.
   void refuse_others() const;
   /// @throws std::runtime_error "file: where.key = value, must be <what>".
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
   [[nodiscard]] std::string name_of(const std::string& key) const;
 
  private:
-  double checked(const std::string& key, const nlohmann::json& value, double low, double high) const;
+  double checked(const std::string& key, const nlohmann::json& value, double low,
+                 double high) const;
 
   const nlohmann::json& value_;
   std::string file_, where_;

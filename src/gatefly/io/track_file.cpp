@@ -18,15 +18,16 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFarthest = 1000.0;        // [m] from the origin
-constexpr double kLowestBar = 0.05;         // [m] above the floor: a gate stands on a foot plate.
+constexpr double kFarthest = 1000.0;  // [m] from the origin
+constexpr double kLowestBar = 0.05;   // [m] above the floor: a gate stands on a foot plate.
 constexpr int kMaxGates = 200, kMaxObstacles = 1000;
 
 /// Linear-light albedos of painted wood and cloth. [ours]
 const std::vector<std::pair<std::string, Eigen::Vector3d>>& colors() {
   static const std::vector<std::pair<std::string, Eigen::Vector3d>> list{
-      {"orange", {0.95, 0.40, 0.12}}, {"red", {0.75, 0.07, 0.07}},    {"blue", {0.07, 0.15, 0.75}},
-      {"green", {0.10, 0.60, 0.12}},  {"yellow", {0.90, 0.75, 0.08}}, {"magenta", {0.80, 0.08, 0.55}},
+      {"orange", {0.95, 0.40, 0.12}}, {"red", {0.75, 0.07, 0.07}},
+      {"blue", {0.07, 0.15, 0.75}},   {"green", {0.10, 0.60, 0.12}},
+      {"yellow", {0.90, 0.75, 0.08}}, {"magenta", {0.80, 0.08, 0.55}},
       {"white", {0.85, 0.85, 0.85}},  {"black", {0.04, 0.04, 0.04}}};
   return list;
 }
@@ -72,8 +73,8 @@ void check_exit(Table& gate, const std::string& file, const std::string& where) 
   exit.refuse_others();
 }
 
-void read_gate(const json& value, const std::string& file, std::size_t index, const GateDefaults& defaults,
-               TrackFile& track) {
+void read_gate(const json& value, const std::string& file, std::size_t index,
+               const GateDefaults& defaults, TrackFile& track) {
   const std::string where = indexed("gates", index);
   Table table(value, file, where);
   const auto p = table.numbers("position_m", 3, -kFarthest, kFarthest);
@@ -88,16 +89,20 @@ void read_gate(const json& value, const std::string& file, std::size_t index, co
   const double lowest = -p[2] - 0.5 * side, highest = -p[2] + 0.5 * side;
   if (lowest < kLowestBar)
     table.fail("position_m", "so high that the lower bar is " + text_of(kLowestBar) +
-                                 " m above the floor: z at most " + text_of(-0.5 * side - kLowestBar, 6));
+                                 " m above the floor: z at most " +
+                                 text_of(-0.5 * side - kLowestBar, 6));
   if (highest > track.track.ceiling)
-    table.fail("position_m", "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");
+    table.fail("position_m",
+               "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");
 
   const Eigen::Vector3d center{p[0], p[1], p[2]};
   track.track.gates.push_back({.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar});
-  track.world.gates.push_back({.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
+  track.world.gates.push_back(
+      {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
 }
 
-void read_obstacle(const json& value, const std::string& file, std::size_t index, TrackFile& track) {
+void read_obstacle(const json& value, const std::string& file, std::size_t index,
+                   TrackFile& track) {
   Table table(value, file, indexed("obstacles", index));
   sim::WorldBox box;
   box.center = floor_point(table, "position_m");
@@ -129,7 +134,8 @@ void read_room(Table& file_table, const std::string& file, TrackFile& track) {
     }
     if (room.has("center_m")) world.room_center = floor_point(room, "center_m");
     world.look = room.text("look", world.look);
-    if (world.look != "hall" && world.look != "showroom") room.fail("look", "\"hall\" or \"showroom\"");
+    if (world.look != "hall" && world.look != "showroom")
+      room.fail("look", "\"hall\" or \"showroom\"");
     room.refuse_others();
   }
   track.track.room_center = world.room_center;
@@ -157,7 +163,8 @@ bool in_room(const Track& track, const MapObstacle& box) {
   for (const double a : {-0.5, 0.5})
     for (const double b : {-0.5, 0.5}) {
       const Eigen::Vector2d corner{a * box.size.x(), b * box.size.y()};
-      const Eigen::Vector2d turned{c * corner.x() - s * corner.y(), s * corner.x() + c * corner.y()};
+      const Eigen::Vector2d turned{c * corner.x() - s * corner.y(),
+                                   s * corner.x() + c * corner.y()};
       if (!in_room(track, box.center + turned)) return false;
     }
   return true;
@@ -165,7 +172,8 @@ bool in_room(const Track& track, const MapObstacle& box) {
 
 void check_inside_room(const Track& track, const std::string& file) {
   const auto fail = [&](const std::string& key, const Eigen::Vector2d& p) {
-    throw std::runtime_error(file + ": " + key + " = [" + text_of(p.x(), 6) + ", " + text_of(p.y(), 6) +
+    throw std::runtime_error(file + ": " + key + " = [" + text_of(p.x(), 6) + ", " +
+                             text_of(p.y(), 6) +
                              "], must be inside the room, all of it (room.size_m, room.center_m)");
   };
   if (!in_room(track, track.start)) fail("start.position_m", track.start);
@@ -182,7 +190,8 @@ const json& list_of(Table& table, const char* key, std::size_t least, std::size_
   const json& list = table.raw(key);
   if (list.is_null() && least == 0) return none;
   if (!list.is_array() || list.size() < least || list.size() > most)
-    table.fail(key, std::to_string(least) + ".." + std::to_string(most) + " tables [[" + key + "]]");
+    table.fail(key,
+               std::to_string(least) + ".." + std::to_string(most) + " tables [[" + key + "]]");
   return list;
 }
 

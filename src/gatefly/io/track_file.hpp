@@ -12,8 +12,8 @@ namespace gatefly::io {
 
 /// A course as its file describes it: for the pilot, for the simulator, and what a seed changes.
 struct TrackFile {
-  Track track;               ///< The pilot's map.
-  sim::World world;          ///< The same as nominal truth; `sim::drawn` moves it.
+  Track track;       ///< The pilot's map.
+  sim::World world;  ///< The same as nominal truth; `sim::drawn` moves it.
   sim::StartTruth start;
   sim::Randomize randomize;  ///< Level of the file with its overrides.
 };
@@ -24,8 +24,10 @@ struct GateDefaults {
 };
 
 /// Reads tracks/*.toml. Format: see tracks/oval.toml.
-/// @throws std::runtime_error one line: file, key, value, what is allowed; the line for broken TOML.
-[[nodiscard]] TrackFile read_track(const std::filesystem::path& path, const GateDefaults& gates = {});
+/// @throws std::runtime_error one line: file, key, value, what is allowed; the line for broken
+///     TOML.
+[[nodiscard]] TrackFile read_track(const std::filesystem::path& path,
+                                   const GateDefaults& gates = {});
 
 /// A track file by path or by its name in tracks/.
 /// @throws std::runtime_error listing the tracks there are.

@@ -19,13 +19,45 @@
 namespace gatefly::io {
 namespace {
 
-std::vector<std::string> encoder(int width, int height, int pictures_per_second, const std::string& file) {
-  return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y",
-          "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", std::to_string(width) + "x" + std::to_string(height),
-          "-r", std::to_string(pictures_per_second), "-i", "pipe:0",
-          "-vf", "scale=out_color_matrix=bt709:out_range=tv", "-c:v", "libx264", "-preset", "veryfast", "-crf", "21",
-          "-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
-          "-movflags", "+faststart", "-f", "mp4", "file:" + file};
+std::vector<std::string> encoder(int width, int height, int pictures_per_second,
+                                 const std::string& file) {
+  return {"ffmpeg",
+          "-nostdin",
+          "-hide_banner",
+          "-loglevel",
+          "error",
+          "-y",
+          "-f",
+          "rawvideo",
+          "-pix_fmt",
+          "rgb24",
+          "-s",
+          std::to_string(width) + "x" + std::to_string(height),
+          "-r",
+          std::to_string(pictures_per_second),
+          "-i",
+          "pipe:0",
+          "-vf",
+          "scale=out_color_matrix=bt709:out_range=tv",
+          "-c:v",
+          "libx264",
+          "-preset",
+          "veryfast",
+          "-crf",
+          "21",
+          "-pix_fmt",
+          "yuv420p",
+          "-colorspace",
+          "bt709",
+          "-color_primaries",
+          "bt709",
+          "-color_trc",
+          "bt709",
+          "-movflags",
+          "+faststart",
+          "-f",
+          "mp4",
+          "file:" + file};
 }
 
 }  // namespace
@@ -34,13 +66,15 @@ void require_ffmpeg() {
   pid_t pid = -1;
   const int error = start({"ffmpeg", "-version"}, {}, pid);
   if (error != 0 || wait_for(pid) != 0)
-    throw std::runtime_error("ffmpeg: " + (error != 0 ? std::string{std::strerror(error)} : "does not run") +
-                             "; a video needs it (apt-get install ffmpeg)");
+    throw std::runtime_error(
+        "ffmpeg: " + (error != 0 ? std::string{std::strerror(error)} : "does not run") +
+        "; a video needs it (apt-get install ffmpeg)");
 }
 
 VideoFile::VideoFile(std::filesystem::path path, int width, int height, int pictures_per_second)
     : path_{std::move(path)}, partial_{path_.string() + ".partial"}, messages_{std::tmpfile()} {
-  // A pair of sockets, because writing to a pipe that ffmpeg has left would end the whole program (SIGPIPE).
+  // A pair of sockets, because writing to a pipe that ffmpeg has left would end the whole program
+  // (SIGPIPE).
   int ends[2] = {-1, -1};
   if (!messages_ || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::runtime_error(path_.string() + ": cannot be written: " + std::strerror(errno));
@@ -88,7 +122,8 @@ int VideoFile::close_and_wait() {
 void VideoFile::fail() {
   close_and_wait();
   const std::string why = last_line(messages_.get());
-  throw std::runtime_error(path_.string() + ": cannot be written: ffmpeg: " + (why.empty() ? "ended early" : why));
+  throw std::runtime_error(path_.string() +
+                           ": cannot be written: ffmpeg: " + (why.empty() ? "ended early" : why));
 }
 
 }  // namespace gatefly::io

@@ -12,13 +12,15 @@
 
 namespace gatefly::io {
 
-/// Whether there is an ffmpeg that can be called. @throws std::runtime_error one line, when there is none.
+/// Whether there is an ffmpeg that can be called. @throws std::runtime_error one line, when there
+/// is none.
 void require_ffmpeg();
 
-/// A film written picture by picture: H.264 in MP4 (yuv420p, BT.709) as browsers play it, by ffmpeg at
-/// the other end of a pipe.
+/// A film written picture by picture: H.264 in MP4 (yuv420p, BT.709) as browsers play it, by ffmpeg
+/// at the other end of a pipe.
 ///
-/// It grows under `<path>.partial`; finish() gives it its name, the destructor removes what is not whole.
+/// It grows under `<path>.partial`; finish() gives it its name, the destructor removes what is not
+/// whole.
 class VideoFile {
  public:
   /// @param width,height  of every picture, even [px]

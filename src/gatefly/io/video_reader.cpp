@@ -18,15 +18,21 @@
 namespace gatefly::io {
 namespace {
 
-// What holds pictures; without this list ffmpeg paints text files and follows playlists to other files.
+// What holds pictures; without this list ffmpeg paints text files and follows playlists to other
+// files.
 constexpr const char* kContainers =
-    "avi,mov,matroska,mpegts,mpeg,mpegvideo,m4v,mjpeg,h264,hevc,av1,obu,ivf,ogg,flv,asf,gif,apng,yuv4mpegpipe,nut,mxf,"
+    "avi,mov,matroska,mpegts,mpeg,mpegvideo,m4v,mjpeg,h264,hevc,av1,obu,ivf,ogg,flv,asf,gif,apng,"
+    "yuv4mpegpipe,nut,mxf,"
     "dv,rm,bmp_pipe,tiff_pipe,webp_pipe";
 
 std::vector<std::string> decoder(const std::string& file) {
-  return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-format_whitelist", kContainers,
-          "-i", "file:" + file, "-map", "0:v:0", "-fps_mode", "passthrough",
-          "-vf", "scale=out_range=full:out_color_matrix=bt601,format=yuv444p", "-f", "yuv4mpegpipe", "pipe:1"};
+  return {
+      "ffmpeg",      "-nostdin",     "-hide_banner",
+      "-loglevel",   "error",        "-format_whitelist",
+      kContainers,   "-i",           "file:" + file,
+      "-map",        "0:v:0",        "-fps_mode",
+      "passthrough", "-vf",          "scale=out_range=full:out_color_matrix=bt601,format=yuv444p",
+      "-f",          "yuv4mpegpipe", "pipe:1"};
 }
 
 /// Planes one after the other become Y, Cb, Cr of each pixel.
@@ -34,22 +40,27 @@ std::vector<std::uint8_t> interleaved(const std::vector<std::uint8_t>& planes) {
   std::vector<std::uint8_t> pixels(planes.size());
   const std::size_t count = planes.size() / 3;
   for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t channel = 0; channel < 3; ++channel) pixels[3 * i + channel] = planes[channel * count + i];
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      pixels[3 * i + channel] = planes[channel * count + i];
   return pixels;
 }
 
 }  // namespace
 
-VideoReader::VideoReader(std::filesystem::path path) : path_{std::move(path)}, messages_{std::tmpfile()} {
-  if (!std::ifstream(path_)) throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
+VideoReader::VideoReader(std::filesystem::path path)
+    : path_{std::move(path)}, messages_{std::tmpfile()} {
+  if (!std::ifstream(path_))
+    throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
   int ends[2] = {-1, -1};
   if (!messages_ || pipe2(ends, O_CLOEXEC) != 0)
     throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
-  const int error = start(decoder(path_.string()), {.output = ends[1], .errors = fileno(messages_.get())}, ffmpeg_);
+  const int error = start(decoder(path_.string()),
+                          {.output = ends[1], .errors = fileno(messages_.get())}, ffmpeg_);
   ::close(ends[1]);
   stream_.reset(fdopen(ends[0], "rb"));
   if (error != 0)
-    throw std::runtime_error(path_.string() + ": no picture, and to read it as a video ffmpeg is needed: " +
+    throw std::runtime_error(path_.string() +
+                             ": no picture, and to read it as a video ffmpeg is needed: " +
                              std::strerror(error) + " (apt-get install ffmpeg)");
 }
 
@@ -84,7 +95,9 @@ std::optional<ImageFile> VideoReader::next() {
     return std::nullopt;
   }
   ++pictures_;
-  return ImageFile{.bytes = interleaved(planes), .format = PixelFormat::kYuv444, .stored_width = width_,
+  return ImageFile{.bytes = interleaved(planes),
+                   .format = PixelFormat::kYuv444,
+                   .stored_width = width_,
                    .stored_height = height_};
 }
 
@@ -98,8 +111,9 @@ void VideoReader::end() {
   if (why.starts_with(prefix)) why.erase(0, prefix.size());
   if (why.empty()) why = "it holds no picture";
   throw std::runtime_error(path_.string() + ": " +
-                           (pictures_ == 0 ? "neither a picture nor a video"
-                                           : "damaged, after " + std::to_string(pictures_) + " pictures") +
+                           (pictures_ == 0
+                                ? "neither a picture nor a video"
+                                : "damaged, after " + std::to_string(pictures_) + " pictures") +
                            " (ffmpeg: " + why + ")");
 }
 

@@ -15,8 +15,9 @@ namespace gatefly::io {
 
 /// A film read picture by picture, decoded by ffmpeg at the other end of a pipe.
 ///
-/// Pictures come as full-range JFIF Y'CbCr without a way round by RGB where the film's matrix allows it (MJPEG
-/// and everything BT.601); luma is then the film's own to the bit. No picture is dropped or doubled.
+/// Pictures come as full-range JFIF Y'CbCr without a way round by RGB where the film's matrix
+/// allows it (MJPEG and everything BT.601); luma is then the film's own to the bit. No picture is
+/// dropped or doubled.
 class VideoReader {
  public:
   /// @throws std::runtime_error one line: the file cannot be read, or there is no ffmpeg.
@@ -26,7 +27,8 @@ class VideoReader {
   VideoReader& operator=(const VideoReader&) = delete;
 
   /// The next picture as it is stored; nullopt after the last.
-  /// @throws std::runtime_error with ffmpeg's own words: no video at all, or damaged (after what could be read).
+  /// @throws std::runtime_error with ffmpeg's own words: no video at all, or damaged (after what
+  ///     could be read).
   [[nodiscard]] std::optional<ImageFile> next();
 
  private:

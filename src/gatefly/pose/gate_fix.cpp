@@ -25,11 +25,13 @@ std::array<Eigen::Vector3d, 4> corners_G(double side) {
 }
 
 bool within_reach(const Eigen::Vector3d& p_GB, const PoseParams& params) {
-  return p_GB.x() <= 0.0 && std::abs(p_GB.y()) <= params.max_lateral && p_GB.norm() <= params.max_distance;
+  return p_GB.x() <= 0.0 && std::abs(p_GB.y()) <= params.max_lateral &&
+         p_GB.norm() <= params.max_distance;
 }
 
 // Angle that one pixel covers at `px` [rad].
-double radians_per_px(const CameraRig& rig, const Eigen::Vector2d& px, const Eigen::Vector3d& bearing_C) {
+double radians_per_px(const CameraRig& rig, const Eigen::Vector2d& px,
+                      const Eigen::Vector3d& bearing_C) {
   const auto left = rig.lens.bearing(px - Eigen::Vector2d{0.5, 0.0});
   const auto right = rig.lens.bearing(px + Eigen::Vector2d{0.5, 0.0});
   return left && right ? (*right - *left).norm() : 0.006 * bearing_C.norm();
@@ -46,7 +48,8 @@ Eigen::Matrix3d attitude_covariance(const Eigen::Vector3d& t_G, const PoseParams
 // δp = δθ × p, and a wrong scale moves it along the line of sight.
 Levers levers(const Eigen::Vector3d& p_GB, const PoseParams& params) {
   using Eigen::Vector3d;
-  const double heading2 = params.heading_sigma * params.heading_sigma - params.gate_yaw_sigma * params.gate_yaw_sigma;
+  const double heading2 =
+      params.heading_sigma * params.heading_sigma - params.gate_yaw_sigma * params.gate_yaw_sigma;
   Levers L = Levers::Zero();
   L.col(lasting::kTiltX) = params.attitude_sigma * Vector3d::UnitX().cross(p_GB);
   L.col(lasting::kTiltY) = params.attitude_sigma * Vector3d::UnitY().cross(p_GB);
@@ -62,8 +65,8 @@ struct YawError {
 };
 
 // Gauss-Newton over camera position and yaw, from the position that assumes the yaw is right.
-std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::array<double, 4>& sigma,
-                                  Eigen::Vector3d t) {
+std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays,
+                                  const std::array<double, 4>& sigma, Eigen::Vector3d t) {
   constexpr double kPriorVariance = 0.35 * 0.35;  // 20°: keeps a frontal far gate from spinning
   double yaw = 0.0;
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
@@ -104,14 +107,14 @@ std::optional<YawError> yaw_error(const std::array<Ray, 4>& rays, const std::arr
   return YawError{yaw * measured / posterior, measured, cost / 4.0};
 }
 
-
 struct Sights {
   FixedList<Ray, 4> rays;
   FixedList<double, 4> sigma;  ///< Across each ray [rad].
 };
 
 // Noise of each ray, propagated through A t = b: δt = A⁻¹ Σ d_i δv_i. `scale` of the noise.
-Eigen::Matrix3d ray_covariance(const Sights& sights, const Eigen::Vector3d& camera_G, double scale) {
+Eigen::Matrix3d ray_covariance(const Sights& sights, const Eigen::Vector3d& camera_G,
+                               double scale) {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < sights.rays.size(); ++i) {
     const Eigen::Vector3d& v = sights.rays[i].direction;
@@ -124,8 +127,9 @@ Eigen::Matrix3d ray_covariance(const Sights& sights, const Eigen::Vector3d& came
 }
 
 // Lines of sight to gate corners; nullopt when one is outside the lens.
-std::optional<Sights> sights_to(std::span<const Eigen::Vector2d> px, std::span<const Eigen::Vector3d> corners,
-                                const RotationGB& R_GB, const CameraRig& rig, const PoseParams& params) {
+std::optional<Sights> sights_to(std::span<const Eigen::Vector2d> px,
+                                std::span<const Eigen::Vector3d> corners, const RotationGB& R_GB,
+                                const CameraRig& rig, const PoseParams& params) {
   Sights sights;
   for (std::size_t i = 0; i < px.size(); ++i) {
     const auto bearing_C = rig.lens.bearing(px[i]);  // Eq. (5)
@@ -143,8 +147,8 @@ struct Intersection {
 };
 
 // Eq. (9) with its covariance; nullopt when the rays do not meet before the gate.
-std::optional<Intersection> intersection_of(const Sights& sights, const RotationGB& R_GB, const CameraRig& rig,
-                                            const PoseParams& params) {
+std::optional<Intersection> intersection_of(const Sights& sights, const RotationGB& R_GB,
+                                            const CameraRig& rig, const PoseParams& params) {
   const auto camera_G = nearest_point({sights.rays.begin(), sights.rays.size()});
   if (!camera_G) return std::nullopt;
 
@@ -152,7 +156,8 @@ std::optional<Intersection> intersection_of(const Sights& sights, const Rotation
   for (std::size_t i = 0; i < sights.rays.size(); ++i) {
     const Eigen::Vector3d& v = sights.rays[i].direction;
     const Eigen::Vector3d to_corner = sights.rays[i].point - *camera_G;
-    cost += (to_corner - v.dot(to_corner) * v).squaredNorm() / (to_corner.squaredNorm() * sights.sigma[i] * sights.sigma[i]);
+    cost += (to_corner - v.dot(to_corner) * v).squaredNorm() /
+            (to_corner.squaredNorm() * sights.sigma[i] * sights.sigma[i]);
   }
   Fix fix;
   fix.p_GB = *camera_G - R_GB * rig.p_BC;
@@ -163,14 +168,15 @@ std::optional<Intersection> intersection_of(const Sights& sights, const Rotation
 
 }  // namespace
 
-std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
-                                    const CameraRig& rig, const PoseParams& params) {
+std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB,
+                                    double side, const CameraRig& rig, const PoseParams& params) {
   const auto sights = sights_to(outer_corners_px, corners_G(side), R_GB, rig, params);
   if (!sights) return std::nullopt;
   auto met = intersection_of(*sights, R_GB, rig, params);
   if (!met) return std::nullopt;
-  const auto yaw = yaw_error({sights->rays[0], sights->rays[1], sights->rays[2], sights->rays[3]},
-                             {sights->sigma[0], sights->sigma[1], sights->sigma[2], sights->sigma[3]}, met->camera_G);
+  const auto yaw = yaw_error(
+      {sights->rays[0], sights->rays[1], sights->rays[2], sights->rays[3]},
+      {sights->sigma[0], sights->sigma[1], sights->sigma[2], sights->sigma[3]}, met->camera_G);
   // Four corners that no square could have drawn, whatever the heading, are a wrong detection.
   if (!yaw || yaw->misfit > params.max_misfit) return std::nullopt;
   if (yaw->variance < 0.5) {  // beyond 40° it says nothing
@@ -180,19 +186,24 @@ std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const Rotation
   return met->fix;
 }
 
-std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
-                                        const CameraRig& rig, const PoseParams& params) {
+std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB,
+                                        double side, const CameraRig& rig,
+                                        const PoseParams& params) {
   GateObservations corners;
   add_corners(corners, outer_corners_px, side, params.corner_sigma_px);
-  const PosePrior prior{.attitude_GB = attitude_of(RotationEB{R_GB.matrix}), .roll_sigma = params.attitude_sigma,
-                        .pitch_sigma = params.attitude_sigma, .yaw_sigma = params.heading_sigma};
-  // Three good corners and a bad one are a frame of two gates, and the three fit a gate elsewhere: nothing is left out.
+  const PosePrior prior{.attitude_GB = attitude_of(RotationEB{R_GB.matrix}),
+                        .roll_sigma = params.attitude_sigma,
+                        .pitch_sigma = params.attitude_sigma,
+                        .yaw_sigma = params.heading_sigma};
+  // Three good corners and a bad one are a frame of two gates, and the three fit a gate elsewhere:
+  // nothing is left out.
   const auto [pose, reason] = map_pose(corners, prior, rig, {.max_outliers = 0.0});
   if (!pose || !within_reach(pose->p_GB, params)) return std::nullopt;
   Fix fix{.p_GB = pose->p_GB, .covariance = pose->covariance.topLeftCorner<3, 3>()};
   const auto sights = sights_to(outer_corners_px, corners_G(side), R_GB, rig, params);
   if (!sights) return std::nullopt;
-  fix.white = ray_covariance(*sights, fix.p_GB + R_GB * rig.p_BC, params.white_px / params.corner_sigma_px);
+  fix.white =
+      ray_covariance(*sights, fix.p_GB + R_GB * rig.p_BC, params.white_px / params.corner_sigma_px);
   fix.lasting = levers(fix.p_GB, params);
   // Take the prior out again: the filter that uses this has its own.
   const double before = prior.yaw_sigma * prior.yaw_sigma, after = pose->covariance(5, 5);
@@ -214,7 +225,8 @@ std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB
   auto met = intersection_of(*sights, R_GB, rig, params);
   // One degree of freedom is left to doubt with: roll, and how level the gate stands.
   if (!met || met->misfit > 4.0 * params.max_misfit) return std::nullopt;
-  met->fix.white = ray_covariance(*sights, met->camera_G, params.white_part_px / params.corner_sigma_px);
+  met->fix.white =
+      ray_covariance(*sights, met->camera_G, params.white_part_px / params.corner_sigma_px);
   met->fix.lasting = levers(met->fix.p_GB, params);
   return met->fix;
 }
@@ -236,15 +248,19 @@ std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, d
   const double y = 0.5 * bar_distance - x * tan_right;  // camera, right of the gate's axis
   const Eigen::Vector3d camera_G{-x, y, 0.0};
   const Eigen::Vector3d p_GB = camera_G - R_GB * rig.p_BC;
-  if (x < params.min_bars_distance || x > params.max_bars_distance || std::abs(p_GB.y()) > params.max_bars_lateral * bar_distance)
+  if (x < params.min_bars_distance || x > params.max_bars_distance ||
+      std::abs(p_GB.y()) > params.max_bars_lateral * bar_distance)
     return std::nullopt;
 
   // Each bearing with the corner noise; x_G = -s/spread, y_G = s/2 - s tan α₂ / spread.
-  const double sigma_left = params.corner_sigma_px * radians_per_px(rig, bars.left_px, *left_C) * (1 + tan_left * tan_left);
-  const double sigma_right = params.corner_sigma_px * radians_per_px(rig, bars.right_px, *right_C) * (1 + tan_right * tan_right);
+  const double sigma_left = params.corner_sigma_px * radians_per_px(rig, bars.left_px, *left_C) *
+                            (1 + tan_left * tan_left);
+  const double sigma_right = params.corner_sigma_px * radians_per_px(rig, bars.right_px, *right_C) *
+                             (1 + tan_right * tan_right);
   Eigen::Matrix2d J;  // of (x_G, y_G) by (tan α₁, tan α₂)
   J << -x / spread, x / spread, -tan_right * x / spread, tan_left * x / spread;
-  const Eigen::Matrix2d noise = Eigen::Vector2d{sigma_left * sigma_left, sigma_right * sigma_right}.asDiagonal();
+  const Eigen::Matrix2d noise =
+      Eigen::Vector2d{sigma_left * sigma_left, sigma_right * sigma_right}.asDiagonal();
   Fix fix;
   fix.p_GB = {p_GB.x(), p_GB.y(), 0.0};
   fix.has_height = false;
@@ -253,7 +269,8 @@ std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, d
   fix.covariance.diagonal().head<2>().array() += std::pow(params.bars_sigma * std::max(1.0, x), 2);
   const double white = params.white_part_px / params.corner_sigma_px;
   fix.lasting = levers(fix.p_GB, params);
-  fix.lasting.col(lasting::kScale) = params.bars_sigma * std::max(1.0, x) * Eigen::Vector3d::UnitX();
+  fix.lasting.col(lasting::kScale) =
+      params.bars_sigma * std::max(1.0, x) * Eigen::Vector3d::UnitX();
   fix.white.topLeftCorner<2, 2>() = white * white * J * noise * J.transpose();
   fix.covariance.row(2).setZero();
   fix.covariance.col(2).setZero();

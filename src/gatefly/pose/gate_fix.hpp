@@ -27,28 +27,39 @@ enum Index : int { kTiltX, kTiltY, kHeading, kGateYaw, kScale, kHeight, kCount }
 using Levers = Eigen::Matrix<double, 3, lasting::kCount>;
 
 struct PoseParams {
-  double corner_sigma_px = 2.5;    ///< Independent part. [authors' detections: 3 px robust; ours after line fits]
-  double attitude_sigma = 0.017;   ///< Roll and pitch of the camera; the pilot adds the AHRS's own doubt [rad]. [docs/simulation.md: mount 1°]
-  double heading_sigma = 0.04;     ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
-  double gate_yaw_sigma = 0.0;     ///< The gate's part of heading_sigma [rad].
-  double scale_sigma = 0.025;      ///< Distances are too long by this part: lens, side of the gate. [ours: 30 races]
-  double white_px = 0.35;          ///< What of a corner's error is new in every picture ... [ours: 30 races]
+  /// Independent part. [authors' detections: 3 px robust; ours after line fits]
+  double corner_sigma_px = 2.5;
+  /// Roll and pitch of the camera; the pilot adds the AHRS's own doubt [rad]. [docs/simulation.md:
+  /// mount 1°]
+  double attitude_sigma = 0.017;
+  double heading_sigma = 0.04;  ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
+  double gate_yaw_sigma = 0.0;  ///< The gate's part of heading_sigma [rad].
+  /// Distances are too long by this part: lens, side of the gate. [ours: 30 races]
+  double scale_sigma = 0.025;
+  /// What of a corner's error is new in every picture ... [ours: 30 races]
+  double white_px = 0.35;
   double white_part_px = 0.7;      ///< ... and of lower corners and bars. [ours: 30 races]
   double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
   double max_distance = 9.0;       ///< [m] [ours: a 1 m gate is 19 px there]
   double min_bars_distance = 0.3;  ///< [m] [Li18 flight code]
   double max_bars_distance = 1.8;  ///< [m] [Li18 flight code]
-  double max_bars_lateral = 0.8;   ///< |y| beyond this part of the bars' distance is no fix. [ours: beside the opening]
-  double max_misfit = 4.0;         ///< Of rays: mean squared corner residual / σ²; 1 is expected. [ours]
-  double bars_sigma = 0.05;        ///< What a bar's middle may be off at 1 m: lean, curtains behind it [m]. [ours]
+  /// |y| beyond this part of the bars' distance is no fix. [ours: beside the opening]
+  double max_bars_lateral = 0.8;
+  /// Of rays: mean squared corner residual / σ²; 1 is expected. [ours]
+  double max_misfit = 4.0;
+  /// What a bar's middle may be off at 1 m: lean, curtains behind it [m]. [ours]
+  double bars_sigma = 0.05;
 };
 
 /// Position of the body relative to a gate, from one picture.
 struct Fix {
-  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();           ///< [m]; z is 0 when !has_height.
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity(); ///< Of p_GB, for who looks at one picture only [m²].
-  Eigen::Matrix3d white = Eigen::Matrix3d::Zero();  ///< Taken apart for who looks at many: what is new in each [m²] ...
-  Levers lasting = Levers::Zero();                  ///< ... and what is not. Zero: all of the covariance is white.
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< [m]; z is 0 when !has_height.
+  /// Of p_GB, for who looks at one picture only [m²].
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  /// Taken apart for who looks at many: what is new in each [m²] ...
+  Eigen::Matrix3d white = Eigen::Matrix3d::Zero();
+  /// ... and what is not. Zero: all of the covariance is white.
+  Levers lasting = Levers::Zero();
   bool has_height = true;
   std::optional<double> yaw_error = std::nullopt;  ///< What has to be added to R_GB's yaw [rad].
   double yaw_variance = 0.0;                       ///< Of yaw_error [rad²].
@@ -62,26 +73,30 @@ struct Fix {
 /// @param R_GB              attitude at the moment of exposure, relative to the gate.
 /// @param side              outer side of the gate [m].
 /// @return nullopt when the rays do not meet in a point before the gate.
-[[nodiscard]] std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB,
-                                                  double side, const CameraRig& rig,
-                                                  const PoseParams& params);
+[[nodiscard]] std::optional<Fix> fix_from_corners(const Quad& outer_corners_px,
+                                                  const RotationGB& R_GB, double side,
+                                                  const CameraRig& rig, const PoseParams& params);
 
-/// The same by the most probable pose (map_pose.hpp): corners that no gate in this attitude could show are refused. Ours.
+/// The same by the most probable pose (map_pose.hpp): corners that no gate in this attitude could
+/// show are refused. Ours.
 ///
 /// What the corners say about the heading is in `yaw_error`, the assumed heading taken out again.
 /// @return nullopt for another gate, for a frame put together from two, for one too far off.
-[[nodiscard]] std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB, double side,
-                                                      const CameraRig& rig, const PoseParams& params);
+[[nodiscard]] std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px,
+                                                      const RotationGB& R_GB, double side,
+                                                      const CameraRig& rig,
+                                                      const PoseParams& params);
 
 /// Position from the two lower corners of a gate that is cut off above; no heading. Ours.
-[[nodiscard]] std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB,
-                                                        double side, const CameraRig& rig,
+[[nodiscard]] std::optional<Fix> fix_from_lower_corners(const OpenGate& gate,
+                                                        const RotationGB& R_GB, double side,
+                                                        const CameraRig& rig,
                                                         const PoseParams& params);
 
 /// Position across and before the gate from its two side bars. Li18 Eq. (10), corrected.
 ///
-/// Signed bearings, right positive, rotated by the full attitude (the flown code ignores tilt and roll):
-///   x = s / (tan α₂ − tan α₁) before the gate, y = s/2 − x tan α₂.
+/// Signed bearings, right positive, rotated by the full attitude (the flown code ignores tilt and
+/// roll): x = s / (tan α₂ − tan α₁) before the gate, y = s/2 − x tan α₂.
 /// @param bar_distance  between the centres of the two bars [m].
 [[nodiscard]] std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB,
                                                double bar_distance, const CameraRig& rig,

@@ -21,20 +21,25 @@ using namespace reprojection;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kLeastSigma = 1e-4;    // of an angle [rad] or the height [m]; less is no knowledge, but bad arithmetic
-constexpr double kRoughAttitude = 0.06; // from here on the covariance is walked, not taken from the curvature [rad]
-constexpr double kPoorAttitude = 0.1;   // from here on the homography's poses are tried, too [rad]
-// A gate that stands straight across is as likely as not in a race, but one attitude of many to the arithmetic:
-// with a poor prior it thinks too well of its covariance there. [ours: reproduce pose-grid, NEES/3 1.8 at 15°]
+// of an angle [rad] or the height [m]; less is no knowledge, but bad arithmetic
+constexpr double kLeastSigma = 1e-4;
+// from here on the covariance is walked, not taken from the curvature [rad]
+constexpr double kRoughAttitude = 0.06;
+constexpr double kPoorAttitude = 0.1;  // from here on the homography's poses are tried, too [rad]
+// A gate that stands straight across is as likely as not in a race, but one attitude of many to the
+// arithmetic: with a poor prior it thinks too well of its covariance there. [ours: reproduce
+// pose-grid, NEES/3 1.8 at 15°]
 constexpr double kCaution = 1.6;
 
 bool usable(const GateObservations& seen, const PosePrior& prior) {
   const Attitude& a = prior.attitude_GB;
-  bool good = std::isfinite(a.roll) && std::isfinite(a.pitch) && std::isfinite(a.yaw) && std::isfinite(prior.z);
-  for (const double sigma : {prior.roll_sigma, prior.pitch_sigma, prior.yaw_sigma, prior.z_sigma}) good = good && sigma >= 0.0;
+  bool good = std::isfinite(a.roll) && std::isfinite(a.pitch) && std::isfinite(a.yaw) &&
+              std::isfinite(prior.z);
+  for (const double sigma : {prior.roll_sigma, prior.pitch_sigma, prior.yaw_sigma, prior.z_sigma})
+    good = good && sigma >= 0.0;
   for (const GateObservation& one : seen)
-    good = good && one.px.allFinite() && one.sigma_px > 0.0 && std::isfinite(one.sigma_px) && one.point_G.allFinite() &&
-           one.along_G.allFinite();
+    good = good && one.px.allFinite() && one.sigma_px > 0.0 && std::isfinite(one.sigma_px) &&
+           one.point_G.allFinite() && one.along_G.allFinite();
   return good;
 }
 
@@ -44,7 +49,9 @@ PosePrior softened(PosePrior prior) {
   return prior;
 }
 
-double largest_sigma(const PosePrior& prior) { return std::max({prior.roll_sigma, prior.pitch_sigma, prior.yaw_sigma}); }
+double largest_sigma(const PosePrior& prior) {
+  return std::max({prior.roll_sigma, prior.pitch_sigma, prior.yaw_sigma});
+}
 
 /// Equations beyond the six unknowns.
 int degrees_of_freedom(const Sights& sights, Active active, const PosePrior& prior) {
@@ -86,14 +93,18 @@ double paid_for_outliers(const Problem& problem, Active active, const Fit& fit) 
   double cost = 0.0;
   for (std::size_t i = 0; i < problem.sights.size(); ++i) {
     if ((active >> i & 1u) != 0) continue;
-    const auto with = normal_at(fit.pose, problem.sights, active | 1u << i, problem.prior, problem.rig);
-    const double ratio = problem.sights[i].variance_px / (problem.params.outlier_sigma_px * problem.params.outlier_sigma_px);
-    cost += outlier_cost(problem.sights[i], problem.params) + (with ? (with->cost - fit.normal.cost) * ratio : kBehind);
+    const auto with =
+        normal_at(fit.pose, problem.sights, active | 1u << i, problem.prior, problem.rig);
+    const double ratio = problem.sights[i].variance_px /
+                         (problem.params.outlier_sigma_px * problem.params.outlier_sigma_px);
+    cost += outlier_cost(problem.sights[i], problem.params) +
+            (with ? (with->cost - fit.normal.cost) * ratio : kBehind);
   }
   return cost;
 }
 
-/// Whether two fits leave out the same and mean one place, a third of a standard deviation apart at most.
+/// Whether two fits leave out the same and mean one place, a third of a standard deviation apart at
+/// most.
 bool same(const Hypothesis& a, const Hypothesis& b) {
   const Eigen::Vector3d off = (a.moments.mean - b.moments.mean).head<3>();
   const Eigen::Matrix3d P = (a.moments.covariance + b.moments.covariance).topLeftCorner<3, 3>();
@@ -104,26 +115,31 @@ bool same(const Hypothesis& a, const Hypothesis& b) {
 void consider(Hypotheses& list, const Fit& fit, Active active, const Problem& problem) {
   const auto moments = moments_of(fit);
   if (!moments) return;
-  const Hypothesis one{active, fit, *moments, fit.normal.cost + paid_for_outliers(problem, active, fit)};
+  const Hypothesis one{active, fit, *moments,
+                       fit.normal.cost + paid_for_outliers(problem, active, fit)};
   Hypothesis* place = nullptr;
   for (Hypothesis& other : list)
     if (same(one, other)) place = &other;
   if (place == nullptr && list.push_back(one)) return;
   if (place == nullptr)
-    place = std::max_element(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    place = std::max_element(list.begin(), list.end(),
+                             [](const auto& a, const auto& b) { return a.cost < b.cost; });
   if (one.cost < place->cost) *place = one;
 }
 
 /// The descents from all starts; true when one of them had nothing behind the camera.
-bool consider_all_starts(Hypotheses& list, Active active, const Problem& problem, const Pose* known = nullptr) {
+bool consider_all_starts(Hypotheses& list, Active active, const Problem& problem,
+                         const Pose* known = nullptr) {
   bool any = false;
   const auto from = [&](const Pose& start) {
-    const auto fit = descend(start, problem.sights, active, problem.prior, problem.rig, problem.params.max_steps);
+    const auto fit = descend(start, problem.sights, active, problem.prior, problem.rig,
+                             problem.params.max_steps);
     if (!fit) return;
     any = true;
     consider(list, *fit, active, problem);
   };
-  if (const auto start = start_from_rays(problem.sights, active, problem.prior, problem.rig)) from(*start);
+  if (const auto start = start_from_rays(problem.sights, active, problem.prior, problem.rig))
+    from(*start);
   if (largest_sigma(problem.prior) <= kPoorAttitude) return any;
   if (known != nullptr) from(*known);
   for (const Pose& start : starts_from_homography(problem.sights, active, problem.rig)) from(start);
@@ -131,7 +147,8 @@ bool consider_all_starts(Hypotheses& list, Active active, const Problem& problem
 }
 
 const Hypothesis& best_of(const Hypotheses& list) {
-  return *std::min_element(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return *std::min_element(list.begin(), list.end(),
+                           [](const auto& a, const auto& b) { return a.cost < b.cost; });
 }
 
 /// Leaves out one observation after the other while each makes the best explanation cheaper.
@@ -141,7 +158,9 @@ void consider_outliers(Hypotheses& list, const Problem& problem) {
   for (const Sight& sight : sights) least = std::min(least, outlier_cost(sight, problem.params));
   // A poor attitude may swallow an outlier: what is almost as good without it must be known, too.
   if (largest_sigma(problem.prior) > kRoughAttitude) least -= problem.params.search_depth;
-  for (auto most = static_cast<int>(problem.params.max_outliers * static_cast<double>(sights.size())); most > 0; --most) {
+  for (auto most =
+           static_cast<int>(problem.params.max_outliers * static_cast<double>(sights.size()));
+       most > 0; --most) {
     const Hypothesis best = best_of(list);
     if (!(best.fit.normal.cost > least)) return;
     for (std::size_t i = 0; i < sights.size(); ++i) {
@@ -153,8 +172,9 @@ void consider_outliers(Hypotheses& list, const Problem& problem) {
   }
 }
 
-/// A prior that is flat in the gate's size in the picture instead of its distance: p(d) ~ 1/d², in first
-/// order. Without it noise of 5 px makes a gate at 6 m seem 2 % farther than it is, on average.
+/// A prior that is flat in the gate's size in the picture instead of its distance: p(d) ~ 1/d², in
+/// first order. Without it noise of 5 px makes a gate at 6 m seem 2 % farther than it is, on
+/// average.
 void move_to_size_prior(Moments& moments) {
   const Eigen::Vector3d d = moments.mean.head<3>();
   moments.mean -= moments.covariance.leftCols<3>() * (2.0 / d.squaredNorm() * d);
@@ -173,13 +193,17 @@ struct Mixture {
   }
   [[nodiscard]] Vector6 mean() const { return first / total; }
   [[nodiscard]] Matrix6 covariance() const { return second / total - mean() * mean().transpose(); }
-  [[nodiscard]] double position_variance() const { return covariance().topLeftCorner<3, 3>().trace(); }
+  [[nodiscard]] double position_variance() const {
+    return covariance().topLeftCorner<3, 3>().trace();
+  }
 };
 
 /// Mean and covariance over all explanations.
 struct Summary {
   Moments moments;
-  double widening;  ///< The position's variance, in units of what it would be if all that may be left out meant one place.
+  /// The position's variance, in units of what it would be if all that may be left out meant one
+  /// place.
+  double widening;
 };
 
 Summary summary_of(const Hypotheses& list, const Problem& problem) {
@@ -191,22 +215,29 @@ Summary summary_of(const Hypotheses& list, const Problem& problem) {
   for (const Hypothesis& one : list) {
     double weight = std::exp(0.5 * (best.cost - one.cost));
     // Laplace; between different observations it would favour those that tell less.
-    if (one.active == best.active) weight *= std::sqrt(one.moments.covariance.determinant() / best_volume);
+    if (one.active == best.active)
+      weight *= std::sqrt(one.moments.covariance.determinant() / best_volume);
     if (!(weight > 1e-6 && weight < 1e6)) continue;
     Moments moments = one.moments;
-    if (walk) moments = walked_moments_of(one.fit, moments, problem.sights, one.active, problem.prior, problem.rig);
+    if (walk)
+      moments = walked_moments_of(one.fit, moments, problem.sights, one.active, problem.prior,
+                                  problem.rig);
     move_to_size_prior(moments);
     Vector6 off = moments.mean - best.moments.mean;
     for (int i = 3; i < 6; ++i) off(i) = wrap_angle(off(i));
     all.add(weight, off, moments.covariance);
-    if (one.active == best.active) alike.add(weight, off, moments.covariance);
-    else others += weight * moments.covariance.topLeftCorner<3, 3>().trace();
+    if (one.active == best.active)
+      alike.add(weight, off, moments.covariance);
+    else
+      others += weight * moments.covariance.topLeftCorner<3, 3>().trace();
   }
   const double caution = largest_sigma(problem.prior) > kPoorAttitude ? kCaution : 1.0;
-  return {{best.moments.mean + all.mean(), caution * all.covariance()}, all.total * all.position_variance() / (alike.total * alike.position_variance() + others)};
+  return {{best.moments.mean + all.mean(), caution * all.covariance()},
+          all.total * all.position_variance() / (alike.total * alike.position_variance() + others)};
 }
 
-NoPose doubt_of(const MapPose& pose, bool converged, const CameraRig& rig, const MapPoseParams& params) {
+NoPose doubt_of(const MapPose& pose, bool converged, const CameraRig& rig,
+                const MapPoseParams& params) {
   const Eigen::Vector3d camera_G = pose.p_GB + rotation_EB(pose.attitude_GB).matrix * rig.p_BC;
   const double distance = camera_G.norm();
   if (!converged || !pose.p_GB.allFinite()) return NoPose::kNotConverged;
@@ -219,12 +250,14 @@ NoPose doubt_of(const MapPose& pose, bool converged, const CameraRig& rig, const
 }
 
 void add_line(GateObservations& seen, const Eigen::Vector2d& px, double y, double sigma_px) {
-  seen.push_back({.px = px, .sigma_px = sigma_px, .point_G = {0, y, 0}, .along_G = Eigen::Vector3d::UnitZ()});
+  seen.push_back(
+      {.px = px, .sigma_px = sigma_px, .point_G = {0, y, 0}, .along_G = Eigen::Vector3d::UnitZ()});
 }
 
 }  // namespace
 
-bool add_corners(GateObservations& seen, const Quad& outer_corners_px, double side, double sigma_px) {
+bool add_corners(GateObservations& seen, const Quad& outer_corners_px, double side,
+                 double sigma_px) {
   if (seen.size() + 4 > GateObservations::kCapacity) return false;
   const double h = 0.5 * side;
   const std::array<Eigen::Vector3d, 4> corners_G{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
@@ -248,7 +281,8 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
   const auto sights = sights_of(seen, rig);
   if (!sights) return refused(NoPose::kOutsideLens);
   const Active all = (1u << sights->size()) - 1u;
-  if (sights->size() < 2 || degrees_of_freedom(*sights, all, prior) < 0) return refused(NoPose::kTooFew);
+  if (sights->size() < 2 || degrees_of_freedom(*sights, all, prior) < 0)
+    return refused(NoPose::kTooFew);
 
   const Problem problem{*sights, prior, rig, params};
   Hypotheses list;
@@ -258,9 +292,12 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
   const Hypothesis& best = best_of(list);
   const auto [mean, widening] = summary_of(list, problem);
 
-  const MapPose pose{.p_GB = mean.mean.head<3>(), .attitude_GB = {mean.mean(3), mean.mean(4), mean.mean(5)},
-                     .covariance = mean.covariance, .chi2 = best.fit.normal.cost,
-                     .dof = degrees_of_freedom(*sights, best.active, prior), .dropped = all & ~best.active};
+  const MapPose pose{.p_GB = mean.mean.head<3>(),
+                     .attitude_GB = {mean.mean(3), mean.mean(4), mean.mean(5)},
+                     .covariance = mean.covariance,
+                     .chi2 = best.fit.normal.cost,
+                     .dof = degrees_of_freedom(*sights, best.active, prior),
+                     .dropped = all & ~best.active};
   const NoPose doubt = doubt_of(pose, best.fit.converged, rig, params);
   if (doubt != NoPose::kNone) return refused(doubt);
   if (!(widening < params.max_widening)) return refused(NoPose::kAmbiguous);
@@ -274,8 +311,9 @@ double surprise_of(double chi2, int dof) {
 }
 
 const char* text_of(NoPose reason) {
-  constexpr std::array<const char*, 10> kTexts{"none",    "not a number", "outside the lens", "too few", "behind",
-                                              "edge-on", "too far",      "not converged",    "misfit", "ambiguous"};
+  constexpr std::array<const char*, 10> kTexts{
+      "none",    "not a number", "outside the lens", "too few", "behind",
+      "edge-on", "too far",      "not converged",    "misfit",  "ambiguous"};
   return kTexts[static_cast<std::size_t>(reason)];
 }
 

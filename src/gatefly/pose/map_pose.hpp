@@ -16,52 +16,67 @@ namespace gatefly {
 
 /// One thing seen of a gate: a point, or, with `along_G`, some point of a straight line.
 struct GateObservation {
-  Eigen::Vector2d px;                                  ///< Where it shows.
-  double sigma_px = 2.5;                               ///< Of u and of v; across the line only, if it is one.
-  Eigen::Vector3d point_G;                             ///< What shows there [m].
-  Eigen::Vector3d along_G = Eigen::Vector3d::Zero();   ///< Direction of the line through point_G; zero: the point itself.
+  Eigen::Vector2d px;  ///< Where it shows.
+  /// Of u and of v; across the line only, if it is one.
+  double sigma_px = 2.5;
+  Eigen::Vector3d point_G;  ///< What shows there [m].
+  /// Direction of the line through point_G; zero: the point itself.
+  Eigen::Vector3d along_G = Eigen::Vector3d::Zero();
 };
 using GateObservations = FixedList<GateObservation, 16>;
 
 /// Appends the four outer corners of a gate, TL TR BR BL; false when there is no room.
-bool add_corners(GateObservations& seen, const Quad& outer_corners_px, double side, double sigma_px);
-/// Appends the two side bars, each by one point somewhere on it. `bar_distance` between their middles [m].
+bool add_corners(GateObservations& seen, const Quad& outer_corners_px, double side,
+                 double sigma_px);
+/// Appends the two side bars, each by one point somewhere on it. `bar_distance` between their
+/// middles [m].
 bool add_bars(GateObservations& seen, const GateBars& bars, double bar_distance, double sigma_px);
 
 /// What is known before looking, one standard deviation each.
 struct PosePrior {
-  Attitude attitude_GB = {};                                   ///< Of the AHRS at exposure; yaw relative to the gate.
-  double roll_sigma = 0.02, pitch_sigma = 0.02;                ///< [rad] [ours: as PoseParams]
-  double yaw_sigma = 0.04;                                     ///< [rad] [ours: as PoseParams]
-  double z = 0.0;                                              ///< Height below the gate's centre [m].
-  double z_sigma = std::numeric_limits<double>::infinity();    ///< [m]; two bars alone do not tell z.
+  /// Of the AHRS at exposure; yaw relative to the gate.
+  Attitude attitude_GB = {};
+  double roll_sigma = 0.02, pitch_sigma = 0.02;  ///< [rad] [ours: as PoseParams]
+  double yaw_sigma = 0.04;                       ///< [rad] [ours: as PoseParams]
+  /// Height below the gate's centre [m].
+  double z = 0.0;
+  /// [m]; two bars alone do not tell z.
+  double z_sigma = std::numeric_limits<double>::infinity();
 };
 
 struct MapPoseParams {
-  double outlier_share = 0.1;       ///< Of all observations ... [ours: pose-grid]
-  double outlier_sigma_px = 20.0;   ///< ... and how far they are off. [authors' detections: 10-40 px]
-  double max_outliers = 0.25;       ///< Part of all observations.
-  double max_surprise = 3.3;        ///< Of the chi-square, in normal standard deviations: 1 of 2,000 good fits. [ours]
-  double max_surprise_after_drop = 2.3;  ///< The same when something was left out: parts of two gates fit better then. [ours]
-  double search_depth = 9.0;        ///< With a poor attitude also what explains so much worse is looked at, in chi-square. [ours: pose-grid]
-  double max_widening = 1.8;        ///< Of the position's variance, by doubt about what to leave out. [ours: pose-grid]
-  double min_incidence = 0.17;      ///< Sine of the angle between the line of sight and the gate's plane: 10°. [ours]
-  double max_distance = 12.0;       ///< [m] [ours: a 1 m gate is 14 px there]
-  int max_steps = 40;               ///< Most fits take 4.
+  double outlier_share = 0.1;  ///< Of all observations ... [ours: pose-grid]
+  /// ... and how far they are off. [authors' detections: 10-40 px]
+  double outlier_sigma_px = 20.0;
+  double max_outliers = 0.25;  ///< Part of all observations.
+  /// Of the chi-square, in normal standard deviations: 1 of 2,000 good fits. [ours]
+  double max_surprise = 3.3;
+  /// The same when something was left out: parts of two gates fit better then. [ours]
+  double max_surprise_after_drop = 2.3;
+  /// With a poor attitude also what explains so much worse is looked at, in chi-square. [ours:
+  /// pose-grid]
+  double search_depth = 9.0;
+  /// Of the position's variance, by doubt about what to leave out. [ours: pose-grid]
+  double max_widening = 1.8;
+  /// Sine of the angle between the line of sight and the gate's plane: 10°. [ours]
+  double min_incidence = 0.17;
+  double max_distance = 12.0;  ///< [m] [ours: a 1 m gate is 14 px there]
+  int max_steps = 40;          ///< Most fits take 4.
 };
 
 /// Why there is no pose.
 enum class NoPose {
-  kNone,          ///< There is one.
-  kNotANumber,    ///< Or a standard deviation that is not positive.
-  kOutsideLens,   ///< A pixel that the lens cannot have drawn.
-  kTooFew,        ///< Observations and prior leave a direction open.
-  kBehind,        ///< The gate would lie behind the camera, or the camera behind the gate.
-  kEdgeOn,        ///< The gate's plane passes too near by the camera.
+  kNone,         ///< There is one.
+  kNotANumber,   ///< Or a standard deviation that is not positive.
+  kOutsideLens,  ///< A pixel that the lens cannot have drawn.
+  kTooFew,       ///< Observations and prior leave a direction open.
+  kBehind,       ///< The gate would lie behind the camera, or the camera behind the gate.
+  kEdgeOn,       ///< The gate's plane passes too near by the camera.
   kTooFar,
   kNotConverged,
-  kMisfit,        ///< No gate of this size and attitude looks like that: another gate, parts of two, noise.
-  kAmbiguous,     ///< Something may be an outlier, and what it is decides where the gate is.
+  /// No gate of this size and attitude looks like that: another gate, parts of two, noise.
+  kMisfit,
+  kAmbiguous,  ///< Something may be an outlier, and what it is decides where the gate is.
 };
 [[nodiscard]] const char* text_of(NoPose reason);
 
@@ -71,8 +86,8 @@ struct MapPose {
   Attitude attitude_GB;                            ///< The prior's, corrected.
   /// Of (x, y, z, roll, pitch, yaw) [m, rad]; the prior is in it.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
-  double chi2 = 0.0;  ///< Of what was kept, prior included.
-  int dof = 0;        ///< Its degrees of freedom.
+  double chi2 = 0.0;     ///< Of what was kept, prior included.
+  int dof = 0;           ///< Its degrees of freedom.
   unsigned dropped = 0;  ///< Bit i is set: observation i was left out.
 };
 
@@ -83,15 +98,16 @@ struct MapPoseAnswer {
 
 /// The most probable position and attitude given all that is seen of a gate and the AHRS. Ours.
 ///
-/// Minimises Σ (reprojection error / σ)² + Σ (attitude − AHRS)² / σ² by Levenberg-Marquardt from the paper's ray
-/// intersection. An observation that costs more than an outlier would is left out. With a poor attitude
-/// (σ > 0.1 rad) also from both poses that the homography of four corners allows; all minima count by their
-/// probability. Derivation: docs/derivations/map_pose.md.
+/// Minimises Σ (reprojection error / σ)² + Σ (attitude − AHRS)² / σ² by Levenberg-Marquardt from
+/// the paper's ray intersection. An observation that costs more than an outlier would is left out.
+/// With a poor attitude (σ > 0.1 rad) also from both poses that the homography of four corners
+/// allows; all minima count by their probability. Derivation: docs/derivations/map_pose.md.
 /// Two corners are enough; two bars need a z_sigma.
-/// Cost: 3 µs for four good corners, 30-100 µs with σ > 0.06 rad; allocates nothing, throws nothing.
+/// Cost: 3 µs for four good corners, 30-100 µs with σ > 0.06 rad; allocates nothing, throws
+/// nothing.
 /// @return finite numbers or a reason, for any input.
-[[nodiscard]] MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& prior, const CameraRig& rig,
-                                     const MapPoseParams& params = {});
+[[nodiscard]] MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& prior,
+                                     const CameraRig& rig, const MapPoseParams& params = {});
 
 /// How many standard deviations of a normal number are as unlikely as a chi-square above `chi2`.
 /// Wilson and Hilferty 1931; 0 without degrees of freedom.

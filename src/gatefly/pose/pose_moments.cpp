@@ -50,7 +50,8 @@ std::optional<Moments> moments_of(const Fit& fit) {
   Moments moments;
   moments.mean << body.R_GB * fit.pose.p_GB_B, fit.pose.angles;
   Matrix6& P = moments.covariance;
-  P.topLeftCorner<3, 3>() = body.R_GB * A_inverse * body.R_GB.transpose() + slope * P_angles * slope.transpose();
+  P.topLeftCorner<3, 3>() =
+      body.R_GB * A_inverse * body.R_GB.transpose() + slope * P_angles * slope.transpose();
   P.topRightCorner<3, 3>() = slope * P_angles;
   P.bottomLeftCorner<3, 3>() = P.topRightCorner<3, 3>().transpose();
   P.bottomRightCorner<3, 3>() = P_angles;
@@ -58,14 +59,16 @@ std::optional<Moments> moments_of(const Fit& fit) {
   return P.allFinite() && P.diagonal().minCoeff() > 0.0 ? std::optional{moments} : std::nullopt;
 }
 
-Moments walked_moments_of(const Fit& fit, const Moments& by_curvature, const Sights& sights, Active active,
-                          const PosePrior& prior, const CameraRig& rig) {
+Moments walked_moments_of(const Fit& fit, const Moments& by_curvature, const Sights& sights,
+                          Active active, const PosePrior& prior, const CameraRig& rig) {
   constexpr int kFarthest = 4;  // steps
-  constexpr double kStep = 1.5;  // sigmas; the sum over a normal density is then 0.6 % off its variance
+  // sigmas; the sum over a normal density is then 0.6 % off its variance
+  constexpr double kStep = 1.5;
   const Eigen::Matrix3d A_inverse = fit.normal.A.inverse();
   const Eigen::Matrix3d P_angles = by_curvature.covariance.bottomRightCorner<3, 3>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum{P_angles};  // ascending
-  const Eigen::Matrix3d sigmas = spectrum.eigenvectors() * spectrum.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::Matrix3d sigmas =
+      spectrum.eigenvectors() * spectrum.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 
   Sums sums;
   for (int i = -kFarthest; i <= kFarthest; ++i)
@@ -88,7 +91,8 @@ Moments walked_moments_of(const Fit& fit, const Moments& by_curvature, const Sig
   Moments moments{by_curvature.mean + off, sums.second / sums.weight - off * off.transpose()};
   const Turned body = turned(fit.pose.angles);
   Eigen::Matrix<double, 6, 3> slope;
-  slope << -body.R_GB * (A_inverse * fit.normal.B + skew(fit.pose.p_GB_B) * body.axes_B), Eigen::Matrix3d::Identity();
+  slope << -body.R_GB * (A_inverse * fit.normal.B + skew(fit.pose.p_GB_B) * body.axes_B),
+      Eigen::Matrix3d::Identity();
   moments.covariance += slope * sigmas.col(0) * sigmas.col(0).transpose() * slope.transpose();
   moments.covariance.topLeftCorner<3, 3>() += body.R_GB * A_inverse * body.R_GB.transpose();
   return moments.covariance.allFinite() ? moments : by_curvature;

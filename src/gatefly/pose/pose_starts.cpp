@@ -50,7 +50,8 @@ double larger_singular_value(const Eigen::Matrix2d& J) {
 
 }  // namespace
 
-std::optional<Pose> start_from_rays(const Sights& sights, Active active, const PosePrior& prior, const CameraRig& rig) {
+std::optional<Pose> start_from_rays(const Sights& sights, Active active, const PosePrior& prior,
+                                    const CameraRig& rig) {
   constexpr double kNominalMiss = 0.02;  // of a line of sight, to weigh the height against it [m]
   constexpr double kLeastSpread = 1e-9;
   const Eigen::Matrix3d R_GB = rotation_EB(prior.attitude_GB).matrix;
@@ -80,12 +81,14 @@ std::optional<Pose> start_from_rays(const Sights& sights, Active active, const P
               {prior.attitude_GB.roll, prior.attitude_GB.pitch, prior.attitude_GB.yaw}};  // Eq. (9)
 }
 
-FixedList<Pose, 2> starts_from_homography(const Sights& sights, Active active, const CameraRig& rig) {
+FixedList<Pose, 2> starts_from_homography(const Sights& sights, Active active,
+                                          const CameraRig& rig) {
   FixedList<Pose, 2> starts;
   Points points{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < sights.size() && count < 4; ++i)
-    if ((active >> i & 1u) != 0 && !sights[i].line && sights[i].point_G.x() == 0.0) points[count++] = &sights[i];
+    if ((active >> i & 1u) != 0 && !sights[i].line && sights[i].point_G.x() == 0.0)
+      points[count++] = &sights[i];
   if (count < 4) return starts;
   const Eigen::Vector3d middle_G =
       0.25 * (points[0]->point_G + points[1]->point_G + points[2]->point_G + points[3]->point_G);
@@ -116,7 +119,8 @@ FixedList<Pose, 2> starts_from_homography(const Sights& sights, Active active, c
     const Eigen::Matrix3d R_GB = R_GC * rig.R_BC.matrix.transpose();
     const Attitude attitude = attitude_of({R_GB});
     const Eigen::Vector3d camera_G = middle_G - R_GC * R_CK.col(2) / inverse_distance;
-    starts.push_back({R_GB.transpose() * camera_G - rig.p_BC, {attitude.roll, attitude.pitch, attitude.yaw}});
+    starts.push_back(
+        {R_GB.transpose() * camera_G - rig.p_BC, {attitude.roll, attitude.pitch, attitude.yaw}});
   }
   return starts;
 }

@@ -14,11 +14,14 @@ namespace {
 
 constexpr double kLeastDepth = 0.02;  // nearer than that in front of the lens is not seen [m]
 
-/// How far along `along` from `point` it comes nearest to the line of sight from the origin; 0 if they are parallel.
-double nearest_along(const Eigen::Vector3d& point, const Eigen::Vector3d& along, const Eigen::Vector3d& sight) {
+/// How far along `along` from `point` it comes nearest to the line of sight from the origin; 0 if
+/// they are parallel.
+double nearest_along(const Eigen::Vector3d& point, const Eigen::Vector3d& along,
+                     const Eigen::Vector3d& sight) {
   const Eigen::Vector3d across = sight.cross(along).cross(sight);
   const double slope = across.dot(along);
-  return slope > 1e-9 * sight.squaredNorm() * along.squaredNorm() ? -across.dot(point) / slope : 0.0;
+  return slope > 1e-9 * sight.squaredNorm() * along.squaredNorm() ? -across.dot(point) / slope
+                                                                  : 0.0;
 }
 
 /// Adds one residual r with ∂r/∂p = -k and ∂r/∂θ = l, θ being a small turn about the body's axes.
@@ -33,7 +36,8 @@ void add(Normal& n, double r, const Eigen::Vector3d& k, const Eigen::Vector3d& l
 
 void add_attitude_prior(Normal& n, const Eigen::Vector3d& angles, const PosePrior& prior) {
   const Eigen::Vector3d sigma{prior.roll_sigma, prior.pitch_sigma, prior.yaw_sigma};
-  const Eigen::Vector3d expected{prior.attitude_GB.roll, prior.attitude_GB.pitch, prior.attitude_GB.yaw};
+  const Eigen::Vector3d expected{prior.attitude_GB.roll, prior.attitude_GB.pitch,
+                                 prior.attitude_GB.yaw};
   for (int i = 0; i < 3; ++i) {
     const double off = wrap_angle(angles(i) - expected(i)), weight = 1.0 / (sigma(i) * sigma(i));
     n.C(i, i) += weight;
@@ -80,7 +84,8 @@ std::optional<Sights> sights_of(const GateObservations& seen, const CameraRig& r
     const auto bearing_C = rig.lens.bearing(one.px);
     if (!bearing_C || !(bearing_C->z() > kLeastDepth)) return std::nullopt;
     const Eigen::Vector2d m = bearing_C->head<2>() / bearing_C->z();
-    const auto right = rig.lens.project({m.x() + kStep, m.y(), 1.0}), below = rig.lens.project({m.x(), m.y() + kStep, 1.0});
+    const auto right = rig.lens.project({m.x() + kStep, m.y(), 1.0}),
+               below = rig.lens.project({m.x(), m.y() + kStep, 1.0});
     if (!right || !below) return std::nullopt;
     Eigen::Matrix2d slope;
     slope << *right - one.px, *below - one.px;
@@ -90,8 +95,8 @@ std::optional<Sights> sights_of(const GateObservations& seen, const CameraRig& r
   return sights;
 }
 
-std::optional<Normal> normal_at(const Pose& pose, const Sights& sights, Active active, const PosePrior& prior,
-                                const CameraRig& rig) {
+std::optional<Normal> normal_at(const Pose& pose, const Sights& sights, Active active,
+                                const PosePrior& prior, const CameraRig& rig) {
   const Turned body = turned(pose.angles);
   const Eigen::Matrix3d R_BG = body.R_GB.transpose();
   const Eigen::Matrix3d R_CB = rig.R_BC.matrix.transpose();
@@ -104,7 +109,9 @@ std::optional<Normal> normal_at(const Pose& pose, const Sights& sights, Active a
     Eigen::Vector3d point_B = R_BG * sight.point_G;
     const Eigen::Vector3d along_B = R_BG * sight.along_G;
     if (sight.line)
-      point_B += nearest_along(point_B - camera_B, along_B, rig.R_BC.matrix * sight.m.homogeneous()) * along_B;
+      point_B +=
+          nearest_along(point_B - camera_B, along_B, rig.R_BC.matrix * sight.m.homogeneous()) *
+          along_B;
     const Eigen::Vector3d q_C = R_CB * (point_B - camera_B);
     if (!(q_C.z() > kLeastDepth)) return std::nullopt;
     const double inverse_depth = 1.0 / q_C.z();
@@ -142,8 +149,8 @@ std::optional<Normal> normal_at(const Pose& pose, const Sights& sights, Active a
   return n;
 }
 
-std::optional<Fit> descend(const Pose& start, const Sights& sights, Active active, const PosePrior& prior,
-                           const CameraRig& rig, int max_steps) {
+std::optional<Fit> descend(const Pose& start, const Sights& sights, Active active,
+                           const PosePrior& prior, const CameraRig& rig, int max_steps) {
   constexpr double kSmall = 1e-7;  // decrease of the chi-square that ends it
   auto normal = normal_at(start, sights, active, prior, rig);
   if (!normal) return std::nullopt;

@@ -27,8 +27,8 @@ using Active = unsigned;
 /// The observations through the lens; nullopt when one is outside of it.
 [[nodiscard]] std::optional<Sights> sights_of(const GateObservations& seen, const CameraRig& rig);
 
-/// Position and attitude that are tried. In the body's axes the picture alone tells the position, almost
-/// whatever the attitude: the descent is shorter than with p_GB.
+/// Position and attitude that are tried. In the body's axes the picture alone tells the position,
+/// almost whatever the attitude: the descent is shorter than with p_GB.
 struct Pose {
   Eigen::Vector3d p_GB_B;  ///< The body relative to the gate, in B [m].
   Eigen::Vector3d angles;  ///< Roll, pitch, yaw relative to the gate [rad].
@@ -59,6 +59,7 @@ struct Fit {
 
 /// Levenberg-Marquardt from `start`; nullopt when the start itself is behind.
 [[nodiscard]] std::optional<Fit> descend(const Pose& start, const Sights& sights, Active active,
-                                         const PosePrior& prior, const CameraRig& rig, int max_steps);
+                                         const PosePrior& prior, const CameraRig& rig,
+                                         int max_steps);
 
 }  // namespace gatefly::reprojection

@@ -31,7 +31,8 @@ AttitudeCommand Pilot::command_for(const TakeOff&, double dt) {
   return c;
 }
 
-// Li18 Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the speed.
+// Li18 Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the
+// speed.
 AttitudeCommand Pilot::command_for(const Straight&, double dt) {
   const PathPoint here = path().at(progress_);
   AttitudeCommand c;
@@ -42,7 +43,8 @@ AttitudeCommand Pilot::command_for(const Straight&, double dt) {
   return c;
 }
 
-// Li18 Eq. (29) gives roll and heading; the drag filter still knows where the arc is, so the same PD trims it.
+// Li18 Eq. (29) gives roll and heading; the drag filter still knows where the arc is, so the same
+// PD trims it.
 AttitudeCommand Pilot::command_for(Turn& phase, double dt) {
   const double lead = config_.speed.roll_lead * std::max(0.0, forward_speed());
   const PathPoint soon = path().at(progress_ + lead);
@@ -60,7 +62,8 @@ AttitudeCommand Pilot::command_for(Turn& phase, double dt) {
 
 AttitudeCommand Pilot::command_for(const Search& phase, double dt) {
   // Wait on the gate's axis and look to both sides of it.
-  const Eigen::Vector3d wait = gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{hold_x_, 0, 0};
+  const Eigen::Vector3d wait =
+      gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{hold_x_, 0, 0};
   const double since = time_ - phase.since;
   const double sweep = 40.0 * kDegree * gatefly::sin(2 * kPi * since / 5.0);
   const double yaw = gate().yaw_EG + (situation().since_fix < 0.5 || since < 1.5 ? 0.0 : sweep);
@@ -78,7 +81,8 @@ AttitudeCommand Pilot::command_for(const Land& phase, double dt) {
 
 // Position hold: PD in the earth frame, turned into the body's heading.
 AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt) {
-  constexpr double kStiffness = 0.9, kDamping = 2.0, kIntegral = 0.25;  // [1/s²], [1/s], [1/s³]: ω 0.95, ζ 1
+  // [1/s²], [1/s], [1/s³]: ω 0.95, ζ 1
+  constexpr double kStiffness = 0.9, kDamping = 2.0, kIntegral = 0.25;
   const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
   // Whoever comes fast brakes first: pulling to the side at once would fly an arc into a wall.
   const double slow = std::clamp(1.5 - v_E.head<2>().norm(), 0.0, 1.0);
@@ -86,7 +90,8 @@ AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, do
   // A degree of tilt error in the AHRS would hold the drone 0.2 m beside the place.
   hold_integral_ = (hold_integral_ + kIntegral * dt * off).cwiseMax(-0.5).cwiseMin(0.5);
   Eigen::Vector2d accel = kStiffness * off + hold_integral_ - kDamping * v_E.head<2>();
-  const double most = slow < 1.0 ? 3.5 : 1.8;  // [m/s²]; braking from 1.7 m/s within 0.9 m, roll's lag included
+  // [m/s²]; braking from 1.7 m/s within 0.9 m, roll's lag included
+  const double most = slow < 1.0 ? 3.5 : 1.8;
   const double norm = accel.norm();
   if (norm > most) accel *= most / norm;
   const auto [s, co] = sincos(ahrs_.attitude().yaw);
@@ -107,11 +112,13 @@ double Pilot::wanted_speed() const {
   const double x = filter().position().x();
   // A short way from the last turn to the gate leaves little time to come onto its axis.
   const Segment& last = path().segments.back();
-  const Segment& turn = path().segments[path().segments.size() > 1 ? path().segments.size() - 2 : 0];
+  const Segment& turn =
+      path().segments[path().segments.size() > 1 ? path().segments.size() - 2 : 0];
   if (path().length() - progress_ < last.length + turn.length)
     speed = std::min(speed, std::max(config_.speed.slowest, last.length / config_.speed.settle));
   const bool unsure = time_ - last_fix_ > 0.6 && filter().lateral_sigma() > 0.2;
-  if (unsure && x > -config_.speed.unsure_before && x < 0.0) speed = std::min(speed, config_.speed.unsure);
+  if (unsure && x > -config_.speed.unsure_before && x < 0.0)
+    speed = std::min(speed, config_.speed.unsure);
   const double reach = config_.speed.brake_lead * std::clamp(forward_speed(), 0.5, 6.0);
   for (double ahead = 0.0; ahead <= reach; ahead += 0.2) {
     const double curvature = std::abs(path().at(progress_ + ahead).curvature);
@@ -123,8 +130,8 @@ double Pilot::wanted_speed() const {
 // θ_0 is the pitch that flies `speed` against drag; the rest brings the speed there.
 double Pilot::pitch_for_speed(double speed) const {
   const double trim = atan(config_.filter.model.drag.x() * speed / config_.filter.model.gravity);
-  return std::clamp(trim + config_.speed.pitch_gain * (forward_speed() - speed), -config_.speed.max_pitch,
-                    -config_.speed.min_pitch);
+  return std::clamp(trim + config_.speed.pitch_gain * (forward_speed() - speed),
+                    -config_.speed.max_pitch, -config_.speed.min_pitch);
 }
 
 double Pilot::vertical_accel(double z_target, double vz_target, double dt) {
@@ -141,7 +148,8 @@ double Pilot::cross_track_roll(double s) const {
   const auto [sine, cosine] = sincos(here.heading);
   const Eigen::Vector2d right{-sine, cosine};
   const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
-  return lateral_roll(right.dot(p_EB().head<2>() - here.position), right.dot(v_E.head<2>()), config_.lateral);
+  return lateral_roll(right.dot(p_EB().head<2>() - here.position), right.dot(v_E.head<2>()),
+                      config_.lateral);
 }
 
 }  // namespace gatefly

@@ -26,7 +26,8 @@ struct PathPoint {
   double curvature = 0.0;
 };
 
-/// The way from one gate to the next: straight, arc, straight, arc, straight; any of them may be missing.
+/// The way from one gate to the next: straight, arc, straight, arc, straight; any of them may be
+/// missing.
 struct Path {
   FixedList<Segment, 5> segments;
   double z_start = 0.0, z_end = 0.0;  ///< Heights of its two ends, z down [m].
@@ -44,15 +45,18 @@ struct Path {
 [[nodiscard]] PathPoint point_on(const Segment& segment, double s);
 
 struct PlanParams {
-  double speed = 1.7;            ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
-  double max_lateral = 3.2;      ///< v²/r an arc may ask for [m/s²]: 18° of roll. [ours]
-  double min_radius = 0.7;       ///< [m] [Li18 code: 0.9]
-  double clearance = 0.35;       ///< From the body's outline to anything solid [m]. [docs/simulation.md]
-  double body_radius = 0.20;     ///< Half the Bebop's width with guards [m].
-  double run_in = 2.5;           ///< Straight before a gate that is wanted [m]; [Li18 §4: a margin of 2 m]
+  double speed = 1.7;        ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
+  double max_lateral = 3.2;  ///< v²/r an arc may ask for [m/s²]: 18° of roll. [ours]
+  double min_radius = 0.7;   ///< [m] [Li18 code: 0.9]
+  /// From the body's outline to anything solid [m]. [docs/simulation.md]
+  double clearance = 0.35;
+  double body_radius = 0.20;  ///< Half the Bebop's width with guards [m].
+  /// Straight before a gate that is wanted [m]; [Li18 §4: a margin of 2 m]
+  double run_in = 2.5;
 };
 
-/// The legs of a race: start to first gate, then gate to gate; the last leg of a lap leads to its first gate.
+/// The legs of a race: start to first gate, then gate to gate; the last leg of a lap leads to its
+/// first gate.
 struct RacePlan {
   Path start;              ///< From the pad to gate 0.
   std::vector<Path> legs;  ///< legs[i]: from gate i to gate (i + 1) % n.
@@ -61,7 +65,8 @@ struct RacePlan {
 /// Plans all legs: straight out of a gate, at most two arcs (Dubins), straight into the next.
 ///
 /// Searches run-out, run-in and radius; prefers short ways with a long run-in and wide arcs; keeps
-/// `clearance` to obstacles, walls and the frames of all gates. Start-up only: allocates and throws.
+/// `clearance` to obstacles, walls and the frames of all gates. Start-up only: allocates and
+/// throws.
 /// @throws std::invalid_argument naming the leg for which there is no way, and why.
 [[nodiscard]] RacePlan plan_race(const Track& track, const PlanParams& params);
 

@@ -8,7 +8,8 @@ namespace {
 
 bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
   if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
-  if (now.to_go > params.search_before + 0.8) return false;  // a turn that leads past the gate's plane first
+  // a turn that leads past the gate's plane first
+  if (now.to_go > params.search_before + 0.8) return false;
   const bool unseen = now.since_fix > 0.4 && now.lateral_sigma > params.max_lateral_sigma;
   // A late detection that leaves no room is a reason to go around, too.
   const bool off_axis = std::abs(now.gate_y_ahead) > params.max_miss;
@@ -36,7 +37,8 @@ struct Next {
   }
   Transition operator()(const TakeOff& phase) const {
     if (now.height > params.go_height) return {Straight{}};
-    if (now.time - phase.since > params.climb_timeout) return {Land{now.time}, AbortReason::kNoClimb};
+    if (now.time - phase.since > params.climb_timeout)
+      return {Land{now.time}, AbortReason::kNoClimb};
     return {phase};
   }
   Transition operator()(const Straight&) const { return on_course(); }
@@ -47,7 +49,8 @@ struct Next {
   }
   Transition operator()(const Search& phase) const {
     if (gate_found_again(now, params)) return {Straight{}};
-    if (now.time - phase.since > params.search_timeout) return {Land{now.time}, AbortReason::kGateNotFound};
+    if (now.time - phase.since > params.search_timeout)
+      return {Land{now.time}, AbortReason::kGateNotFound};
     return {phase};
   }
   Transition operator()(const Land& phase) const {
@@ -75,17 +78,23 @@ Transition next_phase(const Phase& phase, const Situation& now, const PhaseParam
 }
 
 const char* name_of(const Phase& phase) {
-  constexpr const char* kNames[] = {"ground", "take-off", "straight", "turn", "search", "land", "landed"};
+  constexpr const char* kNames[] = {"ground", "take-off", "straight", "turn",
+                                    "search", "land",     "landed"};
   return kNames[phase.index()];
 }
 
 const char* text_of(AbortReason reason) {
   switch (reason) {
-    case AbortReason::kNone: return "";
-    case AbortReason::kGateNotFound: return "the next gate was not found";
-    case AbortReason::kNoClimb: return "the drone did not climb";
-    case AbortReason::kUpset: return "the drone tipped over";
-    case AbortReason::kSensorsLost: return "the IMU went silent";
+    case AbortReason::kNone:
+      return "";
+    case AbortReason::kGateNotFound:
+      return "the next gate was not found";
+    case AbortReason::kNoClimb:
+      return "the drone did not climb";
+    case AbortReason::kUpset:
+      return "the drone tipped over";
+    case AbortReason::kSensorsLost:
+      return "the IMU went silent";
   }
   return "";
 }

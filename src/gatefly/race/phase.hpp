@@ -31,7 +31,8 @@ struct Land {
 /// Motors off.
 struct Landed {};
 
-/// OnGround -> TakeOff -> Straight <-> Turn -> ... -> Land -> Landed; Straight <-> Search; any -> Land.
+/// OnGround -> TakeOff -> Straight <-> Turn -> ... -> Land -> Landed; Straight <-> Search; any ->
+/// Land.
 using Phase = std::variant<OnGround, TakeOff, Straight, Turn, Search, Land, Landed>;
 
 /// Why a flight was given up; kNone while it was not.
@@ -42,33 +43,37 @@ enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
 
 /// What the pilot believes and what is planned, as far as it decides the phase.
 struct Situation {
-  double time = 0.0;             ///< [s]
-  int rest_samples = 0;          ///< Of the rest calibration.
-  double height = 0.0;           ///< Above the pad [m].
-  bool course_done = false;      ///< Every gate of every lap passed.
-  bool turn_ahead = false;       ///< The path curves at the look-ahead point.
-  double to_go = 10.0;           ///< Along the path to the gate [m].
-  double gate_x = -10.0;         ///< Along the gate's axis, negative before it [m].
-  double gate_y = 0.0;           ///< To the right of the axis [m].
-  double gate_y_ahead = 0.0;     ///< What gate_y will be in the gate's plane [m].
-  double lateral_sigma = 0.0;    ///< Of gate_y, without what is gone once the drone is in the gate [m].
-  double speed = 0.0;            ///< [m/s]
-  double since_fix = 0.0;        ///< Since a sighting of the target was accepted [s].
-  double tilt = 0.0;             ///< Between body and earth vertical [rad].
-  double since_imu = 0.0;        ///< Since the last finite IMU sample [s].
+  double time = 0.0;          ///< [s]
+  int rest_samples = 0;       ///< Of the rest calibration.
+  double height = 0.0;        ///< Above the pad [m].
+  bool course_done = false;   ///< Every gate of every lap passed.
+  bool turn_ahead = false;    ///< The path curves at the look-ahead point.
+  double to_go = 10.0;        ///< Along the path to the gate [m].
+  double gate_x = -10.0;      ///< Along the gate's axis, negative before it [m].
+  double gate_y = 0.0;        ///< To the right of the axis [m].
+  double gate_y_ahead = 0.0;  ///< What gate_y will be in the gate's plane [m].
+  /// Of gate_y, without what is gone once the drone is in the gate [m].
+  double lateral_sigma = 0.0;
+  double speed = 0.0;      ///< [m/s]
+  double since_fix = 0.0;  ///< Since a sighting of the target was accepted [s].
+  double tilt = 0.0;       ///< Between body and earth vertical [rad].
+  double since_imu = 0.0;  ///< Since the last finite IMU sample [s].
 };
 
 struct PhaseParams {
-  int rest_samples = 768;           ///< 1.5 s at 512 Hz. [ours]
-  double go_height = 0.7;           ///< Start forward flight above this [m]. [ours]
-  double climb_timeout = 6.0;       ///< [s]
-  double search_before = 1.9;       ///< Decide between here ...  [m] [ours]
-  double search_until = 1.1;        ///< ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]
-  double max_lateral_sigma = 0.22;  ///< More doubt than this about y: no pass. [ours: opening 0.9, body 0.38]
-  double max_miss = 0.20;           ///< Expected farther off the axis than this: go around. [ours: 0.27 touches]
-  double search_timeout = 15.0;     ///< [s]
-  double max_tilt = 1.2;            ///< Beyond it the flight is lost [rad].
-  double imu_timeout = 0.2;         ///< [s]
+  int rest_samples = 768;      ///< 1.5 s at 512 Hz. [ours]
+  double go_height = 0.7;      ///< Start forward flight above this [m]. [ours]
+  double climb_timeout = 6.0;  ///< [s]
+  double search_before = 1.9;  ///< Decide between here ...  [m] [ours]
+  /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]
+  double search_until = 1.1;
+  /// More doubt than this about y: no pass. [ours: opening 0.9, body 0.38]
+  double max_lateral_sigma = 0.22;
+  /// Expected farther off the axis than this: go around. [ours: 0.27 touches]
+  double max_miss = 0.20;
+  double search_timeout = 15.0;  ///< [s]
+  double max_tilt = 1.2;         ///< Beyond it the flight is lost [rad].
+  double imu_timeout = 0.2;      ///< [s]
 };
 
 struct Transition {
@@ -77,6 +82,7 @@ struct Transition {
 };
 
 /// The phase after `phase`. Pure: no clock, no memory.
-[[nodiscard]] Transition next_phase(const Phase& phase, const Situation& now, const PhaseParams& params);
+[[nodiscard]] Transition next_phase(const Phase& phase, const Situation& now,
+                                    const PhaseParams& params);
 
 }  // namespace gatefly

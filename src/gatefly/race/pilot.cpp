@@ -14,8 +14,8 @@ constexpr double kAccelCutoffHz = 20.0;  // [Li18 flight code]
 
 // Beyond any MEMS range a number is as broken as NaN, and would become one inside.
 bool is_usable(const Imu& imu) {
-  return imu.gyro_B.allFinite() && imu.accel_B.allFinite() && imu.gyro_B.cwiseAbs().maxCoeff() < 100.0 &&
-         imu.accel_B.cwiseAbs().maxCoeff() < 400.0;
+  return imu.gyro_B.allFinite() && imu.accel_B.allFinite() &&
+         imu.gyro_B.cwiseAbs().maxCoeff() < 100.0 && imu.accel_B.cwiseAbs().maxCoeff() < 400.0;
 }
 
 }  // namespace
@@ -60,7 +60,8 @@ Command Pilot::step(const Sensors& sensors) {
     hold_x_ = std::min(-2.2, filter().position().x() - 0.5);
     hold_integral_.setZero();
   }
-  if (std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase)) approach_from_here();
+  if (std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase))
+    approach_from_here();
   phase_ = next.phase;
   if (next.reason != AbortReason::kNone) abort_reason_ = next.reason;
 
@@ -93,9 +94,11 @@ void Pilot::sense(const Imu& imu, double dt) {
   if (std::holds_alternative<OnGround>(phase_)) {
     ahrs_.update_at_rest(imu);
     accel_filter_.update(imu.accel_B);
-    const Eigen::Vector3d p_G = rotation_z(-gate().yaw_EG) *
+    const Eigen::Vector3d p_G =
+        rotation_z(-gate().yaw_EG) *
         (Eigen::Vector3d{config_.track.start.x(), config_.track.start.y(), 0.0} - gate().p_EG);
-    memory_.start(p_G, ahrs_.accel_bias(), {0.0, config_.gate_height_sigma, config_.gate_yaw_sigma}, time_);
+    memory_.start(p_G, ahrs_.accel_bias(), {0.0, config_.gate_height_sigma, config_.gate_yaw_sigma},
+                  time_);
     return;
   }
   input_.accel_B = accel_filter_.update(imu.accel_B);
@@ -119,7 +122,9 @@ void Pilot::measure_height(const Sensors& sensors) {
   if (std::holds_alternative<OnGround>(phase_)) return;
   const double floor_z = -gate().p_EG.z();  // the floor, in the gate's frame
   const auto fuse = [&](const std::optional<Height>& height) {
-    if (height) (void)memory_.correct_altitude(floor_z - height->value, height->sigma, config_.gate_height_sigma);
+    if (height)
+      (void)memory_.correct_altitude(floor_z - height->value, height->sigma,
+                                     config_.gate_height_sigma);
   };
   if (sensors.baro && std::abs(*sensors.baro) < 1000.0) fuse(altimeter_.baro(*sensors.baro, time_));
   const double upright = ahrs_.R_EB().matrix(2, 2);
@@ -132,9 +137,13 @@ double Pilot::capture_time(double u_px) const {
   return time_ - config_.camera_timing.latency + across * config_.camera_timing.readout;
 }
 
-RotationGB Pilot::R_GB(const Eigen::Matrix3d& R_EB) const { return {rotation_z(-gate().yaw_EG) * R_EB}; }
+RotationGB Pilot::R_GB(const Eigen::Matrix3d& R_EB) const {
+  return {rotation_z(-gate().yaw_EG) * R_EB};
+}
 
-Eigen::Vector3d Pilot::p_EB() const { return gate().p_EG + rotation_z(gate().yaw_EG) * filter().position(); }
+Eigen::Vector3d Pilot::p_EB() const {
+  return gate().p_EG + rotation_z(gate().yaw_EG) * filter().position();
+}
 
 const Path& Pilot::path() const {
   if (approach_) return *approach_;
@@ -147,19 +156,26 @@ const Path& Pilot::path() const {
 void Pilot::follow_course() {
   if (finished() || std::holds_alternative<OnGround>(phase_)) return;
   const double total = path().length();
-  progress_ = path().nearest(p_EB().head<2>(), std::max(0.0, progress_ - 0.5), std::min(progress_ + 0.8, total + 0.5));
+  progress_ = path().nearest(p_EB().head<2>(), std::max(0.0, progress_ - 0.5),
+                             std::min(progress_ + 0.8, total + 0.5));
   // While searching, only what went through the opening has passed.
-  const bool on_course = std::holds_alternative<Straight>(phase_) || std::holds_alternative<Turn>(phase_);
-  const bool through = std::holds_alternative<Search>(phase_) && std::abs(filter().position().y()) < 0.5 * gate().side;
-  if ((on_course || through) && total - progress_ < 1.5 && filter().position().x() > 0.10) pass_gate();
+  const bool on_course =
+      std::holds_alternative<Straight>(phase_) || std::holds_alternative<Turn>(phase_);
+  const bool through = std::holds_alternative<Search>(phase_) &&
+                       std::abs(filter().position().y()) < 0.5 * gate().side;
+  if ((on_course || through) && total - progress_ < 1.5 && filter().position().x() > 0.10)
+    pass_gate();
 }
 
-// From where it waited the drone flies straight on along the gate's axis: the leg's own way may end in an arc.
+// From where it waited the drone flies straight on along the gate's axis: the leg's own way may end
+// in an arc.
 void Pilot::approach_from_here() {
   const double before = std::max(1.0, -filter().position().x() + 0.5);
-  const Eigen::Vector3d start = gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{-before, 0, 0};
+  const Eigen::Vector3d start =
+      gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{-before, 0, 0};
   approach_.emplace();
-  (void)approach_->segments.push_back({.start = start.head<2>(), .heading = gate().yaw_EG, .curvature = 0.0, .length = before});
+  (void)approach_->segments.push_back(
+      {.start = start.head<2>(), .heading = gate().yaw_EG, .curvature = 0.0, .length = before});
   approach_->z_start = approach_->z_end = gate().p_EG.z();
   progress_ = 0.5;
 }
@@ -176,17 +192,19 @@ void Pilot::pass_gate() {
   // p_G' = R_G'E (p_EG + R_EG p_G - p_EG')
   const Eigen::Matrix3d R = rotation_z(from.yaw_EG - to.yaw_EG);
   const Eigen::Vector3d offset = rotation_z(-to.yaw_EG) * (from.p_EG - to.p_EG);
-  memory_.change_frame(R, offset, from.yaw_EG - to.yaw_EG, {config_.map_sigma, config_.gate_height_sigma, config_.gate_yaw_sigma});
+  memory_.change_frame(R, offset, from.yaw_EG - to.yaw_EG,
+                       {config_.map_sigma, config_.gate_height_sigma, config_.gate_yaw_sigma});
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - to.yaw_EG);
 }
 
-// Where the lateral PD will have brought the drone when it reaches the gate: a critically damped decay
-// that starts after the roll's lag.
+// Where the lateral PD will have brought the drone when it reaches the gate: a critically damped
+// decay that starts after the roll's lag.
 double Pilot::lateral_at_gate() const {
   const double speed = std::max(0.5, forward_speed());
   const double t = std::max(0.0, -filter().position().x() / speed - 1.5 * config_.speed.roll_lead);
   const double wt = std::sqrt(config_.lateral.kp * config_.filter.model.gravity) * t;
-  const double decay = 1.0 / (1.0 + wt + 0.5 * wt * wt + wt * wt * wt / 6.0);  // e^-wt, from its series
+  // e^-wt, from its series
+  const double decay = 1.0 / (1.0 + wt + 0.5 * wt * wt + wt * wt * wt / 6.0);
   const double v_y = (R_GB(ahrs_.R_EB().matrix) * velocity_.v_B()).y();
   return (1.0 + wt) * decay * filter().position().y() + t * decay * v_y;
 }
@@ -203,7 +221,10 @@ Situation Pilot::situation() const {
   now.lateral_sigma = filter().lateral_sigma();
   now.speed = velocity_.v_B().head<2>().norm();
   now.gate_y_ahead = lateral_at_gate();
-  now.turn_ahead = !finished() && path().at(progress_ + config_.speed.roll_lead * std::max(0.0, forward_speed())).curvature != 0.0;
+  now.turn_ahead =
+      !finished() &&
+      path().at(progress_ + config_.speed.roll_lead * std::max(0.0, forward_speed())).curvature !=
+          0.0;
   now.since_fix = time_ - last_fix_;
   now.since_imu = time_ - last_imu_;
   now.tilt = acos(ahrs_.R_EB().matrix(2, 2));

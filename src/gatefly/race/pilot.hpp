@@ -30,38 +30,44 @@ namespace gatefly {
 
 /// What somebody else has already found in a picture: the simulator's ideal vision.
 struct SeenGates {
-  GateDetections gates;                          ///< Best first.
-  std::optional<OpenGate> open = std::nullopt;   ///< One cut off above.
-  std::optional<GateBars> bars = std::nullopt;   ///< One too near to be whole.
-  int image_width = 315;                         ///< Of the upright picture [px].
+  GateDetections gates;                         ///< Best first.
+  std::optional<OpenGate> open = std::nullopt;  ///< One cut off above.
+  std::optional<GateBars> bars = std::nullopt;  ///< One too near to be whole.
+  int image_width = 315;                        ///< Of the upright picture [px].
 };
 
 /// What arrives in one tick. Everything but the IMU is slower and mostly absent.
 struct Sensors {
-  std::chrono::nanoseconds time{0};           ///< Of the IMU sample; must not run backwards.
+  std::chrono::nanoseconds time{0};  ///< Of the IMU sample; must not run backwards.
   Imu imu;
   std::optional<double> sonar = std::nullopt;  ///< Range to what is below, along body z [m].
   std::optional<double> baro = std::nullopt;   ///< Height above the pad [m].
-  std::optional<Image> image = std::nullopt;   ///< Arrived now, exposed `latency` ago; read in this call only.
+  /// Arrived now, exposed `latency` ago; read in this call only.
+  std::optional<Image> image = std::nullopt;
   std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
 };
 
 /// What the drone does next.
 struct Command {
   AttitudeCommand attitude;
-  std::array<double, 4> motors{};  ///< Rotor speeds [rad/s]: left front, right front, right back, left back.
+  /// Rotor speeds [rad/s]: left front, right front, right back, left back.
+  std::array<double, 4> motors{};
 };
 
 struct SpeedParams {
-  double pitch_gain = 0.14;              ///< [rad/(m/s)] of speed error. [ours; paper: constant pitch]
-  double max_pitch = 14.0 * kDegree;     ///< Nose down.
-  double min_pitch = -12.0 * kDegree;    ///< As nose up: braking.
-  double roll_lead = 0.16;               ///< Roll starts this long before the curve [s]: INDI's lag. [ours]
-  double brake_lead = 0.7;               ///< Slow down this long before the curve [s]. [ours]
-  double settle = 1.3;                   ///< From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
-  double slowest = 1.0;                  ///< ... unless that asks for less than this [m/s]. [ours]
-  double unsure = 1.1;                   ///< Towards a gate that has not been seen from here [m/s]. [ours]
-  double unsure_before = 3.0;            ///< ... once it is nearer than this [m]. [ours]
+  /// [rad/(m/s)] of speed error. [ours; paper: constant pitch]
+  double pitch_gain = 0.14;
+  double max_pitch = 14.0 * kDegree;   ///< Nose down.
+  double min_pitch = -12.0 * kDegree;  ///< As nose up: braking.
+  /// Roll starts this long before the curve [s]: INDI's lag. [ours]
+  double roll_lead = 0.16;
+  double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [ours]
+  /// From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
+  double settle = 1.3;
+  double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [ours]
+  /// Towards a gate that has not been seen from here [m/s]. [ours]
+  double unsure = 1.1;
+  double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [ours]
 };
 
 struct CameraTiming {
@@ -88,9 +94,10 @@ struct PilotConfig {
   VehicleParams vehicle;
   PlanParams plan;
   PhaseParams phase;
-  double map_sigma = 0.12;          ///< How well gates are known relative to each other [m]. [ours]
-  double gate_height_sigma = 0.05;  ///< Of a gate's centre above the floor [m]. [docs/simulation.md]
-  double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
+  double map_sigma = 0.12;  ///< How well gates are known relative to each other [m]. [ours]
+  /// Of a gate's centre above the floor [m]. [docs/simulation.md]
+  double gate_height_sigma = 0.05;
+  double gate_yaw_sigma = 0.06;  ///< And how well their headings are [rad]. [ours]
 };
 
 /// What the pilot believes. For logs, displays and tests; nothing flies by it but the pilot.
@@ -100,7 +107,8 @@ struct Estimate {
   Attitude attitude;
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< [rad/s]
-  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< The position in the frame of the target gate [m] ...
+  /// The position in the frame of the target gate [m] ...
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and how sure it is [m²].
   int gates_passed = 0;
 };
@@ -117,16 +125,18 @@ struct FixOnCourse {
 /// What became of the last picture.
 struct Sighting {
   enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or the two lower ones.
-  bool seen = false;                  ///< At least one gate was detected.
-  bool offered = false;               ///< One of them, or a part, gave a fix of the target; the filter may have refused it.
-  GateDetections detections;          ///< Best first; the one that was used is `used`.
-  int used = -1;                      ///< Index into detections; -1 when none (or bars).
-  Source source = Source::kNone;      ///< What corrected the filter, if anything did.
+  bool seen = false;                             ///< At least one gate was detected.
+  /// One of them, or a part, gave a fix of the target; the filter may have refused it.
+  bool offered = false;
+  GateDetections detections;      ///< Best first; the one that was used is `used`.
+  int used = -1;                  ///< Index into detections; -1 when none (or bars).
+  Source source = Source::kNone;  ///< What corrected the filter, if anything did.
   std::optional<FixOnCourse> fix;
-  double innovation2 = 0.0;           ///< How much it surprised: squared innovation in units of its covariance ...
-  int innovation_dof = 0;             ///< ... and its degrees of freedom; 0: nothing corrected.
+  /// How much it surprised: squared innovation in units of its covariance ...
+  double innovation2 = 0.0;
+  int innovation_dof = 0;  ///< ... and its degrees of freedom; 0: nothing corrected.
   std::optional<GateBars> bars;
-  std::optional<OpenGate> open;       ///< Looked for when no whole gate was of use.
+  std::optional<OpenGate> open;  ///< Looked for when no whole gate was of use.
 };
 
 /// The drone's mind: sensors in, motor commands out. One object, no threads, no clock.
@@ -153,15 +163,17 @@ class Pilot {
   struct Candidate {  ///< What might correct the filter.
     Fix fix;
     const Past* then = nullptr;  ///< When it was exposed.
-    double distance2 = 0.0;   ///< From where the filter believes to have been, squared, in units of the doubt.
+    /// From where the filter believes to have been, squared, in units of the doubt.
+    double distance2 = 0.0;
     Sighting::Source source = Sighting::Source::kNone;
     int detection = -1;       ///< Index of a whole gate; -1: a part of one.
     bool may_restart = true;  ///< No other gate of the map explains it better.
   };
 
-  struct Witness {  ///< A gate that was seen after a blind leg, or where it surprises.
+  struct Witness {      ///< A gate that was seen after a blind leg, or where it surprises.
     double time = 0.0;  ///< [s]
-    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says its fix [m].
+    /// Where dead reckoning began, says its fix [m].
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();
   };
 
   double advance_clock(std::chrono::nanoseconds time);
@@ -173,7 +185,8 @@ class Pilot {
   [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, Effort effort);
   [[nodiscard]] std::optional<Candidate> best_whole_gate() const;
   [[nodiscard]] std::optional<Candidate> best_part(const Sensors& sensors);
-  [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source, int detection = -1) const;
+  [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source,
+                                    int detection = -1) const;
   [[nodiscard]] bool convincing(const std::optional<Candidate>& candidate) const;
   bool fuse(const Candidate& seen);
   void learn_heading_from_leg(const Candidate& seen);
@@ -181,7 +194,8 @@ class Pilot {
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then) const;
   bool is_second_witness(const Candidate& seen);
   bool correct_with(Candidate seen);
-  [[nodiscard]] double surprise(const GateDetection& seen, const Past& then, const MapGate& gate, bool from_behind) const;
+  [[nodiscard]] double surprise(const GateDetection& seen, const Past& then, const MapGate& gate,
+                                bool from_behind) const;
   [[nodiscard]] double surprise_of_others(const GateDetection& seen, const Past& then) const;
   void follow_course();
   void pass_gate();
@@ -194,8 +208,12 @@ class Pilot {
   AttitudeCommand command_for(const Land& phase, double dt);
   AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt);
 
-  [[nodiscard]] int total_gates() const { return static_cast<int>(config_.track.gates.size()) * config_.track.laps; }
-  [[nodiscard]] const MapGate& gate() const { return config_.track.gates[static_cast<std::size_t>(target_)]; }
+  [[nodiscard]] int total_gates() const {
+    return static_cast<int>(config_.track.gates.size()) * config_.track.laps;
+  }
+  [[nodiscard]] const MapGate& gate() const {
+    return config_.track.gates[static_cast<std::size_t>(target_)];
+  }
   [[nodiscard]] const Path& path() const;
   [[nodiscard]] Situation situation() const;
   [[nodiscard]] RotationGB R_GB(const Eigen::Matrix3d& R_EB) const;
@@ -233,9 +251,9 @@ class Pilot {
   double image_width_ = 315.0;
   int target_ = 0, passed_ = 0;
   std::optional<Path> approach_;  // instead of the leg's own way, after a search
-  double progress_ = 0.0;  ///< Metres along path().
+  double progress_ = 0.0;         ///< Metres along path().
   Eigen::Vector2d hold_integral_ = Eigen::Vector2d::Zero();  ///< [m/s²]
-  double hold_x_ = -2.0;   ///< Where to wait before the gate while searching [m].
+  double hold_x_ = -2.0;  ///< Where to wait before the gate while searching [m].
 };
 
 }  // namespace gatefly

@@ -107,7 +107,8 @@ class Planner {
     // The cheapest that is clear; room beyond the clearance is worth a detour.
     const Candidate* best = nullptr;
     double best_cost = 1e9;
-    std::string blocked = "no turn of radius >= " + short_text(params_.min_radius) + " m leads there";
+    std::string blocked =
+        "no turn of radius >= " + short_text(params_.min_radius) + " m leads there";
     for (const auto& candidate : candidates) {
       if (candidate.cost >= best_cost) break;
       const Room room = room_around(candidate.path, from_gate, to_gate);
@@ -120,13 +121,15 @@ class Planner {
       }
     }
     if (best != nullptr) return best->path;
-    throw std::invalid_argument("no way from " +
-                                (from_gate < 0 ? std::string("the start") : "gate " + std::to_string(from_gate + 1)) +
-                                " to gate " + std::to_string(to_gate + 1) + ": " + blocked);
+    throw std::invalid_argument(
+        "no way from " +
+        (from_gate < 0 ? std::string("the start") : "gate " + std::to_string(from_gate + 1)) +
+        " to gate " + std::to_string(to_gate + 1) + ": " + blocked);
   }
 
  private:
-  std::vector<Candidate> propose(const Pose2& from, double z_from, bool from_is_gate, const MapGate& goal) const {
+  std::vector<Candidate> propose(const Pose2& from, double z_from, bool from_is_gate,
+                                 const MapGate& goal) const {
     constexpr std::array kRadii{3.0, 2.4, 2.0, 1.7, 1.5, 1.3, 1.15, 1.0, 0.9, 0.8, 0.7, 0.6};
     constexpr std::array kRunOut{0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
     constexpr std::array kRunIn{4.0, 3.0, 2.5, 2.0, 1.6, 1.3, 1.0};
@@ -141,7 +144,8 @@ class Planner {
           for (const double side_1 : {-1.0, 1.0})
             for (const double side_2 : {-1.0, 1.0}) {
               const double out = from_is_gate ? run_out : run_out - 0.15;
-              const Dubins word = connect(moved(from, out), moved(gate, -run_in), radius, side_1, side_2);
+              const Dubins word =
+                  connect(moved(from, out), moved(gate, -run_in), radius, side_1, side_2);
               if (!word.valid) continue;
               if (word.angle_1 + word.angle_2 > most_turning) continue;  // no loops
               Candidate candidate;
@@ -161,7 +165,8 @@ class Planner {
     return candidates;
   }
 
-  // Seconds, plus what makes a leg hard to fly: a short straight before the gate, tight turns, turning much.
+  // Seconds, plus what makes a leg hard to fly: a short straight before the gate, tight turns,
+  // turning much.
   double cost(const Path& path, double radius, const Dubins& word) const {
     const double arc_speed = std::min(params_.speed, std::sqrt(params_.max_lateral * radius));
     double seconds = 0.0;
@@ -169,7 +174,8 @@ class Planner {
       seconds += segment.length / (segment.curvature == 0.0 ? params_.speed : arc_speed);
     const double run_in = path.segments.back().curvature == 0.0 ? path.segments.back().length : 0.0;
     const double turning = word.angle_1 + word.angle_2;
-    return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.9 * turning / radius + 0.3 * turning;
+    return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.9 * turning / radius +
+           0.3 * turning;
   }
 
   struct Room {
@@ -202,7 +208,7 @@ class Planner {
         consider(distance_to(frame, p), obstacles + g);
       }
     }
-    const std::string name = what < 0            ? std::string("a wall")
+    const std::string name = what < 0           ? std::string("a wall")
                              : what < obstacles ? "obstacle " + std::to_string(what + 1)
                                                 : "gate " + std::to_string(what - obstacles + 1);
     return {least - wanted, name};
@@ -216,20 +222,25 @@ class Planner {
 
 RacePlan plan_race(const Track& track, const PlanParams& params) {
   if (track.gates.empty()) throw std::invalid_argument("the track has no gates");
-  if (track.laps < 1) throw std::invalid_argument("laps = " + std::to_string(track.laps) + ", must be at least 1");
+  if (track.laps < 1)
+    throw std::invalid_argument("laps = " + std::to_string(track.laps) + ", must be at least 1");
   for (std::size_t i = 0; i < track.gates.size(); ++i) {
     const MapGate& gate = track.gates[i];
     const std::string name = "gate " + std::to_string(i + 1);
     const double opening = gate.side - 2 * gate.bar;
-    if (opening < 2 * params.body_radius + 0.1) throw std::invalid_argument(name + " is too small to fly through");
-    if (-gate.p_EG.z() < 0.5 * gate.side + 0.05) throw std::invalid_argument(name + " is too low: it stands in the floor");
-    if (-gate.p_EG.z() + 0.5 * gate.side > track.ceiling) throw std::invalid_argument(name + " is too high: it is in the ceiling");
+    if (opening < 2 * params.body_radius + 0.1)
+      throw std::invalid_argument(name + " is too small to fly through");
+    if (-gate.p_EG.z() < 0.5 * gate.side + 0.05)
+      throw std::invalid_argument(name + " is too low: it stands in the floor");
+    if (-gate.p_EG.z() + 0.5 * gate.side > track.ceiling)
+      throw std::invalid_argument(name + " is too high: it is in the ceiling");
     const auto pass = ahead(gate.yaw_EG);
     for (std::size_t k = 0; k < track.obstacles.size(); ++k)
       for (double s = -0.3; s <= 0.3; s += 0.1)
         if (track.obstacles[k].height > -gate.p_EG.z() - 0.5 * opening &&
             distance_to(track.obstacles[k], gate.p_EG.head<2>() + s * pass) < params.body_radius)
-          throw std::invalid_argument("obstacle " + std::to_string(k + 1) + " stands in the opening of " + name);
+          throw std::invalid_argument("obstacle " + std::to_string(k + 1) +
+                                      " stands in the opening of " + name);
   }
 
   for (std::size_t k = 0; k < track.obstacles.size(); ++k)
@@ -243,7 +254,8 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
   for (int i = 0; i < n; ++i) {
     if (i == n - 1 && track.laps == 1) break;  // the last gate of a single lap leads nowhere
     const MapGate& gate = track.gates[static_cast<std::size_t>(i)];
-    plan.legs.push_back(planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
+    plan.legs.push_back(
+        planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
   }
   return plan;
 }

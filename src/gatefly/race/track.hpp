@@ -29,8 +29,8 @@ struct Track {
   std::string name;
   std::vector<MapGate> gates;  ///< In flight order.
   int laps = 1;
-  Eigen::Vector2d start{0, 0};     ///< On the floor [m].
-  double start_heading = 0.0;      ///< [rad]
+  Eigen::Vector2d start{0, 0};  ///< On the floor [m].
+  double start_heading = 0.0;   ///< [rad]
   std::vector<MapObstacle> obstacles;
   Eigen::Vector2d room_center{0, 0}, room_size{1000, 1000};  ///< [m]
   double ceiling = 1000.0;                                   ///< [m]

@@ -23,18 +23,22 @@ struct Distorted {
   Eigen::Matrix2d jacobian;
 };
 
-Distorted distorted(const RadialPolynomial& radial, const Eigen::Vector2d& tangential, const Eigen::Vector2d& m) {
+Distorted distorted(const RadialPolynomial& radial, const Eigen::Vector2d& tangential,
+                    const Eigen::Vector2d& m) {
   const double x = m.x(), y = m.y(), s = m.squaredNorm();
   const double p1 = tangential.x(), p2 = tangential.y();
   const double a = radial.factor(s), mixed = 2 * p1 * x + 2 * p2 * y;
   const Eigen::Matrix2d shift{{2 * p1 * y + 6 * p2 * x, mixed}, {mixed, 6 * p1 * y + 2 * p2 * x}};
-  return {a * m + Eigen::Vector2d{2 * p1 * x * y + p2 * (s + 2 * x * x), p1 * (s + 2 * y * y) + 2 * p2 * x * y},
+  return {a * m + Eigen::Vector2d{2 * p1 * x * y + p2 * (s + 2 * x * x),
+                                  p1 * (s + 2 * y * y) + 2 * p2 * x * y},
           a * Eigen::Matrix2d::Identity() + 2 * radial.factor_slope(s) * m * m.transpose() + shift};
 }
 
-// The point (x, y, 1) drawn at `drawn`. The radial part is undone by itself; from there Newton undoes
-// the (small) tangential one, with steps halved until they stay in the field of view and come nearer.
-std::optional<Eigen::Vector2d> undistorted(const RadialPolynomial& radial, const Eigen::Vector2d& tangential,
+// The point (x, y, 1) drawn at `drawn`. The radial part is undone by itself; from there Newton
+// undoes the (small) tangential one, with steps halved until they stay in the field of view and
+// come nearer.
+std::optional<Eigen::Vector2d> undistorted(const RadialPolynomial& radial,
+                                           const Eigen::Vector2d& tangential,
                                            const Eigen::Vector2d& drawn) {
   constexpr int kMaxSteps = 50;
   constexpr double kTolerance = 1e-13, kLeastPart = 1e-4;
@@ -103,13 +107,16 @@ std::optional<Eigen::Vector3d> DhaneFisheye::bearing(const Eigen::Vector2d& px) 
   return Eigen::Vector3d{side.x(), side.y(), std::sqrt(1.0 - sine * sine)};
 }
 
-// With q = |(p1, p2)| r and c the cosine between m and (p2, p1), the jacobian in the directions along
-// and across m is ((g' + 6 q c, ±2 q √(1 - c²)), (., a + 2 q c)). g' > 7 q up to the limit makes a > 3.5 q
-// and the determinant positive for every c: the lens is then one-to-one within that disc.
-BrownConrady::BrownConrady(const Eigen::Vector2d& focal, const Eigen::Vector2d& center, const Coefficients& distortion)
+// With q = |(p1, p2)| r and c the cosine between m and (p2, p1), the jacobian in the directions
+// along and across m is ((g' + 6 q c, ±2 q √(1 - c²)), (., a + 2 q c)). g' > 7 q up to the limit
+// makes a > 3.5 q and the determinant positive for every c: the lens is then one-to-one within that
+// disc.
+BrownConrady::BrownConrady(const Eigen::Vector2d& focal, const Eigen::Vector2d& center,
+                           const Coefficients& distortion)
     : focal_px{focal},
       center_px{center},
-      radial_{{distortion[0], distortion[1], distortion[4], 0.0}, 7.0 * Eigen::Vector2d{distortion[2], distortion[3]}.norm()},
+      radial_{{distortion[0], distortion[1], distortion[4], 0.0},
+              7.0 * Eigen::Vector2d{distortion[2], distortion[3]}.norm()},
       tangential_{distortion[2], distortion[3]} {}
 
 BrownConrady::Coefficients BrownConrady::distortion() const {
@@ -162,7 +169,8 @@ std::optional<Eigen::Vector3d> AnyCamera::bearing(const Eigen::Vector2d& px) con
   return std::visit([&](const auto& lens) { return lens.bearing(px); }, model);
 }
 
-std::optional<Eigen::Vector2d> vanishing_point_px(const AnyCamera& lens, const Eigen::Vector3d& direction_C) {
+std::optional<Eigen::Vector2d> vanishing_point_px(const AnyCamera& lens,
+                                                  const Eigen::Vector3d& direction_C) {
   if (!(std::abs(direction_C.z()) > 0.05 * direction_C.norm())) return std::nullopt;
   const auto axis = lens.project({0, 0, 1}), beside = lens.project({0.01, 0.01, 1});
   if (!axis || !beside) return std::nullopt;

@@ -7,7 +7,8 @@ namespace gatefly {
 
 std::size_t image_bytes(PixelFormat format, int stored_width, int stored_height) {
   if (stored_width <= 0 || stored_height <= 0) return 0;
-  const auto pixels = static_cast<std::size_t>(stored_width) * static_cast<std::size_t>(stored_height);
+  const auto pixels =
+      static_cast<std::size_t>(stored_width) * static_cast<std::size_t>(stored_height);
   return format == PixelFormat::kUyvy ? 2 * pixels : 3 * pixels;
 }
 
@@ -34,12 +35,15 @@ Image::Image(const std::uint8_t* bytes, PixelFormat format, int stored_width, in
       width_ = stored_height, height_ = stored_width;
       first_ = line - 1, along_u_ = line, along_v_ = -1;
       break;
-    case 180: first_ = last_line + line - 1, along_u_ = -1, along_v_ = -line; break;
+    case 180:
+      first_ = last_line + line - 1, along_u_ = -1, along_v_ = -line;
+      break;
     case 270:
       width_ = stored_height, height_ = stored_width;
       first_ = last_line, along_u_ = -line, along_v_ = 1;
       break;
-    default: break;
+    default:
+      break;
   }
 }
 

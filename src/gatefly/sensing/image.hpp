@@ -18,7 +18,9 @@ struct PackedYuv {
   std::uint32_t uv;
   std::uint8_t y;
 
-  [[nodiscard]] Yuv unpacked() const { return {y, static_cast<std::uint8_t>(uv), static_cast<std::uint8_t>(uv >> 16)}; }
+  [[nodiscard]] Yuv unpacked() const {
+    return {y, static_cast<std::uint8_t>(uv), static_cast<std::uint8_t>(uv >> 16)};
+  }
   [[nodiscard]] static PackedYuv of(Yuv c) { return {c.u | std::uint32_t{c.v} << 16, c.y}; }
 };
 
@@ -52,19 +54,22 @@ class Image {
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool empty() const { return width_ == 0; }
   [[nodiscard]] bool contains(int u, int v) const {
-    return static_cast<unsigned>(u) < static_cast<unsigned>(width_) && static_cast<unsigned>(v) < static_cast<unsigned>(height_);
+    return static_cast<unsigned>(u) < static_cast<unsigned>(width_) &&
+           static_cast<unsigned>(v) < static_cast<unsigned>(height_);
   }
 
   /// Colour at an upright pixel; (u, v) must be inside.
   [[nodiscard]] Yuv at(int u, int v) const {
     const std::ptrdiff_t i = first_ + along_u_ * u + along_v_ * v;
     switch (format_) {
-      case PixelFormat::kUyvy: return uyvy(bytes_, i);
+      case PixelFormat::kUyvy:
+        return uyvy(bytes_, i);
       case PixelFormat::kRgb: {
         const std::uint8_t* p = bytes_ + 3 * i;
         return yuv_of_rgb(p[0], p[1], p[2]);
       }
-      case PixelFormat::kYuv444: break;
+      case PixelFormat::kYuv444:
+        break;
     }
     const std::uint8_t* p = bytes_ + 3 * i;
     return {p[0], p[1], p[2]};
@@ -77,7 +82,8 @@ class Image {
     return packed_uyvy(bytes_ + ((2 * i) & ~std::ptrdiff_t{3}), bytes_[2 * i + 1]);
   }
 
-  /// Calls visit(Yuv) for every `step`-th pixel of upright row v from column u on, `count` of them; all must be inside.
+  /// Calls visit(Yuv) for every `step`-th pixel of upright row v from column u on, `count` of them;
+  /// all must be inside.
   template <class Visit>
   void visit_row(int u, int v, int step, int count, Visit visit) const {
     this->visit(u, v, along_u_ * step, count, visit);
@@ -108,7 +114,8 @@ class Image {
       return;
     }
     for (int k = 0; k < count; ++k, u += step * static_cast<int>(kAtOnce)) {
-      for (std::size_t j = 0; j < kAtOnce; ++j) colors[j] = PackedYuv::of(at(u + static_cast<int>(j) * step, v));
+      for (std::size_t j = 0; j < kAtOnce; ++j)
+        colors[j] = PackedYuv::of(at(u + static_cast<int>(j) * step, v));
       visit(colors);
     }
   }
@@ -139,16 +146,19 @@ class Image {
     } else if (format_ == PixelFormat::kUyvy) {
       for (int k = 0; k < count; ++k, i += next) visit(uyvy(bytes, i));
     } else if (format_ == PixelFormat::kRgb) {
-      for (int k = 0; k < count; ++k, i += next) visit(yuv_of_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]));
+      for (int k = 0; k < count; ++k, i += next)
+        visit(yuv_of_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]));
     } else {
-      for (int k = 0; k < count; ++k, i += next) visit(Yuv{bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]});
+      for (int k = 0; k < count; ++k, i += next)
+        visit(Yuv{bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]});
     }
   }
 
   const std::uint8_t* bytes_ = nullptr;
   PixelFormat format_ = PixelFormat::kYuv444;
   int width_ = 0, height_ = 0;  // upright
-  // Stored pixels are counted line by line (lines of pairs are even); upright (u, v) is the one at first + along_u u + along_v v.
+  // Stored pixels are counted line by line (lines of pairs are even); upright (u, v) is the one at
+  // first + along_u u + along_v v.
   std::ptrdiff_t first_ = 0, along_u_ = 1, along_v_ = 0;
 };
 

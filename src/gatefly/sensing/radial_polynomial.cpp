@@ -51,12 +51,15 @@ Roots sign_changes(std::span<const double> c, double end) {
 
 }  // namespace
 
-RadialPolynomial::RadialPolynomial(const Coefficients& k, double margin) : k_{k}, limit_{kFarthest} {
+RadialPolynomial::RadialPolynomial(const Coefficients& k, double margin)
+    : k_{k}, limit_{kFarthest} {
   // g'(r) - margin r
-  const std::array<double, kSlopeDegree + 1> c{1.0, -margin,  3 * k[0], 0.0, 5 * k[1], 0.0, 7 * k[2], 0.0, 9 * k[3]};
+  const std::array<double, kSlopeDegree + 1> c{1.0, -margin,  3 * k[0], 0.0,     5 * k[1],
+                                               0.0, 7 * k[2], 0.0,      9 * k[3]};
   const Roots roots = sign_changes(c, kFarthest);
   if (roots.count > 0) limit_ = roots.at[0];
-  if (!std::all_of(c.begin(), c.end(), [](double each) { return std::isfinite(each); })) limit_ = 0.0;
+  if (!std::all_of(c.begin(), c.end(), [](double each) { return std::isfinite(each); }))
+    limit_ = 0.0;
 }
 
 double RadialPolynomial::factor(double r_squared) const {
@@ -73,7 +76,7 @@ std::optional<double> RadialPolynomial::inverse(double value) const {
   if (!(value >= 0.0 && value < (*this)(limit_))) return std::nullopt;
   double low = 0.0, high = limit_, r = std::min(value, 0.5 * limit_), last = high;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const double error = (*this)(r) - value;
+    const double error = (*this)(r)-value;
     (error > 0.0 ? high : low) = r;
     const double slope = factor(r * r) + 2.0 * r * r * factor_slope(r * r);
     double next = r - error / slope;

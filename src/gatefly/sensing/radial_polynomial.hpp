@@ -20,10 +20,11 @@ class RadialPolynomial {
   explicit RadialPolynomial(const Coefficients& k, double margin = 0.0);
 
   [[nodiscard]] const Coefficients& coefficients() const { return k_; }
-  /// The smallest r > 0 with g'(r) = margin * r; 1e6 (nearer than that to 90° nothing shows) without one.
+  /// The smallest r > 0 with g'(r) = margin * r; 1e6 (nearer than that to 90° nothing shows)
+  /// without one.
   [[nodiscard]] double limit() const { return limit_; }
 
-  [[nodiscard]] double factor(double r_squared) const;  ///< g(r) / r.
+  [[nodiscard]] double factor(double r_squared) const;        ///< g(r) / r.
   [[nodiscard]] double factor_slope(double r_squared) const;  ///< Its derivative by r².
   [[nodiscard]] double operator()(double r) const { return r * factor(r * r); }
   /// The r below the limit with g(r) = value >= 0; nullopt from g(limit) on.

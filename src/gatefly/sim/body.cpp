@@ -21,8 +21,9 @@ Eigen::Vector3d flipped(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z(
 std::string xml_of(const Solid& solid) {
   const Eigen::Vector3d c = flipped(solid.center_E), half = 0.5 * solid.size;
   std::ostringstream xml;
-  xml << std::setprecision(17) << "<geom name='" << solid.name << "' type='" << (solid.pole ? "cylinder" : "box")
-      << "' pos='" << c.x() << ' ' << c.y() << ' ' << c.z() << "' size='" << half.x() << ' ';
+  xml << std::setprecision(17) << "<geom name='" << solid.name << "' type='"
+      << (solid.pole ? "cylinder" : "box") << "' pos='" << c.x() << ' ' << c.y() << ' ' << c.z()
+      << "' size='" << half.x() << ' ';
   if (!solid.pole) xml << half.y() << ' ';
   xml << half.z();
   if (!solid.pole) xml << "' euler='0 0 " << -solid.heading;
@@ -38,10 +39,12 @@ std::string world_xml(const SimConfig& config) {
       << "<size njmax='500' nconmax='100'/><worldbody>\n"
       << "<geom name='floor' type='plane' size='0 0 1'/>\n";
   for (const Solid& solid : solids_of(config.world)) xml << xml_of(solid);
-  xml << "<body name='drone' pos='0 0 1'><freejoint name='drone'/><inertial pos='0 0 0' mass='" << v.mass
-      << "' diaginertia='" << v.inertia.x() << ' ' << v.inertia.y() << ' ' << v.inertia.z() << "'/>"
-      << "<geom name='drone' type='box' mass='0' friction='1 0.01 0.001' size='" << 0.5 * v.size.x() << ' '
-      << 0.5 * v.size.y() << ' ' << 0.5 * v.size.z() << "'/></body>\n</worldbody></mujoco>\n";
+  xml << "<body name='drone' pos='0 0 1'><freejoint name='drone'/><inertial pos='0 0 0' mass='"
+      << v.mass << "' diaginertia='" << v.inertia.x() << ' ' << v.inertia.y() << ' '
+      << v.inertia.z() << "'/>"
+      << "<geom name='drone' type='box' mass='0' friction='1 0.01 0.001' size='" << 0.5 * v.size.x()
+      << ' ' << 0.5 * v.size.y() << ' ' << 0.5 * v.size.z()
+      << "'/></body>\n</worldbody></mujoco>\n";
   return xml.str();
 }
 
@@ -65,7 +68,8 @@ mjModel* load(const std::string& xml) {
 }  // namespace
 
 struct Body::Mujoco {
-  explicit Mujoco(const SimConfig& config) : model{load(world_xml(config))}, data{mj_makeData(model)} {
+  explicit Mujoco(const SimConfig& config)
+      : model{load(world_xml(config))}, data{mj_makeData(model)} {
     drone_body = mj_name2id(model, mjOBJ_BODY, "drone");
     drone_geom = mj_name2id(model, mjOBJ_GEOM, "drone");
   }
@@ -81,8 +85,7 @@ struct Body::Mujoco {
   int drone_body = 0, drone_geom = 0;
 };
 
-Body::Body(const SimConfig& config)
-    : mujoco_{std::make_unique<Mujoco>(config)}, forces_{config} {
+Body::Body(const SimConfig& config) : mujoco_{std::make_unique<Mujoco>(config)}, forces_{config} {
   double* q = mujoco_->data->qpos;
   q[0] = config.start.position.x();
   q[1] = -config.start.position.y();
@@ -122,7 +125,8 @@ void Body::step(const std::array<double, 4>& command, double dt) {
   time_ += dt;
   read_state();
   // Specific force from what the body really did, contacts included.
-  state_.specific_force_B = R_EB.transpose() * ((state_.v_E - v_before) / dt - Eigen::Vector3d{0, 0, kGravity});
+  state_.specific_force_B =
+      R_EB.transpose() * ((state_.v_E - v_before) / dt - Eigen::Vector3d{0, 0, kGravity});
 }
 
 std::optional<std::string> Body::contact() const {

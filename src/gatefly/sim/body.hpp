@@ -12,7 +12,8 @@
 
 namespace gatefly::sim {
 
-/// Rigid body, contacts and rangefinder by MuJoCo at about 1 kHz; rotors, drag, wind and battery come from `Forces`.
+/// Rigid body, contacts and rangefinder by MuJoCo at about 1 kHz; rotors, drag, wind and battery
+/// come from `Forces`.
 ///
 /// MuJoCo's world is z-up: x north, y west. The conversion happens in this file and nowhere else.
 class Body {

@@ -18,20 +18,23 @@ namespace gatefly::sim {
 
 /// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
 struct CameraTruth {
-  AnyCamera lens;                          ///< Upright picture, 315 x 160.
-  Eigen::Vector3d p_BC{0.10, 0.0, 0.0};    ///< Focal point in the body frame [m].
-  double tilt_down = 0.349066;             ///< [rad]
-  int stored_width = 160, stored_height = 315;  ///< Turned by 90°: a stored line is an upright column.
-  double exposure = 0.008;                 ///< Nominal longest; each line is exposed that long [s].
-  double readout = 0.020;                  ///< From the first to the last stored line [s].
+  AnyCamera lens;                        ///< Upright picture, 315 x 160.
+  Eigen::Vector3d p_BC{0.10, 0.0, 0.0};  ///< Focal point in the body frame [m].
+  double tilt_down = 0.349066;           ///< [rad]
+  /// Turned by 90°: a stored line is an upright column.
+  int stored_width = 160, stored_height = 315;
+  double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
+  double readout = 0.020;   ///< From the first to the last stored line [s].
 };
 
 /// What a day varies in the light and the sensor's handling of it.
 struct LightConditions {
-  static constexpr int kGroups = 3;                     ///< e.g. ceiling, showcases, windows
-  std::array<double, kGroups> group_gain{1, 1, 1};      ///< Relative brightness of each light group.
-  double exposure_target = 1.0;                         ///< Amount of light the exposure aims at, relative to nominal.
-  std::array<double, 3> white_balance{1, 1, 1};         ///< Gains r, g, b.
+  static constexpr int kGroups = 3;  ///< e.g. ceiling, showcases, windows
+  /// Relative brightness of each light group.
+  std::array<double, kGroups> group_gain{1, 1, 1};
+  /// Amount of light the exposure aims at, relative to nominal.
+  double exposure_target = 1.0;
+  std::array<double, 3> white_balance{1, 1, 1};  ///< Gains r, g, b.
   double noise_scale = 1.0;
 };
 
@@ -47,9 +50,9 @@ struct BodyPose {
 
 /// Casts the lens's pixels into the world with Embree and pushes the light through a sensor model.
 ///
-/// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked light
-/// map for the static room, direct shading of what a seed moves, auto-exposure with a lag, shot and
-/// read noise, clipping, white balance, gamma, chroma subsampling to UYVY.
+/// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked
+/// light map for the static room, direct shading of what a seed moves, auto-exposure with a lag,
+/// shot and read noise, clipping, white balance, gamma, chroma subsampling to UYVY.
 class CameraRenderer final : public Sight {
  public:
   /// Builds the scene. The light map of the static room (walls, obstacles, clutter; one per light
@@ -61,14 +64,15 @@ class CameraRenderer final : public Sight {
 
   /// One frame, `stored_width * stored_height * 2` bytes of UYVY.
   ///
-  /// @param t_start  when the first stored line begins its exposure [s]; the last line's exposure ends
-  ///                 at t_start + readout + exposure.
+  /// @param t_start  when the first stored line begins its exposure [s]; the last line's exposure
+  ///     ends at t_start + readout + exposure.
   /// @param history  body poses, ascending in t, covering that span; interpolated between.
   /// Same arguments, same bytes: no clock, random numbers by (frame, pixel, sample).
   void render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
               std::vector<std::uint8_t>& uyvy);
 
-  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& to_E) const override;
+  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E,
+                              const Eigen::Vector3d& to_E) const override;
   [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
                              double max) const override;
 

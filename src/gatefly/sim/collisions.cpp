@@ -14,7 +14,8 @@ std::vector<Eigen::Vector3d> corners_of(const VehicleTruth& vehicle) {
   const Eigen::Vector3d half = 0.5 * vehicle.size;
   for (const double x : {-1.0, 1.0})
     for (const double y : {-1.0, 1.0})
-      for (const double z : {-1.0, 1.0}) points.push_back(half.cwiseProduct(Eigen::Vector3d{x, y, z}));
+      for (const double z : {-1.0, 1.0})
+        points.push_back(half.cwiseProduct(Eigen::Vector3d{x, y, z}));
   return points;
 }
 
@@ -26,17 +27,21 @@ std::vector<Eigen::Vector3d> outline_of(const VehicleTruth& vehicle) {
       for (int i = 0; i < kRim; ++i) {
         const auto [s, c] = sincos(2 * kPi * i / kRim);
         points.push_back({x * vehicle.arm_x + vehicle.propeller_radius * c,
-                          y * vehicle.arm_y + vehicle.propeller_radius * s, -0.5 * vehicle.size.z()});
+                          y * vehicle.arm_y + vehicle.propeller_radius * s,
+                          -0.5 * vehicle.size.z()});
       }
   return points;
 }
 
-Collisions::Collisions(const World& world, const VehicleTruth& vehicle) : half_{0.5 * vehicle.size} {
+Collisions::Collisions(const World& world, const VehicleTruth& vehicle)
+    : half_{0.5 * vehicle.size} {
   for (const Solid& solid : solids_of(world))
-    shapes_.push_back({solid.name, solid.center_E, 0.5 * solid.size, rotation_z(-solid.heading), solid.pole});
+    shapes_.push_back(
+        {solid.name, solid.center_E, 0.5 * solid.size, rotation_z(-solid.heading), solid.pole});
 }
 
-bool Collisions::touches(const Shape& shape, const BodyState& state, const Eigen::Matrix3d& R_EB) const {
+bool Collisions::touches(const Shape& shape, const BodyState& state,
+                         const Eigen::Matrix3d& R_EB) const {
   const Eigen::Vector3d apart_E = state.p_EB - shape.center_E;
   const Eigen::Vector3d apart = shape.R_SE * apart_E;
   const double reach = half_.norm();
@@ -45,8 +50,9 @@ bool Collisions::touches(const Shape& shape, const BodyState& state, const Eigen
   const Eigen::Matrix3d R_SB = shape.R_SE * R_EB;
   const auto separates = [&](const Eigen::Vector3d& axis) {
     const double body = (R_SB.transpose() * axis).cwiseAbs().dot(half_);
-    const double solid = shape.pole ? shape.half.x() * axis.head<2>().norm() + shape.half.z() * std::abs(axis.z())
-                                    : axis.cwiseAbs().dot(shape.half);
+    const double solid =
+        shape.pole ? shape.half.x() * axis.head<2>().norm() + shape.half.z() * std::abs(axis.z())
+                   : axis.cwiseAbs().dot(shape.half);
     return std::abs(apart.dot(axis)) > body + solid;
   };
   // Faces of both, then edge against edge.
@@ -58,7 +64,8 @@ bool Collisions::touches(const Shape& shape, const BodyState& state, const Eigen
   if (!shape.pole) return true;
   // A pole has faces in all directions: those towards the body's corners decide.
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d sign{corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0};
+    const Eigen::Vector3d sign{corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0,
+                               corner & 4 ? 1.0 : -1.0};
     const Eigen::Vector3d at = apart + R_SB * half_.cwiseProduct(sign);
     if (separates({at.x(), at.y(), 0.0})) return false;
   }

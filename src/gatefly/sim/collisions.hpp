@@ -15,10 +15,12 @@ namespace gatefly::sim {
 /// The eight corners of a vehicle's box, in the body frame [m].
 [[nodiscard]] std::vector<Eigen::Vector3d> corners_of(const VehicleTruth& vehicle);
 
-/// All points that have to fit through a gate: the box's corners and twelve on each propeller's rim [m].
+/// All points that have to fit through a gate: the box's corners and twelve on each propeller's rim
+/// [m].
 [[nodiscard]] std::vector<Eigen::Vector3d> outline_of(const VehicleTruth& vehicle);
 
-/// What the vehicle's box touches, as MuJoCo has it: boxes and poles by separating axes. Not the floor.
+/// What the vehicle's box touches, as MuJoCo has it: boxes and poles by separating axes. Not the
+/// floor.
 ///
 /// At 1 kHz nothing is flown through between two steps: that would take 50 m/s at a gate's bar.
 class Collisions {
@@ -35,7 +37,8 @@ class Collisions {
     Eigen::Matrix3d R_SE;  ///< Into its own axes.
     bool pole;
   };
-  [[nodiscard]] bool touches(const Shape& shape, const BodyState& state, const Eigen::Matrix3d& R_EB) const;
+  [[nodiscard]] bool touches(const Shape& shape, const BodyState& state,
+                             const Eigen::Matrix3d& R_EB) const;
 
   Eigen::Vector3d half_;
   std::vector<Shape> shapes_;

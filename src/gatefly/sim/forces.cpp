@@ -22,7 +22,8 @@ void Forces::advance(const std::array<double, 4>& command, double time, double d
   torque_B_.setZero();
   for (std::size_t i = 0; i < 4; ++i) {
     double& speed = rotor_speed_[i];
-    const double wanted = std::isfinite(command[i]) ? std::clamp(command[i], v.min_speed, v.max_speed) : 0.0;
+    const double wanted =
+        std::isfinite(command[i]) ? std::clamp(command[i], v.min_speed, v.max_speed) : 0.0;
     speed += lag * (wanted - speed);
     const double thrust = sag * v.thrust_coefficient * speed * speed;
     torque_B_ += Eigen::Vector3d{-kY[i] * v.arm_y * thrust, kX[i] * v.arm_x * thrust,

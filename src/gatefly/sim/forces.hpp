@@ -11,7 +11,8 @@
 
 namespace gatefly::sim {
 
-/// What moves the body but gravity and contacts: rotors with a lag, drag, wind, a battery that sags.
+/// What moves the body but gravity and contacts: rotors with a lag, drag, wind, a battery that
+/// sags.
 ///
 /// One model for MuJoCo's body and its twin. Values and sources: docs/simulation.md.
 class Forces {
@@ -25,7 +26,8 @@ class Forces {
   [[nodiscard]] const std::array<double, 4>& rotor_speed() const { return rotor_speed_; }
   [[nodiscard]] const Eigen::Vector3d& torque_B() const { return torque_B_; }  ///< [N m]
   /// Thrust and drag on a body that flies so [N].
-  [[nodiscard]] Eigen::Vector3d force_B(const Eigen::Matrix3d& R_EB, const Eigen::Vector3d& v_E) const;
+  [[nodiscard]] Eigen::Vector3d force_B(const Eigen::Matrix3d& R_EB,
+                                        const Eigen::Vector3d& v_E) const;
 
  private:
   VehicleTruth vehicle_;

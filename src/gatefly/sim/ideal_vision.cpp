@@ -12,13 +12,16 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kEdgeOn = 0.2;        // seen at less than this much depth its frame is a line [m]
-constexpr double kMinSide = 20.0;      // a gate of 1 m at pose.max_distance_m: farther ones are not used [px]
-constexpr double kMaxAspect = 1.8;     // seen more from the side no statistics were taken
-constexpr double kOpenReach = 3.5;     // nearer than this the upper bar may be cut off: race/sight.cpp [m]
-constexpr double kBarsReach = 1.8;     // [Li18 flight code]
-constexpr double kMinBar = 0.35;       // part of the picture's height that shows a bar [Li18 flight code: 0.28]
-constexpr double kMinGap = 40.0;       // between two bars: the same [px]
+constexpr double kEdgeOn = 0.2;  // seen at less than this much depth its frame is a line [m]
+// a gate of 1 m at pose.max_distance_m: farther ones are not used [px]
+constexpr double kMinSide = 20.0;
+constexpr double kMaxAspect = 1.8;  // seen more from the side no statistics were taken
+// nearer than this the upper bar may be cut off: race/sight.cpp [m]
+constexpr double kOpenReach = 3.5;
+constexpr double kBarsReach = 1.8;  // [Li18 flight code]
+// part of the picture's height that shows a bar [Li18 flight code: 0.28]
+constexpr double kMinBar = 0.35;
+constexpr double kMinGap = 40.0;  // between two bars: the same [px]
 constexpr int kBarSamples = 12;
 
 /// The camera during one exposure.
@@ -32,7 +35,8 @@ class Exposure {
     at(start_ + 0.5 * camera.readout);
   }
 
-  [[nodiscard]] int width() const { return camera_.stored_height; }   // upright: the stored picture is turned
+  // upright: the stored picture is turned
+  [[nodiscard]] int width() const { return camera_.stored_height; }
   [[nodiscard]] int height() const { return camera_.stored_width; }
   [[nodiscard]] const Eigen::Vector3d& eye_E() const { return eye_E_; }
 
@@ -68,7 +72,8 @@ class Exposure {
 };
 
 /// Middle of the part of an upright bar that is in the picture; nullopt when that is short.
-std::optional<Eigen::Vector2d> bar_in_view(Exposure& exposure, const Eigen::Vector3d& middle_E, double side) {
+std::optional<Eigen::Vector2d> bar_in_view(Exposure& exposure, const Eigen::Vector3d& middle_E,
+                                           double side) {
   Eigen::Vector2d sum{0, 0};
   double low = 1e9, high = -1e9;
   int count = 0;
@@ -96,7 +101,8 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
   const double depth = R_EG.col(0).dot(to_gate);
   if (std::abs(depth) < kEdgeOn) return std::nullopt;
   const double right = depth > 0.0 ? 0.5 : -0.5;  // from behind left is right
-  const std::array<Eigen::Vector3d, 4> corners{{{0, -right, -0.5}, {0, right, -0.5}, {0, right, 0.5}, {0, -right, 0.5}}};
+  const std::array<Eigen::Vector3d, 4> corners{
+      {{0, -right, -0.5}, {0, right, -0.5}, {0, right, 0.5}, {0, -right, 0.5}}};
   std::array<bool, 4> seen{}, above{};
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d corner_E = gate.p_EG + gate.side * (R_EG * corners[i]);
@@ -111,14 +117,16 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
   const Eigen::Vector3d aside = (gate.side - gate.bar) * right * R_EG.col(1);
   const auto left_bar = bar_in_view(exposure, gate.p_EG - aside, gate.side),
              right_bar = bar_in_view(exposure, gate.p_EG + aside, gate.side);
-  if (left_bar && right_bar && right_bar->x() - left_bar->x() > kMinGap) view.bars_px = {*left_bar, *right_bar};
+  if (left_bar && right_bar && right_bar->x() - left_bar->x() > kMinGap)
+    view.bars_px = {*left_bar, *right_bar};
   return view;
 }
 
 }  // namespace
 
 DetectorStatistics statistics_of(const std::string& detector) {
-  // [ours: tools/detector_statistics oval 1001 8, showroom 1001 4: 12 rendered races, 8,154 pictures]
+  // [ours: tools/detector_statistics oval 1001 8, showroom 1001 4: 12 rendered races, 8,154
+  // pictures]
   if (detector == "ours")
     return {.hits = {{7.0, 0.997}, {11.0, 0.85}},
             .corner_sigma_px = 0.4,  // u 0.32, v 0.44
@@ -130,7 +138,8 @@ DetectorStatistics statistics_of(const std::string& detector) {
             .open_sigma_px = 1.0,  // u 1.3, v 0.6
             .bars_rate = 0.98,
             .bars_sigma_px = 2.1};
-  // Li18, table of true positives by distance; 3 px and 5-8 % outliers: the authors' recorded detections.
+  // Li18, table of true positives by distance; 3 px and 5-8 % outliers: the authors' recorded
+  // detections.
   if (detector == "paper")
     return {.hits = {{2.0, 0.70}, {3.0, 0.57}, {4.0, 0.29}, {5.0, 0.10}},
             .corner_sigma_px = 3.0,
@@ -145,7 +154,8 @@ DetectorStatistics statistics_of(const std::string& detector) {
   throw std::invalid_argument("detector \"" + detector + "\", must be ours or paper");
 }
 
-std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camera, const Sight& sight, double t_start,
+std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camera,
+                                    const Sight& sight, double t_start,
                                     std::span<const BodyPose> history) {
   Exposure exposure{camera, t_start, history};
   std::vector<GateView> views;
@@ -155,7 +165,8 @@ std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camer
     view->gate = static_cast<int>(i);
     views.push_back(*view);
   }
-  std::sort(views.begin(), views.end(), [](const GateView& a, const GateView& b) { return a.distance < b.distance; });
+  std::sort(views.begin(), views.end(),
+            [](const GateView& a, const GateView& b) { return a.distance < b.distance; });
   return views;
 }
 
@@ -168,8 +179,8 @@ bool detectable(const std::array<Eigen::Vector2d, 4>& corners) {
   return shortest >= kMinSide && longest <= kMaxAspect * shortest;
 }
 
-IdealVision::IdealVision(const World& world, const CameraTruth& camera, const IdealVisionParams& params,
-                         std::uint64_t seed, const Sight& sight)
+IdealVision::IdealVision(const World& world, const CameraTruth& camera,
+                         const IdealVisionParams& params, std::uint64_t seed, const Sight& sight)
     : world_{world},
       camera_{camera},
       statistics_{statistics_of(params.detector)},
@@ -198,7 +209,8 @@ Eigen::Vector2d IdealVision::outlier() {
 }
 
 // Some of the gates in view, seen as if the drone were elsewhere.
-std::vector<GateView> IdealVision::haunted(std::vector<GateView> views, double t_start, std::span<const BodyPose> history) {
+std::vector<GateView> IdealVision::haunted(std::vector<GateView> views, double t_start,
+                                           std::span<const BodyPose> history) {
   constexpr double kFarthest = 3.0;  // [m]
   World moved = world_;
   for (WorldGate& gate : moved.gates) {
@@ -208,7 +220,8 @@ std::vector<GateView> IdealVision::haunted(std::vector<GateView> views, double t
   const auto ghosts = gates_in_view(moved, camera_, sight_, t_start, history);
   for (GateView& view : views) {
     if (stream_.uniform() >= ghosts_) continue;
-    const auto ghost = std::find_if(ghosts.begin(), ghosts.end(), [&](const GateView& other) { return other.gate == view.gate; });
+    const auto ghost = std::find_if(ghosts.begin(), ghosts.end(),
+                                    [&](const GateView& other) { return other.gate == view.gate; });
     view.whole = view.whole && ghost != ghosts.end() && ghost->whole;
     if (view.whole) view.corners_px = ghost->corners_px;
   }
@@ -219,7 +232,8 @@ void IdealVision::add_whole_gates(const std::vector<GateView>& views, SeenPictur
   const auto& hits = statistics_.hits;
   for (const GateView& view : views) {
     if (!view.whole || !detectable(view.corners_px)) continue;
-    const auto bin = std::find_if(hits.begin(), hits.end(), [&](const HitRate& h) { return view.distance < h.below; });
+    const auto bin = std::find_if(hits.begin(), hits.end(),
+                                  [&](const HitRate& h) { return view.distance < h.below; });
     if (bin == hits.end() || stream_.uniform() >= bin->rate) continue;
     SeenPicture::Gate gate;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -232,9 +246,12 @@ void IdealVision::add_whole_gates(const std::vector<GateView>& views, SeenPictur
 
 void IdealVision::add_parts(const std::vector<GateView>& views, SeenPicture& seen) {
   for (const GateView& view : views) {  // the nearest of each kind
-    if (!seen.lower && view.open && view.distance < kOpenReach && stream_.uniform() < statistics_.open_rate)
-      seen.lower = {noisy(view.corners_px[3], statistics_.open_sigma_px), noisy(view.corners_px[2], statistics_.open_sigma_px)};
-    if (!seen.bars && view.bars_px && view.distance < kBarsReach && stream_.uniform() < statistics_.bars_rate) {
+    if (!seen.lower && view.open && view.distance < kOpenReach &&
+        stream_.uniform() < statistics_.open_rate)
+      seen.lower = {noisy(view.corners_px[3], statistics_.open_sigma_px),
+                    noisy(view.corners_px[2], statistics_.open_sigma_px)};
+    if (!seen.bars && view.bars_px && view.distance < kBarsReach &&
+        stream_.uniform() < statistics_.bars_rate) {
       const auto across = [&](const Eigen::Vector2d& px) -> Eigen::Vector2d {
         return px + Eigen::Vector2d{statistics_.bars_sigma_px * stream_.normal(), 0.0};
       };
@@ -251,7 +268,8 @@ void IdealVision::add_false_alarm(SeenPicture& seen) {
   SeenPicture::Gate gate{.corners_px = {}, .fitness = 0.7};
   constexpr std::array<double, 4> kRight{-1, 1, 1, -1}, kDown{-1, -1, 1, 1};
   for (std::size_t i = 0; i < 4; ++i)
-    gate.corners_px[i] = middle + half * Eigen::Vector2d{kRight[i] * stream_.uniform(0.8, 1.2), kDown[i] * stream_.uniform(0.8, 1.2)};
+    gate.corners_px[i] = middle + half * Eigen::Vector2d{kRight[i] * stream_.uniform(0.8, 1.2),
+                                                         kDown[i] * stream_.uniform(0.8, 1.2)};
   seen.gates.push_back(gate);
 }
 

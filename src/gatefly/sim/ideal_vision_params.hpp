@@ -14,20 +14,22 @@ struct HitRate {
 
 /// What a detector does, in numbers: all that ideal vision knows about it.
 struct DetectorStatistics {
-  std::vector<HitRate> hits;           ///< By distance, ascending; beyond the last one nothing is found.
-  double corner_sigma_px = 0.0;        ///< Each coordinate of each corner.
-  double outlier_rate = 0.0;           ///< Of a corner: a normal error is joined by a big one ...
+  /// By distance, ascending; beyond the last one nothing is found.
+  std::vector<HitRate> hits;
+  double corner_sigma_px = 0.0;  ///< Each coordinate of each corner.
+  double outlier_rate = 0.0;     ///< Of a corner: a normal error is joined by a big one ...
   double outlier_low_px = 0.0, outlier_high_px = 0.0;  ///< ... of this length.
-  double false_alarms = 0.0;           ///< Per picture: quads that are no gate.
-  double open_rate = 0.0;              ///< Of gates cut off above, within reach.
-  double open_sigma_px = 0.0;          ///< Each coordinate of its two lower corners.
-  double bars_rate = 0.0;              ///< Of pairs of side bars, within reach.
-  double bars_sigma_px = 0.0;          ///< Of the middle of a bar, across.
+  double false_alarms = 0.0;                           ///< Per picture: quads that are no gate.
+  double open_rate = 0.0;                              ///< Of gates cut off above, within reach.
+  double open_sigma_px = 0.0;  ///< Each coordinate of its two lower corners.
+  double bars_rate = 0.0;      ///< Of pairs of side bars, within reach.
+  double bars_sigma_px = 0.0;  ///< Of the middle of a bar, across.
 };
 
 struct IdealVisionParams {
   std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
-  double ghosts = 0.0;            ///< Part of the whole gates that are seen as from a place up to 3 m away.
+  /// Part of the whole gates that are seen as from a place up to 3 m away.
+  double ghosts = 0.0;
 };
 
 /// @throws std::invalid_argument for another name than "ours" and "paper".

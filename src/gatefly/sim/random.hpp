@@ -32,7 +32,8 @@ class Stream {
 
   /// The next number in [0, 1).
   double uniform() {
-    const auto w = words(static_cast<std::uint32_t>(count_), static_cast<std::uint32_t>(count_ >> 32), 1);
+    const auto w =
+        words(static_cast<std::uint32_t>(count_), static_cast<std::uint32_t>(count_ >> 32), 1);
     ++count_;
     return (w[0] + 0x1p32 * (w[1] & 0x1fffff)) * 0x1p-53;
   }

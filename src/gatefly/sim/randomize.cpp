@@ -29,7 +29,8 @@ double to_lanes(const World& world, const Eigen::Vector2d& p) {
   double nearest = 1e9;
   for (const auto& gate : world.gates) {
     const Eigen::Vector2d along{gatefly::cos(gate.yaw_EG), gatefly::sin(gate.yaw_EG)};
-    for (double s = -5.0; s <= 3.0; s += 0.25) nearest = std::min(nearest, (gate.p_EG.head<2>() + s * along - p).norm());
+    for (double s = -5.0; s <= 3.0; s += 0.25)
+      nearest = std::min(nearest, (gate.p_EG.head<2>() + s * along - p).norm());
   }
   return nearest;
 }
@@ -40,8 +41,10 @@ void add_decoys(World& world, int count, Stream& stream) {
     const Eigen::Vector2d half = 0.5 * world.room_size.head<2>() - Eigen::Vector2d{0.25, 0.25};
     Eigen::Vector2d p{stream.uniform(-half.x(), half.x()), stream.uniform(-half.y(), half.y())};
     const int wall = static_cast<int>(stream.uniform(0, 4));
-    if (wall < 2) p.x() = wall == 0 ? half.x() : -half.x();
-    else p.y() = wall == 2 ? half.y() : -half.y();
+    if (wall < 2)
+      p.x() = wall == 0 ? half.x() : -half.x();
+    else
+      p.y() = wall == 2 ? half.y() : -half.y();
     p += world.room_center;
     if (to_lanes(world, p) < 1.2) continue;
     Decoy decoy;
@@ -56,8 +59,9 @@ void add_decoys(World& world, int count, Stream& stream) {
   }
 }
 
-/// What `camera_k` is to each model: Dhane's k is off by it; of the polynomials the first coefficient,
-/// by that part of itself: a fixed amount would fold a strong barrel back inside the picture.
+/// What `camera_k` is to each model: Dhane's k is off by it; of the polynomials the first
+/// coefficient, by that part of itself: a fixed amount would fold a strong barrel back inside the
+/// picture.
 struct LensOff {
   double k;
   void operator()(DhaneFisheye& lens) const { lens.k += k; }
@@ -81,20 +85,24 @@ Randomize randomize_level(const std::string& level) {
   Randomize race;
   race.gate_position = 0.10, race.gate_heading = 3 * kDegree, race.gate_height = 0.05;
   race.start_position = 0.10, race.start_heading = 3 * kDegree;
-  race.camera_focal = 0.01, race.camera_center_px = 2.0, race.camera_k = 0.02, race.camera_tilt = 1 * kDegree;
+  race.camera_focal = 0.01, race.camera_center_px = 2.0, race.camera_k = 0.02,
+  race.camera_tilt = 1 * kDegree;
   race.camera_latency = 0.010;
   race.gate_side = 0.01;
   race.drag = 0.08, race.mass = 0.03, race.thrust = 0.03, race.sag = 0.05;
-  race.accel_bias = 0.25, race.gyro_bias = 0.2 * kDegree, race.scale = 0.01, race.flight_bias = 0.05;
+  race.accel_bias = 0.25, race.gyro_bias = 0.2 * kDegree, race.scale = 0.01,
+  race.flight_bias = 0.05;
   race.light = 0.40, race.exposure = 0.30, race.hue = 6 * kDegree, race.white_balance = 0.08;
   race.frame_loss = 0.02, race.latency_jitter = 0.010;
   race.decoys = 2;
   if (level == "race") return race;
-  if (level != "hard") throw std::invalid_argument("level = \"" + level + "\", must be none, race or hard");
+  if (level != "hard")
+    throw std::invalid_argument("level = \"" + level + "\", must be none, race or hard");
   Randomize hard;
   hard.gate_position = 0.30, hard.gate_heading = 10 * kDegree, hard.gate_height = 0.15;
   hard.start_position = 0.20, hard.start_heading = 6 * kDegree;
-  hard.camera_focal = 0.02, hard.camera_center_px = 4.0, hard.camera_k = 0.04, hard.camera_tilt = 2 * kDegree;
+  hard.camera_focal = 0.02, hard.camera_center_px = 4.0, hard.camera_k = 0.04,
+  hard.camera_tilt = 2 * kDegree;
   hard.camera_latency = 0.025;
   hard.gate_side = 0.02;
   hard.drag = 0.15, hard.mass = 0.06, hard.thrust = 0.06, hard.sag = 0.15;
@@ -115,13 +123,15 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   Stream light{seed, "light"};
   const double hue = light.normal_cut(sigma.hue);
   for (auto& gate : real.world.gates) {
-    gate.p_EG += Eigen::Vector3d{gates.normal_cut(sigma.gate_position), gates.normal_cut(sigma.gate_position),
-                                 gates.normal_cut(sigma.gate_height)};
+    gate.p_EG +=
+        Eigen::Vector3d{gates.normal_cut(sigma.gate_position),
+                        gates.normal_cut(sigma.gate_position), gates.normal_cut(sigma.gate_height)};
     gate.yaw_EG += gates.normal_cut(sigma.gate_heading);
     gate.side *= 1.0 + gates.normal_cut(sigma.gate_side);
     gate.color = hue_turned(gate.color, hue);
   }
-  for (double& gain : real.light.group_gain) gain *= std::max(0.1, 1.0 + light.normal_cut(sigma.light));
+  for (double& gain : real.light.group_gain)
+    gain *= std::max(0.1, 1.0 + light.normal_cut(sigma.light));
   real.light.exposure_target *= std::max(0.3, 1.0 + light.normal_cut(sigma.exposure));
   for (double& gain : real.light.white_balance) gain *= 1.0 + light.normal_cut(sigma.white_balance);
   real.light.noise_scale *= sigma.noise_scale;
@@ -129,16 +139,20 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   add_decoys(real.world, sigma.decoys, decoys);
 
   Stream start{seed, "start"};
-  real.start.position += Eigen::Vector2d{start.normal_cut(sigma.start_position), start.normal_cut(sigma.start_position)};
+  real.start.position += Eigen::Vector2d{start.normal_cut(sigma.start_position),
+                                         start.normal_cut(sigma.start_position)};
   real.start.heading += start.normal_cut(sigma.start_heading);
 
   Stream camera{seed, "camera"};
   const double zoom = 1.0 + camera.normal_cut(sigma.camera_focal);
-  const Eigen::Vector2d shift{camera.normal_cut(sigma.camera_center_px), camera.normal_cut(sigma.camera_center_px)};
-  std::visit([&](auto& lens) { lens.focal_px *= zoom, lens.center_px += shift; }, real.camera.lens.model);
+  const Eigen::Vector2d shift{camera.normal_cut(sigma.camera_center_px),
+                              camera.normal_cut(sigma.camera_center_px)};
+  std::visit([&](auto& lens) { lens.focal_px *= zoom, lens.center_px += shift; },
+             real.camera.lens.model);
   std::visit(LensOff{camera.normal_cut(sigma.camera_k)}, real.camera.lens.model);
   real.camera.tilt_down += camera.normal_cut(sigma.camera_tilt);
-  real.sensors.camera_latency = std::max(0.0, real.sensors.camera_latency + camera.normal_cut(sigma.camera_latency));
+  real.sensors.camera_latency =
+      std::max(0.0, real.sensors.camera_latency + camera.normal_cut(sigma.camera_latency));
   real.sensors.latency_jitter = sigma.latency_jitter;
   real.sensors.frame_loss = sigma.frame_loss;
 

@@ -35,7 +35,8 @@ std::optional<GatePass> Referee::update(const BodyState& state, double time) {
   std::size_t through = 0;
   for (std::size_t i = 0; i <= points_.size(); ++i) {
     const bool is_centre = i == points_.size();
-    const Eigen::Vector3d now = in_gate(is_centre ? state.p_EB : Eigen::Vector3d{state.p_EB + R_EB * points_[i].p_B});
+    const Eigen::Vector3d now =
+        in_gate(is_centre ? state.p_EB : Eigen::Vector3d{state.p_EB + R_EB * points_[i].p_B});
     const Eigen::Vector3d before = first ? now : last_G_[i];
     last_G_[i] = now;
     const bool forwards = before.x() < 0.0 && now.x() >= 0.0;
@@ -45,7 +46,8 @@ std::optional<GatePass> Referee::update(const BodyState& state, double time) {
       if (forwards) {
         const double t = before.x() / (before.x() - now.x());
         const Eigen::Vector3d at = before + t * (now - before);
-        centre_ = GatePass{passed_ % static_cast<int>(world_.gates.size()), last_time_ + t * (time - last_time_),
+        centre_ = GatePass{passed_ % static_cast<int>(world_.gates.size()),
+                           last_time_ + t * (time - last_time_),
                            {at.y(), at.z()}};
       }
       continue;

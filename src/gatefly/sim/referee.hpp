@@ -14,13 +14,13 @@ namespace gatefly::sim {
 
 /// One gate passed, as the truth has it.
 struct GatePass {
-  int gate = 0;                   ///< Index into the world's gates.
-  double time = 0.0;              ///< When the centre of mass crossed the plane [s].
-  Eigen::Vector2d offset{0, 0};   ///< Of the centre of mass there: right, down [m].
+  int gate = 0;                  ///< Index into the world's gates.
+  double time = 0.0;             ///< When the centre of mass crossed the plane [s].
+  Eigen::Vector2d offset{0, 0};  ///< Of the centre of mass there: right, down [m].
 };
 
-/// Counts gates: one is passed when every point of body and propeller discs has crossed its plane inside
-/// the opening, forwards, in order. Sees nothing but the truth.
+/// Counts gates: one is passed when every point of body and propeller discs has crossed its plane
+/// inside the opening, forwards, in order. Sees nothing but the truth.
 class Referee {
  public:
   Referee(const World& world, const VehicleTruth& vehicle, int laps);
@@ -43,8 +43,9 @@ class Referee {
   World world_;
   int total_, passed_ = 0;
   std::vector<Point> points_;
-  std::vector<Eigen::Vector3d> last_G_;  ///< Of each point, then of the centre; empty before the first state.
-  std::optional<GatePass> centre_;       ///< The centre's forward crossing.
+  /// Of each point, then of the centre; empty before the first state.
+  std::vector<Eigen::Vector3d> last_G_;
+  std::optional<GatePass> centre_;  ///< The centre's forward crossing.
   double last_time_ = 0.0;
 };
 

@@ -69,8 +69,9 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
       glare_height_{(height_ + kGlareCell - 1) / kGlareCell + 2},
       longest_exposure_{camera.exposure},
       // An amount of light, as a photographer's exposure is; grey levels go with its 1/2.2th power.
-      target_{std::clamp(kBlack + (kTargetMean - kBlack) * std::pow(light.exposure_target, 1.0 / 2.2), kBlack + 8.0,
-                         kMeterCap - 8.0)},
+      target_{
+          std::clamp(kBlack + (kTargetMean - kBlack) * std::pow(light.exposure_target, 1.0 / 2.2),
+                     kBlack + 8.0, kMeterCap - 8.0)},
       noise_scale_{light.noise_scale},
       seed_{mixed(seed + 0x9E3779B97F4A7C15ull)},
       exposure_{camera.exposure} {

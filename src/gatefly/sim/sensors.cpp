@@ -30,14 +30,18 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
   phase_ = wrap_angle(phase_ + mean_speed * dt + 0.3 * noise_.normal());
 
   // Three axes of one shaking body: the same frequency, different phases.
-  const Eigen::Vector3d shake = strength * truth_.noise_scale * std::sqrt(2.0) *
-                                Eigen::Vector3d{gatefly::sin(phase_), gatefly::sin(phase_ + 2.1), gatefly::sin(phase_ + 4.0)};
-  const auto white = [&] { return Eigen::Vector3d{noise_.normal(), noise_.normal(), noise_.normal()}; };
+  const Eigen::Vector3d shake =
+      strength * truth_.noise_scale * std::sqrt(2.0) *
+      Eigen::Vector3d{gatefly::sin(phase_), gatefly::sin(phase_ + 2.1), gatefly::sin(phase_ + 4.0)};
+  const auto white = [&] {
+    return Eigen::Vector3d{noise_.normal(), noise_.normal(), noise_.normal()};
+  };
   const double quiet = flying ? 1.0 : 0.15;  // standing still with the motors off
 
   Imu imu;
   imu.accel_B = truth_.accel_scale.cwiseProduct(state.specific_force_B) + truth_.accel_bias +
-                std::min(1.0, strength) * truth_.flight_bias + truth_.accel_vibration.cwiseProduct(shake) +
+                std::min(1.0, strength) * truth_.flight_bias +
+                truth_.accel_vibration.cwiseProduct(shake) +
                 quiet * truth_.noise_scale * truth_.accel_noise.cwiseProduct(white());
   imu.gyro_B = truth_.gyro_scale.cwiseProduct(state.rate_B) + truth_.gyro_bias +
                (flying ? truth_.gyro_drift : Eigen::Vector3d::Zero().eval()) +
@@ -60,10 +64,12 @@ std::optional<double> SonarModel::measure(const BodyState& state, const Sight* s
     const double tan_ring = 0.134 * ring;
     for (int i = 0; i < rays; ++i) {
       const auto [s, c] = sincos(2 * kPi * i / rays);
-      const Eigen::Vector3d ray_E = R_EB * Eigen::Vector3d{tan_ring * c, tan_ring * s, 1.0}.normalized();
+      const Eigen::Vector3d ray_E =
+          R_EB * Eigen::Vector3d{tan_ring * c, tan_ring * s, 1.0}.normalized();
       if (ray_E.z() <= 0.3) continue;
       double range = -state.p_EB.z() / ray_E.z();  // the floor
-      if (scene != nullptr) range = std::min(range, scene->range(state.p_EB, ray_E, truth_.sonar_max + 1.0));
+      if (scene != nullptr)
+        range = std::min(range, scene->range(state.p_EB, ray_E, truth_.sonar_max + 1.0));
       nearest = std::min(nearest, range);
     }
   }

@@ -13,8 +13,8 @@ namespace gatefly::sim {
 
 /// IMU with bias, scale, white noise and the rotors' vibration, as measured in the real logs.
 ///
-/// Vibration is a sine at the mean rotor frequency (sampled at 512 Hz it aliases, as it does in reality)
-/// whose phase wanders; its strength goes with rotor speed².
+/// Vibration is a sine at the mean rotor frequency (sampled at 512 Hz it aliases, as it does in
+/// reality) whose phase wanders; its strength goes with rotor speed².
 class ImuModel {
  public:
   ImuModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "imu"} {}

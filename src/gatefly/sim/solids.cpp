@@ -13,9 +13,9 @@ namespace gatefly::sim {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kWall = 0.2;         // thickness [m]
-constexpr double kGatePole = 0.04;    // diameter [m]
-constexpr double kSeenUpTo = 0.999;   // the point itself may lie on something
+constexpr double kWall = 0.2;        // thickness [m]
+constexpr double kGatePole = 0.04;   // diameter [m]
+constexpr double kSeenUpTo = 0.999;  // the point itself may lie on something
 
 Solid solid_of(const std::string& name, const WorldBox& box) {
   return {name,
@@ -40,7 +40,9 @@ void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGa
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   const double off = 0.5 * (gate.side - gate.bar);
   const auto bar = [&](const char* which, double y, double z, double width, double height) {
-    solids.push_back({name + " " + which, gate.p_EG + R_EG * Eigen::Vector3d{0, y, z}, {gate.bar, width, height},
+    solids.push_back({name + " " + which,
+                      gate.p_EG + R_EG * Eigen::Vector3d{0, y, z},
+                      {gate.bar, width, height},
                       gate.yaw_EG});
   };
   bar("left bar", -off, 0, gate.bar, gate.side);
@@ -49,18 +51,22 @@ void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGa
   bar("lower bar", 0, off, gate.side, gate.bar);
   const double below = -gate.p_EG.z() - 0.5 * gate.side;
   if (below > 0.02)
-    solids.push_back(solid_of(name + " pole", {gate.p_EG.head<2>(), {kGatePole, kGatePole}, 0.0, 0.0, below, true}));
+    solids.push_back(solid_of(
+        name + " pole", {gate.p_EG.head<2>(), {kGatePole, kGatePole}, 0.0, 0.0, below, true}));
 }
 
-/// Where along a ray a box or pole around the origin is entered; infinity when it is not. 0 from inside.
-double entry(const Eigen::Vector3d& from, const Eigen::Vector3d& along, const Eigen::Vector3d& half, bool pole) {
+/// Where along a ray a box or pole around the origin is entered; infinity when it is not. 0 from
+/// inside.
+double entry(const Eigen::Vector3d& from, const Eigen::Vector3d& along, const Eigen::Vector3d& half,
+             bool pole) {
   double enter = 0.0, leave = kNever;
   for (int axis = pole ? 2 : 0; axis < 3; ++axis) {
     if (along(axis) == 0.0) {
       if (std::abs(from(axis)) > half(axis)) return kNever;
       continue;
     }
-    const double one = (-half(axis) - from(axis)) / along(axis), two = (half(axis) - from(axis)) / along(axis);
+    const double one = (-half(axis) - from(axis)) / along(axis),
+                 two = (half(axis) - from(axis)) / along(axis);
     enter = std::max(enter, std::min(one, two));
     leave = std::min(leave, std::max(one, two));
   }
@@ -105,9 +111,12 @@ bool SolidSight::occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& 
   return range(from_E, way / length, kSeenUpTo * length) < kSeenUpTo * length;
 }
 
-double SolidSight::range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E, double max) const {
+double SolidSight::range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
+                         double max) const {
   double nearest = max;
-  if (direction_E.z() > 0.0) nearest = std::min(nearest, std::max(0.0, -from_E.z() / direction_E.z()));  // the floor
+  // the floor
+  if (direction_E.z() > 0.0)
+    nearest = std::min(nearest, std::max(0.0, -from_E.z() / direction_E.z()));
   for (const Shape& shape : shapes_) {
     const Eigen::Vector3d d = from_E - shape.center_E;
     const auto own = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
@@ -115,7 +124,8 @@ double SolidSight::range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& d
     };
     // Only what lies before the eye and near the line costs more than this.
     const double reach2 = shape.half.squaredNorm(), along = -d.dot(direction_E);
-    if (d.squaredNorm() - along * along > reach2 || (along < 0.0 && along * along > reach2)) continue;
+    if (d.squaredNorm() - along * along > reach2 || (along < 0.0 && along * along > reach2))
+      continue;
     nearest = std::min(nearest, entry(own(d), own(direction_E), shape.half, shape.pole));
   }
   return nearest;

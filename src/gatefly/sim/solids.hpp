@@ -13,10 +13,10 @@ namespace gatefly::sim {
 
 /// A solid thing: an upright box, or an upright pole of diameter size.x().
 struct Solid {
-  std::string name;                 ///< "north wall", "gate 1 left bar", "obstacle 3", ...
+  std::string name;  ///< "north wall", "gate 1 left bar", "obstacle 3", ...
   Eigen::Vector3d center_E{0, 0, 0};
-  Eigen::Vector3d size{0, 0, 0};    ///< Along its own axes [m].
-  double heading = 0.0;             ///< [rad]
+  Eigen::Vector3d size{0, 0, 0};  ///< Along its own axes [m].
+  double heading = 0.0;           ///< [rad]
   bool pole = false;
 };
 
@@ -28,7 +28,8 @@ class SolidSight final : public Sight {
  public:
   explicit SolidSight(const World& world);
 
-  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& to_E) const override;
+  [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E,
+                              const Eigen::Vector3d& to_E) const override;
   [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
                              double max) const override;
 

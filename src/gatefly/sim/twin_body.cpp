@@ -20,7 +20,9 @@ struct Motion {
 Motion operator+(const Motion& a, const Motion& b) {
   return {a.p_E + b.p_E, a.v_E + b.v_E, a.q_EB + b.q_EB, a.rate_B + b.rate_B};
 }
-Motion operator*(double s, const Motion& m) { return {s * m.p_E, s * m.v_E, s * m.q_EB, s * m.rate_B}; }
+Motion operator*(double s, const Motion& m) {
+  return {s * m.p_E, s * m.v_E, s * m.q_EB, s * m.rate_B};
+}
 
 /// d/dt of a motion. Newton and Euler; q̇ = ½ q ⊗ (0, ω).
 Motion rate_of(const Motion& m, const Forces& forces, const VehicleTruth& vehicle) {
@@ -56,19 +58,21 @@ void TwinBody::step(const std::array<double, 4>& command, double dt) {
   const Motion k1 = slope(now), k2 = slope(now + 0.5 * dt * k1), k3 = slope(now + 0.5 * dt * k2),
                k4 = slope(now + dt * k3);
   const Motion next = now + dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-  state_.p_EB = next.p_E, state_.v_E = next.v_E, state_.q_EB = next.q_EB.normalized(), state_.rate_B = next.rate_B;
+  state_.p_EB = next.p_E, state_.v_E = next.v_E, state_.q_EB = next.q_EB.normalized(),
+  state_.rate_B = next.rate_B;
   state_.rotor_speed = forces_.rotor_speed();
   stand_on_floor();
   time_ += dt;
   // Specific force from what the body really did, the floor included.
-  state_.specific_force_B =
-      R_EB_of(now.q_EB).transpose() * ((state_.v_E - now.v_E) / dt - Eigen::Vector3d{0, 0, kGravity});
+  state_.specific_force_B = R_EB_of(now.q_EB).transpose() *
+                            ((state_.v_E - now.v_E) / dt - Eigen::Vector3d{0, 0, kGravity});
 }
 
 void TwinBody::stand_on_floor() {
   const Eigen::Matrix3d R_EB = R_EB_of(state_.q_EB);
   double lowest = -1e9;
-  for (const Eigen::Vector3d& corner : corners_B_) lowest = std::max(lowest, state_.p_EB.z() + R_EB.row(2).dot(corner));
+  for (const Eigen::Vector3d& corner : corners_B_)
+    lowest = std::max(lowest, state_.p_EB.z() + R_EB.row(2).dot(corner));
   on_floor_ = lowest >= 0.0;
   if (!on_floor_) return;
   // Carried, and held by friction.

@@ -12,10 +12,11 @@
 
 namespace gatefly::sim {
 
-/// The body without MuJoCo: the same forces and the same shapes, integrated by Runge-Kutta. Much faster.
+/// The body without MuJoCo: the same forces and the same shapes, integrated by Runge-Kutta. Much
+/// faster.
 ///
-/// Flies like `Body` (tests/sim/twin_body_test.cpp) and names what it touches. The floor carries it; from
-/// anything else it does not bounce, for a touch ends the race.
+/// Flies like `Body` (tests/sim/twin_body_test.cpp) and names what it touches. The floor carries
+/// it; from anything else it does not bounce, for a touch ends the race.
 class TwinBody {
  public:
   explicit TwinBody(const SimConfig& config);

@@ -10,10 +10,10 @@ namespace gatefly::sim {
 
 /// A gate as it really stands: a square frame on a pole and a foot plate.
 struct WorldGate {
-  Eigen::Vector3d p_EG{0, 0, -1.5};  ///< Centre of the opening, earth frame [m].
-  double yaw_EG = 0.0;               ///< Direction of flight through it [rad].
-  double side = 1.0;                 ///< Outer side of the coloured frame [m].
-  double bar = 0.05;                 ///< Width of its bars, and their depth [m].
+  Eigen::Vector3d p_EG{0, 0, -1.5};         ///< Centre of the opening, earth frame [m].
+  double yaw_EG = 0.0;                      ///< Direction of flight through it [rad].
+  double side = 1.0;                        ///< Outer side of the coloured frame [m].
+  double bar = 0.05;                        ///< Width of its bars, and their depth [m].
   Eigen::Vector3d color{0.95, 0.40, 0.12};  ///< Linear-light albedo, r g b, 0..1.
 };
 
@@ -33,7 +33,8 @@ struct Decoy {
   Eigen::Vector3d color{0.95, 0.40, 0.12};
 };
 
-/// Everything solid that one seed's race happens in: the truth that physics, camera and referee share.
+/// Everything solid that one seed's race happens in: the truth that physics, camera and referee
+/// share.
 struct World {
   std::string look = "hall";               ///< Texture and light set: "hall" or "showroom".
   Eigen::Vector3d room_size{14, 16, 3.2};  ///< North, east, height [m].

@@ -34,14 +34,17 @@ void smooth(Histogram& histogram, const std::array<double, 3>& sigma) {
     stride /= kSizes[axis];
     std::array<double, 7> bell{};
     double sum = 0.0;
-    for (int k = -3; k <= 3; ++k) sum += bell[static_cast<std::size_t>(k + 3)] = std::exp(-0.5 * k * k / (sigma[axis] * sigma[axis]));
+    for (int k = -3; k <= 3; ++k)
+      sum += bell[static_cast<std::size_t>(k + 3)] =
+          std::exp(-0.5 * k * k / (sigma[axis] * sigma[axis]));
     Histogram out(histogram.size());
     for (std::size_t i = 0; i < histogram.size(); ++i) {
       if (histogram[i] == 0.0) continue;
       const int at = static_cast<int>(i / stride % kSizes[axis]);
       for (int k = -3; k <= 3; ++k) {
         const int to = std::clamp(at + k, 0, static_cast<int>(kSizes[axis]) - 1);
-        const auto j = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + (to - at) * static_cast<std::ptrdiff_t>(stride));
+        const auto j = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) +
+                                                (to - at) * static_cast<std::ptrdiff_t>(stride));
         out[j] += bell[static_cast<std::size_t>(k + 3)] / sum * histogram[i];
       }
     }
@@ -66,24 +69,34 @@ template <class Visit>
 void near_bars(const Image& image, const Quad& q, double reach, Visit visit) {
   Eigen::Vector2d low = q[0], high = q[0];
   for (const auto& p : q) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const auto from = [&](double x) { return std::max(0, static_cast<int>(std::floor(std::max(-1e6, x - reach)))); };
-  const auto to = [&](double x, int size) { return std::min(size - 1, static_cast<int>(std::ceil(std::min(1e6, x + reach)))); };
+  const auto from = [&](double x) {
+    return std::max(0, static_cast<int>(std::floor(std::max(-1e6, x - reach))));
+  };
+  const auto to = [&](double x, int size) {
+    return std::min(size - 1, static_cast<int>(std::ceil(std::min(1e6, x + reach))));
+  };
   for (int v = from(low.y()); v <= to(high.y(), image.height()); ++v)
     for (int u = from(low.x()); u <= to(high.x(), image.width()); ++u)
       if (distance_to_bars(q, {u, v}) <= reach) visit(u, v);
 }
 
-Counts background_of(std::span<const ColorPicture> pictures, EvidenceMap& map, const ColorFitParams& params) {
+Counts background_of(std::span<const ColorPicture> pictures, EvidenceMap& map,
+                     const ColorFitParams& params) {
   Counts counts;
   std::vector<std::uint8_t> is_near;
   for (const ColorPicture& picture : pictures) {
     const Image& image = picture.image;
     map.fill(image, {});
     if (map.width() == 0) continue;
-    is_near.assign(static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()), 0);
-    const auto at = [&](int u, int v) { return static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width()) + static_cast<std::size_t>(u); };
+    is_near.assign(
+        static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()), 0);
+    const auto at = [&](int u, int v) {
+      return static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width()) +
+             static_cast<std::size_t>(u);
+    };
     const auto leave_out = [&](const Quad& q) {
-      near_bars(image, q, 6.0 + 1.2 * params.bar_ratio * size_of(q), [&](int u, int v) { is_near[at(u, v)] = 1; });
+      near_bars(image, q, 6.0 + 1.2 * params.bar_ratio * size_of(q),
+                [&](int u, int v) { is_near[at(u, v)] = 1; });
     };
     for (const Example& gate : picture.gates) leave_out(gate.bars_px);
     for (const Quad& q : picture.unsure) leave_out(q);
@@ -91,30 +104,34 @@ Counts background_of(std::span<const ColorPicture> pictures, EvidenceMap& map, c
       for (int u = 0; u < image.width(); ++u)
         if (is_near[at(u, v)] == 0) counts.add(image.at(u, v), map.around(u, v), 1.0);
   }
-  for (Histogram* histogram : {&counts.absolute, &counts.relative}) smooth(*histogram, {0.6, 0.72, 0.72});
+  for (Histogram* histogram : {&counts.absolute, &counts.relative})
+    smooth(*histogram, {0.6, 0.72, 0.72});
   return counts;
 }
 
 /// Every gate counts the same whatever its size; a pixel by the chance that it is a bar's.
-Counts gates_of(std::span<const ColorPicture> pictures, const ColorModel& model, bool first, EvidenceMap& map,
-                const ColorFitParams& params) {
+Counts gates_of(std::span<const ColorPicture> pictures, const ColorModel& model, bool first,
+                EvidenceMap& map, const ColorFitParams& params) {
   Counts counts;
   for (const ColorPicture& picture : pictures) {
     if (picture.gates.empty()) continue;
     map.fill(picture.image, model);
     if (map.width() == 0) continue;
     for (const Example& gate : picture.gates) {
-      const double size = std::max(1.0, size_of(gate.bars_px)), half_bar = 0.45 * params.bar_ratio * size;
+      const double size = std::max(1.0, size_of(gate.bars_px)),
+                   half_bar = 0.45 * params.bar_ratio * size;
       // Before the first pull the sides are off by some pixels.
       const double reach = half_bar + (first ? 2.0 : 0.7), all = 8.0 * reach * size;
       near_bars(picture.image, gate.bars_px, reach, [&](int u, int v) {
-        const double nats = map.at_pixel(picture.image, model, u, v) / static_cast<double>(ColorModel::kUnit);
+        const double nats =
+            map.at_pixel(picture.image, model, u, v) / static_cast<double>(ColorModel::kUnit);
         const double chance = first ? 1.0 : 1.0 / (1.0 + std::exp(-nats));
         counts.add(picture.image.at(u, v), map.around(u, v), gate.weight * chance / all);
       });
     }
   }
-  for (Histogram* histogram : {&counts.absolute, &counts.relative}) smooth(*histogram, {1.0, 1.2, 1.2});
+  for (Histogram* histogram : {&counts.absolute, &counts.relative})
+    smooth(*histogram, {1.0, 1.2, 1.2});
   return counts;
 }
 
@@ -124,27 +141,32 @@ double sum_of(const Histogram& histogram) {
   return sum;
 }
 
-// Posterior mean of the bars' share of each bin against the background's. The prior is a share, too: the
-// background's, and a little of everything, times what the prior's table says.
-void set_table(std::array<std::int8_t, ColorModel::kBins>& table, const std::array<std::int8_t, ColorModel::kBins>& prior,
-               const Histogram& gates, const Histogram& background, double gates_total, double prior_gates) {
-  constexpr double kAnything = 0.03;  // of the background is any colour: one that was never seen is not impossible
+// Posterior mean of the bars' share of each bin against the background's. The prior is a share,
+// too: the background's, and a little of everything, times what the prior's table says.
+void set_table(std::array<std::int8_t, ColorModel::kBins>& table,
+               const std::array<std::int8_t, ColorModel::kBins>& prior, const Histogram& gates,
+               const Histogram& background, double gates_total, double prior_gates) {
+  // of the background is any colour: one that was never seen is not impossible
+  constexpr double kAnything = 0.03;
   const double pixels = std::max(1.0, sum_of(background)), seen = std::max(1e-9, sum_of(gates));
   Histogram share(ColorModel::kBins), believed(ColorModel::kBins);
   for (std::size_t i = 0; i < ColorModel::kBins; ++i) {
-    share[i] = (1.0 - kAnything) * background[i] / pixels + kAnything / static_cast<double>(ColorModel::kBins);
+    share[i] = (1.0 - kAnything) * background[i] / pixels +
+               kAnything / static_cast<double>(ColorModel::kBins);
     believed[i] = share[i] * std::exp(prior[i] / static_cast<double>(ColorModel::kUnit));
   }
   const double all = sum_of(believed), weight = gates_total / (gates_total + prior_gates);
   for (std::size_t i = 0; i < ColorModel::kBins; ++i) {
     const double bars = weight * gates[i] / seen + (1.0 - weight) * believed[i] / all;
     const double nats = std::clamp(std::log(bars / share[i]), -kMostNats, kMostNats - kStep);
-    table[i] = static_cast<std::int8_t>(std::lround(nats / kStep) * std::lround(ColorModel::kUnit * kStep));
+    table[i] = static_cast<std::int8_t>(std::lround(nats / kStep) *
+                                        std::lround(ColorModel::kUnit * kStep));
   }
 }
 
 /// A gate's sides moved onto the evidence; where it was when that leads too far.
-Quad pulled(const Quad& start, const Image& image, const ColorModel& model, const EvidenceMap& map, double bar) {
+Quad pulled(const Quad& start, const Image& image, const ColorModel& model, const EvidenceMap& map,
+            double bar) {
   const auto evidence = [&](int u, int v) { return map.at_pixel(image, model, u, v); };
   FrameFit<decltype(evidence)> fit{evidence, {}, bar};
   fit.set_least_offset(3.0);
@@ -155,8 +177,10 @@ Quad pulled(const Quad& start, const Image& image, const ColorModel& model, cons
     if (!moved || !is_frame_shaped(*moved, 5.0, 6.0)) break;
     if (const double now = fit.score(*moved).total; now > score) q = *moved, score = now;
   }
-  const auto centered = fit.centered(q, std::clamp(static_cast<int>((0.5 * bar + 0.044) * size_of(q) + 0.5), 2, 5));
-  if (centered && is_frame_shaped(*centered, 5.0, 6.0) && fit.score(*centered).total > score - 0.3) q = *centered;
+  const auto centered =
+      fit.centered(q, std::clamp(static_cast<int>((0.5 * bar + 0.044) * size_of(q) + 0.5), 2, 5));
+  if (centered && is_frame_shaped(*centered, 5.0, 6.0) && fit.score(*centered).total > score - 0.3)
+    q = *centered;
   double farthest = 0.0;
   for (std::size_t i = 0; i < 4; ++i) farthest = std::max(farthest, (q[i] - start[i]).norm());
   return farthest < std::max(8.0, 0.12 * size_of(start)) ? q : start;
@@ -164,24 +188,31 @@ Quad pulled(const Quad& start, const Image& image, const ColorModel& model, cons
 
 }  // namespace
 
-ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& prior, const ColorFitParams& params) {
+ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& prior,
+                      const ColorFitParams& params) {
   std::vector<ColorPicture> pictures(given.begin(), given.end());
   double total = 0.0;
   for (ColorPicture& picture : pictures)
-    for (Example& gate : picture.gates) gate.bars_px = clockwise_from_top_left(gate.bars_px), total += gate.weight;
+    for (Example& gate : picture.gates)
+      gate.bars_px = clockwise_from_top_left(gate.bars_px), total += gate.weight;
   EvidenceMap map;
   const Counts background = background_of(pictures, map, params);
   ColorModel model = prior;
   for (int round = 0; round < params.rounds; ++round) {
     const Counts gates = gates_of(pictures, model, round == 0, map, params);
-    set_table(model.absolute, prior.absolute, gates.absolute, background.absolute, total, params.prior_gates);
-    set_table(model.relative, prior.relative, gates.relative, background.relative, total, params.prior_gates);
+    set_table(model.absolute, prior.absolute, gates.absolute, background.absolute, total,
+              params.prior_gates);
+    set_table(model.relative, prior.relative, gates.relative, background.relative, total,
+              params.prior_gates);
     if (round + 1 == params.rounds) break;
     for (std::size_t p = 0; p < pictures.size(); ++p) {
       if (pictures[p].gates.empty()) continue;
       map.fill(pictures[p].image, model);
-      for (std::size_t g = 0; g < pictures[p].gates.size(); ++g)  // from where it was given: no drift
-        pictures[p].gates[g].bars_px = pulled(clockwise_from_top_left(given[p].gates[g].bars_px), pictures[p].image, model, map, params.bar_ratio / (1.0 - params.bar_ratio));
+      // from where it was given: no drift
+      for (std::size_t g = 0; g < pictures[p].gates.size(); ++g)
+        pictures[p].gates[g].bars_px =
+            pulled(clockwise_from_top_left(given[p].gates[g].bars_px), pictures[p].image, model,
+                   map, params.bar_ratio / (1.0 - params.bar_ratio));
     }
   }
   model.find_hopeless();

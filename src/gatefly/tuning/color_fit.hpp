@@ -20,20 +20,23 @@ struct Example {
 struct ColorPicture {
   Image image;
   std::vector<Example> gates = {};
-  std::vector<Quad> unsure = {};  ///< Middle lines of what is neither surely a gate nor surely none.
+  /// Middle lines of what is neither surely a gate nor surely none.
+  std::vector<Quad> unsure = {};
 };
 
 struct ColorFitParams {
-  double bar_ratio = 0.05;    ///< Bar width / side of the gate.
-  double prior_gates = 2.0;   ///< The prior counts as much as so many gates. [of 0.5-100: all within .02 of hits]
-  int rounds = 4;             ///< Of fitting the colours and pulling the gates onto them.
+  double bar_ratio = 0.05;  ///< Bar width / side of the gate.
+  /// The prior counts as much as so many gates. [of 0.5-100: all within .02 of hits]
+  double prior_gates = 2.0;
+  int rounds = 4;  ///< Of fitting the colours and pulling the gates onto them.
 };
 
-/// Log-likelihood ratios of bar pixels against background, blended with what is believed before. Ours.
+/// Log-likelihood ratios of bar pixels against background, blended with what is believed before.
+/// Ours.
 ///
-/// Quads are only roughly on the bars, so fit and pull take turns: tables from the pixels near the quads, each counted
-/// by the chance that it is a bar; the quads' sides moved onto what the tables find. Few gates leave the prior nearly
-/// as it is; many replace it.
+/// Quads are only roughly on the bars, so fit and pull take turns: tables from the pixels near the
+/// quads, each counted by the chance that it is a bar; the quads' sides moved onto what the tables
+/// find. Few gates leave the prior nearly as it is; many replace it.
 /// @param prior  e.g. ColorModel::described().
 [[nodiscard]] ColorModel fit_colors(std::span<const ColorPicture> pictures, const ColorModel& prior,
                                     const ColorFitParams& params = {});

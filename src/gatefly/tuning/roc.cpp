@@ -8,7 +8,8 @@
 namespace gatefly::tuning {
 
 Judging with_fitted_colors(Judging judging) {
-  judging.detector.sure_score += 1.5;  // [of 0, .5, 1, 1.5, ever: the least that loses no hit on the labelled sets]
+  // [of 0, .5, 1, 1.5, ever: the least that loses no hit on the labelled sets]
+  judging.detector.sure_score += 1.5;
   return judging;
 }
 
@@ -17,14 +18,16 @@ std::vector<Judged> found_in(const Image& image, const ColorModel& color, const 
   params.min_score = judging.lowest;
   if (judging.all) params.sure_score = kAlwaysCareful;
   std::vector<Judged> list;
-  for (const GateDetection& gate : judging.fast ? SnakeSearch{params}.detect(image, color) : GateSearch{params}.detect_best(image, color)) {
+  for (const GateDetection& gate : judging.fast ? SnakeSearch{params}.detect(image, color)
+                                                : GateSearch{params}.detect_best(image, color)) {
     list.push_back({.corners_px = gate.corners_px, .score = gatefly::score_of(gate.fitness)});
     if (!judging.all) break;
   }
   return list;
 }
 
-std::vector<Judged> judged_in(const LabelledImage& picture, const ColorModel& color, const Judging& judging) {
+std::vector<Judged> judged_in(const LabelledImage& picture, const ColorModel& color,
+                              const Judging& judging) {
   std::vector<Judged> list = found_in(picture.image, color, judging);
   io::PictureToScore so_far = picture.truth;
   so_far.detections.clear();
@@ -38,12 +41,14 @@ std::vector<Judged> judged_in(const LabelledImage& picture, const ColorModel& co
   return list;
 }
 
-std::vector<Judged> judged_by_halves(Pictures pictures, const std::function<ColorModel(Pictures)>& fit,
+std::vector<Judged> judged_by_halves(Pictures pictures,
+                                     const std::function<ColorModel(Pictures)>& fit,
                                      const Judging& judging) {
   const std::size_t middle = pictures.size() / 2;
   const Pictures first = pictures.first(middle), second = pictures.subspan(middle);
   std::vector<Judged> all;
-  for (const auto& [learnt, looked_at, offset] : {std::tuple{second, first, std::size_t{0}}, std::tuple{first, second, middle}}) {
+  for (const auto& [learnt, looked_at, offset] :
+       {std::tuple{second, first, std::size_t{0}}, std::tuple{first, second, middle}}) {
     const ColorModel color = fit(learnt);
     for (std::size_t i = 0; i < looked_at.size(); ++i)
       for (Judged found : judged_in(looked_at[i], color, judging)) {
@@ -56,28 +61,33 @@ std::vector<Judged> judged_by_halves(Pictures pictures, const std::function<Colo
 
 int count_gates(Pictures pictures, bool nearest) {
   std::size_t gates = 0;
-  for (const LabelledImage& picture : pictures) gates += nearest ? std::min<std::size_t>(1, picture.truth.gates.size()) : picture.truth.gates.size();
+  for (const LabelledImage& picture : pictures)
+    gates +=
+        nearest ? std::min<std::size_t>(1, picture.truth.gates.size()) : picture.truth.gates.size();
   return static_cast<int>(gates);
 }
 
 Roc roc_of(std::span<const Judged> judged, std::size_t pictures, double gates) {
   std::vector<Judged> sorted(judged.begin(), judged.end());
-  std::stable_sort(sorted.begin(), sorted.end(), [](const Judged& a, const Judged& b) { return a.score > b.score; });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Judged& a, const Judged& b) { return a.score > b.score; });
   Roc roc;
   double hits = 0.0, wrong = 0.0;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     hits += sorted[i].hit, wrong += sorted[i].wrong;
     // Half-way to the next: a threshold does not hang on one picture.
     const double next = i + 1 < sorted.size() ? sorted[i + 1].score : sorted[i].score;
-    roc.points.push_back({.min_score = 0.5 * (sorted[i].score + next),
-                          .true_positive_rate = gates > 0.0 ? hits / gates : 0.0,
-                          .false_per_image = pictures > 0 ? wrong / static_cast<double>(pictures) : 0.0});
+    roc.points.push_back(
+        {.min_score = 0.5 * (sorted[i].score + next),
+         .true_positive_rate = gates > 0.0 ? hits / gates : 0.0,
+         .false_per_image = pictures > 0 ? wrong / static_cast<double>(pictures) : 0.0});
   }
   return roc;
 }
 
 Operating Roc::at(double false_per_image) const {
-  Operating best{.min_score = points.empty() ? GateSearchParams{}.min_score : points.front().min_score + 0.1};
+  Operating best{.min_score = points.empty() ? GateSearchParams{}.min_score
+                                             : points.front().min_score + 0.1};
   for (const Operating& point : points)
     if (point.false_per_image <= false_per_image) best = point;
   return best;

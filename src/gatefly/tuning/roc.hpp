@@ -21,35 +21,42 @@ struct LabelledImage {
 struct Judged {
   std::size_t picture = 0;
   Quad corners_px{};
-  double score = 0.0;            ///< FrameScore::total, what detector.min_score is compared with.
-  double hit = 0.0, wrong = 0.0;  ///< 1 or 0, both 0 on an ignored quad; without labels the chance of either.
+  double score = 0.0;  ///< FrameScore::total, what detector.min_score is compared with.
+  /// 1 or 0, both 0 on an ignored quad; without labels the chance of either.
+  double hit = 0.0, wrong = 0.0;
 };
 
 /// How pictures are searched and judged.
 struct Judging {
   GateSearchParams detector = {};  ///< Its min_score is not used.
-  double lowest = 0.5;           ///< Score down to which gates are looked for.
-  bool all = false;              ///< Every gate of a picture, by the careful search; else the best, as `gatefly detect` gives.
-  bool fast = false;             ///< By the fast search alone.
+  double lowest = 0.5;             ///< Score down to which gates are looked for.
+  /// Every gate of a picture, by the careful search; else the best, as `gatefly detect` gives.
+  bool all = false;
+  bool fast = false;  ///< By the fast search alone.
   io::Rule rule = io::Rule::kOverlap70;
-  bool nearest = false;          ///< Only the first labelled gate counts.
+  bool nearest = false;  ///< Only the first labelled gate counts.
 };
 
 /// A sure_score that nothing reaches: the careful search looks at every picture.
 inline constexpr double kAlwaysCareful = 100.0;
 
-/// The same for fitted colours: their tables reach 4 nats, described ones 3, and so much higher are all scores.
+/// The same for fitted colours: their tables reach 4 nats, described ones 3, and so much higher are
+/// all scores.
 [[nodiscard]] Judging with_fitted_colors(Judging judging);
 
 /// What is found in a picture, best first; hit and wrong are left 0.
-[[nodiscard]] std::vector<Judged> found_in(const Image& image, const ColorModel& color, const Judging& judging);
+[[nodiscard]] std::vector<Judged> found_in(const Image& image, const ColorModel& color,
+                                           const Judging& judging);
 /// The same, judged.
-[[nodiscard]] std::vector<Judged> judged_in(const LabelledImage& picture, const ColorModel& color, const Judging& judging);
+[[nodiscard]] std::vector<Judged> judged_in(const LabelledImage& picture, const ColorModel& color,
+                                            const Judging& judging);
 
 using Pictures = std::span<const LabelledImage>;
 
-/// Every picture searched with the colours that `fit` learnt from the other half; halves are contiguous.
-[[nodiscard]] std::vector<Judged> judged_by_halves(Pictures pictures, const std::function<ColorModel(Pictures)>& fit,
+/// Every picture searched with the colours that `fit` learnt from the other half; halves are
+/// contiguous.
+[[nodiscard]] std::vector<Judged> judged_by_halves(Pictures pictures,
+                                                   const std::function<ColorModel(Pictures)>& fit,
                                                    const Judging& judging);
 
 /// How many gates there are to hit.
@@ -64,7 +71,8 @@ struct Operating {
 struct Roc {
   std::vector<Operating> points;
 
-  /// The most hits at no more false positives than allowed; before the first detection when there is none.
+  /// The most hits at no more false positives than allowed; before the first detection when there
+  /// is none.
   [[nodiscard]] Operating at(double false_per_image) const;
 };
 [[nodiscard]] Roc roc_of(std::span<const Judged> judged, std::size_t pictures, double gates);

@@ -12,10 +12,13 @@ namespace {
 
 constexpr int kLeastLabelled = 4;  // gates; two in each half
 
-ColorFitParams params_of(const GateSearchParams& detector) { return {.bar_ratio = detector.bar_ratio}; }
+ColorFitParams params_of(const GateSearchParams& detector) {
+  return {.bar_ratio = detector.bar_ratio};
+}
 
 /// Every picture with what a model finds in it: sure gates as examples, the rest as unsure.
-std::vector<ColorPicture> examples_of(Pictures pictures, const ColorModel& color, const GateSearchParams& detector,
+std::vector<ColorPicture> examples_of(Pictures pictures, const ColorModel& color,
+                                      const GateSearchParams& detector,
                                       const SelfTrainingParams& params) {
   GateSearchParams all = detector;
   all.sure_score = kAlwaysCareful;
@@ -26,8 +29,10 @@ std::vector<ColorPicture> examples_of(Pictures pictures, const ColorModel& color
     ColorPicture& example = examples.emplace_back(ColorPicture{.image = picture.image});
     for (const GateDetection& found : search.detect(picture.image, color)) {
       const Quad bars = scaled(found.corners_px, 1.0 / detector.corner_scale);
-      if (found.fitness >= params.confident && found.whole) example.gates.push_back({bars, found.fitness});
-      else example.unsure.push_back(bars);
+      if (found.fitness >= params.confident && found.whole)
+        example.gates.push_back({bars, found.fitness});
+      else
+        example.unsure.push_back(bars);
     }
   }
   return examples;
@@ -37,33 +42,41 @@ std::vector<ColorPicture> examples_of(Pictures pictures, const ColorModel& color
 struct Kind {
   double part = 0.5, mean = 0.0, variance = 1.0;
 
-  [[nodiscard]] double density(double x) const { return part * std::exp(-0.5 * (x - mean) * (x - mean) / variance) / std::sqrt(variance); }
+  [[nodiscard]] double density(double x) const {
+    return part * std::exp(-0.5 * (x - mean) * (x - mean) / variance) / std::sqrt(variance);
+  }
 };
 
-/// The kind that detections with these weights make up, its mean within [least, most]: where nothing false is found, gates
-/// are not split in two.
-Kind kind_of(std::span<const Judged> found, const std::function<double(const Judged&)>& weight, double least, double most,
-             double least_variance) {
+/// The kind that detections with these weights make up, its mean within [least, most]: where
+/// nothing false is found, gates are not split in two.
+Kind kind_of(std::span<const Judged> found, const std::function<double(const Judged&)>& weight,
+             double least, double most, double least_variance) {
   constexpr double kMostVariance = 1.0;
   double sum = 1e-9, moment = 0.0, square = 0.0;
   for (const Judged& f : found) sum += weight(f), moment += weight(f) * f.score;
   const double mean = std::clamp(moment / sum, least, most);
   for (const Judged& f : found) square += weight(f) * (f.score - mean) * (f.score - mean);
-  return {sum / static_cast<double>(found.size()), mean, std::min(square / sum + least_variance, kMostVariance)};
+  return {sum / static_cast<double>(found.size()), mean,
+          std::min(square / sum + least_variance, kMostVariance)};
 }
 
-/// Sets how likely each detection is a gate: scores of gates and of false ones are two normal distributions, fitted by
-/// expectation and maximisation from what such scores mostly mean.
+/// Sets how likely each detection is a gate: scores of gates and of false ones are two normal
+/// distributions, fitted by expectation and maximisation from what such scores mostly mean.
 void estimate_chances(std::span<Judged> found) {
   const double even = gatefly::score_of(0.5);
   for (Judged& f : found) f.hit = confidence_of(f.score);
   for (int step = 0; step < 200 && !found.empty(); ++step) {
-    const Kind gates = kind_of(found, [](const Judged& f) { return f.hit; }, even, 10.0, 0.25);  // washed-out ones reach far down
-    const Kind others = kind_of(found, [](const Judged& f) { return 1.0 - f.hit; }, -10.0, even, 0.05);
+    // washed-out ones reach far down
+    const Kind gates = kind_of(
+        found, [](const Judged& f) { return f.hit; }, even, 10.0, 0.25);
+    const Kind others = kind_of(
+        found, [](const Judged& f) { return 1.0 - f.hit; }, -10.0, even, 0.05);
     for (Judged& f : found) {
       const double gate = gates.density(f.score), other = others.density(f.score);
       // Above and below both means there is no doubt, whichever distribution is the wider one.
-      f.hit = f.score >= gates.mean ? 1.0 : f.score <= others.mean ? 0.0 : gate / std::max(1e-300, gate + other);
+      f.hit = f.score >= gates.mean    ? 1.0
+              : f.score <= others.mean ? 0.0
+                                       : gate / std::max(1e-300, gate + other);
     }
   }
   for (Judged& f : found) f.wrong = 1.0 - f.hit;
@@ -71,48 +84,58 @@ void estimate_chances(std::span<Judged> found) {
 
 }  // namespace
 
-ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior, const GateSearchParams& detector) {
+ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
+                         const GateSearchParams& detector) {
   std::vector<ColorPicture> examples;
   for (const LabelledImage& picture : pictures) {
     ColorPicture& example = examples.emplace_back(ColorPicture{.image = picture.image});
-    const auto bars = [&](const Quad& label) { return scaled(io::polygon(label), 1.0 / detector.corner_scale); };
+    const auto bars = [&](const Quad& label) {
+      return scaled(io::polygon(label), 1.0 / detector.corner_scale);
+    };
     for (const Quad& gate : picture.truth.gates) example.gates.push_back({bars(gate)});
     for (const Quad& gate : picture.truth.ignored) example.unsure.push_back(bars(gate));
   }
   return fit_colors(examples, prior, params_of(detector));
 }
 
-SelfTraining train_on_own(Pictures pictures, const ColorModel& described, const GateSearchParams& detector,
-                          const SelfTrainingParams& params) {
+SelfTraining train_on_own(Pictures pictures, const ColorModel& described,
+                          const GateSearchParams& detector, const SelfTrainingParams& params) {
   SelfTraining result{.color = described};
   for (int round = 0; round < params.rounds; ++round) {
     const auto examples = examples_of(pictures, result.color, detector, params);
     result.confident = 0;
-    for (const ColorPicture& picture : examples) result.confident += static_cast<int>(picture.gates.size());
-    if (result.confident < params.least_gates) return {.color = described, .confident = result.confident};
+    for (const ColorPicture& picture : examples)
+      result.confident += static_cast<int>(picture.gates.size());
+    if (result.confident < params.least_gates)
+      return {.color = described, .confident = result.confident};
     result.color = fit_colors(examples, described, params_of(detector));
     result.learnt = true;
   }
   return result;
 }
 
-Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& judging, double false_per_image) {
+Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& judging,
+                     double false_per_image) {
   Tuned tuned{.color = prior, .gates = count_gates(pictures, false)};
   tuned.learnt = tuned.gates >= kLeastLabelled;
   if (!tuned.learnt) return tuned;
   const auto fit = [&](Pictures half) { return fit_to_labels(half, prior, judging.detector); };
   tuned.gates_to_hit = count_gates(pictures, judging.nearest);
-  tuned.roc = roc_of(judged_by_halves(pictures, fit, with_fitted_colors(judging)), pictures.size(), tuned.gates_to_hit);
+  tuned.roc = roc_of(judged_by_halves(pictures, fit, with_fitted_colors(judging)), pictures.size(),
+                     tuned.gates_to_hit);
   tuned.chosen = tuned.roc.at(false_per_image);
   tuned.color = fit(pictures);
   return tuned;
 }
 
-Tuned tune_to_description(Pictures pictures, const ColorModel& described, const Judging& judging, double false_per_image) {
+Tuned tune_to_description(Pictures pictures, const ColorModel& described, const Judging& judging,
+                          double false_per_image) {
   const SelfTraining training = train_on_own(pictures, described, judging.detector);
   Tuned tuned{.color = training.color, .learnt = training.learnt, .gates = training.confident};
   if (!tuned.learnt) return tuned;
-  const auto fit = [&](Pictures half) { return train_on_own(half, described, judging.detector).color; };
+  const auto fit = [&](Pictures half) {
+    return train_on_own(half, described, judging.detector).color;
+  };
   std::vector<Judged> judged = judged_by_halves(pictures, fit, with_fitted_colors(judging));
   estimate_chances(judged);
   for (const Judged& found : judged) tuned.gates_to_hit += found.hit;

@@ -7,8 +7,10 @@
 namespace gatefly::tuning {
 
 /// Colours from labelled pictures.
-/// @param detector  its corner_scale leads from labels to bars, its bar_ratio says how wide those are.
-[[nodiscard]] ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior, const GateSearchParams& detector);
+/// @param detector  its corner_scale leads from labels to bars, its bar_ratio says how wide those
+///     are.
+[[nodiscard]] ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
+                                       const GateSearchParams& detector);
 
 struct SelfTrainingParams {
   int rounds = 3;
@@ -24,26 +26,30 @@ struct SelfTraining {
   bool learnt = false;  ///< Else `color` is what it began with: too few confident ones.
 };
 
-/// Colours without labels: a first model's own confident detections are the examples, round by round.
-[[nodiscard]] SelfTraining train_on_own(Pictures pictures, const ColorModel& described, const GateSearchParams& detector,
+/// Colours without labels: a first model's own confident detections are the examples, round by
+/// round.
+[[nodiscard]] SelfTraining train_on_own(Pictures pictures, const ColorModel& described,
+                                        const GateSearchParams& detector,
                                         const SelfTrainingParams& params = {});
 
 /// What comes of tuning.
 struct Tuned {
   ColorModel color;
-  bool learnt = true;      ///< Else too few gates: `color` is the prior, there is no ROC.
-  int gates = 0;           ///< Labelled, or confident detections.
+  bool learnt = true;       ///< Else too few gates: `color` is the prior, there is no ROC.
+  int gates = 0;            ///< Labelled, or confident detections.
   double gates_to_hit = 0;  ///< What true positive rates are of; an estimate without labels.
-  Roc roc = {};            ///< Each half of the pictures searched with colours fitted to the other.
+  Roc roc = {};  ///< Each half of the pictures searched with colours fitted to the other.
   Operating chosen = {};
 };
 
-/// Colours fitted to all pictures; a threshold from two-fold scores that keeps to `false_per_image`.
-[[nodiscard]] Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& judging, double false_per_image);
+/// Colours fitted to all pictures; a threshold from two-fold scores that keeps to
+/// `false_per_image`.
+[[nodiscard]] Tuned tune_to_labels(Pictures pictures, const ColorModel& prior,
+                                   const Judging& judging, double false_per_image);
 
-/// The same without labels. Which detections are gates is estimated from their scores, which have two peaks; on hard
-/// pictures, whose gates' scores reach far down, fewer are false than it says.
-[[nodiscard]] Tuned tune_to_description(Pictures pictures, const ColorModel& described, const Judging& judging,
-                                        double false_per_image);
+/// The same without labels. Which detections are gates is estimated from their scores, which have
+/// two peaks; on hard pictures, whose gates' scores reach far down, fewer are false than it says.
+[[nodiscard]] Tuned tune_to_description(Pictures pictures, const ColorModel& described,
+                                        const Judging& judging, double false_per_image);
 
 }  // namespace gatefly::tuning
