@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "gatefly/closed_loop/race.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/track_file.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/track_file.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
 #include "gatefly/sim/solids.hpp"
 
@@ -161,7 +161,7 @@ void fly(const std::string& track, std::uint64_t seed, bool ideal, Statistics& s
   race.sim = sim::drawn(race.sim, file.randomize, seed);
   const sim::SolidSight sight{race.sim.world};
   std::vector<sim::BodyPose> history;
-  const auto result = closed_loop::fly(race, [&](const closed_loop::Tick& tick) {
+  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
     const Quaternion q = quaternion_of(tick.truth.attitude);
     history.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()),
                        tick.truth.p_EB,

@@ -15,9 +15,9 @@
 #include "gatefly/bench/opencv_baseline.hpp"
 #include "gatefly/bench/pose_stages.hpp"
 #include "gatefly/bench/worst_picture.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/pictures.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
 
 #include "race_options.hpp"
 

@@ -20,12 +20,12 @@
 #include "gatefly/calibration/mount.hpp"
 #include "gatefly/calibration/residual_picture.hpp"
 #include "gatefly/detection/gate_search.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/labels_file.hpp"
-#include "gatefly/io/pictures.hpp"
-#include "gatefly/io/text.hpp"
 
 #include "commands.hpp"
 

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/sim/camera.hpp"
 
 #include "campaign_folder.hpp"
@@ -97,8 +97,8 @@ class Fleet {
       for (std::size_t i = next_++; i < seeds_.size() && !stop_ && !interrupted(); i = next_++) {
         Race race = maker_.race(seeds_[i]);
         race.config.sim.bake_threads = 1;
-        const auto result = closed_loop::fly(
-            race.config, [this](const closed_loop::Tick&) { return !stop_ && !interrupted(); });
+        const auto result =
+            closed_loop::fly(race.config, [this](const Tick&) { return !stop_ && !interrupted(); });
         if (stop_ || interrupted()) break;
         folder_.keep(seeds_[i], io::summary(result, race.identity).dump(2) + "\n");
         const std::lock_guard lock{mutex_};

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/io/campaign_statistics.hpp"
+#include "gatefly/report/campaign_statistics.hpp"
 
 namespace gatefly::cli {
 

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "gatefly/io/config.hpp"
+#include "gatefly/config/config.hpp"
 
 namespace gatefly::cli {
 

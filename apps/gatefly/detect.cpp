@@ -18,12 +18,12 @@
 #include "gatefly/detection/gate_search.hpp"
 #include "gatefly/detection/paper_detector.hpp"
 #include "gatefly/detection/part_search.hpp"
-#include "gatefly/io/annotate.hpp"
-#include "gatefly/io/detections_file.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/pictures.hpp"
-#include "gatefly/io/text.hpp"
-#include "gatefly/io/video_reader.hpp"
+#include "gatefly/drawing/annotate.hpp"
+#include "gatefly/files/detections_file.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/files/video_reader.hpp"
 
 #include "commands.hpp"
 

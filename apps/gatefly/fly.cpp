@@ -6,9 +6,9 @@
 #include <optional>
 #include <sstream>
 
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/flight_video.hpp"
-#include "gatefly/io/summary.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/report/flight_video.hpp"
+#include "gatefly/report/summary.hpp"
 
 #include "commands.hpp"
 #include "race_options.hpp"
@@ -99,7 +99,7 @@ int fly(const FlyOptions& options) {
   const double total = static_cast<double>(race.config.pilot.track.laps) *
                        static_cast<double>(race.config.pilot.track.gates.size());
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
-  const auto on_tick = [&](const closed_loop::Tick& tick) {
+  const auto on_tick = [&](const Tick& tick) {
     recorder.record(tick);
     if (video) video->record(tick);
     last_p_EB = tick.truth.p_EB;

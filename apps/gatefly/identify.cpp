@@ -10,10 +10,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/pictures.hpp"
 
 #include "commands.hpp"
 

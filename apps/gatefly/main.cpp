@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
 

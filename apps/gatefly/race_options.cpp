@@ -9,8 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "gatefly/io/randomize.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::cli {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "gatefly/closed_loop/race.hpp"
-#include "gatefly/io/summary.hpp"
-#include "gatefly/io/track_file.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/report/summary.hpp"
 
 #include "commands.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/closed_loop/replay.hpp"
+#include "gatefly/flight_log/replay.hpp"
 
 #include <array>
 #include <cmath>
@@ -13,12 +13,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/files/csv.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/csv.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/text.hpp"
-#include "gatefly/io/track_file.hpp"
 
 #include "commands.hpp"
 
@@ -39,7 +39,7 @@ struct Recording {
   io::Config config;
   PilotConfig pilot;
   io::FlightFolder folder;
-  std::vector<closed_loop::RecordedTick> ticks;
+  std::vector<flight_log::RecordedTick> ticks;
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
 };
 
@@ -126,7 +126,7 @@ bool overlaps70(const Quad& a, const Quad& b) {
 
 /// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
 std::optional<Rate> against_labels(const Recording& recording,
-                                   const closed_loop::ReplayResult& result) {
+                                   const flight_log::ReplayResult& result) {
   const fs::path path = recording.folder.directory / "labels.csv";
   if (!fs::exists(path)) return std::nullopt;
   const io::Csv csv(path);
@@ -157,7 +157,7 @@ std::optional<Rate> against_labels(const Recording& recording,
 /// Against the geometry: where true position, the log's own attitude and the measured gate say that
 /// the whole gate is in the picture.
 std::optional<Rate> against_geometry(const Recording& recording,
-                                     const closed_loop::ReplayResult& result,
+                                     const flight_log::ReplayResult& result,
                                      double heading_offset) {
   Rate rate;
   const CameraRig& rig = recording.pilot.camera;
@@ -194,7 +194,7 @@ std::optional<Rate> against_geometry(const Recording& recording,
   return rate;
 }
 
-std::string estimates_csv(const closed_loop::ReplayResult& result) {
+std::string estimates_csv(const flight_log::ReplayResult& result) {
   std::ostringstream csv;
   csv << std::setprecision(17)
       << "t_s,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,bax_mps2,bay_mps2,baz_"
@@ -212,7 +212,7 @@ std::string estimates_csv(const closed_loop::ReplayResult& result) {
 
 /// Whether the recorded pilot's estimates came out again, to the bit.
 std::optional<bool> same_as_recorded(const Recording& recording,
-                                     const closed_loop::ReplayResult& result) {
+                                     const flight_log::ReplayResult& result) {
   if (!recording.folder.samples.front().est_p_EB) return std::nullopt;
   for (std::size_t i = 0; i < result.estimates.size(); ++i) {
     const auto& recorded = recording.folder.samples[i];
@@ -242,11 +242,11 @@ int replay(const ReplayOptions& options) {
                              recording.config.stored_height());
     return picture.view(recording.config.stored_rotation_deg);
   };
-  const closed_loop::ReplayResult result = [&] {
+  const flight_log::ReplayResult result = [&] {
     try {
-      return closed_loop::replay(
+      return flight_log::replay(
           recording.pilot, recording.ticks, load_picture,
-          is_drag ? closed_loop::Estimator::kDrag : closed_loop::Estimator::kImu15);
+          is_drag ? flight_log::Estimator::kDrag : flight_log::Estimator::kImu15);
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(std::string("the track cannot be flown: ") + error.what());
     }

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/experiments/experiment.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
 

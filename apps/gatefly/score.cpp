@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/io/pictures.hpp"
-#include "gatefly/io/scoring.hpp"
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/files/scoring.hpp"
 
 #include "commands.hpp"
 

@@ -14,13 +14,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/io/color_model_file.hpp"
-#include "gatefly/io/csv.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/labels_file.hpp"
-#include "gatefly/io/pictures.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/drawing/plot.hpp"
+#include "gatefly/files/color_model_file.hpp"
+#include "gatefly/files/csv.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/tuning/describe.hpp"
 
 #include "commands.hpp"

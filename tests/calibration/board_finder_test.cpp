@@ -13,9 +13,9 @@
 
 #include "gatefly/calibration/calibration.hpp"
 #include "gatefly/calibration/lens_fit.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/pictures.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/pictures.hpp"
 
 namespace gatefly::calibration {
 namespace {

@@ -13,8 +13,8 @@
 #include "gatefly/calibration/corner_list.hpp"
 
 #include "calibration/synthetic_board.hpp"
-#include "io/temp_folder.hpp"
 #include "support/for_all.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::calibration {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/io/config.hpp"
+#include "gatefly/config/config.hpp"
 
 #include "calibration/synthetic_board.hpp"
-#include "io/temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::calibration {
 namespace {

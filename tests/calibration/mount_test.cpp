@@ -9,9 +9,9 @@
 
 #include "gatefly/geometry/math.hpp"
 
-#include "io/temp_folder.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::calibration {
 namespace {

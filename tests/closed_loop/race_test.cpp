@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/track_file.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/track_file.hpp"
 
 #include "support/allocation_counter.hpp"
 

@@ -11,10 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/replay.hpp"
+#include "gatefly/files/csv.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/csv.hpp"
-#include "gatefly/io/text.hpp"
 
 #include "support/recorded_flight.hpp"
 
@@ -47,7 +47,7 @@ struct TracePoint {
   std::array<double, kQuantities.size()> values;
 };
 
-std::vector<TracePoint> trace_of(const closed_loop::ReplayResult& result) {
+std::vector<TracePoint> trace_of(const flight_log::ReplayResult& result) {
   std::vector<TracePoint> trace;
   for (const auto& row : result.estimates) {
     if (row.t < static_cast<double>(trace.size()) * kPeriod) continue;
@@ -78,7 +78,7 @@ void renew(const std::string& name, const std::vector<TracePoint>& trace) {
   io::write_file(expected(name), csv);
 }
 
-void expect_the_trace(const std::string& name, const closed_loop::ReplayResult& result) {
+void expect_the_trace(const std::string& name, const flight_log::ReplayResult& result) {
   EXPECT_TRUE(result.finite);
   const std::vector<TracePoint> trace = trace_of(result);
   ASSERT_GT(trace.size(), 30u);

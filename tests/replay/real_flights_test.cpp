@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 fs::path flights() { return support::real_flights(); }
 
-closed_loop::ReplayResult replayed(
-    const fs::path& directory, closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
+flight_log::ReplayResult replayed(const fs::path& directory,
+                                  flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
   return support::replayed_real(directory, 11.5, estimator);
 }
 
@@ -41,7 +41,7 @@ TEST(RealFlight, TheInertialFilterFollowsElevenOnThePilotsFixes) {
   if (!fs::exists(directory))
     GTEST_SKIP() << "no real flights at " << directory << " (set GATEFLY_DATA)";
   const auto drag = replayed(directory),
-             inertial = replayed(directory, closed_loop::Estimator::kImu15);
+             inertial = replayed(directory, flight_log::Estimator::kImu15);
   EXPECT_TRUE(inertial.finite);
   EXPECT_EQ(inertial.gates_passed, drag.gates_passed);
   EXPECT_NE(inertial.rmse, drag.rmse);

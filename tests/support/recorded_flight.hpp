@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/closed_loop/replay.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/track_file.hpp"
 
 namespace gatefly::support {
 
@@ -27,10 +27,10 @@ inline std::filesystem::path real_flights() {
   return source_folder() / ".." / "shared" / "data" / "tudelft_bebop_flights";
 }
 
-inline closed_loop::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
-                                          std::vector<closed_loop::RecordedTick> ticks,
-                                          const io::Config& config,
-                                          closed_loop::Estimator estimator) {
+inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
+                                         std::vector<flight_log::RecordedTick> ticks,
+                                         const io::Config& config,
+                                         flight_log::Estimator estimator) {
   for (std::size_t i = 0; i < folder.images.size(); ++i)
     ticks[folder.images[i].log_row].picture = i;
   io::ImageFile picture;
@@ -38,21 +38,21 @@ inline closed_loop::ReplayResult replayed(const PilotConfig& pilot, const io::Fl
     picture = io::read_image(folder.images[i].path, config.stored_width(), config.stored_height());
     return picture.view(config.stored_rotation_deg);
   };
-  return closed_loop::replay(pilot, ticks, load, estimator);
+  return flight_log::replay(pilot, ticks, load, estimator);
 }
 
 /// A real flight: heading from its own AHRS plus the offset to motion capture, whose height stands
 /// in for a sonar.
-inline closed_loop::ReplayResult replayed_real(
+inline flight_log::ReplayResult replayed_real(
     const std::filesystem::path& directory, double heading_offset_deg,
-    closed_loop::Estimator estimator = closed_loop::Estimator::kDrag) {
+    flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
   const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
   const io::FlightFolder folder = io::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
   pilot.track.start_heading =
       wrap_angle(folder.samples.front().ahrs->yaw + heading_offset_deg * kDegree);
-  std::vector<closed_loop::RecordedTick> ticks(folder.samples.size());
+  std::vector<flight_log::RecordedTick> ticks(folder.samples.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const auto& sample = folder.samples[i];
     ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
@@ -63,21 +63,21 @@ inline closed_loop::ReplayResult replayed_real(
 }
 
 /// A simulated flight, which carries its own track and configuration.
-inline closed_loop::ReplayResult replayed_simulated(const std::filesystem::path& directory) {
+inline flight_log::ReplayResult replayed_simulated(const std::filesystem::path& directory) {
   const io::Config config =
       io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
   const io::FlightFolder folder = io::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(directory / "track.toml").track;
   pilot.track.laps = 1;
-  std::vector<closed_loop::RecordedTick> ticks(folder.samples.size());
+  std::vector<flight_log::RecordedTick> ticks(folder.samples.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const auto& sample = folder.samples[i];
     ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
     ticks[i].p_EB = sample.true_p_EB;
     ticks[i].sensors.sonar = sample.sonar, ticks[i].sensors.baro = sample.baro;
   }
-  return replayed(pilot, folder, std::move(ticks), config, closed_loop::Estimator::kDrag);
+  return replayed(pilot, folder, std::move(ticks), config, flight_log::Estimator::kDrag);
 }
 
 }  // namespace gatefly::support

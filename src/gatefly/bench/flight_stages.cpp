@@ -83,7 +83,7 @@ RecordedFlight recorded_flight(const closed_loop::RaceConfig& race, std::size_t 
                                const std::function<bool()>& stopped) {
   RecordedFlight flight;
   double time = 0.0;
-  const auto result = closed_loop::fly(race, [&](const closed_loop::Tick& tick) {
+  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
     const double dt = now - time;
     time = now;

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rng.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::bench {
 namespace {

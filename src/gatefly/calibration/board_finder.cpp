@@ -10,7 +10,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::calibration {
 namespace {

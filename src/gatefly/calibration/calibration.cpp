@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::calibration {
 namespace {

@@ -9,9 +9,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include "gatefly/calibration/lens_model.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::calibration {
 namespace {

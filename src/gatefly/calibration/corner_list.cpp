@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "gatefly/io/csv.hpp"
+#include "gatefly/files/csv.hpp"
 
 namespace gatefly::calibration {
 namespace {

@@ -14,8 +14,8 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::calibration {
 namespace {

@@ -8,9 +8,9 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/attitude.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/labels_file.hpp"
 #include "gatefly/sensing/camera.hpp"
 
 namespace gatefly::calibration {

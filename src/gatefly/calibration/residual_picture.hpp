@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gatefly/calibration/calibration.hpp"
-#include "gatefly/io/canvas.hpp"
+#include "gatefly/drawing/canvas.hpp"
 
 namespace gatefly::calibration {
 

@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "gatefly/closed_loop/consistency.hpp"
+#include "gatefly/flight_log/tick.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/sim/sim_config.hpp"
 
@@ -31,23 +31,6 @@ struct RaceConfig {
   double timeout = 240.0;  ///< Of the whole flight [s].
   /// Allocations of the process so far, for tests that count them; may be empty.
   std::function<std::uint64_t()> allocations;
-};
-
-/// What really was, at one moment. The pilot never sees this.
-struct Truth {
-  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
-  Attitude attitude;
-};
-
-/// One IMU tick of a race, for recording: what went in, what came out, what was.
-struct Tick {
-  const Sensors& sensors;
-  const Command& command;
-  const Pilot& pilot;
-  Truth truth;
-  std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
-  /// When what the pilot sees now began its exposure [s].
-  std::optional<double> exposed = std::nullopt;
 };
 
 struct StageTime {

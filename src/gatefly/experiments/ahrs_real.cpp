@@ -15,13 +15,13 @@
 
 #include "gatefly/baseline/imu15.hpp"
 #include "gatefly/baseline/mahony.hpp"
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/attitude_trial.hpp"
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/files/csv.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
-#include "gatefly/io/csv.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::experiments {
 namespace {

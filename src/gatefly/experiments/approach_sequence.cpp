@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "gatefly/drawing/annotate.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
-#include "gatefly/io/annotate.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "gatefly/baseline/imu15.hpp"
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/drag_filter.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/two_filters.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 #include "gatefly/sim/random.hpp"
 
 namespace gatefly::experiments {

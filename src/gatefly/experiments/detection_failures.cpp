@@ -9,9 +9,9 @@
 #include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/drawing/annotate.hpp"
 #include "gatefly/experiments/own_sets.hpp"
-#include "gatefly/io/annotate.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -8,14 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "gatefly/closed_loop/inertial_follower.hpp"
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/experiments/simulated_laps.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/inertial_follower.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -46,10 +46,10 @@ struct Flight {
 Flight flown(std::uint64_t seed, closed_loop::Vision vision, const Options& options) {
   constexpr double kBlind = 0.3;
   const auto race = race_on("oval", kLaps, vision, seed, true);
-  closed_loop::InertialFollower inertial;
+  flight_log::InertialFollower inertial;
   Flight flight;
   double next = 0.0, last_fix = -1.0;
-  const auto result = closed_loop::fly(race, [&](const closed_loop::Tick& tick) {
+  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     inertial.update(tick.sensors, tick.pilot);
     if ((tick.sensors.image || tick.sensors.seen) && tick.pilot.sighting().fix)

@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/experiments/simulated_laps.hpp"
 #include "gatefly/experiments/two_filters.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 #include "gatefly/sim/random.hpp"
 
 namespace gatefly::experiments {

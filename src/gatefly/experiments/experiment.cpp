@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "gatefly/io/pictures.hpp"
+#include "gatefly/files/pictures.hpp"
 
 namespace gatefly::experiments {
 

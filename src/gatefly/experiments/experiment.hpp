@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/io/canvas.hpp"
+#include "gatefly/drawing/canvas.hpp"
 
 namespace gatefly::experiments {
 

@@ -8,23 +8,23 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/closed_loop/replay.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/located_flights.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-using closed_loop::Estimator;
-using closed_loop::ReplayResult;
+using flight_log::Estimator;
+using flight_log::ReplayResult;
 
 constexpr double kInTheAir = 0.5;  // [m]
 
@@ -57,7 +57,7 @@ Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe
     file = io::read_image(flight.folder.images[i].path);
     return file.view(config.stored_rotation_deg);
   };
-  const ReplayResult result = closed_loop::replay(pilot, flight.ticks, load, estimator);
+  const ReplayResult result = flight_log::replay(pilot, flight.ticks, load, estimator);
   if (!result.finite)
     throw std::runtime_error(flight.folder.directory.string() +
                              ": an estimate is not a finite number");

@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
 

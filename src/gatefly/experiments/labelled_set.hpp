@@ -9,9 +9,9 @@
 
 #include "gatefly/detection/paper_detector.hpp"
 #include "gatefly/experiments/experiment.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/labels_file.hpp"
-#include "gatefly/io/scoring.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/scoring.hpp"
 
 namespace gatefly::experiments {
 

@@ -12,20 +12,20 @@
 #include <string>
 #include <vector>
 
+#include "gatefly/config/track_file.hpp"
 #include "gatefly/detection/gate_search.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
+#include "gatefly/files/image_file.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/track_file.hpp"
 #include "gatefly/sim/random.hpp"
 
 namespace gatefly::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-using closed_loop::RecordedTick;
-using closed_loop::ReplayResult;
+using flight_log::RecordedTick;
+using flight_log::ReplayResult;
 
 constexpr int kRestSamples = 350;  // 0.7 s: the motors start soon after in these logs
 constexpr double kAltitudePeriod = 1.0 / 15.0, kAltitudeSigma = 0.05;  // as blind-real [s], [m]
@@ -61,7 +61,7 @@ LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<Recorde
   pilot.track.start_heading = 0.0;
   LoggedMotion motion{folder};
   motion.clear_attitudes();
-  const ReplayResult blind = closed_loop::replay(pilot, ticks, [](std::size_t) { return Image{}; });
+  const ReplayResult blind = flight_log::replay(pilot, ticks, [](std::size_t) { return Image{}; });
   for (const auto& row : blind.estimates) motion.add_attitude(row.t, row.estimate.attitude);
   return motion;
 }

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/closed_loop/replay.hpp"
+#include "gatefly/config/config.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/gate_survey.hpp"
 #include "gatefly/experiments/logged_motion.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/flight_folder.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/replay.hpp"
 #include "gatefly/race/pilot.hpp"
 
 namespace gatefly::experiments {
@@ -19,7 +19,7 @@ namespace gatefly::experiments {
 struct Flight {
   std::string name;
   io::FlightFolder folder;
-  std::vector<closed_loop::RecordedTick> ticks;
+  std::vector<flight_log::RecordedTick> ticks;
   /// Motion capture, and attitudes of our AHRS that starts at heading 0.
   LoggedMotion motion;
   std::vector<GatePicture> seen;  ///< Whole gates, in the air.

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/attitude.hpp"
-#include "gatefly/io/flight_folder.hpp"
 
 namespace gatefly::experiments {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/own_sets.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "gatefly/config/config.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
-#include "gatefly/io/config.hpp"
 #include "gatefly/tuning/roc.hpp"
 #include "gatefly/tuning/tune.hpp"
 

@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 #include "gatefly/pose/map_pose.hpp"
 
 namespace gatefly::experiments {

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <optional>
 
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
 
 namespace gatefly::experiments {
 namespace {

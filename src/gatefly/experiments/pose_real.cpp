@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gatefly/calibration/corner_list.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
 namespace pose_real_parts {

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "gatefly/calibration/calibration.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/plot.hpp"
 #include "gatefly/sensing/camera.hpp"
 
 namespace gatefly::experiments::pose_real_parts {

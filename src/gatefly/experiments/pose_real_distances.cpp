@@ -14,10 +14,10 @@
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_real.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/labels_file.hpp"
-#include "gatefly/io/text.hpp"
 #include "gatefly/pose/map_pose.hpp"
 
 namespace gatefly::experiments::pose_real_parts {

@@ -10,18 +10,18 @@
 
 #include <Eigen/LU>
 
+#include "gatefly/config/track_file.hpp"
 #include "gatefly/detection/careful_search.hpp"
 #include "gatefly/experiments/gate_survey.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/logged_motion.hpp"
 #include "gatefly/experiments/pose_real.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/flight_folder.hpp"
-#include "gatefly/io/image_file.hpp"
-#include "gatefly/io/labels_file.hpp"
-#include "gatefly/io/text.hpp"
-#include "gatefly/io/track_file.hpp"
 #include "gatefly/pose/map_pose.hpp"
 
 namespace gatefly::experiments::pose_real_parts {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
-#include "gatefly/io/csv.hpp"
-#include "gatefly/io/plot.hpp"
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/csv.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/track_file.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/io/config.hpp"
-#include "gatefly/io/randomize.hpp"
-#include "gatefly/io/track_file.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -48,7 +48,7 @@ SimulatedLaps simulated_laps(const std::string& track, int laps, std::uint64_t s
   SimulatedLaps flown;
   flown.accel_bias = race.sim.sensors.accel_bias + race.sim.sensors.flight_bias;
   double done = 1e9;
-  const auto result = closed_loop::fly(race, [&](const closed_loop::Tick& tick) {
+  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     LapMoment m{.imu = tick.sensors.imu,
                 .t = t,

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/io/flight_folder.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 
 namespace gatefly::identification {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "gatefly/io/text.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::tuning {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/io/scoring.hpp"
+#include "gatefly/files/scoring.hpp"
 
 namespace gatefly::tuning {
 

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/config/config.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iomanip>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/files/color_model_file.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/files/toml_file.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> key_names() {
+  std::vector<std::string> names{"randomize.level"};
+  for (const auto& key : config_keys()) names.push_back(key.rule.name);
+  for (const auto& key : randomize_keys()) names.push_back(key.rule.name);
+  return names;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? ""
+                                    : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::vector<std::string> section_names() {
+  std::set<std::string> sections;
+  for (const std::string& name : key_names()) sections.insert(name.substr(0, name.find('.')));
+  return {sections.begin(), sections.end()};
+}
+
+/// What somebody who wrote `name` meant: the key of that name in another section, or of a like name
+/// in this one, or any like it.
+std::string key_suggestion(const std::string& name) {
+  const auto section = name.substr(0, name.find('.') + 1);  // "" when there is none
+  const std::string last = name.substr(section.size());
+  std::vector<std::string> same, beside;
+  for (const std::string& key : key_names()) {
+    if (key.substr(key.find('.') + 1) == last) same.push_back(key);
+    if (!section.empty() && key.starts_with(section)) beside.push_back(key.substr(section.size()));
+  }
+  if (!same.empty()) return ", did you mean '" + nearest(name, same) + "'?";
+  if (!suggestion(last, beside).empty())
+    return ", did you mean '" + section + nearest(last, beside) + "'?";
+  const std::string any = beside.empty() ? suggestion(name, key_names()) : "";
+  return any.empty() ? ", gatefly config --show lists them all" : any;
+}
+
+/// A file named in another is looked for beside it.
+std::string beside(const std::string& where, const std::string& name) {
+  if (name.empty() || where == "--set") return name;
+  return (std::filesystem::path{where}.parent_path() / name).lexically_normal().string();
+}
+
+/// Keys of the colour box and of the searches that used it: known, so that older files still load.
+bool is_retired(const std::string& name) {
+  static const std::set<std::string> retired{"color.y_min",
+                                             "color.y_max",
+                                             "color.cb_min",
+                                             "color.cb_max",
+                                             "color.cr_min",
+                                             "color.cr_max",
+                                             "color.min_chroma",
+                                             "detector.open_samples",
+                                             "detector.open_min_width_px",
+                                             "detector.bars_min_height",
+                                             "detector.bars_min_ratio",
+                                             "detector.bars_smoothing_px",
+                                             "detector.bars_min_gap_px"};
+  return retired.contains(name);
+}
+
+void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
+  if (is_retired(name)) {
+    config.notes.push_back(
+        where + ": " + name +
+        " has no effect any more: color.rgb or color.table says what a gate looks like");
+    return;
+  }
+  if (name.starts_with("randomize.")) {
+    check_randomize(name.substr(10), value, where);
+    config.randomize[name.substr(10)] = value;
+  } else {
+    const auto& keys = config_keys();
+    const auto found = std::find_if(keys.begin(), keys.end(),
+                                    [&](const auto& key) { return key.rule.name == name; });
+    if (found == keys.end())
+      throw std::runtime_error(where + ": " + one_line(name) + " is not a known key" +
+                               key_suggestion(name));
+    json allowed = checked(found->rule, value, where);
+    if (found->rule.kind == KeyRule::Kind::kFile)
+      allowed = beside(where, allowed.get<std::string>());
+    found->set(config, allowed);
+  }
+  config.set_by[name] = where;
+}
+
+[[noreturn]] void unknown_section(const std::string& section, const json& content,
+                                  const std::string& file) {
+  const std::string where = file + ": ";
+  if (!content.is_object())
+    throw std::runtime_error(where + one_line(section) + " stands outside every [section]" +
+                             key_suggestion(section));
+  throw std::runtime_error(where + "[" + one_line(section) + "] is not a known section" +
+                           suggestion(section, section_names()) +
+                           " (there are: " + joined(section_names()) + ")");
+}
+
+void read_config_file(Config& config, const std::filesystem::path& path) {
+  const json content = read_toml(path);
+  for (const auto& [section, table] : content.items()) {
+    const auto sections = section_names();
+    if (std::find(sections.begin(), sections.end(), section) == sections.end())
+      unknown_section(section, table, path.string());
+    if (!table.is_object())
+      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) +
+                               ", must be a section: [" + section +
+                               "] on a line of its own, its keys below");
+    for (const auto& [key, value] : table.items())
+      set_key(config, section + "." + key, value, path.string());
+  }
+}
+
+/// `low` may not be above `high`, whoever set them.
+void ordered(const Config& config, const char* low_key, double low, const char* high_key,
+             double high) {
+  if (low <= high) return;
+  const auto who = config.set_by.contains(low_key)    ? config.set_by.at(low_key)
+                   : config.set_by.contains(high_key) ? config.set_by.at(high_key)
+                                                      : "default";
+  throw std::runtime_error(who + ": " + low_key + " = " + text_of(low) + ", must be at most " +
+                           high_key + " = " + text_of(high));
+}
+
+/// What camera.distortion has to hold for a model.
+struct LensRule {
+  std::string model;
+  std::vector<std::string> coefficients;
+  double low, high;
+};
+
+const LensRule& lens_rule(const std::string& model) {
+  static const std::array<LensRule, 4> rules{
+      {{"dhane", {"k"}, 0.5, 2},
+       {"pinhole", {}, 0, 0},
+       {"brown-conrady", {"k1", "k2", "p1", "p2", "k3"}, -1000, 1000},
+       {"kannala-brandt", {"k1", "k2", "k3", "k4"}, -1000, 1000}}};
+  return *std::find_if(rules.begin(), rules.end() - 1,
+                       [&](const LensRule& rule) { return rule.model == model; });
+}
+
+void check_distortion(const Config& c) {
+  const LensRule& rule = lens_rule(c.camera_model);
+  const bool given = c.set_by.contains("camera.distortion");
+  if (!given && rule.coefficients.empty()) return;  // the default is Dhane's k
+  const bool fits = c.distortion.size() == rule.coefficients.size() &&
+                    std::all_of(c.distortion.begin(), c.distortion.end(),
+                                [&](double each) { return each >= rule.low && each <= rule.high; });
+  if (fits) return;
+  const std::string need = rule.coefficients.empty()
+                               ? "[]"
+                               : std::to_string(rule.coefficients.size()) + " number" +
+                                     (rule.coefficients.size() == 1 ? "" : "s") + " [" +
+                                     joined(rule.coefficients) + "] in " + text_of(rule.low) +
+                                     ".." + text_of(rule.high);
+  throw std::runtime_error(c.set_by.at(given ? "camera.distortion" : "camera.model") +
+                           ": camera.distortion = " + shown(json(c.distortion)) +
+                           (given ? "" : " (the default)") + ", must be " + need +
+                           " with camera.model = \"" + c.camera_model + "\"");
+}
+
+void check(const Config& c) {
+  check_distortion(c);
+  ordered(c, "pose.min_bars_distance_m", c.pilot.pose.min_bars_distance, "pose.max_bars_distance_m",
+          c.pilot.pose.max_bars_distance);
+  ordered(c, "vehicle.min_rotor_radps", c.pilot.vehicle.min_speed, "vehicle.max_rotor_radps",
+          c.pilot.vehicle.max_speed);
+  const auto who = [&](const char* key) {
+    return c.set_by.contains(key) ? c.set_by.at(key) : std::string{"default"};
+  };
+  if (c.gate_bar * 2 >= c.gate_side)
+    throw std::runtime_error(who("gate.bar_m") + ": gate.bar_m = " + text_of(c.gate_bar) +
+                             ", must be less than half of gate.side_m = " + text_of(c.gate_side));
+  if (c.stored_rotation_deg % 90 != 0)
+    throw std::runtime_error(who("camera.stored_rotation_deg") + ": camera.stored_rotation_deg = " +
+                             std::to_string(c.stored_rotation_deg) + ", must be 0, 90, 180 or 270");
+}
+
+AnyCamera lens_of(const Config& c) {
+  const auto& d = c.distortion;
+  if (c.camera_model == "pinhole") return {Pinhole{c.focal_px, c.center_px}};
+  if (c.camera_model == "brown-conrady")
+    return {BrownConrady{c.focal_px, c.center_px, {d[0], d[1], d[2], d[3], d[4]}}};
+  if (c.camera_model == "kannala-brandt")
+    return {KannalaBrandt{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[2], d[3]}}}};
+  return {DhaneFisheye{c.focal_px, c.center_px, d[0]}};
+}
+
+/// What follows from the keys: the pilot's camera, and the simulator's nominal truth.
+void derive(Config& c) {
+  sim::CameraTruth& camera = c.sim.camera;
+  camera.stored_width = c.stored_width();
+  camera.stored_height = c.stored_height();
+  c.pilot.camera.lens = camera.lens = lens_of(c);
+  // Dhane's model with k = 1 is the straight lens, and has a k that a day can vary.
+  if (c.camera_model == "pinhole") camera.lens.model = DhaneFisheye{c.focal_px, c.center_px, 1.0};
+  c.pilot.camera.R_BC = camera_mount(camera.tilt_down);
+  c.pilot.camera.p_BC = camera.p_BC;
+
+  // From the middle of the exposure of the middle line: half of both, then the way to the pilot.
+  c.pilot.camera_timing = {.latency = c.camera_latency + 0.5 * (camera.exposure + camera.readout),
+                           .readout = camera.readout};
+  c.sim.sensors.camera_latency = c.camera_latency;
+
+  const double bar = c.gate_bar / c.gate_side;
+  c.pilot.detector.bar_ratio = bar;
+  c.pilot.detector.corner_scale = (c.gate_corners == "outer"   ? 1.0
+                                   : c.gate_corners == "inner" ? 1.0 - 2.0 * bar
+                                                               : 1.0 - bar) /
+                                  (1.0 - bar);
+  c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
+
+  const VehicleParams& known = c.pilot.vehicle;
+  sim::VehicleTruth& vehicle = c.sim.vehicle;
+  vehicle.mass = known.mass;
+  vehicle.inertia = known.inertia;
+  vehicle.arm_x = known.arm_x;
+  vehicle.arm_y = known.arm_y;
+  vehicle.thrust_coefficient = known.thrust_coefficient;
+  vehicle.torque_coefficient = known.torque_coefficient;
+  vehicle.max_speed = known.max_speed;
+}
+
+void read_color_table(Config& c) {
+  if (c.color_table.empty()) return;
+  try {
+    c.pilot.gate_color = read_color_model(c.color_table);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(c.set_by.at("color.table") + ": color.table: " + error.what());
+  }
+}
+
+}  // namespace
+
+Config::Config() {
+  sim.camera.tilt_down = 20.0 * kDegree;
+  derive(*this);
+}
+
+Config load_config(std::span<const std::filesystem::path> files,
+                   std::span<const std::string> settings) {
+  Config config;
+  for (const auto& file : files) read_config_file(config, file);
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    const std::string name = trimmed(setting.substr(0, equals));
+    if (equals == std::string::npos || name.empty())
+      throw std::runtime_error("--set " + one_line(setting) + ": must be section.key=value");
+    set_key(config, name, parse_toml_value(setting.substr(equals + 1)), "--set");
+  }
+  check(config);
+  derive(config);
+  read_color_table(config);
+  return config;
+}
+
+std::vector<std::filesystem::path> config_files(std::span<const std::string> names) {
+  std::vector<std::filesystem::path> files{find_toml("default", "configs")};
+  for (const std::string& name : names) files.push_back(find_toml(name, "configs"));
+  return files;
+}
+
+std::string show(const Config& config) {
+  std::ostringstream text;
+  std::string section;
+  const auto line = [&](const std::string& name, const std::string& value,
+                        const std::string& source) {
+    const auto dot = name.find('.');
+    if (name.substr(0, dot) != section) {
+      text << (section.empty() ? "" : "\n") << '[' << (section = name.substr(0, dot)) << "]\n";
+    }
+    const auto set_by = config.set_by.find(name);
+    const std::string unit = unit_of(name);
+    text << std::left << std::setw(28) << name.substr(dot + 1) << " = " << std::setw(22) << value
+         << "  # " << (unit.empty() ? "" : unit + ", ")
+         << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second)
+         << '\n';
+  };
+  for (const auto& key : config_keys())
+    line(key.rule.name, shown(key.get(config)), key.rule.source);
+  const json& over = config.randomize;
+  const auto or_track = [&](const std::string& key) {
+    return over.contains(key) ? shown(over[key]) : "\"track's\"";
+  };
+  line("randomize.level", or_track("level"), "the track file's");
+  for (const auto& key : randomize_keys())
+    line(key.rule.name, or_track(key.rule.name.substr(10)), "the track file's");
+  return text.str();
+}
+
+json as_json(const Config& config) {
+  json result = json::object();
+  for (const auto& key : config_keys()) {
+    const auto dot = key.rule.name.find('.');
+    result[key.rule.name.substr(0, dot)][key.rule.name.substr(dot + 1)] = key.get(config);
+  }
+  result["randomize"] = config.randomize;
+  return result;
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/config/randomize.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "gatefly/files/text.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::io {
+namespace {
+
+constexpr double kPercent = 0.01;
+const char* const kSource = "level of simulation.md";
+
+template <class Member>
+Key<sim::Randomize> sigma(const char* name, double high, Member member, double unit = 1.0) {
+  return key<sim::Randomize>(std::string{"randomize."} + name, 0.0, high, member, kSource, unit);
+}
+
+std::vector<Key<sim::Randomize>> make_keys() {
+  return {
+      sigma(
+          "gate_position_m", 2, [](auto& r) -> auto& { return r.gate_position; }),
+      sigma(
+          "gate_heading_deg", 45, [](auto& r) -> auto& { return r.gate_heading; }, kDegree),
+      sigma(
+          "gate_height_m", 1, [](auto& r) -> auto& { return r.gate_height; }),
+      sigma(
+          "start_position_m", 2, [](auto& r) -> auto& { return r.start_position; }),
+      sigma(
+          "start_heading_deg", 45, [](auto& r) -> auto& { return r.start_heading; }, kDegree),
+      sigma(
+          "camera_focal_percent", 20, [](auto& r) -> auto& { return r.camera_focal; }, kPercent),
+      sigma(
+          "camera_center_px", 50, [](auto& r) -> auto& { return r.camera_center_px; }),
+      sigma(
+          "camera_k", 0.3, [](auto& r) -> auto& { return r.camera_k; }),
+      sigma(
+          "camera_tilt_deg", 20, [](auto& r) -> auto& { return r.camera_tilt; }, kDegree),
+      sigma(
+          "camera_latency_ms", 200, [](auto& r) -> auto& { return r.camera_latency; }, 1e-3),
+      sigma(
+          "gate_side_percent", 20, [](auto& r) -> auto& { return r.gate_side; }, kPercent),
+      sigma(
+          "drag_percent", 35, [](auto& r) -> auto& { return r.drag; }, kPercent),
+      sigma(
+          "mass_percent", 30, [](auto& r) -> auto& { return r.mass; }, kPercent),
+      sigma(
+          "thrust_percent", 30, [](auto& r) -> auto& { return r.thrust; }, kPercent),
+      sigma(
+          "sag_percent", 50, [](auto& r) -> auto& { return r.sag; }, kPercent),
+      sigma(
+          "accel_bias_mps2", 5, [](auto& r) -> auto& { return r.accel_bias; }),
+      sigma(
+          "gyro_bias_degps", 20, [](auto& r) -> auto& { return r.gyro_bias; }, kDegree),
+      sigma(
+          "scale_percent", 20, [](auto& r) -> auto& { return r.scale; }, kPercent),
+      sigma(
+          "flight_bias_mps2", 5, [](auto& r) -> auto& { return r.flight_bias; }),
+      sigma(
+          "noise_scale", 20, [](auto& r) -> auto& { return r.noise_scale; }),
+      sigma(
+          "light_percent", 100, [](auto& r) -> auto& { return r.light; }, kPercent),
+      sigma(
+          "exposure_percent", 100, [](auto& r) -> auto& { return r.exposure; }, kPercent),
+      sigma(
+          "hue_deg", 60, [](auto& r) -> auto& { return r.hue; }, kDegree),
+      sigma(
+          "white_balance_percent", 50, [](auto& r) -> auto& { return r.white_balance; }, kPercent),
+      sigma(
+          "frame_loss_percent", 100, [](auto& r) -> auto& { return r.frame_loss; }, kPercent),
+      sigma(
+          "latency_jitter_ms", 200, [](auto& r) -> auto& { return r.latency_jitter; }, 1e-3),
+      sigma(
+          "wind_mps", 5, [](auto& r) -> auto& { return r.wind; }),
+      sigma(
+          "gust_mps", 5, [](auto& r) -> auto& { return r.gust; }),
+      sigma(
+          "decoys", 50, [](auto& r) -> auto& { return r.decoys; }),
+  };
+}
+
+const KeyRule& level_rule() {
+  static const KeyRule rule{.name = "randomize.level",
+                            .source = "tracks: race",
+                            .choices = {"none", "race", "hard"},
+                            .kind = KeyRule::Kind::kText};
+  return rule;
+}
+
+const Key<sim::Randomize>* find(const std::string& name) {
+  const auto& keys = randomize_keys();
+  const auto found = std::find_if(
+      keys.begin(), keys.end(), [&](const auto& k) { return k.rule.name == "randomize." + name; });
+  return found == keys.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+const std::vector<Key<sim::Randomize>>& randomize_keys() {
+  static const std::vector<Key<sim::Randomize>> keys = make_keys();
+  return keys;
+}
+
+void check_randomize(const std::string& key, const nlohmann::json& value,
+                     const std::string& where) {
+  if (key == "level") {
+    (void)checked(level_rule(), value, where);
+  } else if (const auto* known = find(key)) {
+    (void)checked(known->rule, value, where);
+  } else {
+    std::vector<std::string> names{"level"};
+    for (const auto& each : randomize_keys()) names.push_back(each.rule.name.substr(10));
+    throw std::runtime_error(where + ": randomize." + one_line(key) + " is not a known key" +
+                             suggestion(key, names));
+  }
+}
+
+sim::Randomize randomized(const sim::Randomize& base, const nlohmann::json& table,
+                          const std::string& where) {
+  for (const auto& [key, value] : table.items()) check_randomize(key, value, where);
+  sim::Randomize result =
+      table.contains("level") ? sim::randomize_level(table.at("level").get<std::string>()) : base;
+  for (const auto& [key, value] : table.items())
+    if (const auto* known = find(key)) known->set(result, value);
+  return result;
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/config/track_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/files/toml_file.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kFarthest = 1000.0;  // [m] from the origin
+constexpr double kLowestBar = 0.05;   // [m] above the floor: a gate stands on a foot plate.
+constexpr int kMaxGates = 200, kMaxObstacles = 1000;
+
+/// Linear-light albedos of painted wood and cloth. [ours]
+const std::vector<std::pair<std::string, Eigen::Vector3d>>& colors() {
+  static const std::vector<std::pair<std::string, Eigen::Vector3d>> list{
+      {"orange", {0.95, 0.40, 0.12}}, {"red", {0.75, 0.07, 0.07}},
+      {"blue", {0.07, 0.15, 0.75}},   {"green", {0.10, 0.60, 0.12}},
+      {"yellow", {0.90, 0.75, 0.08}}, {"magenta", {0.80, 0.08, 0.55}},
+      {"white", {0.85, 0.85, 0.85}},  {"black", {0.04, 0.04, 0.04}}};
+  return list;
+}
+
+std::string indexed(const char* list, std::size_t index) {
+  return std::string{list} + "[" + std::to_string(index) + "]";
+}
+
+double heading(Table& table, const char* key = "heading_deg") {
+  return wrap_angle(table.number(key, -720, 720, 0.0) * kDegree);
+}
+
+Eigen::Vector2d floor_point(Table& table, const char* key) {
+  const auto p = table.numbers(key, 2, -kFarthest, kFarthest);
+  return {p[0], p[1]};
+}
+
+Eigen::Vector3d read_color(Table& gate) {
+  const json& value = gate.raw("color");
+  if (value.is_null()) return colors().front().second;
+  if (value.is_array()) {
+    const auto rgb = gate.numbers("color", 3, 0, 1);
+    return {rgb[0], rgb[1], rgb[2]};
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, color] : colors()) {
+    if (value.is_string() && value.get<std::string>() == name) return color;
+    names.push_back(name);
+  }
+  gate.fail("color", "[r, g, b] in 0..1 or one of " + joined(names));
+}
+
+/// Checked but not used yet: control.mode = "paper" will.
+void check_exit(Table& gate, const std::string& file, const std::string& where) {
+  const json& value = gate.raw("exit");
+  if (value.is_null()) return;
+  Table exit(value, file, where + ".exit");
+  (void)exit.number("run_m", 0, 100);
+  const std::string turn = exit.text("turn", "left");
+  if (turn != "left" && turn != "right") exit.fail("turn", "\"left\" or \"right\"");
+  (void)exit.number("angle_deg", 0, 360);
+  (void)exit.number("radius_m", 0.3, 100);
+  exit.refuse_others();
+}
+
+void read_gate(const json& value, const std::string& file, std::size_t index,
+               const GateDefaults& defaults, TrackFile& track) {
+  const std::string where = indexed("gates", index);
+  Table table(value, file, where);
+  const auto p = table.numbers("position_m", 3, -kFarthest, kFarthest);
+  const double yaw = heading(table);
+  const double side = table.number("side_m", 0.3, 5, defaults.side);
+  const double bar = table.number("bar_m", 0.005, 1, defaults.bar);
+  const Eigen::Vector3d color = read_color(table);
+  check_exit(table, file, where);
+  table.refuse_others();
+
+  if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
+  const double lowest = -p[2] - 0.5 * side, highest = -p[2] + 0.5 * side;
+  if (lowest < kLowestBar)
+    table.fail("position_m", "so high that the lower bar is " + text_of(kLowestBar) +
+                                 " m above the floor: z at most " +
+                                 text_of(-0.5 * side - kLowestBar, 6));
+  if (highest > track.track.ceiling)
+    table.fail("position_m",
+               "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");
+
+  const Eigen::Vector3d center{p[0], p[1], p[2]};
+  track.track.gates.push_back({.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar});
+  track.world.gates.push_back(
+      {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
+}
+
+void read_obstacle(const json& value, const std::string& file, std::size_t index,
+                   TrackFile& track) {
+  Table table(value, file, indexed("obstacles", index));
+  sim::WorldBox box;
+  box.center = floor_point(table, "position_m");
+  box.heading = heading(table);
+  box.pole = table.has("pole_m");
+  if (box.pole && table.has("box_m")) table.fail("pole_m", "left out where box_m is given");
+  if (box.pole) {
+    const auto pole = table.numbers("pole_m", 2, 0.005, 100);
+    box.size = {2 * pole[0], 2 * pole[0]};
+    box.top = pole[1];
+  } else {
+    const auto size = table.numbers("box_m", 3, 0.01, 100);
+    box.size = {size[0], size[1]};
+    box.top = size[2];
+  }
+  table.refuse_others();
+  track.world.obstacles.push_back(box);
+  track.track.obstacles.push_back(
+      {.center = box.center, .size = box.size, .heading = box.heading, .height = box.top});
+}
+
+void read_room(Table& file_table, const std::string& file, TrackFile& track) {
+  sim::World& world = track.world;
+  if (file_table.has("room")) {
+    Table room(file_table.raw("room"), file, "room");
+    if (room.has("size_m")) {
+      const auto size = room.numbers("size_m", 3, 1, kFarthest);
+      world.room_size = {size[0], size[1], size[2]};
+    }
+    if (room.has("center_m")) world.room_center = floor_point(room, "center_m");
+    world.look = room.text("look", world.look);
+    if (world.look != "hall" && world.look != "showroom")
+      room.fail("look", "\"hall\" or \"showroom\"");
+    room.refuse_others();
+  }
+  track.track.room_center = world.room_center;
+  track.track.room_size = world.room_size.head<2>();
+  track.track.ceiling = world.room_size.z();
+}
+
+void read_start(Table& file_table, const std::string& file, TrackFile& track) {
+  if (!file_table.has("start")) return;
+  Table start(file_table.raw("start"), file, "start");
+  track.start.position = floor_point(start, "position_m");
+  track.start.heading = heading(start);
+  start.refuse_others();
+  track.track.start = track.start.position;
+  track.track.start_heading = track.start.heading;
+}
+
+bool in_room(const Track& track, const Eigen::Vector2d& p) {
+  return ((p - track.room_center).cwiseAbs().array() <= 0.5 * track.room_size.array()).all();
+}
+
+/// A box with its heading, by its four corners; a pole by its square.
+bool in_room(const Track& track, const MapObstacle& box) {
+  const double c = cos(box.heading), s = sin(box.heading);
+  for (const double a : {-0.5, 0.5})
+    for (const double b : {-0.5, 0.5}) {
+      const Eigen::Vector2d corner{a * box.size.x(), b * box.size.y()};
+      const Eigen::Vector2d turned{c * corner.x() - s * corner.y(),
+                                   s * corner.x() + c * corner.y()};
+      if (!in_room(track, box.center + turned)) return false;
+    }
+  return true;
+}
+
+void check_inside_room(const Track& track, const std::string& file) {
+  const auto fail = [&](const std::string& key, const Eigen::Vector2d& p) {
+    throw std::runtime_error(file + ": " + key + " = [" + text_of(p.x(), 6) + ", " +
+                             text_of(p.y(), 6) +
+                             "], must be inside the room, all of it (room.size_m, room.center_m)");
+  };
+  if (!in_room(track, track.start)) fail("start.position_m", track.start);
+  for (std::size_t i = 0; i < track.gates.size(); ++i)
+    if (!in_room(track, track.gates[i].p_EG.head<2>()))
+      fail(indexed("gates", i) + ".position_m", track.gates[i].p_EG.head<2>());
+  for (std::size_t i = 0; i < track.obstacles.size(); ++i)
+    if (!in_room(track, track.obstacles[i]))
+      fail(indexed("obstacles", i) + ".position_m", track.obstacles[i].center);
+}
+
+const json& list_of(Table& table, const char* key, std::size_t least, std::size_t most) {
+  static const json none = json::array();
+  const json& list = table.raw(key);
+  if (list.is_null() && least == 0) return none;
+  if (!list.is_array() || list.size() < least || list.size() > most)
+    table.fail(key,
+               std::to_string(least) + ".." + std::to_string(most) + " tables [[" + key + "]]");
+  return list;
+}
+
+}  // namespace
+
+TrackFile read_track(const std::filesystem::path& path, const GateDefaults& defaults) {
+  const std::string file = path.string();
+  const json content = read_toml(path);
+  Table table(content, file, "");
+
+  TrackFile track;
+  track.track.name = table.text("name", path.stem().string());
+  track.track.laps = table.integer("laps", 1, 100, 1);
+  read_room(table, file, track);
+  read_start(table, file, track);
+  const json& gates = list_of(table, "gates", 1, kMaxGates);
+  for (std::size_t i = 0; i < gates.size(); ++i) read_gate(gates[i], file, i, defaults, track);
+  const json& obstacles = list_of(table, "obstacles", 0, kMaxObstacles);
+  for (std::size_t i = 0; i < obstacles.size(); ++i) read_obstacle(obstacles[i], file, i, track);
+
+  json randomize = table.raw("randomize");
+  if (randomize.is_null()) randomize = json::object();
+  if (!randomize.is_object()) table.fail("randomize", "a table");
+  if (!randomize.contains("level")) randomize["level"] = "race";
+  track.randomize = randomized({}, randomize, file);
+  table.refuse_others();
+  check_inside_room(track.track, file);
+  return track;
+}
+
+std::filesystem::path find_track(const std::string& name) { return find_toml(name, "tracks"); }
+
+}  // namespace gatefly::io

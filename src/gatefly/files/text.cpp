@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/files/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+
+#ifndef GATEFLY_DATA_DIR
+#define GATEFLY_DATA_DIR "."
+#endif
+
+namespace gatefly::io {
+
+namespace fs = std::filesystem;
+
+int edit_distance(std::string_view a, std::string_view b) {
+  std::vector<int> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string nearest(std::string_view word, std::span<const std::string> candidates) {
+  const auto best = std::min_element(candidates.begin(), candidates.end(),
+                                     [&](const std::string& a, const std::string& b) {
+                                       return edit_distance(word, a) < edit_distance(word, b);
+                                     });
+  return best == candidates.end() ? std::string{} : *best;
+}
+
+std::string suggestion(std::string_view word, std::span<const std::string> candidates) {
+  const std::string best = nearest(word, candidates);
+  const auto longest = static_cast<int>(std::max(word.size(), best.size()));
+  if (best.empty() || edit_distance(word, best) > std::max(2, longest / 2)) return "";
+  return ", did you mean '" + best + "'?";
+}
+
+bool counts_before(std::string_view a, std::string_view b) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto number_at = [&](std::string_view& text) {  // without leading zeros
+    std::size_t end = 0;
+    while (end < text.size() && is_digit(text[end])) ++end;
+    std::string_view digits = text.substr(0, end);
+    text.remove_prefix(end);
+    digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
+    return digits;
+  };
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a[0]) && is_digit(b[0])) {
+      const std::string_view x = number_at(a), y = number_at(b);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else {
+      if (a[0] != b[0]) return a[0] < b[0];
+      a.remove_prefix(1), b.remove_prefix(1);
+    }
+  }
+  return a.size() < b.size();
+}
+
+std::string text_of(double value, int digits) {
+  if (std::isnan(value)) return "nan";
+  std::array<char, 64> buffer{};
+  if (digits > 0) {
+    const auto rounded = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                       std::chars_format::general, digits);
+    std::from_chars(buffer.data(), rounded.ptr, value);
+  }
+  char* const last = buffer.data() + buffer.size();
+  const bool whole = std::abs(value) < 1e15 && value == std::floor(value);  // 1000000, not 1e+06
+  const auto end = whole ? std::to_chars(buffer.data(), last, value, std::chars_format::fixed)
+                         : std::to_chars(buffer.data(), last, value);
+  return {buffer.data(), end.ptr};
+}
+
+std::string joined(std::span<const std::string> words, std::string_view between) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += between;
+    text += word;
+  }
+  return text;
+}
+
+std::string one_line(std::string text, std::size_t most) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  if (text.size() <= most) return text;
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return text.substr(0, end) + "...";
+}
+
+std::string read_file(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error))
+    throw std::runtime_error(path.string() + ": is a folder, not a file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
+  std::string content{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
+  if (file.bad()) throw std::runtime_error(path.string() + ": cannot be read to its end");
+  return content;
+}
+
+void write_file(const fs::path& path, std::string_view content) {
+  const fs::path partial = path.string() + ".partial";
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  if (file) file.write(content.data(), static_cast<std::streamsize>(content.size())).flush();
+  if (!file) {
+    const std::string reason = std::strerror(errno);
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    throw std::runtime_error(path.string() + ": cannot be written: " + reason);
+  }
+  file.close();
+  std::error_code error;
+  fs::rename(partial, path, error);
+  if (!error) return;
+  const std::string reason = error.message();
+  fs::remove(partial, error);
+  throw std::runtime_error(path.string() + ": cannot be written: " + reason);
+}
+
+fs::path data_dir() { return GATEFLY_DATA_DIR; }
+
+fs::path find_toml(const std::string& name, const std::string& folder) {
+  std::error_code error;
+  if (fs::is_regular_file(name, error)) return name;
+
+  const std::array<fs::path, 2> places{fs::path{folder}, data_dir() / folder};
+  std::set<std::string> names;
+  for (const fs::path& place : places) {
+    const fs::path candidate = place / (name + ".toml");
+    if (fs::is_regular_file(candidate, error)) return candidate;
+    for (const auto& entry : fs::directory_iterator(place, error))
+      if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
+  }
+  // Not a folder: a pipe such as bash's <(...), or a device. A link to nowhere does not exist.
+  const fs::file_status status = fs::status(name, error);
+  if (fs::is_directory(status)) throw std::runtime_error(name + ": is a folder, not a file");
+  if (fs::exists(status)) return name;
+  const std::vector<std::string> list{names.begin(), names.end()};
+  throw std::runtime_error((name.empty() ? "\"\"" : name) + ": no such file, nor a name in " +
+                           folder + "/ (there are: " + joined(list) + ")" + suggestion(name, list));
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/files/toml_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include <toml++/toml.h>
+
+#include "gatefly/files/text.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using nlohmann::json;
+
+json json_of(const toml::node& node) {
+  if (const auto* table = node.as_table()) {
+    json object = json::object();
+    for (const auto& [key, value] : *table) object[std::string{key.str()}] = json_of(value);
+    return object;
+  }
+  if (const auto* array = node.as_array()) {
+    json list = json::array();
+    for (const auto& value : *array) list.push_back(json_of(value));
+    return list;
+  }
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* whole = node.as_integer()) return whole->get();
+  if (const auto* number = node.as_floating_point()) return number->get();
+  if (const auto* truth = node.as_boolean()) return truth->get();
+  std::ostringstream date;
+  node.visit([&](const auto& value) {
+    if constexpr (toml::is_date<decltype(value)> || toml::is_time<decltype(value)> ||
+                  toml::is_date_time<decltype(value)>)
+      date << value.get();
+  });
+  return date.str();
+}
+
+std::string range_text(double low, double high) {
+  return "a number in " + text_of(low) + ".." + text_of(high);
+}
+
+}  // namespace
+
+json read_toml(const std::filesystem::path& path) {
+  const std::string content = read_file(path);
+  try {
+    return json_of(toml::parse(content, path.string()));
+  } catch (const toml::parse_error& error) {
+    std::string what{error.description()};
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    throw std::runtime_error(path.string() + ":" + std::to_string(error.source().begin.line) +
+                             ": not valid TOML: " + what);
+  }
+}
+
+json parse_toml_value(std::string_view text) {
+  try {
+    const toml::table table = toml::parse("value = " + std::string{text});
+    if (table.size() == 1) return json_of(*table.get("value"));
+  } catch (const toml::parse_error&) {
+    // Not TOML: a bare word.
+  }
+  return std::string{text};
+}
+
+std::string shown(const json& value) {
+  if (value.is_null()) return "nothing";
+  if (value.is_number_float()) return text_of(value.get<double>(), 12);
+  if (value.is_array()) {
+    std::vector<std::string> parts;
+    for (const json& part : value) parts.push_back(shown(part));
+    return one_line("[" + joined(parts) + "]", 200);
+  }
+  return one_line(value.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+Table::Table(const json& value, std::string file, std::string where)
+    : value_{value}, file_{std::move(file)}, where_{std::move(where)} {
+  if (!value.is_object())
+    throw std::runtime_error(file_ + ": " + where_ + " = " + shown(value) + ", must be a table");
+}
+
+std::string Table::name_of(const std::string& key) const {
+  return where_.empty() ? key : where_ + "." + key;
+}
+
+void Table::fail(const std::string& key, const std::string& what) const {
+  const bool there = value_.contains(key);
+  throw std::runtime_error(
+      file_ + ": " + name_of(key) +
+      (there ? " = " + shown(value_.at(key)) + ", must be " : " is missing, must be ") + what);
+}
+
+const json& Table::raw(const std::string& key) {
+  static const json nothing;
+  known_.push_back(key);
+  return value_.contains(key) ? value_.at(key) : nothing;
+}
+
+bool Table::has(const std::string& key) { return !raw(key).is_null(); }
+
+double Table::checked(const std::string& key, const json& value, double low, double high) const {
+  if (!value.is_number()) fail(key, range_text(low, high));
+  const double number = value.get<double>();
+  if (!(number >= low && number <= high)) fail(key, "in " + text_of(low) + ".." + text_of(high));
+  return number;
+}
+
+double Table::number(const std::string& key, double low, double high) {
+  return checked(key, raw(key), low, high);
+}
+
+double Table::number(const std::string& key, double low, double high, double fallback) {
+  return has(key) ? checked(key, raw(key), low, high) : fallback;
+}
+
+int Table::integer(const std::string& key, int low, int high, int fallback) {
+  const json& value = raw(key);
+  if (value.is_null()) return fallback;
+  const std::string range = std::to_string(low) + ".." + std::to_string(high);
+  if (!value.is_number_integer()) fail(key, "a whole number in " + range);
+  return static_cast<int>(checked(key, value, low, high));
+}
+
+std::vector<double> Table::numbers(const std::string& key, std::size_t count, double low,
+                                   double high) {
+  const json& value = raw(key);
+  const std::string what =
+      std::to_string(count) + " numbers in " + text_of(low) + ".." + text_of(high);
+  if (!value.is_array() || value.size() != count) fail(key, what);
+  std::vector<double> list;
+  for (const json& part : value) {
+    if (!part.is_number()) fail(key, what);
+    const double number = part.get<double>();
+    if (!(number >= low && number <= high)) fail(key, what);
+    list.push_back(number);
+  }
+  return list;
+}
+
+std::string Table::text(const std::string& key, const std::string& fallback) {
+  const json& value = raw(key);
+  if (value.is_null()) return fallback;
+  if (!value.is_string()) fail(key, "text");
+  return value.get<std::string>();
+}
+
+void Table::refuse_others() const {
+  for (const auto& [key, value] : value_.items())
+    if (std::find(known_.begin(), known_.end(), key) == known_.end())
+      throw std::runtime_error(file_ + ": " + name_of(key) + " is not a known key" +
+                               suggestion(key, known_));
+}
+
+}  // namespace gatefly::io

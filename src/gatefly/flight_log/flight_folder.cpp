@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/flight_log/flight_folder.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "gatefly/files/csv.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr double kLatest = 9e6;  // [s]; nanoseconds stay exact in a double.
+
+/// A column if the log has it; each cell may still be empty.
+class Column {
+ public:
+  Column(const Csv& csv, const std::string& name) {
+    if (csv.has(name)) values_ = csv.numbers(name);
+  }
+  [[nodiscard]] std::optional<double> at(std::size_t row) const {
+    if (values_.empty() || std::isnan(values_[row])) return std::nullopt;
+    return values_[row];
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+struct Triple {
+  Column a, b, c;
+  Triple(const Csv& csv, const std::string& prefix, const std::array<const char*, 3>& names)
+      : a{csv, prefix + names[0]}, b{csv, prefix + names[1]}, c{csv, prefix + names[2]} {}
+  [[nodiscard]] std::optional<Eigen::Vector3d> at(std::size_t row) const {
+    const auto x = a.at(row), y = b.at(row), z = c.at(row);
+    if (!x || !y || !z) return std::nullopt;
+    return Eigen::Vector3d{*x, *y, *z};
+  }
+  [[nodiscard]] std::optional<Attitude> attitude(std::size_t row) const {
+    const auto angles = at(row);
+    if (!angles) return std::nullopt;
+    return Attitude{.roll = angles->x(), .pitch = angles->y(), .yaw = angles->z()};
+  }
+};
+
+/// Exact from t_ns where there is one, else from t_s.
+std::vector<nanoseconds> times_of(const Csv& csv) {
+  const bool exact = csv.has("t_ns");
+  const std::vector<double> column = csv.numbers(exact ? "t_ns" : "t_s");
+  std::vector<nanoseconds> times;
+  times.reserve(column.size());
+  for (std::size_t row = 0; row < column.size(); ++row) {
+    const double ns = exact ? column[row] : column[row] * 1e9;
+    if (!(std::abs(ns) <= kLatest * 1e9))
+      throw std::runtime_error(csv.place(row) + ": has no usable time");
+    times.emplace_back(std::llround(ns));
+    if (row > 0 && times[row] < times[row - 1])
+      throw std::runtime_error(csv.place(row) + ": time runs backwards");
+  }
+  return times;
+}
+
+std::vector<FlightSample> read_log(const std::filesystem::path& path) {
+  const Csv csv(path);
+  if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
+  const std::vector<nanoseconds> times = times_of(csv);
+  // A flight without its IMU is none: these must be there. An empty cell stays NaN, as a lost
+  // sample.
+  const auto p = csv.numbers("gyro_p_radps"), q = csv.numbers("gyro_q_radps"),
+             r = csv.numbers("gyro_r_radps");
+  const auto ax = csv.numbers("acc_x_mps2"), ay = csv.numbers("acc_y_mps2"),
+             az = csv.numbers("acc_z_mps2");
+  const Column sonar(csv, "sonar_m"), baro(csv, "baro_m");
+  const Triple true_p(csv, "ot_", {"x_m", "y_m", "z_m"}),
+      true_v(csv, "ot_", {"vx_mps", "vy_mps", "vz_mps"});
+  const Triple true_angles(csv, "true_", {"roll_rad", "pitch_rad", "yaw_rad"});
+  const Triple ahrs(csv, "ahrs_", {"phi_rad", "theta_rad", "psi_rad"});
+  const Triple est_p(csv, "est_", {"x_m", "y_m", "z_m"}),
+      est_v(csv, "est_", {"vx_mps", "vy_mps", "vz_mps"});
+  const Triple est_angles(csv, "est_", {"roll_rad", "pitch_rad", "yaw_rad"});
+
+  std::vector<FlightSample> samples(csv.rows());
+  for (std::size_t row = 0; row < samples.size(); ++row) {
+    samples[row] = {
+        .time = times[row],
+        .imu = {.gyro_B = {p[row], q[row], r[row]}, .accel_B = {ax[row], ay[row], az[row]}},
+        .sonar = sonar.at(row),
+        .baro = baro.at(row),
+        .true_p_EB = true_p.at(row),
+        .true_v_E = true_v.at(row),
+        .true_attitude = true_angles.attitude(row),
+        .ahrs = ahrs.attitude(row),
+        .est_p_EB = est_p.at(row),
+        .est_v_E = est_v.at(row),
+        .est_attitude = est_angles.attitude(row)};
+  }
+  return samples;
+}
+
+std::vector<FlightImage> read_images(const std::filesystem::path& directory, std::size_t log_rows) {
+  const Csv csv(directory / "images.csv");
+  const auto names = csv.texts("image");
+  const auto rows = csv.numbers("log_row");
+  const std::vector<nanoseconds> times = times_of(csv);
+
+  std::vector<FlightImage> images;
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
+    const std::filesystem::path name{names[i]};
+    if (name.empty() || name.has_parent_path())
+      throw std::runtime_error(csv.place(i) + ": image = '" + names[i] +
+                               "', must be a file name in this folder");
+    const double row = rows[i];
+    if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
+      throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
+                               std::to_string(log_rows - 1) + ", the rows of log_si.csv");
+    images.push_back(
+        {.path = directory / name, .time = times[i], .log_row = static_cast<std::size_t>(row)});
+    if (i > 0 && images[i].log_row < images[i - 1].log_row)
+      throw std::runtime_error(csv.place(i) + ": log_row runs backwards");
+  }
+  return images;
+}
+
+}  // namespace
+
+FlightFolder read_flight_folder(const std::filesystem::path& directory) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(directory, error))
+    throw std::runtime_error(directory.string() + ": is no folder");
+  FlightFolder flight{
+      .directory = directory, .samples = read_log(directory / "log_si.csv"), .images = {}};
+  if (std::filesystem::exists(directory / "images.csv", error))
+    flight.images = read_images(directory, flight.samples.size());
+  return flight;
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sensing/imu.hpp"
+
+namespace gatefly::io {
+
+/// One row of a flight's log_si.csv. What the log does not have is empty.
+struct FlightSample {
+  std::chrono::nanoseconds time{0};
+  Imu imu;
+  std::optional<double> sonar = std::nullopt;               ///< [m]
+  std::optional<double> baro = std::nullopt;                ///< [m]
+  std::optional<Eigen::Vector3d> true_p_EB = std::nullopt;  ///< Motion capture or simulator [m].
+  std::optional<Eigen::Vector3d> true_v_E = std::nullopt;   ///< [m/s]
+  std::optional<Attitude> true_attitude = std::nullopt;     ///< Simulator only.
+  std::optional<Attitude> ahrs = std::nullopt;              ///< The autopilot's own, in real logs.
+  std::optional<Eigen::Vector3d> est_p_EB = std::nullopt;   ///< The recorded pilot's [m].
+  std::optional<Eigen::Vector3d> est_v_E = std::nullopt;    ///< [m/s]
+  std::optional<Attitude> est_attitude = std::nullopt;
+};
+
+/// One row of images.csv.
+struct FlightImage {
+  std::filesystem::path path;
+  std::chrono::nanoseconds time{0};  ///< Of arrival: the time of its log row in our own flights.
+  std::size_t log_row = 0;           ///< From 0: the sample in whose tick it arrives.
+};
+
+struct FlightFolder {
+  std::filesystem::path directory;
+  std::vector<FlightSample> samples;  ///< Ascending in time.
+  std::vector<FlightImage> images;    ///< Ascending in log_row.
+};
+
+/// Reads log_si.csv and, if there is one, images.csv; real logs' columns or ours. Pictures stay on
+/// disk.
+/// @throws std::runtime_error one line with file and line: unreadable, damaged, time runs
+///     backwards.
+[[nodiscard]] FlightFolder read_flight_folder(const std::filesystem::path& directory);
+
+}  // namespace gatefly::io

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/flight_log/replay.hpp"
+
+#include <cmath>
+
+#include "gatefly/flight_log/inertial_follower.hpp"
+
+namespace gatefly::flight_log {
+namespace {
+
+bool is_finite(const Command& c) {
+  bool finite = std::isfinite(c.attitude.roll) && std::isfinite(c.attitude.pitch) &&
+                std::isfinite(c.attitude.yaw) && std::isfinite(c.attitude.thrust);
+  for (const double speed : c.motors) finite = finite && std::isfinite(speed);
+  return finite;
+}
+
+bool is_finite(const Estimate& e) {
+  return e.p_EB.allFinite() && e.v_E.allFinite() && e.accel_bias.allFinite() &&
+         e.covariance_GB.allFinite() && std::isfinite(e.attitude.roll) &&
+         std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
+}
+
+}  // namespace
+
+ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
+                    const std::function<Image(std::size_t)>& load_picture, Estimator estimator) {
+  Pilot pilot{config};
+  InertialFollower inertial;
+  ReplayResult result;
+  result.estimates.reserve(ticks.size());
+  result.commands.reserve(ticks.size());
+  Eigen::Vector3d error2 = Eigen::Vector3d::Zero();
+  for (const RecordedTick& tick : ticks) {
+    Sensors sensors = tick.sensors;
+    if (tick.picture) sensors.image = load_picture(*tick.picture);
+    const Command command = pilot.step(sensors);
+    const double t = std::chrono::duration<double>(sensors.time).count();
+
+    if (estimator == Estimator::kImu15) inertial.update(sensors, pilot);
+    EstimateRow row{t,
+                    estimator == Estimator::kImu15 ? inertial.estimate(pilot) : pilot.estimate()};
+    if (tick.picture) {
+      row.source = pilot.sighting().source;
+      result.pictures.push_back({*tick.picture, t, pilot.sighting()});
+      if (row.source != Sighting::Source::kNone && !result.first_fix) result.first_fix = t;
+    }
+    if (pilot.finished() && !result.last_gate) result.last_gate = t;
+    result.finite = result.finite && is_finite(command) && is_finite(row.estimate);
+    if (result.first_fix && !result.last_gate && tick.p_EB) {
+      error2 += (row.estimate.p_EB - *tick.p_EB).cwiseAbs2();
+      ++result.rmse_samples;
+    }
+    result.estimates.push_back(row);
+    result.commands.push_back(command);
+  }
+  result.gates_passed = pilot.estimate().gates_passed;
+  if (result.rmse_samples > 0) result.rmse = (error2 / result.rmse_samples).cwiseSqrt();
+  return result;
+}
+
+}  // namespace gatefly::flight_log

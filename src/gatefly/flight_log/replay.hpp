@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gatefly/race/pilot.hpp"
+
+namespace gatefly::flight_log {
+
+/// One recorded IMU tick: what the sensors said, and where the drone really was, if the log knows.
+struct RecordedTick {
+  Sensors sensors;                      ///< Without its image.
+  std::optional<std::size_t> picture;   ///< Index of the picture that arrived with it.
+  std::optional<Eigen::Vector3d> p_EB;  ///< Truth [m].
+};
+
+/// A row of estimates.csv.
+struct EstimateRow {
+  double t = 0.0;
+  Estimate estimate;
+  Sighting::Source source = Sighting::Source::kNone;  ///< What corrected the filter in this tick.
+};
+
+/// What the pilot made of one picture.
+struct PictureRow {
+  std::size_t picture = 0;
+  double t = 0.0;
+  Sighting sighting;
+};
+
+struct ReplayResult {
+  std::vector<EstimateRow> estimates;
+  std::vector<PictureRow> pictures;
+  std::vector<Command> commands;  ///< Computed, not flown.
+  int gates_passed = 0;
+  bool finite = true;               ///< Every number of every command and estimate is.
+  std::optional<double> first_fix;  ///< When a gate first corrected the filter [s].
+  std::optional<double> last_gate;  ///< When the pilot thought it passed the last gate [s].
+  Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
+  int rmse_samples = 0;                            ///< 0: the log has no truth there.
+};
+
+/// Whose estimates a replay reports.
+enum class Estimator {
+  kDrag,  ///< The pilot's own.
+  /// The classic inertial filter's, fed with what the pilot sees; the pilot flies on by its own.
+  kImu15,
+};
+
+/// Feeds a recorded flight to the very Pilot::step that flies the simulator.
+///
+/// @param load_picture  answers the view of picture i; it must stay valid until the next call.
+[[nodiscard]] ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
+                                  const std::function<Image(std::size_t)>& load_picture,
+                                  Estimator estimator = Estimator::kDrag);
+
+}  // namespace gatefly::flight_log

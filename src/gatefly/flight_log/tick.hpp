@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "gatefly/race/pilot.hpp"
+
+namespace gatefly {
+
+/// What really was, at one moment. The pilot never sees this.
+struct Truth {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
+  Attitude attitude;
+};
+
+/// One IMU tick of a race, for recording: what went in, what came out, what was.
+struct Tick {
+  const Sensors& sensors;
+  const Command& command;
+  const Pilot& pilot;
+  Truth truth;
+  std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
+  /// When what the pilot sees now began its exposure [s].
+  std::optional<double> exposed = std::nullopt;
+};
+
+}  // namespace gatefly

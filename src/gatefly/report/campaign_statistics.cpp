@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/report/campaign_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "gatefly/files/text.hpp"
+
+namespace gatefly::io {
+namespace {
+
+std::string cell(const std::string& text) {
+  return text.find_first_of(",\"") == std::string::npos ? text : nlohmann::json(text).dump();
+}
+
+std::string cause_of(const nlohmann::json& summary) {
+  if (summary.at("finished").get<bool>()) return "finished";
+  if (!summary.at("crash").is_null())
+    return "crash: " + summary.at("crash").at("object").get<std::string>();
+  const auto reason = summary.at("stop_reason").get<std::string>();
+  if (reason == "abort") return "abort: " + summary.at("abort_reason").get<std::string>();
+  return reason;
+}
+
+nlohmann::ordered_json quantiles(const std::vector<double>& values) {
+  if (values.empty()) return nullptr;
+  nlohmann::ordered_json json;
+  for (const auto& [name, q] : {std::pair{"min", 0.0},
+                                {"p10", 0.1},
+                                {"p25", 0.25},
+                                {"p50", 0.5},
+                                {"p75", 0.75},
+                                {"p90", 0.9},
+                                {"max", 1.0}})
+    json[name] = quantile(values, q);
+  return json;
+}
+
+closed_loop::ChiSquareCount count_of(const nlohmann::json& json) {
+  return {json.at("samples").get<int>(), json.at("sum_per_dof").get<double>(),
+          json.at("inside").get<int>()};
+}
+double mean_of(const closed_loop::ChiSquareCount& c) {
+  return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0;
+}
+double inside_of(const closed_loop::ChiSquareCount& c) {
+  return c.samples > 0 ? static_cast<double>(c.inside) / c.samples : 0.0;
+}
+
+nlohmann::ordered_json pooled(const std::vector<RunRow>& rows) {
+  closed_loop::Consistency all;
+  const auto add = [](closed_loop::ChiSquareCount& to, const closed_loop::ChiSquareCount& from) {
+    to.samples += from.samples, to.sum_per_dof += from.sum_per_dof, to.inside += from.inside;
+  };
+  for (const RunRow& row : rows)
+    add(all.nees, row.consistency.nees), add(all.nis, row.consistency.nis),
+        all.divergences += row.consistency.divergences;
+  const auto json = [](const closed_loop::ChiSquareCount& c) {
+    return nlohmann::ordered_json{
+        {"samples", c.samples}, {"mean_per_dof", mean_of(c)}, {"inside_95", inside_of(c)}};
+  };
+  return {{"nees", json(all.nees)}, {"nis", json(all.nis)}, {"divergences", all.divergences}};
+}
+
+}  // namespace
+
+RunRow row_of(const nlohmann::json& summary) {
+  RunRow row;
+  row.seed = summary.at("seed").get<std::uint64_t>();
+  row.finished = summary.at("finished").get<bool>();
+  row.gates = summary.at("gates_passed").get<int>();
+  row.gates_total = summary.at("gates_total").get<int>();
+  row.time = summary.at("race_time_s").get<double>();
+  row.mean_speed = summary.at("mean_speed_mps").get<double>();
+  row.max_speed = summary.at("max_speed_mps").get<double>();
+  row.cause = cause_of(summary);
+  row.rmse = summary.at("estimation_rmse_m").get<std::vector<double>>();
+  row.rmse.resize(3);
+  row.frames = summary.at("detection").at("frames").get<int>();
+  row.true_positives = summary.at("detection").at("true_positives").get<int>();
+  row.false_positives = summary.at("detection").at("false_positives").get<int>();
+  row.searches = summary.at("searches").get<int>();
+  if (summary.contains("consistency")) {
+    const auto& consistency = summary.at("consistency");
+    row.consistency = {count_of(consistency.at("nees")), count_of(consistency.at("nis")),
+                       consistency.at("divergences").get<int>()};
+  }
+  return row;
+}
+
+Interval wilson95(int hits, int trials) {
+  if (trials <= 0) return {};
+  constexpr double kZ = 1.959963984540054;
+  const double n = trials, p = hits / n, z2 = kZ * kZ;
+  const double middle = (p + z2 / (2 * n)) / (1 + z2 / n);
+  const double half = kZ / (1 + z2 / n) * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
+  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+std::string runs_csv(const std::vector<RunRow>& rows) {
+  std::string csv =
+      "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
+      "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
+      "nees_mean,nees_inside,nis_mean,nis_inside,divergences\n";
+  for (const RunRow& r : rows) {
+    csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
+           "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," +
+           text_of(r.mean_speed) + "," + text_of(r.max_speed) + "," + cell(r.cause);
+    for (const double error : r.rmse) csv += "," + text_of(error);
+    for (const int count : {r.frames, r.true_positives, r.false_positives, r.searches})
+      csv += "," + std::to_string(count);
+    for (const auto& count : {r.consistency.nees, r.consistency.nis})
+      csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
+    csv += "," + std::to_string(r.consistency.divergences) + "\n";
+  }
+  return csv;
+}
+
+nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
+  std::vector<double> times, speeds;
+  std::map<std::string, std::vector<std::uint64_t>> causes;
+  long gates = 0, gates_total = 0;
+  for (const RunRow& row : rows) {
+    gates += row.gates, gates_total += row.gates_total;
+    if (row.finished)
+      times.push_back(row.time), speeds.push_back(row.mean_speed);
+    else
+      causes[row.cause].push_back(row.seed);
+  }
+  const int runs = static_cast<int>(rows.size()), finished = static_cast<int>(times.size());
+  const Interval interval = wilson95(finished, runs);
+  std::vector<std::pair<std::string, std::vector<std::uint64_t>>> ranked(causes.begin(),
+                                                                         causes.end());
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+
+  nlohmann::ordered_json json;
+  json["runs"] = runs;
+  json["finished"] = finished;
+  json["completion_rate"] = runs > 0 ? static_cast<double>(finished) / runs : 0.0;
+  json["completion_wilson95"] = {interval.low, interval.high};
+  json["gates_passed"] = gates;
+  json["gates_total"] = gates_total;
+  json["race_time_s"] = quantiles(times);
+  json["mean_speed_mps"] = quantiles(speeds);
+  json["consistency"] = pooled(rows);
+  json["causes"] = nlohmann::ordered_json::array();
+  for (const auto& [cause, seeds] : ranked)
+    json["causes"].push_back({{"cause", cause}, {"count", seeds.size()}, {"seeds", seeds}});
+  return json;
+}
+
+}  // namespace gatefly::io

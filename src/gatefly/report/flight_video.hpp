@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/drawing/canvas.hpp"
+#include "gatefly/drawing/video_file.hpp"
+#include "gatefly/report/flight_map.hpp"
+
+namespace gatefly::io {
+
+/// A flight as a film, drawn while it is flown, in real time: what the pilot saw, where it flew,
+/// how high and how fast. Draws only; the flight is the same without it.
+class FlightVideo {
+ public:
+  /// @param mp4       written as VideoFile says: whole or not at all.
+  /// @param title     e.g. "showroom, seed 1"
+  /// @param pictures  false when the race has none (ideal vision): the map takes their place.
+  /// @throws std::runtime_error when ffmpeg cannot be started.
+  FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race,
+              std::string title, bool pictures);
+
+  /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
+  void record(const Tick& tick);
+  /// Holds the last frame with the outcome over it, then completes the file.
+  void finish(const std::string& outcome);
+
+ private:
+  void start(const Tick& tick);
+  void look(const Tick& tick);
+  void draw(const Tick& tick);
+  void draw_head(const Tick& tick);
+  void draw_status(const Tick& tick, const Box& box);
+  void draw_view(const Tick& tick);
+  void draw_map(const Tick& tick);
+
+  closed_loop::RaceConfig race_;
+  std::string title_;
+  bool pictures_;
+  Box left_, map_box_;
+  FlightMap map_;
+  VideoFile file_;
+  /// What stays; the frame being drawn; the last picture with detections.
+  Canvas backdrop_, frame_, view_;
+  std::vector<Moment> moments_;                  ///< One a frame.
+  std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
+  std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
+  Sighting::Source source_ = Sighting::Source::kNone;
+};
+
+}  // namespace gatefly::io

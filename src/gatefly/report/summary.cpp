@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/report/summary.hpp"
+
+namespace gatefly::io {
+
+nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race) {
+  using Json = nlohmann::ordered_json;
+  Json crash = nullptr;
+  if (result.crash_time) crash = {{"t_s", *result.crash_time}, {"object", result.crash_object}};
+  Json offsets = Json::array();
+  for (const Eigen::Vector2d& offset : result.gate_offsets)
+    offsets.push_back(Json::array({offset.x(), offset.y()}));
+  Json timings = Json::object();
+  for (const closed_loop::StageTime& stage : result.timings)
+    timings[stage.stage] = {
+        {"p50_us", stage.p50_us}, {"p99_us", stage.p99_us}, {"max_us", stage.max_us}};
+  timings["whole_flight"] = {
+      {"cpu_s", result.cpu_seconds},
+      {"wall_s", result.wall_seconds},
+      {"bake_s", result.bake_seconds},
+      {"cpu_s_per_flight_s",
+       result.flight_time > 0 ? result.cpu_seconds / result.flight_time : 0.0}};
+
+  const Eigen::Vector3d& rmse = result.estimation_rmse;
+  Json json;
+  json["finished"] = result.finished;
+  json["gates_passed"] = result.gates_passed;
+  json["gates_total"] = result.gates_total;
+  json["race_time_s"] = result.race_time;
+  json["lap_times_s"] = result.lap_times;
+  json["mean_speed_mps"] = result.mean_speed;
+  json["max_speed_mps"] = result.max_speed;
+  json["crash"] = crash;
+  json["stop_reason"] = result.stop_reason;
+  json["abort_reason"] = result.abort_reason;
+  json["gate_offsets_m"] = offsets;
+  json["estimation_rmse_m"] = Json::array({rmse.x(), rmse.y(), rmse.z()});
+  const auto counted = [](const closed_loop::ChiSquareCount& count) {
+    return Json{
+        {"samples", count.samples}, {"sum_per_dof", count.sum_per_dof}, {"inside", count.inside}};
+  };
+  json["consistency"] = {{"nees", counted(result.consistency.nees)},
+                         {"nis", counted(result.consistency.nis)},
+                         {"divergences", result.consistency.divergences}};
+  json["detection"] = {{"frames", result.frames},
+                       {"with_gate_visible", result.frames_with_gate},
+                       {"true_positives", result.true_positives},
+                       {"false_positives", result.false_positives}};
+  json["searches"] = result.searches;
+  json["flight_time_s"] = result.flight_time;
+  json["timings"] = timings;
+  json["seed"] = race.seed;
+  json["track"] = race.track;
+  json["vision"] = race.vision;
+  json["version"] = race.version;
+  json["config"] = race.config;
+  return json;
+}
+
+}  // namespace gatefly::io

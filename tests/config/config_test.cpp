@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/config/config.hpp"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/geometry/math.hpp"
+
+#include "temp_folder.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Files = std::vector<std::filesystem::path>;
+using Settings = std::vector<std::string>;
+
+Config with(const Settings& settings) { return load_config(Files{}, settings); }
+std::string error_with(const std::string& setting) {
+  return test::error_of([&] { (void)with({setting}); });
+}
+
+TEST(Config, HasEveryKeyOnceAndEveryDefaultInItsOwnRange) {
+  std::set<std::string> names;
+  const Config config;
+  for (const auto& key : config_keys()) {
+    EXPECT_TRUE(names.insert(key.rule.name).second) << key.rule.name;
+    EXPECT_FALSE(key.rule.source.empty()) << key.rule.name;
+    EXPECT_NO_THROW((void)checked(key.rule, key.get(config), "default")) << key.rule.name;
+  }
+}
+
+TEST(Config, WritingAValueBackChangesNothing) {
+  const Config original;
+  Config copy;
+  for (const auto& key : config_keys()) key.set(copy, key.get(original));
+  EXPECT_EQ(as_json(copy), as_json(original));
+}
+
+TEST(Config, ConvertsUnitsOfKeysToSi) {
+  const Config config = with({"control.max_roll_deg=30", "camera.readout_ms=10"});
+  EXPECT_DOUBLE_EQ(config.pilot.lateral.max_roll, 30 * kDegree);
+  EXPECT_DOUBLE_EQ(config.sim.camera.readout, 0.010);
+}
+
+TEST(Config, CameraIsThePilotsBeliefAndTheSimulatorsNominal) {
+  const Config config =
+      with({"camera.tilt_deg=10", "camera.focal_px=[150, 151]", "camera.size_px=[320, 180]",
+            "camera.latency_ms=50", "camera.exposure_ms=4", "camera.readout_ms=20"});
+  const Eigen::Vector3d forward_B = config.pilot.camera.R_BC * Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(std::asin(forward_B.z()), 10 * kDegree, 1e-12);
+  EXPECT_DOUBLE_EQ(config.sim.camera.tilt_down, 10 * kDegree);
+  EXPECT_EQ(std::get<DhaneFisheye>(config.pilot.camera.lens.model).focal_px,
+            Eigen::Vector2d(150, 151));
+  EXPECT_EQ(std::get<DhaneFisheye>(config.sim.camera.lens.model).focal_px,
+            Eigen::Vector2d(150, 151));
+  EXPECT_EQ(config.sim.camera.stored_width, 180);
+  EXPECT_EQ(config.sim.camera.stored_height, 320);
+  EXPECT_DOUBLE_EQ(config.pilot.camera_timing.latency, 0.050 + 0.002 + 0.010);
+}
+
+TEST(Config, APinholeIsTheFisheyeWithoutDistortionInTheSimulator) {
+  const Config config = with({"camera.model=pinhole"});
+  EXPECT_TRUE(std::holds_alternative<Pinhole>(config.pilot.camera.lens.model));
+  EXPECT_EQ(std::get<DhaneFisheye>(config.sim.camera.lens.model).k, 1.0);
+}
+
+TEST(Config, BrownConradysCoefficientsComeInOpenCvsOrderForPilotAndSimulator) {
+  const Config config =
+      with({"camera.model=brown-conrady", "camera.distortion=[-0.3, 0.1, 0.002, -0.001, 0.05]",
+            "camera.center_px=[150, 80]"});
+  for (const AnyCamera& camera : {config.pilot.camera.lens, config.sim.camera.lens}) {
+    const auto& lens = std::get<BrownConrady>(camera.model);
+    EXPECT_EQ(lens.distortion(), (BrownConrady::Coefficients{-0.3, 0.1, 0.002, -0.001, 0.05}));
+    EXPECT_EQ(lens.center_px, Eigen::Vector2d(150, 80));
+  }
+}
+
+TEST(Config, KannalaBrandtHasFourCoefficients) {
+  const Config config =
+      with({"camera.model=kannala-brandt", "camera.distortion=[0.1, -0.02, 0.003, 0]"});
+  for (const AnyCamera& camera : {config.pilot.camera.lens, config.sim.camera.lens})
+    EXPECT_EQ(std::get<KannalaBrandt>(camera.model).radial.coefficients(),
+              (RadialPolynomial::Coefficients{0.1, -0.02, 0.003, 0.0}));
+}
+
+TEST(Config, AWrongNumberOfCoefficientsIsRefusedSayingHowManyTheModelNeeds) {
+  const auto error = [](const Settings& settings) {
+    return test::error_of([&] { (void)with(settings); });
+  };
+  EXPECT_EQ(error({"camera.model=brown-conrady", "camera.distortion=[-0.3, 0.1]"}),
+            "--set: camera.distortion = [-0.3, 0.1], must be 5 numbers [k1, k2, p1, p2, k3] in "
+            "-1000..1000 with "
+            "camera.model = \"brown-conrady\"");
+  EXPECT_THAT(error({"camera.model=kannala-brandt"}),
+              HasSubstr("= [1.08] (the default), must be 4 numbers [k1, k2, k3, k4]"));
+  EXPECT_THAT(error({"camera.distortion=[]"}),
+              HasSubstr("must be 1 number [k] in 0.5..2 with camera.model = \"dhane\""));
+  EXPECT_THAT(error({"camera.distortion=3"}), HasSubstr("= [3], must be 1 number [k] in 0.5..2"));
+  EXPECT_THAT(error({"camera.model=pinhole", "camera.distortion=1.08"}),
+              HasSubstr("must be [] with"));
+  EXPECT_EQ(error({"camera.model=pinhole", "camera.distortion=[]"}), "");
+  EXPECT_THAT(error({"camera.model=kannala-brandt", "camera.distortion=[0, 0, nan, 0]"}),
+              HasSubstr("nan"));
+  EXPECT_THAT(error({"camera.distortion=[1, 2, 3, 4, 5, 6]"}), HasSubstr("a list of at most 5"));
+}
+
+TEST(Config, AWholeNumberMayBeWrittenWithAPoint) {
+  const Config config = with({"control.rest_samples=1e3", "camera.size_px=[320.0, 160]"});
+  EXPECT_EQ(config.pilot.phase.rest_samples, 1000);
+  EXPECT_EQ(config.width, 320);
+}
+
+TEST(Config, LaterFilesWinAndSettingsComeLast) {
+  const test::TempFolder folder;
+  const Files files{
+      folder.file(
+          "a.toml",
+          "[control]\nrest_samples = 100\n[detector]\nmin_side_px = 11\n[gate]\nbar_m = 0.07\n"),
+      folder.file("b.toml", "[control]\nrest_samples = 200\n[detector]\nmin_side_px = 22\n")};
+  const Config config = load_config(files, Settings{"detector.min_side_px=33"});
+  EXPECT_EQ(config.gate_bar, 0.07);
+  EXPECT_EQ(config.pilot.phase.rest_samples, 200);
+  EXPECT_EQ(config.pilot.detector.min_side_px, 33);
+  EXPECT_EQ(config.set_by.at("gate.bar_m"), files[0].string());
+  EXPECT_EQ(config.set_by.at("control.rest_samples"), files[1].string());
+  EXPECT_EQ(config.set_by.at("detector.min_side_px"), "--set");
+}
+
+TEST(Config, KeysOfTheColourBoxStillLoadAndAreSaidToHaveNoEffect) {
+  const Config config = with({"color.y_min=7", "detector.open_samples=100"});
+  ASSERT_EQ(config.notes.size(), 2u);
+  EXPECT_THAT(config.notes[0],
+              AllOf(HasSubstr("--set"), HasSubstr("color.y_min has no effect any more"),
+                    HasSubstr("color.table")));
+  EXPECT_TRUE(config.set_by.empty());
+  EXPECT_TRUE(with({}).notes.empty());
+}
+
+TEST(Config, UnknownKeySuggestsTheNearest) {
+  EXPECT_THAT(error_with("control.rest_sampels=3"),
+              AllOf(HasSubstr("--set"), HasSubstr("'control.rest_samples'")));
+  EXPECT_THAT(error_with("randomize.gate_positon_m=3"), HasSubstr("'gate_position_m'"));
+  const test::TempFolder folder;
+  const auto file = folder.file("a.toml", "[kamera]\ntilt_deg = 3\n");
+  EXPECT_THAT(test::error_of([&] { (void)load_config(Files{file}); }),
+              AllOf(HasSubstr("a.toml"), HasSubstr("[kamera]"), HasSubstr("'camera'")));
+}
+
+TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
+  EXPECT_EQ(error_with("control.rest_samples=2.5"),
+            "--set: control.rest_samples = 2.5, must be a whole number in 1..100000");
+  EXPECT_THAT(error_with("camera.tilt_deg=nan"),
+              HasSubstr("camera.tilt_deg = nan, must be a number in -90..90"));
+  EXPECT_THAT(error_with("camera.tilt_deg=inf"), HasSubstr("must be"));
+  EXPECT_THAT(error_with("camera.tilt_deg=\"steep\""), HasSubstr("\"steep\", must be a number"));
+  EXPECT_THAT(error_with("camera.tilt_deg=91"), HasSubstr("= 91, must be a number in -90..90"));
+  EXPECT_THAT(error_with("camera.focal_px=[168.0]"), HasSubstr("must be 2 numbers"));
+  EXPECT_THAT(error_with("camera.size_px=[315.5, 160]"), HasSubstr("whole numbers"));
+  EXPECT_THAT(error_with("camera.model=fish"),
+              HasSubstr("one of \"dhane\", \"pinhole\", \"brown-conrady\", \"kannala-brandt\""));
+  EXPECT_THAT(error_with("camera.stored_rotation_deg=45"), HasSubstr("must be 0, 90, 180 or 270"));
+  EXPECT_THAT(
+      test::error_of([] {
+        (void)with({"pose.min_bars_distance_m=3", "pose.max_bars_distance_m=2"});
+      }),
+      HasSubstr("pose.min_bars_distance_m = 3, must be at most pose.max_bars_distance_m = 2"));
+  EXPECT_THAT(error_with("gate.bar_m=0.6"), HasSubstr("gate.side_m"));
+  EXPECT_THAT(error_with("control.speed_mps"), HasSubstr("section.key=value"));
+  EXPECT_THAT(error_with("control.speed_mps="), HasSubstr("must be a number"));
+}
+
+TEST(Config, ErrorsAreOneLine) {
+  const test::TempFolder folder;
+  const auto file = folder.file("broken.toml", "[camera]\ntilt_deg = = 3\n");
+  const std::string error = test::error_of([&] { (void)load_config(Files{file}); });
+  EXPECT_THAT(error, AllOf(HasSubstr("broken.toml:2"), Not(HasSubstr("\n"))));
+}
+
+TEST(Config, RandomizeGoesOverTheTracksOwn) {
+  const Config config = with({"randomize.level=none", "randomize.gate_heading_deg=5"});
+  const sim::Randomize result = randomized(sim::randomize_level("hard"), config.randomize, "--set");
+  EXPECT_DOUBLE_EQ(result.gate_heading, 5 * kDegree);
+  EXPECT_EQ(result.gate_position, 0.0);
+}
+
+TEST(Config, ShowsEveryKeyWithItsSource) {
+  const std::string text = show(with({"control.speed_mps=1.25"}));
+  for (const auto& key : config_keys())
+    EXPECT_THAT(text, HasSubstr(key.rule.name.substr(key.rule.name.find('.') + 1) + " "))
+        << key.rule.name;
+  EXPECT_THAT(text, HasSubstr("1.25"));
+  EXPECT_THAT(text, HasSubstr("m/s, set by --set"));
+}
+
+TEST(Config, ShippedFilesLoad) {
+  for (const char* name : {"configs/default.toml", "configs/flights.toml", "cameras/bebop.toml",
+                           "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
+    EXPECT_NO_THROW((void)load_config(Files{data_dir() / name})) << name;
+}
+
+TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {
+  const std::filesystem::path root = data_dir();
+  const Config bebop = load_config(Files{root / "configs/default.toml", root / "cameras/bebop.toml",
+                                         root / "vehicles/bebop.toml"});
+  EXPECT_EQ(as_json(bebop), as_json(Config{}));
+}
+
+}  // namespace
+}  // namespace gatefly::io

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/drawing/plot.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gatefly::io {
+namespace {
+
+using ::testing::DoubleEq;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(Ticks, AreRoundNumbersInsideTheRange) {
+  EXPECT_THAT(ticks(0.0, 1.0, 5), ElementsAre(DoubleEq(0.0), DoubleEq(0.2), DoubleEq(0.4),
+                                              DoubleEq(0.6), DoubleEq(0.8), DoubleEq(1.0)));
+  EXPECT_THAT(ticks(-7.0, 12.0, 4), ElementsAre(-5.0, 0.0, 5.0, 10.0));
+  EXPECT_THAT(ticks(1.0, 1.0, 4), IsEmpty());
+  EXPECT_THAT(ticks(0.0, std::numeric_limits<double>::infinity(), 4), IsEmpty());
+}
+
+TEST(Ticks, ZeroHasNoSign) {
+  for (const double tick : ticks(-0.01, 0.5, 5)) EXPECT_FALSE(tick == 0.0 && std::signbit(tick));
+}
+
+/// Pixels of one colour.
+int count(const Canvas& canvas, const Color& color) {
+  const auto rgb = canvas.rgb();
+  int pixels = 0;
+  for (std::size_t i = 0; i < rgb.size(); i += 3)
+    pixels += rgb[i] == std::lround(255 * color.r) && rgb[i + 1] == std::lround(255 * color.g) &&
+              rgb[i + 2] == std::lround(255 * color.b);
+  return pixels;
+}
+
+TEST(Plot, EveryPointLeavesItsMark) {
+  constexpr Color kRed = color_of(0xff0000);
+  const auto marked = [&](const std::vector<Eigen::Vector2d>& points) {
+    return count(draw({.series = {{.name = "", .points = points, .color = kRed, .line = false}}}),
+                 kRed);
+  };
+  const int legend = marked({});
+  const int one = marked({{1, 1}, {2, 0.5}}) - legend;
+  EXPECT_GT(one, 40);
+  EXPECT_GT(marked({{1, 1}, {1.5, 0.7}, {2, 0.5}}) - legend, one);
+}
+
+TEST(Plot, WhatCannotBeShownIsLeftOut) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const Plot plot{
+      .series = {{.name = "some", .points = {{0.0, 1.0}, {-1.0, 1.0}, {kNan, 1.0}, {1.0, kNan}}}},
+      .log_x = true};
+  const Canvas canvas = draw(plot, 300, 200);
+  EXPECT_EQ(canvas.width(), 300);
+  EXPECT_EQ(count(canvas, look::kDetection),
+            count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), look::kDetection));
+}
+
+}  // namespace
+}  // namespace gatefly::io

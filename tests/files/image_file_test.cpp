@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/files/image_file.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <jpeglib.h>
+#include <png.h>
+
+#include "temp_folder.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A JPEG of one Y'CbCr colour (or of one grey), 16 x 8 px.
+std::string flat_jpeg(JSAMPLE y, JSAMPLE cb, JSAMPLE cr, bool grey = false) {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = 16;
+  jpeg.image_height = 8;
+  jpeg.input_components = grey ? 1 : 3;
+  jpeg.in_color_space = grey ? JCS_GRAYSCALE : JCS_YCbCr;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, 100, TRUE);
+  jpeg_start_compress(&jpeg, TRUE);
+  std::string line;
+  for (int i = 0; i < 16; ++i)
+    line += grey ? std::string{static_cast<char>(y)}
+                 : std::string{static_cast<char>(y), static_cast<char>(cb), static_cast<char>(cr)};
+  for (int i = 0; i < 8; ++i) {
+    auto* row = reinterpret_cast<JSAMPROW>(line.data());
+    jpeg_write_scanlines(&jpeg, &row, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  jpeg_destroy_compress(&jpeg);
+  std::string file(reinterpret_cast<char*>(bytes), size);
+  std::free(bytes);
+  return file;
+}
+
+/// A PNG of one row of pixels in a format of libpng's.
+std::string png_of(std::uint32_t format, const std::string& pixels) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.format = format;
+  png.width = static_cast<png_uint_32>(pixels.size() / PNG_IMAGE_PIXEL_SIZE(format));
+  png.height = 1;
+  png_alloc_size_t size = 0;
+  png_image_write_to_memory(&png, nullptr, &size, 0, pixels.data(), 0, nullptr);
+  std::string file(size, '\0');
+  png_image_write_to_memory(&png, file.data(), &size, 0, pixels.data(), 0, nullptr);
+  return file;
+}
+
+std::string error_reading(const std::string& name, const std::string& content, int width = 0,
+                          int height = 0) {
+  const test::TempFolder folder;
+  const auto path = folder.file(name, content);
+  return test::error_of([&] { (void)read_image(path, width, height); });
+}
+
+TEST(ImageFile, JpegKeepsItsOwnColoursFullRange) {
+  const test::TempFolder folder;
+  const ImageFile file = read_image(folder.file("a.JPG", flat_jpeg(250, 60, 200)));
+  EXPECT_EQ(file.stored_width, 16);
+  EXPECT_EQ(file.stored_height, 8);
+  const Yuv c = file.view(0).at(7, 3);
+  EXPECT_NEAR(c.y, 250, 1);
+  EXPECT_NEAR(c.u, 60, 1);
+  EXPECT_NEAR(c.v, 200, 1);
+}
+
+TEST(ImageFile, GreyJpegIsNeutral) {
+  const test::TempFolder folder;
+  const ImageFile file = read_image(folder.file("a.jpeg", flat_jpeg(77, 0, 0, true)));
+  const Yuv c = file.view(90).at(2, 2);
+  EXPECT_NEAR(c.y, 77, 1);
+  EXPECT_EQ(c.u, 128);
+  EXPECT_EQ(c.v, 128);
+}
+
+TEST(ImageFile, EveryTruncationOfAJpegIsAnErrorAndNeverACrash) {
+  const std::string whole = flat_jpeg(100, 110, 120);
+  for (std::size_t size = 0; size < whole.size() - 2; size += 7)
+    EXPECT_THAT(error_reading("a.jpg", whole.substr(0, size)),
+                AllOf(HasSubstr("a.jpg"), Not(HasSubstr("\n"))))
+        << size;
+}
+
+TEST(ImageFile, AnyDamagedByteIsReadOrRefusedButNeverCrashes) {
+  const std::string whole = flat_jpeg(100, 110, 120);
+  for (std::size_t at = 2; at < whole.size(); at += 3) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
+    (void)error_reading("a.jpg", damaged);
+  }
+}
+
+TEST(ImageFile, PngOfAnyKindIsRgb) {
+  const test::TempFolder folder;
+  const auto first = [&](std::uint32_t format, const std::string& pixels) {
+    return read_image(folder.file("a.png", png_of(format, pixels))).view(0).at(1, 0);
+  };
+  const Yuv orange = yuv_of_rgb(0xff, 0x80, 0x20);
+  EXPECT_EQ(first(PNG_FORMAT_RGB, "abc\xff\x80\x20").v, orange.v);
+  EXPECT_EQ(first(PNG_FORMAT_RGBA, "abc\xff\xff\x80\x20\xff").u, orange.u);
+  const Yuv grey = first(PNG_FORMAT_GRAY, "aMb");
+  EXPECT_EQ(grey.y, 'M');
+  EXPECT_EQ(grey.u, 128);
+}
+
+TEST(ImageFile, EveryTruncationOfAPngIsAnErrorAndNeverACrash) {
+  const std::string whole = png_of(PNG_FORMAT_RGB, "abcdefghi");
+  // the last 12 bytes only say that it ends
+  for (std::size_t size = 0; size + 12 < whole.size(); ++size)
+    EXPECT_THAT(error_reading("a.png", whole.substr(0, size)),
+                AllOf(HasSubstr("a.png"), Not(HasSubstr("\n"))))
+        << size;
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
+    (void)error_reading("a.png", damaged);
+  }
+}
+
+TEST(ImageFile, PpmIsRgb) {
+  const test::TempFolder folder;
+  const ImageFile file =
+      read_image(folder.file("a.ppm", "P6\n# made by hand\n2 1\n255\n\xff\x80\x20zzz"));
+  EXPECT_EQ(file.format, PixelFormat::kRgb);
+  EXPECT_EQ(file.view(0).at(0, 0).y, yuv_of_rgb(0xff, 0x80, 0x20).y);
+  EXPECT_EQ(file.view(90).width(), 1);
+}
+
+TEST(ImageFile, BrokenPpmIsRefused) {
+  EXPECT_THAT(error_reading("a.ppm", "P5\n2 1\n255\n123456"), HasSubstr("P6"));
+  EXPECT_THAT(error_reading("a.ppm", "P6\n2 1\n255\n12345"), HasSubstr("ends early"));
+  EXPECT_THAT(error_reading("a.ppm", "P6\n2 1\n65535\n123456"), HasSubstr("255"));
+  EXPECT_THAT(error_reading("a.ppm", "P6\n0 1\n255\n"), HasSubstr("size"));
+  EXPECT_THAT(error_reading("a.ppm", "P6 #"), HasSubstr("header"));
+  EXPECT_THAT(error_reading("a.ppm", "P6\n99999 99999\n255\n"), HasSubstr("size"));
+}
+
+TEST(ImageFile, UyvyNeedsExactlyTheCamerasBytes) {
+  const test::TempFolder folder;
+  const ImageFile file = read_image(folder.file("a.uyvy", "U1V2u3v4"), 2, 2);
+  EXPECT_EQ(file.view(0).at(1, 1).y, '4');
+  EXPECT_EQ(file.view(0).at(1, 1).u, 'u');
+  EXPECT_THAT(error_reading("a.uyvy", "U1V2u3v", 2, 2), HasSubstr("has 7 bytes, must be 8"));
+  EXPECT_THAT(error_reading("a.uyvy", "U1V2u3v4"), HasSubstr("stored size"));
+}
+
+TEST(ImageFile, OtherEmptyMissingAndFolderAreErrorsWithThePath) {
+  EXPECT_THAT(error_reading("a.jpg", ""), HasSubstr("a.jpg: is empty"));
+  EXPECT_THAT(error_reading("a.txt", "x"), HasSubstr("a.txt: not a picture"));
+  EXPECT_THAT(error_reading("a.jpg", "certainly no jpeg"), HasSubstr("not a usable JPEG"));
+  EXPECT_THAT(test::error_of([] { (void)read_image("/nowhere/a.jpg"); }),
+              HasSubstr("/nowhere/a.jpg"));
+  const test::TempFolder folder;
+  std::filesystem::create_directory(folder.path() / "b.jpg");
+  EXPECT_THAT(test::error_of([&] { (void)read_image(folder.path() / "b.jpg"); }),
+              HasSubstr("is a folder"));
+}
+
+}  // namespace
+}  // namespace gatefly::io

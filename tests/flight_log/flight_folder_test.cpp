@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/flight_log/flight_folder.hpp"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/text.hpp"
+
+#include "temp_folder.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* const kRealHeader =
+    "t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2,ahrs_phi_rad,ahrs_"
+    "theta_rad,"
+    "ahrs_psi_rad,ot_x_m,ot_y_m,ot_z_m,ot_vx_mps,ot_vy_mps,ot_vz_mps\n";
+
+Pilot any_pilot() {
+  PilotConfig config;
+  config.track.gates = {MapGate{.p_EG = {4, 0, -1.5}}};
+  return Pilot{config};
+}
+
+class Recording : public ::testing::Test {
+ protected:
+  /// One tick with numbers that are hard to write exactly.
+  void record(FlightRecorder& recorder, int row, std::span<const std::uint8_t> frame = {}) {
+    Sensors sensors{.time = std::chrono::nanoseconds{1'953'125LL * row + 7}, .imu = {}};
+    sensors.imu.gyro_B = {0.1 + row, 1.0 / 3.0, -5e-324};
+    sensors.imu.accel_B = {1e300, std::nextafter(-9.81, 0.0), 0.0};
+    if (row % 2 == 0) sensors.sonar = 2.0 / 7.0;
+    const Command command{.attitude = {}, .motors = {1, 2, 3, 4}};
+    Truth truth;
+    truth.p_EB = {1.1, 2.2, -3.3};
+    truth.attitude = {.roll = 0.1, .pitch = -0.2, .yaw = 3.0};
+    recorder.record(
+        {.sensors = sensors, .command = command, .pilot = pilot_, .truth = truth, .frame = frame});
+  }
+  test::TempFolder folder_;
+  Pilot pilot_ = any_pilot();
+};
+
+TEST_F(Recording, ReadsBackExactly) {
+  const std::vector<std::uint8_t> frame{1, 2, 3, 4, 5, 6, 7, 8};
+  FlightRecorder recorder(folder_.path() / "a" / "flight");
+  for (int row = 0; row < 100; ++row)
+    record(recorder, row, row == 42 ? std::span{frame} : std::span<const std::uint8_t>{});
+  recorder.add_file("report.html", "<p>");
+  recorder.finish("{}");
+
+  const FlightFolder flight = read_flight_folder(folder_.path() / "a" / "flight");
+  ASSERT_EQ(flight.samples.size(), 100u);
+  const FlightSample& sample = flight.samples[42];
+  EXPECT_EQ(sample.time.count(), 1'953'125LL * 42 + 7);
+  EXPECT_EQ(sample.imu.gyro_B, Eigen::Vector3d(42.1, 1.0 / 3.0, -5e-324));
+  EXPECT_EQ(sample.imu.accel_B, Eigen::Vector3d(1e300, std::nextafter(-9.81, 0.0), 0.0));
+  EXPECT_EQ(sample.sonar, 2.0 / 7.0);
+  EXPECT_FALSE(sample.baro.has_value());
+  EXPECT_FALSE(flight.samples[43].sonar.has_value());
+  EXPECT_EQ(sample.true_p_EB, Eigen::Vector3d(1.1, 2.2, -3.3));
+  EXPECT_EQ(sample.true_attitude->yaw, 3.0);
+  EXPECT_TRUE(sample.est_p_EB.has_value());
+  ASSERT_EQ(flight.images.size(), 1u);
+  EXPECT_EQ(flight.images[0].log_row, 42u);
+  EXPECT_EQ(flight.images[0].time, sample.time);
+  EXPECT_EQ(read_image(flight.images[0].path, 2, 2).bytes, frame);
+}
+
+TEST_F(Recording, ALostSampleIsAnEmptyCell) {
+  FlightRecorder recorder(folder_.path() / "flight");
+  Sensors sensors;
+  sensors.imu.gyro_B.x() = std::numeric_limits<double>::quiet_NaN();
+  recorder.record({.sensors = sensors, .command = {}, .pilot = pilot_, .truth = {}, .frame = {}});
+  recorder.finish("{}");
+  EXPECT_TRUE(std::isnan(read_flight_folder(folder_.path() / "flight").samples[0].imu.gyro_B.x()));
+}
+
+TEST_F(Recording, AnUnfinishedFlightLeavesNothing) {
+  {
+    FlightRecorder recorder(folder_.path() / "flight");
+    record(recorder, 0);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(Recording, ReplacesAnEarlierFlightButNothingElse) {
+  const auto out = folder_.path() / "flight";
+  for (int i = 0; i < 2; ++i) {
+    FlightRecorder recorder(out);
+    record(recorder, i);
+    if (i == 0) recorder.add_file("old", "");
+    recorder.finish("{\"i\":" + std::to_string(i) + "}");
+  }
+  EXPECT_EQ(read_file(out / "summary.json"), "{\"i\":1}");
+  EXPECT_FALSE(std::filesystem::exists(out / "old"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+
+  std::filesystem::remove(out / "summary.json");
+  EXPECT_THAT(test::error_of([&] { FlightRecorder{out}; }), HasSubstr("no earlier flight"));
+  const auto file = folder_.file("file", "x");
+  EXPECT_THAT(test::error_of([&] { FlightRecorder{file}; }), HasSubstr("no folder"));
+  EXPECT_THAT(test::error_of([&] { FlightRecorder{file / "below"}; }),
+              HasSubstr("cannot be written"));
+  EXPECT_THAT(test::error_of([] { FlightRecorder{"."}; }), HasSubstr("--out"));
+}
+
+TEST(FlightFolder, ReadsRealLogsColumns) {
+  const test::TempFolder folder;
+  (void)folder.file("log_si.csv", std::string{kRealHeader} +
+                                      "0.000606,1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n"
+                                      "0.002560,1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n");
+  (void)folder.file("images.csv", "image,t_s,log_row\nimg_00000.jpg,0.00256,1\n");
+  const FlightFolder flight = read_flight_folder(folder.path());
+  ASSERT_EQ(flight.samples.size(), 2u);
+  EXPECT_EQ(flight.samples[1].time.count(), 2'560'000);
+  EXPECT_EQ(flight.samples[0].true_v_E, Eigen::Vector3d(10, 11, 12));
+  EXPECT_DOUBLE_EQ(flight.samples[0].ahrs->pitch, 0.2);
+  EXPECT_FALSE(flight.samples[0].true_attitude.has_value());
+  EXPECT_EQ(flight.images[0].path, folder.path() / "img_00000.jpg");
+}
+
+TEST(FlightFolder, DamageIsNamedByFileAndLine) {
+  const test::TempFolder folder;
+  const auto error = [&](const std::string& log, const std::string& images) {
+    (void)folder.file("log_si.csv", kRealHeader + log);
+    (void)folder.file("images.csv", "image,t_s,log_row\n" + images);
+    return test::error_of([&] { (void)read_flight_folder(folder.path()); });
+  };
+  const std::string row = ",1,2,3,4,5,6,.1,.2,.3,7,8,9,10,11,12\n";
+  EXPECT_THAT(error("", ""), HasSubstr("has no rows"));
+  EXPECT_THAT(error("2" + row + "1" + row, ""), HasSubstr("log_si.csv:3: time runs backwards"));
+  EXPECT_THAT(error(row, ""), HasSubstr("log_si.csv:2: has no usable time"));
+  EXPECT_THAT(error("1" + row, "a.jpg,1,1\n"), HasSubstr("images.csv:2: log_row"));
+  EXPECT_THAT(error("1" + row, "a.jpg,1,0.5\n"), HasSubstr("images.csv:2: log_row"));
+  EXPECT_THAT(error("1" + row, "../a.jpg,1,0\n"), HasSubstr("images.csv:2: image"));
+  EXPECT_THAT(test::error_of([] { (void)read_flight_folder("/nowhere"); }),
+              HasSubstr("/nowhere: is no folder"));
+}
+
+}  // namespace
+}  // namespace gatefly::io

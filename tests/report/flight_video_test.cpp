@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/report/flight_video.hpp"
+
+#include <cstdint>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/files/text.hpp"
+
+#include "temp_folder.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using ::testing::HasSubstr;
+
+closed_loop::RaceConfig one_gate() {
+  closed_loop::RaceConfig race;
+  race.pilot.track.gates = {MapGate{.p_EG = {3, 0, -1.5}}};
+  race.sim.world.gates = {sim::WorldGate{.p_EG = {3, 0, -1.5}}};
+  race.sim.world.obstacles = {sim::WorldBox{}, sim::WorldBox{.center = {2, 2}, .pole = true}};
+  return race;
+}
+
+/// Half a second of standing on the pad, with a grey picture every 0.1 s if there are any.
+void record_start(FlightVideo& video, const closed_loop::RaceConfig& race, bool pictures) {
+  const std::vector<std::uint8_t> grey(image_bytes(PixelFormat::kUyvy, 160, 315), 128);
+  Pilot pilot{race.pilot};
+  for (int ms = 0; ms <= 500; ms += 2) {
+    Sensors sensors;
+    sensors.time = std::chrono::milliseconds{ms};
+    if (pictures && ms % 100 == 0)
+      sensors.image = Image(grey.data(), PixelFormat::kUyvy, 160, 315, 90);
+    const Command command = pilot.step(sensors);
+    video.record({sensors, command, pilot, {}, {}});
+  }
+}
+
+class FlightVideoTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
+  }
+  test::TempFolder folder_;
+};
+
+TEST_F(FlightVideoTest, AFinishedFlightIsAFilmWithOrWithoutPictures) {
+  const auto race = one_gate();
+  for (const bool pictures : {true, false}) {
+    const auto path = folder_.path() / (pictures ? "rendered.mp4" : "ideal.mp4");
+    FlightVideo video(path, race, "one gate, seed 1", pictures);
+    record_start(video, race, pictures);
+    EXPECT_FALSE(std::filesystem::exists(path));
+    video.finish(std::string(300, 'x'));  // longer than any panel: it has to shrink, not to fail
+    EXPECT_THAT(read_file(path).substr(0, 12), HasSubstr("ftyp"));
+  }
+}
+
+TEST_F(FlightVideoTest, AnInterruptedFlightLeavesNothing) {
+  const auto race = one_gate();
+  {
+    FlightVideo video(folder_.path() / "flight.mp4", race, "one gate, seed 1", true);
+    record_start(video, race, true);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+}  // namespace
+}  // namespace gatefly::io
