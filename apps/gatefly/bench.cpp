@@ -309,12 +309,10 @@ int bench_all(const BenchOptions& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Run& run) {
+void declare_bench(Command& command) {
   auto options = std::make_shared<BenchOptions>();
   options->race.track = "oval";
-  CLI::App* command =
-      app.add_subcommand("bench", "the stage-by-stage cost, each beside its baseline");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly bench --quick\n  gatefly bench --stage careful --worst\n"
       "  gatefly bench --pictures ../shared/data/tudelft_bebop_gates/cyberzoo checker:8:0.5\n\n"
       "Pictures come from the beginning of a simulated race, and from the authors' sets when they "
@@ -324,21 +322,19 @@ void add_bench(CLI::App& app, Run& run) {
       "all, checker, noise, spiral, rings, stripes, comb, gates) with up to three numbers. "
       "Instructions instead of time:\n"
       "tools/count_instructions.py. Exit code 0: measured; 2: unusable arguments; 130: Ctrl-C.");
-  command->add_option("--stage", options->stages, "only these detectors")->type_name("NAME");
+  command.option("--stage", options->stages, "only these detectors").type_name("NAME");
   command
-      ->add_option("--pictures", options->pictures,
-                   "files, folders or patterns instead of the race's and the real ones")
-      ->type_name("PATH");
-  command->add_flag("--worst", options->worst,
-                    "also search for the slowest picture of each detector");
-  command->add_flag("--once", options->once, "one call a picture, nothing measured: for callgrind");
-  command->add_flag("--quick", options->quick, "fewer pictures and rounds: seconds");
-  command
-      ->add_option("--data", options->data, "folder of real data [$GATEFLY_DATA, ../shared/data]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "print JSON");
-  add_common(*command, options->race.common);
-  command->callback([options, &run] { run = [options] { return bench_all(*options); }; });
+      .option("--pictures", options->pictures,
+              "files, folders or patterns instead of the race's and the real ones")
+      .type_name("PATH");
+  command.flag("--worst", options->worst, "also search for the slowest picture of each detector");
+  command.flag("--once", options->once, "one call a picture, nothing measured: for callgrind");
+  command.flag("--quick", options->quick, "fewer pictures and rounds: seconds");
+  command.option("--data", options->data, "folder of real data [$GATEFLY_DATA, ../shared/data]")
+      .type_name("DIR");
+  command.flag("--json", options->json, "print JSON");
+  add_common(command, options->race.common);
+  command.runs([options] { return bench_all(*options); });
 }
 
 }  // namespace gatefly::cli

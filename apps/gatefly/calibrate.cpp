@@ -539,11 +539,9 @@ int run_calibrate(const CalibrateOptions& options) {
 
 }  // namespace
 
-void add_calibrate(CLI::App& app, Run& run) {
+void declare_calibrate(Command& command) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command =
-      app.add_subcommand("calibrate", "a camera from pictures of a checkerboard or corner lists");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly calibrate pictures/ --pattern 9x6 --square-m 0.03 --out camera.toml\n"
       "  gatefly detect photo.jpg --config camera.toml\n"
       "  gatefly calibrate corners.csv --size 640x480 --model kannala-brandt --to kalibr --out "
@@ -559,72 +557,66 @@ void add_calibrate(CLI::App& app, Run& run) {
       "written. Exit code 2: no camera\n"
       "can be had from these pictures, the reason is said; or a picture could not be read (the "
       "rest was done).");
-  command->add_option("PATH", options->paths, "pictures, folders of them, corner lists (.csv)");
-  command->add_option("--out", options->out, "where the camera goes (- for stdout)")
-      ->type_name("FILE");
-  CLI::Option* pattern =
-      command->add_option("--pattern", options->pattern, "inner corners of the checkerboard")
-          ->type_name("COLUMNSxROWS");
-  CLI::Option* square = command->add_option("--square-m", options->square, "side of a square")
-                            ->check(CLI::Range(1e-4, 10.0))
-                            ->type_name("METRES");
-  CLI::Option* size =
-      command->add_option("--size", options->size, "of the stored pictures behind a corner list")
-          ->type_name("WxH");
-  CLI::Option* rotate =
-      command
-          ->add_option("--rotate", options->rotate_deg,
-                       "turn stored pictures (and listed corners) counter-clockwise [0]")
-          ->check(CLI::IsMember({0, 90, 180, 270}))
-          ->type_name("DEG");
-  CLI::Option* model =
-      command->add_option("--model", options->model, "this lens instead of the recommended one")
-          ->check(CLI::IsMember({"pinhole", "dhane", "kannala-brandt", "brown-conrady"}))
-          ->type_name("MODEL");
-  CLI::Option* zero = command
-                          ->add_option("--zero", options->zero,
-                                       "distortion coefficients that stay 0: p1,p2 is no "
-                                       "tangential distortion, k3 is\nKalibr's radtan")
-                          ->check(CLI::IsMember({"k1", "k2", "k3", "k4", "p1", "p2"}))
-                          ->delimiter(',')
-                          ->allow_extra_args(false)
-                          ->type_name("NAMES");
+  command.option("PATH", options->paths, "pictures, folders of them, corner lists (.csv)");
+  command.option("--out", options->out, "where the camera goes (- for stdout)").type_name("FILE");
+  Flag pattern = command.option("--pattern", options->pattern, "inner corners of the checkerboard")
+                     .type_name("COLUMNSxROWS");
+  Flag square = command.option("--square-m", options->square, "side of a square")
+                    .between(1e-4, 10.0)
+                    .type_name("METRES");
+  Flag size = command.option("--size", options->size, "of the stored pictures behind a corner list")
+                  .type_name("WxH");
+  Flag rotate = command
+                    .option("--rotate", options->rotate_deg,
+                            "turn stored pictures (and listed corners) counter-clockwise [0]")
+                    .one_of({0, 90, 180, 270})
+                    .type_name("DEG");
+  Flag model = command.option("--model", options->model, "this lens instead of the recommended one")
+                   .one_of({"pinhole", "dhane", "kannala-brandt", "brown-conrady"})
+                   .type_name("MODEL");
+  Flag zero = command
+                  .option("--zero", options->zero,
+                          "distortion coefficients that stay 0: p1,p2 is no "
+                          "tangential distortion, k3 is\nKalibr's radtan")
+                  .one_of({"k1", "k2", "k3", "k4", "p1", "p2"})
+                  .separated_by(',')
+                  .one_value_each()
+                  .type_name("NAMES");
   command
-      ->add_option("--to", options->to,
-                   "what to write: toml (ours), kalibr (camchain), ros (camera_info) [toml]")
-      ->check(CLI::IsMember({"toml", "kalibr", "ros"}))
-      ->type_name("FORMAT");
-  CLI::Option* from =
+      .option("--to", options->to,
+              "what to write: toml (ours), kalibr (camchain), ros (camera_info) [toml]")
+      .one_of({"toml", "kalibr", "ros"})
+      .type_name("FORMAT");
+  Flag from =
       command
-          ->add_option("--from", options->from,
-                       "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
-          ->type_name("FILE");
-  command->add_option("--camera", options->camera, "which of a camchain's cameras")
-      ->needs(from)
-      ->type_name("NAME");
-  CLI::Option* tilt =
+          .option("--from", options->from,
+                  "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
+          .type_name("FILE");
+  command.option("--camera", options->camera, "which of a camchain's cameras")
+      .needs(from)
+      .type_name("NAME");
+  Flag tilt =
       command
-          ->add_option("--tilt-from", options->tilt_from,
-                       "mount angle from a labels.csv of gates that a level drone saw,\nor from a "
-                       "flight folder with labels.csv and motion capture")
-          ->type_name("FILE|DIR");
+          .option("--tilt-from", options->tilt_from,
+                  "mount angle from a labels.csv of gates that a level drone saw,\nor from a "
+                  "flight folder with labels.csv and motion capture")
+          .type_name("FILE|DIR");
   command
-      ->add_option("--gate-height-m", options->gate_height,
-                   "for a labels.csv: the gates' middle above the camera, to 5 cm")
-      ->check(CLI::Range(-10.0, 10.0))
-      ->needs(tilt)
-      ->type_name("METRES");
-  CLI::Option* report =
-      command->add_option("--report", options->report, "draw all residuals")->type_name("PNG");
+      .option("--gate-height-m", options->gate_height,
+              "for a labels.csv: the gates' middle above the camera, to 5 cm")
+      .between(-10.0, 10.0)
+      .needs(tilt)
+      .type_name("METRES");
+  Flag report = command.option("--report", options->report, "draw all residuals").type_name("PNG");
   command
-      ->add_option("--data", options->data,
-                   "where a PATH is looked for that is not here [$GATEFLY_DATA]")
-      ->type_name("DIR");
-  CLI::Option* json = command->add_flag("--json", options->json, "print JSON");
-  for (CLI::Option* other : {pattern, square, size, rotate, model, zero, report, json})
-    from->excludes(other);
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return run_calibrate(*options); }; });
+      .option("--data", options->data,
+              "where a PATH is looked for that is not here [$GATEFLY_DATA]")
+      .type_name("DIR");
+  Flag json = command.flag("--json", options->json, "print JSON");
+  for (Flag other : {pattern, square, size, rotate, model, zero, report, json})
+    from.excludes(other);
+  add_common(command, options->common);
+  command.runs([options] { return run_calibrate(*options); });
 }
 
 }  // namespace gatefly::cli

@@ -202,36 +202,32 @@ int campaign(const CampaignOptions& options) {
 
 }  // namespace
 
-void add_campaign(CLI::App& app, Run& run) {
+void declare_campaign(Command& command) {
   auto options = std::make_shared<CampaignOptions>();
-  CLI::App* command =
-      app.add_subcommand("campaign", "many seeded races: how often, how fast, and what went wrong");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly campaign oval --runs 40 --vision ideal\n"
       "  gatefly campaign showroom --runs 300 --shard 1/2 --out out/half-1\n"
       "  gatefly campaign --merge out/half-1 out/half-2 --out out/whole\n\n"
       "Started again with the same arguments it flies only the seeds that are missing.\n"
       "Exit code 0: all were flown; 2: unusable arguments or track; 130: Ctrl-C, finished runs are "
       "kept.");
-  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")
-      ->capture_default_str();
-  command->add_option("--runs", options->runs, "how many seeds")->check(CLI::Range(1, 1000000));
-  command->add_option("--first-seed", options->first_seed, "and from which on")
-      ->check(check_seed)
-      ->capture_default_str();
-  command->add_option("--jobs", options->jobs, "races at the same time [one a core]")
-      ->check(CLI::Range(1, 1024));
+  command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
+  command.option("--runs", options->runs, "how many seeds").between(1, 1000000);
+  command.option("--first-seed", options->first_seed, "and from which on")
+      .check(check_seed)
+      .show_default();
+  command.option("--jobs", options->jobs, "races at the same time [one a core]").between(1, 1024);
   command
-      ->add_option("--shard", options->shard,
-                   "only every n-th seed, from the i-th on: for several machines")
-      ->type_name("i/n");
-  command->add_option("--merge", options->merge, "instead of flying: the shards' folders")
-      ->type_name("DIR");
-  command->add_option("--out", options->out, "folder for the campaign [out/campaign-TRACK]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "print campaign.json instead of a screen");
-  add_race_options(*command, options->race);
-  command->callback([options, &run] { run = [options] { return campaign(*options); }; });
+      .option("--shard", options->shard,
+              "only every n-th seed, from the i-th on: for several machines")
+      .type_name("i/n");
+  command.option("--merge", options->merge, "instead of flying: the shards' folders")
+      .type_name("DIR");
+  command.option("--out", options->out, "folder for the campaign [out/campaign-TRACK]")
+      .type_name("DIR");
+  command.flag("--json", options->json, "print campaign.json instead of a screen");
+  add_race_options(command, options->race);
+  command.runs([options] { return campaign(*options); });
 }
 
 }  // namespace gatefly::cli

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "gatefly/config/config.hpp"
+
+#include "command_line.hpp"
 
 namespace gatefly::cli {
 
@@ -17,30 +18,36 @@ inline constexpr int kAnswerIsNo = 1;  ///< It ran, but e.g. the race was not fi
 inline constexpr int kUnusable = 2;
 inline constexpr int kInterrupted = 130;  ///< Ctrl-C.
 
-/// What the chosen subcommand does, once everything is parsed. Answers the exit code.
-using Run = std::function<int()>;
-
-// One file per subcommand. Each adds itself to `app` and, when chosen, puts its work into `run`:
+// One file per subcommand. Each declares its command line and what to do when it is chosen:
 //
-//   void add_replay(CLI::App& app, Run& run) {
+//   void declare_replay(Command& command) {
 //     auto options = std::make_shared<ReplayOptions>();
-//     CLI::App* command = app.add_subcommand("replay", "a recorded flight through ...");
-//     command->footer("Example:\n  gatefly replay out/showroom-1 --csv estimates.csv");
-//     command->add_option("DIR", options->directory, "...")->required();
-//     add_common(*command, options->common);
-//     command->callback([options, &run] { run = [options] { return replay(*options); }; });
+//     command.footer("Example:\n  gatefly replay out/showroom-1 --csv estimates.csv");
+//     command.option("DIR", options->directory, "...").required();
+//     add_common(command, options->common);
+//     command.runs([options] { return replay(*options); });
 //   }
-void add_fly(CLI::App& app, Run& run);
-void add_config(CLI::App& app, Run& run);
-void add_replay(CLI::App& app, Run& run);
-void add_detect(CLI::App& app, Run& run);
-void add_score(CLI::App& app, Run& run);
-void add_campaign(CLI::App& app, Run& run);
-void add_reproduce(CLI::App& app, Run& run);
-void add_identify(CLI::App& app, Run& run);
-void add_bench(CLI::App& app, Run& run);
-void add_calibrate(CLI::App& app, Run& run);
-void add_tune(CLI::App& app, Run& run);
+void declare_fly(Command& command);
+void declare_config(Command& command);
+void declare_replay(Command& command);
+void declare_detect(Command& command);
+void declare_score(Command& command);
+void declare_campaign(Command& command);
+void declare_reproduce(Command& command);
+void declare_identify(Command& command);
+void declare_bench(Command& command);
+void declare_calibrate(Command& command);
+void declare_tune(Command& command);
+
+/// A subcommand that is compiled into this program.
+struct CommandHere {
+  std::string_view name;
+  void (*declare)(Command& command);
+};
+/// Which these are: commands_of_gatefly.cpp, commands_of_gatefly_lab.cpp. What one flies and looks
+/// with is in `gatefly`; what takes a laboratory's libraries (Ceres, OpenCV) in `gatefly-lab`, which
+/// `gatefly` calls, so that the first flight need not wait for it to be built.
+[[nodiscard]] std::span<const CommandHere> commands_here();
 
 /// Flags that every subcommand has.
 struct CommonOptions {
@@ -48,7 +55,7 @@ struct CommonOptions {
   std::vector<std::string> settings;  ///< --set section.key=value, in order.
   bool quiet = false;
 };
-void add_common(CLI::App& command, CommonOptions& options);
+void add_common(Command& command, CommonOptions& options);
 
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
 [[nodiscard]] io::Config load(const CommonOptions& options);

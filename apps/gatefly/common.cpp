@@ -32,17 +32,16 @@ double wall_seconds() {
 void catch_interrupt() { std::signal(SIGINT, on_interrupt); }
 bool interrupted() { return was_interrupted != 0; }
 
-void add_common(CLI::App& command, CommonOptions& options) {
+void add_common(Command& command, CommonOptions& options) {
   command
-      .add_option("--config", options.configs,
-                  "configuration: a file or a name in configs/; later wins")
-      ->allow_extra_args(false)
-      ->type_name("FILE");
-  command
-      .add_option("--set", options.settings, "one key, after all files; see gatefly config --show")
-      ->allow_extra_args(false)
-      ->type_name("SECTION.KEY=VALUE");
-  command.add_flag("-q,--quiet", options.quiet, "no progress, as few words as possible");
+      .option("--config", options.configs,
+              "configuration: a file or a name in configs/; later wins")
+      .one_value_each()
+      .type_name("FILE");
+  command.option("--set", options.settings, "one key, after all files; see gatefly config --show")
+      .one_value_each()
+      .type_name("SECTION.KEY=VALUE");
+  command.flag("-q,--quiet", options.quiet, "no progress, as few words as possible");
 }
 
 io::Config load(const CommonOptions& options) {

@@ -25,17 +25,14 @@ int config(const ConfigOptions& options) {
 
 }  // namespace
 
-void add_config(CLI::App& app, Run& run) {
+void declare_config(Command& command) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* command =
-      app.add_subcommand("config", "every configuration key with value, unit and source");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly config --show --config cameras/bebop.toml --set control.speed_mps=1.5");
-  command->add_flag("--show", options->show,
-                    "print the effective configuration (what it does anyway)");
-  command->add_flag("--json", options->json, "the values as JSON");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return config(*options); }; });
+  command.flag("--show", options->show, "print the effective configuration (what it does anyway)");
+  command.flag("--json", options->json, "the values as JSON");
+  add_common(command, options->common);
+  command.runs([options] { return config(*options); });
 }
 
 }  // namespace gatefly::cli

@@ -262,10 +262,9 @@ int detect(const DetectOptions& options) {
 
 }  // namespace
 
-void add_detect(CLI::App& app, Run& run) {
+void declare_detect(Command& command) {
   auto options = std::make_shared<DetectOptions>();
-  CLI::App* command = app.add_subcommand("detect", "gates in images, folders, or a video");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly detect --rotate 0 photo.png clip.mp4 --annotate out/drawn\n"
       "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv "
       "found.csv\n\n"
@@ -277,26 +276,24 @@ void add_detect(CLI::App& app, Run& run) {
       "picture only with --all. Exit code 0: a gate was detected; 1: none; 2: something could not "
       "be used (the\n"
       "rest is done); 130: Ctrl-C.");
-  command->add_option("PATH", options->paths, "images, folders, videos")->required();
-  command->add_flag("--all", options->all, "every gate, best first, instead of the best");
+  command.option("PATH", options->paths, "images, folders, videos").required();
+  command.flag("--all", options->all, "every gate, best first, instead of the best");
   command
-      ->add_option("--rotate", options->rotate_deg,
-                   "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
-      ->check(CLI::IsMember({0, 90, 180, 270}))
-      ->type_name("DEG");
-  command->add_option("--csv", options->csv, "where rows go instead of stdout (-)")
-      ->type_name("FILE");
+      .option("--rotate", options->rotate_deg,
+              "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+      .one_of({0, 90, 180, 270})
+      .type_name("DEG");
+  command.option("--csv", options->csv, "where rows go instead of stdout (-)").type_name("FILE");
   command
-      ->add_option("--annotate", options->annotate,
-                   "draw every picture with its gates: DIR/<image>.png")
-      ->type_name("DIR");
+      .option("--annotate", options->annotate, "draw every picture with its gates: DIR/<image>.png")
+      .type_name("DIR");
   command
-      ->add_option("--data", options->data,
-                   "where a PATH is looked for that is not here [$GATEFLY_DATA]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "print JSON");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return detect(*options); }; });
+      .option("--data", options->data,
+              "where a PATH is looked for that is not here [$GATEFLY_DATA]")
+      .type_name("DIR");
+  command.flag("--json", options->json, "print JSON");
+  add_common(command, options->common);
+  command.runs([options] { return detect(*options); });
 }
 
 }  // namespace gatefly::cli

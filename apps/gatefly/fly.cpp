@@ -6,7 +6,7 @@
 #include <optional>
 #include <sstream>
 
-#include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
 
@@ -132,26 +132,23 @@ int fly(const FlyOptions& options) {
 
 }  // namespace
 
-void add_fly(CLI::App& app, Run& run) {
+void declare_fly(Command& command) {
   auto options = std::make_shared<FlyOptions>();
-  CLI::App* command = app.add_subcommand("fly", "one closed-loop race in the simulator");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly fly showroom --seed 7 --laps 1 --set control.speed_mps=1.5\n"
       "  gatefly fly oval --vision ideal\n\n"
       "An ideal flight has no pictures: replay needs a rendered one.\n"
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
-  command->add_option("TRACK", options->race.track, "a name in tracks/ or a file")
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "the day: what [randomize] draws")
-      ->check(check_seed)
-      ->capture_default_str();
-  command->add_option("--out", options->out, "folder for the flight [out/TRACK-SEED]")
-      ->type_name("DIR");
-  command->add_flag("--video", options->video,
-                    "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
-  command->add_flag("--json", options->json, "print summary.json instead of a screen");
-  add_race_options(*command, options->race);
-  command->callback([options, &run] { run = [options] { return fly(*options); }; });
+  command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
+  command.option("--seed", options->seed, "the day: what [randomize] draws")
+      .check(check_seed)
+      .show_default();
+  command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").type_name("DIR");
+  command.flag("--video", options->video,
+               "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
+  command.flag("--json", options->json, "print summary.json instead of a screen");
+  add_race_options(command, options->race);
+  command.runs([options] { return fly(*options); });
 }
 
 }  // namespace gatefly::cli

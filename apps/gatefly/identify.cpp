@@ -117,24 +117,21 @@ int identify(const IdentifyOptions& options) {
 
 }  // namespace
 
-void add_identify(CLI::App& app, Run& run) {
+void declare_identify(Command& command) {
   auto options = std::make_shared<IdentifyOptions>();
-  CLI::App* command = app.add_subcommand(
-      "identify", "drag, accelerometer bias and heading offset from recorded flights");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly identify tudelft_bebop_flights\n\n"
       "Needs true positions and velocities (ot_*) and the autopilot's attitude (ahrs_*) in "
       "log_si.csv.\n"
       "Exit code 0: all flights identified; 1: some were not; 2: unusable arguments or log; 130: "
       "Ctrl-C.");
-  command->add_option("DIR", options->flights, "flight folders, or folders of them")->required();
+  command.option("DIR", options->flights, "flight folders, or folders of them").required();
   command
-      ->add_option("--data", options->data,
-                   "folder of real data [$GATEFLY_DATA, else ../shared/data]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "numbers for programs");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return identify(*options); }; });
+      .option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")
+      .type_name("DIR");
+  command.flag("--json", options->json, "numbers for programs");
+  add_common(command, options->common);
+  command.runs([options] { return identify(*options); });
 }
 
 }  // namespace gatefly::cli

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include "gatefly/files/text.hpp"
 
@@ -44,7 +50,45 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
   return kUnusable;
 }
 
-int run_main(std::span<char* const> arguments) {
+struct Listed {
+  const char* name;
+  const char* help;
+};
+/// All commands there are, in the order of --help.
+constexpr std::array kCommands{
+    Listed{"fly", "one closed-loop race in the simulator"},
+    Listed{"replay", "a recorded flight through the pilot that flies the simulator"},
+    Listed{"detect", "gates in images, folders, or a video"},
+    Listed{"score", "detections against labels"},
+    Listed{"calibrate", "a camera from pictures of a checkerboard or corner lists"},
+    Listed{"tune", "a gate's colours and the detector's threshold, fitted to pictures"},
+    Listed{"campaign", "many seeded races: how often, how fast, and what went wrong"},
+    Listed{"reproduce", "the paper's figures and tables, \"paper | ours\""},
+    Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights"},
+    Listed{"bench", "the stage-by-stage cost, each beside its baseline"},
+    Listed{"config", "every configuration key with value, unit and source"},
+};
+
+const CommandHere* find_here(std::string_view name) {
+  const auto here = commands_here();
+  const auto found =
+      std::find_if(here.begin(), here.end(), [&](const auto& c) { return c.name == name; });
+  return found == here.end() ? nullptr : &*found;
+}
+
+/// Becomes the sibling program that has this command. Returns only when there is none.
+int call_sibling(const std::string& name, char** argv) {
+  const auto self = std::filesystem::read_symlink("/proc/self/exe");
+  const auto sibling = self.parent_path() / "gatefly-lab";
+  if (self != sibling && std::filesystem::exists(sibling)) execv(sibling.c_str(), argv);
+  std::cerr << "gatefly " << name << ": " << sibling.string()
+            << (std::filesystem::exists(sibling)
+                    ? ": was built without it\n"
+                    : ": is not there; build it, or start gatefly by ./gatefly\n");
+  return kUnusable;
+}
+
+int run_main(std::span<char*> arguments) {
   CLI::App app{"Flies a drone through a course of gates with one camera, an IMU and a sonar.",
                "gatefly"};
   app.set_version_flag("--version", std::string{"gatefly "} + GATEFLY_VERSION);
@@ -53,17 +97,10 @@ int run_main(std::span<char* const> arguments) {
       "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help says more about a "
       "command.");
   Run run;
-  add_fly(app, run);
-  add_replay(app, run);
-  add_detect(app, run);
-  add_score(app, run);
-  add_calibrate(app, run);
-  add_tune(app, run);
-  add_campaign(app, run);
-  add_reproduce(app, run);
-  add_identify(app, run);
-  add_bench(app, run);
-  add_config(app, run);
+  for (const auto& [name, help] : kCommands) {
+    Command command{app.add_subcommand(name, help), run};
+    if (const CommandHere* here = find_here(name)) here->declare(command);
+  }
 
   if (arguments.size() > 1 && arguments[1][0] != '-') {
     const std::string name = arguments[1];
@@ -73,6 +110,7 @@ int run_main(std::span<char* const> arguments) {
                 << io::suggestion(name, names) << " (there are: " << io::joined(names) << ")\n";
       return kUnusable;
     }
+    if (find_here(name) == nullptr) return call_sibling(name, arguments.data());
   }
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());

@@ -52,15 +52,14 @@ std::string check_seed(const std::string& text) {
   return text.starts_with('-') ? "must be a whole number, 0 or more" : std::string{};
 }
 
-void add_race_options(CLI::App& command, RaceOptions& options) {
-  command.add_option("--laps", options.laps, "instead of the track's own number")
-      ->check(CLI::Range(1, 100));
+void add_race_options(Command& command, RaceOptions& options) {
+  command.option("--laps", options.laps, "instead of the track's own number").between(1, 100);
   command
-      .add_option("--vision", options.vision,
-                  "rendered: pictures, really detected; ideal: detections drawn from the "
-                  "detector's statistics, fast")
-      ->check(CLI::IsMember({"rendered", "ideal"}))
-      ->capture_default_str();
+      .option("--vision", options.vision,
+              "rendered: pictures, really detected; ideal: detections drawn from the "
+              "detector's statistics, fast")
+      .one_of({"rendered", "ideal"})
+      .show_default();
   add_common(command, options.common);
 }
 

@@ -22,7 +22,7 @@ struct RaceOptions {
 };
 
 /// --laps, --vision and the flags that every subcommand has.
-void add_race_options(CLI::App& command, RaceOptions& options);
+void add_race_options(Command& command, RaceOptions& options);
 /// A whole number, 0 or more.
 [[nodiscard]] std::string check_seed(const std::string& text);
 

@@ -301,34 +301,31 @@ int replay(const ReplayOptions& options) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, Run& run) {
+void declare_replay(Command& command) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command =
-      app.add_subcommand("replay", "a recorded flight through the pilot that flies the simulator");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly replay out/showroom-1 --csv estimates.csv\n"
       "  gatefly replay ../shared/data/tudelft_bebop_flights/flight_11 --json\n\n"
       "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml "
       "and\n"
       "configs/flights.toml. Exit code 0: done; 1: a number was not finite; 2: unusable input.");
-  command->add_option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")
-      ->required();
-  command->add_option("--track", options->track,
-                      "instead of the folder's own: a name in tracks/ or a file");
+  command.option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")
+      .required();
+  command.option("--track", options->track,
+                 "instead of the folder's own: a name in tracks/ or a file");
   command
-      ->add_option(
-          "--estimator", options->estimator,
-          "drag: the 7-state filter; imu15: the classic inertial one beside it, for comparison")
-      ->check(CLI::IsMember({"drag", "imu15"}))
-      ->capture_default_str();
+      .option("--estimator", options->estimator,
+              "drag: the 7-state filter; imu15: the classic inertial one beside it, for comparison")
+      .one_of({"drag", "imu15"})
+      .show_default();
   command
-      ->add_option("--heading-offset-deg", options->heading_offset_deg,
-                   "real logs: motion capture's heading minus the log's own (differs by flight)")
-      ->capture_default_str();
-  command->add_option("--csv", options->csv, "write estimates.csv")->type_name("FILE");
-  command->add_flag("--json", options->json, "print JSON");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return replay(*options); }; });
+      .option("--heading-offset-deg", options->heading_offset_deg,
+              "real logs: motion capture's heading minus the log's own (differs by flight)")
+      .show_default();
+  command.option("--csv", options->csv, "write estimates.csv").type_name("FILE");
+  command.flag("--json", options->json, "print JSON");
+  add_common(command, options->common);
+  command.runs([options] { return replay(*options); });
 }
 
 }  // namespace gatefly::cli

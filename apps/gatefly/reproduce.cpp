@@ -143,30 +143,25 @@ int reproduce(const ReproduceOptions& options) {
 
 }  // namespace
 
-void add_reproduce(CLI::App& app, Run& run) {
+void declare_reproduce(Command& command) {
   auto options = std::make_shared<ReproduceOptions>();
-  CLI::App* command =
-      app.add_subcommand("reproduce", "the paper's figures and tables, \"paper | ours\"");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly reproduce roc-fitness --quick\n  gatefly reproduce --all --data ~/data "
       "--out out/reproduce\n\n"
       "Each experiment writes result.json, result.csv and plot.png into DIR/<name>/. Exit code 0: "
       "done; 2: unusable\n"
       "arguments or no data; 130: Ctrl-C.");
-  command->add_option("NAME", options->names, "experiments: see --list");
-  command->add_flag("--list", options->list, "what there is");
-  command->add_flag("--all", options->all, "every experiment");
-  command->add_flag("--quick", options->quick,
-                    "fewer points and repeats: seconds instead of minutes");
+  command.option("NAME", options->names, "experiments: see --list");
+  command.flag("--list", options->list, "what there is");
+  command.flag("--all", options->all, "every experiment");
+  command.flag("--quick", options->quick, "fewer points and repeats: seconds instead of minutes");
   command
-      ->add_option("--data", options->data,
-                   "folder of real data [$GATEFLY_DATA, else ../shared/data]")
-      ->type_name("DIR");
-  command->add_option("--out", options->out, "where the results go [out/reproduce]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "print JSON");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return reproduce(*options); }; });
+      .option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")
+      .type_name("DIR");
+  command.option("--out", options->out, "where the results go [out/reproduce]").type_name("DIR");
+  command.flag("--json", options->json, "print JSON");
+  add_common(command, options->common);
+  command.runs([options] { return reproduce(*options); });
 }
 
 }  // namespace gatefly::cli

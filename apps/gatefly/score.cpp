@@ -159,10 +159,9 @@ int score(const ScoreOptions& options) {
 
 }  // namespace
 
-void add_score(CLI::App& app, Run& run) {
+void declare_score(Command& command) {
   auto options = std::make_shared<ScoreOptions>();
-  CLI::App* command = app.add_subcommand("score", "detections against labels");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly score --detections found.csv --labels "
       "../shared/data/tudelft_bebop_gates/cyberzoo/labels.csv\n\n"
       "overlap70: a hit covers at least 70 % of both areas, one per labelled gate; everything else "
@@ -172,26 +171,25 @@ void add_score(CLI::App& app, Run& run) {
       "time. iou50, iou75: shared area by the area of both. Corner errors are of all four corners "
       "of all hits, in\n"
       "the best cyclic order and as listed. Exit code 0: scored; 2: unusable input.");
-  command->add_option("--detections", options->detections, "what gatefly detect wrote")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--labels", options->labels, "labels.csv")->required()->type_name("FILE");
-  command->add_option("--rule", options->rule, "when a detection is a hit")
-      ->check(CLI::IsMember({"overlap70", "overlap70-authors", "iou50", "iou75"}))
-      ->capture_default_str();
-  command->add_flag("--nearest", options->nearest,
-                    "only the first labelled gate of a picture counts");
+  command.option("--detections", options->detections, "what gatefly detect wrote")
+      .required()
+      .type_name("FILE");
+  command.option("--labels", options->labels, "labels.csv").required().type_name("FILE");
+  command.option("--rule", options->rule, "when a detection is a hit")
+      .one_of({"overlap70", "overlap70-authors", "iou50", "iou75"})
+      .show_default();
+  command.flag("--nearest", options->nearest, "only the first labelled gate of a picture counts");
   command
-      ->add_option("--ignore", options->ignore,
-                   "quads where a detection is neither hit nor false positive")
-      ->type_name("FILE");
+      .option("--ignore", options->ignore,
+              "quads where a detection is neither hit nor false positive")
+      .type_name("FILE");
   command
-      ->add_option("--data", options->data,
-                   "where a FILE is looked for that is not here [$GATEFLY_DATA]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "print JSON");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return score(*options); }; });
+      .option("--data", options->data,
+              "where a FILE is looked for that is not here [$GATEFLY_DATA]")
+      .type_name("DIR");
+  command.flag("--json", options->json, "print JSON");
+  add_common(command, options->common);
+  command.runs([options] { return score(*options); });
 }
 
 }  // namespace gatefly::cli

@@ -295,11 +295,9 @@ int tune(const TuneOptions& options) {
 
 }  // namespace
 
-void add_tune(CLI::App& app, Run& run) {
+void declare_tune(Command& command) {
   auto options = std::make_shared<TuneOptions>();
-  CLI::App* command = app.add_subcommand(
-      "tune", "a gate's colours and the detector's threshold, fitted to pictures");
-  command->footer(
+  command.footer(
       "Example:\n  gatefly tune --describe orange ../shared/data/tudelft_bebop_gates/cyberzoo "
       "--config cyberzoo --out mine.toml\n"
       "  gatefly tune --labels labels.csv pictures/ --config basement --out mine.toml\n"
@@ -311,39 +309,35 @@ void add_tune(CLI::App& app, Run& run) {
       "FILE.colors.toml, FILE.roc.csv, FILE.roc.png. Exit code 0: fitted; 1: too few gates (the "
       "described colour is\n"
       "written); 2: something could not be used; 130: Ctrl-C.");
-  command->add_option("IMAGES", options->images, "images and folders")->required();
+  command.option("IMAGES", options->images, "images and folders").required();
+  command.option("--labels", options->labels, "labels.csv; pictures it does not name are left out")
+      .type_name("FILE");
   command
-      ->add_option("--labels", options->labels,
-                   "labels.csv; pictures it does not name are left out")
-      ->type_name("FILE");
+      .option("--ignore", options->ignore,
+              "quads that are neither gate nor background, as in score")
+      .type_name("FILE");
   command
-      ->add_option("--ignore", options->ignore,
-                   "quads that are neither gate nor background, as in score")
-      ->type_name("FILE");
+      .option("--describe", options->describe,
+              "the gate's colour: orange, \"dark blue\", \"#rrggbb\", r,g,b [color.rgb]")
+      .type_name("COLOR");
   command
-      ->add_option("--describe", options->describe,
-                   "the gate's colour: orange, \"dark blue\", \"#rrggbb\", r,g,b [color.rgb]")
-      ->type_name("COLOR");
+      .option("--rotate", options->rotate_deg,
+              "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+      .one_of({0, 90, 180, 270})
+      .type_name("DEG");
   command
-      ->add_option("--rotate", options->rotate_deg,
-                   "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
-      ->check(CLI::IsMember({0, 90, 180, 270}))
-      ->type_name("DEG");
+      .option("--false-per-image", options->false_per_image,
+              "false positives a picture that are allowed")
+      .between(0.0, 1.0)
+      .show_default();
+  command.option("--out", options->out, "the configuration to write").required().type_name("FILE");
   command
-      ->add_option("--false-per-image", options->false_per_image,
-                   "false positives a picture that are allowed")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "the configuration to write")
-      ->required()
-      ->type_name("FILE");
-  command
-      ->add_option("--data", options->data,
-                   "where a path is looked for that is not here [$GATEFLY_DATA]")
-      ->type_name("DIR");
-  command->add_flag("--json", options->json, "print JSON");
-  add_common(*command, options->common);
-  command->callback([options, &run] { run = [options] { return tune(*options); }; });
+      .option("--data", options->data,
+              "where a path is looked for that is not here [$GATEFLY_DATA]")
+      .type_name("DIR");
+  command.flag("--json", options->json, "print JSON");
+  add_common(command, options->common);
+  command.runs([options] { return tune(*options); });
 }
 
 }  // namespace gatefly::cli

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_line.hpp"
+
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+namespace gatefly::cli {
+
+Flag& Flag::required() {
+  option_->required();
+  return *this;
+}
+Flag& Flag::type_name(const char* name) {
+  option_->type_name(name);
+  return *this;
+}
+Flag& Flag::show_default() {
+  option_->capture_default_str();
+  return *this;
+}
+Flag& Flag::one_of(std::initializer_list<const char*> choices) {
+  option_->check(CLI::IsMember(std::vector<std::string>(choices.begin(), choices.end())));
+  return *this;
+}
+Flag& Flag::one_of(std::initializer_list<int> choices) {
+  option_->check(CLI::IsMember(std::vector<int>(choices)));
+  return *this;
+}
+Flag& Flag::between(int low, int high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+Flag& Flag::between(double low, double high) {
+  option_->check(CLI::Range(low, high));
+  return *this;
+}
+Flag& Flag::check(std::string (*rule)(const std::string& text)) {
+  option_->check(rule);
+  return *this;
+}
+Flag& Flag::one_value_each() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+Flag& Flag::separated_by(char separator) {
+  option_->delimiter(separator);
+  return *this;
+}
+Flag& Flag::needs(const Flag& other) {
+  option_->needs(other.option_);
+  return *this;
+}
+Flag& Flag::excludes(const Flag& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Flag Command::option(const char* name, std::string& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::option(const char* name, std::vector<std::string>& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::option(const char* name, int& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::option(const char* name, std::uint64_t& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::option(const char* name, double& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::option(const char* name, std::optional<int>& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::option(const char* name, std::optional<double>& value, const char* help) {
+  return Flag{app_->add_option(name, value, help)};
+}
+Flag Command::flag(const char* name, bool& value, const char* help) {
+  return Flag{app_->add_flag(name, value, help)};
+}
+
+void Command::footer(const std::string& text) { app_->footer(text); }
+
+void Command::runs(Run work) {
+  app_->callback([&run = run_, work = std::move(work)] { run = work; });
+}
+
+}  // namespace gatefly::cli

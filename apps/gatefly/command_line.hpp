@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+// What a subcommand declares of its command line. CLI11 does the work, in command_line.cpp alone:
+// its header in every command was a quarter of the build.
+
+namespace gatefly::cli {
+
+/// What the chosen subcommand does, once everything is parsed. Answers the exit code.
+using Run = std::function<int()>;
+
+/// One argument or flag, while it is declared.
+class Flag {
+ public:
+  explicit Flag(CLI::Option* option) : option_{option} {}
+
+  Flag& required();
+  Flag& type_name(const char* name);  ///< What stands for the value in --help: FILE, DIR, ...
+  Flag& show_default();               ///< The value it has now, in --help.
+  Flag& one_of(std::initializer_list<const char*> choices);
+  Flag& one_of(std::initializer_list<int> choices);
+  Flag& between(int low, int high);
+  Flag& between(double low, double high);
+  /// @param rule  answers what is wrong with a text; empty: nothing.
+  Flag& check(std::string (*rule)(const std::string& text));
+  Flag& one_value_each();              ///< --flag A --flag B, never --flag A B.
+  Flag& separated_by(char separator);  ///< --flag A,B as well.
+  Flag& needs(const Flag& other);
+  Flag& excludes(const Flag& other);
+
+ private:
+  CLI::Option* option_;
+};
+
+/// A subcommand, while it is declared. Values are written when its line is parsed: they must live
+/// as long as what runs() is given.
+class Command {
+ public:
+  explicit Command(CLI::App* app, Run& run) : app_{app}, run_{run} {}
+
+  /// An argument ("PATH") or a flag with a value ("--out").
+  Flag option(const char* name, std::string& value, const char* help);
+  Flag option(const char* name, std::vector<std::string>& value, const char* help);
+  Flag option(const char* name, int& value, const char* help);
+  Flag option(const char* name, std::uint64_t& value, const char* help);
+  Flag option(const char* name, double& value, const char* help);
+  Flag option(const char* name, std::optional<int>& value, const char* help);
+  Flag option(const char* name, std::optional<double>& value, const char* help);
+  /// A flag without a value.
+  Flag flag(const char* name, bool& value, const char* help);
+
+  void footer(const std::string& text);  ///< At the end of --help: an example, exit codes.
+  void runs(Run work);                   ///< When this is the chosen command.
+
+ private:
+  CLI::App* app_;
+  Run& run_;
+};
+
+}  // namespace gatefly::cli

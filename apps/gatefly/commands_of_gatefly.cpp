@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+
+std::span<const CommandHere> commands_here() {
+  static constexpr std::array kHere{
+      CommandHere{"fly", declare_fly},           CommandHere{"replay", declare_replay},
+      CommandHere{"detect", declare_detect},     CommandHere{"score", declare_score},
+      CommandHere{"campaign", declare_campaign}, CommandHere{"config", declare_config},
+  };
+  return kHere;
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+
+std::span<const CommandHere> commands_here() {
+  static constexpr std::array kHere{
+      CommandHere{"calibrate", declare_calibrate}, CommandHere{"tune", declare_tune},
+      CommandHere{"reproduce", declare_reproduce}, CommandHere{"identify", declare_identify},
+      CommandHere{"bench", declare_bench},
+  };
+  return kHere;
+}
+
+}  // namespace gatefly::cli
