@@ -21,6 +21,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kDt = 1.0 / 512;
+const std::size_t kMoments = moments_for(0.25, 512.0);
 
 Fix fix_at(const Vector3d& p, double sigma = 0.05) {
   Fix fix;
@@ -38,7 +39,7 @@ drag_model::Input hover() {
 /// Hovers at (-4, 0, 0); the filter started `off` from there.
 class Hovering {
  public:
-  explicit Hovering(const Vector3d& off = Vector3d::Zero()) : filter{DragFilterParams{}} {
+  explicit Hovering(const Vector3d& off = Vector3d::Zero()) : filter{DragFilterParams{}, kMoments} {
     filter.start(Vector3d{-4, 0, 0} + off, Vector3d::Zero(), {}, 0.0);
   }
   void wait(double seconds) {
@@ -60,7 +61,7 @@ class Hovering {
 TEST(DelayedFilter, AFixIsFusedAtTheMomentOfItsPicture) {
   drag_model::Input u = hover();
   u.accel_B.x() = -0.8;  // 1.5 m/s
-  DelayedFilter late{DragFilterParams{}};
+  DelayedFilter late{DragFilterParams{}, kMoments};
   late.start({-4, 0, 0}, Vector3d::Zero(), {}, 0.0);
   DragFilter in_time{DragFilterParams{}};
   in_time.start({-4, 0, 0}, Vector3d::Zero());
@@ -87,7 +88,7 @@ TEST(DelayedFilter, TheOrderOfArrivalDoesNotMatter) {
     std::vector<int> order{0, 1, 2, 3, 4};
     std::optional<DelayedFilter> first;
     do {
-      DelayedFilter filter{DragFilterParams{}};
+      DelayedFilter filter{DragFilterParams{}, kMoments};
       filter.start({-4, 0, 0}, Vector3d::Zero(), {}, 0.0);
       for (int i = 1; i <= 120; ++i) {
         filter.predict(inputs[static_cast<std::size_t>(i - 1)], kDt, i * kDt);

@@ -27,9 +27,9 @@ void Ahrs::update_at_rest(const Imu& imu) {
     slow_gyro_ = Eigen::Vector3d::Zero();
     slow_accel_ = accel;
   }
-  constexpr double kSlow = 1.0 / 32;  // 60 ms at 512 Hz
-  slow_gyro_ += kSlow * (imu.gyro_B - slow_gyro_);
-  slow_accel_ += kSlow * (accel - slow_accel_);
+  const double part = std::min(1.0, 1.0 / (params_.rest_time * params_.imu_hz));
+  slow_gyro_ += part * (imu.gyro_B - slow_gyro_);
+  slow_accel_ += part * (accel - slow_accel_);
   ++rest_samples_;
   if (slow_gyro_.norm() > params_.rest_gyro ||
       (slow_accel_ - accel_bias_).norm() > params_.rest_accel) {

@@ -27,6 +27,8 @@ struct AhrsParams {
   double rest_gyro = 0.15;
   /// Below this deviation from the mean so far it may be at rest [m/s²]. [ours]
   double rest_accel = 2.5;
+  double rest_time = 0.0625;      ///< Averages that say whether it rests [s]. [ours]
+  double imu_hz = 512.0;          ///< Nominal rate of the samples. [Li18 flight code]
   double gravity = 9.81;          ///< [m/s²]
   double heading_process = 4e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
   /// Of the yaw gyro's scale: its error grows with the angle turned. [ours]

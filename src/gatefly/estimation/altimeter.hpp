@@ -6,6 +6,7 @@
 namespace gatefly {
 
 struct AltimeterParams {
+  double sonar_hz = 20.0;     ///< Nominal rate of the sonar. [Bebop]
   double sonar_sigma = 0.04;  ///< [m] [ours]
   double baro_sigma = 0.30;   ///< Of one sample, after its drift was taken off [m]. [ours]
   /// Sonar nearer than expected by more than this saw furniture [m]. [ours]
@@ -44,8 +45,8 @@ class Altimeter {
     if (!has_echo_) last_good_ = time;
     has_echo_ = true;
     if (!like_baro || (!like_filter && time - last_good_ < params_.lost_after)) return std::nullopt;
-    // 20 Hz
-    if (has_baro_ && like_filter) drift_ += (baro_ - height - drift_) * 0.05 / params_.drift_time;
+    if (has_baro_ && like_filter)
+      drift_ += (baro_ - height - drift_) * (1.0 / params_.sonar_hz) / params_.drift_time;
     last_good_ = time;
     return Height{height, params_.sonar_sigma};
   }

@@ -3,31 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
-namespace {
+DelayedFilter::DelayedFilter(const DragFilterParams& params, std::size_t moments,
+                             const RestartParams& restart)
+    : restart_{restart},
+      moments_(std::max<std::size_t>(2, moments),
+               Moment{.input = {}, .heights = {}, .filter = DragFilter{params}}) {}
 
-template <std::size_t... I>
-std::array<DelayedFilter::Moment, sizeof...(I)> moments_of(const DelayedFilter::Moment& moment,
-                                                           std::index_sequence<I...>) {
-  return {((void)I, moment)...};
+std::size_t moments_for(double seconds, double imu_hz) {
+  return static_cast<std::size_t>(std::max(2.0, std::ceil(seconds * imu_hz)));
 }
 
-}  // namespace
-
-DelayedFilter::DelayedFilter(const DragFilterParams& params, const RestartParams& restart)
-    : restart_{restart},
-      moments_{moments_of(Moment{.input = {}, .heights = {}, .filter = DragFilter{params}},
-                          std::make_index_sequence<kMoments>{})} {}
-
 void DelayedFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
-                          const DragFilter::MapDoubt& doubt, double time) {
-  newest().filter.start(p_G, accel_bias, doubt);
+                          const MapUncertainty& uncertainty, double time) {
+  newest().filter.start(p_G, accel_bias, uncertainty);
   newest().time = time;
   forget_past();
 }
@@ -41,7 +35,7 @@ void DelayedFilter::forget_past() {
 
 void DelayedFilter::predict(const drag_model::Input& input, double dt, double time) {
   const Moment& last = newest();
-  Moment& next = moments_[count_ % kMoments];
+  Moment& next = moment(count_);
   next.filter = last.filter;
   next.filter.predict(input, dt);
   next.odometry = last.odometry + (next.filter.position() - last.filter.position());
@@ -58,7 +52,7 @@ Fusion DelayedFilter::correct_altitude(double z_G, double sigma, double height_s
 std::optional<std::size_t> DelayedFilter::index_at(double time) const {
   if (!std::isfinite(time)) return std::nullopt;
   std::size_t i = count_ - 1;
-  const auto off = [&](std::size_t k) { return std::abs(moments_[k % kMoments].time - time); };
+  const auto off = [&](std::size_t k) { return std::abs(moment(k).time - time); };
   while (i > oldest() && off(i - 1) <= off(i)) --i;
   // The oldest moment has none before it from which it could be done again.
   if (i == oldest() && (i != count_ - 1 || time < newest().time)) return std::nullopt;
@@ -67,15 +61,14 @@ std::optional<std::size_t> DelayedFilter::index_at(double time) const {
 
 const DelayedFilter::Moment* DelayedFilter::at(double time) const {
   const auto i = index_at(time);
-  return i ? &moments_[*i % kMoments] : nullptr;
+  return i ? &moment(*i) : nullptr;
 }
 
 Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
   const auto index = index_at(time);
   if (!index || *index == oldest()) return Fusion::kTooLate;
   const auto gone = [&] {
-    return fixes_.full() ||
-           (!fixes_.empty() && fixes_[0].time < moments_[oldest() % kMoments].time);
+    return fixes_.full() || (!fixes_.empty() && fixes_[0].time < moment(oldest()).time);
   };
   while (gone()) {
     std::move(fixes_.begin() + 1, fixes_.end(), fixes_.begin());
@@ -83,7 +76,7 @@ Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
   }
   (void)fixes_.push_back({time, fix});
   insertion_sort(fixes_, [](const Dated& a, const Dated& b) { return a.time < b.time; });
-  const Eigen::Vector3d odometry = moments_[*index % kMoments].odometry;
+  const Eigen::Vector3d odometry = moment(*index).odometry;
   const Fusion fusion = redo_from(*index, time);
   if (fusion == Fusion::kAccepted) run_ = {};
   if (fusion != Fusion::kRefused || !may_restart || !agreed(fix, time, odometry)) return fusion;
@@ -101,13 +94,13 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
   std::size_t f = 0;
   while (f < fixes_.size() && index_at(fixes_[f].time).value_or(0) < index) ++f;
   for (std::size_t i = index; i < count_; ++i) {
-    Moment& moment = moments_[i % kMoments];
-    moment.filter = moments_[(i - 1) % kMoments].filter;
-    moment.filter.predict(moment.input, moment.dt);
-    for (const Moment::Height& height : moment.heights)
-      (void)moment.filter.correct_altitude(height.z, height.sigma, height.lasting);
+    Moment& now = moment(i);
+    now.filter = moment(i - 1).filter;
+    now.filter.predict(now.input, now.dt);
+    for (const Moment::Height& height : now.heights)
+      (void)now.filter.correct_altitude(height.z, height.sigma, height.systematic);
     for (; f < fixes_.size() && index_at(fixes_[f].time) == i; ++f) {
-      const Fusion one = moment.filter.correct(fixes_[f].fix);
+      const Fusion one = now.filter.correct(fixes_[f].fix);
       if (fixes_[f].time == time) fusion = one;
     }
   }
@@ -137,15 +130,15 @@ bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& o
 }
 
 void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
-                                 double turn, const DragFilter::MapDoubt& doubt) {
-  newest().filter.change_frame(R, offset, doubt);
+                                 double turn, const MapUncertainty& uncertainty) {
+  newest().filter.change_frame(R, offset, uncertainty);
   newest().input.yaw = wrap_angle(newest().input.yaw + turn);
   forget_past();
 }
 
 void DelayedFilter::turn_past(double angle) {
   for (std::size_t i = oldest(); i < count_; ++i) {
-    double& yaw = moments_[i % kMoments].input.yaw;
+    double& yaw = moment(i).input.yaw;
     yaw = wrap_angle(yaw + angle);
   }
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -23,15 +23,14 @@ struct RestartParams {
 /// The drag filter with a memory: a fix is fused at the moment of its picture, however late it
 /// comes.
 ///
-/// The last quarter of a second is kept, tick by tick. A fix takes its place in it and everything
+/// The last moments are kept, tick by tick. A fix takes its place in it and everything
 /// after it is done again, so that the order of arrival does not matter. Fixes that the filter
 /// refuses but that agree with each other start its position anew: it is never locked out, and
 /// never thrown by one or two wrong gates. Cost: a prediction and a copy of 1 KiB per tick; a fix
-/// costs a prediction per tick of its age. Allocates nothing.
+/// costs a prediction per tick of its age. Allocates
+/// when it is made, and never after.
 class DelayedFilter {
  public:
-  static constexpr std::size_t kMoments = 128;  ///< 250 ms at 512 Hz.
-
   /// The filter at the end of one tick, and what led there.
   struct Moment {
     double time = 0.0;  ///< [s]
@@ -39,17 +38,19 @@ class DelayedFilter {
     drag_model::Input input;
     Eigen::Vector3d odometry = Eigen::Vector3d::Zero();  ///< Dead reckoning, never corrected [m].
     struct Height {
-      double z = 0.0, sigma = 0.0, lasting = 0.0;
+      double z = 0.0, sigma = 0.0, systematic = 0.0;
     };
     FixedList<Height, 2> heights;
     DragFilter filter;
   };
 
-  explicit DelayedFilter(const DragFilterParams& params, const RestartParams& restart = {});
+  /// @param moments  how many are kept, at least 2: see moments_for().
+  explicit DelayedFilter(const DragFilterParams& params, std::size_t moments,
+                         const RestartParams& restart = {});
 
   /// See DragFilter. The memory begins here.
   void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
-             const DragFilter::MapDoubt& doubt, double time);
+             const MapUncertainty& uncertainty, double time);
 
   /// One tick, which ends at `time` [s].
   void predict(const drag_model::Input& input, double dt, double time);
@@ -62,7 +63,7 @@ class DelayedFilter {
 
   /// Goes over to another gate's frame; what was before can no longer be corrected.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn,
-                    const DragFilter::MapDoubt& doubt);
+                    const MapUncertainty& uncertainty);
 
   /// The heading was found to be off: so it was in the past.
   void turn_past(double angle);
@@ -85,10 +86,12 @@ class DelayedFilter {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   };
 
-  [[nodiscard]] const Moment& newest() const { return moments_[(count_ - 1) % kMoments]; }
-  Moment& newest() { return moments_[(count_ - 1) % kMoments]; }
+  [[nodiscard]] const Moment& moment(std::size_t i) const { return moments_[i % moments_.size()]; }
+  Moment& moment(std::size_t i) { return moments_[i % moments_.size()]; }
+  [[nodiscard]] const Moment& newest() const { return moment(count_ - 1); }
+  Moment& newest() { return moment(count_ - 1); }
   [[nodiscard]] std::size_t oldest() const {
-    return count_ - first_ < kMoments ? first_ : count_ - kMoments;
+    return count_ - first_ < moments_.size() ? first_ : count_ - moments_.size();
   }
   [[nodiscard]] std::optional<std::size_t> index_at(double time) const;
   void forget_past();
@@ -96,10 +99,13 @@ class DelayedFilter {
   [[nodiscard]] bool agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry);
 
   RestartParams restart_;
-  std::array<Moment, kMoments> moments_;
+  std::vector<Moment> moments_;
   std::size_t count_ = 1, first_ = 0;  ///< Moments so far, and the first that still holds.
-  FixedList<Dated, 16> fixes_;         ///< Of the moments kept, by time.
+  FixedList<Dated, 32> fixes_;         ///< Of the moments kept, by time.
   Run run_;
 };
+
+/// How many moments last for `seconds` at `imu_hz` samples a second.
+[[nodiscard]] std::size_t moments_for(double seconds, double imu_hz);
 
 }  // namespace gatefly

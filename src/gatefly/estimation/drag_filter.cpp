@@ -75,7 +75,7 @@ Eigen::Vector4d DragFilter::start_variance() const {
 }
 
 void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
-                       const MapDoubt& doubt) {
+                       const MapUncertainty& uncertainty) {
   x_.setZero();
   x_.segment<3>(kX) = p_G;
   x_.segment<3>(drag_model::kBiasX) = accel_bias;
@@ -83,7 +83,7 @@ void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_
   P_.diagonal().segment<3>(kX) = params_.start_sigma.cwiseAbs2();
   P_.diagonal().tail<4>() = start_variance();
   C_.setZero();
-  add(doubt);
+  add(uncertainty);
 }
 
 void DragFilter::predict(const drag_model::Input& input, double dt) {
@@ -187,7 +187,7 @@ Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigm
 }
 
 void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
-                              const MapDoubt& doubt) {
+                              const MapUncertainty& uncertainty) {
   x_.segment<3>(kX) = R * position() + offset;
   StateMatrix T = StateMatrix::Identity();
   T.topLeftCorner<3, 3>() = R;
@@ -196,16 +196,17 @@ void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& o
   const Eigen::Matrix<double, kStates, 1> heading = T * C_.col(lasting::kHeading);
   C_.setZero();
   C_.col(lasting::kHeading) = heading;
-  add(doubt);
+  add(uncertainty);
 }
 
 // A gate's heading and height are off in the position as they will be in its fixes and heights:
 // these do not tell.
-void DragFilter::add(const MapDoubt& doubt) {
-  P_.diagonal().head<2>().array() += doubt.position * doubt.position;
-  gate_yaw_sigma_ = doubt.yaw;
-  const Eigen::Vector3d turned = doubt.yaw * Eigen::Vector3d{x_(drag_model::kY), -x_(kX), 0.0};
-  const Eigen::Vector3d lifted = -doubt.height * Eigen::Vector3d::UnitZ();
+void DragFilter::add(const MapUncertainty& uncertainty) {
+  P_.diagonal().head<2>().array() += uncertainty.position * uncertainty.position;
+  gate_yaw_sigma_ = uncertainty.yaw;
+  const Eigen::Vector3d turned =
+      uncertainty.yaw * Eigen::Vector3d{x_(drag_model::kY), -x_(kX), 0.0};
+  const Eigen::Vector3d lifted = -uncertainty.height * Eigen::Vector3d::UnitZ();
   C_.col(lasting::kGateYaw).head<3>() = turned;
   C_.col(lasting::kHeight).head<3>() = lifted;
   P_.topLeftCorner<3, 3>() += turned * turned.transpose() + lifted * lifted.transpose();
@@ -220,7 +221,7 @@ double DragFilter::lateral_sigma() const {
   return std::sqrt(std::max(0.0, P_(drag_model::kY, drag_model::kY) - by_gate * by_gate));
 }
 
-Eigen::Vector2d DragFilter::heading_lever(const Fix& fix) const {
+Eigen::Vector2d DragFilter::heading_sensitivity(const Fix& fix) const {
   return C_.col(lasting::kHeading).head<2>() + fix.lasting.col(lasting::kHeading).head<2>();
 }
 

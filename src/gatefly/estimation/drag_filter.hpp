@@ -30,6 +30,13 @@ enum class Fusion {
   kRestarted,  ///< Refused, but fixes agree on it: the position begins anew there.
 };
 
+/// How well the map knows one gate relative to another.
+struct MapUncertainty {
+  /// On the floor plan, and of the centre above the floor [m].
+  double position = 0.0, height = 0.0;
+  double yaw = 0.0;  ///< [rad]
+};
+
 /// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
 ///
 /// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph
@@ -41,19 +48,13 @@ class DragFilter {
   /// estimated.
   using Cross = Eigen::Matrix<double, drag_model::kStates, lasting::kCount>;
 
-  /// How well the map knows one gate relative to another.
-  struct MapDoubt {
-    /// On the floor plan, and of the centre above the floor [m].
-    double position = 0.0, height = 0.0;
-    double yaw = 0.0;  ///< [rad]
-  };
-
   explicit DragFilter(const DragFilterParams& params) : params_{params} {}
 
   /// @param p_G      position in the first frame [m].
   /// @param accel_bias  as found at rest [m/s²].
-  /// @param doubt       about the first gate; its position is in start_sigma.
-  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias, const MapDoubt& doubt);
+  /// @param uncertainty  of the first gate; its position is in start_sigma.
+  void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias,
+             const MapUncertainty& uncertainty);
   void start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_bias) {
     start(p_G, accel_bias, {});
   }
@@ -77,12 +78,13 @@ class DragFilter {
 
   /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place,
   /// height and heading is as if the drone were elsewhere.
-  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, const MapDoubt& doubt);
+  void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
+                    const MapUncertainty& uncertainty);
 
   /// Covariance of what a fix will differ from the estimate by [m²].
   [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Fix& fix) const;
   /// How much a heading that is off by one standard deviation adds to the innovation of a fix [m].
-  [[nodiscard]] Eigen::Vector2d heading_lever(const Fix& fix) const;
+  [[nodiscard]] Eigen::Vector2d heading_sensitivity(const Fix& fix) const;
 
   /// Doubt about y [m] as far as it is still there in the gate: there it does not matter which way
   /// the gate faces.
@@ -95,7 +97,7 @@ class DragFilter {
 
  private:
   [[nodiscard]] Eigen::Vector4d start_variance() const;
-  void add(const MapDoubt& doubt);
+  void add(const MapUncertainty& uncertainty);
   void age(Cross& C, double yaw_sigma, double dt);
 
   DragFilterParams params_;

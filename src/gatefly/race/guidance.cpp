@@ -1,155 +1,174 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pilot's outer loop: which attitude each phase of the race asks for.
+#include "gatefly/race/guidance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "gatefly/control/arc.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/race/pilot.hpp"
 
 namespace gatefly {
-namespace {
 
-constexpr double kMaxRoll = 38.0 * kDegree;  // turn and correction together
-
-}  // namespace
-
-AttitudeCommand Pilot::command(double dt) {
-  if (auto* phase = std::get_if<TakeOff>(&phase_)) return command_for(*phase, dt);
-  if (auto* phase = std::get_if<Straight>(&phase_)) return command_for(*phase, dt);
-  if (auto* phase = std::get_if<Turn>(&phase_)) return command_for(*phase, dt);
-  if (auto* phase = std::get_if<Search>(&phase_)) return command_for(*phase, dt);
-  if (auto* phase = std::get_if<Land>(&phase_)) return command_for(*phase, dt);
-  return {.yaw = ahrs_.attitude().yaw};
+AttitudeCommand Guidance::command(Phase& phase, const NavigationState& now, const Course& course) {
+  const bool entered = phase.index() != last_phase_;
+  last_phase_ = phase.index();
+  if (std::holds_alternative<TakeOff>(phase)) return take_off(now, course);
+  if (std::holds_alternative<Straight>(phase)) return straight(now, course);
+  if (auto* turning = std::get_if<Turn>(&phase)) return turn(turning->arc, now, course);
+  if (const auto* searching = std::get_if<Search>(&phase)) {
+    if (entered) hold_integral_.setZero();
+    return search(*searching, now, course);
+  }
+  if (const auto* landing = std::get_if<Land>(&phase)) return land(*landing, now);
+  return {.yaw = now.attitude.yaw};
 }
 
-AttitudeCommand Pilot::command_for(const TakeOff&, double dt) {
-  const double z = path().z_at(0.0);
-  AttitudeCommand c = hold(config_.track.start, config_.track.start_heading, z, dt);
-  // Near the floor the drone only goes up.
-  if (-p_EB().z() < 0.25) c.roll = c.pitch = 0.0;
+AttitudeCommand Guidance::take_off(const NavigationState& now, const Course& course) {
+  const Track& track = course.track();
+  AttitudeCommand c = hold(track.start, track.start_heading, now.dt, now);
+  c.thrust = thrust(course.path().z_at(0.0), 0.0, now);
+  if (-now.p_EB.z() < params_.hold.climb_until) c.roll = c.pitch = 0.0;
   return c;
 }
 
-// Li18 Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the
-// speed.
-AttitudeCommand Pilot::command_for(const Straight&, double dt) {
-  const PathPoint here = path().at(progress_);
+// Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the speed.
+AttitudeCommand Guidance::straight(const NavigationState& now, const Course& course) {
+  const double s = course.progress();
+  const PathPoint here = course.path().at(s);
   AttitudeCommand c;
-  c.roll = cross_track_roll(progress_);
-  c.pitch = pitch_for_speed(wanted_speed());
+  c.roll = cross_track_roll(here, now);
+  c.pitch = pitch_for_speed(wanted_speed(now, course), now);
   c.yaw = here.heading;
-  c.thrust = thrust_for(vertical_accel(path().z_at(progress_), 0.0, dt));
+  c.thrust = thrust(course.path().z_at(s), 0.0, now);
   return c;
 }
 
-// Li18 Eq. (29) gives roll and heading; the drag filter still knows where the arc is, so the same
-// PD trims it.
-AttitudeCommand Pilot::command_for(Turn& phase, double dt) {
-  const double lead = config_.speed.roll_lead * std::max(0.0, forward_speed());
-  const PathPoint soon = path().at(progress_ + lead);
-  ArcParams arc;
-  arc.radius = soon.curvature == 0.0 ? 0.0 : 1.0 / soon.curvature;
-  arc.pitch = pitch_for_speed(wanted_speed());
-  arc.drag = {config_.filter.model.drag.x(), config_.filter.model.drag.y(), 0.0};
-  arc.gravity = config_.filter.model.gravity;
-  AttitudeCommand c = gatefly::step(phase.arc, dt, arc);
-  c.roll = std::clamp(c.roll + cross_track_roll(progress_), -kMaxRoll, kMaxRoll);
-  c.yaw = path().at(progress_ + 0.5 * lead).heading;
-  c.thrust = thrust_for(vertical_accel(path().z_at(progress_), 0.0, dt));
+// Eq. (29) gives roll and heading; the drag filter still knows where the arc is, so the same PD trims
+// it.
+AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Course& course) {
+  const Path& path = course.path();
+  const double s = course.progress();
+  const double lead = params_.speed.roll_lead * std::max(0.0, now.v_B.x());
+  const PathPoint soon = path.at(s + lead);
+  ArcParams params;
+  params.radius = soon.curvature == 0.0 ? 0.0 : 1.0 / soon.curvature;
+  params.pitch = pitch_for_speed(wanted_speed(now, course), now);
+  params.drag = {params_.drag.x(), params_.drag.y(), 0.0};
+  params.gravity = params_.gravity;
+  AttitudeCommand c = step(arc, now.dt, params);
+  c.roll = std::clamp(c.roll + cross_track_roll(path.at(s), now), -params_.speed.max_roll,
+                      params_.speed.max_roll);
+  c.yaw = path.at(s + 0.5 * lead).heading;
+  c.thrust = thrust(path.z_at(s), 0.0, now);
   return c;
 }
 
-AttitudeCommand Pilot::command_for(const Search& phase, double dt) {
-  // Wait on the gate's axis and look to both sides of it.
+// Waits on the gate's axis and looks to both sides of it.
+AttitudeCommand Guidance::search(const Search& phase, const NavigationState& now,
+                                 const Course& course) {
+  const MapGate& gate = course.gate();
   const Eigen::Vector3d wait =
-      gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{hold_x_, 0, 0};
-  const double since = time_ - phase.since;
-  const double sweep = 40.0 * kDegree * gatefly::sin(2 * kPi * since / 5.0);
-  const double yaw = gate().yaw_EG + (situation().since_fix < 0.5 || since < 1.5 ? 0.0 : sweep);
-  return hold(wait.head<2>(), yaw, gate().p_EG.z(), dt);
-}
-
-AttitudeCommand Pilot::command_for(const Land& phase, double dt) {
-  // Brake for a second, then down at 0.5 m/s.
-  constexpr double kSink = 0.5;
-  const double sinking = std::max(0.0, time_ - phase.since - 1.0);
-  AttitudeCommand c = hold(p_EB().head<2>(), ahrs_.attitude().yaw, phase.z, 0.0);
-  c.thrust = thrust_for(vertical_accel(phase.z + kSink * sinking, sinking > 0.0 ? kSink : 0.0, dt));
+      gate.p_EG + rotation_z(gate.yaw_EG) * Eigen::Vector3d{phase.gate_x, 0, 0};
+  const double since = now.time - phase.since;
+  const bool ahead =
+      now.since_fix < params_.sweep.hold_after_fix || since < params_.sweep.first_ahead;
+  const double sweep = params_.sweep.angle * gatefly::sin(2 * kPi * since / params_.sweep.period);
+  AttitudeCommand c = hold(wait.head<2>(), gate.yaw_EG + (ahead ? 0.0 : sweep), now.dt, now);
+  c.thrust = thrust(gate.p_EG.z(), 0.0, now);
   return c;
 }
 
-// Position hold: PD in the earth frame, turned into the body's heading.
-AttitudeCommand Pilot::hold(const Eigen::Vector2d& p_E, double yaw, double z, double dt) {
-  // [1/s²], [1/s], [1/s³]: ω 0.95, ζ 1
-  constexpr double kStiffness = 0.9, kDamping = 2.0, kIntegral = 0.25;
-  const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
-  // Whoever comes fast brakes first: pulling to the side at once would fly an arc into a wall.
-  const double slow = std::clamp(1.5 - v_E.head<2>().norm(), 0.0, 1.0);
-  const Eigen::Vector2d off = slow * (p_E - p_EB().head<2>()).cwiseMax(-1.0).cwiseMin(1.0);
-  // A degree of tilt error in the AHRS would hold the drone 0.2 m beside the place.
-  hold_integral_ = (hold_integral_ + kIntegral * dt * off).cwiseMax(-0.5).cwiseMin(0.5);
-  Eigen::Vector2d accel = kStiffness * off + hold_integral_ - kDamping * v_E.head<2>();
-  // [m/s²]; braking from 1.7 m/s within 0.9 m, roll's lag included
-  const double most = slow < 1.0 ? 3.5 : 1.8;
+AttitudeCommand Guidance::land(const Land& phase, const NavigationState& now) {
+  const double sinking = std::max(0.0, now.time - phase.since - params_.landing.brake);
+  const double sink = params_.landing.sink;
+  AttitudeCommand c = hold(now.p_EB.head<2>(), now.attitude.yaw, 0.0, now);
+  c.thrust = thrust(phase.z + sink * sinking, sinking > 0.0 ? sink : 0.0, now);
+  return c;
+}
+
+// PD in the earth frame, turned into the body's heading.
+AttitudeCommand Guidance::hold(const Eigen::Vector2d& p_E, double yaw, double dt,
+                               const NavigationState& now) {
+  const HoldParams& p = params_.hold;
+  const Eigen::Vector2d v_E = now.v_E.head<2>();
+  // Above this speed brake before steering: pulling to the side at once would fly an arc into a
+  // wall.
+  const double slow = std::clamp(p.brake_from - v_E.norm(), 0.0, 1.0);
+  const Eigen::Vector2d off =
+      slow * (p_E - now.p_EB.head<2>()).cwiseMax(-p.max_distance).cwiseMin(p.max_distance);
+  hold_integral_ =
+      (hold_integral_ + p.integral * dt * off).cwiseMax(-p.max_integral).cwiseMin(p.max_integral);
+  Eigen::Vector2d accel = p.stiffness * off + hold_integral_ - p.damping * v_E;
+  const double most = slow < 1.0 ? p.max_braking : p.max_accel;
   const double norm = accel.norm();
   if (norm > most) accel *= most / norm;
-  const auto [s, co] = sincos(ahrs_.attitude().yaw);
-  const double forward = co * accel.x() + s * accel.y(), right = -s * accel.x() + co * accel.y();
+  const auto [sine, cosine] = sincos(now.attitude.yaw);
+  const double forward = cosine * accel.x() + sine * accel.y();
+  const double right = -sine * accel.x() + cosine * accel.y();
   AttitudeCommand c;
-  c.pitch = -atan(forward / config_.filter.model.gravity);
-  c.roll = atan(right / config_.filter.model.gravity);
+  c.pitch = -atan(forward / params_.gravity);
+  c.roll = atan(right / params_.gravity);
   c.yaw = yaw;
-  c.thrust = thrust_for(vertical_accel(z, 0.0, dt));
   return c;
 }
 
-double Pilot::forward_speed() const { return velocity_.v_B().x(); }
-
 // As fast as wanted, slower ahead of and in an arc.
-double Pilot::wanted_speed() const {
-  double speed = config_.plan.speed;
-  const double x = filter().position().x();
+double Guidance::wanted_speed(const NavigationState& now, const Course& course) const {
+  const SpeedParams& p = params_.speed;
+  const Path& path = course.path();
+  double speed = params_.cruise;
   // A short way from the last turn to the gate leaves little time to come onto its axis.
-  const Segment& last = path().segments.back();
-  const Segment& turn =
-      path().segments[path().segments.size() > 1 ? path().segments.size() - 2 : 0];
-  if (path().length() - progress_ < last.length + turn.length)
-    speed = std::min(speed, std::max(config_.speed.slowest, last.length / config_.speed.settle));
-  const bool unsure = time_ - last_fix_ > 0.6 && filter().lateral_sigma() > 0.2;
-  if (unsure && x > -config_.speed.unsure_before && x < 0.0)
-    speed = std::min(speed, config_.speed.unsure);
-  const double reach = config_.speed.brake_lead * std::clamp(forward_speed(), 0.5, 6.0);
-  for (double ahead = 0.0; ahead <= reach; ahead += 0.2) {
-    const double curvature = std::abs(path().at(progress_ + ahead).curvature);
-    if (curvature > 0.0) speed = std::min(speed, std::sqrt(config_.plan.max_lateral / curvature));
+  const std::size_t segments = path.segments.size();
+  const Segment& last = path.segments.back();
+  const Segment& turn = path.segments[segments > 1 ? segments - 2 : 0];
+  if (course.to_go() < last.length + turn.length)
+    speed = std::min(speed, std::max(p.slowest, last.length / p.settle));
+  const double x = now.p_GB.x();
+  const bool unsure = now.since_fix > p.unsure_after && now.lateral_sigma > p.unsure_sigma;
+  if (unsure && x > -p.unsure_before && x < 0.0) speed = std::min(speed, p.unsure);
+  constexpr double kLook = 0.2;  // [m]
+  const double reach = p.brake_lead * std::clamp(now.v_B.x(), 0.5, 6.0);
+  for (double ahead = 0.0; ahead <= reach; ahead += kLook) {
+    const double curvature = std::abs(path.at(course.progress() + ahead).curvature);
+    if (curvature > 0.0) speed = std::min(speed, std::sqrt(params_.max_lateral / curvature));
   }
   return speed;
 }
 
 // θ_0 is the pitch that flies `speed` against drag; the rest brings the speed there.
-double Pilot::pitch_for_speed(double speed) const {
-  const double trim = atan(config_.filter.model.drag.x() * speed / config_.filter.model.gravity);
-  return std::clamp(trim + config_.speed.pitch_gain * (forward_speed() - speed),
-                    -config_.speed.max_pitch, -config_.speed.min_pitch);
+double Guidance::pitch_for_speed(double speed, const NavigationState& now) const {
+  const SpeedParams& p = params_.speed;
+  const double trim = atan(params_.drag.x() * speed / params_.gravity);
+  return std::clamp(trim + p.pitch_gain * (now.v_B.x() - speed), -p.max_pitch, -p.min_pitch);
 }
 
-double Pilot::vertical_accel(double z_target, double vz_target, double dt) {
-  const double v_z = (ahrs_.R_EB() * velocity_.v_B()).z();
-  return altitude_.step(z_target, vz_target, p_EB().z(), v_z, dt, config_.altitude);
-}
-
-double Pilot::thrust_for(double accel_up) const {
-  return (config_.filter.model.gravity + accel_up) / std::max(0.6, ahrs_.R_EB().matrix(2, 2));
-}
-
-double Pilot::cross_track_roll(double s) const {
-  const PathPoint here = path().at(s);
+double Guidance::cross_track_roll(const PathPoint& here, const NavigationState& now) const {
   const auto [sine, cosine] = sincos(here.heading);
   const Eigen::Vector2d right{-sine, cosine};
-  const Eigen::Vector3d v_E = ahrs_.R_EB() * velocity_.v_B();
-  return lateral_roll(right.dot(p_EB().head<2>() - here.position), right.dot(v_E.head<2>()),
-                      config_.lateral);
+  return lateral_roll(right.dot(now.p_EB.head<2>() - here.position), right.dot(now.v_E.head<2>()),
+                      params_.lateral);
+}
+
+// Specific thrust that holds the height z at the rate vz, both down.
+double Guidance::thrust(double z, double vz, const NavigationState& now) {
+  constexpr double kLeastUpright = 0.6;  // more tilt than 53° is not made up for
+  const double up = altitude_.step(z, vz, now.p_EB.z(), now.v_E.z(), now.dt, params_.altitude);
+  return (params_.gravity + up) / std::max(kLeastUpright, now.R_EB.matrix(2, 2));
+}
+
+// A critically damped decay that starts after the roll's lag.
+double Guidance::lateral_at_gate(const NavigationState& now) const {
+  constexpr double kSlowest = 0.5;  // [m/s]
+  const double speed = std::max(kSlowest, now.v_B.x());
+  const double t = std::max(0.0, -now.p_GB.x() / speed - 1.5 * params_.speed.roll_lead);
+  const double wt = std::sqrt(params_.lateral.kp * params_.gravity) * t;
+  const double decay = 1.0 / (1.0 + wt + 0.5 * wt * wt + wt * wt * wt / 6.0);  // e^-wt, its series
+  return (1.0 + wt) * decay * now.p_GB.y() + t * decay * now.v_GB.y();
+}
+
+bool Guidance::turn_ahead(const NavigationState& now, const Course& course) const {
+  const double lead = params_.speed.roll_lead * std::max(0.0, now.v_B.x());
+  return course.path().at(course.progress() + lead).curvature != 0.0;
 }
 
 }  // namespace gatefly

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/phase.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gatefly {
@@ -8,26 +9,37 @@ namespace {
 
 bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
   if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
-  // a turn that leads past the gate's plane first
-  if (now.to_go > params.search_before + 0.8) return false;
-  const bool unseen = now.since_fix > 0.4 && now.lateral_sigma > params.max_lateral_sigma;
+  if (now.to_go > params.search_before + params.search_detour) return false;
+  const bool unseen =
+      now.since_fix > params.unseen_after && now.lateral_sigma > params.max_lateral_sigma;
   // A late detection that leaves no room is a reason to go around, too.
   const bool off_axis = std::abs(now.gate_y_ahead) > params.max_miss;
   return unseen || off_axis;
 }
 
 bool gate_found_again(const Situation& now, const PhaseParams& params) {
-  return now.since_fix < 0.3 && now.lateral_sigma < 0.6 * params.max_lateral_sigma &&
-         std::abs(now.gate_y) < 0.50 && now.gate_x < -1.2 && now.speed < 0.7;
+  return now.since_fix < params.seen_within &&
+         now.lateral_sigma < params.certain_part * params.max_lateral_sigma &&
+         std::abs(now.gate_y) < params.max_found_miss && now.gate_x < -params.min_run_in &&
+         now.speed < params.max_found_speed;
 }
+
+// How phases begin.
+Phase search_from(const Situation& now, const PhaseParams& params) {
+  return Search{now.time, std::min(-params.wait_before, now.gate_x - params.fall_back)};
+}
+Phase turn_from(const Situation& now) {
+  return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};
+}
+Phase land_from(const Situation& now) { return Land{now.time, -now.height}; }
 
 struct Next {
   const Situation& now;
   const PhaseParams& params;
 
   Transition on_course() const {
-    if (gate_in_doubt(now, params)) return {Search{now.time}};
-    if (now.turn_ahead) return {Turn{}};
+    if (gate_in_doubt(now, params)) return {search_from(now, params)};
+    if (now.turn_ahead) return {turn_from(now)};
     return {Straight{}};
   }
 
@@ -38,41 +50,43 @@ struct Next {
   Transition operator()(const TakeOff& phase) const {
     if (now.height > params.go_height) return {Straight{}};
     if (now.time - phase.since > params.climb_timeout)
-      return {Land{now.time}, AbortReason::kNoClimb};
+      return {land_from(now), AbortReason::kNoClimb};
     return {phase};
   }
   Transition operator()(const Straight&) const { return on_course(); }
   Transition operator()(const Turn& phase) const {
     const Transition next = on_course();
-    if (std::holds_alternative<Turn>(next.phase)) return {phase};  // the arc keeps its prediction
+    // The arc keeps its prediction.
+    if (std::holds_alternative<Turn>(next.phase)) return {phase};
     return next;
   }
   Transition operator()(const Search& phase) const {
     if (gate_found_again(now, params)) return {Straight{}};
     if (now.time - phase.since > params.search_timeout)
-      return {Land{now.time}, AbortReason::kGateNotFound};
+      return {land_from(now), AbortReason::kGateNotFound};
     return {phase};
   }
   Transition operator()(const Land& phase) const {
-    if (now.height < 0.12 || now.time - phase.since > 12.0) return {Landed{}};
+    const bool late = now.time - phase.since > params.land_timeout;
+    if (now.height < params.landed_height || late) return {Landed{}};
     return {phase};
   }
   Transition operator()(const Landed& phase) const { return {phase}; }
 };
+
+}  // namespace
 
 bool is_flying(const Phase& phase) {
   return !std::holds_alternative<OnGround>(phase) && !std::holds_alternative<Land>(phase) &&
          !std::holds_alternative<Landed>(phase);
 }
 
-}  // namespace
-
 Transition next_phase(const Phase& phase, const Situation& now, const PhaseParams& params) {
   const bool motors_on = is_flying(phase) || std::holds_alternative<Land>(phase);
   if (motors_on && now.tilt > params.max_tilt) return {Landed{}, AbortReason::kUpset};
   if (is_flying(phase)) {
-    if (now.since_imu > params.imu_timeout) return {Land{now.time}, AbortReason::kSensorsLost};
-    if (now.course_done) return {Land{now.time}};
+    if (now.since_imu > params.imu_timeout) return {land_from(now), AbortReason::kSensorsLost};
+    if (now.course_done) return {land_from(now)};
   }
   return std::visit(Next{now, params}, phase);
 }

@@ -21,12 +21,13 @@ struct Turn {
 };
 /// The gate should be in view and is not: wait before it and look around.
 struct Search {
-  double since = 0.0;  ///< [s]
+  double since = 0.0;    ///< [s]
+  double gate_x = -2.2;  ///< Where to wait, on the gate's axis [m].
 };
 /// All gates passed, or given up: level, down.
 struct Land {
   double since = 0.0;  ///< [s]
-  double z = 0.0;      ///< Height when it began, z down [m]; the pilot fills it in.
+  double z = 0.0;      ///< Height when it began, z down [m].
 };
 /// Motors off.
 struct Landed {};
@@ -37,6 +38,9 @@ using Phase = std::variant<OnGround, TakeOff, Straight, Turn, Search, Land, Land
 
 /// Why a flight was given up; kNone while it was not.
 enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
+
+/// Between take-off and landing.
+[[nodiscard]] bool is_flying(const Phase& phase);
 
 [[nodiscard]] const char* name_of(const Phase& phase);
 [[nodiscard]] const char* text_of(AbortReason reason);
@@ -54,26 +58,45 @@ struct Situation {
   double gate_y_ahead = 0.0;  ///< What gate_y will be in the gate's plane [m].
   /// Of gate_y, without what is gone once the drone is in the gate [m].
   double lateral_sigma = 0.0;
-  double speed = 0.0;      ///< [m/s]
-  double since_fix = 0.0;  ///< Since a sighting of the target was accepted [s].
-  double tilt = 0.0;       ///< Between body and earth vertical [rad].
-  double since_imu = 0.0;  ///< Since the last finite IMU sample [s].
+  double speed = 0.0;          ///< [m/s]
+  double forward_speed = 0.0;  ///< [m/s]
+  double yaw = 0.0;            ///< [rad]
+  double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
+  double tilt = 0.0;           ///< Between body and earth vertical [rad].
+  double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
 };
 
 struct PhaseParams {
   int rest_samples = 768;      ///< 1.5 s at 512 Hz. [ours]
   double go_height = 0.7;      ///< Start forward flight above this [m]. [ours]
   double climb_timeout = 6.0;  ///< [s]
+
+  // Into a search ...
   double search_before = 1.9;  ///< Decide between here ...  [m] [ours]
   /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]
   double search_until = 1.1;
-  /// More doubt than this about y: no pass. [ours: opening 0.9, body 0.38]
+  double search_detour =
+      0.8;  ///< A way that is longer by this leads past the gate first [m]. [ours]
+  double unseen_after = 0.4;  ///< Not seen means: not for so long [s]. [ours]
+  /// More uncertain about y than this: no pass. [ours: opening 0.9, body 0.38]
   double max_lateral_sigma = 0.22;
   /// Expected farther off the axis than this: go around. [ours: 0.27 touches]
   double max_miss = 0.20;
+  double wait_before = 2.2;  ///< Waits at least so far before the gate [m] ... [ours]
+  double fall_back = 0.5;    ///< ... and so far behind where it is [m]. [ours]
+
+  // ... and out of it.
+  double seen_within = 0.3;      ///< Found again: seen so short ago [s], [ours]
+  double certain_part = 0.6;     ///< at most this part of max_lateral_sigma uncertain, [ours]
+  double max_found_miss = 0.5;   ///< not farther off the axis [m], [ours]
+  double min_run_in = 1.2;       ///< with so much way left [m], [ours]
+  double max_found_speed = 0.7;  ///< and nearly standing still [m/s]. [ours]
   double search_timeout = 15.0;  ///< [s]
-  double max_tilt = 1.2;         ///< Beyond it the flight is lost [rad].
-  double imu_timeout = 0.2;      ///< [s]
+
+  double landed_height = 0.12;  ///< Motors off below this [m] ... [ours: sonar on its feet]
+  double land_timeout = 12.0;   ///< ... or after this [s]. [ours: 1 s, then 0.5 m/s from 5 m]
+  double max_tilt = 1.2;        ///< Beyond it the flight is lost [rad].
+  double imu_timeout = 0.2;     ///< [s]
 };
 
 struct Transition {

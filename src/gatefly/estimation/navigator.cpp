@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/estimation/navigator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly {
+namespace {
+
+constexpr double kLongestStep = 0.1;  // a gap in the samples counts as no more than this [s]
+constexpr double kLongLeg = 2.5;      // shorter ones say nothing about heading [m]
+
+// Beyond any MEMS range a number is as broken as NaN, and would become one inside.
+bool is_usable(const Imu& imu) {
+  return imu.gyro_B.allFinite() && imu.accel_B.allFinite() &&
+         imu.gyro_B.cwiseAbs().maxCoeff() < 100.0 && imu.accel_B.cwiseAbs().maxCoeff() < 400.0;
+}
+
+AhrsParams at_rate(AhrsParams params, double imu_hz) {
+  params.imu_hz = imu_hz;
+  return params;
+}
+
+}  // namespace
+
+Navigator::Navigator(const NavigatorParams& params)
+    : params_{params},
+      ahrs_{at_rate(params.ahrs, params.imu_hz)},
+      accel_filter_{params.accel_cutoff_hz, params.imu_hz},
+      filter_{params.filter, moments_for(params.filter_memory, params.imu_hz)},
+      velocity_{params.velocity},
+      altimeter_{params.altimeter} {}
+
+void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& gate,
+                      const MapUncertainty& uncertainty) {
+  start_p_EB_ = p_EB;
+  gate_ = gate;
+  uncertainty_ = uncertainty;
+  ahrs_.start(yaw);
+}
+
+// False when the sample says nothing new.
+bool Navigator::advance(const Imu& imu, double time) {
+  const double dt = started_ ? time - time_ : 1.0 / params_.imu_hz;
+  if (!started_) last_imu_ = time;
+  started_ = true;
+  dt_ = dt > 0.0 ? std::min(dt, kLongestStep) : 0.0;
+  if (dt_ > 0.0) time_ = time;
+  if (!is_usable(imu)) return false;
+  last_imu_ = time_;
+  return dt_ > 0.0;
+}
+
+void Navigator::rest(const Imu& imu, double time) {
+  if (!advance(imu, time)) return;
+  ahrs_.update_at_rest(imu);
+  accel_filter_.update(imu.accel_B);
+  restart_filter(ahrs_.accel_bias());
+}
+
+void Navigator::restart_filter(const Eigen::Vector3d& accel_bias) {
+  // On the pad the first gate's place is in start_sigma.
+  filter_.start(relative(start_p_EB_), accel_bias, {0.0, uncertainty_.height, uncertainty_.yaw},
+                time_);
+}
+
+void Navigator::predict(const Imu& imu, double time) {
+  if (advance(imu, time)) {
+    input_.accel_B = accel_filter_.update(imu.accel_B);
+    ahrs_.update(imu, velocity_.v_B(), dt_);
+    const Attitude attitude = ahrs_.attitude();
+    input_.roll = attitude.roll;
+    input_.pitch = attitude.pitch;
+    input_.yaw = wrap_angle(attitude.yaw - gate_.yaw_EG);
+    input_.yaw_sigma = ahrs_.heading_sigma();
+    input_.gyro_B = ahrs_.rate_B();
+  }
+  if (dt_ <= 0.0) return;
+  filter_.predict(input_, dt_, time_);
+  velocity_.update(filter().state(), input_, params_.filter.model, dt_);
+  altimeter_.climb(-dt_ * (ahrs_.R_EB() * velocity_.v_B()).z());
+}
+
+void Navigator::predict_attitude(const Imu& imu, double time) {
+  if (advance(imu, time)) ahrs_.update(imu, Eigen::Vector3d::Zero(), dt_);
+}
+
+void Navigator::measure_heights(const std::optional<double>& sonar,
+                                const std::optional<double>& baro) {
+  const auto fuse = [&](const std::optional<Height>& height) {
+    if (height) correct_height(height->value, height->sigma);
+  };
+  if (baro && std::abs(*baro) < 1000.0) fuse(altimeter_.baro(*baro, time_));
+  const double upright = ahrs_.R_EB().matrix(2, 2);
+  if (sonar && *sonar > 0.0 && *sonar < 100.0 && upright > 0.85)
+    fuse(altimeter_.sonar(*sonar * upright, -p_EB().z(), time_));
+}
+
+void Navigator::correct_height(double height, double sigma) {
+  const double floor_z = -gate_.p_EG.z();  // the floor, in the gate's frame
+  (void)filter_.correct_altitude(floor_z - height, sigma, uncertainty_.height);
+}
+
+Fusion Navigator::correct(const Fix& fix, double time, bool may_restart) {
+  const Fusion fusion = filter_.correct(fix, time, may_restart);
+  if (fusion == Fusion::kAccepted || fusion == Fusion::kRestarted) last_fix_ = time_;
+  return fusion;
+}
+
+void Navigator::correct_heading(double error, double variance) {
+  const double before = ahrs_.attitude().yaw;
+  ahrs_.correct_heading(error, variance);
+  filter_.turn_past(wrap_angle(ahrs_.attitude().yaw - before));
+}
+
+// A leg flown blind on a heading that is off by δ ends δ ẑ × p₀ beside where it should, p₀ being
+// where it began, seen from the next gate. The filter's uncertainty knows that; the difference to
+// the first fix tells δ.
+void Navigator::learn_heading(const Fix& fix, const Past& then) {
+  const double sigma = ahrs_.heading_sigma();
+  const Eigen::Vector2d n = then.filter.heading_sensitivity(fix) / sigma;
+  if (n.norm() < kLongLeg) return;
+  const Eigen::Vector2d difference = (fix.p_GB - then.filter.position()).head<2>();
+  const Eigen::Matrix2d S = then.filter.innovation_covariance(fix).topLeftCorner<2, 2>() -
+                            sigma * sigma * n * n.transpose();
+  if (!(S(0, 0) > 0.0) || !(S.determinant() > 0.0)) return;
+  const Eigen::Vector2d w = S.inverse() * n;
+  const double information = w.dot(n);
+  correct_heading(-w.dot(difference) / information, 1.0 / information);
+}
+
+void Navigator::change_gate(const GateFrame& gate, const MapUncertainty& uncertainty) {
+  // p_G' = R_G'E (p_EG + R_EG p_G - p_EG')
+  const double turn = gate_.yaw_EG - gate.yaw_EG;
+  const Eigen::Vector3d offset = rotation_z(-gate.yaw_EG) * (gate_.p_EG - gate.p_EG);
+  filter_.change_frame(rotation_z(turn), offset, turn, uncertainty);
+  gate_ = gate;
+  uncertainty_ = uncertainty;
+  input_.yaw = wrap_angle(ahrs_.attitude().yaw - gate.yaw_EG);
+}
+
+void Navigator::set_attitude(const Attitude& attitude) { ahrs_.set(attitude); }
+
+void Navigator::set_accel_bias(const Eigen::Vector3d& bias) { restart_filter(bias); }
+
+Eigen::Vector3d Navigator::relative(const Eigen::Vector3d& p_EB) const {
+  return rotation_z(-gate_.yaw_EG) * (p_EB - gate_.p_EG);
+}
+
+Eigen::Vector3d Navigator::p_EB() const {
+  return gate_.p_EG + rotation_z(gate_.yaw_EG) * filter().position();
+}
+
+NavigationState Navigator::state() const {
+  NavigationState now;
+  now.time = time_, now.dt = dt_;
+  now.R_EB = ahrs_.R_EB();
+  now.attitude = attitude_of(now.R_EB);
+  now.rate_B = ahrs_.rate_B();
+  now.p_EB = p_EB();
+  now.v_B = velocity_.v_B();
+  now.v_E = now.R_EB * now.v_B;
+  now.p_GB = filter().position();
+  const Eigen::Matrix3d R_GB = rotation_z(-gate_.yaw_EG) * now.R_EB.matrix;
+  now.v_GB = R_GB * now.v_B;
+  now.lateral_sigma = filter().lateral_sigma();
+  now.since_fix = since_fix();
+  now.since_imu = time_ - last_imu_;
+  now.rest_samples = ahrs_.rest_samples();
+  return now;
+}
+
+}  // namespace gatefly

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/estimation/ahrs.hpp"
+#include "gatefly/estimation/altimeter.hpp"
+#include "gatefly/estimation/delayed_filter.hpp"
+#include "gatefly/estimation/low_pass.hpp"
+#include "gatefly/estimation/velocity_observer.hpp"
+
+namespace gatefly {
+
+/// Where a gate stands and which way it is flown through: the frame that positions are relative to.
+struct GateFrame {
+  Eigen::Vector3d p_EG = Eigen::Vector3d::Zero();  ///< [m]
+  double yaw_EG = 0.0;                             ///< [rad]
+};
+
+struct NavigatorParams {
+  AhrsParams ahrs;
+  DragFilterParams filter;
+  VelocityObserverParams velocity;
+  AltimeterParams altimeter;
+  double imu_hz = 512.0;          ///< Nominal rate of the IMU. [Li18 flight code]
+  double accel_cutoff_hz = 20.0;  ///< Low-pass before the drag model. [Li18 flight code]
+  double filter_memory = 0.25;    ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
+};
+
+/// What is believed of the drone's motion at one moment; plain values.
+struct NavigationState {
+  double time = 0.0;  ///< [s]
+  double dt = 0.0;    ///< Since the sample before; 0 when no time has passed [s].
+  Attitude attitude;
+  RotationEB R_EB;
+  Eigen::Vector3d rate_B = Eigen::Vector3d::Zero();  ///< Bias removed [rad/s].
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();    ///< [m]
+  Eigen::Vector3d v_E = Eigen::Vector3d::Zero();     ///< [m/s]
+  Eigen::Vector3d v_B = Eigen::Vector3d::Zero();     ///< [m/s]
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();    ///< In the frame of the target gate [m] ...
+  Eigen::Vector3d v_GB = Eigen::Vector3d::Zero();    ///< ... and the velocity [m/s].
+  double lateral_sigma = 0.0;  ///< Of p_GB.y, without what is gone in the gate itself [m].
+  double since_fix = 1e3;      ///< Since a fix was accepted [s].
+  double since_imu = 0.0;      ///< Since a usable IMU sample [s].
+  int rest_samples = 0;        ///< Of the rest calibration.
+};
+
+/// The estimation ring: attitude, low pass, drag filter with its memory, velocity and heights, wired
+/// once.
+///
+/// Source: Li18 §2 and §3.3. What flies and what experiments measure is this very object. The
+/// attitude needs the velocity, the velocity the filter's biases, the filter the attitude: here is
+/// the one place that says in which order. No clock; allocates at construction only.
+class Navigator {
+ public:
+  using Past = DelayedFilter::Moment;
+
+  explicit Navigator(const NavigatorParams& params);
+
+  /// On the ground at `p_EB` [m], heading `yaw` [rad]; positions are relative to `gate`.
+  void start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& gate = {},
+             const MapUncertainty& uncertainty = {});
+
+  /// One IMU sample while the drone stands still: teaches biases. Not usable: not used.
+  void rest(const Imu& imu, double time);
+
+  /// One IMU sample in flight. Not usable: the last one goes on. A repeated or older time stamp lets
+  /// no time pass.
+  void predict(const Imu& imu, double time);
+
+  /// The same for an IMU that hangs on no multirotor: without drag no velocity is known, and only
+  /// the attitude goes on.
+  void predict_attitude(const Imu& imu, double time);
+
+  /// Sonar range along body z, barometric height above the pad [m]: fused when they are the floor's.
+  void measure_heights(const std::optional<double>& sonar, const std::optional<double>& baro);
+
+  /// A height above the floor that needs no judging, one standard deviation `sigma` [m].
+  void correct_height(double height, double sigma);
+
+  /// The filter at the moment nearest to `time` [s]; nullptr when that is no longer remembered.
+  [[nodiscard]] const Past* at(double time) const { return filter_.at(time); }
+
+  /// A fix of `time` [s]. @param may_restart  see DelayedFilter::correct.
+  Fusion correct(const Fix& fix, double time, bool may_restart = false);
+
+  /// The heading is off by `error` [rad]: so it was in the past.
+  void correct_heading(double error, double variance);
+
+  /// What a fix after a leg without any says about the heading it was flown on; nothing after a
+  /// short one. The filter's uncertainty knows how far a heading error carries.
+  void learn_heading(const Fix& fix, const Past& then);
+
+  /// From now on positions are relative to `gate`.
+  void change_gate(const GateFrame& gate, const MapUncertainty& uncertainty);
+
+  /// Attitude, or the accelerometer's bias, from outside (a log, other flights), instead of what rest
+  /// has taught. At the end of the rest only.
+  void set_attitude(const Attitude& attitude);
+  void set_accel_bias(const Eigen::Vector3d& bias);
+
+  [[nodiscard]] NavigationState state() const;
+  [[nodiscard]] Eigen::Vector3d p_EB() const;
+  [[nodiscard]] const GateFrame& gate() const { return gate_; }
+  [[nodiscard]] const Ahrs& ahrs() const { return ahrs_; }
+  [[nodiscard]] const DragFilter& filter() const { return filter_.now(); }
+  [[nodiscard]] double time() const { return time_; }  ///< Of the last sample [s].
+  [[nodiscard]] bool has_fix() const { return last_fix_ >= 0.0; }
+  [[nodiscard]] double since_fix() const { return time_ - last_fix_; }
+
+ private:
+  bool advance(const Imu& imu, double time);
+  void restart_filter(const Eigen::Vector3d& accel_bias);
+  [[nodiscard]] Eigen::Vector3d relative(const Eigen::Vector3d& p_EB) const;
+
+  NavigatorParams params_;
+  Ahrs ahrs_;
+  LowPass accel_filter_;
+  DelayedFilter filter_;
+  VelocityObserver velocity_;
+  Altimeter altimeter_;
+  drag_model::Input input_;
+  GateFrame gate_;
+  MapUncertainty uncertainty_;
+  Eigen::Vector3d start_p_EB_ = Eigen::Vector3d::Zero();
+  double time_ = 0.0, dt_ = 0.0, last_imu_ = 0.0, last_fix_ = -1e3;
+  bool started_ = false;
+};
+
+}  // namespace gatefly

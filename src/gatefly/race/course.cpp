@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/course.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gatefly/geometry/attitude.hpp"
+
+namespace gatefly {
+
+Course::Course(const Track& track, const PlanParams& plan, const CourseParams& params)
+    : track_{track},
+      params_{params},
+      plan_{plan_race(track, plan)},
+      total_{static_cast<int>(track.gates.size()) * track.laps} {}
+
+const MapGate& Course::gate() const { return track_.gates[static_cast<std::size_t>(target_)]; }
+
+const Path& Course::path() const {
+  if (approach_) return *approach_;
+  const std::size_t legs = plan_.legs.size();
+  if (passed_ == 0 || legs == 0) return plan_.start;
+  return plan_.legs[static_cast<std::size_t>(passed_ - 1) % legs];
+}
+
+bool Course::follow(const NavigationState& now, const Phase& phase) {
+  if (finished() || std::holds_alternative<OnGround>(phase)) return false;
+  const double total = path().length();
+  progress_ = path().nearest(now.p_EB.head<2>(), std::max(0.0, progress_ - params_.back),
+                             std::min(progress_ + params_.ahead, total + 0.5));
+  // While searching, only what went through the opening has passed.
+  const bool on_course =
+      std::holds_alternative<Straight>(phase) || std::holds_alternative<Turn>(phase);
+  const bool through =
+      std::holds_alternative<Search>(phase) && std::abs(now.p_GB.y()) < 0.5 * gate().side;
+  const bool behind = total - progress_ < params_.end && now.p_GB.x() > params_.past;
+  return (on_course || through) && behind && pass_gate();
+}
+
+bool Course::pass_gate() {
+  ++passed_;
+  approach_.reset();
+  progress_ = 0.0;
+  if (finished()) return false;
+  target_ = (target_ + 1) % static_cast<int>(track_.gates.size());
+  return true;
+}
+
+void Course::approach_straight(const NavigationState& now) {
+  const double before = std::max(params_.shortest_approach, -now.p_GB.x() + 0.5);
+  const Eigen::Vector3d start =
+      gate().p_EG + rotation_z(gate().yaw_EG) * Eigen::Vector3d{-before, 0, 0};
+  approach_.emplace();
+  (void)approach_->segments.push_back(
+      {.start = start.head<2>(), .heading = gate().yaw_EG, .curvature = 0.0, .length = before});
+  approach_->z_start = approach_->z_end = gate().p_EG.z();
+  progress_ = 0.5;
+}
+
+}  // namespace gatefly

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "gatefly/estimation/navigator.hpp"
+#include "gatefly/race/path.hpp"
+#include "gatefly/race/phase.hpp"
+#include "gatefly/race/track.hpp"
+
+namespace gatefly {
+
+struct CourseParams {
+  double back = 0.5, ahead = 0.8;  ///< The nearest point is looked for so far around the last [m].
+  double end = 1.5;    ///< A gate can be passed on the last part of the way to it only [m]. [ours]
+  double past = 0.10;  ///< So far behind its plane a gate is passed [m]. [Li18 code: 0.1-0.5]
+  double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [ours]
+};
+
+/// How far along the race the drone is: which gate is next, the way there, the progress on it.
+///
+/// Li18 §2: gates in a fixed order. Plain bookkeeping over a plan; no clock, no estimator.
+class Course {
+ public:
+  /// Plans the way. @throws std::invalid_argument when the track cannot be flown, saying why.
+  Course(const Track& track, const PlanParams& plan, const CourseParams& params = {});
+
+  /// Takes in where the drone is. True when it has passed a gate and is now after another one.
+  bool follow(const NavigationState& now, const Phase& phase);
+
+  /// From where it waited the drone flies straight on along the gate's axis: the leg's own way may
+  /// end in an arc.
+  void approach_straight(const NavigationState& now);
+
+  [[nodiscard]] const MapGate& gate() const;  ///< The one to fly through next.
+  [[nodiscard]] int target() const { return target_; }
+  [[nodiscard]] int passed() const { return passed_; }
+  [[nodiscard]] bool finished() const { return passed_ >= total_; }
+  [[nodiscard]] const Path& path() const;                      ///< To the target.
+  [[nodiscard]] double progress() const { return progress_; }  ///< Metres along path().
+  [[nodiscard]] double to_go() const { return path().length() - progress_; }
+  [[nodiscard]] const RacePlan& plan() const { return plan_; }
+  [[nodiscard]] const Track& track() const { return track_; }
+
+ private:
+  bool pass_gate();
+
+  Track track_;
+  CourseParams params_;
+  RacePlan plan_;
+  std::optional<Path> approach_;  ///< Instead of the leg's own way, after a search.
+  int total_ = 0, target_ = 0, passed_ = 0;
+  double progress_ = 0.0;
+};
+
+/// The frame of a gate of the map.
+[[nodiscard]] inline GateFrame frame_of(const MapGate& gate) { return {gate.p_EG, gate.yaw_EG}; }
+
+}  // namespace gatefly

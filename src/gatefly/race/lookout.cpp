@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/lookout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly {
+namespace {
+
+constexpr double kNever = 1e9;  // [m]
+
+// Attitude against the gate's frame at that moment.
+RotationGB R_GB_of(const Navigator::Past& then) {
+  return {rotation_EB(Attitude{then.input.roll, then.input.pitch, then.input.yaw}).matrix};
+}
+
+}  // namespace
+
+Lookout::Lookout(const LookoutParams& params)
+    : params_{params}, detector_{params.detector}, parts_{params.detector} {}
+
+GateDetections Lookout::whole_gates(const Sensors& sensors, Effort effort) {
+  if (sensors.seen) return sensors.seen->gates;
+  const Image& image = *sensors.image;
+  GateDetections whole;
+  for (const GateDetection& gate : effort == Effort::kAll
+                                       ? detector_.detect_all(image, params_.gate_color)
+                                       : detector_.detect(image, params_.gate_color))
+    if (gate.whole) (void)whole.push_back(gate);
+  return whole;
+}
+
+void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
+                   Navigator& navigator) {
+  sighting_.seen = false;
+  if (!sensors.image && !sensors.seen) return;
+  sighting_ = {};
+  if (!sensors.seen && sensors.image->empty()) return;
+  image_width_ = sensors.seen ? sensors.seen->image_width : sensors.image->width();
+  if (!looking) return;
+  const View view{sensors, course, navigator};
+  sighting_.detections = whole_gates(sensors, Effort::kSure);
+  sighting_.seen = !sighting_.detections.empty();
+
+  auto best = best_whole_gate(view);
+  const bool was_quick =
+      sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
+  if (!convincing(best) && was_quick) {
+    // Another gate stood out; the one that is looked for may be there, too.
+    sighting_.detections = whole_gates(sensors, Effort::kAll);
+    best = best_whole_gate(view);
+  }
+  const double x = navigator.filter().position().x();
+  if (!convincing(best) && x > -params_.sight.parts_from && x < 0.0) {
+    // Near the gate parts of it are enough. A frame may be put together from bars of two gates: the
+    // more probable counts.
+    const auto part = best_part(view);
+    if (part && (!best || part->distance2 < best->distance2)) best = part;
+  }
+  if (best) correct_with(*best, view);
+}
+
+bool Lookout::convincing(const std::optional<Candidate>& candidate) const {
+  return candidate && candidate->distance2 < params_.sight.convincing;
+}
+
+// The moment at which a column of the picture was exposed.
+const Navigator::Past* Lookout::past_of(double u_px, const View& view) const {
+  const double across = std::clamp(u_px / image_width_ - 0.5, -0.5, 0.5);
+  return view.navigator.at(view.navigator.time() - params_.timing.latency +
+                           across * params_.timing.readout);
+}
+
+// The frame that fits best to where the gate should be.
+std::optional<Lookout::Candidate> Lookout::best_whole_gate(const View& view) const {
+  std::optional<Candidate> best;
+  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
+    const GateDetection& seen = sighting_.detections[i];
+    const Past* then = past_of(center(seen.corners_px).x(), view);
+    const auto fix = then ? fix_of(seen, *then, view) : std::nullopt;
+    if (!fix) continue;
+    const double here = distance_from(seen, *then, view.course.gate(), false, view);
+    const double elsewhere = distance_from_others(seen, *then, view);
+    if (elsewhere < std::min(params_.sight.tell_apart, here)) continue;
+    auto one = candidate(*fix, *then, Sighting::Source::kCorners, static_cast<int>(i));
+    if (seen.fitness < params_.sight.sure && !convincing(one)) continue;
+    one.may_restart = here <= elsewhere && fix->p_GB.norm() < params_.sight.restart_within;
+    if (!best || one.distance2 < best->distance2) best = one;
+  }
+  return best;
+}
+
+// The lower corners, or the side bars.
+std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
+  std::optional<GateBars> bars;
+  if (view.sensors.seen) {
+    sighting_.open = view.sensors.seen->open, bars = view.sensors.seen->bars;
+  } else if (const auto part = parts_.detect(*view.sensors.image, params_.gate_color)) {
+    sighting_.open = part->lower_corners(), bars = part->bars;
+  }
+  const MapGate& gate = view.course.gate();
+  std::optional<Candidate> corners;
+  if (sighting_.open) {
+    const OpenGate& open = *sighting_.open;
+    const Past* then = past_of(0.5 * (open.bottom_left_px.x() + open.bottom_right_px.x()), view);
+    const auto fix = then ? fix_from_lower_corners(open, R_GB_of(*then), gate.side, params_.camera,
+                                                   pose_params(view.navigator))
+                          : std::nullopt;
+    if (fix) corners = candidate(*fix, *then, Sighting::Source::kCorners);
+  }
+  const double limit = params_.gate_sigma * params_.gate_sigma;
+  const double x = view.navigator.filter().position().x();
+  if ((corners && corners->distance2 < limit) || x < -params_.pose.max_bars_distance)
+    return corners;
+  sighting_.bars = bars;
+  if (!bars) return corners;
+  const Past* then = past_of(0.5 * (bars->left_px.x() + bars->right_px.x()), view);
+  const auto fix = then ? fix_from_bars(*bars, R_GB_of(*then), gate.side - gate.bar, params_.camera,
+                                        pose_params(view.navigator))
+                        : std::nullopt;
+  return fix ? candidate(*fix, *then, Sighting::Source::kBars) : corners;
+}
+
+Lookout::Candidate Lookout::candidate(const Fix& fix, const Past& then, Sighting::Source source,
+                                      int detection) const {
+  return {fix, &then, then.filter.distance2(fix), source, detection};
+}
+
+std::optional<Fix> Lookout::fix_of(const GateDetection& seen, const Past& then,
+                                   const View& view) const {
+  return map_fix_from_corners(seen.corners_px, R_GB_of(then), view.course.gate().side,
+                              params_.camera, pose_params(view.navigator));
+}
+
+PoseParams Lookout::pose_params(const Navigator& navigator) const {
+  PoseParams params = params_.pose;
+  params.attitude_sigma = std::hypot(params_.pose.attitude_sigma, navigator.ahrs().tilt_sigma());
+  params.gate_yaw_sigma = params_.gate_yaw_sigma;
+  params.heading_sigma = std::hypot(navigator.ahrs().heading_sigma(), params_.gate_yaw_sigma);
+  return params;
+}
+
+// After a blind leg much is believed, and one wrong gate would turn the heading; where uncertainty
+// is large, a gate a metre off is within it, and would be believed far too well. There have to be
+// two that agree.
+bool Lookout::is_confirmed(const Candidate& seen, const View& view) {
+  const Confirmation now{seen.then->time, view.course.passed(),
+                         seen.fix.p_GB - seen.then->odometry};
+  const auto before = std::exchange(pending_, now);
+  return before && before->passed == now.passed &&
+         now.time - before->time < params_.sight.blind_after &&
+         (now.start - before->start).norm() < params_.sight.agree;
+}
+
+void Lookout::correct_with(Candidate seen, const View& view) {
+  const bool whole = seen.detection >= 0;
+  const bool was_blind =
+      view.navigator.has_fix() && view.navigator.since_fix() > params_.sight.blind_after;
+  const bool within = seen.distance2 < params_.gate_sigma * params_.gate_sigma;
+  const bool improbable = seen.distance2 > params_.sight.surprising;
+  if (whole && (was_blind || improbable) && within && !is_confirmed(seen, view)) return;
+  if (whole && was_blind && within) {
+    view.navigator.learn_heading(seen.fix, *seen.then);
+    const auto i = static_cast<std::size_t>(seen.detection);
+    const auto again = fix_of(sighting_.detections[i], *seen.then, view);
+    if (!again) return;
+    seen.fix = *again;
+  }
+  if (!fuse(seen, view)) return;
+  sighting_.used = seen.detection;
+  if (!seen.fix.yaw_error) return;
+  const double gate_yaw = params_.gate_yaw_sigma;
+  const double variance =
+      params_.sight.heading_repeats * (seen.fix.yaw_variance + gate_yaw * gate_yaw);
+  view.navigator.correct_heading(*seen.fix.yaw_error, variance);
+}
+
+bool Lookout::fuse(const Candidate& seen, const View& view) {
+  const Fix& fix = seen.fix;
+  Navigator& navigator = view.navigator;
+  const double innovation2 = seen.then->filter.distance2(fix);
+  const Eigen::Vector3d moved = navigator.filter().position() - seen.then->filter.position();
+  sighting_.offered = true;
+  const Fusion fusion = navigator.correct(fix, seen.then->time, seen.may_restart);
+  if (fusion != Fusion::kAccepted && fusion != Fusion::kRestarted) return false;
+  const MapGate& gate = view.course.gate();
+  const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
+  FixOnCourse& used = sighting_.fix.emplace();
+  used.p_EB = gate.p_EG + R_EG * (fix.p_GB + moved);
+  used.covariance = R_EG * fix.covariance * R_EG.transpose();
+  used.has_height = fix.has_height;
+  if (fix.yaw_error) used.yaw = wrap_angle(navigator.ahrs().attitude().yaw + *fix.yaw_error);
+  used.yaw_sigma = std::sqrt(fix.yaw_variance + params_.gate_yaw_sigma * params_.gate_yaw_sigma);
+  if (fusion == Fusion::kAccepted)
+    sighting_.innovation2 = innovation2, sighting_.innovation_dof = fix.has_height ? 3 : 2;
+  sighting_.source = seen.source;
+  return true;
+}
+
+// How far from where it is believed to be the drone would be, had it seen this gate; from before it
+// or from behind [m].
+double Lookout::distance_from(const GateDetection& seen, const Past& then, const MapGate& gate,
+                              bool from_behind, const View& view) const {
+  // Gates of other legs are seen from the side and from afar.
+  constexpr double kAnywhere = 30.0, kLooser = 4.0;
+  const MapGate& target = view.course.gate();
+  const double yaw = gate.yaw_EG + (from_behind ? kPi : 0.0);
+  PoseParams anywhere = params_.pose;
+  anywhere.max_lateral = anywhere.max_distance = kAnywhere;
+  anywhere.max_misfit *= kLooser;
+  const auto fix =
+      fix_from_corners(seen.corners_px, {rotation_z(target.yaw_EG - yaw) * R_GB_of(then).matrix},
+                       gate.side, params_.camera, anywhere);
+  if (!fix) return kNever;
+  const Eigen::Vector3d believed = target.p_EG + rotation_z(target.yaw_EG) * then.filter.position();
+  return (gate.p_EG + rotation_z(yaw) * fix->p_GB - believed).norm();
+}
+
+// The map says which gates there are: a sighting is of the one it is nearest to.
+double Lookout::distance_from_others(const GateDetection& seen, const Past& then,
+                                     const View& view) const {
+  double least = kNever;
+  const auto& gates = view.course.track().gates;
+  for (int i = 0; i < static_cast<int>(gates.size()); ++i)
+    for (const bool from_behind : {false, true})
+      if (i != view.course.target() || from_behind)
+        least = std::min(least, distance_from(seen, then, gates[static_cast<std::size_t>(i)],
+                                              from_behind, view));
+  return least;
+}
+
+}  // namespace gatefly

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/part_search.hpp"
+#include "gatefly/estimation/navigator.hpp"
+#include "gatefly/pose/gate_fix.hpp"
+#include "gatefly/race/course.hpp"
+#include "gatefly/race/messages.hpp"
+
+namespace gatefly {
+
+struct CameraTiming {
+  double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
+  double readout = 0.020;  ///< First to last upright column [s].
+};
+
+/// When a detection is the gate that is looked for. Distances are squared Mahalanobis distances.
+struct SightParams {
+  /// Nothing better is looked for: one in four of the right ones is farther off. [chi-square, 3]
+  double convincing = 4.1;
+  /// Needs a second sighting that agrees: one in twenty of the right ones is. [chi-square, 3]
+  double surprising = 7.8;
+  double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [ours]
+  double agree =
+      0.4;  ///< Two sightings from places nearer than this agree [m]. [ours: 66 ms apart]
+  /// Only nearer gates start the position anew: what farther ones err by lasts for a second and
+  /// agrees with itself, too [m]. [ours]
+  double restart_within = 7.0;
+  /// The estimate may be off by this and still tell gates apart [m]. [ours]
+  double tell_apart = 1.5;
+  /// Below this confidence a detection counts where a gate is expected only. [ours]
+  double sure = 0.9;
+  double parts_from = 4.5;  ///< Nearer than this the upper bar may be cut off [m]. [ours]
+  /// Neighbouring pictures share their errors: a heading counts as one of so many. [ours]
+  double heading_repeats = 3.0;
+};
+
+struct LookoutParams {
+  CameraRig camera;
+  CameraTiming timing;
+  ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
+  GateSearchParams detector;
+  PoseParams pose;
+  SightParams sight;
+  double gate_sigma = 3.5;       ///< What the filter refuses; see DragFilterParams.
+  double gate_yaw_sigma = 0.06;  ///< How well gates' headings are known [rad].
+};
+
+/// The pilot's eye: picture, navigation and map → a fix of the gate that is flown to.
+///
+/// Source: Li18 §3.1-3.2. Owns the pending confirmation: after a blind leg, or where a sighting is
+/// improbable, two have to agree. Allocates nothing once built.
+class Lookout {
+ public:
+  explicit Lookout(const LookoutParams& params);
+
+  /// One picture, or what somebody else has found in it: corrects the navigator if the target is in
+  /// it. Without either nothing happens. `looking` false: the picture is not wanted.
+  void look(const Sensors& sensors, bool looking, const Course& course, Navigator& navigator);
+
+  /// What became of the last picture.
+  [[nodiscard]] const Sighting& sighting() const { return sighting_; }
+
+ private:
+  using Past = Navigator::Past;
+
+  struct Candidate {  ///< What might correct the filter.
+    Fix fix;
+    const Past* then = nullptr;  ///< When it was exposed.
+    double distance2 = 0.0;      ///< Squared Mahalanobis distance from the estimate of then.
+    Sighting::Source source = Sighting::Source::kNone;
+    int detection = -1;       ///< Index of a whole gate; -1: a part of one.
+    bool may_restart = true;  ///< No other gate of the map explains it better.
+  };
+
+  struct Confirmation {  ///< A gate that was seen and is not believed before a second one agrees.
+    double time = 0.0;   ///< [s]
+    int passed = 0;      ///< Gates, by then.
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says it [m].
+  };
+
+  struct View {  ///< What a look needs to know.
+    const Sensors& sensors;
+    const Course& course;
+    Navigator& navigator;
+  };
+
+  enum class Effort { kSure, kAll };  ///< kSure: what stands out is enough.
+  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, Effort effort);
+  [[nodiscard]] std::optional<Candidate> best_whole_gate(const View& view) const;
+  [[nodiscard]] std::optional<Candidate> best_part(const View& view);
+  [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source,
+                                    int detection = -1) const;
+  [[nodiscard]] bool convincing(const std::optional<Candidate>& candidate) const;
+  [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then,
+                                          const View& view) const;
+  [[nodiscard]] const Past* past_of(double u_px, const View& view) const;
+  [[nodiscard]] PoseParams pose_params(const Navigator& navigator) const;
+  [[nodiscard]] double distance_from(const GateDetection& seen, const Past& then,
+                                     const MapGate& gate, bool from_behind, const View& view) const;
+  [[nodiscard]] double distance_from_others(const GateDetection& seen, const Past& then,
+                                            const View& view) const;
+  bool is_confirmed(const Candidate& seen, const View& view);
+  void correct_with(Candidate seen, const View& view);
+  bool fuse(const Candidate& seen, const View& view);
+
+  LookoutParams params_;
+  GateSearch detector_;
+  PartSearch parts_;
+  Sighting sighting_;
+  std::optional<Confirmation> pending_;
+  double image_width_ = 315.0;  ///< Of the upright picture [px].
+};
+
+}  // namespace gatefly

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/control/attitude_command.hpp"
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sensing/image.hpp"
+#include "gatefly/sensing/imu.hpp"
+
+// What goes into a pilot, what comes out of it, and what can be asked of it.
+
+namespace gatefly {
+
+/// What somebody else has already found in a picture: the simulator's ideal vision.
+struct SeenGates {
+  GateDetections gates;                         ///< Best first.
+  std::optional<OpenGate> open = std::nullopt;  ///< One cut off above.
+  std::optional<GateBars> bars = std::nullopt;  ///< One too near to be whole.
+  int image_width = 315;                        ///< Of the upright picture [px].
+};
+
+/// What arrives in one tick. Everything but the IMU is slower and mostly absent.
+struct Sensors {
+  std::chrono::nanoseconds time{0};  ///< Of the IMU sample; must not run backwards.
+  Imu imu;
+  std::optional<double> sonar = std::nullopt;  ///< Range to what is below, along body z [m].
+  std::optional<double> baro = std::nullopt;   ///< Height above the pad [m].
+  /// Arrived now, exposed `latency` ago; read in this call only.
+  std::optional<Image> image = std::nullopt;
+  std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
+};
+
+/// What the drone does next.
+struct Command {
+  AttitudeCommand attitude;
+  /// Rotor speeds [rad/s]: left front, right front, right back, left back.
+  std::array<double, 4> motors{};
+};
+
+/// What the pilot believes. For logs, displays and tests; nothing flies by it but the pilot.
+struct Estimate {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d v_E = Eigen::Vector3d::Zero();   ///< [m/s]
+  Attitude attitude;
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< [rad/s]
+  /// The position in the frame of the target gate [m] ...
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and how sure it is [m²].
+  int gates_passed = 0;
+};
+
+/// What corrected the filter, as another filter would want it.
+struct FixOnCourse {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();            ///< Of now, not of the exposure [m].
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m²]; earth axes.
+  bool has_height = true;
+  std::optional<double> yaw = std::nullopt;  ///< Heading the gate tells [rad] ...
+  double yaw_sigma = 0.0;                    ///< ... and how well.
+};
+
+/// What became of the last picture.
+struct Sighting {
+  enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or the two lower ones.
+  bool seen = false;                             ///< At least one gate was detected.
+  /// One of them, or a part, gave a fix of the target; the filter may have refused it.
+  bool offered = false;
+  GateDetections detections;      ///< Best first; the one that was used is `used`.
+  int used = -1;                  ///< Index into detections; -1 when none (or bars).
+  Source source = Source::kNone;  ///< What corrected the filter, if anything did.
+  std::optional<FixOnCourse> fix;
+  /// How much it surprised: squared innovation in units of its covariance ...
+  double innovation2 = 0.0;
+  int innovation_dof = 0;  ///< ... and its degrees of freedom; 0: nothing corrected.
+  std::optional<GateBars> bars;
+  std::optional<OpenGate> open;  ///< Looked for when no whole gate was of use.
+};
+
+}  // namespace gatefly

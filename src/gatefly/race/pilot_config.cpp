@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/pilot_config.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace gatefly {
+
+NavigatorParams navigator_params(const PilotConfig& config) {
+  NavigatorParams params;
+  params.ahrs = config.ahrs;
+  params.filter = config.filter;
+  params.velocity = config.velocity;
+  params.altimeter = config.altimeter;
+  params.imu_hz = config.imu_hz;
+  params.filter_memory = config.filter_memory;
+  return params;
+}
+
+LookoutParams lookout_params(const PilotConfig& config) {
+  LookoutParams params;
+  params.camera = config.camera;
+  params.timing = config.camera_timing;
+  params.gate_color = config.gate_color;
+  params.detector = config.detector;
+  params.pose = config.pose;
+  params.sight = config.sight;
+  params.gate_sigma = config.filter.gate_sigma;
+  params.gate_yaw_sigma = config.gate_yaw_sigma;
+  return params;
+}
+
+GuidanceParams guidance_params(const PilotConfig& config) {
+  GuidanceParams params;
+  params.speed = config.speed;
+  params.lateral = config.lateral;
+  params.altitude = config.altitude;
+  params.hold = config.hold;
+  params.cruise = config.plan.speed;
+  params.max_lateral = config.plan.max_lateral;
+  params.drag = config.filter.model.drag;
+  params.gravity = config.filter.model.gravity;
+  return params;
+}
+
+IndiParams indi_params(const PilotConfig& config) {
+  IndiParams params = config.indi;
+  params.sample_hz = config.imu_hz;
+  return params;
+}
+
+MapUncertainty map_uncertainty(const PilotConfig& config) {
+  return {config.map_sigma, config.gate_height_sigma, config.gate_yaw_sigma};
+}
+
+void check_latency(const PilotConfig& config) {
+  const auto ms = [](double seconds) { return std::to_string(std::lround(1e3 * seconds)) + " ms"; };
+  const double oldest = config.camera_timing.latency + 0.5 * config.camera_timing.readout;
+  if (oldest <= config.filter_memory) return;
+  throw std::invalid_argument("pictures arrive " + ms(oldest) +
+                              " after their exposure (camera.latency_ms, readout_ms, exposure_ms), "
+                              "the filter remembers filter.memory_ms = " +
+                              ms(config.filter_memory));
+}
+
+}  // namespace gatefly

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gatefly/control/altitude.hpp"
+#include "gatefly/control/indi.hpp"
+#include "gatefly/control/lateral_pd.hpp"
+#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/estimation/navigator.hpp"
+#include "gatefly/pose/gate_fix.hpp"
+#include "gatefly/race/course.hpp"
+#include "gatefly/race/guidance.hpp"
+#include "gatefly/race/lookout.hpp"
+#include "gatefly/race/path.hpp"
+#include "gatefly/race/phase.hpp"
+#include "gatefly/race/track.hpp"
+
+namespace gatefly {
+
+/// Everything a pilot is told before take-off. Start-up only.
+struct PilotConfig {
+  Track track;
+  CameraRig camera;
+  CameraTiming camera_timing;
+  ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
+  GateSearchParams detector;
+  PoseParams pose;
+  SightParams sight;
+  AhrsParams ahrs;
+  DragFilterParams filter;
+  VelocityObserverParams velocity;
+  AltimeterParams altimeter;
+  LateralParams lateral;
+  AltitudeParams altitude;
+  SpeedParams speed;
+  HoldParams hold;
+  IndiParams indi;
+  VehicleParams vehicle;
+  PlanParams plan;
+  CourseParams course;
+  PhaseParams phase;
+  double imu_hz = 512.0;        ///< Nominal rate of the IMU. [Li18 flight code]
+  double filter_memory = 0.25;  ///< So late a picture may come [s]. [ours: twice a Bebop's latency]
+  double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [ours]
+  double gate_height_sigma = 0.05;  ///< Of a gate's centre [m]. [docs/simulation.md]
+  double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
+};
+
+// What each part of a pilot is told of it.
+[[nodiscard]] NavigatorParams navigator_params(const PilotConfig& config);
+[[nodiscard]] LookoutParams lookout_params(const PilotConfig& config);
+[[nodiscard]] GuidanceParams guidance_params(const PilotConfig& config);
+[[nodiscard]] IndiParams indi_params(const PilotConfig& config);
+[[nodiscard]] MapUncertainty map_uncertainty(const PilotConfig& config);
+
+/// @throws std::invalid_argument when pictures arrive later than the filter remembers.
+void check_latency(const PilotConfig& config);
+
+}  // namespace gatefly
