@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-# gatefly_module(<folder> DEPENDS <target>... [PRIVATE_DEPENDS <target>...])
+include(gatefly_precompiled)
+
+# gatefly_module(<folder> [COLD] DEPENDS <target>... [PRIVATE_DEPENDS <target>...])
 #
 # One folder of src/gatefly/ is one library gatefly::<folder>. DEPENDS is the architecture, written
 # down once: tools/check_layers.py (a ctest) fails the build when a file includes a folder that is
-# not listed here. Sources and headers are found by name.
+# not listed here. Sources and headers are found by name, in subfolders, too.
+#
+# COLD: no time is spent in here, only wasted on optimising it.
 function(gatefly_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;PRIVATE_DEPENDS")
-  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
-  file(GLOB headers CONFIGURE_DEPENDS *.hpp)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "DEPENDS;PRIVATE_DEPENDS")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
 
   if(sources)
     set(scope PUBLIC)
@@ -15,6 +19,11 @@ function(gatefly_module name)
     target_sources(gatefly_${name} PRIVATE ${sources})
     target_link_libraries(gatefly_${name}
       PRIVATE $<BUILD_INTERFACE:gatefly_warnings> ${arg_PRIVATE_DEPENDS})
+    if(arg_COLD)
+      gatefly_precompiled(gatefly_${name} cold)
+    else()
+      gatefly_precompiled(gatefly_${name} hot)
+    endif()
   else()
     set(scope INTERFACE)
     add_library(gatefly_${name} INTERFACE)
