@@ -166,7 +166,9 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.vehicle.sag = sigma.sag;
 
   Stream bias{seed, "bias"};
-  if (sigma.accel_bias > 0.0) real.sensors.accel_bias = normal3(bias, sigma.accel_bias);
+  // Drawn in any case: the numbers after it are the same with and without it.
+  const Eigen::Vector3d accel_bias = normal3(bias, sigma.accel_bias);
+  if (sigma.accel_bias > 0.0) real.sensors.accel_bias = accel_bias;
   real.sensors.flight_bias += normal3(bias, sigma.flight_bias);
   real.sensors.gyro_drift += normal3(bias, sigma.gyro_bias);
   real.sensors.accel_scale += normal3(bias, sigma.scale);
