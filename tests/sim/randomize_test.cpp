@@ -1,12 +1,487 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/sim_config.hpp"
 
 namespace gatefly::sim {
 namespace {
+
+using Numbers = std::map<std::string, double>;
+
+void put(Numbers& numbers, const std::string& name, std::span<const double> values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    numbers[values.size() == 1 ? name : name + "." + std::to_string(i)] = values[i];
+}
+void put(Numbers& numbers, const std::string& name, double value) { numbers[name] = value; }
+template <int N>
+void put(Numbers& numbers, const std::string& name, const Eigen::Vector<double, N>& v) {
+  put(numbers, name, std::span{v.data(), static_cast<std::size_t>(N)});
+}
+
+/// Angle about the grey axis, and what a turn of the hue leaves alone: grey and saturation.
+void put_color(Numbers& numbers, const std::string& name, const Eigen::Vector3d& rgb) {
+  const double x = (2 * rgb.x() - rgb.y() - rgb.z()) / std::sqrt(6.0),
+               y = (rgb.y() - rgb.z()) / std::sqrt(2.0);
+  put(numbers, name + ".hue", std::atan2(y, x));
+  put(numbers, name + ".grey", rgb.mean());
+  put(numbers, name + ".saturation", std::hypot(x, y));
+}
+
+/// Every number of a configuration by name. The bindings stop compiling when a member is added:
+/// then a draw may change it, and this list has to know.
+Numbers numbers_of(const SimConfig& config) {
+  Numbers n;
+  const auto& [world, vehicle, sensors, camera, light, ideal_vision, start, wind, seed, cache_dir,
+               bake_threads] = config;
+  put(n, "seed", static_cast<double>(seed));
+  put(n, "bake_threads", bake_threads);
+  put(n, "ideal_vision.ghosts", ideal_vision.ghosts);
+  {
+    const auto& [look, room_size, room_center, gates, obstacles, decoys] = world;
+    put(n, "room_size", room_size);
+    put(n, "room_center", room_center);
+    put(n, "decoys", static_cast<double>(decoys.size()));
+    for (std::size_t i = 0; i < gates.size(); ++i) {
+      const auto& [p_EG, yaw_EG, side, bar, color] = gates[i];
+      const std::string name = "gate" + std::to_string(i);
+      put(n, name + ".p_EG", p_EG);
+      put(n, name + ".yaw_EG", yaw_EG);
+      put(n, name + ".side", side);
+      put(n, name + ".bar", bar);
+      put_color(n, name, color);
+    }
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      const auto& [center, size, heading, bottom, top, pole] = obstacles[i];
+      const std::string name = "obstacle" + std::to_string(i);
+      put(n, name + ".center", center);
+      put(n, name + ".size", size);
+      put(n, name, std::array{heading, bottom, top, pole ? 1.0 : 0.0});
+    }
+  }
+  {
+    const auto& [mass, inertia, size, arm_x, arm_y, propeller_radius, thrust_coefficient,
+                 torque_coefficient, rotor_time_constant, min_speed, max_speed, rotor_drag,
+                 body_drag, sag, sag_time] = vehicle;
+    put(n, "mass", mass);
+    put(n, "inertia", inertia);
+    put(n, "size", size);
+    put(n, "arms", std::array{arm_x, arm_y, propeller_radius});
+    put(n, "thrust_coefficient", thrust_coefficient);
+    put(n, "torque_coefficient", torque_coefficient);
+    put(n, "rotors", std::array{rotor_time_constant, min_speed, max_speed});
+    put(n, "rotor_drag", rotor_drag);
+    put(n, "body_drag", body_drag);
+    put(n, "sag", sag);
+    put(n, "sag_time", sag_time);
+  }
+  {
+    const auto& [accel_bias, flight_bias, gyro_bias, gyro_drift, accel_scale, gyro_scale,
+                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, noise_scale, imu_jitter,
+                 sonar_noise, sonar_max, baro_noise, baro_drift, camera_hz, camera_latency,
+                 latency_jitter, frame_loss] = sensors;
+    put(n, "accel_bias", accel_bias);
+    put(n, "flight_bias", flight_bias);
+    put(n, "gyro_bias", gyro_bias);
+    put(n, "gyro_drift", gyro_drift);
+    put(n, "accel_scale", accel_scale);
+    put(n, "gyro_scale", gyro_scale);
+    put(n, "accel_noise", accel_noise);
+    put(n, "accel_vibration", accel_vibration);
+    put(n, "gyro_noise", gyro_noise);
+    put(n, "gyro_vibration", gyro_vibration);
+    put(n, "noise_scale", noise_scale);
+    put(n, "imu_jitter", imu_jitter);
+    put(n, "sonar", std::array{sonar_noise, sonar_max});
+    put(n, "baro", std::array{baro_noise, baro_drift});
+    put(n, "camera_hz", camera_hz);
+    put(n, "camera_latency", camera_latency);
+    put(n, "latency_jitter", latency_jitter);
+    put(n, "frame_loss", frame_loss);
+  }
+  {
+    const auto& [lens, p_BC, tilt_down, stored_width, stored_height, exposure, readout] = camera;
+    const auto& [focal_px, center_px, k] = std::get<DhaneFisheye>(lens.model);
+    put(n, "focal_px", focal_px);
+    put(n, "center_px", center_px);
+    put(n, "lens_k", k);
+    put(n, "p_BC", p_BC);
+    put(n, "tilt_down", tilt_down);
+    put(n, "stored", std::array{double(stored_width), double(stored_height)});
+    put(n, "shutter", std::array{exposure, readout});
+  }
+  {
+    const auto& [group_gain, exposure_target, white_balance, noise_scale] = light;
+    put(n, "group_gain", group_gain);
+    put(n, "exposure_target", exposure_target);
+    put(n, "white_balance", white_balance);
+    put(n, "picture_noise_scale", noise_scale);
+  }
+  put(n, "start.position", start.position);
+  put(n, "start.heading", start.heading);
+  put(n, "wind.mean", wind.mean);
+  put(n, "wind.gust", wind.gust);
+  return n;
+}
+
+/// A world with two gates and an obstacle, and no number at a value that a draw would leave alone.
+SimConfig nominal_day() {
+  SimConfig config;
+  config.world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6, .color = {0.6, 0.4, 0.3}},
+                        {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0, .color = {0.3, 0.4, 0.6}}};
+  config.world.obstacles = {{{1.0, -3.0}, {1.5, 0.6}, 0.5, 0.0, 1.9, false}};
+  config.start = {{0.5, -0.5}, 0.3};
+  config.wind = {{0.2, -0.1}, 0.3};
+  config.vehicle.sag = 0.04;
+  config.sensors.flight_bias = {0.01, 0.02, 0.03};
+  config.sensors.gyro_drift = {0.001, 0.002, 0.003};
+  config.sensors.noise_scale = 1.5;
+  config.sensors.latency_jitter = 0.002;
+  config.sensors.frame_loss = 0.01;
+  config.light = {{0.9, 1.1, 0.8}, 1.2, {1.05, 0.95, 0.9}, 1.5};
+  return config;
+}
+
+/// How a size of `Randomize` and a random number z, or the size alone, change a number.
+enum class Change {
+  kAdds,         ///< nominal + size z
+  kScales,       ///< nominal (1 + size z)
+  kReplaces,     ///< size z
+  kAddsItself,   ///< nominal + size
+  kScalesItself  ///< nominal size
+};
+
+/// What one member of `Randomize` does.
+struct Draw {
+  const char* name;
+  double Randomize::*member;
+  double size;  ///< To try: small enough that no limit but 2.5 standard deviations is met.
+  Change change;
+  /// Each list shares one random number; the numbers of different lists are independent.
+  std::vector<std::vector<std::string>> numbers;
+};
+
+/// docs/simulation.md, "What a seed changes". All but `decoys`.
+const std::vector<Draw>& draws() {
+  using enum Change;
+  static const std::vector<Draw> list{
+      {"gate_position",
+       &Randomize::gate_position,
+       0.1,
+       kAdds,
+       {{"gate0.p_EG.0"}, {"gate0.p_EG.1"}, {"gate1.p_EG.0"}, {"gate1.p_EG.1"}}},
+      {"gate_heading", &Randomize::gate_heading, 0.05, kAdds, {{"gate0.yaw_EG"}, {"gate1.yaw_EG"}}},
+      {"gate_height", &Randomize::gate_height, 0.05, kAdds, {{"gate0.p_EG.2"}, {"gate1.p_EG.2"}}},
+      {"gate_side", &Randomize::gate_side, 0.01, kScales, {{"gate0.side"}, {"gate1.side"}}},
+      {"start_position",
+       &Randomize::start_position,
+       0.1,
+       kAdds,
+       {{"start.position.0"}, {"start.position.1"}}},
+      {"start_heading", &Randomize::start_heading, 0.05, kAdds, {{"start.heading"}}},
+      {"camera_focal", &Randomize::camera_focal, 0.01, kScales, {{"focal_px.0", "focal_px.1"}}},
+      {"camera_center_px",
+       &Randomize::camera_center_px,
+       2.0,
+       kAdds,
+       {{"center_px.0"}, {"center_px.1"}}},
+      {"camera_k", &Randomize::camera_k, 0.02, kAdds, {{"lens_k"}}},
+      {"camera_tilt", &Randomize::camera_tilt, 0.02, kAdds, {{"tilt_down"}}},
+      {"camera_latency", &Randomize::camera_latency, 0.01, kAdds, {{"camera_latency"}}},
+      {"drag",
+       &Randomize::drag,
+       0.08,
+       kScales,
+       {{"rotor_drag.0", "rotor_drag.1", "rotor_drag.2"}, {"body_drag"}}},
+      {"mass", &Randomize::mass, 0.03, kScales, {{"mass", "inertia.0", "inertia.1", "inertia.2"}}},
+      {"thrust", &Randomize::thrust, 0.03, kScales, {{"thrust_coefficient"}}},
+      {"sag", &Randomize::sag, 0.05, kAddsItself, {{"sag"}}},
+      {"accel_bias",
+       &Randomize::accel_bias,
+       0.25,
+       kReplaces,
+       {{"accel_bias.0"}, {"accel_bias.1"}, {"accel_bias.2"}}},
+      {"gyro_bias",
+       &Randomize::gyro_bias,
+       0.003,
+       kAdds,
+       {{"gyro_drift.0"}, {"gyro_drift.1"}, {"gyro_drift.2"}}},
+      {"scale",
+       &Randomize::scale,
+       0.01,
+       kAdds,
+       {{"accel_scale.0"},
+        {"accel_scale.1"},
+        {"accel_scale.2"},
+        {"gyro_scale.0"},
+        {"gyro_scale.1"},
+        {"gyro_scale.2"}}},
+      {"flight_bias",
+       &Randomize::flight_bias,
+       0.05,
+       kAdds,
+       {{"flight_bias.0"}, {"flight_bias.1"}, {"flight_bias.2"}}},
+      {"noise_scale",
+       &Randomize::noise_scale,
+       2.0,
+       kScalesItself,
+       {{"noise_scale", "picture_noise_scale"}}},
+      {"light",
+       &Randomize::light,
+       0.3,
+       kScales,
+       {{"group_gain.0"}, {"group_gain.1"}, {"group_gain.2"}}},
+      {"exposure", &Randomize::exposure, 0.25, kScales, {{"exposure_target"}}},
+      {"hue", &Randomize::hue, 0.1, kAdds, {{"gate0.hue", "gate1.hue"}}},
+      {"white_balance",
+       &Randomize::white_balance,
+       0.08,
+       kScales,
+       {{"white_balance.0"}, {"white_balance.1"}, {"white_balance.2"}}},
+      {"frame_loss", &Randomize::frame_loss, 0.02, kAddsItself, {{"frame_loss"}}},
+      {"latency_jitter", &Randomize::latency_jitter, 0.01, kAddsItself, {{"latency_jitter"}}},
+      {"wind", &Randomize::wind, 0.5, kAdds, {{"wind.mean.0"}, {"wind.mean.1"}}},
+      {"gust", &Randomize::gust, 1.0, kAddsItself, {{"wind.gust"}}}};
+  return list;
+}
+
+Randomize alone(const Draw& draw) {
+  Randomize sigma;
+  sigma.*draw.member = draw.size;
+  return sigma;
+}
+
+Randomize all_draws() {
+  Randomize sigma;
+  for (const Draw& draw : draws()) sigma.*draw.member = draw.size;
+  return sigma;
+}
+
+Numbers drawn_numbers(const Randomize& sigma, std::uint64_t seed) {
+  SimConfig nominal = nominal_day();
+  nominal.seed = seed;
+  return numbers_of(drawn(nominal, sigma, seed));
+}
+
+/// The random number that made `real` of `nominal`, or how far the size alone is off what it says.
+double standardised(const Draw& draw, double nominal, double real) {
+  switch (draw.change) {
+    case Change::kAdds:
+      return (real - nominal) / draw.size;
+    case Change::kScales:
+      return (real / nominal - 1.0) / draw.size;
+    case Change::kReplaces:
+      return real / draw.size;
+    case Change::kAddsItself:
+      return real - (nominal + draw.size);
+    case Change::kScalesItself:
+      return real - nominal * draw.size;
+  }
+  return 1e9;
+}
+
+bool is_random(const Draw& draw) {
+  return draw.change != Change::kAddsItself && draw.change != Change::kScalesItself;
+}
+
+TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
+  Randomize sigma;
+  // A member more and this does not compile: give it a row.
+  auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
+         m20, m21, m22, m23, m24, m25, m26, m27, decoys] = sigma;
+  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,
+                                  &m10, &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19,
+                                  &m20, &m21, &m22, &m23, &m24, &m25, &m26, &m27};
+  static_assert(std::is_same_v<decltype(decoys), int>);  // has tests of its own below
+  std::set<double*> rows;
+  for (const Draw& draw : draws()) rows.insert(&(sigma.*draw.member));
+  EXPECT_EQ(rows, members);
+  EXPECT_EQ(draws().size(), members.size());
+}
+
+TEST(Randomize, EachSizeAloneChangesItsNumbersAndNoOthers) {
+  for (const Draw& draw : draws()) {
+    SCOPED_TRACE(draw.name);
+    std::set<std::string> expected;
+    for (const auto& list : draw.numbers) expected.insert(list.begin(), list.end());
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Numbers nominal = drawn_numbers({}, seed), real = drawn_numbers(alone(draw), seed);
+      ASSERT_EQ(nominal.size(), real.size());
+      std::set<std::string> changed;
+      for (const auto& [name, value] : nominal)
+        // A turned colour comes back with other last bits.
+        if (std::abs(real.at(name) - value) > 1e-12 * std::abs(value)) changed.insert(name);
+      EXPECT_EQ(changed, expected) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Randomize, EachSizeDrawsTheSameNumbersWhateverElseIsDrawn) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Numbers together = drawn_numbers(all_draws(), seed);
+    for (const Draw& draw : draws()) {
+      const Numbers real = drawn_numbers(alone(draw), seed);
+      for (const auto& list : draw.numbers)
+        for (const auto& name : list)
+          EXPECT_EQ(real.at(name), together.at(name)) << name << " seed " << seed;
+    }
+  }
+}
+
+TEST(Randomize, LevelNoneChangesNothing) {
+  SimConfig nominal = nominal_day();
+  nominal.world.gates[0].color = {1.0, 0.0, 0.0};
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    nominal.seed = seed;
+    const Numbers real = numbers_of(drawn(nominal, randomize_level("none"), seed));
+    for (const auto& [name, value] : numbers_of(nominal)) EXPECT_EQ(real.at(name), value) << name;
+  }
+}
+
+TEST(Randomize, TheSeedIsKeptForTheRace) { EXPECT_EQ(drawn({}, {}, 77).seed, 77u); }
+
+TEST(Randomize, AnUnknownLevelIsRefused) {
+  EXPECT_THROW((void)randomize_level("easy"), std::invalid_argument);
+}
+
+// Mean 0 and the spread of a normal number cut at 2.5, which is 0.9546; four standard errors.
+// 43 independent numbers make 903 pairs: 4.5 standard errors for their correlations.
+TEST(Randomize, DrawsAreNormalCutAtTwoAndAHalfSigmaAndIndependent) {
+  constexpr int kSeeds = 2000;
+  constexpr double kSpread = 0.9546;
+  std::vector<std::vector<double>> z;
+  std::vector<std::string> names;
+  for (const Draw& draw : draws())
+    if (is_random(draw))
+      for (const auto& list : draw.numbers) names.push_back(list.front());
+  z.resize(names.size());
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const Numbers nominal = drawn_numbers({}, seed), real = drawn_numbers(all_draws(), seed);
+    std::size_t k = 0;
+    for (const Draw& draw : draws()) {
+      for (const auto& list : draw.numbers) {
+        const auto of = [&](const std::string& name) {
+          return standardised(draw, nominal.at(name), real.at(name));
+        };
+        for (const auto& name : list)  // one random number for all of them; none for the exact ones
+          ASSERT_NEAR(of(name), is_random(draw) ? of(list.front()) : 0.0, 1e-9) << name;
+        if (is_random(draw)) z[k++].push_back(of(list.front()));
+      }
+    }
+  }
+  for (std::size_t k = 0; k < z.size(); ++k) {
+    double sum = 0.0, sum2 = 0.0, most = 0.0;
+    for (const double x : z[k]) sum += x, sum2 += x * x, most = std::max(most, std::abs(x));
+    EXPECT_LE(most, 2.5 + 1e-9) << names[k];
+    EXPECT_GT(most, 2.3) << names[k];
+    EXPECT_NEAR(sum / kSeeds, 0.0, 4 * kSpread / std::sqrt(kSeeds)) << names[k];
+    // The fourth moment of the cut normal is 2.22: the variance's own error is that of 1.39 / n.
+    EXPECT_NEAR(sum2 / kSeeds, kSpread * kSpread, 4 * std::sqrt(1.39 / kSeeds)) << names[k];
+    for (std::size_t other = 0; other < k; ++other) {
+      double both = 0.0;
+      for (std::size_t i = 0; i < z[k].size(); ++i) both += z[k][i] * z[other][i];
+      EXPECT_NEAR(both / (kSpread * kSpread * kSeeds), 0.0, 4.5 / std::sqrt(kSeeds))
+          << names[k] << " and " << names[other];
+    }
+  }
+}
+
+TEST(Randomize, OneGateMoreLeavesThoseBeforeItWhereTheyAre) {
+  const SimConfig two = nominal_day();
+  SimConfig three = two;
+  three.world.gates.push_back({.p_EG = {0.0, 5.0, -1.5}});
+  const Numbers with_two = numbers_of(drawn(two, all_draws(), 9)),
+                with_three = numbers_of(drawn(three, all_draws(), 9));
+  for (const auto& [name, value] : with_two) EXPECT_EQ(with_three.at(name), value) << name;
+}
+
+TEST(Randomize, LightStaysAboveATenthAndExposureAboveThreeTenths) {
+  Randomize wild;
+  wild.light = wild.exposure = 1.0;
+  double darkest = 1.0, shortest = 1.0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const LightConditions light = drawn({}, wild, seed).light;
+    darkest = std::min(darkest, *std::ranges::min_element(light.group_gain));
+    shortest = std::min(shortest, light.exposure_target);
+  }
+  EXPECT_EQ(darkest, 0.1);
+  EXPECT_EQ(shortest, 0.3);
+}
+
+TEST(Randomize, LatencyIsNeverNegative) {
+  Randomize wild;
+  wild.camera_latency = 0.1;
+  double least = 1.0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed)
+    least = std::min(least, drawn({}, wild, seed).sensors.camera_latency);
+  EXPECT_EQ(least, 0.0);
+}
+
+/// Distance on the floor from the straight way through a gate: 5 m before it to 3 m behind.
+double to_lane(const WorldGate& gate, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d along = rotation_z(gate.yaw_EG).col(0).head<2>();
+  const Eigen::Vector2d from_gate = p - gate.p_EG.head<2>();
+  return (from_gate - std::clamp(from_gate.dot(along), -5.0, 3.0) * along).norm();
+}
+
+TEST(Decoys, StandAtTheWallsOffTheLanesInTheColourOfTheGates) {
+  SimConfig nominal = nominal_day();
+  nominal.world.room_center = {1.0, -2.0};
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    Randomize sigma = all_draws();
+    sigma.decoys = 4;
+    const World real = drawn(nominal, sigma, seed).world;
+    EXPECT_EQ(real.decoys.size(), 4u) << "seed " << seed;
+    for (const Decoy& decoy : real.decoys) {
+      const Eigen::Vector2d from_wall =
+          0.5 * real.room_size.head<2>() - (decoy.shape.center - real.room_center).cwiseAbs();
+      EXPECT_NEAR(from_wall.minCoeff(), 0.25, 1e-9);
+      for (const WorldGate& gate : real.gates)
+        EXPECT_GT(to_lane(gate, decoy.shape.center), 1.19);  // of points 0.25 m apart on it
+      EXPECT_EQ(decoy.color, real.gates[0].color);
+      EXPECT_EQ(decoy.shape.bottom, 0.0);
+      EXPECT_GE(decoy.shape.top, 0.5);
+      EXPECT_LE(decoy.shape.top, 1.8);
+    }
+  }
+}
+
+TEST(Decoys, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
+  Randomize few = all_draws(), many = all_draws();
+  few.decoys = 2, many.decoys = 6;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Numbers one = drawn_numbers(few, seed);
+    Numbers two = drawn_numbers(many, seed);
+    EXPECT_EQ(one.at("decoys"), 2);
+    EXPECT_EQ(two.at("decoys"), 6);
+    two.at("decoys") = 2;
+    for (const auto& [name, value] : one) EXPECT_EQ(two.at(name), value) << name;
+    const auto first = drawn(nominal_day(), few, seed).world.decoys,
+               more = drawn(nominal_day(), many, seed).world.decoys;
+    for (std::size_t i = 0; i < first.size(); ++i)
+      EXPECT_EQ(first[i].shape.center, more[i].shape.center);
+  }
+}
+
+TEST(Decoys, ARoomWithoutSpaceForThemGetsFewer) {
+  SimConfig config = nominal_day();
+  config.world.room_size = {2.0, 2.0, 3.0};
+  config.world.gates = {{.p_EG = {0, 0, -1.5}}};
+  Randomize sigma;
+  sigma.decoys = 3;
+  EXPECT_TRUE(drawn(config, sigma, 1).world.decoys.empty());
+}
 
 SimConfig with(const AnyCamera& lens) {
   SimConfig config;

@@ -19,33 +19,38 @@ void ChiSquareCount::add(double chi2, int dof) {
   inside += chi2 >= kLow[i] && chi2 <= kHigh[i];
 }
 
-void ConsistencyWatch::update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time,
-                              bool picture) {
+Belief belief_of(const Pilot& pilot, bool picture) {
   const Phase& phase = pilot.phase();
   const bool on_course = std::holds_alternative<Straight>(phase) ||
                          std::holds_alternative<Turn>(phase) ||
                          std::holds_alternative<Search>(phase);
-  if (!on_course || pilot.finished()) return;
-  const Sighting& sighting = pilot.sighting();
-  if (picture && sighting.source != Sighting::Source::kNone)
-    result_.nis.add(sighting.innovation2, sighting.innovation_dof);
-
+  if (!on_course || pilot.finished()) return {};
   const Estimate estimate = pilot.estimate();
-  const sim::WorldGate& gate = gates_[static_cast<std::size_t>(pilot.target_gate())];
-  const Eigen::Vector3d error = rotation_z(-gate.yaw_EG) * (true_p_EB - gate.p_EG) - estimate.p_GB;
+  return {true, pilot.target_gate(), estimate.p_GB, estimate.covariance_GB,
+          picture ? &pilot.sighting() : nullptr};
+}
+
+void ConsistencyWatch::update(const Belief& belief, const Eigen::Vector3d& true_p_EB, double time) {
+  if (!belief.on_course) return;
+  const Sighting* seen = belief.sighting;
+  if (seen != nullptr && seen->source != Sighting::Source::kNone)
+    result_.nis.add(seen->innovation2, seen->innovation_dof);
+
+  const auto target = static_cast<std::size_t>(belief.target);
+  const sim::WorldGate& gate = gates_[target];
+  const Eigen::Vector3d error = rotation_z(-gate.yaw_EG) * (true_p_EB - gate.p_EG) - belief.p_GB;
   constexpr double kPeriod = 0.05, kFar = 1.0, kLong = 1.0;  // [s], [m], [s]
   if (time >= next_) {
     next_ = time + kPeriod;
-    result_.nees.add(error.dot(estimate.covariance_GB.ldlt().solve(error)), 3);
+    result_.nees.add(error.dot(belief.covariance_GB.ldlt().solve(error)), 3);
   }
-  const Eigen::Vector3d believed_E =
-      rotation_z(map_.gates[static_cast<std::size_t>(pilot.target_gate())].yaw_EG) * estimate.p_GB;
+  const Eigen::Vector3d believed_E = rotation_z(map_.gates[target].yaw_EG) * belief.p_GB;
   if (!((true_p_EB - gate.p_EG - believed_E).norm() > kFar)) {
     far_since_ = -1.0;
     return;
   }
   if (far_since_ < 0.0) far_since_ = time, seen_while_far_ = counted_ = false;
-  seen_while_far_ = seen_while_far_ || (picture && sighting.offered);
+  seen_while_far_ = seen_while_far_ || (seen != nullptr && seen->offered);
   if (!counted_ && seen_while_far_ && time - far_since_ > kLong)
     ++result_.divergences, counted_ = true;
 }

@@ -32,14 +32,26 @@ struct Consistency {
   int divergences = 0;
 };
 
+/// What a pilot says in one tick, as far as the watch asks.
+struct Belief {
+  bool on_course = false;  ///< Flying gate by gate: on a straight, in a turn, or searching.
+  int target = 0;          ///< Index of the gate it flies to.
+  Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();               ///< In that gate's frame [m] ...
+  Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and how sure it is [m²].
+  const Sighting* sighting = nullptr;  ///< Of the picture it has just looked at, if any.
+};
+
+/// @param picture  whether the pilot has just looked. The sighting stays the pilot's.
+[[nodiscard]] Belief belief_of(const Pilot& pilot, bool picture);
+
 /// Fills it while a race goes on.
 class ConsistencyWatch {
  public:
   ConsistencyWatch(std::vector<sim::WorldGate> gates, const Track& map)
       : gates_{std::move(gates)}, map_{map} {}
 
-  /// One tick. @param picture  whether the pilot has just looked.
-  void update(const Pilot& pilot, const Eigen::Vector3d& true_p_EB, double time, bool picture);
+  /// One tick.
+  void update(const Belief& belief, const Eigen::Vector3d& true_p_EB, double time);
   [[nodiscard]] const Consistency& result() const { return result_; }
 
  private:

@@ -286,7 +286,7 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
     result.searches += searching && !was_searching;
     was_searching = searching;
     const sim::BodyState& s = body.state();
-    if (!referee.finished()) consistency.update(pilot, s.p_EB, now, frame);
+    if (!referee.finished()) consistency.update(belief_of(pilot, frame), s.p_EB, now);
     if (!book.passes.empty() && !referee.finished()) {
       book.error2 += (pilot.estimate().p_EB - s.p_EB).cwiseAbs2();
       ++book.error_count;

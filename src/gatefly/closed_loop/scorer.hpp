@@ -9,7 +9,10 @@
 
 namespace gatefly::closed_loop {
 
-/// Compares what the pilot saw with what was there to see (rule overlap70 of the interfaces page).
+/// Compares what the pilot saw with what was there to see.
+///
+/// A hit covers 70 % of both areas, its own and the target's, once a picture. What covers half of
+/// any gate before the camera, hidden or not, is no false positive: the pilot may look at others.
 class Scorer {
  public:
   Scorer(const sim::World& world, const sim::CameraTruth& camera)

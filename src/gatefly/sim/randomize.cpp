@@ -14,6 +14,7 @@ namespace {
 
 // Hue turned about the grey axis, in linear light.
 Eigen::Vector3d hue_turned(const Eigen::Vector3d& rgb, double angle) {
+  if (angle == 0.0) return rgb;
   const auto [s, c] = sincos(angle);
   const Eigen::Vector3d axis = Eigen::Vector3d::Ones() / std::sqrt(3.0);
   const Eigen::Vector3d turned = c * rgb + s * axis.cross(rgb) + (1 - c) * axis * axis.dot(rgb);
@@ -153,8 +154,8 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.camera.tilt_down += camera.normal_cut(sigma.camera_tilt);
   real.sensors.camera_latency =
       std::max(0.0, real.sensors.camera_latency + camera.normal_cut(sigma.camera_latency));
-  real.sensors.latency_jitter = sigma.latency_jitter;
-  real.sensors.frame_loss = sigma.frame_loss;
+  real.sensors.latency_jitter += sigma.latency_jitter;
+  real.sensors.frame_loss += sigma.frame_loss;
 
   Stream vehicle{seed, "vehicle"};
   real.vehicle.rotor_drag *= 1.0 + vehicle.normal_cut(sigma.drag);
@@ -163,10 +164,12 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.vehicle.mass *= mass;
   real.vehicle.inertia *= mass;
   real.vehicle.thrust_coefficient *= 1.0 + vehicle.normal_cut(sigma.thrust);
-  real.vehicle.sag = sigma.sag;
+  real.vehicle.sag += sigma.sag;
 
   Stream bias{seed, "bias"};
-  if (sigma.accel_bias > 0.0) real.sensors.accel_bias = normal3(bias, sigma.accel_bias);
+  // Drawn in any case: the numbers after it are the same with and without it.
+  const Eigen::Vector3d accel_bias = normal3(bias, sigma.accel_bias);
+  if (sigma.accel_bias > 0.0) real.sensors.accel_bias = accel_bias;
   real.sensors.flight_bias += normal3(bias, sigma.flight_bias);
   real.sensors.gyro_drift += normal3(bias, sigma.gyro_bias);
   real.sensors.accel_scale += normal3(bias, sigma.scale);
