@@ -10,6 +10,7 @@
 
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/gate_survey.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
 
@@ -60,11 +61,10 @@ std::vector<GatePicture> pictures_of(std::size_t flight, const LoggedMotion& mot
     Attitude attitude = motion.attitude(t);
     attitude.yaw += kTruth.flights[flight].heading;
     GatePicture picture{.t = stamp};
-    const std::array<Eigen::Vector3d, 4> corners{
-        {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
+    const auto corners_G = gate_corners_G(1.0);
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector3d p_E =
-          kTruth.gates[0].p_EG + rotation_z(kTruth.gates[0].yaw) * corners[i];
+          kTruth.gates[0].p_EG + rotation_z(kTruth.gates[0].yaw) * corners_G[i];
       const Eigen::Vector3d p_B = rotation_EB(attitude).matrix.transpose() *
                                       (p_E - motion.position(t + kTruth.airframe.mocap_delay)) -
                                   rig.p_BC;

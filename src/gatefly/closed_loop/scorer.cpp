@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 
 namespace gatefly::closed_loop {
 namespace {
@@ -24,11 +25,10 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   // from behind it is not to be flown
   if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;
-  const double h = 0.5 * gate.side;
-  const std::array<Eigen::Vector3d, 4> corners{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+  const auto corners_G = gate_corners_G(gate.side);
   Quad quad;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners[i];
+    const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners_G[i];
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
     // Upright size: the stored picture is turned.
     if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.stored_height - 1 ||
