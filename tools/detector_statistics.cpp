@@ -70,17 +70,12 @@ struct Statistics {
   void print();
 };
 
-bool fits(const Quad& a, const Quad& b, double part) {
-  const double shared = shared_area(a, b);
-  return shared > part * std::abs(area(a)) && shared > part * std::abs(area(b));
-}
-
 void Statistics::add(const std::vector<sim::GateView>& views, const Sighting& seen, int target) {
   for (const sim::GateView& view : views) {
     if (view.whole && sim::detectable(view.corners_px)) {
       const auto found = std::find_if(
           seen.detections.begin(), seen.detections.end(),
-          [&](const GateDetection& d) { return fits(d.corners_px, view.corners_px, 0.5); });
+          [&](const GateDetection& d) { return overlaps(d.corners_px, view.corners_px, 0.5); });
       const bool hit = found != seen.detections.end();
       by_distance[std::min<std::size_t>(by_distance.size() - 1,
                                         static_cast<std::size_t>(view.distance / kBin))]
@@ -123,7 +118,7 @@ void Statistics::add(const std::vector<sim::GateView>& views, const Sighting& se
   int alarms = 0;
   for (const GateDetection& d : seen.detections)
     alarms += std::none_of(views.begin(), views.end(), [&](const sim::GateView& v) {
-      return fits(d.corners_px, v.corners_px, 0.3);
+      return overlaps(d.corners_px, v.corners_px, 0.3);
     });
   false_alarms.tries += 1, false_alarms.hits += alarms;
 }

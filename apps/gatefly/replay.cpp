@@ -16,6 +16,7 @@
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/csv.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/scoring.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -119,11 +120,6 @@ struct Rate {
   int shown = 0, found = 0;
 };
 
-bool overlaps70(const Quad& a, const Quad& b) {
-  const double shared = shared_area(a, b);
-  return shared >= 0.7 * std::abs(area(a)) && shared >= 0.7 * std::abs(area(b));
-}
-
 /// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
 std::optional<Rate> against_labels(const Recording& recording,
                                    const flight_log::ReplayResult& result) {
@@ -147,7 +143,7 @@ std::optional<Rate> against_labels(const Recording& recording,
       ++rate.shown;
       bool found = false;
       for (const auto& detection : row.sighting.detections)
-        found = found || overlaps70(detection.corners_px, label);
+        found = found || io::matches(detection.corners_px, label, io::Rule::kOverlap70);
       rate.found += found;
     }
   }

@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/closed_loop/scorer.hpp"
 
-#include <cmath>
-
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/gate_corners.hpp"
 
 namespace gatefly::closed_loop {
-namespace {
-
-bool overlaps(const Quad& a, const Quad& b, double part) {
-  const double shared = shared_area(a, b);
-  return shared >= part * std::abs(area(a)) && shared >= part * std::abs(area(b));
-}
-
-}  // namespace
 
 std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
                                          const sim::Sight* scene) const {
