@@ -17,6 +17,7 @@
 #include "gatefly/closed_loop/race.hpp"
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/track_file.hpp"
+#include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
 #include "gatefly/sim/solids.hpp"
 
@@ -157,10 +158,8 @@ void fly(const std::string& track, std::uint64_t seed, bool ideal, Statistics& s
   const sim::SolidSight sight{race.sim.world};
   std::vector<sim::BodyPose> history;
   const auto result = closed_loop::fly(race, [&](const Tick& tick) {
-    const Quaternion q = quaternion_of(tick.truth.attitude);
-    history.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()),
-                       tick.truth.p_EB,
-                       {q.w, q.x, q.y, q.z}});
+    history.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()), tick.truth.p_EB,
+                       sim::q_EB_of(tick.truth.attitude)});
     const Phase& phase = tick.pilot.phase();
     const bool looks = !std::holds_alternative<OnGround>(phase) &&
                        !std::holds_alternative<Land>(phase) &&

@@ -3,13 +3,13 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/gate_corners.hpp"
+#include "gatefly/sim/body_state.hpp"
 
 namespace gatefly::closed_loop {
 
 std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
                                          const sim::Sight* scene) const {
-  const Eigen::Matrix3d R_EB =
-      rotation_EB(Quaternion{pose.q_EB(0), pose.q_EB(1), pose.q_EB(2), pose.q_EB(3)}).matrix;
+  const Eigen::Matrix3d R_EB = sim::R_EB_of(pose.q_EB);
   const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
   const Eigen::Vector3d eye_E = pose.p_EB + R_EB * camera_.p_BC;
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
