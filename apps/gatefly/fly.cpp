@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
 
