@@ -165,10 +165,6 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   return outcome;
 }
 
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 std::string metres(double value) {
   return std::isfinite(value) ? io::text_of(value, 3) + " m" : "-";
 }

@@ -81,10 +81,6 @@ bool reproduced(double ours, double paper) {
   return std::abs(ours - paper) <= std::max(0.1 * paper, 0.002);
 }
 
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 void in_pieces(std::size_t count, const Options& options,
                const std::function<void(std::size_t)>& work) {
   constexpr std::size_t kPiece = 12;
