@@ -8,6 +8,7 @@
 
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/files/scoring.hpp"
 #include "gatefly/files/text.hpp"
 
