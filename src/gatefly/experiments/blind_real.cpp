@@ -3,7 +3,6 @@
 // inertial one.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -20,6 +19,7 @@
 #include "gatefly/experiments/two_filters.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/sim/random.hpp"
 
@@ -36,8 +36,6 @@ constexpr double kFixSigma = 0.03;                                      // [m]
 constexpr double kBiasSigma = 0.05;  // of a bias that other flights taught [m/s²]
 constexpr std::array kLengths{0.5, 1.0, 1.5, 2.0, 3.0, 4.0};  // of a blind piece [s]
 constexpr std::size_t kTwoSeconds = 3;
-
-double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
 /// Squared horizontal errors, for each blind length.
 struct Errors {
