@@ -6,10 +6,9 @@
 #include <Eigen/Core>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 
 namespace gatefly::sim {
-
-inline constexpr double kGravity = 9.81;  ///< [m/s²]
 
 /// The body's true motion, earth frame NED and body frame FRD.
 struct BodyState {
