@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,15 +13,13 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
 
+#include "support/real_data.hpp"
+
 namespace gatefly::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path real_data() {
-  if (const char* data = std::getenv("GATEFLY_DATA")) return data;
-  return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
-}
+using support::real_data;
 
 const Survey kTruth{
     .airframe = {.camera_roll = -1.0 * kDegree, .exposure_delay = 0.028, .mocap_delay = 0.025},
