@@ -17,6 +17,7 @@
 #include "gatefly/closed_loop/race.hpp"
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/track_file.hpp"
+#include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
 #include "gatefly/sim/solids.hpp"
 
@@ -70,17 +71,12 @@ struct Statistics {
   void print();
 };
 
-bool fits(const Quad& a, const Quad& b, double part) {
-  const double shared = shared_area(a, b);
-  return shared > part * std::abs(area(a)) && shared > part * std::abs(area(b));
-}
-
 void Statistics::add(const std::vector<sim::GateView>& views, const Sighting& seen, int target) {
   for (const sim::GateView& view : views) {
     if (view.whole && sim::detectable(view.corners_px)) {
       const auto found = std::find_if(
           seen.detections.begin(), seen.detections.end(),
-          [&](const GateDetection& d) { return fits(d.corners_px, view.corners_px, 0.5); });
+          [&](const GateDetection& d) { return overlaps(d.corners_px, view.corners_px, 0.5); });
       const bool hit = found != seen.detections.end();
       by_distance[std::min<std::size_t>(by_distance.size() - 1,
                                         static_cast<std::size_t>(view.distance / kBin))]
@@ -123,7 +119,7 @@ void Statistics::add(const std::vector<sim::GateView>& views, const Sighting& se
   int alarms = 0;
   for (const GateDetection& d : seen.detections)
     alarms += std::none_of(views.begin(), views.end(), [&](const sim::GateView& v) {
-      return fits(d.corners_px, v.corners_px, 0.3);
+      return overlaps(d.corners_px, v.corners_px, 0.3);
     });
   false_alarms.tries += 1, false_alarms.hits += alarms;
 }
@@ -162,10 +158,8 @@ void fly(const std::string& track, std::uint64_t seed, bool ideal, Statistics& s
   const sim::SolidSight sight{race.sim.world};
   std::vector<sim::BodyPose> history;
   const auto result = closed_loop::fly(race, [&](const Tick& tick) {
-    const Quaternion q = quaternion_of(tick.truth.attitude);
-    history.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()),
-                       tick.truth.p_EB,
-                       {q.w, q.x, q.y, q.z}});
+    history.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()), tick.truth.p_EB,
+                       sim::q_EB_of(tick.truth.attitude)});
     const Phase& phase = tick.pilot.phase();
     const bool looks = !std::holds_alternative<OnGround>(phase) &&
                        !std::holds_alternative<Land>(phase) &&

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -21,6 +20,7 @@
 #include "gatefly/calibration/residual_picture.hpp"
 #include "gatefly/detection/gate_search.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
@@ -34,6 +34,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace calibration;
+using io::fixed;
+using io::number;
 
 struct CalibrateOptions {
   CommonOptions common;
@@ -207,12 +209,6 @@ Boards find_boards(const CalibrateOptions& options) {
   return boards;
 }
 
-std::string fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return std::isfinite(value) ? text.str() : "-";
-}
-
 /// "169.23 ± 0.02": as many digits as the sigma deserves.
 std::string with_sigma(double value, double sigma) {
   const int digits =
@@ -308,10 +304,6 @@ void print(const Calibration& answer, const Boards& boards, const CalibrateOptio
                  "into the picture's corners too\n";
   if (!options.out.empty()) std::cout << options.out << ": " << chosen << '\n';
   if (!doubt.empty()) std::cout << "warning: " << doubt << '\n';
-}
-
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
 }
 
 nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards,

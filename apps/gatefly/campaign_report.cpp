@@ -6,10 +6,12 @@
 #include <iostream>
 #include <string>
 
-#include "race_options.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::cli {
 namespace {
+
+using io::fixed;
 
 std::string percent(double part) { return fixed(100.0 * part, 1) + " %"; }
 

@@ -4,8 +4,8 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
+#include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
@@ -17,6 +17,7 @@ namespace gatefly::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using io::fixed;
 
 struct FlyOptions {
   RaceOptions race;

@@ -5,8 +5,6 @@
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
-#include <iomanip>
-#include <sstream>
 #include <stdexcept>
 
 #include "gatefly/config/randomize.hpp"
@@ -126,12 +124,6 @@ std::string fly_command(const RaceOptions& options, const std::string& seed) {
   for (const auto& config : options.common.configs) command += " --config " + quoted(config);
   for (const auto& setting : options.common.settings) command += " --set " + quoted(setting);
   return command;
-}
-
-std::string fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
 }
 
 }  // namespace gatefly::cli

@@ -55,7 +55,4 @@ class RaceMaker {
 /// "gatefly fly TRACK --seed N ..." that flies one of these races alone.
 [[nodiscard]] std::string fly_command(const RaceOptions& options, const std::string& seed);
 
-/// `value` with so many digits after the point.
-[[nodiscard]] std::string fixed(double value, int digits);
-
 }  // namespace gatefly::cli

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -14,8 +15,9 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/files/csv.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/scoring.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -119,35 +121,24 @@ struct Rate {
   int shown = 0, found = 0;
 };
 
-bool overlaps70(const Quad& a, const Quad& b) {
-  const double shared = shared_area(a, b);
-  return shared >= 0.7 * std::abs(area(a)) && shared >= 0.7 * std::abs(area(b));
-}
-
 /// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
 std::optional<Rate> against_labels(const Recording& recording,
                                    const flight_log::ReplayResult& result) {
   const fs::path path = recording.folder.directory / "labels.csv";
   if (!fs::exists(path)) return std::nullopt;
-  const io::Csv csv(path);
-  const auto names = csv.texts("image");
-  std::array<std::vector<double>, 8> corner;
-  constexpr std::array<const char*, 8> kNames{"tl_u", "tl_v", "tr_u", "tr_v",
-                                              "br_u", "br_v", "bl_u", "bl_v"};
-  for (std::size_t k = 0; k < 8; ++k) corner[k] = csv.numbers(kNames[k]);
+  std::map<std::string, std::vector<Quad>> gates_of;
+  for (const io::LabelledPicture& picture : io::read_labels(path).pictures)
+    gates_of[picture.image] = picture.gates;
   Rate rate;
   for (const auto& row : result.pictures) {
     const auto& image = recording.folder.images[row.picture];
     const auto truth = recording.ticks[image.log_row].p_EB;
     if (!truth || truth->z() > -0.3) continue;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] != image.path.filename().string() || std::isnan(corner[0][i])) continue;
-      Quad label;
-      for (std::size_t k = 0; k < 4; ++k) label[k] = {corner[2 * k][i], corner[2 * k + 1][i]};
+    for (const Quad& gate : gates_of[image.path.filename().string()]) {
       ++rate.shown;
       bool found = false;
       for (const auto& detection : row.sighting.detections)
-        found = found || overlaps70(detection.corners_px, label);
+        found = found || io::matches(detection.corners_px, gate, io::Rule::kOverlap70);
       rate.found += found;
     }
   }

@@ -3,18 +3,22 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/files/scoring.hpp"
+#include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
 
 namespace gatefly::cli {
 namespace {
 
+using io::fixed;
+using io::number;
 using nlohmann::ordered_json;
 
 struct ScoreOptions {
@@ -22,17 +26,6 @@ struct ScoreOptions {
   std::string detections, labels, ignore, data, rule = "overlap70";
   bool nearest = false, json = false;
 };
-
-std::string fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
-
-/// NaN and infinity have no place in JSON.
-ordered_json number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
 
 ordered_json as_json(std::span<const double> errors) {
   return {{"median", number(io::quantile(errors, 0.5))},

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <vector>
@@ -16,6 +15,8 @@
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/geometry/math.hpp"
+
+#include "support/real_data.hpp"
 
 namespace gatefly::calibration {
 namespace {
@@ -113,12 +114,7 @@ TEST(FindBoard, AHopelesslyBlurredPictureIsSaidToBe) {
 }
 
 TEST(FindBoard, RealFisheyePicturesGiveALensToHalfAPixel) {
-  const char* given = std::getenv("GATEFLY_DATA");
-  const std::filesystem::path source =
-      std::getenv("GATEFLY_SOURCE_DIR") == nullptr ? "." : std::getenv("GATEFLY_SOURCE_DIR");
-  const auto folder =
-      (given != nullptr ? std::filesystem::path{given} : source / "../shared/data") /
-      "fisheye_calibration/gopro_hero3_15x9";
+  const auto folder = support::real_data() / "fisheye_calibration/gopro_hero3_15x9";
   if (!std::filesystem::is_directory(folder))
     GTEST_SKIP() << "no real pictures at " << folder << " (set GATEFLY_DATA)";
   BoardViews views;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 
@@ -14,6 +13,7 @@
 
 #include "calibration/synthetic_board.hpp"
 #include "support/for_all.hpp"
+#include "support/real_data.hpp"
 #include "support/temp_folder.hpp"
 
 namespace gatefly::calibration {
@@ -202,11 +202,7 @@ TEST(CornerList, WhatIsWrongIsNamed) {
 class RealCorners : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* given = std::getenv("GATEFLY_DATA");
-    const std::filesystem::path source =
-        std::getenv("GATEFLY_SOURCE_DIR") == nullptr ? "." : std::getenv("GATEFLY_SOURCE_DIR");
-    folder_ = (given != nullptr ? std::filesystem::path{given} : source / "../shared/data") /
-              "fisheye_calibration";
+    folder_ = support::real_data() / "fisheye_calibration";
     if (!std::filesystem::is_directory(folder_))
       GTEST_SKIP() << "no real corner lists at " << folder_ << " (set GATEFLY_DATA)";
   }

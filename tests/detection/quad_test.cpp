@@ -61,6 +61,18 @@ TEST(Quad, SharedAreaIsSymmetricBoundedAndTurnsWithThePicture) {
   });
 }
 
+TEST(Quad, OverlapsByThePartOfTheLargerThatBothShare) {
+  const Quad a = square(0, 0, 10);
+  EXPECT_TRUE(overlaps(a, a, 1.0));
+  EXPECT_TRUE(overlaps(a, square(0, 3, 10), 0.7)) << "exactly 70 %";
+  EXPECT_FALSE(overlaps(a, square(0, 3.01, 10), 0.7));
+  EXPECT_FALSE(overlaps(a, square(1, 1, 8), 0.7)) << "covered, but of another size";
+  EXPECT_FALSE(overlaps(square(1, 1, 8), a, 0.7));
+  Quad other_way = a;
+  std::swap(other_way[1], other_way[3]);
+  EXPECT_TRUE(overlaps(a, other_way, 1.0));
+}
+
 TEST(Quad, CornersAreListedClockwiseFromTopLeftHoweverTheyCome) {
   const Quad wanted = square(10, 20, 30);
   for_all(200, [&](Rng& rng) {

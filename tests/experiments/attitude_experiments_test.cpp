@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <vector>
 
@@ -11,6 +10,8 @@
 #include "gatefly/experiments/attitude_trial.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/geometry/math.hpp"
+
+#include "support/real_data.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -83,9 +84,7 @@ TEST(FlownAttitude, DoesNotLeanWhenTheDroneIsAnotherEither) {
 }
 
 TEST(AhrsReal, MeetsWhatItMustShow) {
-  const char* named = std::getenv("GATEFLY_DATA");
-  const fs::path data =
-      named ? fs::path{named} : fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
+  const fs::path data = support::real_data();
   for (const char* folder : {"broad_ahrs", "tudelft_bebop_flights"})
     if (!fs::is_directory(data / folder))
       GTEST_SKIP() << "no " << folder << " at " << data << " (set GATEFLY_DATA)";

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -12,16 +11,14 @@
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 
+#include "support/real_data.hpp"
+
 namespace gatefly::experiments {
 namespace {
 
 namespace fs = std::filesystem;
+using support::real_data;
 using ::testing::HasSubstr;
-
-fs::path real_data() {
-  if (const char* data = std::getenv("GATEFLY_DATA")) return data;
-  return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
-}
 
 TEST(InParallel, DoesEveryPieceOnce) {
   std::vector<int> done(1000);

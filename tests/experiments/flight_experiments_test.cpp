@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,18 +9,17 @@
 
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/gate_survey.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
+
+#include "support/real_data.hpp"
 
 namespace gatefly::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path real_data() {
-  if (const char* data = std::getenv("GATEFLY_DATA")) return data;
-  return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
-}
+using support::real_data;
 
 const Survey kTruth{
     .airframe = {.camera_roll = -1.0 * kDegree, .exposure_delay = 0.028, .mocap_delay = 0.025},
@@ -60,11 +58,10 @@ std::vector<GatePicture> pictures_of(std::size_t flight, const LoggedMotion& mot
     Attitude attitude = motion.attitude(t);
     attitude.yaw += kTruth.flights[flight].heading;
     GatePicture picture{.t = stamp};
-    const std::array<Eigen::Vector3d, 4> corners{
-        {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
+    const auto corners_G = gate_corners_G(1.0);
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector3d p_E =
-          kTruth.gates[0].p_EG + rotation_z(kTruth.gates[0].yaw) * corners[i];
+          kTruth.gates[0].p_EG + rotation_z(kTruth.gates[0].yaw) * corners_G[i];
       const Eigen::Vector3d p_B = rotation_EB(attitude).matrix.transpose() *
                                       (p_E - motion.position(t + kTruth.airframe.mocap_delay)) -
                                   rig.p_BC;

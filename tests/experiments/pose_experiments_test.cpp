@@ -2,7 +2,6 @@
 // Slices of the pose studies; the whole ones are `gatefly reproduce pose-...`.
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -11,6 +10,8 @@
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/pnp.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
+
+#include "support/real_data.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -103,18 +104,14 @@ TEST(PoseStudies, OurPoseIsRarelySecondBest) {
 
 class RealPoses : public ::testing::Test {
  protected:
-  static fs::path data() {
-    if (const char* named = std::getenv("GATEFLY_DATA")) return named;
-    return fs::path{std::getenv("GATEFLY_SOURCE_DIR")} / "../shared/data";
-  }
   void SetUp() override {
-    if (!fs::is_directory(data() / "tudelft_bebop_flights"))
-      GTEST_SKIP() << "no real data at " << data() << " (set GATEFLY_DATA)";
+    if (!fs::is_directory(support::real_data() / "tudelft_bebop_flights"))
+      GTEST_SKIP() << "no real data at " << support::real_data() << " (set GATEFLY_DATA)";
   }
 };
 
 TEST_F(RealPoses, DistancesAreRightWithinSixPercentAndFlightElevenWithinItsLimits) {
-  const Result result = pose_real({.data = data().string()});
+  const Result result = pose_real({.data = support::real_data().string()});
   const auto& distances = result.json.at("distance51").at("distances");
   ASSERT_EQ(distances.size(), 5u);
   double ours = 0.0, theirs = 0.0;  // scatter, over all distances

@@ -228,12 +228,5 @@ TEST(Scoring, IdenticalPicturesCountOnceButEveryTimeByTheAuthorsRule) {
   EXPECT_EQ(score(authors.pictures, Rule::kOverlap70Authors).hits, 2);
 }
 
-TEST(Scoring, QuantilesInterpolate) {
-  EXPECT_EQ(quantile(std::array{1.0, 2.0, 4.0}, 0.5), 2.0);
-  EXPECT_EQ(quantile(std::array{1.0, 2.0}, 0.75), 1.75);
-  EXPECT_EQ(quantile(std::array{3.0}, 0.9), 3.0);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
-}
-
 }  // namespace
 }  // namespace gatefly::io

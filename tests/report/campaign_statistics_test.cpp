@@ -44,16 +44,6 @@ TEST(Wilson95, NoTrialsSayNothing) {
   EXPECT_EQ(wilson95(0, 0).high, 1.0);
 }
 
-TEST(Quantile, InterpolatesBetweenSortedValues) {
-  const std::vector<double> values{4.0, 1.0, 3.0, 2.0};
-  EXPECT_EQ(quantile(values, 0.0), 1.0);
-  EXPECT_EQ(quantile(values, 1.0), 4.0);
-  EXPECT_DOUBLE_EQ(quantile(values, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile(values, 0.25), 1.75);
-  EXPECT_EQ(quantile({7.0}, 0.9), 7.0);
-  EXPECT_EQ(quantile({}, 0.5), 0.0);
-}
-
 RunRow run(std::uint64_t seed, const std::string& cause, double time = 30.0) {
   RunRow row;
   row.seed = seed, row.finished = cause == "finished", row.cause = cause;

@@ -44,8 +44,7 @@ TEST(Body, StartsWhereAndHowItIsPut) {
   const Body body{config};
   EXPECT_NEAR(body.state().p_EB.x(), 1.0, 1e-9);
   EXPECT_NEAR(body.state().p_EB.y(), -2.0, 1e-9);
-  const auto& q = body.state().q_EB;
-  EXPECT_NEAR(attitude_of(rotation_EB(Quaternion{q(0), q(1), q(2), q(3)})).yaw, 0.7, 1e-9);
+  EXPECT_NEAR(attitude_of(RotationEB{R_EB_of(body.state().q_EB)}).yaw, 0.7, 1e-9);
 }
 
 struct Push {

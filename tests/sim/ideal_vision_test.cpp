@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/solids.hpp"
 
 namespace gatefly::sim {
@@ -26,8 +26,7 @@ struct Hall {
   [[nodiscard]] static std::vector<BodyPose> history(double yaw_rate = 0.0) {
     std::vector<BodyPose> poses;
     for (int i = -5; i <= 40; ++i) {
-      const Quaternion q = quaternion_of({0.0, 0.0, yaw_rate * (1e-3 * i - 0.014)});
-      poses.push_back({1e-3 * i, {0, 0, -1.0}, {q.w, q.x, q.y, q.z}});
+      poses.push_back({1e-3 * i, {0, 0, -1.0}, q_EB_of({0.0, 0.0, yaw_rate * (1e-3 * i - 0.014)})});
     }
     return poses;
   }

@@ -23,8 +23,7 @@ BodyState at(const World& world, const Eigen::Vector3d& p_G, double roll = 0.0,
   const WorldGate& gate = world.gates[0];
   BodyState state;
   state.p_EB = gate.p_EG + rotation_z(gate.yaw_EG) * p_G;
-  const Quaternion q = quaternion_of({roll, 0.0, gate.yaw_EG + yaw_G});
-  state.q_EB = {q.w, q.x, q.y, q.z};
+  state.q_EB = q_EB_of({roll, 0.0, gate.yaw_EG + yaw_G});
   return state;
 }
 

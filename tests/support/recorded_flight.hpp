@@ -2,7 +2,6 @@
 // Recorded flights, simulated and real, through the pilot.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,18 +13,11 @@
 #include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
 
+#include "support/real_data.hpp"
+
 namespace gatefly::support {
 
-inline std::filesystem::path source_folder() {
-  const char* source = std::getenv("GATEFLY_SOURCE_DIR");
-  return source == nullptr ? "." : source;
-}
-
-inline std::filesystem::path real_flights() {
-  if (const char* data = std::getenv("GATEFLY_DATA"))
-    return std::filesystem::path{data} / "tudelft_bebop_flights";
-  return source_folder() / ".." / "shared" / "data" / "tudelft_bebop_flights";
-}
+inline std::filesystem::path real_flights() { return real_data() / "tudelft_bebop_flights"; }
 
 inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
                                          std::vector<flight_log::RecordedTick> ticks,

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/sensing/imu.hpp"
 
 namespace gatefly::baseline {
@@ -15,7 +16,7 @@ struct Imu15Params {
   double gyro_noise = 0.02;
   double accel_walk = 0.014;  ///< Of the bias [m/s²/√s]; squared, the drag filter's.
   double gyro_walk = 2e-4;    ///< Of the bias [rad/s/√s]
-  double gravity = 9.81;      ///< [m/s²]
+  double gravity = kGravity;  ///< [m/s²]
   /// [m]; as the drag filter's, and so is the bias's
   Eigen::Vector3d start_position_sigma{0.15, 0.15, 0.05};
   Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};  ///< [m/s²]

@@ -5,6 +5,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "gatefly/geometry/gate_corners.hpp"
 #endif
 
 namespace gatefly::bench {
@@ -38,8 +40,9 @@ std::optional<Eigen::Vector3d> opencv_position(const std::array<Eigen::Vector3d,
                                                double side) {
   std::vector<cv::Point2d> seen;
   for (const auto& b : bearings_C) seen.emplace_back(b.x() / b.z(), b.y() / b.z());
-  const double h = 0.5 * side;
-  const std::vector<cv::Point3d> gate{{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
+  std::vector<cv::Point3d> gate;
+  for (const auto& corner_G : gate_corners_G(side))
+    gate.emplace_back(corner_G.y(), corner_G.z(), 0.0);
   cv::Vec3d rotation, translation;
   if (!cv::solvePnP(gate, seen, cv::Matx33d::eye(), cv::noArray(), rotation, translation))
     return std::nullopt;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gatefly/bench/opencv_baseline.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rng.hpp"
 #include "gatefly/pose/map_pose.hpp"
@@ -16,8 +17,7 @@ namespace gatefly::bench {
 namespace {
 
 constexpr double kSigmaPx = 2.5, kTiltSigma = 0.02, kYawSigma = 0.04;
-const std::array<Eigen::Vector3d, 4> kCorners{
-    {{0, -.5, -.5}, {0, .5, -.5}, {0, .5, .5}, {0, -.5, .5}}};
+const auto kCorners = gate_corners_G(1.0);
 
 struct Gate {
   Quad px;

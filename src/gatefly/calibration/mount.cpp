@@ -15,6 +15,7 @@
 #include <glog/logging.h>
 
 #include "gatefly/files/text.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::calibration {
@@ -79,15 +80,13 @@ struct GateReprojection {
                           R_BC = camera_mount(mount[0], mount[1]).matrix;
     const Eigen::Vector3d p_EG{gate[0], gate[1], gate[2]};
     const Eigen::Matrix3d R_EG = rotation_z(gate[3]);
-    for (int k = 0; k < 4; ++k) {
-      const double right = k == 1 || k == 2 ? 0.5 : -0.5, down = k >= 2 ? 0.5 : -0.5;
-      const Eigen::Vector3d p_E =
-          p_EG + R_EG * (geometry.gate_side * Eigen::Vector3d{0.0, right, down});
+    const auto corners_G = gate_corners_G(1.0);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector3d p_E = p_EG + R_EG * (geometry.gate_side * corners_G[k]);
       const Eigen::Vector3d p_B = R_EB.transpose() * (p_E - sight.body.p_EB);
       const auto px = geometry.lens.project(R_BC.transpose() * (p_B - geometry.p_BC));
       if (!px) return false;
-      Eigen::Map<Eigen::Vector2d>(residuals + 2 * k) =
-          *px - sight.corners_px[static_cast<std::size_t>(k)];
+      Eigen::Map<Eigen::Vector2d>(residuals + 2 * k) = *px - sight.corners_px[k];
     }
     return true;
   }

@@ -9,6 +9,7 @@
 #include "gatefly/closed_loop/scorer.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sim/body.hpp"
+#include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
 #include "gatefly/sim/referee.hpp"
 #include "gatefly/sim/sensors.hpp"
@@ -29,7 +30,7 @@ double cpu_seconds() {
 }
 
 Attitude attitude_of_body(const sim::BodyState& s) {
-  return attitude_of(rotation_EB(Quaternion{s.q_EB(0), s.q_EB(1), s.q_EB(2), s.q_EB(3)}));
+  return attitude_of(RotationEB{sim::R_EB_of(s.q_EB)});
 }
 
 /// Wall-clock of one stage, for the summary's `timings`; nothing in the race depends on it.

@@ -1,34 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/closed_loop/scorer.hpp"
 
-#include <cmath>
-
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
+#include "gatefly/sim/body_state.hpp"
 
 namespace gatefly::closed_loop {
-namespace {
-
-bool overlaps(const Quad& a, const Quad& b, double part) {
-  const double shared = shared_area(a, b);
-  return shared >= part * std::abs(area(a)) && shared >= part * std::abs(area(b));
-}
-
-}  // namespace
 
 std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
                                          const sim::Sight* scene) const {
-  const Eigen::Matrix3d R_EB =
-      rotation_EB(Quaternion{pose.q_EB(0), pose.q_EB(1), pose.q_EB(2), pose.q_EB(3)}).matrix;
+  const Eigen::Matrix3d R_EB = sim::R_EB_of(pose.q_EB);
   const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
   const Eigen::Vector3d eye_E = pose.p_EB + R_EB * camera_.p_BC;
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   // from behind it is not to be flown
   if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;
-  const double h = 0.5 * gate.side;
-  const std::array<Eigen::Vector3d, 4> corners{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+  const auto corners_G = gate_corners_G(gate.side);
   Quad quad;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners[i];
+    const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners_G[i];
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
     // Upright size: the stored picture is turned.
     if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.stored_height - 1 ||

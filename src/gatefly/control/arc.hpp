@@ -12,7 +12,7 @@ struct ArcParams {
   double radius = 1.5;                      ///< > 0 turns right, < 0 left; 0 is straight ahead [m].
   double pitch = -5.0 * kDegree;            ///< θ_0. [Li18 §4]
   Eigen::Vector3d drag{-0.52, -0.47, 0.0};  ///< k_x, k_y, k_z [1/s]. [recorded flights]
-  double gravity = 9.81;                    ///< [m/s²]
+  double gravity = kGravity;                ///< [m/s²]
   double max_roll = 40.0 * kDegree;
 };
 

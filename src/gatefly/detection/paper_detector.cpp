@@ -122,11 +122,6 @@ double polygon_fitness(const ColorMask& is_gate, const Quad& quad) {
   return count > 0 ? static_cast<double>(colored) / count : 0.0;
 }
 
-bool same_gate(const Quad& a, const Quad& b, double part) {
-  const double larger = std::max(std::abs(area(a)), std::abs(area(b)));
-  return shared_area(a, b) >= part * larger;
-}
-
 /// The square around the gate that a coloured pixel belongs to, as far as the snakes can tell.
 std::optional<Square> square_from(const ColorMask& is_gate, Pixel sample, double min_side_px) {
   const Stretch upright = vertical(is_gate, sample);
@@ -220,7 +215,7 @@ PaperDetections detect_as_paper(const Image& image, const PaperDetectorParams& p
     const GateDetection gate{corners, polygon_fitness(is_gate, corners)};
     const bool known =
         std::any_of(accepted.begin(), accepted.end(), [&](const GateDetection& other) {
-          return same_gate(gate.corners_px, other.corners_px, params.same_gate);
+          return overlaps(gate.corners_px, other.corners_px, params.same_gate);
         });
     if (gate.fitness > params.min_color_fitness && !known) accepted.push_back(gate);
   }

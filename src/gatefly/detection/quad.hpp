@@ -16,6 +16,9 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 /// Area that two convex quads share [px²].
 [[nodiscard]] double shared_area(const Quad& a, const Quad& b);
 
+/// Whether two convex quads share at least `part` of the larger one's area.
+[[nodiscard]] bool overlaps(const Quad& a, const Quad& b, double part);
+
 /// The same corners, turned in the list so that the first is the one nearest to top-left.
 [[nodiscard]] Quad clockwise_from_top_left(const Quad& quad);
 

@@ -2,11 +2,11 @@
 #include "gatefly/drawing/annotate.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
+
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -29,10 +29,8 @@ void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d&
 }
 
 std::string label_of(std::size_t rank, const GateDetection& gate) {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%s %zu   %.2f",
-                gate.method == DetectionMethod::kBars ? "part" : "gate", rank, gate.fitness);
-  return text.data();
+  return (gate.method == DetectionMethod::kBars ? "part " : "gate ") + std::to_string(rank) +
+         "   " + fixed(gate.fitness, 2);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 // real flights.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -21,6 +20,7 @@
 #include "gatefly/files/csv.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
@@ -210,9 +210,6 @@ Flown flown(const std::string& name, const io::FlightFolder& flight, double head
   const auto rows = identification::airborne(flight);
   Flown result{name, {},  {},
                {},   0.0, Trace(name + ", beside motion capture", "roll difference [°]")};
-  const auto seconds = [](std::chrono::nanoseconds t) {
-    return std::chrono::duration<double>(t).count();
-  };
   const auto yaw_of = [&](const io::FlightSample& s) {
     return wrap_angle(s.ahrs->yaw + heading_offset);
   };

@@ -50,7 +50,7 @@ struct Course {
 // The roll and pitch with which thrust, along the body's z alone, and drag make this acceleration.
 Attitude attitude_for(const Pace& pace, double yaw, const Eigen::Vector3d& drag) {
   const Eigen::Vector3d v_F{pace.speed, 0, 0},
-      force_F{pace.acceleration, pace.speed * pace.yaw_rate, -sim::kGravity};
+      force_F{pace.acceleration, pace.speed * pace.yaw_rate, -kGravity};
   Attitude attitude;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Matrix3d R = rotation_EB(attitude).matrix;
@@ -88,7 +88,7 @@ std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t se
     state.specific_force_B =
         R.matrix.transpose() *
         (rotation_z(yaw) *
-         Eigen::Vector3d{pace.acceleration, pace.speed * pace.yaw_rate, -sim::kGravity});
+         Eigen::Vector3d{pace.acceleration, pace.speed * pace.yaw_rate, -kGravity});
     if (!moment.rests) state.rotor_speed.fill(kRotorSpeed);
     moment.imu = sensor.measure(state, kStep);
     moments.push_back(moment);

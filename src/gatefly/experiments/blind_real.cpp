@@ -3,7 +3,6 @@
 // inertial one.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -20,6 +19,7 @@
 #include "gatefly/experiments/two_filters.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/sim/random.hpp"
 
@@ -36,8 +36,6 @@ constexpr double kFixSigma = 0.03;                                      // [m]
 constexpr double kBiasSigma = 0.05;  // of a bias that other flights taught [m/s²]
 constexpr std::array kLengths{0.5, 1.0, 1.5, 2.0, 3.0, 4.0};  // of a blind piece [s]
 constexpr std::size_t kTwoSeconds = 3;
-
-double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
 /// Squared horizontal errors, for each blind length.
 struct Errors {
@@ -163,10 +161,6 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   if (!drag_fine || !imu_fine)
     throw std::runtime_error(flight.directory.string() + ": an estimate is not a finite number");
   return outcome;
-}
-
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 std::string metres(double value) {

@@ -13,6 +13,7 @@
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/experiments/simulated_laps.hpp"
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/inertial_follower.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -78,13 +79,7 @@ struct Spread {
     for (const double e : errors) sum += std::pow(e - mean(), 2);
     return std::sqrt(sum / static_cast<double>(errors.size()));
   }
-  [[nodiscard]] double quantile(double part) const {
-    std::vector<double> sorted = errors;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted.empty() ? std::nan("")
-                          : sorted[static_cast<std::size_t>(
-                                std::lround(part * static_cast<double>(sorted.size() - 1)))];
-  }
+  [[nodiscard]] double quantile(double part) const { return io::nearest_rank(errors, part); }
   [[nodiscard]] double beyond(double limit) const {
     return static_cast<double>(std::count_if(errors.begin(), errors.end(),
                                              [&](double e) { return std::abs(e) > limit; })) /

@@ -18,6 +18,7 @@
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/experiments/simulated_laps.hpp"
 #include "gatefly/experiments/two_filters.hpp"
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
@@ -166,13 +167,6 @@ struct Run {
   bool finished = false;
 };
 
-double quantile(std::vector<double> values, double part) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(
-      std::lround(part * static_cast<double>(values.size() - 1)))];
-}
-
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v * v;
@@ -215,7 +209,7 @@ void add_curve(io::Plot& plot, const std::string& name, const Samples<N>& sample
     io::PlotSeries series{.name = part == 0.5 ? name : "",
                           .color = part == 0.5 ? color : color.faded(0.45)};
     for (std::size_t i = 0; i < N; ++i)
-      series.points.emplace_back(static_cast<double>(i) * step, quantile(samples[i], part));
+      series.points.emplace_back(static_cast<double>(i) * step, io::nearest_rank(samples[i], part));
     plot.series.push_back(series);
   }
 }
@@ -224,9 +218,9 @@ template <std::size_t N>
 nlohmann::ordered_json curve_json(const Samples<N>& drag, const Samples<N>& imu15, double step) {
   auto list = nlohmann::ordered_json::array();
   const auto told = [](const std::vector<double>& v) {
-    return nlohmann::ordered_json{{"median", number(quantile(v, 0.5))},
-                                  {"p5", number(quantile(v, 0.05))},
-                                  {"p95", number(quantile(v, 0.95))},
+    return nlohmann::ordered_json{{"median", number(io::nearest_rank(v, 0.5))},
+                                  {"p5", number(io::nearest_rank(v, 0.05))},
+                                  {"p95", number(io::nearest_rank(v, 0.95))},
                                   {"rms", number(rms(v))}};
   };
   for (std::size_t i = 0; i < N; ++i)
@@ -240,11 +234,11 @@ nlohmann::ordered_json curve_json(const Samples<N>& drag, const Samples<N>& imu1
 std::string against(const std::vector<double>& drag, const std::vector<double>& imu15,
                     const std::string& unit) {
   const auto band = [&](const std::vector<double>& v) {
-    return fixed(quantile(v, 0.5), 2) + " (" + fixed(quantile(v, 0.05), 2) + "-" +
-           fixed(quantile(v, 0.95), 2) + ") " + unit;
+    return fixed(io::nearest_rank(v, 0.5), 2) + " (" + fixed(io::nearest_rank(v, 0.05), 2) + "-" +
+           fixed(io::nearest_rank(v, 0.95), 2) + ") " + unit;
   };
   return band(drag) + ", imu15 " + band(imu15) + ", ratio " +
-         fixed(quantile(imu15, 0.5) / quantile(drag, 0.5), 1);
+         fixed(io::nearest_rank(imu15, 0.5) / io::nearest_rank(drag, 0.5), 1);
 }
 
 io::Canvas side_by_side(const std::vector<io::Plot>& plots) {
@@ -309,7 +303,7 @@ Result ekf_vs_15(const Options& options) {
                     std::to_string(d[k].size());
       for (const auto* v : {&d[k], &i[k]})
         for (const double part : {0.5, 0.05, 0.95})
-          result.csv += "," + io::text_of(quantile(*v, part), 4);
+          result.csv += "," + io::text_of(io::nearest_rank(*v, part), 4);
       result.csv += "\n";
     }
   };
@@ -324,10 +318,10 @@ Result ekf_vs_15(const Options& options) {
   add("bias_error_mps2", bias, drag.bias, imu15.bias, kBiasStep);
   add("first_gap_m", first, drag.first_gap, imu15.first_gap, kDriftStep);
   add("later_gaps_m", later, drag.later_gaps, imu15.later_gaps, kDriftStep);
-  result.json["ratio_2s_later_gaps"] = number(quantile(imu15.later_gaps[kTwoSeconds], 0.5) /
-                                              quantile(drag.later_gaps[kTwoSeconds], 0.5));
-  result.json["ratio_2s_first_gap"] = number(quantile(imu15.first_gap[kTwoSeconds], 0.5) /
-                                             quantile(drag.first_gap[kTwoSeconds], 0.5));
+  result.json["ratio_2s_later_gaps"] = number(io::nearest_rank(imu15.later_gaps[kTwoSeconds], 0.5) /
+                                              io::nearest_rank(drag.later_gaps[kTwoSeconds], 0.5));
+  result.json["ratio_2s_first_gap"] = number(io::nearest_rank(imu15.first_gap[kTwoSeconds], 0.5) /
+                                             io::nearest_rank(drag.first_gap[kTwoSeconds], 0.5));
   result.picture = side_by_side({bias, first, later});
   return result;
 }

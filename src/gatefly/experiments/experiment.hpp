@@ -10,8 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/drawing/canvas.hpp"
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {
+
+using io::fixed;   // how all tables print numbers
+using io::number;  // ... and all JSON holds them
 
 /// What an experiment is told.
 struct Options {

@@ -9,6 +9,7 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::experiments {
@@ -54,8 +55,7 @@ Errors errors_px(const Survey& s, std::size_t flight, const SurveyFlight& seen,
                  const GatePicture& picture, const PilotConfig& pilot) {
   const CameraRig rig = mounted(pilot.camera, s.airframe, s.flights[flight]);
   const SurveyedGate& gate = s.gates[seen.gate];
-  const double h = 0.5 * pilot.track.gates.front().side;
-  const std::array<Eigen::Vector3d, 4> corners{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+  const auto corners_G = gate_corners_G(pilot.track.gates.front().side);
   const double t = exposed_at(picture, s.airframe, pilot);
   Attitude attitude = seen.motion->attitude(t);
   attitude.yaw += s.flights[flight].heading;
@@ -63,7 +63,7 @@ Errors errors_px(const Survey& s, std::size_t flight, const SurveyFlight& seen,
   const Eigen::Vector3d p_EB = seen.motion->position(t + s.airframe.mocap_delay);
   Errors errors;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d p_E = gate.p_EG + rotation_z(gate.yaw) * corners[i];
+    const Eigen::Vector3d p_E = gate.p_EG + rotation_z(gate.yaw) * corners_G[i];
     const auto px = rig.lens.project(rig.R_BC.matrix.transpose() *
                                      (R_EB.transpose() * (p_E - p_EB) - rig.p_BC));
     errors.segment<2>(2 * static_cast<Eigen::Index>(i)) =

@@ -10,6 +10,8 @@
 #include <Eigen/Dense>
 #include <unsupported/Eigen/Polynomials>
 
+#include "gatefly/geometry/gate_corners.hpp"
+
 namespace gatefly::experiments {
 namespace {
 
@@ -88,8 +90,7 @@ std::vector<CameraInG> p3p(Three bearings, Three points, bool complex_roots) {
 
 std::optional<Eigen::Vector3d> camera_by_kneip(const Quad& corners, double focal_px, double side,
                                                const KneipRule& rule) {
-  const double h = 0.5 * side;
-  const std::array<Eigen::Vector3d, 4> points{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+  const auto points = gate_corners_G(side);
   std::array<Eigen::Vector3d, 4> bearings;
   for (std::size_t i = 0; i < 4; ++i)
     bearings[i] = Eigen::Vector3d{corners[i].x(), corners[i].y(), focal_px}.normalized();

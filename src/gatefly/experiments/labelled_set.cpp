@@ -6,8 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <iomanip>
-#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -80,13 +78,6 @@ double distance_from_area(double area_px2) {
   const auto [near_area, near] = kCurve[i];
   const auto [far_area, far] = kCurve[i - 1];
   return far + (area_px2 - far_area) / (near_area - far_area) * (near - far);
-}
-
-std::string fixed(double value, int digits) {
-  if (!std::isfinite(value)) return "-";
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
 }
 
 }  // namespace gatefly::experiments

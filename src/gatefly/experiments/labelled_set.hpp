@@ -50,7 +50,4 @@ struct RocPoint {
 /// Distance to a 1 m gate from its labelled area, as the authors' analysis has it [m].
 [[nodiscard]] double distance_from_area(double area_px2);
 
-/// "0.487", "-" for NaN.
-[[nodiscard]] std::string fixed(double value, int digits);
-
 }  // namespace gatefly::experiments

@@ -3,7 +3,6 @@
 #include "gatefly/experiments/located_flights.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/sim/random.hpp"
 
@@ -33,8 +33,6 @@ constexpr double kWellInTheAir = 0.8;                                  // [m]
 constexpr double kBorderPx = 3.0, kOutlierPx = 5.0;
 constexpr std::size_t kFewestPictures = 5;
 constexpr double kSameGate = 0.5;  // places nearer than this are one gate's [m]
-
-double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
 /// The log has no sonar: motion capture's height, with noise, along the body's axis.
 std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {

@@ -2,16 +2,16 @@
 #include "gatefly/experiments/logged_motion.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 
 namespace gatefly::experiments {
 
 LoggedMotion::LoggedMotion(const io::FlightFolder& flight) {
   for (const io::FlightSample& sample : flight.samples) {
-    const double t = std::chrono::duration<double>(sample.time).count();
+    const double t = seconds(sample.time);
     if (sample.ahrs) add_attitude(t, *sample.ahrs);
     // The log repeats a position until the next one has come.
     if (sample.true_p_EB && (positions_.empty() || positions_.back().value != *sample.true_p_EB))

@@ -6,6 +6,7 @@
 
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/own_sets.hpp"
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {

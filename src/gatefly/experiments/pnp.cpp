@@ -5,6 +5,8 @@
 #include <vector>
 
 #include <opencv2/calib3d.hpp>
+
+#include "gatefly/geometry/gate_corners.hpp"
 #endif
 
 namespace gatefly::experiments {
@@ -17,8 +19,10 @@ using Pixels = std::vector<cv::Point2d>;
 
 /// As IPPE_SQUARE wants them: x right, y up, z towards the camera.
 Objects objects_of(double side) {
-  const double h = 0.5 * side;
-  return {{-h, h, 0.0}, {h, h, 0.0}, {h, -h, 0.0}, {-h, -h, 0.0}};
+  Objects objects;
+  for (const auto& corner_G : gate_corners_G(side))
+    objects.emplace_back(corner_G.y(), -corner_G.z(), 0.0);
+  return objects;
 }
 
 struct CameraPose {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // A real flight against motion capture.
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 #include "gatefly/pose/map_pose.hpp"
 
 namespace gatefly::experiments::pose_real_parts {
@@ -128,7 +128,7 @@ Seen seen_in_flight(const io::FlightFolder& flight, const io::Config& config) {
     for (const io::LabelledPicture& picture : labels.pictures) {
       if (picture.image != flight.images[i].path.filename().string() || picture.gates.empty())
         continue;
-      const double t = std::chrono::duration<double>(flight.images[i].time).count();
+      const double t = seconds(flight.images[i].time);
       seen.labels.push_back({t, picture.gates.front()});
       const io::ImageFile file = io::read_image(flight.images[i].path);
       const GateDetections gates =

@@ -6,16 +6,12 @@
 #include <cmath>
 
 #include "gatefly/experiments/labelled_set.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/ray_intersection.hpp"
 
 namespace gatefly::experiments {
 namespace {
-
-std::array<Eigen::Vector3d, 4> corners_G(double side) {
-  const double h = 0.5 * side;
-  return {{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
-}
 
 /// As a straight lens centred at the origin would draw them.
 std::optional<Quad> straightened(const Quad& px, const CameraRig& rig) {
@@ -41,7 +37,7 @@ Quad corners_seen_from(const Eigen::Vector3d& p_GB, const Attitude& attitude_GB,
   for (std::size_t i = 0; i < 4; ++i)
     px[i] = rig.lens
                 .project(rig.R_BC.matrix.transpose() *
-                         (R_GB.transpose() * (corners_G(1.0)[i] - p_GB) - rig.p_BC))
+                         (R_GB.transpose() * (gate_corners_G(1.0)[i] - p_GB) - rig.p_BC))
                 .value();
   return px;
 }
@@ -53,7 +49,7 @@ std::optional<Eigen::Vector3d> by_rays(const Quad& px, const Attitude& attitude_
   for (std::size_t i = 0; i < 4; ++i) {
     const auto bearing_C = rig.lens.bearing(px[i]);
     if (!bearing_C) return std::nullopt;
-    rays[i] = {corners_G(side)[i], R_GB * (rig.R_BC * *bearing_C)};
+    rays[i] = {gate_corners_G(side)[i], R_GB * (rig.R_BC * *bearing_C)};
   }
   const auto camera_G = nearest_point(rays, 0.0);
   if (!camera_G) return std::nullopt;
@@ -83,10 +79,6 @@ void Rmse::add(const std::optional<Eigen::Vector3d>& found, const Eigen::Vector3
 
 bool reproduced(double ours, double paper) {
   return std::abs(ours - paper) <= std::max(0.1 * paper, 0.002);
-}
-
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 void in_pieces(std::size_t count, const Options& options,

@@ -56,9 +56,6 @@ struct Rmse {
 /// Whether `ours` is within 10 % or 2 mm of `paper`, whichever is larger.
 [[nodiscard]] bool reproduced(double ours, double paper);
 
-/// NaN becomes null.
-[[nodiscard]] nlohmann::ordered_json number(double value);
-
 /// work(i) for every i below `count` on all cores, in pieces between which `options` are asked and
 /// told.
 void in_pieces(std::size_t count, const Options& options,

@@ -59,10 +59,6 @@ std::string rates(const RocPoint& point) {
                                   : "-";
 }
 
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 /// Table, JSON and CSV of ours beside the authors'.
 Result compared(const std::vector<RocPoint>& ours, const std::vector<RocPoint>& authors,
                 double RocPoint::*swept, const LabelledSet& set, int repeats, io::Canvas picture) {

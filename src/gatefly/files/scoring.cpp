@@ -258,12 +258,4 @@ ScoreInput brought_together(const Labels& labels, std::span<const DetectionRow> 
   return input;
 }
 
-double quantile(std::span<const double> sorted, double part) {
-  if (sorted.empty()) return kNone;
-  const double at = part * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
 }  // namespace gatefly::io

@@ -97,7 +97,4 @@ struct ScoreInput {
                                           std::span<const DetectionRow> detections,
                                           const Labels& ignored, Rule rule);
 
-/// The value below which a part of sorted values lies, interpolated; NaN without values.
-[[nodiscard]] double quantile(std::span<const double> sorted, double part);
-
 }  // namespace gatefly::io

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <system_error>
 
@@ -87,6 +89,13 @@ std::string text_of(double value, int digits) {
   const auto end = whole ? std::to_chars(buffer.data(), last, value, std::chars_format::fixed)
                          : std::to_chars(buffer.data(), last, value);
   return {buffer.data(), end.ptr};
+}
+
+std::string fixed(double value, int digits) {
+  if (!std::isfinite(value)) return "-";
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
 }
 
 std::string joined(std::span<const std::string> words, std::string_view between) {

@@ -25,6 +25,9 @@ namespace gatefly::io {
 /// The shortest text that reads back as the same number; `digits` > 0 rounds to that many first.
 [[nodiscard]] std::string text_of(double value, int digits = 0);
 
+/// `value` with so many digits after the point; "-" for NaN and infinity.
+[[nodiscard]] std::string fixed(double value, int digits);
+
 /// "a, b, c".
 [[nodiscard]] std::string joined(std::span<const std::string> words,
                                  std::string_view between = ", ");

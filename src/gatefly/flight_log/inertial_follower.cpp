@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/inertial_follower.hpp"
 
-#include <chrono>
 #include <cmath>
+
+#include "gatefly/geometry/seconds.hpp"
 
 namespace gatefly::flight_log {
 
 void InertialFollower::update(const Sensors& sensors, const Pilot& pilot) {
-  const double now = std::chrono::duration<double>(sensors.time).count();
+  const double now = seconds(sensors.time);
   const double dt = now - time_;
   time_ = now;
   if (std::holds_alternative<OnGround>(pilot.phase())) return;

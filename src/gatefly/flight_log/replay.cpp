@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gatefly/flight_log/inertial_follower.hpp"
+#include "gatefly/geometry/seconds.hpp"
 
 namespace gatefly::flight_log {
 namespace {
@@ -35,7 +36,7 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     Sensors sensors = tick.sensors;
     if (tick.picture) sensors.image = load_picture(*tick.picture);
     const Command command = pilot.step(sensors);
-    const double t = std::chrono::duration<double>(sensors.time).count();
+    const double t = seconds(sensors.time);
 
     if (estimator == Estimator::kImu15) inertial.update(sensors, pilot);
     EstimateRow row{t,

@@ -5,6 +5,7 @@ namespace gatefly {
 
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kDegree = kPi / 180.0;  ///< 5 * kDegree is five degrees in radians.
+inline constexpr double kGravity = 9.81;        ///< [m/s²]
 
 struct SinCos {
   double sin, cos;

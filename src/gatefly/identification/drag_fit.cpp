@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/identification/drag_fit.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +8,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/seconds.hpp"
 
 namespace gatefly::identification {
 namespace {
@@ -17,8 +17,6 @@ constexpr double kPiece = 1.0, kEvery = 0.1;  // [s]
 constexpr double kFlownDragY = -0.47, kFlownWeight = 0.3;
 constexpr double kBiasWeight = 5.0;                      // of a known bias, in pieces
 constexpr double kMostOffset = 40.0, kOffsetStep = 0.5;  // [deg]
-
-double seconds(std::chrono::nanoseconds t) { return std::chrono::duration<double>(t).count(); }
 
 bool is_complete(const io::FlightSample& s) { return s.true_p_EB && s.true_v_E && s.ahrs; }
 

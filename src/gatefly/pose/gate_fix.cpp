@@ -11,18 +11,13 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/map_pose.hpp"
 #include "gatefly/pose/ray_intersection.hpp"
 
 namespace gatefly {
 namespace {
-
-// The gate's outer corners in its own frame, in the order of a Quad.
-std::array<Eigen::Vector3d, 4> corners_G(double side) {
-  const double h = 0.5 * side;
-  return {{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
-}
 
 bool within_reach(const Eigen::Vector3d& p_GB, const PoseParams& params) {
   return p_GB.x() <= 0.0 && std::abs(p_GB.y()) <= params.max_lateral &&
@@ -170,7 +165,7 @@ std::optional<Intersection> intersection_of(const Sights& sights, const Rotation
 
 std::optional<Fix> fix_from_corners(const Quad& outer_corners_px, const RotationGB& R_GB,
                                     double side, const CameraRig& rig, const PoseParams& params) {
-  const auto sights = sights_to(outer_corners_px, corners_G(side), R_GB, rig, params);
+  const auto sights = sights_to(outer_corners_px, gate_corners_G(side), R_GB, rig, params);
   if (!sights) return std::nullopt;
   auto met = intersection_of(*sights, R_GB, rig, params);
   if (!met) return std::nullopt;
@@ -200,7 +195,7 @@ std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const Rota
   const auto [pose, reason] = map_pose(corners, prior, rig, {.max_outliers = 0.0});
   if (!pose || !within_reach(pose->p_GB, params)) return std::nullopt;
   Fix fix{.p_GB = pose->p_GB, .covariance = pose->covariance.topLeftCorner<3, 3>()};
-  const auto sights = sights_to(outer_corners_px, corners_G(side), R_GB, rig, params);
+  const auto sights = sights_to(outer_corners_px, gate_corners_G(side), R_GB, rig, params);
   if (!sights) return std::nullopt;
   fix.white =
       ray_covariance(*sights, fix.p_GB + R_GB * rig.p_BC, params.white_px / params.corner_sigma_px);
@@ -217,7 +212,7 @@ std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const Rota
 
 std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB, double side,
                                           const CameraRig& rig, const PoseParams& params) {
-  const auto corners = corners_G(side);
+  const auto corners = gate_corners_G(side);
   const std::array<Eigen::Vector2d, 2> px{gate.bottom_left_px, gate.bottom_right_px};
   const std::array<Eigen::Vector3d, 2> lower{corners[3], corners[2]};
   const auto sights = sights_to(px, lower, R_GB, rig, params);

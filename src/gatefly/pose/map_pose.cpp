@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/pose_moments.hpp"
 #include "gatefly/pose/pose_starts.hpp"
@@ -259,8 +260,7 @@ void add_line(GateObservations& seen, const Eigen::Vector2d& px, double y, doubl
 bool add_corners(GateObservations& seen, const Quad& outer_corners_px, double side,
                  double sigma_px) {
   if (seen.size() + 4 > GateObservations::kCapacity) return false;
-  const double h = 0.5 * side;
-  const std::array<Eigen::Vector3d, 4> corners_G{{{0, -h, -h}, {0, h, -h}, {0, h, h}, {0, -h, h}}};
+  const auto corners_G = gate_corners_G(side);
   for (std::size_t i = 0; i < 4; ++i)
     seen.push_back({.px = outer_corners_px[i], .sigma_px = sigma_px, .point_G = corners_G[i]});
   return true;

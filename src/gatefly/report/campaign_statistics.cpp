@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
@@ -23,8 +24,9 @@ std::string cause_of(const nlohmann::json& summary) {
   return reason;
 }
 
-nlohmann::ordered_json quantiles(const std::vector<double>& values) {
+nlohmann::ordered_json quantiles(std::vector<double> values) {
   if (values.empty()) return nullptr;
+  std::sort(values.begin(), values.end());
   nlohmann::ordered_json json;
   for (const auto& [name, q] : {std::pair{"min", 0.0},
                                 {"p10", 0.1},
@@ -96,15 +98,6 @@ Interval wilson95(int hits, int trials) {
   const double middle = (p + z2 / (2 * n)) / (1 + z2 / n);
   const double half = kZ / (1 + z2 / n) * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
   return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
-}
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double at = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 std::string runs_csv(const std::vector<RunRow>& rows) {

@@ -35,9 +35,6 @@ struct Interval {
 /// 95 % interval of a probability after `hits` of `trials`. Wilson 1927.
 [[nodiscard]] Interval wilson95(int hits, int trials);
 
-/// Value below which the part `q` of them lies, interpolated; 0 when there are none.
-[[nodiscard]] double quantile(std::vector<double> values, double q);
-
 /// runs.csv, one row a seed.
 [[nodiscard]] std::string runs_csv(const std::vector<RunRow>& rows);
 

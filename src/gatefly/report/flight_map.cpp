@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
+
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -162,9 +163,7 @@ void FlightMap::draw_legend(Canvas& canvas, const Eigen::Vector2d& at_px) const 
     canvas.fill({.x = pen.x() + i, .y = pen.y() - 1.5, .width = 1.5, .height = 3.0},
                 color_of_speed(fast_ * i / 39.0));
   pen.x() += 48;
-  std::array<char, 48> flown{};
-  std::snprintf(flown.data(), flown.size(), "flown, 0 to %.1f m/s", fast_);
-  name(flown.data());
+  name("flown, 0 to " + fixed(fast_, 1) + " m/s");
   sample({.color = look::kEstimate, .width = 1.5}, "pilot's estimate");
   sample({.color = look::kPlan, .width = 1.3, .dash = 5.0}, "plan");
   sample({.color = look::kGate, .width = 4.5}, "gate");

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 
 #include "gatefly/drawing/annotate.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::io {
@@ -20,12 +20,6 @@ constexpr double kStatusHeight = 40.0;                          // [px]
 constexpr double kBright = 7.0;   // the way flown in these last seconds is drawn brightest
 constexpr double kWindow = 30.0;  // of the strips [s]
 constexpr double kHold = 2.0;     // of the last frame [s]
-
-std::string fixed(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
 
 Box left_column(bool pictures) {
   return {.x = kMargin,
@@ -80,13 +74,13 @@ class Strip {
     canvas.fill(panel_, look::kPanel, 8.0);
     canvas.text({panel_.x + 12, panel_.y + 20}, curve_.name, {.color = look::kMuted, .size = 13});
     canvas.text({panel_.right() - 12, panel_.y + 20},
-                fixed("%.2f ", curve_.truth(moments_.back())) + curve_.unit,
+                fixed(curve_.truth(moments_.back()), 2) + " " + curve_.unit,
                 {.color = look::kInk, .size = 14, .align = Align::kRight, .bold = true});
     for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
       const double y = at(end_, level).y();
       canvas.line({area_.x, y}, {area_.right(), y},
                   {.color = look::kFaint.faded(0.6), .width = 1.0});
-      canvas.text({area_.x - 8, y + 4}, fixed("%.0f", level),
+      canvas.text({area_.x - 8, y + 4}, fixed(level, 0),
                   {.color = look::kMuted, .size = 11, .align = Align::kRight});
     }
     canvas.clip({.x = area_.x - 2,
@@ -250,7 +244,7 @@ void FlightVideo::draw_head(const Tick& tick) {
             total = gates * race_.pilot.track.laps;
   const int passed = tick.pilot.estimate().gates_passed;
   const int lap = std::min(passed / std::max(gates, 1) + 1, race_.pilot.track.laps);
-  frame_.text({kWidth - kMargin - 2, 33}, fixed("%.1f s", moments_.back().time),
+  frame_.text({kWidth - kMargin - 2, 33}, fixed(moments_.back().time, 1) + " s",
               {.color = look::kInk, .size = 24, .align = Align::kRight, .bold = true});
   const std::string progress = "gates " + std::to_string(passed) + " of " + std::to_string(total) +
                                "     lap " + std::to_string(lap) + " of " +
@@ -279,7 +273,7 @@ void FlightVideo::draw_status(const Tick& tick, const Box& box) {
   frame_.text({box.x + width + 26, line}, tick.pilot.finished() ? "all gates passed" : next,
               {.color = look::kGate, .size = 15, .bold = true});
   if (!pictures_) return;
-  frame_.text({box.x + 0.5 * box.width, line}, fixed("%.1f m/s", moments_.back().true_speed),
+  frame_.text({box.x + 0.5 * box.width, line}, fixed(moments_.back().true_speed, 1) + " m/s",
               {.color = look::kInk, .size = 15, .align = Align::kCenter});
   const bool fix = source_ != Sighting::Source::kNone;
   const std::string source = name_of(source_);

@@ -6,10 +6,9 @@
 #include <Eigen/Core>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 
 namespace gatefly::sim {
-
-inline constexpr double kGravity = 9.81;  ///< [m/s²]
 
 /// The body's true motion, earth frame NED and body frame FRD.
 struct BodyState {
@@ -21,9 +20,13 @@ struct BodyState {
   std::array<double, 4> rotor_speed{};                ///< [rad/s]
 };
 
-/// Orientation from a quaternion w, x, y, z.
+/// Orientation from a quaternion w, x, y, z, and back.
 [[nodiscard]] inline Eigen::Matrix3d R_EB_of(const Eigen::Vector4d& q_EB) {
   return rotation_EB(Quaternion{q_EB(0), q_EB(1), q_EB(2), q_EB(3)}).matrix;
+}
+[[nodiscard]] inline Eigen::Vector4d q_EB_of(const Attitude& attitude) {
+  const Quaternion q = quaternion_of(attitude);
+  return {q.w, q.x, q.y, q.z};
 }
 
 }  // namespace gatefly::sim

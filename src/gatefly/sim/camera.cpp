@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/light_map.hpp"
 #include "gatefly/sim/ray_scene.hpp"
 #include "gatefly/sim/scene.hpp"
@@ -45,7 +46,7 @@ Eye eye_of(const BodyPose& pose, const Eigen::Vector3d& p_BC) {
   const double norm = pose.q_EB.norm();
   const Eigen::Vector4d q =
       norm > 0.0 ? Eigen::Vector4d{pose.q_EB / norm} : Eigen::Vector4d{1, 0, 0, 0};
-  const Eigen::Matrix3d R_EB = rotation_EB(Quaternion{q[0], q[1], q[2], q[3]}).matrix;
+  const Eigen::Matrix3d R_EB = R_EB_of(q);
   return {(pose.p_EB + R_EB * p_BC).cast<float>(), R_EB.cast<float>()};
 }
 

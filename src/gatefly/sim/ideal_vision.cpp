@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/body_state.hpp"
 
@@ -101,11 +103,11 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
   const double depth = R_EG.col(0).dot(to_gate);
   if (std::abs(depth) < kEdgeOn) return std::nullopt;
   const double right = depth > 0.0 ? 0.5 : -0.5;  // from behind left is right
-  const std::array<Eigen::Vector3d, 4> corners{
-      {{0, -right, -0.5}, {0, right, -0.5}, {0, right, 0.5}, {0, -right, 0.5}}};
+  auto corners_G = gate_corners_G(1.0);
+  if (depth < 0.0) std::swap(corners_G[0], corners_G[1]), std::swap(corners_G[2], corners_G[3]);
   std::array<bool, 4> seen{}, above{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = gate.p_EG + gate.side * (R_EG * corners[i]);
+    const Eigen::Vector3d corner_E = gate.p_EG + gate.side * (R_EG * corners_G[i]);
     const auto px = exposure.project(corner_E);
     if (!px) continue;
     view.corners_px[i] = *px;

@@ -4,17 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::sim {
 namespace {
 
 constexpr double kImuHz = 512.0;
-
-Eigen::Matrix3d R_of(const BodyState& state) {
-  return rotation_EB(Quaternion{state.q_EB(0), state.q_EB(1), state.q_EB(2), state.q_EB(3)}).matrix;
-}
 
 }  // namespace
 
@@ -54,7 +49,7 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
 }
 
 std::optional<double> SonarModel::measure(const BodyState& state, const Sight* scene) {
-  const Eigen::Matrix3d R_EB = R_of(state);
+  const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);
   const double jitter = truth_.sonar_noise * noise_.normal();
   if (R_EB(2, 2) < 0.7) return std::nullopt;
   double nearest = truth_.sonar_max + 1.0;

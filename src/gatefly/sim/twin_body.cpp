@@ -5,8 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include "gatefly/geometry/attitude.hpp"
-
 namespace gatefly::sim {
 namespace {
 
@@ -47,8 +45,7 @@ TwinBody::TwinBody(const SimConfig& config)
       sight_{config.world},
       corners_B_{corners_of(config.vehicle)} {
   state_.p_EB << config.start.position, -0.5 * config.vehicle.size.z();
-  const Quaternion heading = quaternion_of({0, 0, config.start.heading});
-  state_.q_EB = {heading.w, heading.x, heading.y, heading.z};
+  state_.q_EB = q_EB_of({0, 0, config.start.heading});
 }
 
 void TwinBody::step(const std::array<double, 4>& command, double dt) {
