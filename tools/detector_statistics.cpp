@@ -18,6 +18,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
+#include "gatefly/sim/randomize.hpp"
 #include "gatefly/sim/solids.hpp"
 
 namespace {

@@ -11,6 +11,7 @@
 
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 namespace gatefly::cli {
 namespace {

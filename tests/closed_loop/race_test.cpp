@@ -12,6 +12,7 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/track_file.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 #include "support/allocation_counter.hpp"
 

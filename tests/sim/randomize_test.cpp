@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sim/randomize.hpp"
+
 #include <variant>
 
 #include <gtest/gtest.h>
-
-#include "gatefly/sim/sim_config.hpp"
 
 namespace gatefly::sim {
 namespace {

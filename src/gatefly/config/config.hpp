@@ -11,7 +11,7 @@
 
 #include "gatefly/config/schema.hpp"
 #include "gatefly/race/pilot.hpp"
-#include "gatefly/sim/sim_config.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::io {
 

@@ -5,8 +5,9 @@
 #include <string>
 
 #include "gatefly/race/track.hpp"
-#include "gatefly/sim/sim_config.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/randomize.hpp"
+#include "gatefly/world/sim_config.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::io {
 

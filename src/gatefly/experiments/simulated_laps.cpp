@@ -10,6 +10,7 @@
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 namespace gatefly::experiments {
 namespace {
