@@ -13,7 +13,8 @@ SYSTEM = re.compile(r"\s*#\s*include\s+<([^>]+)>")
 QUOTED = re.compile(r'\s*#\s*include\s+"([^"]+)"')
 DEPENDS = re.compile(r"gatefly::(\w+)")
 FLIGHT = {"geometry", "sensing", "detection", "pose", "estimation", "control", "race"}
-FORBIDDEN = {"sim": {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report"}}
+PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report"}
+FORBIDDEN = {"sim": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
 # Clocks, files, threads and hidden randomness have no place in the flight code; <chrono> is for durations.
 HIDDEN = re.compile(r"system_clock|steady_clock|std::rand\b|(^|[;{)])\s*throw\b(?! std::invalid_argument)")
 BANNED = {"random", "thread", "mutex", "fstream", "iostream", "ctime", "cstdio", "filesystem"}

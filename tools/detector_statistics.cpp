@@ -16,9 +16,11 @@
 
 #include "gatefly/closed_loop/race.hpp"
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
+#include "gatefly/sim/randomize.hpp"
 #include "gatefly/sim/solids.hpp"
 
 namespace {
@@ -151,10 +153,7 @@ void fly(const std::string& track, std::uint64_t seed, bool ideal, Statistics& s
   race.vision = ideal ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
   race.pilot = config.pilot;
   race.pilot.track = file.track;
-  race.sim = config.sim;
-  race.sim.world = file.world;
-  race.sim.start = file.start;
-  race.sim = sim::drawn(race.sim, file.randomize, seed);
+  race.sim = sim::drawn(io::simulator_config(config, file), file.randomize, seed);
   const sim::SolidSight sight{race.sim.world};
   std::vector<sim::BodyPose> history;
   const auto result = closed_loop::fly(race, [&](const Tick& tick) {

@@ -58,8 +58,9 @@ std::vector<Stage> chosen(std::vector<Stage> stages, const std::vector<std::stri
 }
 
 Picture read(const fs::path& path, const io::Config& config) {
-  const io::ImageFile file = io::read_image(path, config.stored_width(), config.stored_height());
-  return as_uyvy(path.filename().string(), file.view(0), config.stored_rotation_deg);
+  const io::ImageFile file =
+      io::read_image(path, config.camera.stored_width(), config.camera.stored_height());
+  return as_uyvy(path.filename().string(), file.view(0), config.camera.stored_rotation_deg);
 }
 
 /// Files, folders and patterns, as named.

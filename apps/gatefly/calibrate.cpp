@@ -445,8 +445,8 @@ void add_tilt(CameraFile& camera, const CalibrateOptions& options,
   Mount mount;
   try {
     mount = flight ? mount_from_flight(io::read_flight_folder(path), labels, camera.lens,
-                                       config.gate_side, config.sim.camera.p_BC)
-                   : mount_from_level(single_gates(labels), camera.lens, config.gate_side,
+                                       config.gate.side, config.camera.p_BC)
+                   : mount_from_level(single_gates(labels), camera.lens, config.gate.side,
                                       options.gate_height);
   } catch (const std::exception& error) {
     throw std::runtime_error("--tilt-from " + options.tilt_from + ": " + error.what());

@@ -115,7 +115,7 @@ class Detector {
 /// One picture: detected, added to the findings, drawn.
 void look_at(const io::ImageFile& file, const std::string& name, const DetectOptions& options,
              const io::Config& config, Detector& detector, Findings& findings) {
-  const Image image = file.view(config.stored_rotation_deg);
+  const Image image = file.view(config.camera.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
   const std::vector<GateDetection> gates = detector(image);
   findings.seconds +=
@@ -139,7 +139,8 @@ void each_picture(const fs::path& path, const io::Config& config, const Look& lo
     throw std::runtime_error(
         path.string() + ": its name must be without comma, quote and line break to stand in a CSV");
   if (io::is_picture(path))
-    return look(io::read_image(path, config.stored_width(), config.stored_height()), name);
+    return look(io::read_image(path, config.camera.stored_width(), config.camera.stored_height()),
+                name);
   io::VideoReader video(path);
   for (int frame = 0; !interrupted(); ++frame) {
     const auto picture = video.next();

@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -24,8 +26,8 @@ fs::path cache_dir() {
 }
 
 void refuse_unflyable(const io::Config& config) {
-  if (config.gate_corners != "outer")
-    throw std::runtime_error("gate.corners = \"" + config.gate_corners +
+  if (config.gate.corners != "outer")
+    throw std::runtime_error("gate.corners = \"" + config.gate.corners +
                              "\", must be \"outer\" to fly");
   if (config.detector_mode != "ours")
     throw std::runtime_error("detector.mode = \"" + config.detector_mode +
@@ -66,22 +68,20 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   // The simulated sensor is always mounted turned, whichever way the camera's own is.
   constexpr int kSimulated = 90;
   if (io::load_config(io::config_files(options.common.configs), options.common.settings)
-          .stored_rotation_deg != kSimulated)
+          .camera.stored_rotation_deg != kSimulated)
     options.common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
   const io::Config config = load(options.common);
   refuse_unflyable(config);
   const fs::path path = io::find_track(options.track);
-  io::TrackFile file = io::read_track(path, {.side = config.gate_side, .bar = config.gate_bar});
+  io::TrackFile file = io::read_track(path, config.gate);
   if (options.laps) file.track.laps = *options.laps;
 
   nominal_.vision =
       options.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
-  nominal_.timeout = config.timeout;
+  nominal_.timeout = config.sim.timeout;
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
-  nominal_.sim = config.sim;
-  nominal_.sim.world = file.world;
-  nominal_.sim.start = file.start;
+  nominal_.sim = io::simulator_config(config, file);
   nominal_.sim.cache_dir = cache_dir();
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 

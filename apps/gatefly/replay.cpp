@@ -85,8 +85,7 @@ Recording read(const ReplayOptions& options) {
   const fs::path track_path = !options.track.empty() ? io::find_track(options.track)
                               : recording.simulated  ? directory / "track.toml"
                                                      : io::find_track("flights");
-  const io::TrackFile track = io::read_track(
-      track_path, {.side = recording.config.gate_side, .bar = recording.config.gate_bar});
+  const io::TrackFile track = io::read_track(track_path, recording.config.gate);
   recording.pilot = recording.config.pilot;
   recording.pilot.track = track.track;
   if (recording.simulated) recording.pilot.track.laps = laps_of_flight(directory, track.track.laps);
@@ -169,7 +168,8 @@ std::optional<Rate> against_geometry(const Recording& recording,
           const Eigen::Vector3d corner = gate.p_EG + R_EG * (gate.side * Eigen::Vector3d{0, y, z});
           const auto px = rig.lens.project(R_EC.transpose() * (corner - eye));
           whole = whole && px && px->x() > 2 && px->y() > 2 &&
-                  px->x() < recording.config.width - 3 && px->y() < recording.config.height - 3;
+                  px->x() < recording.config.camera.width - 3 &&
+                  px->y() < recording.config.camera.height - 3;
           if (px) middle += 0.25 * *px;
         }
       if (!whole) continue;
@@ -229,9 +229,10 @@ int replay(const ReplayOptions& options) {
   const Recording recording = read(options);
   io::ImageFile picture;
   const auto load_picture = [&](std::size_t i) {
-    picture = io::read_image(recording.folder.images[i].path, recording.config.stored_width(),
-                             recording.config.stored_height());
-    return picture.view(recording.config.stored_rotation_deg);
+    picture =
+        io::read_image(recording.folder.images[i].path, recording.config.camera.stored_width(),
+                       recording.config.camera.stored_height());
+    return picture.view(recording.config.camera.stored_rotation_deg);
   };
   const flight_log::ReplayResult result = [&] {
     try {

@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/config/derived.hpp"
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/csv.hpp"
@@ -89,7 +90,8 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
     }
     names.insert(name);
     try {
-      io::ImageFile file = io::read_image(path, config.stored_width(), config.stored_height());
+      io::ImageFile file =
+          io::read_image(path, config.camera.stored_width(), config.camera.stored_height());
       if (!contents.emplace(file.bytes.begin(), file.bytes.end()).second) {
         ++material.duplicates;
         continue;
@@ -109,7 +111,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
                       std::to_string(names.size()) + " pictures read");
   }
   for (std::size_t i = 0; i < material.files.size(); ++i)
-    material.pictures[i].image = material.files[i].view(config.stored_rotation_deg);
+    material.pictures[i].image = material.files[i].view(config.camera.stored_rotation_deg);
   if (labelled)
     material.labels_without_picture =
         static_cast<int>(gates.size()) - static_cast<int>(names.size());
@@ -137,8 +139,8 @@ std::string config_text(const TuneOptions& options, const io::Config& config,
   text << "# Written by gatefly tune: " << summary_of(options, material, tuned) << ".\n";
   if (options.rotate_deg)
     text << "[camera]\nstored_rotation_deg = " << *options.rotate_deg << "\n\n";
-  text << "[color]\nrgb = [" << io::text_of(config.gate_rgb.x(), 4) << ", "
-       << io::text_of(config.gate_rgb.y(), 4) << ", " << io::text_of(config.gate_rgb.z(), 4)
+  text << "[color]\nrgb = [" << io::text_of(config.gate.rgb.x(), 4) << ", "
+       << io::text_of(config.gate.rgb.y(), 4) << ", " << io::text_of(config.gate.rgb.z(), 4)
        << "]\n";
   if (!tuned.learnt) return text.str();
   text << "table = "
@@ -249,8 +251,9 @@ io::Config config_of(const TuneOptions& options) {
   if (options.describe.empty()) return config;
   try {
     const auto rgb = tuning::described_color(options.describe);
-    config.gate_rgb = {rgb[0], rgb[1], rgb[2]};
-    config.pilot.gate_color = ColorModel::described(rgb);
+    config.gate.rgb = {rgb[0], rgb[1], rgb[2]};
+    config.gate.fitted_color.reset();
+    config.pilot = io::pilot_config(config);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error("--describe: " + std::string{error.what()});
   }

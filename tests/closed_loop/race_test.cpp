@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 #include "support/allocation_counter.hpp"
 
@@ -25,9 +27,7 @@ RaceConfig race_on(const std::string& track, std::uint64_t seed, int laps) {
   race.pilot = config.pilot;
   race.pilot.track = file.track;
   race.pilot.track.laps = laps;
-  sim::SimConfig nominal = config.sim;
-  nominal.world = file.world;
-  nominal.start = file.start;
+  sim::SimConfig nominal = io::simulator_config(config, file);
   nominal.cache_dir = std::filesystem::temp_directory_path() / "gatefly-test-cache";
   race.sim = sim::drawn(nominal, file.randomize, seed);
   return race;

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -22,6 +23,8 @@ using Files = std::vector<std::filesystem::path>;
 using Settings = std::vector<std::string>;
 
 Config with(const Settings& settings) { return load_config(Files{}, settings); }
+/// The simulator's half, on no track.
+sim::SimConfig simulator(const Config& config) { return simulator_config(config, {}); }
 std::string error_with(const std::string& setting) {
   return test::error_of([&] { (void)with({setting}); });
 }
@@ -46,7 +49,7 @@ TEST(Config, WritingAValueBackChangesNothing) {
 TEST(Config, ConvertsUnitsOfKeysToSi) {
   const Config config = with({"control.max_roll_deg=30", "camera.readout_ms=10"});
   EXPECT_DOUBLE_EQ(config.pilot.lateral.max_roll, 30 * kDegree);
-  EXPECT_DOUBLE_EQ(config.sim.camera.readout, 0.010);
+  EXPECT_DOUBLE_EQ(config.camera.readout, 0.010);
 }
 
 TEST(Config, CameraIsThePilotsBeliefAndTheSimulatorsNominal) {
@@ -55,27 +58,83 @@ TEST(Config, CameraIsThePilotsBeliefAndTheSimulatorsNominal) {
             "camera.latency_ms=50", "camera.exposure_ms=4", "camera.readout_ms=20"});
   const Eigen::Vector3d forward_B = config.pilot.camera.R_BC * Eigen::Vector3d::UnitZ();
   EXPECT_NEAR(std::asin(forward_B.z()), 10 * kDegree, 1e-12);
-  EXPECT_DOUBLE_EQ(config.sim.camera.tilt_down, 10 * kDegree);
+  EXPECT_DOUBLE_EQ(simulator(config).camera.tilt_down, 10 * kDegree);
   EXPECT_EQ(std::get<DhaneFisheye>(config.pilot.camera.lens.model).focal_px,
             Eigen::Vector2d(150, 151));
-  EXPECT_EQ(std::get<DhaneFisheye>(config.sim.camera.lens.model).focal_px,
+  EXPECT_EQ(std::get<DhaneFisheye>(simulator(config).camera.lens.model).focal_px,
             Eigen::Vector2d(150, 151));
-  EXPECT_EQ(config.sim.camera.stored_width, 180);
-  EXPECT_EQ(config.sim.camera.stored_height, 320);
+  EXPECT_EQ(simulator(config).camera.stored_width, 180);
+  EXPECT_EQ(simulator(config).camera.stored_height, 320);
+  EXPECT_DOUBLE_EQ(simulator(config).sensors.camera_latency, 0.050);
   EXPECT_DOUBLE_EQ(config.pilot.camera_timing.latency, 0.050 + 0.002 + 0.010);
+}
+
+TEST(Config, VehicleIsThePilotsBeliefAndTheSimulatorsNominalButForTheRotors) {
+  const Config config = with({"vehicle.mass_kg=0.5", "vehicle.arm_m=[0.2, 0.1]",
+                              "vehicle.rotor_time_constant_ms=30", "vehicle.min_rotor_radps=200"});
+  EXPECT_EQ(config.pilot.vehicle.mass, 0.5);
+  EXPECT_EQ(config.pilot.vehicle.min_speed, 200);
+  EXPECT_DOUBLE_EQ(config.pilot.vehicle.rotor_time_constant, 0.030);
+  const sim::VehicleTruth truth = simulator(config).vehicle;
+  EXPECT_EQ(truth.mass, 0.5);
+  EXPECT_EQ(truth.arm_x, 0.2);
+  EXPECT_EQ(truth.arm_y, 0.1);
+  EXPECT_EQ(truth.min_speed, sim::VehicleTruth{}.min_speed);
+  EXPECT_EQ(truth.rotor_time_constant, sim::VehicleTruth{}.rotor_time_constant);
+}
+
+TEST(Config, TheSimulatorsOwnSettingsReachItAloneAndTheTracksWorldWithThem) {
+  const Config config = with({"sim.size_m=[0.5, 0.4, 0.1]", "sim.baro_noise_m=0.3",
+                              "sim.ideal_detector=paper", "sim.bake_threads=3", "sim.timeout_s=9"});
+  TrackFile track;
+  track.world.look = "showroom";
+  track.start.heading = 0.5;
+  const sim::SimConfig sim = simulator_config(config, track);
+  EXPECT_EQ(sim.vehicle.size, Eigen::Vector3d(0.5, 0.4, 0.1));
+  EXPECT_EQ(sim.sensors.baro_noise, 0.3);
+  EXPECT_EQ(sim.ideal_vision.detector, "paper");
+  EXPECT_EQ(sim.bake_threads, 3);
+  EXPECT_EQ(config.sim.timeout, 9);
+  EXPECT_EQ(sim.world.look, "showroom");
+  EXPECT_EQ(sim.start.heading, 0.5);
+}
+
+TEST(Config, WithoutAnyFilePilotAndSimulatorHaveTheDefaultsOfTheirOwnTypes) {
+  const Config config;
+  const PilotConfig pilot;
+  EXPECT_EQ(config.pilot.camera_timing.latency, pilot.camera_timing.latency);
+  EXPECT_EQ(config.pilot.camera_timing.readout, pilot.camera_timing.readout);
+  EXPECT_DOUBLE_EQ(config.pilot.detector.corner_scale, pilot.detector.corner_scale);
+  EXPECT_EQ(config.pilot.detector.bar_ratio, pilot.detector.bar_ratio);
+  const sim::SimConfig nominal = simulator(config), sim;
+  EXPECT_EQ(nominal.camera.p_BC, sim.camera.p_BC);
+  EXPECT_NEAR(nominal.camera.tilt_down, sim.camera.tilt_down, 1e-6);
+  EXPECT_EQ(nominal.camera.stored_width, sim.camera.stored_width);
+  EXPECT_EQ(nominal.camera.stored_height, sim.camera.stored_height);
+  EXPECT_EQ(nominal.camera.exposure, sim.camera.exposure);
+  EXPECT_EQ(nominal.camera.readout, sim.camera.readout);
+  EXPECT_EQ(nominal.sensors.camera_hz, sim.sensors.camera_hz);
+  EXPECT_EQ(nominal.sensors.camera_latency, sim.sensors.camera_latency);
+  EXPECT_EQ(nominal.vehicle.mass, sim.vehicle.mass);
+  EXPECT_EQ(nominal.vehicle.inertia, sim.vehicle.inertia);
+  EXPECT_EQ(nominal.vehicle.arm_x, sim.vehicle.arm_x);
+  EXPECT_EQ(nominal.vehicle.arm_y, sim.vehicle.arm_y);
+  EXPECT_EQ(nominal.vehicle.thrust_coefficient, sim.vehicle.thrust_coefficient);
+  EXPECT_EQ(nominal.vehicle.torque_coefficient, sim.vehicle.torque_coefficient);
+  EXPECT_EQ(nominal.vehicle.max_speed, sim.vehicle.max_speed);
 }
 
 TEST(Config, APinholeIsTheFisheyeWithoutDistortionInTheSimulator) {
   const Config config = with({"camera.model=pinhole"});
   EXPECT_TRUE(std::holds_alternative<Pinhole>(config.pilot.camera.lens.model));
-  EXPECT_EQ(std::get<DhaneFisheye>(config.sim.camera.lens.model).k, 1.0);
+  EXPECT_EQ(std::get<DhaneFisheye>(simulator(config).camera.lens.model).k, 1.0);
 }
 
 TEST(Config, BrownConradysCoefficientsComeInOpenCvsOrderForPilotAndSimulator) {
   const Config config =
       with({"camera.model=brown-conrady", "camera.distortion=[-0.3, 0.1, 0.002, -0.001, 0.05]",
             "camera.center_px=[150, 80]"});
-  for (const AnyCamera& camera : {config.pilot.camera.lens, config.sim.camera.lens}) {
+  for (const AnyCamera& camera : {config.pilot.camera.lens, simulator(config).camera.lens}) {
     const auto& lens = std::get<BrownConrady>(camera.model);
     EXPECT_EQ(lens.distortion(), (BrownConrady::Coefficients{-0.3, 0.1, 0.002, -0.001, 0.05}));
     EXPECT_EQ(lens.center_px, Eigen::Vector2d(150, 80));
@@ -85,7 +144,7 @@ TEST(Config, BrownConradysCoefficientsComeInOpenCvsOrderForPilotAndSimulator) {
 TEST(Config, KannalaBrandtHasFourCoefficients) {
   const Config config =
       with({"camera.model=kannala-brandt", "camera.distortion=[0.1, -0.02, 0.003, 0]"});
-  for (const AnyCamera& camera : {config.pilot.camera.lens, config.sim.camera.lens})
+  for (const AnyCamera& camera : {config.pilot.camera.lens, simulator(config).camera.lens})
     EXPECT_EQ(std::get<KannalaBrandt>(camera.model).radial.coefficients(),
               (RadialPolynomial::Coefficients{0.1, -0.02, 0.003, 0.0}));
 }
@@ -114,7 +173,7 @@ TEST(Config, AWrongNumberOfCoefficientsIsRefusedSayingHowManyTheModelNeeds) {
 TEST(Config, AWholeNumberMayBeWrittenWithAPoint) {
   const Config config = with({"control.rest_samples=1e3", "camera.size_px=[320.0, 160]"});
   EXPECT_EQ(config.pilot.phase.rest_samples, 1000);
-  EXPECT_EQ(config.width, 320);
+  EXPECT_EQ(config.camera.width, 320);
 }
 
 TEST(Config, LaterFilesWinAndSettingsComeLast) {
@@ -125,7 +184,7 @@ TEST(Config, LaterFilesWinAndSettingsComeLast) {
           "[control]\nrest_samples = 100\n[detector]\nmin_side_px = 11\n[gate]\nbar_m = 0.07\n"),
       folder.file("b.toml", "[control]\nrest_samples = 200\n[detector]\nmin_side_px = 22\n")};
   const Config config = load_config(files, Settings{"detector.min_side_px=33"});
-  EXPECT_EQ(config.gate_bar, 0.07);
+  EXPECT_EQ(config.gate.bar, 0.07);
   EXPECT_EQ(config.pilot.phase.rest_samples, 200);
   EXPECT_EQ(config.pilot.detector.min_side_px, 33);
   EXPECT_EQ(config.set_by.at("gate.bar_m"), files[0].string());

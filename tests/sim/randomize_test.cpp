@@ -13,7 +13,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/sim/sim_config.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 namespace gatefly::sim {
 namespace {

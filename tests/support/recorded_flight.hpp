@@ -27,8 +27,9 @@ inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::Fli
     ticks[folder.images[i].log_row].picture = i;
   io::ImageFile picture;
   const auto load = [&](std::size_t i) {
-    picture = io::read_image(folder.images[i].path, config.stored_width(), config.stored_height());
-    return picture.view(config.stored_rotation_deg);
+    picture = io::read_image(folder.images[i].path, config.camera.stored_width(),
+                             config.camera.stored_height());
+    return picture.view(config.camera.stored_rotation_deg);
   };
   return flight_log::replay(pilot, ticks, load, estimator);
 }

@@ -144,10 +144,12 @@ CameraFile from_toml(const std::filesystem::path& path) {
   for (const char* key : {"camera.model", "camera.size_px", "camera.focal_px", "camera.center_px"})
     if (!config.set_by.contains(key))
       throw std::runtime_error(path.string() + ": " + key + " is missing");
-  CameraFile camera{
-      config.pilot.camera.lens, {config.width, config.height}, config.stored_rotation_deg, {}};
+  CameraFile camera{config.pilot.camera.lens,
+                    {config.camera.width, config.camera.height},
+                    config.camera.stored_rotation_deg,
+                    {}};
   if (!config.set_by.contains("camera.stored_rotation_deg")) camera.stored_rotation_deg = 0;
-  if (config.set_by.contains("camera.tilt_deg")) camera.tilt_down = config.sim.camera.tilt_down;
+  if (config.set_by.contains("camera.tilt_deg")) camera.tilt_down = config.camera.tilt_down;
   return camera;
 }
 

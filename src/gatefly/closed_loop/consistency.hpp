@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/race/pilot.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::closed_loop {
 

@@ -13,7 +13,7 @@
 #include "gatefly/closed_loop/consistency.hpp"
 #include "gatefly/flight_log/tick.hpp"
 #include "gatefly/race/pilot.hpp"
-#include "gatefly/sim/sim_config.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::closed_loop {
 

@@ -9,12 +9,11 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
-#include "gatefly/geometry/attitude.hpp"
-#include "gatefly/geometry/math.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -161,11 +160,11 @@ const LensRule& lens_rule(const std::string& model) {
 }
 
 void check_distortion(const Config& c) {
-  const LensRule& rule = lens_rule(c.camera_model);
+  const LensRule& rule = lens_rule(c.camera.model);
   const bool given = c.set_by.contains("camera.distortion");
   if (!given && rule.coefficients.empty()) return;  // the default is Dhane's k
-  const bool fits = c.distortion.size() == rule.coefficients.size() &&
-                    std::all_of(c.distortion.begin(), c.distortion.end(),
+  const bool fits = c.camera.distortion.size() == rule.coefficients.size() &&
+                    std::all_of(c.camera.distortion.begin(), c.camera.distortion.end(),
                                 [&](double each) { return each >= rule.low && each <= rule.high; });
   if (fits) return;
   const std::string need = rule.coefficients.empty()
@@ -175,77 +174,33 @@ void check_distortion(const Config& c) {
                                      joined(rule.coefficients) + "] in " + text_of(rule.low) +
                                      ".." + text_of(rule.high);
   throw std::runtime_error(c.set_by.at(given ? "camera.distortion" : "camera.model") +
-                           ": camera.distortion = " + shown(json(c.distortion)) +
+                           ": camera.distortion = " + shown(json(c.camera.distortion)) +
                            (given ? "" : " (the default)") + ", must be " + need +
-                           " with camera.model = \"" + c.camera_model + "\"");
+                           " with camera.model = \"" + c.camera.model + "\"");
 }
 
 void check(const Config& c) {
   check_distortion(c);
   ordered(c, "pose.min_bars_distance_m", c.pilot.pose.min_bars_distance, "pose.max_bars_distance_m",
           c.pilot.pose.max_bars_distance);
-  ordered(c, "vehicle.min_rotor_radps", c.pilot.vehicle.min_speed, "vehicle.max_rotor_radps",
-          c.pilot.vehicle.max_speed);
+  ordered(c, "vehicle.min_rotor_radps", c.vehicle.min_speed, "vehicle.max_rotor_radps",
+          c.vehicle.max_speed);
   const auto who = [&](const char* key) {
     return c.set_by.contains(key) ? c.set_by.at(key) : std::string{"default"};
   };
-  if (c.gate_bar * 2 >= c.gate_side)
-    throw std::runtime_error(who("gate.bar_m") + ": gate.bar_m = " + text_of(c.gate_bar) +
-                             ", must be less than half of gate.side_m = " + text_of(c.gate_side));
-  if (c.stored_rotation_deg % 90 != 0)
+  if (c.gate.bar * 2 >= c.gate.side)
+    throw std::runtime_error(who("gate.bar_m") + ": gate.bar_m = " + text_of(c.gate.bar) +
+                             ", must be less than half of gate.side_m = " + text_of(c.gate.side));
+  if (c.camera.stored_rotation_deg % 90 != 0)
     throw std::runtime_error(who("camera.stored_rotation_deg") + ": camera.stored_rotation_deg = " +
-                             std::to_string(c.stored_rotation_deg) + ", must be 0, 90, 180 or 270");
-}
-
-AnyCamera lens_of(const Config& c) {
-  const auto& d = c.distortion;
-  if (c.camera_model == "pinhole") return {Pinhole{c.focal_px, c.center_px}};
-  if (c.camera_model == "brown-conrady")
-    return {BrownConrady{c.focal_px, c.center_px, {d[0], d[1], d[2], d[3], d[4]}}};
-  if (c.camera_model == "kannala-brandt")
-    return {KannalaBrandt{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[2], d[3]}}}};
-  return {DhaneFisheye{c.focal_px, c.center_px, d[0]}};
-}
-
-/// What follows from the keys: the pilot's camera, and the simulator's nominal truth.
-void derive(Config& c) {
-  sim::CameraTruth& camera = c.sim.camera;
-  camera.stored_width = c.stored_width();
-  camera.stored_height = c.stored_height();
-  c.pilot.camera.lens = camera.lens = lens_of(c);
-  // Dhane's model with k = 1 is the straight lens, and has a k that a day can vary.
-  if (c.camera_model == "pinhole") camera.lens.model = DhaneFisheye{c.focal_px, c.center_px, 1.0};
-  c.pilot.camera.R_BC = camera_mount(camera.tilt_down);
-  c.pilot.camera.p_BC = camera.p_BC;
-
-  // From the middle of the exposure of the middle line: half of both, then the way to the pilot.
-  c.pilot.camera_timing = {.latency = c.camera_latency + 0.5 * (camera.exposure + camera.readout),
-                           .readout = camera.readout};
-  c.sim.sensors.camera_latency = c.camera_latency;
-
-  const double bar = c.gate_bar / c.gate_side;
-  c.pilot.detector.bar_ratio = bar;
-  c.pilot.detector.corner_scale = (c.gate_corners == "outer"   ? 1.0
-                                   : c.gate_corners == "inner" ? 1.0 - 2.0 * bar
-                                                               : 1.0 - bar) /
-                                  (1.0 - bar);
-  c.pilot.gate_color = ColorModel::described({c.gate_rgb.x(), c.gate_rgb.y(), c.gate_rgb.z()});
-
-  const VehicleParams& known = c.pilot.vehicle;
-  sim::VehicleTruth& vehicle = c.sim.vehicle;
-  vehicle.mass = known.mass;
-  vehicle.inertia = known.inertia;
-  vehicle.arm_x = known.arm_x;
-  vehicle.arm_y = known.arm_y;
-  vehicle.thrust_coefficient = known.thrust_coefficient;
-  vehicle.torque_coefficient = known.torque_coefficient;
-  vehicle.max_speed = known.max_speed;
+                             std::to_string(c.camera.stored_rotation_deg) +
+                             ", must be 0, 90, 180 or 270");
 }
 
 void read_color_table(Config& c) {
-  if (c.color_table.empty()) return;
+  if (c.gate.color_table.empty()) return;
   try {
-    c.pilot.gate_color = read_color_model(c.color_table);
+    c.gate.fitted_color = read_color_model(c.gate.color_table);
   } catch (const std::exception& error) {
     throw std::runtime_error(c.set_by.at("color.table") + ": color.table: " + error.what());
   }
@@ -253,10 +208,7 @@ void read_color_table(Config& c) {
 
 }  // namespace
 
-Config::Config() {
-  sim.camera.tilt_down = 20.0 * kDegree;
-  derive(*this);
-}
+Config::Config() { pilot = pilot_config(*this); }
 
 Config load_config(std::span<const std::filesystem::path> files,
                    std::span<const std::string> settings) {
@@ -270,8 +222,8 @@ Config load_config(std::span<const std::filesystem::path> files,
     set_key(config, name, parse_toml_value(setting.substr(equals + 1)), "--set");
   }
   check(config);
-  derive(config);
   read_color_table(config);
+  config.pilot = pilot_config(config);
   return config;
 }
 

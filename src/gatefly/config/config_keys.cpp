@@ -30,10 +30,10 @@ Key<Config> size_key() {
                .kind = KeyRule::Kind::kNumbers,
                .count = 2,
                .whole = true};
-  size.get = [](const Config& c) { return nlohmann::json{c.width, c.height}; };
+  size.get = [](const Config& c) { return nlohmann::json{c.camera.width, c.camera.height}; };
   size.set = [](Config& c, const nlohmann::json& v) {
-    c.width = v[0].get<int>();
-    c.height = v[1].get<int>();
+    c.camera.width = v[0].get<int>();
+    c.camera.height = v[1].get<int>();
   };
   return size;
 }
@@ -49,11 +49,11 @@ Key<Config> distortion_key() {
                      .kind = KeyRule::Kind::kNumberOrList,
                      .count = 5};
   distortion.get = [](const Config& c) {
-    return c.distortion.size() == 1 ? nlohmann::json(c.distortion[0])
-                                    : nlohmann::json(c.distortion);
+    return c.camera.distortion.size() == 1 ? nlohmann::json(c.camera.distortion[0])
+                                           : nlohmann::json(c.camera.distortion);
   };
   distortion.set = [](Config& c, const nlohmann::json& v) {
-    c.distortion =
+    c.camera.distortion =
         v.is_array() ? v.get<std::vector<double>>() : std::vector<double>{v.get<double>()};
   };
   return distortion;
@@ -68,12 +68,10 @@ Key<Config> arm_key() {
               .source = "Bebop, measured on drawings",
               .kind = KeyRule::Kind::kNumbers,
               .count = 2};
-  arm.get = [](const Config& c) {
-    return nlohmann::json{c.pilot.vehicle.arm_x, c.pilot.vehicle.arm_y};
-  };
+  arm.get = [](const Config& c) { return nlohmann::json{c.vehicle.arm_x, c.vehicle.arm_y}; };
   arm.set = [](Config& c, const nlohmann::json& v) {
-    c.pilot.vehicle.arm_x = v[0].get<double>();
-    c.pilot.vehicle.arm_y = v[1].get<double>();
+    c.vehicle.arm_x = v[0].get<double>();
+    c.vehicle.arm_y = v[1].get<double>();
   };
   return arm;
 }
@@ -81,29 +79,31 @@ Key<Config> arm_key() {
 Keys camera_keys() {
   return {
       choice<Config>("camera.model", {"dhane", "pinhole", "brown-conrady", "kannala-brandt"},
-                     AT(camera_model), "Dhane et al. 2012"),
+                     AT(camera.model), "Dhane et al. 2012"),
       size_key(),
-      k("camera.focal_px", 10, 10000, AT(focal_px), "Li18 flight code"),
-      k("camera.center_px", -4096, 8192, AT(center_px),
+      k("camera.focal_px", 10, 10000, AT(camera.focal_px), "Li18 flight code"),
+      k("camera.center_px", -4096, 8192, AT(camera.center_px),
         "authors' flight code and data: (157, 35 from below)"),
       distortion_key(),
-      k("camera.stored_rotation_deg", 0, 270, AT(stored_rotation_deg), "the sensor is turned"),
-      k("camera.tilt_deg", -90, 90, AT(sim.camera.tilt_down),
+      k("camera.stored_rotation_deg", 0, 270, AT(camera.stored_rotation_deg),
+        "the sensor is turned"),
+      k("camera.tilt_deg", -90, 90, AT(camera.tilt_down),
         "down; authors' flight code and data: 16-20", kDegree),
-      k("camera.position_m", -2, 2, AT(sim.camera.p_BC), "in the body frame; Bebop's nose"),
-      k("camera.latency_ms", 0, 500, AT(camera_latency),
+      k("camera.position_m", -2, 2, AT(camera.p_BC), "in the body frame; Bebop's nose"),
+      k("camera.latency_ms", 0, 500, AT(camera.latency),
         "end of read-out to arrival; simulation.md", kMilli),
-      k("camera.readout_ms", 0, 200, AT(sim.camera.readout), "first to last line; simulation.md",
+      k("camera.readout_ms", 0, 200, AT(camera.readout), "first to last line; simulation.md",
         kMilli),
-      k("camera.exposure_ms", 0.01, 100, AT(sim.camera.exposure), "longest; simulation.md", kMilli),
-      k("camera.rate_hz", 1, 120, AT(sim.sensors.camera_hz), "MT9F002_TARGET_FPS 15"),
+      k("camera.exposure_ms", 0.01, 100, AT(camera.exposure), "longest; simulation.md", kMilli),
+      k("camera.rate_hz", 1, 120, AT(camera.rate_hz), "MT9F002_TARGET_FPS 15"),
   };
 }
 
 Keys detection_keys() {
   return {
-      k("color.rgb", 0, 1, AT(gate_rgb), "orange, as cameras see it; ours"),
-      file_name<Config>("color.table", AT(color_table), "none: color.rgb; gatefly tune writes one"),
+      k("color.rgb", 0, 1, AT(gate.rgb), "orange, as cameras see it; ours"),
+      file_name<Config>("color.table", AT(gate.color_table),
+                        "none: color.rgb; gatefly tune writes one"),
       choice<Config>("detector.mode", {"ours", "fast", "careful", "paper", "flown"},
                      AT(detector_mode),
                      "of detect; paper: ROC study, flown: basement, March 2018, each with its own "
@@ -122,9 +122,9 @@ Keys detection_keys() {
         "score with every doubling of the side; labelled sets"),
       k("detector.max_aspect", 1, 20, AT(pilot.detector.max_aspect),
         "longest side / shortest; ours"),
-      k("gate.side_m", 0.3, 5, AT(gate_side), "outer side; Bebop gates"),
-      k("gate.bar_m", 0.005, 1, AT(gate_bar), "docs/conventions.md"),
-      choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate_corners),
+      k("gate.side_m", 0.3, 5, AT(gate.side), "outer side; Bebop gates"),
+      k("gate.bar_m", 0.005, 1, AT(gate.bar), "docs/conventions.md"),
+      choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate.corners),
                      "docs/conventions.md"),
       k("gate.map_sigma_m", 0.001, 5, AT(pilot.map_sigma), "ours"),
       k("gate.height_sigma_m", 0, 2, AT(pilot.gate_height_sigma), "simulation.md"),
@@ -232,16 +232,16 @@ Keys control_keys() {
 
 Keys vehicle_keys() {
   return {
-      k("vehicle.mass_kg", 0.02, 20, AT(pilot.vehicle.mass), "Bebop 1 with guards"),
-      k("vehicle.inertia_kgm2", 1e-6, 10, AT(pilot.vehicle.inertia), "ours: box model"),
+      k("vehicle.mass_kg", 0.02, 20, AT(vehicle.mass), "Bebop 1 with guards"),
+      k("vehicle.inertia_kgm2", 1e-6, 10, AT(vehicle.inertia), "ours: box model"),
       arm_key(),
-      k("vehicle.thrust_coefficient", 1e-9, 1e-3, AT(pilot.vehicle.thrust_coefficient),
+      k("vehicle.thrust_coefficient", 1e-9, 1e-3, AT(vehicle.thrust_coefficient),
         "N/(rad/s)²; hovers at 7,380 rpm"),
-      k("vehicle.torque_coefficient_m", 1e-4, 1, AT(pilot.vehicle.torque_coefficient),
+      k("vehicle.torque_coefficient_m", 1e-4, 1, AT(vehicle.torque_coefficient),
         "yaw torque / thrust"),
-      k("vehicle.min_rotor_radps", 0, 20000, AT(pilot.vehicle.min_speed), "ours"),
-      k("vehicle.max_rotor_radps", 10, 20000, AT(pilot.vehicle.max_speed), "Bebop: 12,000 rpm"),
-      k("vehicle.rotor_time_constant_ms", 1, 500, AT(pilot.vehicle.rotor_time_constant),
+      k("vehicle.min_rotor_radps", 0, 20000, AT(vehicle.min_speed), "ours"),
+      k("vehicle.max_rotor_radps", 10, 20000, AT(vehicle.max_speed), "Bebop: 12,000 rpm"),
+      k("vehicle.rotor_time_constant_ms", 1, 500, AT(vehicle.rotor_time_constant),
         "Li18 code: 0.1 a sample", kMilli),
   };
 }
@@ -253,7 +253,7 @@ Keys sim_keys() {
                      "whose statistics --vision ideal draws from: simulation.md"),
       k("sim.ghosts_percent", 0, 100, AT(sim.ideal_vision.ghosts),
         "ideal vision: gates seen as from up to 3 m away", 0.01),
-      k("sim.timeout_s", 1, 3600, AT(timeout), "ours"),
+      k("sim.timeout_s", 1, 3600, AT(sim.timeout), "ours"),
       k("sim.bake_threads", 1, 64, AT(sim.bake_threads),
         "ours; the light map does not depend on it"),
       k("sim.size_m", 0.02, 2, AT(sim.vehicle.size), "with guards: simulation.md"),

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gatefly/config/schema.hpp"
-#include "gatefly/sim/sim_config.hpp"
+#include "gatefly/world/randomize.hpp"
 
 namespace gatefly::io {
 

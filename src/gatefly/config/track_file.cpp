@@ -74,7 +74,7 @@ void check_exit(Table& gate, const std::string& file, const std::string& where) 
 }
 
 void read_gate(const json& value, const std::string& file, std::size_t index,
-               const GateDefaults& defaults, TrackFile& track) {
+               const GateDescription& defaults, TrackFile& track) {
   const std::string where = indexed("gates", index);
   Table table(value, file, where);
   const auto p = table.numbers("position_m", 3, -kFarthest, kFarthest);
@@ -197,7 +197,7 @@ const json& list_of(Table& table, const char* key, std::size_t least, std::size_
 
 }  // namespace
 
-TrackFile read_track(const std::filesystem::path& path, const GateDefaults& defaults) {
+TrackFile read_track(const std::filesystem::path& path, const GateDescription& defaults) {
   const std::string file = path.string();
   const json content = read_toml(path);
   Table table(content, file, "");

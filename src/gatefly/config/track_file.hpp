@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <string>
 
+#include "gatefly/config/descriptions.hpp"
 #include "gatefly/race/track.hpp"
-#include "gatefly/sim/sim_config.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/randomize.hpp"
+#include "gatefly/world/sim_config.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::io {
 
@@ -18,16 +20,13 @@ struct TrackFile {
   sim::Randomize randomize;  ///< Level of the file with its overrides.
 };
 
-/// What a gate measures when the file does not say; from [gate] of the configuration.
-struct GateDefaults {
-  double side = 1.0, bar = 0.05;  ///< [m]
-};
-
 /// Reads tracks/*.toml. Format: see tracks/oval.toml.
+///
+/// @param gates  what a gate measures where the file does not say.
 /// @throws std::runtime_error one line: file, key, value, what is allowed; the line for broken
 ///     TOML.
 [[nodiscard]] TrackFile read_track(const std::filesystem::path& path,
-                                   const GateDefaults& gates = {});
+                                   const GateDescription& gates = {});
 
 /// A track file by path or by its name in tracks/.
 /// @throws std::runtime_error listing the tracks there are.

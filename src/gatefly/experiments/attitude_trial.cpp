@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/randomize.hpp"
 #include "gatefly/sim/sensors.hpp"
 
 namespace gatefly::experiments {

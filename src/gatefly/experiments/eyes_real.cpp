@@ -55,7 +55,7 @@ Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe
   io::ImageFile file;
   const auto load = [&](std::size_t i) {
     file = io::read_image(flight.folder.images[i].path);
-    return file.view(config.stored_rotation_deg);
+    return file.view(config.camera.stored_rotation_deg);
   };
   const ReplayResult result = flight_log::replay(pilot, flight.ticks, load, estimator);
   if (!result.finite)

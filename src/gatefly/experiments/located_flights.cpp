@@ -66,8 +66,8 @@ LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<Recorde
 
 bool clear_of_border(const Quad& px, const io::Config& config) {
   return std::all_of(px.begin(), px.end(), [&](const Eigen::Vector2d& p) {
-    return p.x() > kBorderPx && p.y() > kBorderPx && p.x() < config.width - 1 - kBorderPx &&
-           p.y() < config.height - 1 - kBorderPx;
+    return p.x() > kBorderPx && p.y() > kBorderPx && p.x() < config.camera.width - 1 - kBorderPx &&
+           p.y() < config.camera.height - 1 - kBorderPx;
   });
 }
 
@@ -79,7 +79,7 @@ std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config
     if (flight.motion.position(t).z() > -kWellInTheAir) continue;
     const io::ImageFile file = io::read_image(image.path);
     const GateDetections gates =
-        search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
+        search->detect(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color);
     if (!gates.empty() && gates[0].whole && clear_of_border(gates[0].corners_px, config))
       seen.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
   }

@@ -70,7 +70,7 @@ OwnSet own_set(const std::string& name, const Options& options) {
   const std::vector<std::string> configs{place.config};
   const io::Config config = io::load_config(io::config_files(configs));
   OwnSet set{.name = name,
-             .files = LabelledSet(folder, place.labels, config.stored_rotation_deg),
+             .files = LabelledSet(folder, place.labels, config.camera.stored_rotation_deg),
              .config = config,
              .first = {},
              .second = {},

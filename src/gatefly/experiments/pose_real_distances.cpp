@@ -61,7 +61,7 @@ std::vector<MeasuredGate> measured_gates(const std::filesystem::path& folder,
     gates.push_back({picture.true_distance, clockwise_from_top_left(picture.gates.front()), {}});
     const io::ImageFile file = io::read_image(folder / picture.image);
     for (const GateDetection& found :
-         search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color))
+         search->detect(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color))
       if ((center(found.corners_px) - center(gates.back().label)).norm() < kSamePx)
         gates.back().detection = clockwise_from_top_left(found.corners_px);
   }

@@ -132,7 +132,7 @@ Seen seen_in_flight(const io::FlightFolder& flight, const io::Config& config) {
       seen.labels.push_back({t, picture.gates.front()});
       const io::ImageFile file = io::read_image(flight.images[i].path);
       const GateDetections gates =
-          search->detect(file.view(config.stored_rotation_deg), config.pilot.gate_color);
+          search->detect(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color);
       if (!gates.empty())
         seen.detections.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
     }

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/randomize.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -28,14 +30,12 @@ bool is_faced(const sim::WorldGate& gate, const Eigen::Vector3d& p_EB, double ya
 closed_loop::RaceConfig race_on(const std::string& track, int laps, closed_loop::Vision vision,
                                 std::uint64_t seed, bool exact_map) {
   const io::Config config = io::load_config(io::config_files(std::vector<std::string>{}));
-  const io::TrackFile file =
-      io::read_track(io::find_track(track), {.side = config.gate_side, .bar = config.gate_bar});
+  const io::TrackFile file = io::read_track(io::find_track(track), config.gate);
   closed_loop::RaceConfig race;
-  race.vision = vision, race.timeout = config.timeout, race.pilot = config.pilot;
+  race.vision = vision, race.timeout = config.sim.timeout, race.pilot = config.pilot;
   race.pilot.track = file.track;
   race.pilot.track.laps = laps;
-  sim::SimConfig nominal = config.sim;
-  nominal.world = file.world, nominal.start = file.start;
+  sim::SimConfig nominal = io::simulator_config(config, file);
   nominal.cache_dir = std::filesystem::temp_directory_path() / "gatefly-cache";
   sim::Randomize sigma = io::randomized(file.randomize, config.randomize, "[randomize]");
   if (exact_map) sigma.gate_position = sigma.gate_heading = sigma.gate_height = 0.0;

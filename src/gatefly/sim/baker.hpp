@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/ray_scene.hpp"
 #include "gatefly/sim/scene.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,33 +9,10 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/sensing/camera.hpp"
 #include "gatefly/sim/sight.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
-
-/// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
-struct CameraTruth {
-  AnyCamera lens;                        ///< Upright picture, 315 x 160.
-  Eigen::Vector3d p_BC{0.10, 0.0, 0.0};  ///< Focal point in the body frame [m].
-  double tilt_down = 0.349066;           ///< [rad]
-  /// Turned by 90°: a stored line is an upright column.
-  int stored_width = 160, stored_height = 315;
-  double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
-  double readout = 0.020;   ///< From the first to the last stored line [s].
-};
-
-/// What a day varies in the light and the sensor's handling of it.
-struct LightConditions {
-  static constexpr int kGroups = 3;  ///< e.g. ceiling, showcases, windows
-  /// Relative brightness of each light group.
-  std::array<double, kGroups> group_gain{1, 1, 1};
-  /// Amount of light the exposure aims at, relative to nominal.
-  double exposure_target = 1.0;
-  std::array<double, 3> white_balance{1, 1, 1};  ///< Gains r, g, b.
-  double noise_scale = 1.0;
-};
 
 /// Where the body was at one moment.
 struct BodyPose {

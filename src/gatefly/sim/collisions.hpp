@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/body_state.hpp"
-#include "gatefly/sim/sim_config.hpp"
 #include "gatefly/sim/solids.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
 

@@ -7,7 +7,7 @@
 
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/random.hpp"
-#include "gatefly/sim/sim_config.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
 

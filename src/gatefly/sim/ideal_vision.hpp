@@ -9,10 +9,10 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/camera.hpp"
-#include "gatefly/sim/ideal_vision_params.hpp"
+#include "gatefly/sim/detector_statistics.hpp"
 #include "gatefly/sim/random.hpp"
 #include "gatefly/sim/sight.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::sim {
 

@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/body_state.hpp"
-#include "gatefly/sim/sim_config.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/sim_config.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::sim {
 

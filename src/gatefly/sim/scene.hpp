@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/random.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::sim {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/shading.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
 

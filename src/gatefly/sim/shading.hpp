@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/light_map.hpp"
 #include "gatefly/sim/scene.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
 

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/sight.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::sim {
 

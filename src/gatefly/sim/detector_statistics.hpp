@@ -26,12 +26,6 @@ struct DetectorStatistics {
   double bars_sigma_px = 0.0;  ///< Of the middle of a bar, across.
 };
 
-struct IdealVisionParams {
-  std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
-  /// Part of the whole gates that are seen as from a place up to 3 m away.
-  double ghosts = 0.0;
-};
-
 /// @throws std::invalid_argument for another name than "ours" and "paper".
 [[nodiscard]] DetectorStatistics statistics_of(const std::string& detector);
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include <Eigen/Core>
 
-#include "gatefly/sim/camera.hpp"
-#include "gatefly/sim/ideal_vision_params.hpp"
-#include "gatefly/sim/world.hpp"
+#include "gatefly/sensing/camera.hpp"
+#include "gatefly/world/world.hpp"
 
 namespace gatefly::sim {
 
@@ -57,6 +58,35 @@ struct SensorTruth {
   double frame_loss = 0.0;        ///< Part of the frames that never arrives.
 };
 
+/// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
+struct CameraTruth {
+  AnyCamera lens;                        ///< Upright picture, 315 x 160.
+  Eigen::Vector3d p_BC{0.10, 0.0, 0.0};  ///< Focal point in the body frame [m].
+  double tilt_down = 0.349066;           ///< [rad]
+  /// Turned by 90°: a stored line is an upright column.
+  int stored_width = 160, stored_height = 315;
+  double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
+  double readout = 0.020;   ///< From the first to the last stored line [s].
+};
+
+/// What a day varies in the light and the sensor's handling of it.
+struct LightConditions {
+  static constexpr int kGroups = 3;  ///< e.g. ceiling, showcases, windows
+  /// Relative brightness of each light group.
+  std::array<double, kGroups> group_gain{1, 1, 1};
+  /// Amount of light the exposure aims at, relative to nominal.
+  double exposure_target = 1.0;
+  std::array<double, 3> white_balance{1, 1, 1};  ///< Gains r, g, b.
+  double noise_scale = 1.0;
+};
+
+/// How detections are drawn when no pictures are rendered.
+struct IdealVisionParams {
+  std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
+  /// Part of the whole gates that are seen as from a place up to 3 m away.
+  double ghosts = 0.0;
+};
+
 /// Start pose on the pad.
 struct StartTruth {
   Eigen::Vector2d position{0, 0};  ///< [m]
@@ -82,30 +112,5 @@ struct SimConfig {
   std::filesystem::path cache_dir = ".cache/gatefly";
   int bake_threads = 2;
 };
-
-/// Sizes of what one day varies: one standard deviation each, drawn cut at 2.5 σ.
-/// [docs/simulation.md]
-struct Randomize {
-  double gate_position = 0.0, gate_heading = 0.0, gate_height = 0.0;  ///< [m], [rad], [m]
-  double start_position = 0.0, start_heading = 0.0;                   ///< [m], [rad]
-  double camera_focal = 0.0, camera_center_px = 0.0, camera_k = 0.0, camera_tilt = 0.0,
-         camera_latency = 0.0;
-  double gate_side = 0.0;                                  ///< Relative.
-  double drag = 0.0, mass = 0.0, thrust = 0.0, sag = 0.0;  ///< Relative; sag is not random.
-  double accel_bias = 0.0, gyro_bias = 0.0, scale = 0.0;   ///< [m/s²], [rad/s], relative
-  /// [m/s²] [ours: rectified vibration]
-  double flight_bias = 0.0;
-  double noise_scale = 1.0;
-  double light = 0.0, exposure = 0.0, hue = 0.0, white_balance = 0.0;  ///< Relative; hue [rad].
-  double frame_loss = 0.0, latency_jitter = 0.0;
-  double wind = 0.0, gust = 0.0;  ///< [m/s]
-  int decoys = 0;
-};
-
-/// The levels "none", "race" and "hard" of simulation.md. @throws std::invalid_argument for others.
-[[nodiscard]] Randomize randomize_level(const std::string& level);
-
-/// One seed's truth around the nominal one. The pilot keeps the nominal.
-[[nodiscard]] SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t seed);
 
 }  // namespace gatefly::sim

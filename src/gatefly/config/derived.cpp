@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/config/derived.hpp"
+
+#include "gatefly/geometry/attitude.hpp"
+
+namespace gatefly::io {
+namespace {
+
+AnyCamera lens_of(const CameraDescription& c) {
+  const auto& d = c.distortion;
+  if (c.model == "pinhole") return {Pinhole{c.focal_px, c.center_px}};
+  if (c.model == "brown-conrady")
+    return {BrownConrady{c.focal_px, c.center_px, {d[0], d[1], d[2], d[3], d[4]}}};
+  if (c.model == "kannala-brandt")
+    return {KannalaBrandt{c.focal_px, c.center_px, RadialPolynomial{{d[0], d[1], d[2], d[3]}}}};
+  return {DhaneFisheye{c.focal_px, c.center_px, d[0]}};
+}
+
+/// Dhane's model with k = 1 is the straight lens, and has a k that a day can vary.
+AnyCamera lens_with_distortion(const CameraDescription& c) {
+  if (c.model == "pinhole") return {DhaneFisheye{c.focal_px, c.center_px, 1.0}};
+  return lens_of(c);
+}
+
+/// How large the gate is that detections mean, in sides of its bars' middle lines.
+double corner_scale(const GateDescription& gate) {
+  const double bar = gate.bar / gate.side;
+  const double meant = gate.corners == "outer"   ? 1.0
+                       : gate.corners == "inner" ? 1.0 - 2.0 * bar
+                                                 : 1.0 - bar;
+  return meant / (1.0 - bar);
+}
+
+}  // namespace
+
+PilotConfig pilot_config(const Config& config) {
+  PilotConfig pilot = config.pilot;
+
+  const CameraDescription& camera = config.camera;
+  pilot.camera = {lens_of(camera), camera_mount(camera.tilt_down), camera.p_BC};
+  // From the middle of the exposure of the middle line: half of both, then the way to the pilot.
+  pilot.camera_timing = {.latency = camera.latency + 0.5 * (camera.exposure + camera.readout),
+                         .readout = camera.readout};
+
+  const GateDescription& gate = config.gate;
+  pilot.detector.bar_ratio = gate.bar / gate.side;
+  pilot.detector.corner_scale = corner_scale(gate);
+  pilot.gate_color = gate.fitted_color
+                         ? *gate.fitted_color
+                         : ColorModel::described({gate.rgb.x(), gate.rgb.y(), gate.rgb.z()});
+
+  pilot.vehicle = config.vehicle;
+  return pilot;
+}
+
+sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
+  sim::SimConfig nominal;
+  nominal.world = track.world;
+  nominal.start = track.start;
+  nominal.ideal_vision = config.sim.ideal_vision;
+  nominal.bake_threads = config.sim.bake_threads;
+
+  const CameraDescription& camera = config.camera;
+  nominal.camera = {.lens = lens_with_distortion(camera),
+                    .p_BC = camera.p_BC,
+                    .tilt_down = camera.tilt_down,
+                    .stored_width = camera.stored_width(),
+                    .stored_height = camera.stored_height(),
+                    .exposure = camera.exposure,
+                    .readout = camera.readout};
+  nominal.sensors = config.sim.sensors;
+  nominal.sensors.camera_hz = camera.rate_hz;
+  nominal.sensors.camera_latency = camera.latency;
+
+  const VehicleDescription& known = config.vehicle;
+  nominal.vehicle = config.sim.vehicle;
+  nominal.vehicle.mass = known.mass;
+  nominal.vehicle.inertia = known.inertia;
+  nominal.vehicle.arm_x = known.arm_x;
+  nominal.vehicle.arm_y = known.arm_y;
+  nominal.vehicle.thrust_coefficient = known.thrust_coefficient;
+  nominal.vehicle.torque_coefficient = known.torque_coefficient;
+  nominal.vehicle.max_speed = known.max_speed;
+  return nominal;
+}
+
+}  // namespace gatefly::io

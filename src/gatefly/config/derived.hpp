@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/race/pilot.hpp"
+#include "gatefly/world/sim_config.hpp"
+
+// Pilot and simulator each take what they need from the same descriptions, and nothing from each
+// other.
+namespace gatefly::io {
+
+/// The pilot's own settings with what camera, vehicle and gate mean to it; without a track.
+[[nodiscard]] PilotConfig pilot_config(const Config& config);
+
+/// The simulator's own settings, what camera and vehicle mean to it, and the track's world; nominal:
+/// nothing is drawn yet.
+[[nodiscard]] sim::SimConfig simulator_config(const Config& config, const TrackFile& track);
+
+}  // namespace gatefly::io

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "gatefly/world/randomize.hpp"
+#include "gatefly/world/sim_config.hpp"
+
+namespace gatefly::sim {
+
+/// One seed's truth around the nominal one. The pilot keeps the nominal.
+[[nodiscard]] SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t seed);
+
+}  // namespace gatefly::sim
