@@ -11,7 +11,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

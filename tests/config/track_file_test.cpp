@@ -6,7 +6,7 @@
 
 #include "gatefly/geometry/math.hpp"
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

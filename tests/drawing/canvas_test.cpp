@@ -10,7 +10,7 @@
 
 #include "gatefly/files/text.hpp"
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

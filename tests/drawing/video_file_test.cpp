@@ -9,7 +9,7 @@
 
 #include "gatefly/files/text.hpp"
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

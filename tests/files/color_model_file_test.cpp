@@ -10,7 +10,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/geometry/rng.hpp"
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

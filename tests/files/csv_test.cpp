@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

@@ -7,7 +7,7 @@
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/geometry/rng.hpp"
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

@@ -10,7 +10,7 @@
 #include <jpeglib.h>
 #include <png.h>
 
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {

@@ -13,7 +13,7 @@
 #include "gatefly/files/video_reader.hpp"
 
 #include "support/draw_gate.hpp"
-#include "temp_folder.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::io {
 namespace {
