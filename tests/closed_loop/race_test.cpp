@@ -93,7 +93,7 @@ TEST(Race, AnotherSeedIsAnotherDay) {
 
 TEST(Race, ThePilotsStepAllocatesNothing) {
   RaceConfig race = race_on("oval", 1005, 1);
-  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations.load()); };
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };
   const RaceResult result = fly(race, {});
   EXPECT_GT(result.frames, 100);
   EXPECT_EQ(result.step_allocations, 0u);
@@ -165,7 +165,7 @@ TEST(IdealRace, SameSeedSameBytesAndAnotherSeedAnotherFlight) {
 
 TEST(IdealRace, ThePilotsStepAllocatesNothing) {
   RaceConfig race = ideal_race_on("oval", 1005, 3);
-  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations.load()); };
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };
   const RaceResult result = fly(race, {});
   EXPECT_GT(result.true_positives, 40);
   EXPECT_EQ(result.step_allocations, 0u);

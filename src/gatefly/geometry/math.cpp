@@ -45,6 +45,8 @@ SinCos sincos(double angle) {
   // pi/2 in two parts, so that the reduction keeps the low bits.
   constexpr double kHalfPiHigh = 1.5707963267341256;     // 33 bits
   constexpr double kHalfPiLow = 6.0771005065061922e-11;  // the rest
+  static_assert(kHalfPiHigh * 0x1p32 ==
+                static_cast<double>(static_cast<long long>(kHalfPiHigh * 0x1p32)));
   const double turns = std::floor(angle * (2.0 / kPi) + 0.5);
   if (!(std::abs(turns) < 1e9)) return {0.0, 1.0};  // NaN, infinity and the absurd
   const double x = (angle - turns * kHalfPiHigh) - turns * kHalfPiLow;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Core>
@@ -23,6 +24,7 @@ struct Sight {
 using Sights = FixedList<Sight, GateObservations::kCapacity>;
 /// Bit i: sight i counts.
 using Active = unsigned;
+static_assert(Sights::kCapacity < std::numeric_limits<Active>::digits);
 
 /// The observations through the lens; nullopt when one is outside of it.
 [[nodiscard]] std::optional<Sights> sights_of(const GateObservations& seen, const CameraRig& rig);

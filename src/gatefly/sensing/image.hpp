@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -128,6 +129,7 @@ class Image {
   }
 
   [[nodiscard]] static PackedYuv packed_uyvy(const std::uint8_t* pair, std::uint8_t luma) {
+    static_assert(std::endian::native == std::endian::little, "U is the word's lowest byte");
     std::uint32_t word;
     std::memcpy(&word, pair, sizeof word);
     return {word & 0x00ff00ff, luma};

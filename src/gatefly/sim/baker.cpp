@@ -13,7 +13,9 @@ namespace {
 
 constexpr int kPacket = 16;
 constexpr int kBounceRays = 32;  // 8 look blotchy [guide/simulation.md]
-constexpr float kTiny = 1e-3f;   // keeps a ray off its own surface, share of its length or [m]
+static_assert(kBounceRays == 8 * 4, "stratified so");
+static_assert(kBounceRays % kPacket == 0 && sizeof(RayScene::Valid) == kPacket * sizeof(int));
+constexpr float kTiny = 1e-3f;  // keeps a ray off its own surface, share of its length or [m]
 
 /// What a light sends into the room: showcases look cyan through glass, but their tubes are white.
 Color light_of(const Material& m) {

@@ -20,7 +20,9 @@ namespace {
 constexpr int kSamples = 4;  // per pixel: 12 ms a frame [guide/simulation.md]
 constexpr int kPacket = 16;
 constexpr int kColumns =
-    kPacket / kSamples;         // neighbours of one line that share a packet with all their samples
+    kPacket / kSamples;  // neighbours of one line that share a packet with all their samples
+static_assert(kSamples == 2 * 2, "a grid of them per pixel");
+static_assert(kSamples * kColumns == kPacket && sizeof(RayScene::Valid) == kPacket * sizeof(int));
 constexpr float kNear = 0.01f;  // the camera sees nothing nearer [m]
 constexpr float kFar = 1e3f;
 constexpr double kFootprint =

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gatefly::sim {
 namespace {
@@ -192,6 +193,7 @@ Float4 Sensor::glare(int x, int y) const {
 
 Float4 Sensor::noise(std::uint32_t frame, std::uint32_t pixel) const {
   // Three sums of three 7-bit numbers: near enough to normal, variance 4096 - 1/4.
+  static_assert(3 * 3 * 7 <= std::numeric_limits<std::uint64_t>::digits);
   const std::uint64_t z =
       mixed(seed_ + (static_cast<std::uint64_t>(frame) << 32 | pixel) * 0x9E3779B97F4A7C15ull);
   const auto sum = [z](int shift) {
