@@ -3,11 +3,11 @@
 #
 # One folder of src/gatefly/ is one library gatefly::<folder>. DEPENDS is the architecture, written
 # down once: tools/check_layers.py (a ctest) fails the build when a file includes a folder that is
-# not listed here. Sources and headers are found by name.
+# not listed here. Sources and headers are found by name, those in subfolders too.
 function(gatefly_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;PRIVATE_DEPENDS")
-  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
-  file(GLOB headers CONFIGURE_DEPENDS *.hpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
 
   if(sources)
     set(scope PUBLIC)

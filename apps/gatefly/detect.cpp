@@ -14,10 +14,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/paper_detector.hpp"
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
+#include "gatefly/detection/search/part_search.hpp"
 #include "gatefly/drawing/annotate.hpp"
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/image_file.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
 #include "gatefly/drawing/video_file.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/video_reader.hpp"

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "gatefly/detection/careful_search.hpp"
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/paper_detector.hpp"
-#include "gatefly/detection/part_search.hpp"
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 namespace gatefly::test {
 

@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "gatefly/bench/opencv_baseline.hpp"
-#include "gatefly/detection/careful_search.hpp"
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/paper_detector.hpp"
-#include "gatefly/detection/part_search.hpp"
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 namespace gatefly::bench {
 namespace {

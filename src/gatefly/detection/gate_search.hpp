@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/careful_search.hpp"
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 namespace gatefly {
 

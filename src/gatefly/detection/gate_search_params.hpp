@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 
 namespace gatefly {
 

@@ -14,7 +14,7 @@
 #include "gatefly/control/lateral_pd.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/delayed_filter.hpp"

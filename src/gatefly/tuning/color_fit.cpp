@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "gatefly/detection/evidence_map.hpp"
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 
 namespace gatefly::tuning {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "gatefly/detection/corner_refinement.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/corner_refinement.hpp"
 
 namespace gatefly {
 namespace {

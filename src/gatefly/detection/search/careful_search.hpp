@@ -2,10 +2,10 @@
 #pragma once
 
 #include "gatefly/detection/color_model.hpp"
-#include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_search_params.hpp"
-#include "gatefly/detection/gate_templates.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
+#include "gatefly/detection/search/gate_templates.hpp"
 
 namespace gatefly {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {

@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <initializer_list>
 #include <optional>
 
-#include "gatefly/detection/corner_refinement.hpp"
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/search/corner_refinement.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
