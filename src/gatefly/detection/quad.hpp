@@ -16,6 +16,9 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 /// Area that two convex quads share [px²].
 [[nodiscard]] double shared_area(const Quad& a, const Quad& b);
 
+/// Whether two quads are of one gate: they share more than half of the smaller one.
+[[nodiscard]] bool same_place(const Quad& a, const Quad& b);
+
 /// The same corners, turned in the list so that the first is the one nearest to top-left.
 [[nodiscard]] Quad clockwise_from_top_left(const Quad& quad);
 

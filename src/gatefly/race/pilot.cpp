@@ -29,8 +29,7 @@ Pilot::Pilot(const PilotConfig& config)
       velocity_{config.velocity},
       altimeter_{config.altimeter},
       indi_{config.indi, config.vehicle},
-      detector_{config.detector},
-      parts_{config.detector} {
+      detector_{config.detector} {
   ahrs_.start(config_.track.start_heading);
 }
 

@@ -13,8 +13,7 @@
 #include "gatefly/control/indi.hpp"
 #include "gatefly/control/lateral_pd.hpp"
 #include "gatefly/detection/gate_detection.hpp"
-#include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/search/part_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/delayed_filter.hpp"
@@ -81,7 +80,7 @@ struct PilotConfig {
   CameraRig camera;
   CameraTiming camera_timing;
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
-  GateSearchParams detector;
+  GateDetectorParams detector;
   PoseParams pose;
   AhrsParams ahrs;
   DragFilterParams filter;
@@ -238,8 +237,7 @@ class Pilot {
   Altimeter altimeter_;
   Altitude altitude_;
   Indi indi_;
-  GateSearch detector_;
-  PartSearch parts_;
+  GateDetector detector_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
   Sighting sighting_;

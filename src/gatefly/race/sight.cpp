@@ -23,6 +23,7 @@ constexpr double kNear = 7.0;
 constexpr double kKnown = 1.5;
 // of a detection; what is less sure counts where a gate is expected
 constexpr double kSure = 0.9;
+constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
 constexpr double kLongLeg = 2.5;  // shorter ones say nothing about heading [m]
 
 // Attitude against the gate's frame at that moment.
@@ -34,11 +35,10 @@ RotationGB R_GB_of(const DelayedFilter::Moment& then) {
 
 GateDetections Pilot::whole_gates(const Sensors& sensors, Effort effort) {
   if (sensors.seen) return sensors.seen->gates;
-  const Image& image = *sensors.image;
+  const auto wanted = effort == Effort::kAll ? LookFor::Gates::kAll : LookFor::Gates::kStandingOut;
   GateDetections whole;
-  for (const GateDetection& gate : effort == Effort::kAll
-                                       ? detector_.detect_all(image, config_.gate_color)
-                                       : detector_.detect(image, config_.gate_color))
+  for (const GateDetection& gate :
+       detector_.look(*sensors.image, config_.gate_color, {.gates = wanted}).gates)
     if (gate.whole) (void)whole.push_back(gate);
   return whole;
 }
@@ -101,7 +101,7 @@ std::optional<Pilot::Candidate> Pilot::best_part(const Sensors& sensors) {
   std::optional<GateBars> bars;
   if (sensors.seen) {
     sighting_.open = sensors.seen->open, bars = sensors.seen->bars;
-  } else if (const auto part = parts_.detect(*sensors.image, config_.gate_color)) {
+  } else if (const auto part = detector_.look(*sensors.image, config_.gate_color, kPartOnly).part) {
     sighting_.open = part->lower_corners(), bars = part->bars;
   }
   std::optional<Candidate> corners;
