@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Fails when a file includes a folder that its own CMakeLists.txt does not list in DEPENDS, when flight
-code includes anything but Eigen and the standard library, or when the simulator knows the pilot."""
+code includes anything but Eigen and the standard library, when the simulator knows the pilot, or when somebody passes
+the detector's door (detection/*.hpp) and includes one of its stages."""
 import pathlib
 import re
 import sys
@@ -15,6 +16,9 @@ DEPENDS = re.compile(r"gatefly::(\w+)")
 FLIGHT = {"geometry", "sensing", "detection", "pose", "estimation", "control", "race"}
 PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report"}
 FORBIDDEN = {"sim": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
+# Stages of the detector, and who may include them: those who test or time them, or compare with the paper's detector.
+STAGE = re.compile(r'\s*#\s*include\s+"gatefly/detection/\w+/')
+STAGES_FOR = ("src/gatefly/detection", "src/gatefly/bench", "src/gatefly/experiments", "tests/detection", "tests/support")
 # Clocks, files, threads and hidden randomness have no place in the flight code; <chrono> is for durations.
 HIDDEN = re.compile(r"system_clock|steady_clock|std::rand\b|(^|[;{)])\s*throw\b(?! std::invalid_argument)")
 BANNED = {"random", "thread", "mutex", "fstream", "iostream", "ctime", "cstdio", "filesystem"}
@@ -45,6 +49,15 @@ def violations():
                     yield f"{where}: no clock, no hidden randomness, nothing thrown but std::invalid_argument"
 
 
-found = list(violations())
+def passed_doors():
+    for source in sorted(path for folder in ("src", "apps", "tests") for path in (ROOT / folder).rglob("*.[ch]pp")):
+        if source.relative_to(ROOT).as_posix().startswith(STAGES_FOR):
+            continue
+        for number, line in enumerate(source.read_text().splitlines(), 1):
+            if STAGE.match(line):
+                yield f"{source}:{number}: only gatefly/detection/*.hpp is for others, not its folders"
+
+
+found = list(violations()) + list(passed_doors())
 print("\n".join(found) or "layers: ok")
 sys.exit(bool(found))

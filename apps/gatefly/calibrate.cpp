@@ -18,7 +18,7 @@
 #include "gatefly/calibration/corner_list.hpp"
 #include "gatefly/calibration/mount.hpp"
 #include "gatefly/calibration/residual_picture.hpp"
-#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/labels_file.hpp"
@@ -410,7 +410,7 @@ std::optional<int> stored_rotation_of(const fs::path& flight, const Eigen::Vecto
   constexpr double kSamePx = 10.0;
   constexpr std::size_t kPictures = 20;
   const io::Labels labels = io::read_labels(flight / "labels.csv");
-  const auto search = std::make_unique<GateSearch>(config.pilot.detector);
+  const auto detector = std::make_unique<GateDetector>(config.pilot.detector);
   std::map<int, int> hits;
   std::size_t pictures = 0;
   for (const io::LabelledPicture& picture : labels.pictures) {
@@ -420,7 +420,7 @@ std::optional<int> stored_rotation_of(const fs::path& flight, const Eigen::Vecto
     for (const int turn : {0, 90, 180, 270}) {
       const Image image = file.view(turn);
       if (Eigen::Vector2i{image.width(), image.height()} != upright_px) continue;
-      const GateDetections found = search->detect(image, config.pilot.gate_color);
+      const auto found = detector->look(image, config.pilot.gate_color).gates;
       if (!found.empty() &&
           (center(found[0].corners_px) - center(picture.gates[0])).norm() < kSamePx)
         ++hits[turn];

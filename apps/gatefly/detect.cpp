@@ -14,10 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/detection/frame_fit.hpp"
-#include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/paper_detector.hpp"
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/drawing/annotate.hpp"
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/image_file.hpp"
@@ -48,76 +45,33 @@ struct Findings {
   double seconds = 0.0;  ///< Spent on detection alone.
 };
 
-/// The gates of a picture, best first, as `detector.mode` says.
-class Detector {
- public:
-  Detector(const io::Config& config, bool all)
-      : mode_{config.detector_mode},
-        color_{config.pilot.gate_color},
-        search_{config.pilot.detector},
-        snakes_{config.pilot.detector},
-        parts_{config.pilot.detector},
-        all_{all} {}
+DetectorMode mode_of(const std::string& name) {
+  static const std::map<std::string, DetectorMode> modes{{"ours", DetectorMode::kOurs},
+                                                         {"fast", DetectorMode::kFast},
+                                                         {"careful", DetectorMode::kCareful},
+                                                         {"paper", DetectorMode::kPaper},
+                                                         {"flown", DetectorMode::kFlown}};
+  return modes.at(name);
+}
 
-  [[nodiscard]] std::vector<GateDetection> operator()(const Image& image) {
-    std::vector<GateDetection> gates = any(image);
-    if (!all_ && gates.size() > 1) gates.resize(1);
-    if (mode_ != "paper" && mode_ != "flown") add_part(image, gates);
-    return gates;
-  }
-
- private:
-  // of every picture: its answer does not depend on its neighbours
-  static constexpr std::uint64_t kSeed = 1;
-
-  template <class Gates>
-  [[nodiscard]] static std::vector<GateDetection> listed(const Gates& gates) {
-    return {gates.begin(), gates.end()};
-  }
-  [[nodiscard]] std::vector<GateDetection> any(const Image& image) {
-    if (mode_ == "fast") return listed(snakes_.detect(image, color_));
-    if (mode_ == "careful") return listed(search_.detect_all(image, color_));
-    if (mode_ == "paper") return paper(image);
-    if (mode_ == "flown") return flown(image);
-    return listed(all_ ? search_.detect_all(image, color_) : search_.detect_best(image, color_));
-  }
-  /// A gate that the border cuts, after the whole ones; where there are some, only if all are asked
-  /// for.
-  void add_part(const Image& image, std::vector<GateDetection>& gates) {
-    if (!all_ && !gates.empty()) return;
-    const auto part = parts_.detect(image, color_);
-    const auto is_known = [&](const GateDetection& gate) {
-      return same_place(gate.corners_px, part->gate.corners_px);
-    };
-    if (part && std::none_of(gates.begin(), gates.end(), is_known)) gates.push_back(part->gate);
-  }
-  [[nodiscard]] static std::vector<GateDetection> paper(const Image& image) {
-    Rng rng{kSeed};
-    std::vector<GateDetection> found = listed(detect_as_paper(image, {}, rng));
-    std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
-    return found;
-  }
-  [[nodiscard]] static std::vector<GateDetection> flown(const Image& image) {
-    Rng rng{kSeed};
-    const auto found = detect_as_flown(image, {}, rng);
-    return found ? std::vector{*found} : std::vector<GateDetection>{};
-  }
-
-  std::string mode_;
-  ColorModel color_;
-  GateSearch search_;
-  SnakeSearch snakes_;
-  PartSearch parts_;
-  bool all_;
-};
+/// Gates, best first; where there are none, or all are asked for, one that the border cuts.
+std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
+                                    const ColorModel& color, bool all) {
+  const LookFor look_for{.gates = all ? LookFor::Gates::kAll : LookFor::Gates::kBest,
+                         .part = all ? LookFor::Part::kToo : LookFor::Part::kWithoutGate};
+  const GatesInView view = detector.look(image, color, look_for);
+  std::vector<GateDetection> gates(view.gates.begin(), view.gates.end());
+  if (view.part) gates.push_back(view.part->gate);
+  return gates;
+}
 
 /// One picture: detected, added to the findings, drawn.
 void look_at(const io::ImageFile& file, const std::string& name, const DetectOptions& options,
-             const io::Config& config, Detector& detector, Findings& findings) {
+             const io::Config& config, GateDetector& detector, Findings& findings) {
   const Image image = file.view(config.camera.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<GateDetection> gates = detector(image);
+  const std::vector<GateDetection> gates =
+      gates_in(image, detector, config.pilot.gate_color, options.all);
   findings.seconds +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
@@ -174,7 +128,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
 
 Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
   Findings findings;
-  Detector detector(config, options.all);
+  GateDetector detector{config.pilot.detector, mode_of(config.detector_mode)};
   const std::vector<fs::path> files = all_files(options, findings);
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;

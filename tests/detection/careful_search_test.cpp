@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
 
 #include <algorithm>
 #include <cmath>

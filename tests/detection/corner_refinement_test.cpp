@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/corner_refinement.hpp"
+#include "gatefly/detection/search/corner_refinement.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
 
 #include <chrono>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
 
 #include <algorithm>
 #include <chrono>

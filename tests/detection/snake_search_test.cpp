@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/detection/bar_finder.hpp"
-#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
@@ -23,16 +22,11 @@ using namespace test;
 
 const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 
-template <class Search>
-GateDetections found_by(Search& search, const Canvas& canvas) {
+GateDetections gates_in(const Canvas& canvas) {
+  static SnakeSearch search;
   const auto bytes = canvas.yuv444();
   return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()},
                        kOrange);
-}
-
-GateDetections gates_in(const Canvas& canvas) {
-  static SnakeSearch search;
-  return found_by(search, canvas);
 }
 
 class SnakeSearchFrom : public ::testing::TestWithParam<Place> {};
@@ -115,87 +109,6 @@ TEST(SnakeSearch, WhatWasLookedAtBeforeLeavesNoTrace) {
   ASSERT_EQ(first.size(), 1u);
   ASSERT_EQ(second.size(), 1u);
   EXPECT_EQ(worst_corner(first[0].corners_px, second[0].corners_px), 0.0);
-}
-
-// Two thirds of a bar washed out: its two corners are less sure, the other two are as sure as ever.
-TEST(GateSearch, CornersOfABrokenBarAreDoubtful) {
-  const CameraRig rig = bebop_rig();
-  GateSearchParams params;
-  params.min_score = 0.5;
-  GateSearch search{params};
-  const View view{{-2.5, 0, 0.1}, {}};
-  const Quad truth = corners_of(1.0, view, rig).value();
-  Canvas canvas(315, 160);
-  canvas.draw_gate(view, rig);
-  const int right = static_cast<int>(truth[1].x()),
-            middle = static_cast<int>(0.5 * (truth[1].y() + truth[2].y()));
-  canvas.blank(right - 6, right + 6, middle - 18, middle + 18);
-  const auto gates = found_by(search, canvas);
-  const auto gate = std::find_if(gates.begin(), gates.end(), [&](const auto& g) {
-    return worst_corner(g.corners_px, truth) < 8.0;
-  });
-  ASSERT_NE(gate, gates.end());
-  const auto& fitness = gate->corner_fitness;  // TL, TR, BR, BL
-  EXPECT_GT(std::min(fitness[0], fitness[3]), 0.9);
-  EXPECT_LT(std::max(fitness[1], fitness[2]), 0.8);
-}
-
-TEST(GateSearch, ACornerOutsideThePictureHasNoFitness) {
-  const CameraRig rig = bebop_rig();
-  const View view{{-2.0, 2.2, 0.2}, {}};  // its left bar is cut off
-  Canvas canvas(315, 160);
-  canvas.draw_gate(view, rig);
-  GateSearch search;
-  for (const auto& gate : found_by(search, canvas))
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d& p = gate.corners_px[i];
-      if (p.x() < 0 || p.y() < 0 || p.x() > 314 || p.y() > 159) {
-        EXPECT_EQ(gate.corner_fitness[i], 0.0);
-        EXPECT_FALSE(gate.whole);
-      }
-    }
-}
-
-// Two gates beyond doubt: noise must not choose between them.
-TEST(GateSearch, OfEquallySureGatesTheMostCentralOneIsTheAnswer) {
-  const CameraRig rig = bebop_rig();
-  const View ahead{{-3.0, 0.2, 0.1}, {}}, aside{{-3.0, -1.6, 0.1}, {}};
-  const Quad truth = corners_of(1.0, ahead, rig).value();
-  GateSearch search;
-  for_all(10, [&](Rng& rng) {
-    Canvas canvas(315, 160);
-    canvas.draw_gate(ahead, rig);
-    canvas.draw_gate(aside, rig);
-    canvas.add_noise(rng, 8.0, 2.0);
-    const auto bytes = canvas.yuv444();
-    const Image image{bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()};
-    for (const auto& gates :
-         {search.detect_best(image, kOrange), search.detect_all(image, kOrange)}) {
-      ASSERT_EQ(gates.size(), 2u);
-      EXPECT_LT(worst_corner(gates[0].corners_px, truth), 3.0);
-    }
-  });
-}
-
-TEST(GateSearch, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
-  const CameraRig rig = bebop_rig();
-  GateSearch search;
-  for_all(10, [&](Rng& rng) {
-    const View view{{-3.0, rng.uniform(-0.3, 0.3), 0.1}, {}};
-    const Quad truth = corners_of(1.0, view, rig).value();
-    for (const bool washed_out : {false, true}) {
-      Canvas canvas(315, 160);
-      if (washed_out)
-        canvas.draw_gate(view, rig, 1.0, 0.05, {120, 121, 134});
-      else
-        canvas.draw_gate(view, rig);
-      canvas.add_noise(rng, 8.0, 2.0);
-      const auto gates = found_by(search, canvas);
-      ASSERT_FALSE(gates.empty()) << washed_out;
-      EXPECT_LT(worst_corner(gates[0].corners_px, truth), 6.0);
-      EXPECT_EQ(gates[0].method == DetectionMethod::kFrames, washed_out);
-    }
-  });
 }
 
 /// A noisy picture of a gate, of any size, in which bars were looked for.

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/drawing/video_file.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/video_reader.hpp"
@@ -76,10 +76,10 @@ TEST(Pictures, ARawFrameAndItsPpmShowTheSameGate) {
   const test::TempFolder folder;
   const ImageFile raw = read_image(folder.file("a.uyvy", text_of_bytes(canvas.uyvy())), 314, 160);
   const ImageFile ppm = read_image(folder.file("a.ppm", ppm_of(canvas)));
-  const auto best = [](const ImageFile& file) {
-    return CarefulSearch{}.detect(file.view(0), ColorModel::described({1.0, 0.4, 0.0}));
-  };
-  const auto a = best(raw), b = best(ppm);
+  GateDetector in_raw, in_ppm;
+  const ColorModel orange = ColorModel::described({1.0, 0.4, 0.0});
+  const auto a = in_raw.look(raw.view(0), orange, {.gates = LookFor::Gates::kAll}).gates,
+             b = in_ppm.look(ppm.view(0), orange, {.gates = LookFor::Gates::kAll}).gates;
   ASSERT_EQ(a.size(), 1u);
   ASSERT_EQ(b.size(), 1u);
   for (std::size_t i = 0; i < 4; ++i)

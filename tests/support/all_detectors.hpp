@@ -5,18 +5,15 @@
 #include <optional>
 #include <string>
 
-#include "gatefly/detection/careful_search.hpp"
-#include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/paper_detector.hpp"
-#include "gatefly/detection/part_search.hpp"
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
 
 namespace gatefly::test {
 
 /// What all detectors are told.
 struct DetectorSettings {
   ColorModel model = ColorModel::described({1.0, 0.4, 0.0});
-  GateSearchParams search;
+  GateDetectorParams search;
   std::optional<Quad> previous;
 };
 
@@ -25,33 +22,31 @@ struct DetectorSettings {
 class AllDetectors {
  public:
   [[nodiscard]] std::string complaint(const Image& image, const DetectorSettings& settings) {
-    SnakeSearch snakes{settings.search};
-    if (const auto what = wrong(snakes.detect(image, settings.model), image); !what.empty())
-      return "snakes: " + what;
-    CarefulSearch careful{settings.search};
-    if (const auto what = wrong(careful.detect(image, settings.model), image); !what.empty())
-      return "careful: " + what;
-    GateSearch search{settings.search};
-    if (const auto what = wrong(search.detect(image, settings.model), image); !what.empty())
-      return "both: " + what;
-    if (const auto what = wrong(search.detect_all(image, settings.model), image); !what.empty())
-      return "all: " + what;
-    PartSearch parts{settings.search};
-    if (const auto part = parts.detect(image, settings.model)) {
-      if (const auto what = wrong(part->gate, image); !what.empty()) return "part: " + what;
-      if (!is_near(part->bars.left_px, image) || !is_near(part->bars.right_px, image))
-        return "bars: far outside";
-      if (part->bars.left_px.x() > part->bars.right_px.x()) return "bars: left is right";
+    using Gates = LookFor::Gates;
+    using Part = LookFor::Part;
+    for (const auto& [name, mode, look_for] :
+         {Case{"fast", DetectorMode::kFast, {Gates::kAll}},
+          Case{"careful", DetectorMode::kCareful, {Gates::kAll}},
+          Case{"ours", DetectorMode::kOurs, {Gates::kStandingOut}},
+          Case{"best", DetectorMode::kOurs, {Gates::kBest}},
+          Case{"part", DetectorMode::kOurs, {Gates::kNone, Part::kToo}},
+          Case{"paper", DetectorMode::kPaper, {Gates::kAll}}}) {
+      GateDetector detector{settings.search, mode};
+      const auto what = wrong(detector.look(image, settings.model, look_for), image);
+      if (!what.empty()) return std::string{name} + ": " + what;
     }
     Rng rng{1};
-    if (const auto what = wrong(detect_as_paper(image, {}, rng), image); !what.empty())
-      return "paper: " + what;
     if (const auto gate = detect_as_flown(image, {}, rng, settings.previous))
       if (const auto what = wrong(*gate, image); !what.empty()) return "flown: " + what;
     return "";
   }
 
  private:
+  struct Case {
+    const char* name;
+    DetectorMode mode;
+    LookFor look_for;
+  };
   static bool is_part(double x) { return x >= 0.0 && x <= 1.0; }  // NaN is none
 
   /// A frame may reach over the border, by its own size at most.
@@ -64,12 +59,14 @@ class AllDetectors {
       if (!is_near(corner, image)) return "corner far outside";
     return is_part(gate.fitness) ? "" : "fitness";
   }
-  template <std::size_t N>
-  static std::string wrong(const FixedList<GateDetection, N>& gates, const Image& image) {
-    if (gates.size() > N) return "too many";
-    for (const auto& gate : gates)
+  static std::string wrong(const GatesInView& view, const Image& image) {
+    for (const auto& gate : view.gates)
       if (auto what = wrong(gate, image); !what.empty()) return what;
-    return "";
+    if (!view.part) return "";
+    const GateBars& bars = view.part->bars;
+    if (!is_near(bars.left_px, image) || !is_near(bars.right_px, image)) return "bars far outside";
+    if (bars.left_px.x() > bars.right_px.x()) return "left bar is right";
+    return wrong(view.part->gate, image);
   }
 };
 

@@ -60,7 +60,7 @@ class Album {
   std::vector<LabelledImage> pictures_;
 };
 
-const Judging kDefault{.lowest = GateSearchParams{}.min_score};
+const Judging kDefault{.lowest = GateDetectorParams{}.min_score};
 
 /// Part of an album's gates that a model finds.
 double found_part(const Album& album, const ColorModel& color) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include <Eigen/Core>
@@ -30,6 +31,16 @@ struct GateDetection {
 
 /// Distinct gates of one picture, best first.
 using GateDetections = FixedList<GateDetection, 6>;
+
+/// Fitness of a frame with this score: part of such frames that were gates, on the authors' labelled
+/// pictures.
+[[nodiscard]] inline double confidence_of(double score) {
+  return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45)));
+}
+/// Back from a confidence.
+[[nodiscard]] inline double score_of(double confidence) {
+  return 2.45 + std::log(confidence / (1.0 - confidence)) / 2.2;
+}
 
 /// The lower corners of a gate: all that is needed of one whose upper bar is above the picture.
 struct OpenGate {

@@ -57,6 +57,10 @@ bool overlaps(const Quad& a, const Quad& b, double part) {
   return shared_area(a, b) >= part * std::max(std::abs(area(a)), std::abs(area(b)));
 }
 
+bool same_place(const Quad& a, const Quad& b) {
+  return shared_area(a, b) > 0.5 * std::min(std::abs(area(a)), std::abs(area(b)));
+}
+
 Quad clockwise_from_top_left(const Quad& quad) {
   Quad q = quad;
   if (area(q) < 0) std::swap(q[1], q[3]);

@@ -19,6 +19,9 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 /// Whether two convex quads share at least `part` of the larger one's area.
 [[nodiscard]] bool overlaps(const Quad& a, const Quad& b, double part);
 
+/// Whether two quads are of one gate: they share more than half of the smaller one.
+[[nodiscard]] bool same_place(const Quad& a, const Quad& b);
+
 /// The same corners, turned in the list so that the first is the one nearest to top-left.
 [[nodiscard]] Quad clockwise_from_top_left(const Quad& quad);
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <optional>
 
-#include "gatefly/detection/evidence_map.hpp"
-#include "gatefly/detection/frame_fit.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/drawing/annotate.hpp"
 #include "gatefly/experiments/own_sets.hpp"
 #include "gatefly/files/text.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/labels_file.hpp"

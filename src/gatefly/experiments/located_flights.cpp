@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -72,14 +72,14 @@ bool clear_of_border(const Quad& px, const io::Config& config) {
 }
 
 std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config) {
-  const auto search = std::make_unique<GateSearch>(config.pilot.detector);
+  const auto detector = std::make_unique<GateDetector>(config.pilot.detector);
   std::vector<GatePicture> seen;
   for (const io::FlightImage& image : flight.folder.images) {
     const double t = seconds(image.time);
     if (flight.motion.position(t).z() > -kWellInTheAir) continue;
     const io::ImageFile file = io::read_image(image.path);
-    const GateDetections gates =
-        search->detect(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color);
+    const auto gates =
+        detector->look(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color).gates;
     if (!gates.empty() && gates[0].whole && clear_of_border(gates[0].corners_px, config))
       seen.push_back({t, clockwise_from_top_left(gates[0].corners_px)});
   }

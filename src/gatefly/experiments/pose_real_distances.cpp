@@ -10,7 +10,7 @@
 
 #include <Eigen/LU>
 
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_real.hpp"
 #include "gatefly/experiments/pose_trial.hpp"

@@ -10,7 +10,7 @@
 #include <Eigen/LU>
 
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
 #include "gatefly/experiments/gate_survey.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/logged_motion.hpp"

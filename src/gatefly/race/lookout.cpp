@@ -11,6 +11,7 @@ namespace gatefly {
 namespace {
 
 constexpr double kNever = 1e9;  // [m]
+constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
 
 // Attitude against the gate's frame at that moment.
 RotationGB R_GB_of(const Navigator::Past& then) {
@@ -19,16 +20,13 @@ RotationGB R_GB_of(const Navigator::Past& then) {
 
 }  // namespace
 
-Lookout::Lookout(const LookoutParams& params)
-    : params_{params}, detector_{params.detector}, parts_{params.detector} {}
+Lookout::Lookout(const LookoutParams& params) : params_{params}, detector_{params.detector} {}
 
-GateDetections Lookout::whole_gates(const Sensors& sensors, Effort effort) {
+GateDetections Lookout::whole_gates(const Sensors& sensors, LookFor::Gates wanted) {
   if (sensors.seen) return sensors.seen->gates;
-  const Image& image = *sensors.image;
   GateDetections whole;
-  for (const GateDetection& gate : effort == Effort::kAll
-                                       ? detector_.detect_all(image, params_.gate_color)
-                                       : detector_.detect(image, params_.gate_color))
+  for (const GateDetection& gate :
+       detector_.look(*sensors.image, params_.gate_color, {.gates = wanted}).gates)
     if (gate.whole) (void)whole.push_back(gate);
   return whole;
 }
@@ -42,7 +40,7 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
   image_width_ = sensors.seen ? sensors.seen->image_width : sensors.image->width();
   if (!looking) return;
   const View view{sensors, course, navigator};
-  sighting_.detections = whole_gates(sensors, Effort::kSure);
+  sighting_.detections = whole_gates(sensors, LookFor::Gates::kStandingOut);
   sighting_.seen = !sighting_.detections.empty();
 
   auto best = best_whole_gate(view);
@@ -50,7 +48,7 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
       sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
   if (!convincing(best) && was_quick) {
     // Another gate stood out; the one that is looked for may be there, too.
-    sighting_.detections = whole_gates(sensors, Effort::kAll);
+    sighting_.detections = whole_gates(sensors, LookFor::Gates::kAll);
     best = best_whole_gate(view);
   }
   const double x = navigator.filter().position().x();
@@ -98,7 +96,8 @@ std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
   std::optional<GateBars> bars;
   if (view.sensors.seen) {
     sighting_.open = view.sensors.seen->open, bars = view.sensors.seen->bars;
-  } else if (const auto part = parts_.detect(*view.sensors.image, params_.gate_color)) {
+  } else if (const auto part =
+                 detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
     sighting_.open = part->lower_corners(), bars = part->bars;
   }
   const MapGate& gate = view.course.gate();

@@ -6,8 +6,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/color_model.hpp"
-#include "gatefly/detection/gate_search.hpp"
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/pose/gate_fix.hpp"
 #include "gatefly/race/course.hpp"
@@ -45,7 +44,7 @@ struct LookoutParams {
   CameraRig camera;
   CameraTiming timing;
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
-  GateSearchParams detector;
+  GateDetectorParams detector;
   PoseParams pose;
   SightParams sight;
   double gate_sigma = 3.5;       ///< What the filter refuses; see DragFilterParams.
@@ -91,8 +90,7 @@ class Lookout {
     Navigator& navigator;
   };
 
-  enum class Effort { kSure, kAll };  ///< kSure: what stands out is enough.
-  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, Effort effort);
+  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, LookFor::Gates wanted);
   [[nodiscard]] std::optional<Candidate> best_whole_gate(const View& view) const;
   [[nodiscard]] std::optional<Candidate> best_part(const View& view);
   [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source,
@@ -111,8 +109,7 @@ class Lookout {
   bool fuse(const Candidate& seen, const View& view);
 
   LookoutParams params_;
-  GateSearch detector_;
-  PartSearch parts_;
+  GateDetector detector_;
   Sighting sighting_;
   std::optional<Confirmation> pending_;
   double image_width_ = 315.0;  ///< Of the upright picture [px].

@@ -5,7 +5,7 @@
 #include "gatefly/control/indi.hpp"
 #include "gatefly/control/lateral_pd.hpp"
 #include "gatefly/detection/color_model.hpp"
-#include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/pose/gate_fix.hpp"
 #include "gatefly/race/course.hpp"
@@ -23,7 +23,7 @@ struct PilotConfig {
   CameraRig camera;
   CameraTiming camera_timing;
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
-  GateSearchParams detector;
+  GateDetectorParams detector;
   PoseParams pose;
   SightParams sight;
   AhrsParams ahrs;

@@ -7,8 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "gatefly/detection/evidence_map.hpp"
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/pixel_evidence.hpp"
 
 namespace gatefly::tuning {
 namespace {
@@ -80,14 +79,15 @@ void near_bars(const Image& image, const Quad& q, double reach, Visit visit) {
       if (distance_to_bars(q, {u, v}) <= reach) visit(u, v);
 }
 
-Counts background_of(std::span<const ColorPicture> pictures, EvidenceMap& map,
+Counts background_of(std::span<const ColorPicture> pictures, PixelEvidence& evidence,
                      const ColorFitParams& params) {
+  static const ColorModel kNoColor;
   Counts counts;
   std::vector<std::uint8_t> is_near;
   for (const ColorPicture& picture : pictures) {
     const Image& image = picture.image;
-    map.fill(image, {});
-    if (map.width() == 0) continue;
+    evidence.read(image, kNoColor);
+    if (evidence.empty()) continue;
     is_near.assign(
         static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()), 0);
     const auto at = [&](int u, int v) {
@@ -102,7 +102,7 @@ Counts background_of(std::span<const ColorPicture> pictures, EvidenceMap& map,
     for (const Quad& q : picture.unsure) leave_out(q);
     for (int v = 0; v < image.height(); ++v)
       for (int u = 0; u < image.width(); ++u)
-        if (is_near[at(u, v)] == 0) counts.add(image.at(u, v), map.around(u, v), 1.0);
+        if (is_near[at(u, v)] == 0) counts.add(image.at(u, v), evidence.around(u, v), 1.0);
   }
   for (Histogram* histogram : {&counts.absolute, &counts.relative})
     smooth(*histogram, {0.6, 0.72, 0.72});
@@ -111,22 +111,21 @@ Counts background_of(std::span<const ColorPicture> pictures, EvidenceMap& map,
 
 /// Every gate counts the same whatever its size; a pixel by the chance that it is a bar's.
 Counts gates_of(std::span<const ColorPicture> pictures, const ColorModel& model, bool first,
-                EvidenceMap& map, const ColorFitParams& params) {
+                PixelEvidence& evidence, const ColorFitParams& params) {
   Counts counts;
   for (const ColorPicture& picture : pictures) {
     if (picture.gates.empty()) continue;
-    map.fill(picture.image, model);
-    if (map.width() == 0) continue;
+    evidence.read(picture.image, model);
+    if (evidence.empty()) continue;
     for (const Example& gate : picture.gates) {
       const double size = std::max(1.0, size_of(gate.bars_px)),
                    half_bar = 0.45 * params.bar_ratio * size;
       // Before the first pull the sides are off by some pixels.
       const double reach = half_bar + (first ? 2.0 : 0.7), all = 8.0 * reach * size;
       near_bars(picture.image, gate.bars_px, reach, [&](int u, int v) {
-        const double nats =
-            map.at_pixel(picture.image, model, u, v) / static_cast<double>(ColorModel::kUnit);
+        const double nats = evidence.at(u, v) / static_cast<double>(ColorModel::kUnit);
         const double chance = first ? 1.0 : 1.0 / (1.0 + std::exp(-nats));
-        counts.add(picture.image.at(u, v), map.around(u, v), gate.weight * chance / all);
+        counts.add(picture.image.at(u, v), evidence.around(u, v), gate.weight * chance / all);
       });
     }
   }
@@ -164,28 +163,6 @@ void set_table(std::array<std::int8_t, ColorModel::kBins>& table,
   }
 }
 
-/// A gate's sides moved onto the evidence; where it was when that leads too far.
-Quad pulled(const Quad& start, const Image& image, const ColorModel& model, const EvidenceMap& map,
-            double bar) {
-  const auto evidence = [&](int u, int v) { return map.at_pixel(image, model, u, v); };
-  FrameFit<decltype(evidence)> fit{evidence, {}, bar};
-  fit.set_least_offset(3.0);
-  Quad q = start;
-  double score = fit.score(q).total;
-  for (const int reach : {4, 3, 2, 1}) {
-    const auto moved = fit.moved(q, reach);
-    if (!moved || !is_frame_shaped(*moved, 5.0, 6.0)) break;
-    if (const double now = fit.score(*moved).total; now > score) q = *moved, score = now;
-  }
-  const auto centered =
-      fit.centered(q, std::clamp(static_cast<int>((0.5 * bar + 0.044) * size_of(q) + 0.5), 2, 5));
-  if (centered && is_frame_shaped(*centered, 5.0, 6.0) && fit.score(*centered).total > score - 0.3)
-    q = *centered;
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) farthest = std::max(farthest, (q[i] - start[i]).norm());
-  return farthest < std::max(8.0, 0.12 * size_of(start)) ? q : start;
-}
-
 }  // namespace
 
 ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& prior,
@@ -195,11 +172,11 @@ ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& pri
   for (ColorPicture& picture : pictures)
     for (Example& gate : picture.gates)
       gate.bars_px = clockwise_from_top_left(gate.bars_px), total += gate.weight;
-  EvidenceMap map;
-  const Counts background = background_of(pictures, map, params);
+  PixelEvidence evidence;
+  const Counts background = background_of(pictures, evidence, params);
   ColorModel model = prior;
   for (int round = 0; round < params.rounds; ++round) {
-    const Counts gates = gates_of(pictures, model, round == 0, map, params);
+    const Counts gates = gates_of(pictures, model, round == 0, evidence, params);
     set_table(model.absolute, prior.absolute, gates.absolute, background.absolute, total,
               params.prior_gates);
     set_table(model.relative, prior.relative, gates.relative, background.relative, total,
@@ -207,12 +184,12 @@ ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& pri
     if (round + 1 == params.rounds) break;
     for (std::size_t p = 0; p < pictures.size(); ++p) {
       if (pictures[p].gates.empty()) continue;
-      map.fill(pictures[p].image, model);
+      evidence.read(pictures[p].image, model);
       // from where it was given: no drift
       for (std::size_t g = 0; g < pictures[p].gates.size(); ++g)
         pictures[p].gates[g].bars_px =
-            pulled(clockwise_from_top_left(given[p].gates[g].bars_px), pictures[p].image, model,
-                   map, params.bar_ratio / (1.0 - params.bar_ratio));
+            evidence.pulled(clockwise_from_top_left(given[p].gates[g].bars_px),
+                            params.bar_ratio / (1.0 - params.bar_ratio));
     }
   }
   model.find_hopeless();

@@ -14,15 +14,14 @@ Judging with_fitted_colors(Judging judging) {
 }
 
 std::vector<Judged> found_in(const Image& image, const ColorModel& color, const Judging& judging) {
-  GateSearchParams params = judging.detector;
+  GateDetectorParams params = judging.detector;
   params.min_score = judging.lowest;
   if (judging.all) params.sure_score = kAlwaysCareful;
+  GateDetector detector{params, judging.fast ? DetectorMode::kFast : DetectorMode::kOurs};
+  const auto wanted = judging.all ? LookFor::Gates::kAll : LookFor::Gates::kBest;
   std::vector<Judged> list;
-  for (const GateDetection& gate : judging.fast ? SnakeSearch{params}.detect(image, color)
-                                                : GateSearch{params}.detect_best(image, color)) {
+  for (const GateDetection& gate : detector.look(image, color, {.gates = wanted}).gates)
     list.push_back({.corners_px = gate.corners_px, .score = gatefly::score_of(gate.fitness)});
-    if (!judging.all) break;
-  }
   return list;
 }
 
@@ -86,7 +85,7 @@ Roc roc_of(std::span<const Judged> judged, std::size_t pictures, double gates) {
 }
 
 Operating Roc::at(double false_per_image) const {
-  Operating best{.min_score = points.empty() ? GateSearchParams{}.min_score
+  Operating best{.min_score = points.empty() ? GateDetectorParams{}.min_score
                                              : points.front().min_score + 0.1};
   for (const Operating& point : points)
     if (point.false_per_image <= false_per_image) best = point;

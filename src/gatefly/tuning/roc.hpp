@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "gatefly/detection/gate_search.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/files/scoring.hpp"
 
 namespace gatefly::tuning {
@@ -28,8 +28,8 @@ struct Judged {
 
 /// How pictures are searched and judged.
 struct Judging {
-  GateSearchParams detector = {};  ///< Its min_score is not used.
-  double lowest = 0.5;             ///< Score down to which gates are looked for.
+  GateDetectorParams detector = {};  ///< Its min_score is not used.
+  double lowest = 0.5;               ///< Score down to which gates are looked for.
   /// Every gate of a picture, by the careful search; else the best, as `gatefly detect` gives.
   bool all = false;
   bool fast = false;  ///< By the fast search alone.

@@ -12,22 +12,23 @@ namespace {
 
 constexpr int kLeastLabelled = 4;  // gates; two in each half
 
-ColorFitParams params_of(const GateSearchParams& detector) {
+ColorFitParams params_of(const GateDetectorParams& detector) {
   return {.bar_ratio = detector.bar_ratio};
 }
 
 /// Every picture with what a model finds in it: sure gates as examples, the rest as unsure.
 std::vector<ColorPicture> examples_of(Pictures pictures, const ColorModel& color,
-                                      const GateSearchParams& detector,
+                                      const GateDetectorParams& detector,
                                       const SelfTrainingParams& params) {
-  GateSearchParams all = detector;
+  GateDetectorParams all = detector;
   all.sure_score = kAlwaysCareful;
   all.min_score = gatefly::score_of(params.unsure);
-  GateSearch search{all};
+  GateDetector searching{all};
   std::vector<ColorPicture> examples;
   for (const LabelledImage& picture : pictures) {
     ColorPicture& example = examples.emplace_back(ColorPicture{.image = picture.image});
-    for (const GateDetection& found : search.detect(picture.image, color)) {
+    for (const GateDetection& found :
+         searching.look(picture.image, color, {.gates = LookFor::Gates::kAll}).gates) {
       const Quad bars = scaled(found.corners_px, 1.0 / detector.corner_scale);
       if (found.fitness >= params.confident && found.whole)
         example.gates.push_back({bars, found.fitness});
@@ -85,7 +86,7 @@ void estimate_chances(std::span<Judged> found) {
 }  // namespace
 
 ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
-                         const GateSearchParams& detector) {
+                         const GateDetectorParams& detector) {
   std::vector<ColorPicture> examples;
   for (const LabelledImage& picture : pictures) {
     ColorPicture& example = examples.emplace_back(ColorPicture{.image = picture.image});
@@ -99,7 +100,7 @@ ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
 }
 
 SelfTraining train_on_own(Pictures pictures, const ColorModel& described,
-                          const GateSearchParams& detector, const SelfTrainingParams& params) {
+                          const GateDetectorParams& detector, const SelfTrainingParams& params) {
   SelfTraining result{.color = described};
   for (int round = 0; round < params.rounds; ++round) {
     const auto examples = examples_of(pictures, result.color, detector, params);

@@ -10,7 +10,7 @@ namespace gatefly::tuning {
 /// @param detector  its corner_scale leads from labels to bars, its bar_ratio says how wide those
 ///     are.
 [[nodiscard]] ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
-                                       const GateSearchParams& detector);
+                                       const GateDetectorParams& detector);
 
 struct SelfTrainingParams {
   int rounds = 3;
@@ -29,7 +29,7 @@ struct SelfTraining {
 /// Colours without labels: a first model's own confident detections are the examples, round by
 /// round.
 [[nodiscard]] SelfTraining train_on_own(Pictures pictures, const ColorModel& described,
-                                        const GateSearchParams& detector,
+                                        const GateDetectorParams& detector,
                                         const SelfTrainingParams& params = {});
 
 /// What comes of tuning.

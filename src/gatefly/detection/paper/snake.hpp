@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "gatefly/detection/color_mask.hpp"
+#include "gatefly/detection/paper/color_mask.hpp"
 
 namespace gatefly {
 

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -23,13 +24,6 @@ struct FrameScore {
   /// Beside the sides and in the middle: a gate is empty there.
   double inside = 0.0, outside = 0.0;
   std::array<double, 4> side{};  ///< Top, right, bottom, left.
-};
-
-/// What decides whether a frame is a gate. [chosen on labelled pictures, docs/paper/results.md]
-struct FrameWeights {
-  double weakest = 0.6, inside = 0.9, outside = 0.8;
-  /// With every doubling of the side, 0 at 50 px: long sides are seldom like bars by chance.
-  double size = 0.3;
 };
 
 /// How closely a frame is looked at.
@@ -333,22 +327,8 @@ struct Frame {
   FrameScore score;
 };
 
-[[nodiscard]] inline bool same_place(const Quad& a, const Quad& b) {
-  const double shared = shared_area(a, b);
-  return shared > 0.5 * std::min(std::abs(area(a)), std::abs(area(b)));
-}
-
-/// Part of frames with this score that were gates, on the authors' labelled pictures.
-[[nodiscard]] inline double confidence_of(double score) {
-  return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45)));
-}
-/// Back from a confidence.
-[[nodiscard]] inline double score_of(double confidence) {
-  return 2.45 + std::log(confidence / (1.0 - confidence)) / 2.2;
-}
-
-/// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides;
-/// as above.
+/// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides,
+/// on the authors' labelled pictures.
 [[nodiscard]] inline double corner_confidence_of(double side) {
   return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side));
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
-#include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -18,7 +18,7 @@ namespace gatefly {
 /// frame's sides is always within 45 deg of upright).
 class SnakeSearch {
  public:
-  explicit SnakeSearch(const GateSearchParams& params = {});
+  explicit SnakeSearch(const GateDetectorParams& params = {});
 
   /// Distinct gates, best first. Allocates nothing; the cost hardly depends on the picture's size.
   [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
@@ -33,7 +33,7 @@ class SnakeSearch {
 
   [[nodiscard]] Pairs pairs_of(const BarFinder::Bars& bars) const;
 
-  GateSearchParams params_;
+  GateDetectorParams params_;
   BarFinder finder_;
 };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/bar_finder.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
-#include "gatefly/detection/eight.hpp"
+#include "gatefly/detection/search/eight.hpp"
 
 namespace gatefly {
 namespace {

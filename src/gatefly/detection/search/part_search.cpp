@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/part_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -256,7 +256,7 @@ struct Candidate {
 // The pair with its level bars; nullopt when it is part of no gate.
 template <class Fit>
 std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, const Fit& fit,
-                                      int stride, const GateSearchParams& params) {
+                                      int stride, const GateDetectorParams& params) {
   const Part<Fit> part{pair, image, fit, stride};
   Candidate found{.pair = &pair, .evidence = {part.along(pair.left), part.along(pair.right)}};
   const auto [weaker, stronger] = std::minmax(found.evidence[0], found.evidence[1]);
@@ -313,7 +313,8 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
 
 }  // namespace
 
-PartSearch::PartSearch(const GateSearchParams& params) : params_{params}, bars_{kWidest, kAround} {}
+PartSearch::PartSearch(const GateDetectorParams& params)
+    : params_{params}, bars_{kWidest, kAround} {}
 
 std::optional<GatePart> PartSearch::detect(const Image& image, const ColorModel& color) {
   BarFinder::Bars bars = bars_.find(image, color);

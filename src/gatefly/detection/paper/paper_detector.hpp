@@ -11,7 +11,7 @@
 #include "gatefly/sensing/image.hpp"
 
 // The paper's two detectors, to compare with: what its ROC study ran offline, and what flew. None
-// of the improvements of `detect_gates` and `CarefulSearch` are in here. Readings of what the paper
+// of the improvements of detection/search/ are in here. Readings of what the paper
 // leaves open: docs/paper/deviations.md#paper-mode.
 
 namespace gatefly {

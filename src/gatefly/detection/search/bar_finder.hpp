@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/color_model.hpp"
-#include "gatefly/detection/evidence_map.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
 

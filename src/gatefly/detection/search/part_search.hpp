@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "gatefly/detection/bar_finder.hpp"
 #include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
-#include "gatefly/detection/gate_search_params.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -19,13 +19,13 @@ namespace gatefly {
 /// In place of the paper's column histogram. [ours, docs/paper/deviations.md#bars]
 class PartSearch {
  public:
-  explicit PartSearch(const GateSearchParams& params = {});
+  explicit PartSearch(const GateDetectorParams& params = {});
 
   /// The largest such gate; nullopt when there is none, or when it is whole. Allocates nothing.
   [[nodiscard]] std::optional<GatePart> detect(const Image& image, const ColorModel& color);
 
  private:
-  GateSearchParams params_;
+  GateDetectorParams params_;
   BarFinder bars_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/corner_refinement.hpp"
+#include "gatefly/detection/search/corner_refinement.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "gatefly/detection/eight.hpp"
+#include "gatefly/detection/search/eight.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/snake_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <initializer_list>
 #include <optional>
 
-#include "gatefly/detection/corner_refinement.hpp"
-#include "gatefly/detection/frame_fit.hpp"
+#include "gatefly/detection/search/corner_refinement.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -38,7 +38,7 @@ struct SnakeSearch::Pair {
   }
 };
 
-SnakeSearch::SnakeSearch(const GateSearchParams& params)
+SnakeSearch::SnakeSearch(const GateDetectorParams& params)
     : params_{params}, finder_{kWidest, kAround} {}
 
 SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
@@ -197,7 +197,7 @@ class LevelBars {
 // cells.
 template <class Fit>
 std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell,
-                            const GateSearchParams& params) {
+                            const GateDetectorParams& params) {
   const auto has_shape = [&](const Quad& q) {
     return is_frame_shaped(q, params.min_side_px / cell, params.max_aspect);
   };

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/frame_fit.hpp"
-
 namespace gatefly {
 
+/// What decides whether a frame is a gate. [chosen on labelled pictures, docs/paper/results.md]
+struct FrameWeights {
+  double weakest = 0.6, inside = 0.9, outside = 0.8;
+  /// With every doubling of the side, 0 at 50 px: long sides are seldom like bars by chance.
+  double size = 0.3;
+};
+
 /// What counts as a gate, for the fast and for the careful search.
-struct GateSearchParams {
+struct GateDetectorParams {
   /// Of FrameScore::total: one in two such frames is a gate. [docs/paper/results.md]
   double min_score = 2.5;
   /// Of the fast search: no careful one follows. [of 2.5, 3, 3.5, 4: the labelled sets' best]
@@ -18,7 +23,7 @@ struct GateSearchParams {
   /// From the bars' middle lines to the corners that are meant: outer ones.
   double corner_scale = 1.0 / 0.95;
   double bar_ratio = 0.05;  ///< Bar width / outer side of the gate.
-  FrameWeights weights;
+  FrameWeights weights = {};
 
   /// Bar width / side of the bars' middle lines.
   [[nodiscard]] double bar() const { return bar_ratio / (1.0 - bar_ratio); }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "gatefly/detection/color_model.hpp"
-#include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/gate_detection.hpp"
-#include "gatefly/detection/gate_search_params.hpp"
-#include "gatefly/detection/gate_templates.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
+#include "gatefly/detection/search/gate_templates.hpp"
 
 namespace gatefly {
 
@@ -13,13 +13,13 @@ namespace gatefly {
 /// tried everywhere, the best ones fitted. [ours; Li18 has no counterpart.]
 class CarefulSearch {
  public:
-  explicit CarefulSearch(const GateSearchParams& params = {}) : params_{params} {}
+  explicit CarefulSearch(const GateDetectorParams& params = {}) : params_{params} {}
 
   /// Distinct gates, best first. Allocates nothing.
   [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
 
  private:
-  GateSearchParams params_;
+  GateDetectorParams params_;
   EvidenceMap map_;
   GateTemplates templates_;
 };

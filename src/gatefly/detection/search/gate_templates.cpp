@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/gate_templates.hpp"
+#include "gatefly/detection/search/gate_templates.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/evidence_map.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
 
 #include <algorithm>
 

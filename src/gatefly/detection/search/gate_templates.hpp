@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gatefly/detection/evidence_map.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/paper_detector.hpp"
+#include "gatefly/detection/paper/paper_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "gatefly/detection/color_mask.hpp"
-#include "gatefly/detection/snake.hpp"
+#include "gatefly/detection/paper/color_mask.hpp"
+#include "gatefly/detection/paper/snake.hpp"
 
 namespace gatefly {
 namespace {

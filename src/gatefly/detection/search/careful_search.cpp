@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/careful_search.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "gatefly/detection/corner_refinement.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/corner_refinement.hpp"
+#include "gatefly/detection/search/frame_fit.hpp"
 
 namespace gatefly {
 namespace {
@@ -45,7 +46,7 @@ Frame pulled(const Fit& fit, Frame f, double least_side, double most_aspect) {
 
 // The same on pixels, and through the middle of the bars.
 template <class Fit>
-Frame finished(const Fit& fit, Quad q, double least_side, const GateSearchParams& params) {
+Frame finished(const Fit& fit, Quad q, double least_side, const GateDetectorParams& params) {
   const auto has_shape = [&](const std::optional<Quad>& quad) {
     return quad && is_frame_shaped(*quad, least_side, params.max_aspect);
   };

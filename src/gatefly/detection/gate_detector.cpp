@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/gate_detector.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "gatefly/detection/paper/paper_detector.hpp"
+#include "gatefly/detection/quad.hpp"
+
+namespace gatefly {
+namespace {
+
+// Of the paper's random samples, in every picture: its answer does not depend on its neighbours.
+constexpr std::uint64_t kSeed = 1;
+
+PaperDetections best_first(PaperDetections gates) {
+  insertion_sort(gates, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
+  return gates;
+}
+
+}  // namespace
+
+GateDetector::GateDetector(const GateDetectorParams& params, DetectorMode mode)
+    : params_{params}, mode_{mode}, snakes_{params}, careful_{params}, parts_{params} {
+  gates_.reserve(mode == DetectorMode::kPaper ? PaperDetections::kCapacity
+                                              : GateDetections::kCapacity);
+}
+
+GatesInView GateDetector::look(const Image& image, const ColorModel& color,
+                               const LookFor& look_for) & {
+  gates_.clear();
+  if (look_for.gates != LookFor::Gates::kNone) list_gates(image, color, look_for.gates);
+  if (look_for.gates == LookFor::Gates::kBest && gates_.size() > 1) gates_.resize(1);
+
+  GatesInView view{.gates = gates_, .part = {}};
+  const bool is_paper = mode_ == DetectorMode::kPaper || mode_ == DetectorMode::kFlown;
+  if (is_paper || look_for.part == LookFor::Part::kNo) return view;
+  if (look_for.part == LookFor::Part::kWithoutGate && !gates_.empty()) return view;
+  view.part = parts_.detect(image, color);
+  const auto is_part_of = [&](const GateDetection& gate) {
+    return view.part && same_place(gate.corners_px, view.part->gate.corners_px);
+  };
+  if (std::any_of(gates_.begin(), gates_.end(), is_part_of)) view.part.reset();
+  return view;
+}
+
+void GateDetector::list_gates(const Image& image, const ColorModel& color, LookFor::Gates wanted) {
+  const auto list = [&](const auto& found) { gates_.assign(found.begin(), found.end()); };
+  Rng rng{kSeed};
+  switch (mode_) {
+    case DetectorMode::kOurs:
+      return list(ours(image, color, wanted));
+    case DetectorMode::kFast:
+      return list(snakes_.detect(image, color));
+    case DetectorMode::kCareful:
+      return list(everywhere(image, color));
+    case DetectorMode::kPaper:
+      return list(best_first(detect_as_paper(image, {}, rng)));
+    case DetectorMode::kFlown:
+      if (const auto gate = detect_as_flown(image, {}, rng)) gates_.push_back(*gate);
+  }
+}
+
+GateDetections GateDetector::ours(const Image& image, const ColorModel& color,
+                                  LookFor::Gates wanted) {
+  if (wanted == LookFor::Gates::kAll) return everywhere(image, color);
+  const GateDetections quick = snakes_.detect(image, color);
+  if (quick.empty() || !is_sure(quick[0])) return everywhere(image, color);
+  // A strong bar beside the gates found may be another gate's. Who knows which gate to expect need
+  // not ask.
+  if (wanted == LookFor::Gates::kBest && snakes_.shows_bars_beside(quick))
+    return with_gates_beside(quick, image, color);
+  return in_order(quick, image);
+}
+
+GateDetections GateDetector::everywhere(const Image& image, const ColorModel& color) {
+  return in_order(careful_.detect(image, color), image);
+}
+
+// What stood out stays, unless the careful search is surer of something in its place.
+GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image,
+                                               const ColorModel& color) {
+  GateDetections all = careful_.detect(image, color);
+  for (const GateDetection& gate : quick) {
+    if (!is_sure(gate)) continue;
+    const auto same = std::find_if(all.begin(), all.end(), [&](const auto& other) {
+      return same_place(other.corners_px, gate.corners_px);
+    });
+    if (same == all.end())
+      (void)all.push_back(gate);
+    else if (gate.fitness > same->fitness)
+      *same = gate;
+  }
+  return in_order(all, image);
+}
+
+bool GateDetector::is_sure(const GateDetection& gate) const {
+  return gate.fitness >= confidence_of(params_.sure_score);
+}
+
+// Of gates that are all beyond doubt, scores that differ by a picture's noise must not say which
+// one is answered.
+GateDetections GateDetector::in_order(GateDetections gates, const Image& image) const {
+  const Eigen::Vector2d middle{0.5 * (image.width() - 1), 0.5 * (image.height() - 1)};
+  const auto off = [&](const GateDetection& gate) {
+    return (center(gate.corners_px) - middle).squaredNorm();
+  };
+  insertion_sort(gates, [&](const GateDetection& a, const GateDetection& b) {
+    if (is_sure(a) && is_sure(b)) return off(a) < off(b);
+    return a.fitness > b.fitness;
+  });
+  return gates;
+}
+
+}  // namespace gatefly

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly {
+
+/// Which detector looks.
+enum class DetectorMode {
+  kOurs,     ///< What flies: the fast search, and the careful one where that is not sure.
+  kFast,     ///< The fast search alone.
+  kCareful,  ///< The careful search alone.
+  kPaper,    ///< Li18's as its ROC study ran it; whole gates only, with the study's colours.
+  kFlown,    ///< Li18's as it flew; the same.
+};
+
+/// What a picture is expected to show. The less is asked for, the sooner there is an answer.
+struct LookFor {
+  enum class Gates {
+    kNone,
+    kStandingOut,  ///< Those that stand out; all where none does. For who knows which one to expect.
+    kBest,         ///< One. For who knows nothing about the picture.
+    kAll,
+  };
+  enum class Part {
+    kNo,
+    kWithoutGate,  ///< Where no gate was found.
+    kToo,          ///< Beside the gates as well.
+  };
+  Gates gates = Gates::kStandingOut;
+  Part part = Part::kNo;  ///< A gate that the border cuts.
+};
+
+/// What a picture shows.
+struct GatesInView {
+  /// Distinct, best first. Valid until the detector looks again.
+  std::span<const GateDetection> gates;
+  std::optional<GatePart> part;  ///< Of a gate that is none of these.
+};
+
+/// Finds gates: the one door to all detectors.
+class GateDetector {
+ public:
+  explicit GateDetector(const GateDetectorParams& params = {},
+                        DetectorMode mode = DetectorMode::kOurs);
+
+  /// Gates, in microseconds where they stand out, else by looking everywhere. Of several beyond
+  /// doubt the first is the one nearest to the middle of the picture.
+  ///
+  /// Keeps nothing from picture to picture. Allocates nothing.
+  [[nodiscard]] GatesInView look(const Image& image, const ColorModel& color,
+                                 const LookFor& look_for = {}) &;
+
+ private:
+  void list_gates(const Image& image, const ColorModel& color, LookFor::Gates wanted);
+  [[nodiscard]] GateDetections ours(const Image& image, const ColorModel& color,
+                                    LookFor::Gates wanted);
+  [[nodiscard]] GateDetections everywhere(const Image& image, const ColorModel& color);
+  [[nodiscard]] GateDetections with_gates_beside(const GateDetections& quick, const Image& image,
+                                                 const ColorModel& color);
+  [[nodiscard]] bool is_sure(const GateDetection& gate) const;
+  [[nodiscard]] GateDetections in_order(GateDetections gates, const Image& image) const;
+
+  GateDetectorParams params_;
+  DetectorMode mode_;
+  SnakeSearch snakes_;
+  CarefulSearch careful_;
+  PartSearch parts_;
+  std::vector<GateDetection> gates_;  // of the picture that was looked at last
+};
+
+}  // namespace gatefly

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/gate_detector.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/allocation_counter.hpp"
+#include "support/draw_gate.hpp"
+#include "support/for_all.hpp"
+#include "support/worst_corner.hpp"
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+using Gates = LookFor::Gates;
+using Part = LookFor::Part;
+
+const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
+constexpr LookFor kEverything{.gates = Gates::kAll, .part = Part::kToo};
+constexpr std::array kModes{DetectorMode::kOurs, DetectorMode::kFast, DetectorMode::kCareful,
+                            DetectorMode::kPaper, DetectorMode::kFlown};
+const View kAhead{{-3.0, 0.2, 0.1}, {}}, kAside{{-3.0, -1.6, 0.1}, {}};
+const View kTooNear{{-0.6, 0, 0}, {}};  // no more of it than its side bars
+// A colour that speaks for a gate in each mode: the paper's have colours of their own.
+constexpr std::array<double, 3> kColor{120, 90, 158};
+
+/// A picture that can be looked at.
+struct Picture {
+  int width, height;
+  std::vector<std::uint8_t> bytes;
+
+  explicit Picture(const Canvas& canvas)
+      : width{canvas.width()}, height{canvas.height()}, bytes{canvas.yuv444()} {}
+  [[nodiscard]] Image image() const { return {bytes.data(), PixelFormat::kYuv444, width, height}; }
+};
+
+Canvas canvas_of(std::initializer_list<View> views) {
+  Canvas canvas(315, 160);
+  for (const View& view : views) canvas.draw_gate(view, bebop_rig(), 1.0, 0.05, kColor);
+  return canvas;
+}
+
+Picture picture_of(std::initializer_list<View> views) { return Picture{canvas_of(views)}; }
+
+Picture noisy_picture_of(std::initializer_list<View> views, Rng& rng) {
+  Canvas canvas = canvas_of(views);
+  canvas.add_noise(rng, 8.0, 2.0);
+  return Picture{canvas};
+}
+
+Quad truth_of(const View& view) { return corners_of(1.0, view, bebop_rig()).value(); }
+
+TEST(GateDetector, EveryModeFindsAGateThatStandsOut) {
+  const Picture picture = picture_of({kAhead});
+  for (const DetectorMode mode : kModes) {
+    GateDetector detector{{}, mode};
+    const GatesInView view = detector.look(picture.image(), kOrange, {.gates = Gates::kBest});
+    ASSERT_EQ(view.gates.size(), 1u) << static_cast<int>(mode);
+    EXPECT_LT(worst_corner(view.gates[0].corners_px, truth_of(kAhead)), 4.0)
+        << static_cast<int>(mode);
+    EXPECT_TRUE(view.gates[0].whole);
+    EXPECT_FALSE(view.part);
+  }
+}
+
+TEST(GateDetector, AGateThatTheBorderCutsIsAPart) {
+  const Picture picture = picture_of({kTooNear});
+  GateDetector detector;
+  const GatesInView view =
+      detector.look(picture.image(), kOrange, {.gates = Gates::kBest, .part = Part::kWithoutGate});
+  EXPECT_TRUE(view.gates.empty());
+  ASSERT_TRUE(view.part);
+  EXPECT_FALSE(view.part->gate.whole);
+  EXPECT_LT(view.part->bars.left_px.x(), 100.0);
+  EXPECT_GT(view.part->bars.right_px.x(), 200.0);
+}
+
+TEST(GateDetector, ThePapersDetectorsKnowNoParts) {
+  const Picture picture = picture_of({kTooNear});
+  for (const DetectorMode mode : {DetectorMode::kPaper, DetectorMode::kFlown}) {
+    GateDetector detector{{}, mode};
+    EXPECT_FALSE(detector.look(picture.image(), kOrange, kEverything).part);
+  }
+}
+
+TEST(GateDetector, WhatIsNotAskedForIsNotAnswered) {
+  const Picture two = picture_of({kAhead, kAside}), near = picture_of({kTooNear});
+  GateDetector detector;
+  const auto gates = [&](Gates wanted) {
+    return detector.look(two.image(), kOrange, {.gates = wanted}).gates.size();
+  };
+  EXPECT_EQ(gates(Gates::kNone), 0u);
+  EXPECT_EQ(gates(Gates::kBest), 1u);
+  EXPECT_EQ(gates(Gates::kStandingOut), 2u);
+  EXPECT_EQ(gates(Gates::kAll), 2u);
+  EXPECT_FALSE(detector.look(near.image(), kOrange, {.part = Part::kNo}).part);
+  EXPECT_TRUE(
+      detector.look(near.image(), kOrange, {.gates = Gates::kNone, .part = Part::kToo}).part);
+}
+
+TEST(GateDetector, AWholeGateIsNoPartOfItself) {
+  const Picture picture = picture_of({kAhead});
+  GateDetector detector;
+  const GatesInView view = detector.look(picture.image(), kOrange, kEverything);
+  EXPECT_EQ(view.gates.size(), 1u);
+  EXPECT_FALSE(view.part);
+}
+
+TEST(GateDetector, APartBesideAGateIsAnsweredOnlyWhereItIsAskedForToo) {
+  const View far{{-4.0, -1.2, 0.0}, {}}, cut_above{{-1.5, 0.6, 0.5}, {}};
+  const Picture picture = picture_of({far, cut_above});
+  GateDetector detector;
+  EXPECT_FALSE(
+      detector.look(picture.image(), kOrange, {.gates = Gates::kAll, .part = Part::kWithoutGate})
+          .part);
+  const GatesInView both = detector.look(picture.image(), kOrange, kEverything);
+  ASSERT_EQ(both.gates.size(), 1u);
+  EXPECT_LT(worst_corner(both.gates[0].corners_px, truth_of(far)), 3.0);
+  ASSERT_TRUE(both.part);
+  EXPECT_TRUE(both.part->lower_corners());
+}
+
+TEST(GateDetector, AnEmptyPictureShowsNothing) {
+  for (const DetectorMode mode : kModes) {
+    GateDetector detector{{}, mode};
+    const GatesInView view = detector.look(Image{}, kOrange, kEverything);
+    EXPECT_TRUE(view.gates.empty());
+    EXPECT_FALSE(view.part);
+  }
+}
+
+TEST(GateDetector, KeepsNothingFromPictureToPicture) {
+  const Picture one = picture_of({kAhead}), other = picture_of({kTooNear});
+  for (const DetectorMode mode : kModes) {
+    GateDetector detector{{}, mode};
+    const auto first = detector.look(one.image(), kOrange, kEverything).gates;
+    ASSERT_FALSE(first.empty());
+    const Quad before = first[0].corners_px;
+    (void)detector.look(other.image(), kOrange, kEverything);
+    const auto second = detector.look(one.image(), kOrange, kEverything).gates;
+    ASSERT_FALSE(second.empty());
+    EXPECT_EQ(worst_corner(before, second[0].corners_px), 0.0);
+  }
+}
+
+TEST(GateDetector, LookingAllocatesNothing) {
+  expect_that_allocations_are_counted();
+  Rng rng{1};
+  const std::array pictures{noisy_picture_of({kAhead, kAside}, rng), picture_of({kTooNear}),
+                            noisy_picture_of({}, rng)};
+  for (const DetectorMode mode : kModes) {
+    GateDetector detector{{}, mode};
+    const long before = allocations;
+    for (const Picture& picture : pictures)
+      for (const Gates wanted : {Gates::kNone, Gates::kStandingOut, Gates::kBest, Gates::kAll})
+        (void)detector.look(picture.image(), kOrange, {.gates = wanted, .part = Part::kToo});
+    EXPECT_EQ(allocations, before) << static_cast<int>(mode);
+  }
+}
+
+// Two thirds of a bar washed out: its two corners are less sure, the other two are as sure as ever.
+TEST(GateDetector, CornersOfABrokenBarAreDoubtful) {
+  GateDetector detector{{.min_score = 0.5}};
+  const View view{{-2.5, 0, 0.1}, {}};
+  const Quad truth = truth_of(view);
+  Canvas canvas(315, 160);
+  canvas.draw_gate(view, bebop_rig());
+  const int right = static_cast<int>(truth[1].x()),
+            middle = static_cast<int>(0.5 * (truth[1].y() + truth[2].y()));
+  canvas.blank(right - 6, right + 6, middle - 18, middle + 18);
+  const Picture picture{canvas};
+  const auto gates = detector.look(picture.image(), kOrange).gates;
+  const auto gate = std::find_if(gates.begin(), gates.end(), [&](const auto& g) {
+    return worst_corner(g.corners_px, truth) < 8.0;
+  });
+  ASSERT_NE(gate, gates.end());
+  const auto& fitness = gate->corner_fitness;  // TL, TR, BR, BL
+  EXPECT_GT(std::min(fitness[0], fitness[3]), 0.9);
+  EXPECT_LT(std::max(fitness[1], fitness[2]), 0.8);
+}
+
+TEST(GateDetector, ACornerOutsideThePictureHasNoFitness) {
+  const Picture picture = picture_of({{{-2.0, 2.2, 0.2}, {}}});  // its left bar is cut off
+  GateDetector detector;
+  for (const auto& gate : detector.look(picture.image(), kOrange).gates)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d& p = gate.corners_px[i];
+      if (p.x() < 0 || p.y() < 0 || p.x() > 314 || p.y() > 159) {
+        EXPECT_EQ(gate.corner_fitness[i], 0.0);
+        EXPECT_FALSE(gate.whole);
+      }
+    }
+}
+
+// Two gates beyond doubt: noise must not choose between them.
+TEST(GateDetector, OfEquallySureGatesTheMostCentralOneIsTheAnswer) {
+  GateDetector detector;
+  for_all(10, [&](Rng& rng) {
+    const Picture picture = noisy_picture_of({kAhead, kAside}, rng);
+    for (const Gates wanted : {Gates::kStandingOut, Gates::kBest, Gates::kAll}) {
+      const auto gates = detector.look(picture.image(), kOrange, {.gates = wanted}).gates;
+      ASSERT_EQ(gates.size(), wanted == Gates::kBest ? 1u : 2u);
+      EXPECT_LT(worst_corner(gates[0].corners_px, truth_of(kAhead)), 3.0);
+    }
+  });
+}
+
+TEST(GateDetector, AGateThatStandsOutNeedsNoCarefulSearchAndAWashedOutOneDoes) {
+  const CameraRig rig = bebop_rig();
+  GateDetector detector;
+  for_all(10, [&](Rng& rng) {
+    const View view{{-3.0, rng.uniform(-0.3, 0.3), 0.1}, {}};
+    for (const bool washed_out : {false, true}) {
+      Canvas canvas(315, 160);
+      if (washed_out)
+        canvas.draw_gate(view, rig, 1.0, 0.05, {120, 121, 134});
+      else
+        canvas.draw_gate(view, rig);
+      canvas.add_noise(rng, 8.0, 2.0);
+      const Picture picture{canvas};
+      const auto gates = detector.look(picture.image(), kOrange).gates;
+      ASSERT_FALSE(gates.empty()) << washed_out;
+      EXPECT_LT(worst_corner(gates[0].corners_px, truth_of(view)), 6.0);
+      EXPECT_EQ(gates[0].method == DetectionMethod::kFrames, washed_out);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace gatefly
