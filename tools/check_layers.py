@@ -19,6 +19,8 @@ FORBIDDEN = {"sim": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
 # Stages of the detector, and who may include them: those who test or time them, or compare with the paper's detector.
 STAGE = re.compile(r'\s*#\s*include\s+"gatefly/detection/\w+/')
 STAGES_FOR = ("src/gatefly/detection", "src/gatefly/bench", "src/gatefly/experiments", "tests/detection", "tests/support")
+# What is measured is what flies: experiments take the Navigator, and wire no filter of their own.
+RING = re.compile(r"\b(Ahrs|LowPass|DragFilter|DelayedFilter|VelocityObserver|Altimeter)\s*(\w+\s*)?[{(]")
 # Clocks, files, threads and hidden randomness have no place in the flight code; <chrono> is for durations.
 HIDDEN = re.compile(r"system_clock|steady_clock|std::rand\b|(^|[;{)])\s*throw\b(?! std::invalid_argument)")
 BANNED = {"random", "thread", "mutex", "fstream", "iostream", "ctime", "cstdio", "filesystem"}
@@ -45,6 +47,8 @@ def violations():
                         yield f"{where}: flight code includes <{system[1]}>; Eigen only"
                     if system[1].endswith(".h") or system[1] in BANNED:
                         yield f"{where}: flight code includes <{system[1]}>"
+                if folder == "experiments" and RING.search(line):
+                    yield f"{where}: experiments use estimation/navigator.hpp"
                 if folder in FLIGHT and HIDDEN.search(line):
                     yield f"{where}: no clock, no hidden randomness, nothing thrown but std::invalid_argument"
 

@@ -15,6 +15,7 @@
 #include "gatefly/baseline/imu15.hpp"
 #include "gatefly/baseline/mahony.hpp"
 #include "gatefly/drawing/plot.hpp"
+#include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/attitude_trial.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/files/csv.hpp"
@@ -126,22 +127,22 @@ HeldErrors held(const fs::path& file) {
   const double moved =
       std::find_if(rows.begin(), rows.end(), [](const Held& row) { return row.moves; })->t;
   HeldErrors result{{}, {}, Trace(file.stem().string())};
-  Ahrs ahrs{AhrsParams{}};
+  Navigator ours{{}};
   baseline::Mahony mahony;
-  ahrs.start(0.0);
+  ours.start(Eigen::Vector3d::Zero(), 0.0);
   double before = rows.front().t;
   for (const Held& row : rows) {
     const double dt = row.t - before;
     before = row.t;
     if (row.t < moved - kBeforeMovement)
-      ahrs.update_at_rest(row.imu);
+      ours.rest(row.imu, row.t);
     else
-      ahrs.update(row.imu, Eigen::Vector3d::Zero(), dt);
+      ours.predict_attitude(row.imu, row.t);
     mahony.update(row.imu, dt);
     if (!row.moves || !row.up_B.allFinite()) continue;
-    const double e = inclination_error(ahrs.R_EB(), row.up_B),
+    const double e = inclination_error(ours.ahrs().R_EB(), row.up_B),
                  m = inclination_error(mahony.R_EB(), row.up_B);
-    result.ours.add(e, ahrs.tilt_sigma()), result.mahony.add(m, 0.0);
+    result.ours.add(e, ours.ahrs().tilt_sigma()), result.mahony.add(m, 0.0);
     result.trace.add(row.t, e, m);
   }
   return result;
@@ -157,16 +158,17 @@ struct Turns {
 Turns turns(const TurnCourse& course, int seeds) {
   Turns result;
   for (int seed = 1; seed <= seeds; ++seed) {
-    FlownAttitude ours{AhrsParams{}};
+    Navigator ours{{}};
     baseline::Mahony mahony;
     double t = 0.0, next = 0.0;
     for (const Moment& moment : coordinated_turns(course, static_cast<std::uint64_t>(seed))) {
+      if (t == 0.0) ours.start({0, 0, moment.z}, 0.0);
       t += moment.dt;
       if (moment.rests)
-        ours.rest(moment.imu, moment.z);
+        ours.rest(moment.imu, t);
       else
-        ours.step(moment.imu, moment.dt);
-      if (t >= next) ours.correct_altitude(moment.z, kAltitudeSigma), next = t + kCorrections;
+        ours.predict(moment.imu, t);
+      if (t >= next) ours.correct_height(-moment.z, kAltitudeSigma), next = t + kCorrections;
       mahony.update(moment.imu, moment.dt);
       const double e = ours.ahrs().attitude().roll - moment.truth.roll,
                    m = mahony.attitude().roll - moment.truth.roll;
@@ -213,7 +215,7 @@ Flown flown(const std::string& name, const io::FlightFolder& flight, double head
   const auto yaw_of = [&](const io::FlightSample& s) {
     return wrap_angle(s.ahrs->yaw + heading_offset);
   };
-  FlownAttitude ours{AhrsParams{}, yaw_of(flight.samples.front())};
+  Navigator ours{{}};
   baseline::Mahony mahony;
   mahony.start({0.0, 0.0, yaw_of(flight.samples.front())});
   baseline::Imu15 reference{{}};
@@ -226,12 +228,13 @@ Flown flown(const std::string& name, const io::FlightFolder& flight, double head
     if (!s.true_p_EB || !s.ahrs) continue;
     mahony.update(s.imu, dt);
     if (t < kLogRest) {
-      ours.rest(s.imu, s.true_p_EB->z());
+      if (ours.time() == 0.0) ours.start(*s.true_p_EB, yaw_of(flight.samples.front()));
+      ours.rest(s.imu, t);
       reference.start(*s.true_p_EB, {s.ahrs->roll, s.ahrs->pitch, yaw_of(s)},
                       ours.ahrs().accel_bias(), ours.ahrs().gyro_bias());
       continue;
     }
-    ours.step(s.imu, dt);
+    ours.predict(s.imu, t);
     reference.predict(s.imu, dt);
     if (*s.true_p_EB != last_p)
       reference.correct_position(*s.true_p_EB, Eigen::Vector3d::Constant(kReferenceSigma)),
@@ -239,7 +242,7 @@ Flown flown(const std::string& name, const io::FlightFolder& flight, double head
     if (t >= next) {
       next = t + kCorrections;
       reference.correct_heading(yaw_of(s), kHeadingSigma);
-      ours.correct_altitude(s.true_p_EB->z(), kAltitudeSigma);
+      ours.correct_height(-s.true_p_EB->z(), kAltitudeSigma);
       ours.correct_heading(wrap_angle(yaw_of(s) - ours.ahrs().attitude().yaw),
                            kHeadingSigma * kHeadingSigma);
     }

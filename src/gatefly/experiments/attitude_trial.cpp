@@ -97,20 +97,4 @@ std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t se
   return moments;
 }
 
-void FlownAttitude::rest(const Imu& imu, double z) {
-  ahrs_.update_at_rest(imu);
-  (void)low_pass_.update(imu.accel_B);
-  filter_.start({0, 0, z}, ahrs_.accel_bias());
-}
-
-// Pilot::sense and Pilot::estimate_motion.
-void FlownAttitude::step(const Imu& imu, double dt) {
-  ahrs_.update(imu, velocity_.v_B(), dt);
-  const Attitude attitude = ahrs_.attitude();
-  const drag_model::Input input{attitude.roll, attitude.pitch, attitude.yaw,
-                                low_pass_.update(imu.accel_B), ahrs_.rate_B()};
-  filter_.predict(input, dt);
-  velocity_.update(filter_.state(), input, filter_.params().model, dt);
-}
-
 }  // namespace gatefly::experiments

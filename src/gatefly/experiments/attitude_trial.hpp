@@ -5,10 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/estimation/ahrs.hpp"
-#include "gatefly/estimation/drag_filter.hpp"
-#include "gatefly/estimation/low_pass.hpp"
-#include "gatefly/estimation/velocity_observer.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sensing/imu.hpp"
 
 namespace gatefly::experiments {
 
@@ -34,27 +32,5 @@ struct TurnCourse {
 /// Drag, biases, scales and what appears in flight are drawn for the seed as for a race of that
 /// level.
 [[nodiscard]] std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed);
-
-/// AHRS, drag filter and velocity as the pilot has them, with an altimeter but without any gate.
-class FlownAttitude {
- public:
-  explicit FlownAttitude(const AhrsParams& params, double yaw = 0.0) : ahrs_{params} {
-    ahrs_.start(yaw);
-  }
-
-  void rest(const Imu& imu, double z);
-  void step(const Imu& imu, double dt);
-  void correct_altitude(double z, double sigma) { (void)filter_.correct_altitude(z, sigma); }
-  void correct_heading(double error, double variance) { ahrs_.correct_heading(error, variance); }
-
-  [[nodiscard]] const Ahrs& ahrs() const { return ahrs_; }
-
- private:
-  static constexpr double kAccelCutoffHz = 20.0, kImuHz = 512.0;
-  Ahrs ahrs_;
-  LowPass low_pass_{kAccelCutoffHz, kImuHz};
-  DragFilter filter_{DragFilterParams{}};
-  VelocityObserver velocity_{VelocityObserverParams{}};
-};
 
 }  // namespace gatefly::experiments

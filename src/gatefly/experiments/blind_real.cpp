@@ -12,9 +12,7 @@
 
 #include "gatefly/baseline/imu15.hpp"
 #include "gatefly/drawing/plot.hpp"
-#include "gatefly/estimation/ahrs.hpp"
-#include "gatefly/estimation/drag_filter.hpp"
-#include "gatefly/estimation/low_pass.hpp"
+#include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/two_filters.hpp"
 #include "gatefly/files/text.hpp"
@@ -30,7 +28,6 @@ namespace fs = std::filesystem;
 using identification::DragFit;
 
 constexpr double kRest = 0.7;  // of every log, before the motors start [s]
-constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;                 // as on board
 constexpr double kFixPeriod = 1.0 / 15.0, kEvery = 0.1, kSettle = 1.0;  // [s]
 constexpr double kFixSigma = 0.03;                                      // [m]
 constexpr double kBiasSigma = 0.05;  // of a bias that other flights taught [m/s²]
@@ -68,14 +65,13 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
   if (rows.first == rows.last) return errors;
   const double from = seconds(flight.samples[rows.first].time) + kSettle,
                to = seconds(flight.samples[rows.last - 1].time);
-  LowPass low_pass{kAccelCutoffHz, kImuHz};
   sim::Stream noise{1, "altitude"};
   std::vector<Blind<Filter>> blind;
   double next_fix = kRest, next_blind = from, before = 0.0;
   for (std::size_t i = 0; i < rows.last; ++i) {
     const io::FlightSample& s = flight.samples[i];
     const double t = seconds(s.time);
-    FilterTick tick{s.imu, low_pass.update(s.imu.accel_B), t - before, 0.0, {}};
+    FilterTick tick{.imu = s.imu, .t = t, .dt = t - before};
     before = t;
     if (t < kRest || !s.true_p_EB || !s.ahrs) continue;
     tick.yaw = wrap_angle(s.ahrs->yaw + heading_offset);
@@ -113,9 +109,8 @@ std::vector<Flight> flights_in(const fs::path& folder) {
   return flights;
 }
 
-// The attitude at the end of the rest, gravity's word; heading from the log.
+/// What is known when the rest ends: gravity's word for the attitude, heading from the log.
 struct Rest {
-  Ahrs ahrs{AhrsParams{}};
   Attitude attitude;
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
 };
@@ -123,13 +118,29 @@ Rest rest_of(const io::FlightFolder& flight, double heading_offset) {
   Rest rest;
   for (const io::FlightSample& s : flight.samples) {
     if (seconds(s.time) >= kRest) break;
-    rest.ahrs.update_at_rest(s.imu);
     if (s.true_p_EB) rest.p_EB = *s.true_p_EB;
     if (s.ahrs) rest.attitude = *s.ahrs;
   }
   rest.attitude.yaw = wrap_angle(rest.attitude.yaw + heading_offset);
-  rest.ahrs.set(rest.attitude);
   return rest;
+}
+
+// The estimation that flies, after its rest, with what other flights taught of drag and bias.
+Navigator rested(const io::FlightFolder& flight, const Rest& rest, const DragFit& others,
+                 const Eigen::Vector3d& bias, const Eigen::Vector3d& bias_sigma) {
+  NavigatorParams params;
+  params.filter.start_bias_sigma = bias_sigma;
+  params.filter.gate_sigma = 100.0;  // motion capture has no outliers
+  params.filter.model.drag = others.drag;
+  Navigator navigator{params};
+  navigator.start(rest.p_EB, rest.attitude.yaw);
+  for (const io::FlightSample& s : flight.samples) {
+    if (seconds(s.time) >= kRest) break;
+    navigator.rest(s.imu, seconds(s.time));
+  }
+  navigator.set_attitude(rest.attitude);
+  navigator.set_accel_bias(bias);
+  return navigator;
 }
 
 struct Outcome {
@@ -143,20 +154,14 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   const Rest rest = rest_of(flight, outcome.heading_offset);
   const Eigen::Vector3d bias{others.bias.x(), others.bias.y(), 0.0},
       bias_sigma{kBiasSigma, kBiasSigma, 0.3};
-
-  DragFilterParams params;
-  params.start_bias_sigma = bias_sigma;
-  params.gate_sigma = 100.0;  // motion capture has no outliers
-  params.model.drag = others.drag;
-  DragFilter drag{params};
-  drag.start(rest.p_EB, bias);
+  const Navigator navigator = rested(flight, rest, others, bias, bias_sigma);
   bool drag_fine = true, imu_fine = true;
-  outcome.drag = flown(flight, outcome.heading_offset, DragPilot{rest.ahrs, drag}, &drag_fine);
+  outcome.drag = flown(flight, outcome.heading_offset, DragPilot{navigator}, &drag_fine);
 
   baseline::Imu15Params classic;
   classic.start_bias_sigma = bias_sigma;
   baseline::Imu15 imu15{classic};
-  imu15.start(rest.p_EB, rest.attitude, bias, rest.ahrs.gyro_bias());
+  imu15.start(rest.p_EB, rest.attitude, bias, navigator.ahrs().gyro_bias());
   outcome.imu15 = flown(flight, outcome.heading_offset, InertialPilot{imu15}, &imu_fine);
   if (!drag_fine || !imu_fine)
     throw std::runtime_error(flight.directory.string() + ": an estimate is not a finite number");

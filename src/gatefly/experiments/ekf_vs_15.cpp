@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "gatefly/drawing/plot.hpp"
-#include "gatefly/estimation/low_pass.hpp"
+#include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
@@ -27,7 +27,6 @@ namespace gatefly::experiments {
 namespace {
 
 constexpr int kLaps = 3, kRuns = 60, kQuickRuns = 8;
-constexpr double kImuHz = 512.0, kAccelCutoffHz = 20.0;  // as on board
 // [s], [m]
 constexpr double kFixPeriod = 1.0 / 15.0, kFixSigma = 0.10, kAltitudePeriod = 1.0 / 15.0;
 // constant over a run, one standard deviation
@@ -95,18 +94,14 @@ Course course_of(const SimulatedLaps& laps, const std::vector<FixTime>& fixes, F
   Course course;
   sim::Stream noise{seed, "fixes"};
   const double heading_error = kHeadingError * noise.normal();
-  LowPass low_pass{kAccelCutoffHz, kImuHz};
   std::vector<Blind<Filter>> blind;
   double next_z = 0.0;
   std::size_t fix = 0, bias_point = 0;
   bool is_first_gap = true;
   for (std::size_t i = 0; i < laps.moments.size() && !fixes.empty(); ++i) {
     const LapMoment& m = laps.moments[i];
-    FilterTick tick{m.imu,
-                    low_pass.update(m.imu.accel_B),
-                    m.dt,
-                    wrap_angle(m.attitude.yaw + heading_error),
-                    {}};
+    FilterTick tick{
+        .imu = m.imu, .t = m.t, .dt = m.dt, .yaw = wrap_angle(m.attitude.yaw + heading_error)};
     if (m.rests) continue;
     if (m.t >= next_z)
       next_z = m.t + kAltitudePeriod, tick.z = m.p_EB.z() + kAltitudeSigma * noise.normal();
@@ -137,21 +132,24 @@ Course course_of(const SimulatedLaps& laps, const std::vector<FixTime>& fixes, F
 struct Race {
   explicit Race(std::uint64_t number)
       : seed{number}, laps{simulated_laps("oval", kLaps, seed)}, fixes{fix_times(laps.moments)} {
-    ahrs.start(laps.moments.front().attitude.yaw);
+    navigator.start(start(), laps.moments.front().attitude.yaw);
     for (const LapMoment& m : laps.moments)
-      if (m.rests) ahrs.update_at_rest(m.imu);
+      if (m.rests) navigator.rest(m.imu, m.t);
+    navigator.set_accel_bias(Eigen::Vector3d::Zero());
+  }
+  [[nodiscard]] static NavigatorParams params() {
+    NavigatorParams params;
+    params.filter.start_bias_sigma = Eigen::Vector3d::Constant(kBiasSigma);
+    params.filter.gate_sigma = 100.0;  // these fixes have no outliers
+    return params;
   }
   [[nodiscard]] Eigen::Vector3d start() const { return laps.moments.front().p_EB; }
   [[nodiscard]] Course by_drag() const {
-    DragFilterParams params;
-    params.start_bias_sigma = Eigen::Vector3d::Constant(kBiasSigma);
-    params.gate_sigma = 100.0;  // these fixes have no outliers
-    DragFilter filter{params};
-    filter.start(start(), Eigen::Vector3d::Zero());
-    return course_of(laps, fixes, DragPilot{ahrs, filter}, seed);
+    return course_of(laps, fixes, DragPilot{navigator}, seed);
   }
   [[nodiscard]] Course by_imu15(const baseline::Imu15Params& params) const {
     baseline::Imu15 filter{params};
+    const Ahrs& ahrs = navigator.ahrs();
     filter.start(start(), ahrs.attitude(), Eigen::Vector3d::Zero(), ahrs.gyro_bias());
     return course_of(laps, fixes, InertialPilot{filter}, seed);
   }
@@ -159,7 +157,7 @@ struct Race {
   std::uint64_t seed;
   SimulatedLaps laps;
   std::vector<FixTime> fixes;
-  Ahrs ahrs{AhrsParams{}};
+  Navigator navigator{params()};
 };
 
 struct Run {

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/experiments/two_filters.hpp"
 
+#include "gatefly/geometry/math.hpp"
+
 namespace gatefly::experiments {
 
 void DragPilot::step(const FilterTick& tick) {
-  const Attitude before = ahrs.attitude();
-  drag_model::Input input{before.roll, before.pitch, tick.yaw, tick.accel_B, ahrs.rate_B()};
-  ahrs.update(tick.imu, drag_model::velocity_B(filter.state(), input, filter.params().model),
-              tick.dt);
-  const Attitude now = ahrs.attitude();
-  input.roll = now.roll, input.pitch = now.pitch, input.gyro_B = ahrs.rate_B();
-  filter.predict(input, tick.dt);
-  if (tick.z) (void)filter.correct_altitude(*tick.z, kAltitudeSigma);
+  navigator.predict(tick.imu, tick.t);
+  if (!tick.z) return;
+  navigator.correct_height(-*tick.z, kAltitudeSigma);
+  navigator.correct_heading(wrap_angle(tick.yaw - navigator.ahrs().attitude().yaw),
+                            kHeadingSigma * kHeadingSigma);
 }
 
 void DragPilot::fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
   Fix fix{.p_GB = p_EB};
   fix.covariance = sigma.cwiseAbs2().asDiagonal();
-  (void)filter.correct(fix);
+  (void)navigator.correct(fix, navigator.time());
 }
 
 void InertialPilot::step(const FilterTick& tick) {

@@ -6,8 +6,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/baseline/imu15.hpp"
-#include "gatefly/estimation/ahrs.hpp"
-#include "gatefly/estimation/drag_filter.hpp"
+#include "gatefly/estimation/navigator.hpp"
 
 namespace gatefly::experiments {
 
@@ -17,21 +16,20 @@ inline constexpr double kAltitudeSigma = 0.05, kHeadingSigma = 0.02;
 /// One IMU sample, the same for both filters.
 struct FilterTick {
   Imu imu;
-  Eigen::Vector3d accel_B;  ///< Low-passed.
-  double dt = 0.0, yaw = 0.0;
+  double t = 0.0, dt = 0.0;                ///< [s]
+  double yaw = 0.0;                        ///< What both are told when there is an altitude [rad].
   std::optional<double> z = std::nullopt;  ///< A new altitude, NED [m].
 };
 
-/// AHRS and drag filter, as the pilot has them.
+/// The estimation that flies.
 struct DragPilot {
-  Ahrs ahrs;
-  DragFilter filter;
+  Navigator navigator;
 
   void step(const FilterTick& tick);
   void fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma);
-  [[nodiscard]] Eigen::Vector3d position() const { return filter.position(); }
+  [[nodiscard]] Eigen::Vector3d position() const { return navigator.p_EB(); }
   [[nodiscard]] Eigen::Vector3d accel_bias() const {
-    return filter.state().segment<3>(drag_model::kBiasX);
+    return navigator.filter().state().segment<3>(drag_model::kBiasX);
   }
 };
 

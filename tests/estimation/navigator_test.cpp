@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/estimation/navigator.hpp"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/math.hpp"
+
+#include "support/allocation_counter.hpp"
+#include "support/matchers.hpp"
+
+namespace gatefly {
+namespace {
+
+using Eigen::Vector3d;
+using test::IsNear;
+
+constexpr double kDt = 1.0 / 512;
+const Imu kStill{Vector3d::Zero(), {0, 0, -9.81}};
+const GateFrame kGate{{4, 1, -1.5}, 0.5};
+
+/// A navigator that has rested for a second on a pad.
+struct Rested {
+  explicit Rested(const NavigatorParams& params = {}) : navigator{params} {
+    navigator.start({0.3, -0.2, 0.0}, 0.4, kGate, {0.0, 0.05, 0.06});
+    for (int i = 0; i < 512; ++i) navigator.rest(kStill, t += kDt);
+  }
+  void fly(int ticks, const Imu& imu = kStill) {
+    for (int i = 0; i < ticks; ++i) navigator.predict(imu, t += kDt);
+  }
+  Navigator navigator;
+  double t = 0.0;
+};
+
+TEST(Navigator, StandsWhereItWasToldWhileItRests) {
+  const Rested pad;
+  const NavigationState now = pad.navigator.state();
+  EXPECT_THAT(now.p_EB, IsNear(Vector3d{0.3, -0.2, 0.0}, 1e-9));
+  EXPECT_THAT(now.v_E, IsNear(Vector3d{0, 0, 0}, 1e-9));
+  EXPECT_NEAR(now.attitude.yaw, 0.4, 1e-9);
+  EXPECT_EQ(now.rest_samples, 512);
+  EXPECT_THAT(now.p_GB, IsNear(Vector3d{rotation_z(-0.5) * Vector3d{-3.7, -1.2, 1.5}}, 1e-9));
+}
+
+// 0.8 m/s² of drag along the body's x is 1.54 m/s forward (k_x = -0.52), on a heading of 0.4.
+TEST(Navigator, DragCarriesThePosition) {
+  Rested drone;
+  drone.fly(5 * 512, {Vector3d::Zero(), {-0.8, 0, -9.81}});
+  const NavigationState now = drone.navigator.state();
+  EXPECT_NEAR(now.v_B.x(), 0.8 / 0.52, 0.1);
+  EXPECT_GT(now.p_EB.x(), 5.0);
+  EXPECT_THAT(now.p_EB, IsNear(drone.navigator.p_EB(), 1e-12));
+}
+
+TEST(Navigator, AFixOfThePastCorrectsThePresent) {
+  Rested drone;
+  drone.fly(256);
+  const Vector3d before = drone.navigator.state().p_GB;
+  Fix fix{.p_GB = before + Vector3d{0.1, 0.0, 0.0}};
+  fix.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+  EXPECT_FALSE(drone.navigator.has_fix());
+  EXPECT_EQ(drone.navigator.correct(fix, drone.t - 0.1), Fusion::kAccepted);
+  EXPECT_TRUE(drone.navigator.has_fix());
+  EXPECT_NEAR(drone.navigator.state().p_GB.x() - before.x(), 0.1, 0.02);
+  EXPECT_EQ(drone.navigator.state().since_fix, 0.0);
+}
+
+TEST(Navigator, RemembersForAsLongAsItIsToldAtEveryRate) {
+  for (const double hz : {200.0, 512.0, 1000.0}) {
+    NavigatorParams params;
+    params.imu_hz = hz, params.filter_memory = 0.15;
+    Navigator navigator{params};
+    navigator.start(Vector3d::Zero(), 0.0);
+    double t = 0.0;
+    for (int i = 0; i < static_cast<int>(hz); ++i) navigator.rest(kStill, t += 1.0 / hz);
+    for (int i = 0; i < static_cast<int>(hz); ++i) navigator.predict(kStill, t += 1.0 / hz);
+    EXPECT_NE(navigator.at(t - 0.14), nullptr) << hz;
+    EXPECT_EQ(navigator.at(t - 0.17), nullptr) << hz;
+  }
+}
+
+TEST(Navigator, AnotherGateIsAnotherFrameAndTheSamePlace) {
+  Rested drone;
+  drone.fly(256, {Vector3d::Zero(), {-0.8, 0.2, -9.81}});
+  const NavigationState before = drone.navigator.state();
+  drone.navigator.change_gate({{-2, 5, -1.2}, -2.0}, {0.12, 0.05, 0.06});
+  const NavigationState after = drone.navigator.state();
+  EXPECT_THAT(after.p_EB, IsNear(before.p_EB, 1e-9));
+  EXPECT_THAT(after.v_E, IsNear(before.v_E, 1e-12));
+  EXPECT_THAT(after.p_GB,
+              IsNear(Vector3d{rotation_z(2.0) * (before.p_EB - Vector3d{-2, 5, -1.2})}, 1e-9));
+  drone.fly(256, {Vector3d::Zero(), {-0.8, 0.2, -9.81}});
+  const Vector3d moved = drone.navigator.state().p_EB - after.p_EB;
+  EXPECT_GT(moved.dot(before.v_E), 0.0) << "goes on the way it went";
+}
+
+TEST(Navigator, ACorrectedHeadingTurnsWhatIsFlownFromNowOn) {
+  Rested drone;
+  drone.navigator.correct_heading(0.05, 1e-6);
+  EXPECT_NEAR(drone.navigator.state().attitude.yaw, 0.45, 1e-3);
+}
+
+TEST(Navigator, SamplesThatAreNoNumbersLetTheLastOneGoOn) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  Rested drone;
+  drone.fly(512, {Vector3d::Zero(), {-0.8, 0, -9.81}});
+  const double x = drone.navigator.state().p_GB.x();
+  drone.fly(51, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)});
+  const NavigationState now = drone.navigator.state();
+  EXPECT_TRUE(now.p_EB.allFinite());
+  EXPECT_GT(now.p_GB.x(), x + 0.05) << "dead reckoning with what was last known";
+  EXPECT_NEAR(now.since_imu, 0.1, 0.01);
+}
+
+TEST(Navigator, ARepeatedTimeStampLetsNoTimePass) {
+  Rested drone;
+  drone.fly(512, {Vector3d::Zero(), {-0.8, 0, -9.81}});
+  const Vector3d p = drone.navigator.p_EB();
+  for (int i = 0; i < 10; ++i) drone.navigator.predict({{1, 1, 1}, {3, 3, -12}}, drone.t);
+  EXPECT_EQ(drone.navigator.p_EB(), p);
+  EXPECT_EQ(drone.navigator.state().dt, 0.0);
+}
+
+// Sonar and barometer see 1.2 m where dead reckoning is at 1 m.
+TEST(Navigator, HeightsPullTheAltitude) {
+  Rested drone;
+  for (int i = 0; i < 1024; ++i) {
+    drone.fly(1);
+    if (i % 26 == 0) drone.navigator.measure_heights(0.12, std::nullopt);
+    if (i % 20 == 0) drone.navigator.measure_heights(std::nullopt, 0.12);
+  }
+  EXPECT_NEAR(-drone.navigator.p_EB().z(), 0.12, 0.02);
+}
+
+TEST(Navigator, WithoutDragOnlyTheAttitudeGoesOn) {
+  Rested hand;
+  for (int i = 0; i < 512; ++i)
+    hand.navigator.predict_attitude({{0, 0, 0.5}, {0, 0, -9.81}}, hand.t += kDt);
+  EXPECT_NEAR(hand.navigator.state().attitude.yaw, 0.9, 0.01);
+  EXPECT_THAT(hand.navigator.p_EB(), IsNear(Vector3d{0.3, -0.2, 0.0}, 1e-9));
+}
+
+TEST(Navigator, AllocatesNothingOnceBuilt) {
+  Rested drone;
+  Fix fix{.p_GB = drone.navigator.state().p_GB};
+  const long before = test::allocations;
+  for (int i = 0; i < 600; ++i) {
+    drone.fly(1);
+    if (i % 34 == 0) (void)drone.navigator.correct(fix, drone.t - 0.08);
+    if (i % 26 == 0) drone.navigator.measure_heights(0.1, 0.1);
+  }
+  drone.navigator.change_gate({{1, 2, -1}, 0.0}, {});
+  EXPECT_EQ(test::allocations - before, 0);
+  test::expect_that_allocations_are_counted();
+}
+
+}  // namespace
+}  // namespace gatefly

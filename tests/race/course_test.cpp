@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/course.hpp"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly {
+namespace {
+
+using Eigen::Vector3d;
+
+Track two_gates() {
+  Track track;
+  track.gates = {{{4, 0, -1.5}, 0.0}, {{2, 4, -1.5}, kPi}};
+  track.laps = 2;
+  return track;
+}
+
+/// Where the course is told the drone is; the gate's frame follows from its target.
+NavigationState at(const Course& course, const Vector3d& p_EB) {
+  NavigationState now;
+  now.p_EB = p_EB;
+  now.p_GB = rotation_z(-course.gate().yaw_EG) * (p_EB - course.gate().p_EG);
+  return now;
+}
+
+/// Flies the planned way to the target and `past` metres through it, in steps of 5 cm. True as soon
+/// as another gate is the target.
+bool fly_through(Course& course, const Phase& phase, double past = 0.5) {
+  const Path path = course.path();
+  for (double s = course.progress(); s < path.length() + past; s += 0.05) {
+    const PathPoint here = path.at(s);
+    if (course.follow(at(course, {here.position.x(), here.position.y(), -1.5}), phase)) return true;
+  }
+  return false;
+}
+
+TEST(Course, PassesItsGatesInOrderLapForLap) {
+  Course course{two_gates(), {}};
+  for (int passed = 0; passed < 4; ++passed) {
+    EXPECT_EQ(course.passed(), passed);
+    EXPECT_EQ(course.target(), passed % 2);
+    EXPECT_FALSE(course.finished());
+    EXPECT_EQ(fly_through(course, Straight{}), passed < 3) << "the last one leads nowhere";
+  }
+  EXPECT_TRUE(course.finished());
+  EXPECT_FALSE(fly_through(course, Straight{}));
+  EXPECT_EQ(course.passed(), 4);
+}
+
+TEST(Course, ProgressFollowsTheDroneAndNeverLeapsToAnotherPart) {
+  Course course{two_gates(), {}};
+  const Path path = course.path();
+  const PathPoint end = path.at(path.length() - 0.5);
+  (void)course.follow(at(course, {end.position.x(), end.position.y(), -1.5}), Straight{});
+  EXPECT_LE(course.progress(), 0.8 + 1e-9);
+  EXPECT_NEAR(course.to_go(), path.length() - course.progress(), 1e-12);
+}
+
+TEST(Course, NothingIsPassedOnTheGround) {
+  Course course{two_gates(), {}};
+  EXPECT_FALSE(fly_through(course, OnGround{}));
+  EXPECT_EQ(course.passed(), 0);
+}
+
+// While searching only what goes through the opening counts.
+TEST(Course, ASearchPassesAGateOnlyThroughItsOpening) {
+  for (const double aside : {0.0, 0.8}) {
+    Course course{two_gates(), {}};
+    const double before = course.path().length() - 1.0;
+    for (double s = 0.0; s < before; s += 0.05) {
+      const PathPoint here = course.path().at(s);
+      (void)course.follow(at(course, {here.position.x(), here.position.y(), -1.5}), Straight{});
+    }
+    bool passed = false;
+    for (double x = 3.5; x < 4.4 && !passed; x += 0.02)
+      passed = course.follow(at(course, {x, aside, -1.5}), Search{});
+    EXPECT_EQ(passed, aside == 0.0);
+    EXPECT_EQ(course.target(), aside == 0.0 ? 1 : 0);
+  }
+}
+
+TEST(Course, AfterASearchTheWayLeadsStraightAlongTheAxisAndEndsInTheGate) {
+  Course course{two_gates(), {}};
+  course.approach_straight(at(course, {1.8, 0.1, -1.4}));
+  EXPECT_NEAR(course.to_go(), 2.2, 1e-9) << "from where it is";
+  const PathPoint end = course.path().at(course.path().length());
+  EXPECT_NEAR((end.position - Eigen::Vector2d{4, 0}).norm(), 0.0, 1e-9);
+  EXPECT_EQ(end.heading, 0.0);
+  EXPECT_EQ(course.path().z_at(1.0), -1.5);
+  EXPECT_TRUE(fly_through(course, Straight{}));
+  EXPECT_EQ(course.target(), 1) << "and then the leg's own way again";
+  EXPECT_GT(course.path().segments.size(), 1U);
+}
+
+TEST(Course, RefusesATrackThatCannotBeFlown) {
+  EXPECT_THROW((Course{Track{}, {}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gatefly

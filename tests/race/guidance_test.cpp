@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/guidance.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDt = 1.0 / 512;
+
+/// One gate 6 m ahead, nothing else.
+Course straight_course() {
+  Track track;
+  track.gates = {{{6, 0, -1.5}, 0.0}};
+  return {track, {}};
+}
+
+/// Somewhere on the way to the gate, level, flying along x.
+NavigationState state_at(const Vector3d& p_EB, double speed, double time = 10.0) {
+  NavigationState now;
+  now.time = time, now.dt = kDt;
+  now.p_EB = p_EB, now.v_E = now.v_B = now.v_GB = {speed, 0, 0};
+  now.p_GB = p_EB - Vector3d{6, 0, -1.5};
+  now.since_fix = 0.0;
+  return now;
+}
+
+AttitudeCommand on_straight(const NavigationState& now) {
+  Course course = straight_course();
+  for (double x = 0.0; x <= now.p_EB.x(); x += 0.2)
+    (void)course.follow(state_at({x, 0, -1.5}, 0), Straight{});
+  Guidance guidance{{}};
+  Phase phase = Straight{};
+  return guidance.command(phase, now, course);
+}
+
+// Li18 Eq. (22): beside the line it rolls back to it; at rest on it, it does not roll.
+TEST(Guidance, RollsBackOntoTheLine) {
+  EXPECT_NEAR(on_straight(state_at({2, 0, -1.5}, 1.7)).roll, 0.0, 1e-12);
+  EXPECT_LT(on_straight(state_at({2, 0.3, -1.5}, 1.7)).roll, -0.05) << "too far right: to the left";
+  EXPECT_GT(on_straight(state_at({2, -0.3, -1.5}, 1.7)).roll, 0.05);
+  NavigationState drifting = state_at({2, 0, -1.5}, 1.7);
+  drifting.v_E.y() = 0.5;
+  EXPECT_NEAR(on_straight(drifting).roll, -0.5 * LateralParams{}.kd, 1e-12);
+}
+
+// θ_0 of the paper: at the wanted speed the pitch is what drag asks for; slower is nose down.
+TEST(Guidance, PitchHoldsTheSpeed) {
+  const GuidanceParams params;
+  const double trim = std::atan(params.drag.x() * params.cruise / params.gravity);
+  EXPECT_NEAR(on_straight(state_at({2, 0, -1.5}, params.cruise)).pitch, trim, 1e-9);
+  EXPECT_LT(on_straight(state_at({2, 0, -1.5}, 1.0)).pitch, trim - 0.05);
+  EXPECT_GT(on_straight(state_at({2, 0, -1.5}, 2.4)).pitch, trim + 0.05);
+}
+
+TEST(Guidance, ThrustCarriesTheWeightAndMore) {
+  EXPECT_NEAR(on_straight(state_at({2, 0, -1.5}, 1.7)).thrust, 9.81, 0.4);
+  EXPECT_GT(on_straight(state_at({2, 0, -1.0}, 1.7)).thrust, 11.0) << "too low: climb";
+  EXPECT_LT(on_straight(state_at({2, 0, -2.0}, 1.7)).thrust, 9.0);
+}
+
+TEST(Guidance, GoesSlowlyTowardsAGateThatItDoesNotSee) {
+  NavigationState unseen = state_at({4, 0, -1.5}, 1.7);
+  unseen.since_fix = 1.0, unseen.lateral_sigma = 0.4;
+  EXPECT_GT(on_straight(unseen).pitch, on_straight(state_at({4, 0, -1.5}, 1.7)).pitch + 0.03)
+      << "brakes";
+}
+
+TEST(Guidance, NearTheFloorATakeOffGoesStraightUp) {
+  Guidance guidance{{}};
+  Phase phase = TakeOff{};
+  NavigationState low = state_at({0.5, 0.5, -0.1}, 0.0), high = state_at({0.5, 0.5, -0.5}, 0.0);
+  const Course course = straight_course();
+  const AttitudeCommand up = guidance.command(phase, low, course);
+  EXPECT_EQ(up.roll, 0.0);
+  EXPECT_EQ(up.pitch, 0.0);
+  EXPECT_GT(up.thrust, 10.0);
+  const AttitudeCommand back = guidance.command(phase, high, course);
+  EXPECT_GT(back.pitch, 0.0) << "back to the pad, which is behind";
+  EXPECT_LT(back.roll, 0.0);
+}
+
+// It waits where the phase says, looks ahead at first, then to both sides.
+TEST(Guidance, ASearchWaitsOnTheAxisAndLooksAround) {
+  Guidance guidance{{}};
+  const Course course = straight_course();
+  Phase phase = Search{10.0, -2.2};
+  double least = 0.0, most = 0.0;
+  for (double t = 10.0; t < 17.0; t += 0.1) {
+    NavigationState now = state_at({3.8, 0, -1.5}, 0.0, t);
+    now.since_fix = 5.0;
+    const AttitudeCommand c = guidance.command(phase, now, course);
+    EXPECT_NEAR(c.roll, 0.0, 1e-9) << "it is there";
+    if (t < 11.4) {
+      EXPECT_EQ(c.yaw, 0.0) << t;
+    }
+    least = std::min(least, c.yaw), most = std::max(most, c.yaw);
+  }
+  EXPECT_NEAR(least, -40.0 * kDegree, 0.02);
+  EXPECT_NEAR(most, 40.0 * kDegree, 0.02);
+  NavigationState seen = state_at({3.8, 0, -1.5}, 0.0, 16.2);
+  EXPECT_EQ(guidance.command(phase, seen, course).yaw, 0.0) << "a gate in view: look at it";
+}
+
+// 1 s of a hold beside the place fills the integral; a new search starts without.
+TEST(Guidance, ANewSearchStartsWithoutAnIntegral) {
+  Guidance guidance{{}};
+  const Course course = straight_course();
+  const NavigationState aside = state_at({3.8, 0.3, -1.5}, 0.0);
+  Phase first = Search{9.0, -2.2};
+  const double fresh = guidance.command(first, aside, course).roll;
+  double filled = fresh;
+  for (int i = 0; i < 512; ++i) filled = guidance.command(first, aside, course).roll;
+  EXPECT_LT(filled, fresh - 0.005);
+  Phase straight = Straight{};
+  (void)guidance.command(straight, aside, course);
+  Phase second = Search{10.0, -2.2};
+  EXPECT_EQ(guidance.command(second, aside, course).roll, fresh);
+}
+
+TEST(Guidance, ALandingBrakesThenSinks) {
+  Guidance guidance{{}};
+  const Course course = straight_course();
+  Phase phase = Land{10.0, -1.5};
+  EXPECT_GT(guidance.command(phase, state_at({3, 0, -1.5}, 1.5, 10.1), course).pitch, 0.1);
+  const double level = guidance.command(phase, state_at({3, 0, -1.5}, 0.0, 10.5), course).thrust;
+  EXPECT_LT(guidance.command(phase, state_at({3, 0, -1.5}, 0.0, 13.0), course).thrust, level - 1.0);
+}
+
+// An arc to the left, radius 1.5 m: it leans into it, and the roll leads the curve.
+TEST(Guidance, TurnsAlongACurvedWay) {
+  Track track;
+  track.gates = {{{4, 0, -1.5}, 0.0}, {{0, -3, -1.5}, kPi}};
+  track.laps = 2;
+  Course course{track, {}};
+  for (double s = 0.0; course.passed() == 0 && s < 8.0; s += 0.05) {
+    NavigationState now = state_at({s, 0, -1.5}, 1.6);
+    now.p_GB = now.p_EB - course.gate().p_EG;
+    (void)course.follow(now, Straight{});
+  }
+  ASSERT_EQ(course.passed(), 1);
+  Guidance guidance{{}};
+  double before = 0.0;
+  while (course.path().at(before).curvature == 0.0) before += 0.01;
+  const auto near_the_turn = [&](double s) {
+    const PathPoint here = course.path().at(s);
+    NavigationState now = state_at({here.position.x(), here.position.y(), -1.5}, 1.6);
+    now.p_GB = rotation_z(-kPi) * (now.p_EB - course.gate().p_EG);
+    return now;
+  };
+  NavigationState now = near_the_turn(0.0);
+  for (double s = 0.0; s < before - 0.15; s += 0.05)
+    (void)course.follow(now = near_the_turn(s), Straight{});
+  EXPECT_TRUE(guidance.turn_ahead(now, course)) << "0.26 m is 0.16 s";
+  Phase phase = Turn{{.yaw = 0.0, .v_F = {1.6, 0, 0}}};
+  EXPECT_LT(guidance.command(phase, now, course).roll, -0.1);
+}
+
+// Half a metre to the right and 3 m before the gate: the PD will have brought most of it back.
+TEST(Guidance, ForetellsWhereItWillPassTheGate) {
+  const Guidance guidance{{}};
+  NavigationState now = state_at({3, 0.5, -1.5}, 1.5);
+  EXPECT_LT(guidance.lateral_at_gate(now), 0.2);
+  EXPECT_GT(guidance.lateral_at_gate(now), 0.0);
+  now.p_GB.x() = -0.1;
+  EXPECT_NEAR(guidance.lateral_at_gate(now), 0.5, 1e-9) << "no time left";
+}
+
+}  // namespace
+}  // namespace gatefly
