@@ -29,6 +29,7 @@ struct SimulatorSettings {
 struct Config {
   CameraDescription camera;
   VehicleDescription vehicle;
+  SensorRates rates;
   GateDescription gate;
   /// Ready to use, as pilot_config in derived.hpp makes it; its track is empty: that comes from a
   /// track file.

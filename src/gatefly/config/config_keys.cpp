@@ -185,6 +185,8 @@ Keys estimation_keys() {
       k("filter.baro_drift_time_s", 0.1, 600, AT(pilot.altimeter.drift_time), "ours"),
       k("filter.sonar_lost_after_s", 0.1, 60, AT(pilot.altimeter.lost_after), "ours"),
       k("filter.velocity_pull_per_s", 0, 50, AT(pilot.velocity.pull), "ours"),
+      k("filter.memory_ms", 20, 2000, AT(pilot.filter_memory), "how late a picture may come; ours",
+        kMilli),
   };
 }
 
@@ -243,6 +245,9 @@ Keys vehicle_keys() {
       k("vehicle.max_rotor_radps", 10, 20000, AT(vehicle.max_speed), "Bebop: 12,000 rpm"),
       k("vehicle.rotor_time_constant_ms", 1, 500, AT(vehicle.rotor_time_constant),
         "Li18 code: 0.1 a sample", kMilli),
+      k("vehicle.imu_hz", 50, 4000, AT(rates.imu_hz), "Li18 flight code"),
+      k("vehicle.sonar_hz", 1, 200, AT(rates.sonar_hz), "Bebop"),
+      k("vehicle.baro_hz", 1, 200, AT(rates.baro_hz), "Bebop"),
   };
 }
 

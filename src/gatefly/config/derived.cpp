@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/config/derived.hpp"
 
+#include <cmath>
+
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::io {
@@ -50,6 +52,12 @@ PilotConfig pilot_config(const Config& config) {
                          : ColorModel::described({gate.rgb.x(), gate.rgb.y(), gate.rgb.z()});
 
   pilot.vehicle = config.vehicle;
+  pilot.imu_hz = config.rates.imu_hz;
+  pilot.altimeter.sonar_hz = config.rates.sonar_hz;
+  // A second and a half, unless somebody wants something else.
+  constexpr double kRest = 1.5;
+  if (!config.set_by.contains("control.rest_samples"))
+    pilot.phase.rest_samples = static_cast<int>(std::lround(kRest * config.rates.imu_hz));
   return pilot;
 }
 
@@ -71,6 +79,9 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   nominal.sensors = config.sim.sensors;
   nominal.sensors.camera_hz = camera.rate_hz;
   nominal.sensors.camera_latency = camera.latency;
+  nominal.sensors.imu_hz = config.rates.imu_hz;
+  nominal.sensors.sonar_hz = config.rates.sonar_hz;
+  nominal.sensors.baro_hz = config.rates.baro_hz;
 
   const VehicleDescription& known = config.vehicle;
   nominal.vehicle = config.sim.vehicle;

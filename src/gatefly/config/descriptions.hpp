@@ -39,6 +39,11 @@ struct CameraDescription {
 /// [vehicle]: all of it, and nothing else, is what attitude control is told.
 using VehicleDescription = VehicleParams;
 
+/// [vehicle]: how often its sensors speak.
+struct SensorRates {
+  double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
+};
+
 /// [gate] and [color]: a gate where no file says otherwise.
 struct GateDescription {
   double side = 1.0, bar = 0.05;       ///< [m]

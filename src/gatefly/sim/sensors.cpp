@@ -9,12 +9,14 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kImuHz = 512.0;
+constexpr double kNoiseHz = 512.0;    // the rate at which noise was measured
+constexpr double kMostJitter = 9e-4;  // [s]
 
 }  // namespace
 
 double ImuModel::next_interval() {
-  return 1.0 / kImuHz + std::clamp(truth_.imu_jitter * noise_.normal(), -9e-4, 9e-4);
+  const double most = std::min(kMostJitter, 0.5 / truth_.imu_hz);
+  return 1.0 / truth_.imu_hz + std::clamp(truth_.imu_jitter * noise_.normal(), -most, most);
 }
 
 Imu ImuModel::measure(const BodyState& state, double dt) {
@@ -22,7 +24,9 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
   for (const double speed : state.rotor_speed) mean_speed += 0.25 * speed;
   const double strength = std::min(1.5, (mean_speed / 750.0) * (mean_speed / 750.0));
   const bool flying = strength > 0.3;
-  phase_ = wrap_angle(phase_ + mean_speed * dt + 0.3 * noise_.normal());
+  // Density of white noise and of the phase's wandering are the same at any rate.
+  const double density = std::sqrt(truth_.imu_hz / kNoiseHz);
+  phase_ = wrap_angle(phase_ + mean_speed * dt + 0.3 / density * noise_.normal());
 
   // Three axes of one shaking body: the same frequency, different phases.
   const Eigen::Vector3d shake =
@@ -31,7 +35,7 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
   const auto white = [&] {
     return Eigen::Vector3d{noise_.normal(), noise_.normal(), noise_.normal()};
   };
-  const double quiet = flying ? 1.0 : 0.15;  // standing still with the motors off
+  const double quiet = density * (flying ? 1.0 : 0.15);  // standing still with the motors off
 
   Imu imu;
   imu.accel_B = truth_.accel_scale.cwiseProduct(state.specific_force_B) + truth_.accel_bias +

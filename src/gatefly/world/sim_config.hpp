@@ -41,12 +41,13 @@ struct SensorTruth {
   Eigen::Vector3d gyro_bias{0.01, -0.008, 0.006};  ///< Constant, also at rest [rad/s].
   Eigen::Vector3d gyro_drift{0, 0, 0};             ///< What appears after take-off [rad/s].
   Eigen::Vector3d accel_scale{1, 1, 1}, gyro_scale{1, 1, 1};
-  Eigen::Vector3d accel_noise{0.50, 0.45, 0.90};  ///< White at 512 Hz.
+  Eigen::Vector3d accel_noise{0.50, 0.45, 0.90};  ///< White, of a sample at 512 Hz.
   /// RMS of the rotor-frequency part in flight.
   Eigen::Vector3d accel_vibration{1.7, 0.6, 3.4};
   Eigen::Vector3d gyro_noise{0.06, 0.06, 0.05};
   Eigen::Vector3d gyro_vibration{0.12, 0.11, 0.18};
   double noise_scale = 1.0;
+  double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
   double imu_jitter = 3.0e-4;  ///< Of the sampling interval [s].
   double sonar_noise = 0.015;  ///< [m]
   double sonar_max = 5.0;      ///< [m]

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gatefly/race/messages.hpp"
+#include "gatefly/sim/body.hpp"
+#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/ideal_vision.hpp"
+#include "gatefly/sim/twin_body.hpp"
+#include "gatefly/world/sim_config.hpp"
+
+// The two simulators a race can be flown in: one interface, told apart at compile time.
+
+namespace gatefly::closed_loop {
+
+/// MuJoCo's body, and pictures.
+struct RenderedSimulator {
+  explicit RenderedSimulator(const sim::SimConfig& config)
+      : truth{config.camera},
+        renderer{config.world, config.camera,    config.light,
+                 config.seed,  config.cache_dir, config.bake_threads},
+        body{config} {}
+
+  [[nodiscard]] const sim::Sight& sight() const { return renderer; }
+  [[nodiscard]] double bake_seconds() const { return renderer.bake_seconds(); }
+  void expose(std::uint32_t frame, double t_start, std::span<const sim::BodyPose> history) {
+    renderer.render(frame, t_start, history, bytes);
+  }
+  void deliver(Sensors& sensors) const {
+    sensors.image =
+        Image{bytes.data(), PixelFormat::kUyvy, truth.stored_width, truth.stored_height, 90};
+  }
+  [[nodiscard]] std::span<const std::uint8_t> picture() const { return bytes; }
+
+  sim::CameraTruth truth;
+  sim::CameraRenderer renderer;
+  sim::Body body;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// The twin body, and detections without pictures.
+struct IdealSimulator {
+  explicit IdealSimulator(const sim::SimConfig& config)
+      : body{config},
+        vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
+        width{config.camera.stored_height} {}  // the upright picture's
+  IdealSimulator(const IdealSimulator&) = delete;
+  IdealSimulator& operator=(const IdealSimulator&) = delete;
+
+  [[nodiscard]] const sim::Sight& sight() const { return body.sight(); }
+  [[nodiscard]] double bake_seconds() const { return 0.0; }
+  void expose(std::uint32_t, double t_start, std::span<const sim::BodyPose> history) {
+    seen = vision.look(t_start, history);
+  }
+  void deliver(Sensors& sensors) const {
+    SeenGates& gates = sensors.seen.emplace();
+    gates.image_width = width;
+    for (const auto& gate : seen.gates)
+      (void)gates.gates.push_back({gate.corners_px, gate.fitness});
+    if (seen.lower) gates.open = OpenGate{seen.lower->left_px, seen.lower->right_px, 1.0};
+    if (seen.bars) gates.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
+  }
+  [[nodiscard]] std::span<const std::uint8_t> picture() const { return {}; }
+
+  sim::TwinBody body;
+  sim::IdealVision vision;
+  int width;
+  sim::SeenPicture seen;
+};
+
+}  // namespace gatefly::closed_loop

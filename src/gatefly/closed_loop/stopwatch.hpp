@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gatefly/closed_loop/race.hpp"
+
+namespace gatefly::closed_loop {
+
+/// Wall-clock of one stage, for the summary's `timings`; nothing in the race depends on it.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::string stage) : stage_{std::move(stage)} { samples_.reserve(1 << 17); }
+  template <class Work>
+  auto time(Work&& work) {
+    const auto from = std::chrono::steady_clock::now();
+    struct AtEnd {
+      Stopwatch* self;
+      std::chrono::steady_clock::time_point from;
+      ~AtEnd() {
+        self->samples_.push_back(
+            std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - from)
+                .count());
+      }
+    } at_end{this, from};
+    return work();
+  }
+  [[nodiscard]] StageTime result() {
+    if (samples_.empty()) return {stage_};
+    std::sort(samples_.begin(), samples_.end());
+    const auto at = [&](double q) {
+      return static_cast<double>(
+          samples_[static_cast<std::size_t>(q * static_cast<double>(samples_.size() - 1))]);
+    };
+    return {stage_, at(0.5), at(0.99), at(1.0)};
+  }
+
+ private:
+  std::string stage_;
+  std::vector<float> samples_;
+};
+
+}  // namespace gatefly::closed_loop
