@@ -9,8 +9,8 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/files/image_file.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/recording.hpp"
 #include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -31,13 +31,8 @@ inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::Fli
                                          std::vector<flight_log::RecordedTick> ticks,
                                          const io::Config& config,
                                          flight_log::Estimator estimator) {
-  for (std::size_t i = 0; i < folder.images.size(); ++i)
-    ticks[folder.images[i].log_row].picture = i;
-  io::ImageFile picture;
-  const auto load = [&](std::size_t i) {
-    picture = io::read_image(folder.images[i].path, config.stored_width(), config.stored_height());
-    return picture.view(config.stored_rotation_deg);
-  };
+  const auto load = flight_log::picture_loader(folder, config.stored_width(),
+                                               config.stored_height(), config.stored_rotation_deg);
   return flight_log::replay(pilot, ticks, load, estimator);
 }
 
@@ -59,6 +54,8 @@ inline flight_log::ReplayResult replayed_real(
     ticks[i].p_EB = sample.true_p_EB;
     if (i % 20 == 0) ticks[i].sensors.sonar = -sample.true_p_EB->z();  // the log has no sonar
   }
+  for (std::size_t i = 0; i < folder.images.size(); ++i)
+    ticks[folder.images[i].log_row].picture = i;
   return replayed(pilot, folder, std::move(ticks), config, estimator);
 }
 
@@ -70,14 +67,8 @@ inline flight_log::ReplayResult replayed_simulated(const std::filesystem::path& 
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(directory / "track.toml").track;
   pilot.track.laps = 1;
-  std::vector<flight_log::RecordedTick> ticks(folder.samples.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const auto& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
-    ticks[i].p_EB = sample.true_p_EB;
-    ticks[i].sensors.sonar = sample.sonar, ticks[i].sensors.baro = sample.baro;
-  }
-  return replayed(pilot, folder, std::move(ticks), config, flight_log::Estimator::kDrag);
+  return replayed(pilot, folder, flight_log::ticks_of(folder), config,
+                  flight_log::Estimator::kDrag);
 }
 
 }  // namespace gatefly::support
