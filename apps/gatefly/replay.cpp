@@ -15,11 +15,11 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/files/image_file.hpp"
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/scoring.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/recording.hpp"
 #include "gatefly/geometry/math.hpp"
 
 #include "commands.hpp"
@@ -90,28 +90,12 @@ Recording read(const ReplayOptions& options) {
   recording.pilot.track = track.track;
   if (recording.simulated) recording.pilot.track.laps = laps_of_flight(directory, track.track.laps);
 
-  // A real log: heading from its own AHRS plus the offset to motion capture; height from motion
-  // capture, which stands in for the sonar that was not logged.
+  // A real log: heading from its own AHRS plus the offset to motion capture.
   const auto& samples = recording.folder.samples;
-  const bool has_height = samples.front().sonar || samples.front().baro || recording.simulated;
   if (!recording.simulated && samples.front().ahrs)
     recording.pilot.track.start_heading =
         wrap_angle(samples.front().ahrs->yaw + options.heading_offset_deg * kDegree);
-  double last_z = 0.0;
-  recording.ticks.resize(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    auto& tick = recording.ticks[i];
-    tick.sensors.time = samples[i].time;
-    tick.sensors.imu = samples[i].imu;
-    tick.sensors.sonar = samples[i].sonar;
-    tick.sensors.baro = samples[i].baro;
-    tick.p_EB = samples[i].true_p_EB;
-    if (!has_height && tick.p_EB && tick.p_EB->z() != last_z)
-      tick.sensors.sonar = last_z = -tick.p_EB->z();
-    if (!has_height && tick.p_EB) last_z = tick.p_EB->z();
-  }
-  for (std::size_t i = 0; i < recording.folder.images.size(); ++i)
-    recording.ticks[recording.folder.images[i].log_row].picture = i;
+  recording.ticks = flight_log::ticks_of(recording.folder);
   return recording;
 }
 
@@ -227,13 +211,9 @@ int replay(const ReplayOptions& options) {
   refuse_ideal(options.directory);
   const bool is_drag = options.estimator == "drag";
   const Recording recording = read(options);
-  io::ImageFile picture;
-  const auto load_picture = [&](std::size_t i) {
-    picture =
-        io::read_image(recording.folder.images[i].path, recording.config.camera.stored_width(),
-                       recording.config.camera.stored_height());
-    return picture.view(recording.config.camera.stored_rotation_deg);
-  };
+  const auto load_picture = flight_log::picture_loader(
+      recording.folder, recording.config.camera.stored_width(), recording.config.camera.stored_height(),
+      recording.config.camera.stored_rotation_deg);
   const flight_log::ReplayResult result = [&] {
     try {
       return flight_log::replay(

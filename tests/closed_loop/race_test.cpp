@@ -180,6 +180,62 @@ TEST(IdealRace, ThePilotsAnswersFollowFromItsSensorsAlone) {
   EXPECT_TRUE(same_bytes(trace.answers, answers));
 }
 
+/// A search, and what came of it.
+struct Searched {
+  int target = 0, passed = 0;  ///< When it began.
+  bool found = false;          ///< The pilot flew on towards the same gate ...
+  int next_target = -1;        ///< ... and, that one passed, to this.
+};
+
+struct SearchedFlight {
+  std::vector<Searched> searches;
+  int believed = 0;  ///< Gates that the pilot thinks it passed.
+  RaceResult result;
+};
+
+SearchedFlight searched(const RaceConfig& race) {
+  SearchedFlight flight;
+  bool was_searching = false;
+  flight.result = fly(race, [&](const Tick& tick) {
+    const bool searching = std::holds_alternative<Search>(tick.pilot.phase());
+    flight.believed = tick.pilot.estimate().gates_passed;
+    if (searching && !was_searching)
+      flight.searches.push_back({tick.pilot.target_gate(), flight.believed});
+    if (!flight.searches.empty()) {
+      Searched& last = flight.searches.back();
+      last.found =
+          last.found || (was_searching && std::holds_alternative<Straight>(tick.pilot.phase()));
+      if (flight.believed == last.passed + 1 && last.next_target < 0)
+        last.next_target = tick.pilot.target_gate();
+    }
+    was_searching = searching;
+    return true;
+  });
+  return flight;
+}
+
+// Six frames in seven are lost: again and again the pilot has to look for its gate.
+TEST(IdealRace, AGateThatWasLostIsFoundAndPassedAndTheNextOneFollows) {
+  int rounds = 0, finished = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    RaceConfig race = ideal_race_on("oval", seed, 3);
+    race.sim.sensors.frame_loss = 0.85;
+    const SearchedFlight flight = searched(race);
+    EXPECT_EQ(flight.result.searches, static_cast<int>(flight.searches.size()));
+    if (!flight.result.finished) continue;
+    ++finished;
+    EXPECT_EQ(flight.believed, flight.result.gates_passed) << "what it believes, it has passed";
+    for (const Searched& search : flight.searches)
+      if (search.found && search.next_target >= 0 && search.passed + 1 < 6) {
+        EXPECT_EQ(search.next_target, (search.target + 1) % 2);
+        ++rounds;
+      }
+  }
+  EXPECT_GE(finished, 5);
+  EXPECT_GE(rounds, 3);
+}
+
 TEST(IdealRace, AWallThatThePilotDoesNotKnowOfIsACrashWithAName) {
   RaceConfig race = ideal_race_on("oval", 1001, 1);
   race.sim.world.obstacles.push_back(

@@ -9,6 +9,7 @@
 
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/flight_recorder.hpp"
 
 #include "support/temp_folder.hpp"
 

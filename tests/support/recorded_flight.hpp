@@ -8,8 +8,8 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/files/image_file.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/recording.hpp"
 #include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -20,22 +20,14 @@ namespace gatefly::support {
 inline std::filesystem::path real_flights() { return real_data() / "tudelft_bebop_flights"; }
 
 inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
-                                         std::vector<flight_log::RecordedTick> ticks,
                                          const io::Config& config,
                                          flight_log::Estimator estimator) {
-  for (std::size_t i = 0; i < folder.images.size(); ++i)
-    ticks[folder.images[i].log_row].picture = i;
-  io::ImageFile picture;
-  const auto load = [&](std::size_t i) {
-    picture = io::read_image(folder.images[i].path, config.camera.stored_width(),
-                             config.camera.stored_height());
-    return picture.view(config.camera.stored_rotation_deg);
-  };
-  return flight_log::replay(pilot, ticks, load, estimator);
+  const auto load = flight_log::picture_loader(folder, config.camera.stored_width(),
+                                               config.camera.stored_height(), config.camera.stored_rotation_deg);
+  return flight_log::replay(pilot, flight_log::ticks_of(folder), load, estimator);
 }
 
-/// A real flight: heading from its own AHRS plus the offset to motion capture, whose height stands
-/// in for a sonar.
+/// A real flight: heading from its own AHRS plus the offset to motion capture.
 inline flight_log::ReplayResult replayed_real(
     const std::filesystem::path& directory, double heading_offset_deg,
     flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
@@ -44,15 +36,8 @@ inline flight_log::ReplayResult replayed_real(
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
   pilot.track.start_heading =
-      wrap_angle(folder.samples.front().ahrs->yaw + heading_offset_deg * kDegree);
-  std::vector<flight_log::RecordedTick> ticks(folder.samples.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const auto& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
-    ticks[i].p_EB = sample.true_p_EB;
-    if (i % 20 == 0) ticks[i].sensors.sonar = -sample.true_p_EB->z();  // the log has no sonar
-  }
-  return replayed(pilot, folder, std::move(ticks), config, estimator);
+      wrap_angle(folder.samples.front().ahrs.value().yaw + heading_offset_deg * kDegree);
+  return replayed(pilot, folder, config, estimator);
 }
 
 /// A simulated flight, which carries its own track and configuration.
@@ -63,14 +48,7 @@ inline flight_log::ReplayResult replayed_simulated(const std::filesystem::path& 
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(directory / "track.toml").track;
   pilot.track.laps = 1;
-  std::vector<flight_log::RecordedTick> ticks(folder.samples.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const auto& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
-    ticks[i].p_EB = sample.true_p_EB;
-    ticks[i].sensors.sonar = sample.sonar, ticks[i].sensors.baro = sample.baro;
-  }
-  return replayed(pilot, folder, std::move(ticks), config, flight_log::Estimator::kDrag);
+  return replayed(pilot, folder, config, flight_log::Estimator::kDrag);
 }
 
 }  // namespace gatefly::support

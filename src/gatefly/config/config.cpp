@@ -197,6 +197,12 @@ void check(const Config& c) {
                              ", must be 0, 90, 180 or 270");
 }
 
+/// As a configuration file has it: whole, where a message would cut it.
+std::string written(const json& value) {
+  return value.is_string() ? value.dump(-1, ' ', false, json::error_handler_t::replace)
+                           : shown(value);
+}
+
 void read_color_table(Config& c) {
   if (c.gate.color_table.empty()) return;
   try {
@@ -237,27 +243,30 @@ std::string show(const Config& config) {
   std::ostringstream text;
   std::string section;
   const auto line = [&](const std::string& name, const std::string& value,
-                        const std::string& source) {
+                        const std::string& source, const std::string& before = "") {
     const auto dot = name.find('.');
     if (name.substr(0, dot) != section) {
       text << (section.empty() ? "" : "\n") << '[' << (section = name.substr(0, dot)) << "]\n";
     }
     const auto set_by = config.set_by.find(name);
     const std::string unit = unit_of(name);
-    text << std::left << std::setw(28) << name.substr(dot + 1) << " = " << std::setw(22) << value
-         << "  # " << (unit.empty() ? "" : unit + ", ")
+    text << std::left << std::setw(28) << before + name.substr(dot + 1) << " = " << std::setw(22)
+         << value << "  # " << (unit.empty() ? "" : unit + ", ")
          << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second)
          << '\n';
   };
   for (const auto& key : config_keys())
-    line(key.rule.name, shown(key.get(config)), key.rule.source);
+    line(key.rule.name, written(key.get(config)), key.rule.source);
   const json& over = config.randomize;
-  const auto or_track = [&](const std::string& key) {
-    return over.contains(key) ? shown(over[key]) : "\"track's\"";
+  const auto line_or_track = [&](const std::string& name) {
+    const std::string key = name.substr(10);
+    if (over.contains(key))
+      line(name, written(over[key]), "");
+    else
+      line(name, "\"track's\"", "the track file's", "# ");
   };
-  line("randomize.level", or_track("level"), "the track file's");
-  for (const auto& key : randomize_keys())
-    line(key.rule.name, or_track(key.rule.name.substr(10)), "the track file's");
+  line_or_track("randomize.level");
+  for (const auto& key : randomize_keys()) line_or_track(key.rule.name);
   return text.str();
 }
 

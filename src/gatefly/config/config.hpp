@@ -58,7 +58,8 @@ struct Config {
 /// configs/default.toml of ./configs or the source tree, then `names`: paths, or names in configs/.
 [[nodiscard]] std::vector<std::filesystem::path> config_files(std::span<const std::string> names);
 
-/// Every key with its value, unit, who set it, and the default's source; one line each.
+/// Every key with its value, unit, who set it, and the default's source; one line each. As a file
+/// it loads as the same configuration: what the track decides is a comment.
 [[nodiscard]] std::string show(const Config& config);
 
 /// {section: {key: value}}, effective values.

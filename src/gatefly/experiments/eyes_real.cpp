@@ -14,8 +14,8 @@
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/located_flights.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
-#include "gatefly/files/image_file.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/recording.hpp"
 #include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -52,11 +52,8 @@ struct Replayed {
 /// plane.
 Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe& airframe,
                   const io::Config& config, Estimator estimator) {
-  io::ImageFile file;
-  const auto load = [&](std::size_t i) {
-    file = io::read_image(flight.folder.images[i].path);
-    return file.view(config.camera.stored_rotation_deg);
-  };
+  const auto load = flight_log::picture_loader(flight.folder, config.camera.stored_width(),
+                                               config.camera.stored_height(), config.camera.stored_rotation_deg);
   const ReplayResult result = flight_log::replay(pilot, flight.ticks, load, estimator);
   if (!result.finite)
     throw std::runtime_error(flight.folder.directory.string() +

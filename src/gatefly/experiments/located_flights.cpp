@@ -34,23 +34,12 @@ constexpr double kBorderPx = 3.0, kOutlierPx = 5.0;
 constexpr std::size_t kFewestPictures = 5;
 constexpr double kSameGate = 0.5;  // places nearer than this are one gate's [m]
 
-/// The log has no sonar: motion capture's height, with noise, along the body's axis.
+/// With a sonar that is as noisy as a real one.
 std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
-  std::vector<RecordedTick> ticks(folder.samples.size());
-  sim::Stream noise{1, "altitude"};
-  double next = 0.0;
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const io::FlightSample& sample = folder.samples[i];
-    ticks[i].sensors.time = sample.time, ticks[i].sensors.imu = sample.imu,
-    ticks[i].p_EB = sample.true_p_EB;
-    if (!sample.true_p_EB || !sample.ahrs || seconds(sample.time) < next) continue;
-    next = seconds(sample.time) + kAltitudePeriod;
-    const double height = -sample.true_p_EB->z() + kAltitudeSigma * noise.normal();
-    if (height > 0.0) ticks[i].sensors.sonar = height / rotation_EB(*sample.ahrs).matrix(2, 2);
-  }
-  for (std::size_t i = 0; i < folder.images.size(); ++i)
-    ticks[folder.images[i].log_row].picture = i;
-  return ticks;
+  return flight_log::ticks_of(
+      folder, {.period = kAltitudePeriod, .noise = [stream = sim::Stream{1, "altitude"}]() mutable {
+                 return kAltitudeSigma * stream.normal();
+               }});
 }
 
 /// Attitudes that our AHRS has without any picture.

@@ -8,16 +8,10 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/flight_log/recording.hpp"
 #include "gatefly/race/pilot.hpp"
 
 namespace gatefly::flight_log {
-
-/// One recorded IMU tick: what the sensors said, and where the drone really was, if the log knows.
-struct RecordedTick {
-  Sensors sensors;                      ///< Without its image.
-  std::optional<std::size_t> picture;   ///< Index of the picture that arrived with it.
-  std::optional<Eigen::Vector3d> p_EB;  ///< Truth [m].
-};
 
 /// A row of estimates.csv.
 struct EstimateRow {

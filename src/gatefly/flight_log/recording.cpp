@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/flight_log/recording.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/geometry/attitude.hpp"
+
+namespace gatefly::flight_log {
+namespace {
+
+bool has_height(const io::FlightFolder& folder) {
+  return std::any_of(folder.samples.begin(), folder.samples.end(),
+                     [](const io::FlightSample& s) { return s.sonar || s.baro; });
+}
+
+/// How upright the drone is by the log: the cosine of its tilt.
+double upright(const io::FlightSample& sample) {
+  const auto attitude = sample.true_attitude ? sample.true_attitude : sample.ahrs;
+  return attitude ? rotation_EB(*attitude).matrix(2, 2) : 1.0;
+}
+
+void add_sonar(std::vector<RecordedTick>& ticks, const io::FlightFolder& folder,
+               const SonarStandIn& sonar) {
+  std::optional<double> last;
+  std::optional<Eigen::Vector3d> before;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const io::FlightSample& sample = folder.samples[i];
+    const double t = std::chrono::duration<double>(sample.time).count();
+    const bool is_new = sample.true_p_EB != before, is_due = !last || t >= *last + sonar.period;
+    before = sample.true_p_EB;
+    if (!sample.true_p_EB || !(sonar.period > 0.0 ? is_due : is_new)) continue;
+    last = t;
+    const double height = -sample.true_p_EB->z() + (sonar.noise ? sonar.noise() : 0.0);
+    const double up = upright(sample);
+    if (height > 0.0 && up > 0.0) ticks[i].sensors.sonar = height / up;
+  }
+}
+
+}  // namespace
+
+std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarStandIn& sonar) {
+  std::vector<RecordedTick> ticks;
+  ticks.reserve(folder.samples.size());
+  for (const io::FlightSample& sample : folder.samples)
+    ticks.push_back({.sensors = {.time = sample.time,
+                                 .imu = sample.imu,
+                                 .sonar = sample.sonar,
+                                 .baro = sample.baro},
+                     .picture = std::nullopt,
+                     .p_EB = sample.true_p_EB});
+  if (!has_height(folder)) add_sonar(ticks, folder, sonar);
+  for (std::size_t i = 0; i < folder.images.size(); ++i) {
+    const io::FlightImage& image = folder.images[i];
+    if (image.log_row >= ticks.size())
+      throw std::invalid_argument(image.path.string() + ": arrives in row " +
+                                  std::to_string(image.log_row) + " of a log of " +
+                                  std::to_string(ticks.size()));
+    ticks[image.log_row].picture = i;
+  }
+  return ticks;
+}
+
+std::function<Image(std::size_t)> picture_loader(const io::FlightFolder& folder, int stored_width,
+                                                 int stored_height, int rotation_deg) {
+  return [&folder, stored_width, stored_height, rotation_deg,
+          file = io::ImageFile{}](std::size_t i) mutable {
+    file = io::read_image(folder.images.at(i).path, stored_width, stored_height);
+    return file.view(rotation_deg);
+  };
+}
+
+}  // namespace gatefly::flight_log

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a team measures once reaches the pilot and the simulator alike.
+#include <cmath>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::io {
+namespace {
+
+/// What pilot and simulator are told by the same settings.
+struct Told {
+  explicit Told(const std::vector<std::string>& settings)
+      : config{load_config(std::vector<std::filesystem::path>{}, settings)} {}
+
+  Config config;
+  const PilotConfig& pilot = config.pilot;
+  const decltype(Config::sim)& simulator = config.sim;
+};
+
+TEST(Derived, TheCamerasMountIsThePilotsAndTheSimulators) {
+  for (const double tilt : {-30.0, 0.0, 13.3, 60.0}) {
+    const Told told{
+        {"camera.tilt_deg=" + std::to_string(tilt), "camera.position_m=[0.1, 0.02, -0.03]"}};
+    const Eigen::Vector3d forward_B = told.pilot.camera.R_BC * Eigen::Vector3d::UnitZ();
+    EXPECT_NEAR(std::asin(forward_B.z()), tilt * kDegree, 1e-12);
+    EXPECT_NEAR(forward_B.y(), 0.0, 1e-15);
+    EXPECT_NEAR(told.simulator.camera.tilt_down, tilt * kDegree, 1e-12);
+    EXPECT_EQ(told.pilot.camera.p_BC, Eigen::Vector3d(0.1, 0.02, -0.03));
+    EXPECT_EQ(told.simulator.camera.p_BC, Eigen::Vector3d(0.1, 0.02, -0.03));
+  }
+}
+
+TEST(Derived, TheLensIsThePilotsAndTheSimulators) {
+  for (const char* model : {"dhane", "brown-conrady", "kannala-brandt"}) {
+    std::vector<std::string> settings{std::string{"camera.model="} + model,
+                                      "camera.focal_px=[150, 151]", "camera.center_px=[140, 70]"};
+    if (model == std::string{"brown-conrady"})
+      settings.emplace_back("camera.distortion=[-0.3, 0.1, 0.002, -0.001, -0.02]");
+    if (model == std::string{"kannala-brandt"})
+      settings.emplace_back("camera.distortion=[0.1, -0.02, 0.003, 0]");
+    const Told told{settings};
+    for (const double x : {-0.5, 0.0, 0.7}) {
+      const auto px = told.pilot.camera.lens.project({x, 0.2, 1.0});
+      ASSERT_TRUE(px.has_value());
+      EXPECT_EQ(px, told.simulator.camera.lens.project({x, 0.2, 1.0})) << model;
+    }
+  }
+}
+
+// From the middle of the exposure of the middle line to arrival: half of exposure and read-out, all
+// of the way.
+TEST(Derived, ThePilotsLatencyIsHalfOfExposureAndReadoutAndAllOfTheWay) {
+  struct Case {
+    double latency_ms, exposure_ms, readout_ms, seconds;
+  };
+  for (const Case& c : {Case{50, 0.01, 0, 0.050005}, Case{0, 8, 0, 0.004},
+                        Case{0, 0.01, 20, 0.010005}, Case{50, 4, 20, 0.062}}) {
+    const Told told{{"camera.latency_ms=" + std::to_string(c.latency_ms),
+                     "camera.exposure_ms=" + std::to_string(c.exposure_ms),
+                     "camera.readout_ms=" + std::to_string(c.readout_ms)}};
+    EXPECT_NEAR(told.pilot.camera_timing.latency, c.seconds, 1e-12);
+    EXPECT_NEAR(told.pilot.camera_timing.readout, 1e-3 * c.readout_ms, 1e-12);
+    EXPECT_NEAR(told.simulator.sensors.camera_latency, 1e-3 * c.latency_ms, 1e-12);
+    EXPECT_NEAR(told.simulator.camera.exposure, 1e-3 * c.exposure_ms, 1e-12);
+    EXPECT_NEAR(told.simulator.camera.readout, 1e-3 * c.readout_ms, 1e-12);
+  }
+}
+
+// The detector measures the frame of the bars' middle lines: 0.9 m for a side of 1 m.
+TEST(Derived, CornersOfAnotherKindScaleTheDetectorsFrame) {
+  const auto scale = [](const std::string& corners) {
+    return Told{{"gate.corners=" + corners, "gate.side_m=1", "gate.bar_m=0.1"}}
+        .pilot.detector.corner_scale;
+  };
+  EXPECT_DOUBLE_EQ(scale("outer"), 1.0 / 0.9);
+  EXPECT_DOUBLE_EQ(scale("middle"), 1.0);
+  EXPECT_DOUBLE_EQ(scale("inner"), 0.8 / 0.9);
+  const Told wide{{"gate.side_m=2", "gate.bar_m=0.1"}};
+  EXPECT_DOUBLE_EQ(wide.pilot.detector.bar_ratio, 0.05) << "the bar, as a part of the side";
+}
+
+TEST(Derived, TheVehicleIsThePilotsAndTheSimulators) {
+  const Told told{{"vehicle.mass_kg=0.5", "vehicle.inertia_kgm2=[0.001, 0.002, 0.003]",
+                   "vehicle.arm_m=[0.2, 0.3]", "vehicle.thrust_coefficient=2e-6",
+                   "vehicle.torque_coefficient_m=0.02", "vehicle.max_rotor_radps=1300"}};
+  const auto expect = [](const auto& vehicle) {
+    EXPECT_EQ(vehicle.mass, 0.5);
+    EXPECT_EQ(vehicle.inertia, Eigen::Vector3d(0.001, 0.002, 0.003));
+    EXPECT_EQ(vehicle.arm_x, 0.2);
+    EXPECT_EQ(vehicle.arm_y, 0.3);
+    EXPECT_EQ(vehicle.thrust_coefficient, 2e-6);
+    EXPECT_EQ(vehicle.torque_coefficient, 0.02);
+    EXPECT_EQ(vehicle.max_speed, 1300.0);
+  };
+  expect(told.pilot.vehicle);
+  expect(told.simulator.vehicle);
+}
+
+// The pilot's rotor model is what it believes; the simulator's is the truth, and its own key.
+TEST(Derived, RotorsLagAsEachIsTold) {
+  const Told told{{"vehicle.rotor_time_constant_ms=30", "sim.rotor_time_constant_ms=40"}};
+  EXPECT_DOUBLE_EQ(told.pilot.vehicle.rotor_time_constant, 0.030);
+  EXPECT_DOUBLE_EQ(told.simulator.vehicle.rotor_time_constant, 0.040);
+}
+
+}  // namespace
+}  // namespace gatefly::io

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// A gate that cannot be seen: wait before it, look around, go on once it is there.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/race/pilot.hpp"
+
+#include "support/draw_gate.hpp"
+
+namespace gatefly {
+namespace {
+
+using Eigen::Vector3d;
+
+PilotConfig two_gates() {
+  PilotConfig c;
+  c.track.gates = {{{4, 0, -1.5}, 0.0}, {{2, 4, -1.5}, kPi}};
+  c.camera = test::bebop_rig();
+  return c;
+}
+
+/// A pilot whose drone flies as the test says, level, whatever the pilot commands. The
+/// accelerometer shows the drag of that speed, by which the pilot knows it.
+class LedDrone {
+ public:
+  LedDrone() {
+    fly({0, 0}, 10.0, [&] { return in<Straight>(); });
+    EXPECT_TRUE(in<Straight>()) << name_of(pilot.phase());
+  }
+
+  /// For `seconds`, or until `enough` says so.
+  void fly(
+      const Eigen::Vector2d& v_B, double seconds,
+      const std::function<bool()>& enough = [] { return false; }) {
+    for (int i = 0; i < static_cast<int>(512 * seconds) && !enough(); ++i, ++tick_) {
+      Sensors s;
+      s.time = std::chrono::nanoseconds{tick_ * 1'953'125LL};  // 512 Hz
+      const Vector3d drag{config.filter.model.drag.x() * v_B.x(),
+                          config.filter.model.drag.y() * v_B.y(), 0.0};
+      s.imu = {Vector3d::Zero(), drag - Vector3d{0, 0, config.filter.model.gravity}};
+      if (!in<OnGround>()) height_ = std::min(1.5, height_ + 0.8 / 512.0);
+      p_EB_ += Vector3d{v_B.x(), v_B.y(), 0.0} / 512.0;
+      if (tick_ % 26 == 0) s.sonar = height_;
+      if (tick_ % 20 == 0) s.baro = height_;
+      if (sees_gate && tick_ % 34 == 0)
+        s.seen = target_gate(-config.camera_timing.latency * Vector3d{v_B.x(), v_B.y(), 0.0});
+      command = pilot.step(s);
+    }
+  }
+
+  template <class P>
+  [[nodiscard]] bool in() const {
+    return std::holds_alternative<P>(pilot.phase());
+  }
+  [[nodiscard]] double x() const { return pilot.estimate().p_GB.x(); }
+
+  PilotConfig config = two_gates();
+  Pilot pilot{config};
+  Command command;
+  bool sees_gate = false;  ///< Exactly where it shows.
+
+ private:
+  /// From where the drone was, `moved` from where it is.
+  [[nodiscard]] SeenGates target_gate(const Vector3d& moved) const {
+    const MapGate& gate = config.track.gates[static_cast<std::size_t>(pilot.target_gate())];
+    const Vector3d p_EB = p_EB_ + moved - Vector3d{0, 0, height_};
+    const auto corners = test::corners_of(
+        gate.side, {rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG), {0, 0, -gate.yaw_EG}},
+        config.camera);
+    SeenGates seen;
+    if (corners) (void)seen.gates.push_back({*corners, 1.0});
+    return seen;
+  }
+
+  long long tick_ = 1;
+  double height_ = 0.0;
+  Vector3d p_EB_ = Vector3d::Zero();  ///< Where it stands or flies above.
+};
+
+/// Waited in the air until the pilot no longer knows well enough where it is, then flew on.
+LedDrone searching_before_the_first_gate() {
+  LedDrone drone;
+  drone.fly({0, 0}, 8.0);
+  drone.fly({1.0, 0}, 6.0, [&] { return drone.in<Search>(); });
+  EXPECT_TRUE(drone.in<Search>()) << name_of(drone.pilot.phase()) << " at " << drone.x();
+  return drone;
+}
+
+TEST(Search, BeginsBeforeAGateThatIsNotSeenWhereThePilotIsInDoubt) {
+  const LedDrone drone = searching_before_the_first_gate();
+  EXPECT_LT(drone.x(), -drone.config.phase.search_until + 0.02);
+  EXPECT_GT(drone.x(), -drone.config.phase.search_before - 0.02);
+  EXPECT_EQ(drone.pilot.target_gate(), 0);
+  EXPECT_EQ(drone.pilot.estimate().gates_passed, 0);
+}
+
+TEST(Search, DoesNotBeginWhereTheGateIsSeen) {
+  LedDrone drone;
+  drone.sees_gate = true;
+  drone.fly({0, 0}, 8.0);
+  drone.fly({1.0, 0}, 6.0, [&] {
+    EXPECT_FALSE(drone.in<Search>()) << "at " << drone.x();
+    return drone.pilot.estimate().gates_passed > 0 || ::testing::Test::HasFailure();
+  });
+  EXPECT_EQ(drone.pilot.estimate().gates_passed, 1);
+}
+
+TEST(Search, LooksToBothSidesOfTheGate) {
+  LedDrone drone = searching_before_the_first_gate();
+  double left = 0.0, right = 0.0;
+  drone.fly({0, 0}, 7.0, [&] {
+    left = std::min(left, drone.command.attitude.yaw);
+    right = std::max(right, drone.command.attitude.yaw);
+    return false;
+  });
+  EXPECT_TRUE(drone.in<Search>());
+  EXPECT_LT(left, -30 * kDegree);
+  EXPECT_GT(right, 30 * kDegree);
+}
+
+TEST(Search, FoundAgainTheGateIsPassedAndTheNextOneIsTheTarget) {
+  LedDrone drone = searching_before_the_first_gate();
+  drone.fly({0, 0}, 2.0);
+  EXPECT_TRUE(drone.in<Search>()) << "nothing seen yet";
+
+  drone.sees_gate = true;
+  drone.fly({0, 0}, 4.0, [&] { return !drone.in<Search>(); });
+  EXPECT_TRUE(drone.in<Straight>()) << name_of(drone.pilot.phase());
+  EXPECT_EQ(drone.pilot.target_gate(), 0) << "found, not passed";
+
+  Vector3d before = Vector3d::Zero();
+  drone.fly({1.0, 0}, 6.0, [&] {
+    EXPECT_FALSE(drone.in<Search>());
+    if (drone.pilot.estimate().gates_passed == 0) before = drone.pilot.estimate().p_EB;
+    return drone.pilot.estimate().gates_passed > 0;
+  });
+  EXPECT_EQ(drone.pilot.estimate().gates_passed, 1);
+  EXPECT_EQ(drone.pilot.target_gate(), 1);
+  EXPECT_NEAR(before.x(), 4.1, 0.02) << "just behind the gate";
+  EXPECT_LT((drone.pilot.estimate().p_EB - before).norm(), 0.01) << "the place is the same";
+  EXPECT_NEAR(drone.x(), -2.1, 0.1) << "seen from the second gate, which faces the other way";
+  EXPECT_EQ(drone.pilot.abort_reason(), AbortReason::kNone);
+}
+
+TEST(Search, ADriftThroughTheOpeningIsAPass) {
+  LedDrone drone = searching_before_the_first_gate();
+  drone.fly({0.5, 0}, 6.0, [&] {
+    EXPECT_TRUE(drone.in<Search>());
+    return drone.pilot.estimate().gates_passed > 0;
+  });
+  EXPECT_EQ(drone.pilot.estimate().gates_passed, 1);
+  EXPECT_EQ(drone.pilot.target_gate(), 1);
+  EXPECT_NEAR(drone.pilot.estimate().p_EB.x(), 4.1, 0.02);
+}
+
+TEST(Search, ADriftPastTheGateIsNone) {
+  LedDrone drone = searching_before_the_first_gate();
+  drone.fly({0, 0.5}, 1.6);  // 0.8 m to the right: the opening ends at 0.5
+  drone.fly({0.5, 0}, 5.0);
+  EXPECT_GT(drone.x(), 0.3);
+  EXPECT_GT(drone.pilot.estimate().p_GB.y(), 0.6);
+  EXPECT_EQ(drone.pilot.estimate().gates_passed, 0);
+  EXPECT_EQ(drone.pilot.target_gate(), 0);
+  EXPECT_TRUE(drone.in<Search>()) << name_of(drone.pilot.phase());
+}
+
+TEST(Search, EndsWithALandingAndAReasonWhereNoGateIsFound) {
+  LedDrone drone = searching_before_the_first_gate();
+  drone.fly({0, 0}, drone.config.phase.search_timeout + 0.1, [&] { return !drone.in<Search>(); });
+  EXPECT_TRUE(drone.in<Land>()) << name_of(drone.pilot.phase());
+  EXPECT_EQ(drone.pilot.abort_reason(), AbortReason::kGateNotFound);
+}
+
+}  // namespace
+}  // namespace gatefly
