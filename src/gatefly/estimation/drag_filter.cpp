@@ -21,31 +21,53 @@ using Cross = DragFilter::Cross;
 // time constants [s]. [ours: fixes of 30 races]
 constexpr double kTiltLasts = 5.0, kScaleLasts = 2.0;
 
-template <int N>
+// N neighbouring states from `kFirst` on are measured: H picks their rows, and is never multiplied by.
+template <int N, int kFirst = kX>
 struct Measurement {
   Eigen::Matrix<double, N, 1> innovation;
-  Eigen::Matrix<double, N, kStates> H;          ///< Picks N of the position states.
   Eigen::Matrix<double, N, N> R;                ///< What is new in every measurement ...
   Eigen::Matrix<double, N, lasting::kCount> L;  ///< ... and what is not.
+
+  template <class Matrix>  // H M
+  [[nodiscard]] static auto rows_of(const Matrix& m) {
+    return m.template middleRows<N>(kFirst);
+  }
+  template <class Matrix>  // M Hᵀ
+  [[nodiscard]] static auto columns_of(const Matrix& m) {
+    return m.template middleCols<N>(kFirst);
+  }
 };
 
-template <int N>
+template <int N, int kFirst>
 Eigen::Matrix<double, N, N> covariance_of_innovation(const StateMatrix& P, const Cross& C,
-                                                     const Measurement<N>& m) {
-  const Eigen::Matrix<double, N, N> HCL = m.H * C * m.L.transpose();
-  return m.H * P * m.H.transpose() + HCL + HCL.transpose() + m.L * m.L.transpose() + m.R;
+                                                     const Measurement<N, kFirst>& m) {
+  const Eigen::Matrix<double, N, lasting::kCount> HC = m.rows_of(C);
+  const Eigen::Matrix<double, N, N> HCL = HC * m.L.transpose();
+  const Eigen::Matrix<double, N, N> LL = m.L * m.L.transpose();
+  return m.columns_of(m.rows_of(P)) + HCL + HCL.transpose() + LL + m.R;
+}
+
+// S⁻¹ B for a symmetric S of at most three rows: one decomposition for all sizes.
+template <int N, int kColumns>
+Eigen::Matrix<double, N, kColumns> solved(const Eigen::Matrix<double, N, N>& S,
+                                          const Eigen::Matrix<double, N, kColumns>& B) {
+  using UpTo3 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+  using Right = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, kStates>;
+  const Right X = Eigen::LDLT<UpTo3>{UpTo3{S}}.solve(Right{B});
+  return X;
 }
 
 // EKF update in place. Li18 appendix (4), and (5) in Joseph form, with what lasts considered, not
 // estimated [Schmidt 1966].
-template <int N>
-void update(State& x, StateMatrix& P, Cross& C, const Measurement<N>& m) {
+template <int N, int kFirst>
+void update(State& x, StateMatrix& P, Cross& C, const Measurement<N, kFirst>& m) {
   const Eigen::Matrix<double, N, N> S = covariance_of_innovation(P, C, m);
   // K = (P Hᵀ + C Lᵀ) S⁻¹, by solving S Kᵀ = H P + L Cᵀ: S is never inverted.
-  const Eigen::Matrix<double, kStates, N> K =
-      S.ldlt().solve(m.H * P + m.L * C.transpose()).transpose();
+  const Eigen::Matrix<double, N, kStates> HP_LC = m.rows_of(P) + m.L * C.transpose();
+  const Eigen::Matrix<double, kStates, N> K = solved<N, kStates>(S, HP_LC).transpose();
   x += K * m.innovation;
-  const StateMatrix I_KH = StateMatrix::Identity() - K * m.H;
+  StateMatrix I_KH = StateMatrix::Identity();
+  I_KH.template middleCols<N>(kFirst) -= K;
   const StateMatrix mixed = I_KH * C * m.L.transpose() * K.transpose();
   const StateMatrix joseph = I_KH * P * I_KH.transpose() +
                              K * (m.R + m.L * m.L.transpose()) * K.transpose() - mixed -
@@ -59,8 +81,6 @@ template <int N>
 Measurement<N> measured(const Fix& fix, const Eigen::Vector3d& innovation) {
   Measurement<N> m;
   m.innovation = innovation.head<N>();
-  m.H.setZero();
-  m.H.template leftCols<N>().setIdentity();
   m.L = fix.lasting.topRows<N>();
   m.R = (fix.lasting.isZero(0.0) ? fix.covariance : fix.white).topLeftCorner<N, N>();
   return m;
@@ -130,7 +150,7 @@ double DragFilter::distance2(const Fix& fix) const {
   const Eigen::Vector3d innovation = fix.p_GB - position();
   if (!innovation.allFinite()) return 1e12;
   const auto squared = [&](const auto& m) {
-    return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation));
+    return m.innovation.dot(solved(covariance_of_innovation(P_, C_, m), m.innovation));
   };
   return fix.has_height ? squared(measured<3>(fix, innovation))
                         : squared(measured<2>(fix, innovation));
@@ -168,12 +188,9 @@ void DragFilter::restart(const Fix& fix) {
 
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
   const double innovation = z_G - x_(kZ);
-  Measurement<1> m{.innovation = Eigen::Matrix<double, 1, 1>{innovation},
-                   .H = {},
-                   .R = Eigen::Matrix<double, 1, 1>{sigma * sigma},
-                   .L = {}};
-  m.H.setZero();
-  m.H(kZ) = 1.0;
+  Measurement<1, kZ> m;
+  m.innovation << innovation;
+  m.R << sigma * sigma;
   m.L.setZero();
   m.L(lasting::kHeight) = height_sigma;
   if (!std::isfinite(innovation) ||
