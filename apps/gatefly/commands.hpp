@@ -42,11 +42,12 @@ void declare_tune(Command& command);
 /// A subcommand that is compiled into this program.
 struct CommandHere {
   std::string_view name;
-  void (*declare)(Command& command);
+  void (*declare)(Command& command);  ///< nullptr: needs the simulator, which was left out.
 };
 /// Which these are: commands_of_gatefly.cpp, commands_of_gatefly_lab.cpp. What one flies and looks
 /// with is in `gatefly`; what takes a laboratory's libraries (Ceres, OpenCV) in `gatefly-lab`, which
-/// `gatefly` calls, so that the first flight need not wait for it to be built.
+/// `gatefly` calls, so that the first flight need not wait for it to be built. Without the simulator
+/// all that is left is in `gatefly`: commands_without_simulator.cpp.
 [[nodiscard]] std::span<const CommandHere> commands_here();
 
 /// Flags that every subcommand has.

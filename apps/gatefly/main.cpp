@@ -69,6 +69,8 @@ constexpr std::array kCommands{
     Listed{"config", "every configuration key with value, unit and source"},
 };
 
+constexpr const char* kNoSimulator = "this program was built without the simulator";
+
 const CommandHere* find_here(std::string_view name) {
   const auto here = commands_here();
   const auto found =
@@ -98,8 +100,10 @@ int run_main(std::span<char*> arguments) {
       "command.");
   Run run;
   for (const auto& [name, help] : kCommands) {
-    Command command{app.add_subcommand(name, help), run};
-    if (const CommandHere* here = find_here(name)) here->declare(command);
+    const CommandHere* here = find_here(name);
+    const bool left_out = here != nullptr && here->declare == nullptr;
+    Command command{app.add_subcommand(name, left_out ? kNoSimulator : help), run};
+    if (here != nullptr && !left_out) here->declare(command);
   }
 
   if (arguments.size() > 1 && arguments[1][0] != '-') {
@@ -110,7 +114,12 @@ int run_main(std::span<char*> arguments) {
                 << io::suggestion(name, names) << " (there are: " << io::joined(names) << ")\n";
       return kUnusable;
     }
-    if (find_here(name) == nullptr) return call_sibling(name, arguments.data());
+    const CommandHere* here = find_here(name);
+    if (here == nullptr) return call_sibling(name, arguments.data());
+    if (here->declare == nullptr) {
+      std::cerr << "gatefly " << name << ": " << kNoSimulator << '\n';
+      return kUnusable;
+    }
   }
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());

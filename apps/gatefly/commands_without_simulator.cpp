@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+
+std::span<const CommandHere> commands_here() {
+  static constexpr std::array kHere{
+      CommandHere{"replay", declare_replay}, CommandHere{"detect", declare_detect},
+      CommandHere{"score", declare_score},   CommandHere{"calibrate", declare_calibrate},
+      CommandHere{"tune", declare_tune},     CommandHere{"identify", declare_identify},
+      CommandHere{"config", declare_config}, CommandHere{"fly", nullptr},
+      CommandHere{"campaign", nullptr},      CommandHere{"reproduce", nullptr},
+      CommandHere{"bench", nullptr},
+  };
+  return kHere;
+}
+
+}  // namespace gatefly::cli

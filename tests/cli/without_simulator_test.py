@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The program that was built without the simulator: what it does, and what it says of the rest.
+
+usage: without_simulator_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
+"""
+import csv
+import json
+import pathlib
+import sys
+import unittest
+
+import cli_test
+
+
+class WithoutSimulator(cli_test.Cli):
+    def flight(self):
+        return cli_test.ROOT / "tests" / "replay" / "oval_flight"
+
+    def test_what_flies_in_the_simulator_is_one_line_and_exit_2(self):
+        for command in ("fly", "campaign", "reproduce", "bench"):
+            for arguments in ((), ("oval", "--seed", "3"), ("--help",)):
+                with self.subTest(command=command, arguments=arguments):
+                    self.assertEqual(self.refused(command, *arguments),
+                                     f"gatefly {command}: this program was built without the simulator\n")
+
+    def test_every_other_command_has_its_help(self):
+        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "config"):
+            with self.subTest(command=command):
+                result = self.run_it(command, "--help")
+                self.assertEqual((result.returncode, result.stderr), (0, ""))
+                self.assertIn("gatefly " + command, result.stdout)
+
+    def test_a_flight_that_was_flown_in_the_simulator_is_replayed(self):
+        result = self.run_it("replay", self.flight(), "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertGreater(json.loads(result.stdout)["fixes"], 0)
+
+    def test_a_gate_is_found_and_scored(self):
+        detections = self.folder / "detections.csv"
+        found = self.run_it("detect", self.flight() / "img_00016.jpg", "--rotate", "90", "--csv", detections)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        with detections.open(encoding="utf-8") as rows:
+            gate = next(csv.DictReader(rows))
+        corners = [corner + axis for corner in ("tl", "tr", "br", "bl") for axis in ("_u", "_v")]
+        labels = self.file("labels.csv", f"image,{','.join(corners)}\nimg_00016.jpg,{','.join(gate[key] for key in corners)}\n")
+        score = self.run_it("score", "--detections", detections, "--labels", labels, "--json")
+        self.assertEqual(json.loads(score.stdout)["hits"], 1, score.stderr)
+
+    def test_keys_of_the_simulator_are_still_checked(self):
+        self.assertEqual(self.run_it("config", "--set", "sim.size_m=[0.5, 0.5, 0.1]").returncode, 0)
+        self.assertIn("sim.sonar_max_m", self.refused("config", "--set", "sim.sonar_max_m=100"))
+        self.assertIn("'gate_position_m'", self.refused("config", "--set", "randomize.gate_positon_m=1"))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    cli_test.GATEFLY = str(pathlib.Path(sys.argv[1]).resolve())
+    cli_test.ROOT = pathlib.Path(sys.argv[2]).resolve()
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
