@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a team measures once reaches the pilot and the simulator alike.
+#include "gatefly/config/derived.hpp"
+
 #include <cmath>
 #include <string>
 #include <variant>
@@ -20,7 +22,7 @@ struct Told {
 
   Config config;
   const PilotConfig& pilot = config.pilot;
-  const decltype(Config::sim)& simulator = config.sim;
+  sim::SimConfig simulator = simulator_config(config, {});
 };
 
 TEST(Derived, TheCamerasMountIsThePilotsAndTheSimulators) {
@@ -100,6 +102,19 @@ TEST(Derived, TheVehicleIsThePilotsAndTheSimulators) {
   };
   expect(told.pilot.vehicle);
   expect(told.simulator.vehicle);
+}
+
+TEST(Derived, RatesArePilotsAndSimulatorsAndTheRestLastsAsLong) {
+  const Told told{{"vehicle.imu_hz=1000", "vehicle.sonar_hz=10", "vehicle.baro_hz=50"}};
+  EXPECT_EQ(told.pilot.imu_hz, 1000.0);
+  EXPECT_EQ(told.pilot.altimeter.sonar_hz, 10.0);
+  EXPECT_EQ(told.simulator.sensors.imu_hz, 1000.0);
+  EXPECT_EQ(told.simulator.sensors.sonar_hz, 10.0);
+  EXPECT_EQ(told.simulator.sensors.baro_hz, 50.0);
+  EXPECT_EQ(told.pilot.phase.rest_samples, 1500);
+  EXPECT_EQ(Told{{"vehicle.imu_hz=200"}}.pilot.phase.rest_samples, 300);
+  const Told asked{{"vehicle.imu_hz=200", "control.rest_samples=77"}};
+  EXPECT_EQ(asked.pilot.phase.rest_samples, 77) << "somebody wants that";
 }
 
 // The pilot's rotor model is what it believes; the simulator's is the truth, and its own key.

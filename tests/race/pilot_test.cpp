@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -393,6 +394,20 @@ TEST(Pilot, AllocatesNothingOnceBuilt) {
   }
   EXPECT_FALSE(in<OnGround>(pilot));
   test::expect_that_allocations_are_counted();
+}
+
+TEST(Pilot, RefusesPicturesThatComeLaterThanItsFilterRemembers) {
+  PilotConfig c = config();
+  c.camera_timing = {.latency = 0.245, .readout = 0.020};
+  try {
+    const Pilot pilot{c};
+    ADD_FAILURE() << "should have refused";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string{error.what()}.find("camera.latency_ms"), std::string::npos);
+    EXPECT_NE(std::string{error.what()}.find("filter.memory_ms"), std::string::npos);
+  }
+  c.filter_memory = 0.3;
+  EXPECT_NO_THROW(Pilot{c});
 }
 
 TEST(Pilot, RefusesACourseThatCannotBeFlown) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gatefly/sim/randomize.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +15,6 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/sim/randomize.hpp"
 
 namespace gatefly::sim {
 namespace {
@@ -88,9 +89,9 @@ Numbers numbers_of(const SimConfig& config) {
   }
   {
     const auto& [accel_bias, flight_bias, gyro_bias, gyro_drift, accel_scale, gyro_scale,
-                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, noise_scale, imu_jitter,
-                 sonar_noise, sonar_max, baro_noise, baro_drift, camera_hz, camera_latency,
-                 latency_jitter, frame_loss] = sensors;
+                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, noise_scale, imu_hz,
+                 sonar_hz, baro_hz, imu_jitter, sonar_noise, sonar_max, baro_noise, baro_drift,
+                 camera_hz, camera_latency, latency_jitter, frame_loss] = sensors;
     put(n, "accel_bias", accel_bias);
     put(n, "flight_bias", flight_bias);
     put(n, "gyro_bias", gyro_bias);
@@ -102,6 +103,7 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "gyro_noise", gyro_noise);
     put(n, "gyro_vibration", gyro_vibration);
     put(n, "noise_scale", noise_scale);
+    put(n, "rates", std::array{imu_hz, sonar_hz, baro_hz});
     put(n, "imu_jitter", imu_jitter);
     put(n, "sonar", std::array{sonar_noise, sonar_max});
     put(n, "baro", std::array{baro_noise, baro_drift});
