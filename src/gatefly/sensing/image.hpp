@@ -130,7 +130,7 @@ class Image {
 
   [[nodiscard]] static PackedYuv packed_uyvy(const std::uint8_t* pair, std::uint8_t luma) {
     static_assert(std::endian::native == std::endian::little, "U is the word's lowest byte");
-    std::uint32_t word;
+    std::uint32_t word = 0;
     std::memcpy(&word, pair, sizeof word);
     return {word & 0x00ff00ff, luma};
   }

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# tools/check_rules.sh [RULE...]   what no test of the release build can tell; says how long each took. Exit 0: all hold.
+#   format       every file is as clang-format 14 writes it
+#   tidy         clang-tidy 14 finds nothing in the flight code (.clang-tidy)
+#   sanitizers   the flight code's tests pass with address and undefined-behaviour sanitizers (preset asan)
+set -uo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+
+format() { python3 tools/check_format.py; }
+tidy() { python3 tools/check_tidy.py; }
+sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }
+
+failed=0
+TIMEFORMAT='%0R s, %0U s CPU'
+[[ $# -gt 0 ]] || set -- format tidy sanitizers
+for rule in "$@"; do
+  case "$rule" in format | tidy | sanitizers) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers" >&2; exit 2 ;; esac
+  log="$(mktemp)"
+  took="$( { time "$rule" >"$log" 2>&1; echo "$?" >"$log.code"; } 2>&1 )"
+  code="$(cat "$log.code")"
+  case "$code" in
+    0) verdict=ok ;;
+    77) verdict="$(tail -n 1 "$log")" ;;
+    *) verdict=FAILED; failed=1; cat "$log" >&2 ;;
+  esac
+  echo "rules: $rule: $verdict ($took)" >&2
+  rm -f "$log" "$log.code"
+done
+exit $failed
