@@ -212,8 +212,8 @@ int replay(const ReplayOptions& options) {
   const bool is_drag = options.estimator == "drag";
   const Recording recording = read(options);
   const auto load_picture = flight_log::picture_loader(
-      recording.folder, recording.config.camera.stored_width(), recording.config.camera.stored_height(),
-      recording.config.camera.stored_rotation_deg);
+      recording.folder, recording.config.camera.stored_width(),
+      recording.config.camera.stored_height(), recording.config.camera.stored_rotation_deg);
   const flight_log::ReplayResult result = [&] {
     try {
       return flight_log::replay(

@@ -111,10 +111,9 @@ TEST(Derived, RatesArePilotsAndSimulatorsAndTheRestLastsAsLong) {
   EXPECT_EQ(told.simulator.sensors.imu_hz, 1000.0);
   EXPECT_EQ(told.simulator.sensors.sonar_hz, 10.0);
   EXPECT_EQ(told.simulator.sensors.baro_hz, 50.0);
-  EXPECT_EQ(told.pilot.phase.rest_samples, 1500);
-  EXPECT_EQ(Told{{"vehicle.imu_hz=200"}}.pilot.phase.rest_samples, 300);
-  const Told asked{{"vehicle.imu_hz=200", "control.rest_samples=77"}};
-  EXPECT_EQ(asked.pilot.phase.rest_samples, 77) << "somebody wants that";
+  EXPECT_EQ(phase_params(told.pilot).rest_samples, 1500);
+  EXPECT_EQ(phase_params(Told{{"vehicle.imu_hz=200"}}.pilot).rest_samples, 300);
+  EXPECT_EQ(phase_params(Told{{}}.pilot).rest_samples, 768);
 }
 
 // The pilot's rotor model is what it believes; the simulator's is the truth, and its own key.

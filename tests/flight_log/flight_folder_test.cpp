@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/flight_folder.hpp"
-#include "gatefly/flight_log/flight_recorder.hpp"
 
 #include <limits>
 

@@ -22,8 +22,9 @@ inline std::filesystem::path real_flights() { return real_data() / "tudelft_bebo
 inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
                                          const io::Config& config,
                                          flight_log::Estimator estimator) {
-  const auto load = flight_log::picture_loader(folder, config.camera.stored_width(),
-                                               config.camera.stored_height(), config.camera.stored_rotation_deg);
+  const auto load =
+      flight_log::picture_loader(folder, config.camera.stored_width(),
+                                 config.camera.stored_height(), config.camera.stored_rotation_deg);
   return flight_log::replay(pilot, flight_log::ticks_of(folder), load, estimator);
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/config/derived.hpp"
 
-#include <cmath>
-
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::io {
@@ -54,10 +52,6 @@ PilotConfig pilot_config(const Config& config) {
   pilot.vehicle = config.vehicle;
   pilot.imu_hz = config.rates.imu_hz;
   pilot.altimeter.sonar_hz = config.rates.sonar_hz;
-  // A second and a half, unless somebody wants something else.
-  constexpr double kRest = 1.5;
-  if (!config.set_by.contains("control.rest_samples"))
-    pilot.phase.rest_samples = static_cast<int>(std::lround(kRest * config.rates.imu_hz));
   return pilot;
 }
 

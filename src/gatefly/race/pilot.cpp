@@ -18,7 +18,8 @@ Pilot::Pilot(const PilotConfig& config)
       lookout_{lookout_params(config)},
       course_{config.track, config.plan},
       guidance_{guidance_params(config)},
-      indi_{indi_params(config), config.vehicle} {
+      indi_{indi_params(config), config.vehicle},
+      phase_params_{phase_params(config)} {
   check_latency(config);
   const Track& track = config.track;
   navigator_.start({track.start.x(), track.start.y(), 0.0}, track.start_heading,
@@ -55,7 +56,7 @@ void Pilot::follow_course() {
 }
 
 void Pilot::change_phase() {
-  const Transition next = next_phase(phase_, situation(), config_.phase);
+  const Transition next = next_phase(phase_, situation(), phase_params_);
   const bool found_again =
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
   if (found_again) course_.approach_straight(navigator_.state());

@@ -46,6 +46,7 @@ class Pilot {
   Course course_;
   Guidance guidance_;
   Indi indi_;
+  PhaseParams phase_params_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
 };

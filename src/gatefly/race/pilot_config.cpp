@@ -50,6 +50,14 @@ IndiParams indi_params(const PilotConfig& config) {
   return params;
 }
 
+PhaseParams phase_params(const PilotConfig& config) {
+  constexpr double kUsualHz = 512.0;
+  PhaseParams params = config.phase;
+  params.rest_samples =
+      static_cast<int>(std::lround(config.phase.rest_samples * config.imu_hz / kUsualHz));
+  return params;
+}
+
 MapUncertainty map_uncertainty(const PilotConfig& config) {
   return {config.map_sigma, config.gate_height_sigma, config.gate_yaw_sigma};
 }

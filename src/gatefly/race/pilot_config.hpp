@@ -38,7 +38,8 @@ struct PilotConfig {
   VehicleParams vehicle;
   PlanParams plan;
   CourseParams course;
-  PhaseParams phase;
+  PhaseParams
+      phase;  ///< Its rest_samples are of an IMU at 512 Hz: the rest lasts as long at any rate.
   double imu_hz = 512.0;        ///< Nominal rate of the IMU. [Li18 flight code]
   double filter_memory = 0.25;  ///< So late a picture may come [s]. [ours: twice a Bebop's latency]
   double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [ours]
@@ -51,6 +52,7 @@ struct PilotConfig {
 [[nodiscard]] LookoutParams lookout_params(const PilotConfig& config);
 [[nodiscard]] GuidanceParams guidance_params(const PilotConfig& config);
 [[nodiscard]] IndiParams indi_params(const PilotConfig& config);
+[[nodiscard]] PhaseParams phase_params(const PilotConfig& config);
 [[nodiscard]] MapUncertainty map_uncertainty(const PilotConfig& config);
 
 /// @throws std::invalid_argument when pictures arrive later than the filter remembers.
