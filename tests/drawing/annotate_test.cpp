@@ -91,7 +91,8 @@ TEST(Annotate, GatesOutsideThePictureDoNoHarm) {
   const test::TempFolder folder;
   const Picture picture{.stored_width = 30, .stored_height = 20};
   const std::array<GateDetection, 1> gates{square(-500, 900, 0.5)};
-  EXPECT_NO_THROW(annotate(picture.view(), gates, folder.path() / "a.png"));
+  annotate(picture.view(), gates, folder.path() / "a.png");
+  EXPECT_EQ(png_size(read_file(folder.path() / "a.png")), (std::array{90, 60}));
 }
 
 TEST(Annotate, WhatCannotBeWrittenLeavesNothing) {

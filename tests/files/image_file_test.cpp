@@ -99,12 +99,24 @@ TEST(ImageFile, EveryTruncationOfAJpegIsAnErrorAndNeverACrash) {
         << size;
 }
 
+/// A picture that is whole, or an error of one line with the file's name; never half of either.
+void expect_a_picture_or_a_reason(const std::string& name, const std::string& content) {
+  const test::TempFolder folder;
+  const auto path = folder.file(name, content);
+  ImageFile file;
+  const std::string error = test::error_of([&] { file = read_image(path); });
+  if (error.empty())
+    EXPECT_EQ(file.bytes.size(), image_bytes(file.format, file.stored_width, file.stored_height));
+  else
+    EXPECT_THAT(error, AllOf(HasSubstr(name), Not(HasSubstr("\n"))));
+}
+
 TEST(ImageFile, AnyDamagedByteIsReadOrRefusedButNeverCrashes) {
   const std::string whole = flat_jpeg(100, 110, 120);
   for (std::size_t at = 2; at < whole.size(); at += 3) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
-    (void)error_reading("a.jpg", damaged);
+    expect_a_picture_or_a_reason("a.jpg", damaged);
   }
 }
 
@@ -131,7 +143,7 @@ TEST(ImageFile, EveryTruncationOfAPngIsAnErrorAndNeverACrash) {
   for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x5A);
-    (void)error_reading("a.png", damaged);
+    expect_a_picture_or_a_reason("a.png", damaged);
   }
 }
 

@@ -32,7 +32,7 @@ TEST(FixFromCorners, IsExactForExactCornersAndAttitude) {
     const View view = any_view(rng);
     const double side = rng.uniform(0.8, 1.5);
     const auto corners = corners_of(side, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     const auto fix = fix_from_corners(*corners, R_of(view), side, rig, {});
     ASSERT_TRUE(fix);
     EXPECT_TRUE(fix->has_height);
@@ -47,7 +47,7 @@ TEST(FixFromCorners, AMirroredViewGivesTheMirroredFix) {
   for_all(200, [&](Rng& rng) {
     const View view = any_view(rng);
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     const Quad seen = noisy(*corners, 1.0, rng);
     const double cx = 157;
     const auto mirror = [&](const Vector2d& p) { return Vector2d{2 * cx - p.x(), p.y()}; };
@@ -57,7 +57,7 @@ TEST(FixFromCorners, AMirroredViewGivesTheMirroredFix) {
     const auto a = fix_from_corners(seen, R_of(view), 1.0, rig, {}),
                b = fix_from_corners(mirrored, R_of(other), 1.0, rig, {});
     ASSERT_EQ(a.has_value(), b.has_value());
-    if (!a) return;
+    if (!a) return not_a_case();
     EXPECT_THAT(b->p_GB, IsNear(Vector3d{a->p_GB.x(), -a->p_GB.y(), a->p_GB.z()}, 1e-8));
     ASSERT_EQ(a->yaw_error.has_value(), b->yaw_error.has_value());
     EXPECT_NEAR(b->yaw_error.value_or(0.0), -a->yaw_error.value_or(0.0), 1e-8);
@@ -241,7 +241,7 @@ TEST(FixFromLowerCorners, IsExactForExactCornersAndHonestAboutItsDoubt) {
     const View view{{rng.uniform(-3, -1.2), rng.uniform(-0.4, 0.4), rng.uniform(-0.3, 0.3)},
                     {rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.1), rng.uniform(-0.2, 0.2)}};
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     const auto two =
         fix_from_lower_corners({(*corners)[3], (*corners)[2], 1.0}, R_of(view), 1.0, rig, {});
     const auto four = fix_from_corners(*corners, R_of(view), 1.0, rig, {});
@@ -290,10 +290,10 @@ TEST(FixFromBars, IsExactForExactBars) {
     const double s = 0.95;
     const auto left = pixel_of({0, -s / 2, rng.uniform(-0.3, 0.3)}, view, rig);
     const auto right = pixel_of({0, s / 2, rng.uniform(-0.3, 0.3)}, view, rig);
-    if (!left || !right) return;
+    if (!left || !right) return not_a_case();
     const auto fix = fix_from_bars({*left, *right}, R_of(view), s, rig, {});
     const double before = -(view.p_GB + R_of(view) * rig.p_BC).x();
-    if (before < 0.31 || before > 1.79) return;
+    if (before < 0.31 || before > 1.79) return not_a_case();
     ASSERT_TRUE(fix);
     EXPECT_FALSE(fix->has_height);
     EXPECT_NEAR(fix->p_GB.x(), view.p_GB.x(), 1e-9);

@@ -67,7 +67,7 @@ TEST(MapPose, AnySubsetOfExactCornersGivesTheExactPose) {
   for_all(300, [&](Rng& rng) {
     const View view = any_view(rng);
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     const GateObservations all = corners_seen(*corners, 1e-3);
     for (unsigned subset = 1; subset < 16; ++subset) {
       GateObservations seen;
@@ -95,7 +95,7 @@ TEST(MapPose, ExactCornersCorrectAPoorAttitude) {
     for_all(200, [&](Rng& rng) {
       const View view = any_view(rng);
       const auto corners = corners_of(1.0, view, rig);
-      if (!corners) return;
+      if (!corners) return not_a_case();
       Attitude assumed = view.attitude_GB;
       assumed.roll += rng.uniform(-0.35, 0.35), assumed.pitch += rng.uniform(-0.35, 0.35),
           assumed.yaw += rng.uniform(-0.35, 0.35);
@@ -115,7 +115,7 @@ TEST(MapPose, PointsOnBarsGiveTheExactPose) {
     GateObservations seen;
     for (int bar = 0; bar < 4; ++bar)
       for (int i = 0; i < 3; ++i) add_bar_point(seen, bar, rng.uniform(-0.5, 0.5), view, rig, 1e-3);
-    if (seen.size() < 12) return;
+    if (seen.size() < 12) return not_a_case();
     const auto answer = map_pose(seen, prior_of(view.attitude_GB, 1e-3), rig);
     ASSERT_TRUE(answer.pose) << text_of(answer.reason);
     EXPECT_THAT(answer.pose->p_GB, IsNear(view.p_GB, 1e-4));
@@ -130,10 +130,10 @@ TEST(MapPose, TwoBarsAndAHeightAgreeWithThePapersSolution) {
                     {rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.1), rng.uniform(-0.3, 0.3)}};
     const auto left = pixel_of({0, -0.475, rng.uniform(-0.3, 0.3)}, view, rig);
     const auto right = pixel_of({0, 0.475, rng.uniform(-0.3, 0.3)}, view, rig);
-    if (!left || !right) return;
+    if (!left || !right) return not_a_case();
     const auto paper =
         fix_from_bars({*left, *right}, {rotation_EB(view.attitude_GB).matrix}, 0.95, rig, {});
-    if (!paper) return;
+    if (!paper) return not_a_case();
     GateObservations seen;
     EXPECT_TRUE(add_bars(seen, {*left, *right}, 0.95, 1e-3));
     PosePrior prior = prior_of(view.attitude_GB, 1e-3);
@@ -150,7 +150,7 @@ TEST(MapPose, AMirroredViewGivesTheMirroredPose) {
   for_all(200, [&](Rng& rng) {
     const View view = any_view(rng);
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     const Quad seen = noisy(*corners, 1.5, rng);
     const auto mirror = [](const Vector2d& p) { return Vector2d{2 * 157 - p.x(), p.y()}; };
     const Quad mirrored{{mirror(seen[1]), mirror(seen[0]), mirror(seen[3]), mirror(seen[2])}};
@@ -159,7 +159,7 @@ TEST(MapPose, AMirroredViewGivesTheMirroredPose) {
     attitude.roll *= -1, attitude.yaw *= -1;
     const auto b = map_pose(corners_seen(mirrored, 1.5), prior_of(attitude, 0.03), rig);
     ASSERT_EQ(a.reason, b.reason);
-    if (!a.pose) return;
+    if (!a.pose) return not_a_case();
     EXPECT_THAT(b.pose->p_GB,
                 IsNear(Vector3d{a.pose->p_GB.x(), -a.pose->p_GB.y(), a.pose->p_GB.z()}, 1e-3));
     EXPECT_NEAR(b.pose->chi2, a.pose->chi2, 1e-4);
@@ -174,13 +174,13 @@ TEST(MapPose, ScalesWithTheGate) {
     View view = any_view(rng);
     view.p_GB *= 0.6;  // doubled it must stay within reach
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     const Quad seen = noisy(*corners, 1.5, rng);
     const PosePrior prior = prior_of(off_by(view.attitude_GB, 0.03, rng), 0.03);
     const auto one = map_pose(corners_seen(seen, 1.5, 1.0), prior, rig),
                two = map_pose(corners_seen(seen, 1.5, 2.0), prior, rig);
     ASSERT_EQ(one.reason, two.reason);
-    if (!one.pose) return;
+    if (!one.pose) return not_a_case();
     EXPECT_THAT(two.pose->p_GB, IsNear(2.0 * one.pose->p_GB, 1e-3));
     EXPECT_NEAR(two.pose->covariance(0, 0) / one.pose->covariance(0, 0), 4.0, 0.02);
   });
@@ -207,7 +207,7 @@ TEST(Reprojection, GradientIsTheCentralDifferenceOfTheCost) {
   for_all(50, [&](Rng& rng) {
     const View view = any_view(rng);
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     GateObservations seen = corners_seen(noisy(*corners, 1.0, rng), 1.0);
     PosePrior prior = prior_of(off_by(view.attitude_GB, 0.1, rng), 0.1);
     prior.z = 0.3, prior.z_sigma = 0.2;
@@ -402,7 +402,7 @@ TEST(MapPose, StaysFiniteWhateverComesIn) {
   for_all(3000, [&](Rng& rng) {
     const View view = any_view(rng);
     const auto corners = corners_of(1.0, view, rig);
-    if (!corners) return;
+    if (!corners) return not_a_case();
     GateObservations seen = corners_seen(*corners, 2.0);
     add_bar_point(seen, 0, 0.1, view, rig, 2.0);
     PosePrior prior = prior_of(view.attitude_GB, rng.uniform(0, 0.5));

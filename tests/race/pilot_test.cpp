@@ -203,7 +203,6 @@ TEST(Pilot, GarbageLeavesEverythingFinite) {
   for_all(10, [&](Rng& rng) {
     Pilot pilot{config()};
     int tick = take_off(pilot);
-    const auto before = std::chrono::steady_clock::now();
     for (int i = 0; i < 10 * 512; ++i) {
       const Command c = pilot.step(garbage(tick++, rng, noise));
       ASSERT_TRUE(is_finite(c)) << "tick " << i << " phase " << name_of(pilot.phase());
@@ -211,8 +210,6 @@ TEST(Pilot, GarbageLeavesEverythingFinite) {
           << "tick " << i << " phase " << name_of(pilot.phase());
       for (const double w : c.motors) ASSERT_LE(w, vehicle.max_speed + 1e-6);
     }
-    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds{20})
-        << "bounded work";
   });
 }
 

@@ -126,21 +126,16 @@ TEST(Image, PairsOfUyvyShareTheirChroma) {
   }
 }
 
-// A lone last column has no V of its own: whatever it answers must not come from behind the buffer.
-TEST(Image, UyvyOfOddWidthDoesNotReadBehindItsBytes) {
+// A lone last column has no V of its own: it would be read from behind the buffer.
+TEST(Image, UyvyOfOddWidthIsNoPicture) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 1}, std::pair{3, 3}}) {
-    std::vector<std::uint8_t> bytes(image_bytes(PixelFormat::kUyvy, width, height), 20);
-    const std::size_t size = bytes.size();
-    bytes.resize(size + 4, 20);  // so that this test itself stays within its memory
-    const Image image{bytes.data(), PixelFormat::kUyvy, width, height};
-    if (image.empty()) continue;  // refusing such a picture is an answer, too
-    const Yuv before = image.at(width - 1, height - 1);
-    for (std::size_t i = size; i < bytes.size(); ++i) bytes[i] = 99;
-    const Yuv after = image.at(width - 1, height - 1);
-    EXPECT_EQ(before.v, after.v) << width << " x " << height;
-    EXPECT_EQ(before.u, after.u);
-    EXPECT_EQ(before.y, after.y);
+    const std::vector<std::uint8_t> bytes(image_bytes(PixelFormat::kUyvy, width, height), 20);
+    for (const int turn : {0, 90, 180, 270})
+      EXPECT_TRUE((Image{bytes.data(), PixelFormat::kUyvy, width, height, turn}).empty())
+          << width << " x " << height;
   }
+  const std::vector<std::uint8_t> bytes(image_bytes(PixelFormat::kUyvy, 2, 3), 20);
+  EXPECT_FALSE((Image{bytes.data(), PixelFormat::kUyvy, 2, 3}).empty()) << "odd heights may be";
 }
 
 TEST(Yuv, OfRgbFollowsJfif) {

@@ -86,10 +86,14 @@ TEST(FitToLabels, FewGatesDoNotSpoilWhatTheDescriptionFinds) {
   EXPECT_GT(found_part(seen, fit_to_labels(one, kDescribedOrange, {})), 0.9);
 }
 
-TEST(FitToLabels, EmptyPicturesAndNoneAtAllAreNoTrouble) {
+TEST(FitToLabels, OfEmptyPicturesOrNoneAtAllTheDescriptionsOrderOfColoursIsLeft) {
   const std::vector<LabelledImage> nothing(3);
-  (void)fit_to_labels(nothing, kDescribedOrange, {});
-  (void)fit_to_labels({}, kDescribedOrange, {});
+  const ColorModel fit = fit_to_labels({}, kDescribedOrange, {});
+  EXPECT_EQ(fit_to_labels(nothing, kDescribedOrange, {}).absolute, fit.absolute);
+  const std::size_t orange = ColorModel::bin({150, 90, 170}),
+                    grey = ColorModel::bin({150, 128, 128}), blue = ColorModel::bin({150, 170, 90});
+  EXPECT_GT(fit.absolute[orange], fit.absolute[grey]);
+  EXPECT_GE(fit.absolute[grey], fit.absolute[blue]);
 }
 
 TEST(TrainOnOwn, LearnsAHueThatTheDescriptionOnlyComesNear) {
