@@ -25,12 +25,11 @@ double upright(const io::FlightSample& sample) {
 void add_sonar(std::vector<RecordedTick>& ticks, const io::FlightFolder& folder,
                const SonarStandIn& sonar) {
   std::optional<double> last;
-  std::optional<Eigen::Vector3d> before;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const io::FlightSample& sample = folder.samples[i];
     const double t = std::chrono::duration<double>(sample.time).count();
-    const bool is_new = sample.true_p_EB != before, is_due = !last || t >= *last + sonar.period;
-    before = sample.true_p_EB;
+    const bool is_new = i == 0 || sample.true_p_EB != folder.samples[i - 1].true_p_EB;
+    const bool is_due = !last || t >= *last + sonar.period;
     if (!sample.true_p_EB || !(sonar.period > 0.0 ? is_due : is_new)) continue;
     last = t;
     const double height = -sample.true_p_EB->z() + (sonar.noise ? sonar.noise() : 0.0);
