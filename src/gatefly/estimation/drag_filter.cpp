@@ -150,7 +150,7 @@ double DragFilter::distance2(const Fix& fix) const {
   const Eigen::Vector3d innovation = fix.p_GB - position();
   if (!innovation.allFinite()) return 1e12;
   const auto squared = [&](const auto& m) {
-    return m.innovation.dot(solved(covariance_of_innovation(P_, C_, m), m.innovation));
+    return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation));
   };
   return fix.has_height ? squared(measured<3>(fix, innovation))
                         : squared(measured<2>(fix, innovation));
