@@ -345,7 +345,10 @@ class Interrupted(Cli):
     def test_ctrl_c_in_flight_keeps_nothing_and_says_so(self):
         process = subprocess.Popen([GATEFLY, "fly", "showroom", "--laps", "100", "--vision", "ideal", "--out", "flown"],
                                    cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(0.7)
+        log = self.folder / "flown.partial" / "log_si.csv"  # its first piece is written in flight
+        deadline = time.monotonic() + 60
+        while not (log.exists() and log.stat().st_size > 0) and time.monotonic() < deadline:
+            time.sleep(0.01)
         process.send_signal(signal.SIGINT)
         stdout, stderr = process.communicate(timeout=60)
         self.assertEqual((process.returncode, stdout), (130, ""))
