@@ -57,7 +57,7 @@ def findings(program, version, source):
     if run.returncode == 0:
         stamp.write_text(now)
         return ""
-    return run.stdout or run.stderr
+    return run.stdout or run.stderr or f"{source}: {program} ended with {run.returncode}"
 
 
 def main(*names):
