@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # gatefly_precompiled(<target> hot|cold|test): the heavy headers of a kind of target, compiled once for all of that kind.
 #
-# The same sources compile without (-DGATEFLY_PRECOMPILED=OFF), as CI's sanitizer and tidy jobs do: every file includes
+# The same sources compile without (-DGATEFLY_PRECOMPILED=OFF), and clang-tidy reads them without: every file includes
 # what it uses. What is not hot is optimised less in a release: half of the time it took to build went into that.
 option(GATEFLY_PRECOMPILED "Precompile the standard library's, Eigen's, ... headers" ON)
 

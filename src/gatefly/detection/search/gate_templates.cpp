@@ -238,9 +238,9 @@ void GateTemplates::collect(const Level& level, double size, GateCandidates& fou
 void GateTemplates::keep(const Level& level, double size, int x, int y, int score,
                          GateCandidates& found) {
   const int id = which_[static_cast<std::size_t>(y * width_ + x)] - 1,
-            shapes = static_cast<int>(kShapes.size());
+            shapes = static_cast<int>(kShapes.size()), roll = id / shapes - level.rolls();
   const Shape shape = kShapes[static_cast<std::size_t>(id % shapes)];
-  const auto [sine, cosine] = sincos((id / shapes - level.rolls()) * kRollStep * kPi / 180.0);
+  const auto [sine, cosine] = sincos(roll * kRollStep * kPi / 180.0);
   const Eigen::Vector2d down{-sine * size, cosine * size};
   const Eigen::Vector2d across =
       shape.width * size * Eigen::Vector2d{cosine, sine} + shape.shift * down;
