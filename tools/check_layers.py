@@ -62,6 +62,14 @@ def passed_doors():
                 yield f"{source}:{number}: only gatefly/detection/*.hpp is for others, not its folders"
 
 
-found = list(violations()) + list(passed_doors())
+def parts_with_pilot():
+    """The pilot's parts are tested, and can be used, without a pilot."""
+    for part in ("course", "lookout", "guidance", "phase"):
+        for source in (SOURCE / "race" / f"{part}.hpp", ROOT / "tests" / "race" / f"{part}_test.cpp"):
+            if "race/pilot" in source.read_text():
+                yield f"{source}: includes the pilot, whose part it is"
+
+
+found = list(violations()) + list(passed_doors()) + list(parts_with_pilot())
 print("\n".join(found) or "layers: ok")
 sys.exit(bool(found))
