@@ -7,11 +7,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <utility>
 
-#include "gatefly/detection/search/eight.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
@@ -24,14 +22,22 @@ constexpr double kEnds = 2.0;
 // grey levels between the colours of a bar and of what is beside it
 constexpr float kLeastContrast = 4.0f;
 constexpr float kLeastShown = 0.35f;  // of a bar's width, on a line that counts
-// half a pixel beyond the end of a line: kEnd² / 2^5 = 128, there a pixel counts nothing
+// A pixel counts less the farther it is from where the line is thought to cross: half a pixel beyond
+// the end, kEnd from there, nothing.
+constexpr int kWholeBits = 7, kWhole = 1 << kWholeBits;  // in the middle
+constexpr int kEndBits = 5;
 constexpr float kEnd = 64.0f;
+static_assert(static_cast<int>(kEnd * kEnd) >> kEndBits == kWhole);
 constexpr int kLeastLines = 4;
 // of a side that is in view: it does not say how it leans
 constexpr double kLittle = 0.3;
 constexpr double kRough = 0.5;  // lines that the rough side counts as, at either end
 // of a grey level, beside one of chroma: what is behind a gate differs in luma
 constexpr float kLuma = 0.4f;
+constexpr float kWayUnit = 64.0f;   // of a grey level, on the way from what is beside to the bar
+constexpr float kBeyondBar = 1.2f;  // of that way: what is farther on counts no more
+constexpr int kBarBits = 7;         // of that way, once it is halved often enough: 64..127
+static_assert(kLuma * kLeastContrast * kWayUnit >= 1 << (kBarBits - 1), "is never to be doubled");
 constexpr double kLeap = 3.0;  // px
 // from a line's middle pixel to where it is thought to cross: not read again [px]
 constexpr float kNear = 0.9f;
@@ -76,8 +82,6 @@ std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
     return std::nullopt;
   return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
 }
-
-std::int16_t whole(float value) { return static_cast<std::int16_t>(value); }
 
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
@@ -136,7 +140,7 @@ class Strip {
       for (auto& color : colors_)
         for (int i = 0; i < n; ++i)
           std::fill(color[static_cast<std::size_t>(i)].begin() + count_,
-                    color[static_cast<std::size_t>(i)].end(), std::int16_t{0});
+                    color[static_cast<std::size_t>(i)].end(), std::uint8_t{0});
     }
     y_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(y.data()).template cast<float>();
     off_ = Eigen::Map<const Eigen::Array<int, kLines, 1>>(off.data()).template cast<float>() /
@@ -197,7 +201,7 @@ class Strip {
   }
 
  private:
-  using Levels = std::array<std::int16_t, static_cast<std::size_t>(kLines)>;  // one of each line
+  using Levels = std::array<std::uint8_t, static_cast<std::size_t>(kLines)>;  // one of each line
   // Color by color, pixel by pixel of a line, line by line.
   std::array<std::array<Levels, kWidest>, 3> colors_;
   // of a line; from its middle pixel to the side it was read along [steps]
@@ -213,64 +217,47 @@ class Strip {
   }
 
   // Of each line, how many of its pixels are bar, those at its ends counting less; and the same
-  // times where they are.
+  // times where they are. In whole numbers, line beside line: compilers take several at once.
   [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Lines& off_middle,
                                                    const Eigen::Vector3f& contrast) const {
-    // All in 16 bits. Colours along the vector from what is beside to the bar, in 1/64 grey levels:
-    // the difference of any two fits. `halvings` makes 64..127 of a bar's; what is summed up is 2 *
-    // 64..127 of each pixel.
-    constexpr float kUnit = 64.0f;
+    // How far each colour is on the way from what is beside, 0, to the bar, `full`.
     const Eigen::Vector3f weighted = contrast.cwiseProduct(Eigen::Vector3f{kLuma, 1.0f, 1.0f}),
-                          unit = kUnit / weighted.norm() * weighted;
-    const float full = contrast.dot(unit);
-    const int halvings = static_cast<int>(std::bit_width(static_cast<unsigned>(full))) - 7;
-    const Eigen::Vector3f way =
-        unit.unaryExpr([](float x) { return static_cast<float>(whole(x)); });
-    const Eight way_y = eight(whole(way[0])), way_u = eight(whole(way[1])),
-                way_v = eight(whole(way[2])), most = eight(whole(std::min(1.2f * full, 32767.0f))),
-                none{};
-    const float from = way.dot(before_),
-                change = way.dot(behind_ - before_) / static_cast<float>(2 * half_);
+                          unit = kWayUnit / weighted.norm() * weighted;
+    const Eigen::Vector3i way = unit.cast<int>();
+    const Eigen::Vector3f way_f = way.cast<float>();
+    const float full = contrast.dot(unit), beside = way_f.dot(before_),
+                change = way_f.dot(behind_ - before_) / static_cast<float>(2 * half_);
+    const int most = static_cast<int>(kBeyondBar * full),
+              halvings = static_cast<int>(std::bit_width(static_cast<unsigned>(full))) - kBarBits;
     const float per_pixel = kEnd / (static_cast<float>(half_) + 0.5f);
-    Levels sums, moments, offs;
-    Eigen::Map<Eigen::Array<std::int16_t, kLines, 1>>(offs.data()) =
-        (per_pixel * off_middle).template cast<int>().template cast<std::int16_t>();
-    for (std::size_t k = 0; k < kLines; k += kEight) {
-      Eight sum{}, moment{};
-      for (int i = -half_; i <= half_; ++i) {
-        const auto column = static_cast<std::size_t>(i + half_);
-        const auto level = [&](std::size_t color) {
-          return eight(colors_[color][column].data() + k);
-        };
-        Eight part = way_y * level(0) + way_u * level(1) + way_v * level(2) -
-                     eight(whole(from + change * static_cast<float>(i + half_)));
-        part = (part < none ? none : part > most ? most : part) >> halvings;
-        const Eight off = eight(whole(per_pixel * static_cast<float>(i))) - eight(offs.data() + k);
-        const Eight weight = 128 - (off * off >> 5);
-        part = part * (weight < none ? none : weight * weight >> 7) >> 6;
-        sum += part, moment += part * static_cast<std::int16_t>(i);
+    using Numbers = Eigen::Array<int, kLines, 1>;
+    const Numbers middle = (per_pixel * off_middle).template cast<int>();
+    Numbers sum = Numbers::Zero(), moment = Numbers::Zero();
+    for (int i = -half_; i <= half_; ++i) {
+      const auto pixel = static_cast<std::size_t>(i + half_);
+      const Levels &y = colors_[0][pixel], &u = colors_[1][pixel], &v = colors_[2][pixel];
+      const int here = static_cast<int>(per_pixel * static_cast<float>(i)),
+                none = static_cast<int>(beside + change * static_cast<float>(i + half_));
+      for (int k = 0; k < kLines; ++k) {
+        const auto line = static_cast<std::size_t>(k);
+        const int on_way = way[0] * y[line] + way[1] * u[line] + way[2] * v[line] - none,
+                  shown = std::clamp(on_way, 0, most) >> halvings;
+        const int off = here - middle[k], weight = std::max(0, kWhole - (off * off >> kEndBits)),
+                  part = shown * (weight * weight >> kWholeBits) >> (kWholeBits - 1);
+        sum[k] += part, moment[k] += part * i;
       }
-      std::memcpy(sums.data() + k, &sum, sizeof sum),
-          std::memcpy(moments.data() + k, &moment, sizeof moment);
     }
-    const float pixel = 0.5f * static_cast<float>(1 << halvings) / full;
-    const auto in_pixels = [&](const Levels& of_lines) {
-      return Lines{pixel * Eigen::Map<const Eigen::Array<std::int16_t, kLines, 1>>(of_lines.data())
-                               .template cast<float>()};
-    };
-    return {in_pixels(sums), in_pixels(moments)};
+    const float pixel = 0.5f * static_cast<float>(1 << halvings) / full;  // a part is half as much
+    return {pixel * sum.template cast<float>(), pixel * moment.template cast<float>()};
   }
 
   // Mean colour of so many pixels of each line.
   [[nodiscard]] Eigen::Vector3f mean(int first, int pixels) const {
     Eigen::Vector3f mean;
     for (std::size_t color = 0; color < 3; ++color) {
-      Eight sums{};
-      for (int i = first; i < first + pixels; ++i)
-        for (std::size_t k = 0; k < kLines; k += kEight)
-          sums += eight(colors_[color][static_cast<std::size_t>(i)].data() + k);
       int sum = 0;
-      for (std::size_t k = 0; k < kEight; ++k) sum += sums[k];
+      for (int i = first; i < first + pixels; ++i)
+        for (const int level : colors_[color][static_cast<std::size_t>(i)]) sum += level;
       mean[static_cast<Eigen::Index>(color)] =
           static_cast<float>(sum) / static_cast<float>(std::max(1, count_ * pixels));
     }
