@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/detection/color_model.hpp"
 
+#include <algorithm>
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 namespace gatefly {
@@ -51,6 +54,47 @@ TEST(ColorModel, EveryColourHasABin) {
       const auto x = static_cast<std::uint8_t>(a), y = static_cast<std::uint8_t>(b);
       EXPECT_LT(ColorModel::bin({x, y, x}), ColorModel::kBins);
       EXPECT_LT(ColorModel::difference_bin({x, y, x}, {y, x, y}), ColorModel::kBins);
+    }
+}
+
+// What tables and a multiplication say, in plain words.
+std::size_t plain_bin(int value, int first, int levels, std::size_t count) {
+  return static_cast<std::size_t>(
+      std::clamp((value - first) / levels, 0, static_cast<int>(count) - 1));
+}
+std::size_t plain_index(std::size_t luma, std::size_t u, std::size_t v) {
+  return (luma * ColorModel::kChroma + u) * ColorModel::kChroma + v;
+}
+std::uint8_t byte(int level) { return static_cast<std::uint8_t>(level); }
+
+TEST(ColorModel, AChromaBinIsFourLevelsEachWay) {
+  for (int u = 0; u < 256; ++u)
+    for (int v = 0; v < 256; ++v)
+      ASSERT_EQ(ColorModel::chroma_bin(PackedYuv::of({byte(u ^ v), byte(u), byte(v)})),
+                static_cast<std::size_t>(v / 4 + 64 * (u / 4)))
+          << u << ", " << v;
+}
+
+TEST(ColorModel, ABinIsSixteenLevelsOfLumaAndFourOfEachChromaFrom64On) {
+  const auto chroma = [](int level) { return plain_bin(level, 64, 4, ColorModel::kChroma); };
+  for (int y = 0; y < 256; ++y)
+    for (int u = 0; u < 256; ++u) {
+      const int v = (7 * u + y) % 256;
+      ASSERT_EQ(ColorModel::bin({byte(y), byte(u), byte(v)}),
+                plain_index(static_cast<std::size_t>(y / 16), chroma(u), chroma(v)))
+          << y << ", " << u;
+    }
+}
+
+TEST(ColorModel, ADifferencesBinIsTwelveLevelsOfLumaAndThreeOfEachChromaAroundZero) {
+  const auto chroma = [](int step) { return plain_bin(step, -48, 3, ColorModel::kChroma); };
+  for (int a = 0; a < 256; ++a)
+    for (int b = 0; b < 256; ++b) {
+      const Yuv c{byte(a), byte(b), byte(3 * a)}, around{byte(b), byte(a), byte(5 * b)};
+      ASSERT_EQ(ColorModel::difference_bin(c, around),
+                plain_index(plain_bin(a - b, -96, 12, ColorModel::kLuma), chroma(b - a),
+                            chroma(c.v - around.v)))
+          << a << ", " << b;
     }
 }
 

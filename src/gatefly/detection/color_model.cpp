@@ -12,7 +12,8 @@ struct Slope {
   double zero, scale, off_hue, slack;
 };
 constexpr Slope kAbsolute{8.0, 6.0, 1.2, 4.0}, kRelative{3.0, 4.0, 0.8, 2.0};
-constexpr double kMostNats = 3.0;
+constexpr double kMostNats = 3.0;  // of a description
+static_assert(kMostNats <= ColorModel::kMostNats);
 
 std::int8_t evidence_of(const Slope& slope, double along, double across) {
   const double off = std::max(0.0, std::abs(across) - 0.35 * std::max(0.0, along) - slope.slack);
@@ -40,8 +41,14 @@ ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
                               double dv) {
           table[i] = evidence_of(slope, du * hue_u + dv * hue_v, du * hue_v - dv * hue_u);
         };
-        fill(model.absolute, kAbsolute, 4 * bu + 1.5 - 64, 4 * bv + 1.5 - 64);
-        fill(model.relative, kRelative, 3 * bu + 1 - 48, 3 * bv + 1 - 48);
+        const auto middle_of_color = [](int bin) {
+          return kFirstChroma - 128 + kChromaLevels * bin + 0.5 * (kChromaLevels - 1);
+        };
+        const auto middle_of_difference = [](int bin) {
+          return kFirstChromaStep + kChromaStep * bin + 0.5 * (kChromaStep - 1);
+        };
+        fill(model.absolute, kAbsolute, middle_of_color(bu), middle_of_color(bv));
+        fill(model.relative, kRelative, middle_of_difference(bu), middle_of_difference(bv));
       }
   model.find_hopeless();
   return model;
@@ -49,10 +56,10 @@ ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
 
 void ColorModel::find_hopeless() {
   const auto byte = [](int level) { return static_cast<std::uint8_t>(level); };
-  for (int u = 0; u < 256; u += 4)
-    for (int v = 0; v < 256; v += 4) {
+  for (int u = 0; u < 256; u += kChromaLevels)
+    for (int v = 0; v < 256; v += kChromaLevels) {
       bool all = true;
-      for (int y = 0; y < 256; y += 16)
+      for (int y = 0; y < 256; y += kLumaLevels)
         all = all && absolute[bin({byte(y), byte(u), byte(v)})] < kHopeless;
       hopeless[chroma_bin(PackedYuv::of({0, byte(u), byte(v)}))] = all;
     }

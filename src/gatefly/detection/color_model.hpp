@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "gatefly/sensing/image.hpp"
 
@@ -19,31 +20,46 @@ namespace gatefly {
 struct ColorModel {
   static constexpr std::size_t kLuma = 16, kChroma = 32;  ///< Bins an axis.
   static constexpr std::size_t kBins = kLuma * kChroma * kChroma;
-  static constexpr int kUnit = 16;  ///< Table value of one nat; values are within ±4 nats.
+  /// Levels a bin of a colour: luma from 0 on, chroma around grey.
+  static constexpr int kLumaLevels = 16, kChromaLevels = 4;
+  static constexpr int kFirstChroma = 128 - kChromaLevels * static_cast<int>(kChroma) / 2;
+  /// Levels a bin of a difference, around zero.
+  static constexpr int kLumaStep = 12, kChromaStep = 3;
+  static constexpr int kFirstLumaStep = -kLumaStep * static_cast<int>(kLuma) / 2,
+                       kFirstChromaStep = -kChromaStep * static_cast<int>(kChroma) / 2;
+  static constexpr int kUnit = 16;     ///< Table value of one nat.
+  static constexpr int kMostNats = 4;  ///< Table values are within.
+  static_assert(kUnit * kMostNats <= std::numeric_limits<std::int8_t>::max());
 
   /// Of a colour alone: no bar's, whatever is around. [of 0, 1/2, 1, 2 nats: the labelled sets'
   /// best]
   static constexpr int kHopeless = -kUnit / 2;
 
+  static constexpr int kChromaBits = 6;  ///< Of a chroma in a chroma_bin().
+  static_assert(kChromaLevels << kChromaBits == 256);
+
   std::array<std::int8_t, kBins> absolute{}, relative{};
   /// Of each chroma_bin(): 1 where it is hopeless with any luma. All 0 is right, but slow;
   /// find_hopeless() fills it.
-  std::array<std::uint8_t, 64 * 64> hopeless{};
+  std::array<std::uint8_t, std::size_t{1} << (2 * kChromaBits)> hopeless{};
   void find_hopeless();  ///< To be called when `absolute` has changed.
 
-  /// Bin of a chroma, 4 levels each way, without a table: this is asked of every sample of a
-  /// picture.
+  /// Bin of a chroma alone, 64 (u / 4) + v / 4. Asked of every sample of a picture: multiplied in
+  /// place of shifted and added, 6 % fewer instructions of the fast search.
   [[nodiscard]] static std::size_t chroma_bin(PackedYuv c) {
-    // (v / 4) + 64 (u / 4): times 2^22 + 1, u's six bits come to lie above v's. The two bits more
-    // of the factor change nothing below 2^32; with them, compilers multiply instead of shifting
-    // and adding, which is two instructions less.
-    return ((c.uv & 0x00fc00fc) * 0xc0400001u) >> 18;
+    constexpr int kPlaceOfV = 16 + 8 - kChromaBits;  // and where the bin ends up
+    constexpr std::uint32_t kKept = 256 - kChromaLevels, kKeptOfBoth = kKept << 16 | kKept;
+    // Times 2^22 + 1, what is kept of u comes to lie above what is kept of v.
+    constexpr std::uint32_t kAboveV = std::uint32_t{1} << (16 + kChromaBits) | 1;
+    // Changes nothing below 2^32. Without it compilers shift and add again.
+    constexpr std::uint32_t kNeverShifted = std::uint32_t{3} << 30;
+    return ((c.uv & kKeptOfBoth) * (kAboveV | kNeverShifted)) >> kPlaceOfV;
   }
-  /// Bin of a colour: 16 grey levels a luma bin; 4 levels a chroma bin, from 64 to 191.
+  /// Bin of a colour; from tables: dividing, the fast search takes 20 % longer.
   [[nodiscard]] static std::size_t bin(Yuv c) {
     return std::size_t{kStarts.luma[c.y]} + kStarts.u[c.u] + kStarts.v[c.v];
   }
-  /// Bin of a difference from the surroundings: 12 levels a luma bin, 3 a chroma bin, around zero.
+  /// Bin of a difference from the surroundings.
   [[nodiscard]] static std::size_t difference_bin(Yuv c, Yuv around) {
     const auto at = [](const auto& steps, std::ptrdiff_t a, std::ptrdiff_t b) {
       return std::size_t{(steps.data() + 255)[a - b]};
@@ -62,12 +78,13 @@ struct ColorModel {
   }
 
  private:
-  // Where a value's bins begin in a table: `levels` values a bin from `zero` on, what is beyond in
-  // the outer ones.
+  // Where a value's bin begins in a table: `levels` values a bin from `zero` on, what is beyond in
+  // the outer ones; `size` entries a bin.
   template <std::size_t N>
   [[nodiscard]] static constexpr std::array<std::uint16_t, N> bins(int zero, int levels,
                                                                    std::size_t count,
                                                                    std::size_t size) {
+    static_assert(kBins - 1 <= std::numeric_limits<std::uint16_t>::max());
     std::array<std::uint16_t, N> table{};
     for (int i = 0; i < static_cast<int>(N); ++i)
       table[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(
@@ -84,11 +101,11 @@ struct ColorModel {
 };
 
 inline constexpr ColorModel::Starts ColorModel::kStarts{
-    .luma = bins<256>(0, 16, kLuma, kChroma* kChroma),
-    .u = bins<256>(64, 4, kChroma, kChroma),
-    .v = bins<256>(64, 4, kChroma, 1),
-    .luma_step = bins<511>(255 - 96, 12, kLuma, kChroma* kChroma),
-    .u_step = bins<511>(255 - 48, 3, kChroma, kChroma),
-    .v_step = bins<511>(255 - 48, 3, kChroma, 1)};
+    .luma = bins<256>(0, kLumaLevels, kLuma, kChroma* kChroma),
+    .u = bins<256>(kFirstChroma, kChromaLevels, kChroma, kChroma),
+    .v = bins<256>(kFirstChroma, kChromaLevels, kChroma, 1),
+    .luma_step = bins<511>(255 + kFirstLumaStep, kLumaStep, kLuma, kChroma* kChroma),
+    .u_step = bins<511>(255 + kFirstChromaStep, kChromaStep, kChroma, kChroma),
+    .v_step = bins<511>(255 + kFirstChromaStep, kChromaStep, kChroma, 1)};
 
 }  // namespace gatefly

@@ -5,18 +5,41 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
-#include "gatefly/detection/search/eight.hpp"
+#include "gatefly/detection/search/nearest_snake.hpp"
 
 namespace gatefly {
 namespace {
 
 constexpr int kLimit = EvidenceMap::kLimit;
-constexpr int kBar = 6;                          // evidence of a sample on a bar
-constexpr int kStrongest = 60;                   // evidence of a crossing that counts
-constexpr std::size_t kMostSnakes = 3 * kEight;  // at once
-constexpr int kLeast = 3;                        // rows of a bar
-constexpr int kLeastToBend = 6;                  // rows of a bar whose bend is looked at
+constexpr int kBar = 6;          // evidence of a sample on a bar
+constexpr int kStrongest = 60;   // evidence of a crossing that counts
+constexpr int kLeast = 3;        // rows of a bar
+constexpr int kLeastToBend = 6;  // rows of a bar whose bend is looked at
+
+// Two samples of each group that what is around reaches.
+constexpr int samples_around(int reach) { return 2 * (2 * reach + 1) * (2 * reach + 1); }
+
+// A mean by a reciprocal that is rounded up: compilers take eight at once, of divisions none. A
+// level too much at most.
+constexpr std::uint16_t reciprocal_of(int samples) {
+  return static_cast<std::uint16_t>((1 << 16) / samples + 1);
+}
+constexpr std::uint8_t mean_of(std::uint16_t sum, std::uint16_t reciprocal) {
+  return static_cast<std::uint8_t>((std::uint32_t{sum} * reciprocal) >> 16);
+}
+constexpr bool is_mean_of_all_sums(int most_reach) {
+  for (int reach = 1; reach <= most_reach; ++reach) {
+    const int samples = samples_around(reach), most = 255 * samples;
+    if (most > std::numeric_limits<std::uint16_t>::max()) return false;
+    for (int sum = 0; sum <= most; ++sum) {
+      const int mean = mean_of(static_cast<std::uint16_t>(sum), reciprocal_of(samples));
+      if (mean < sum / samples || mean > std::min(sum / samples + 1, 255)) return false;
+    }
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -29,6 +52,7 @@ struct BarFinder::Snake {
   double sum_xyy = 0.0;
 
   static constexpr int kOne = 64;
+  static_assert(kOne * kMostColumns <= std::numeric_limits<std::int16_t>::max());
   Snake() = default;
   Snake(float x, int row) : at{static_cast<int>(kOne * x)}, first{row}, last{row - 1} {}
 
@@ -49,38 +73,16 @@ struct BarFinder::Snake {
   [[nodiscard]] std::int16_t reach(int row) const {
     constexpr std::array<std::array<std::int16_t, 2>, 2> kReach{
         {{4 * kOne, 8 * kOne}, {2 * kOne, 5 * kOne / 2}}};
+    static_assert(8 * kOne <= kMostSnakeReach);
     return kReach[static_cast<std::size_t>(count > 1)][static_cast<std::size_t>(row - last - 1)];
   }
 };
-
-namespace {
-
-// The snake expected nearest to x of those that reach it; where none does, beyond all.
-std::size_t nearest_of(const std::array<std::int16_t, kMostSnakes>& expected,
-                       const std::array<std::int16_t, kMostSnakes>& reach, std::int16_t x) {
-  // How far off and which one in one number: the least is the nearest.
-  constexpr int kBits = 5, kFar = (1 << 15) - 1;
-  static_assert(kMostSnakes < 1 << kBits);
-  const Eight at = eight(x), none{}, far = eight(kFar);
-  Eight which{0, 1, 2, 3, 4, 5, 6, 7}, least = far;
-  for (std::size_t k = 0; k < kMostSnakes; k += kEight, which += kEight) {
-    const Eight to = at - eight(expected.data() + k), off = to < none ? -to : to;
-    const Eight key = off < eight(reach.data() + k) ? (off << kBits) + which : far;
-    least = key < least ? key : least;
-  }
-  std::int16_t nearest = least[0];
-  for (std::size_t k = 1; k < kEight; ++k) nearest = std::min<std::int16_t>(nearest, least[k]);
-  return static_cast<std::size_t>(nearest & ((1 << kBits) - 1));
-}
-
-}  // namespace
 
 // The sums of groups, and which of them may hold a bar.
 void BarFinder::read(const Image& image, const ColorModel& color) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns,
                     (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
   stride_ = kGroup * step_;
-  per_stride_ = (std::uint64_t{1} << 32) / static_cast<std::uint64_t>(stride_) + 1;
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
   for (int r = 0; r < rows_; ++r) {
     const auto row = static_cast<std::size_t>(r);
@@ -92,6 +94,7 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
         first_column(), row_px(r), step_, groups_, [&](const std::array<PackedYuv, kGroup>& c) {
           // Two samples say what a group's mean is.
           y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y), uv[g] = c[0].uv + c[2].uv;
+          // All four are asked: to leave off at the first is an unpredictable branch, 5 % slower.
           const auto is_hopeless = [&](std::size_t k) {
             return color.hopeless[ColorModel::chroma_bin(c[k])];
           };
@@ -111,8 +114,9 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
 template <class T>
 void BarFinder::average_around(const Sums<T>& sums, std::uint8_t* around) const {
   using Row = std::array<T, kMostGroups>;
-  const int rows = rows_, reach = reach_, side = 2 * reach + 1;
-  const auto per_sum = static_cast<std::uint16_t>(65536 / (side * side * 2) + 1);
+  const int rows = rows_, reach = reach_;
+  static_assert(is_mean_of_all_sums(kMostReach));
+  const std::uint16_t per_sum = reciprocal_of(samples_around(reach));
   const auto each = [](const auto& visit) {
     for (std::size_t g = 0; g < kMostGroups; ++g) visit(g);
   };
@@ -139,8 +143,7 @@ void BarFinder::average_around(const Sums<T>& sums, std::uint8_t* around) const 
     const Row &enters = row_at(r + reach), &leaves = row_at(r - reach - 1);
     each([&](std::size_t g) { sum[g] = static_cast<T>(sum[g] + enters[g] - leaves[g]); });
     std::memcpy(numbers.data(), sum.data(), sizeof sum);
-    for (std::size_t k = 0; k < kNumbers; ++k)
-      around[k] = static_cast<std::uint8_t>((std::uint32_t{numbers[k]} * per_sum) >> 16);
+    for (std::size_t k = 0; k < kNumbers; ++k) around[k] = mean_of(numbers[k], per_sum);
   }
 }
 
@@ -169,14 +172,15 @@ Bar BarFinder::bar_of(const Snake& s) const {
   return bar;
 }
 
-// Where a row crosses something of a bar's colour and width. Hardly a branch depends on a sample:
-// nobody could foretell it.
+// Where a row crosses something of a bar's colour and width. A branch for each sample would be an
+// unpredictable one: edges are written without (8 % of the fast search).
 template <class Visit>
 void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row,
                               const Visit& visit) {
   const int v = row_px(row), first = first_column(), step = step_;
   // samples where what shows a bar begins or has ended, in turns
   std::array<std::uint8_t, kMostColumns + 2> edges;
+  static_assert(kMostColumns <= std::numeric_limits<std::uint8_t>::max());
   std::size_t count = 0;
   unsigned before = 0;  // whether the sample before shows one
   const auto edge = [&](int c, unsigned shows) {
@@ -203,14 +207,10 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     const int start = edges[i], end = edges[i + 1];
     if (end - start > widest_) continue;
     int sum = 0, moment = 0;
-    const auto add = [&](int k, int mask) {
-      const int e = least(twice_[static_cast<std::size_t>(start + k)] >> 1, kLimit) & mask;
+    for (int k = 0; k < end - start; ++k) {
+      const int e = std::min(twice_[static_cast<std::size_t>(start + k)] / 2, kLimit);
       sum += e, moment += e * k;
-    };
-    add(0, -1);
-    add(1, -static_cast<int>(start + 1 < end)), add(2, -static_cast<int>(start + 2 < end)),
-        add(3, -static_cast<int>(start + 3 < end));
-    for (int k = kUsual; k < end - start; ++k) add(k, -1);
+    }
     visit(static_cast<float>(start) + static_cast<float>(moment) / static_cast<float>(sum),
           std::min(sum, kStrongest), end - start);
   }
@@ -237,7 +237,7 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& col
   };
   const auto cross = [&](float x, int row, int strength, int width) {
     const std::size_t nearest =
-        nearest_of(expected, reach, static_cast<std::int16_t>(Snake::kOne * x));
+        nearest_snake(expected, reach, static_cast<std::int16_t>(Snake::kOne * x));
     const std::size_t mine = std::min(nearest, snakes.size());
     if (mine == snakes.size() && !snakes.push_back(Snake{x, row})) return;
     snakes[mine].cross(x, row, strength, width);

@@ -41,9 +41,9 @@ class BarFinder {
   using Bars = FixedList<Bar, 24>;
 
   /// @param widest  what is wider is no bar [samples].
-  /// @param around  a colour's surroundings reach so many groups to each side: wider than the
-  ///     widest bar.
-  BarFinder(int widest, int around) : widest_{widest}, reach_{around} {}
+  /// @param around  a colour's surroundings reach so many groups to each side, 1..3: wider than
+  ///     the widest bar.
+  BarFinder(int widest, int around) : widest_{widest}, reach_{std::clamp(around, 1, kMostReach)} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
   [[nodiscard]] const Bars& find(const Image& image, const ColorModel& color);
@@ -79,9 +79,8 @@ class BarFinder {
                      : EvidenceMap::kOutside);
     }
 
-    /// Of `count` cells from (x, y) on, to the right or down: visit(evidence). Without branches,
-    /// which nobody could foretell at a bar: what is around the middle one is taken for around all,
-    /// a hopeless colour for 0.
+    /// Of `count` cells from (x, y) on, to the right or down: visit(evidence). What is around the
+    /// middle one is taken for around all, a hopeless colour for 0.
     template <class Visit>
     void across(int x, int y, bool down, int count, const Visit& visit) const {
       const int u = x * cell_ + cell_ / 2, v = y * cell_ + cell_ / 2, last = (count - 1) * cell_;
@@ -91,8 +90,8 @@ class BarFinder {
       }
       const Yuv mean = finder_.around(group(down ? u : u + last / 2, down ? v + last / 2 : v));
       const auto take = [&](Yuv c) {
-        visit(least(color_.evidence(c, mean), EvidenceMap::kLimit) &
-              -static_cast<int>(color_.absolute[ColorModel::bin(c)] >= ColorModel::kHopeless));
+        const bool may_be_bar = color_.absolute[ColorModel::bin(c)] >= ColorModel::kHopeless;
+        visit(may_be_bar ? std::min(color_.evidence(c, mean), EvidenceMap::kLimit) : 0);
       };
       if (down)
         image_.visit_column(u, v, cell_, count, take);
@@ -105,9 +104,7 @@ class BarFinder {
       return finder_.evidence_of(color_, image_.packed_at(u, v), group(u, v));
     }
     [[nodiscard]] std::size_t group(int u, int v) const {
-      const auto g = (static_cast<std::uint64_t>(u) * finder_.per_stride_) >> 32,
-                 r = (static_cast<std::uint64_t>(v) * finder_.per_stride_) >> 32;
-      return r * kMostGroups + g;
+      return static_cast<std::size_t>(v / finder_.stride_ * kMostGroups + u / finder_.stride_);
     }
 
     const BarFinder& finder_;
@@ -127,8 +124,10 @@ class BarFinder {
   // evidence of a hopeless colour: with -2.5 nats a gap in a bar would count too much
   static constexpr int kNoBar = -24;
   static constexpr int kMostColumns = 160, kMostRows = 40, kMostGroups = kMostColumns / kGroup;
-  static constexpr int kUsual = 4;   // samples of a crossing; few are wider
-  static constexpr int kBeyond = 8;  // groups; more than around_ reaches
+  static constexpr int kMostReach = 3;  // of what is around, to each side [groups]
+  static constexpr int kBeyond = 8;     // groups beside a row
+  static_assert(kMostGroups < 64, "a row's groups fit one number, a bit each");
+  static_assert(kBeyond > kMostReach, "groups beside a row suffice for what is around its first");
 
   void read(const Image& image, const ColorModel& color);
   template <class T>
@@ -139,8 +138,6 @@ class BarFinder {
   void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit);
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
 
-  // The lesser, without a branch.
-  [[nodiscard]] static int least(int a, int b) { return b ^ ((a ^ b) & -static_cast<int>(a < b)); }
   // Of a pixel. What is around a colour that is hopeless alone need not be known.
   [[nodiscard]] int evidence_of(const ColorModel& color, PackedYuv c, std::size_t group) const {
     if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kNoBar;
@@ -157,10 +154,9 @@ class BarFinder {
 
   Bars bars_;  // of the picture that was searched last
   int widest_, reach_;
-  int step_ = 0, stride_ = 0;
+  int step_ = 1, stride_ = kGroup;
   // read of the picture; four samples of a row make a group
   int rows_ = 0, groups_ = 0;
-  std::uint64_t per_stride_ = 0;  // 2^32 / stride_
   // Of each group; what is beyond either side is as at the border. Chromas as PackedYuv has them.
   Sums<std::uint16_t> sums_y_{};
   Sums<std::uint32_t> sums_uv_{};
@@ -168,7 +164,7 @@ class BarFinder {
   std::array<std::uint8_t, kMostGroups * kMostRows> around_y_{};
   std::array<std::uint8_t, 2 * kMostGroups * kMostRows> around_uv_{};
   // evidence of a row's samples, of both tables together
-  std::array<std::int16_t, kMostColumns + kUsual> twice_{};
+  std::array<std::int16_t, kMostColumns> twice_{};
   // of each row, a bit for each group: whether it may hold a bar
   std::array<std::uint64_t, kMostRows> hopeful_{};
 };

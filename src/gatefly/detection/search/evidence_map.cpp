@@ -2,11 +2,15 @@
 #include "gatefly/detection/search/evidence_map.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace gatefly {
 namespace {
 
 constexpr int kRadius = 5;  // cells: 22 px at 2 px a cell [a study on labelled pictures]
+static_assert((2 * kRadius + 1) * 255 <= std::numeric_limits<std::uint16_t>::max(),
+              "a column's sum fits");
+static_assert(EvidenceMap::kLimit <= std::numeric_limits<std::int8_t>::max());
 
 // Mean over a square of (2 kRadius + 1)² cells, smaller at the border.
 void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -12,11 +13,14 @@
 namespace gatefly {
 namespace {
 
-constexpr int kMargin = 4;    // cells around the picture: a frame may reach over its border
-constexpr int kSamples = 8;   // of a side; their sum fits a byte
+constexpr int kMargin = 4;  // cells around the picture: a frame may reach over its border
+constexpr int kByte = std::numeric_limits<std::uint8_t>::max();
+constexpr int kSamples = 8;   // of a side
 constexpr int kTop = 31;      // full evidence of one sample
 constexpr int kNeutral = 12;  // no evidence either way
-constexpr int kLeast = 90;    // of a place; 96 is a frame of neutral sides, 0 inside
+static_assert(kSamples * kTop <= kByte, "a side's sum fits");
+constexpr int kLeast = 90;  // of a place
+static_assert(kLeast < kSamples * kNeutral, "a frame of neutral sides, 0 inside, is looked at");
 constexpr double kRollStep = 10.0;
 
 // How a frame looks from the side: its width, and how far its right bar is shifted down, of its
@@ -26,6 +30,9 @@ struct Shape {
 };
 constexpr std::array kShapes{Shape{1.0, 0.0},  Shape{0.72, 0.0},  Shape{0.5, 0.0},
                              Shape{0.36, 0.0}, Shape{0.36, 0.25}, Shape{0.36, -0.25}};
+constexpr int kMostRolls = 18;  // to each side
+static_assert((2 * kMostRolls + 1) * static_cast<int>(kShapes.size()) < kByte,
+              "a frame's number fits");
 
 std::uint8_t sample_of(int evidence) {
   return static_cast<std::uint8_t>(std::clamp(kNeutral + evidence / 2, 0, kTop));
@@ -97,7 +104,9 @@ struct GateTemplates::Level {
   double max_roll_deg;
   std::size_t shapes;  // the first so many of kShapes
 
-  [[nodiscard]] int rolls() const { return static_cast<int>(max_roll_deg / kRollStep); }
+  [[nodiscard]] int rolls() const {
+    return std::min(static_cast<int>(max_roll_deg / kRollStep), kMostRolls);
+  }
 };
 
 GateTemplates::GateTemplates() {
