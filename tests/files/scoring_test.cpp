@@ -197,8 +197,9 @@ TEST(Scoring, AreasOfArrowsAndCrossedQuadsAreExact) {
   EXPECT_NEAR(polygon_shared_area(arrow, square(5, 5, 5)), 0.0, 1e-12);
   EXPECT_NEAR(polygon_area({{{0, 0}, {4, 4}, {4, 0}, {0, 4}}}), 16.0, 1e-12);
   EXPECT_EQ(polygon_area({{{1, 1}, {1, 1}, {1, 1}, {1, 1}}}), 0.0);
-  EXPECT_FALSE(matches({}, {}, Rule::kOverlap70));
-  EXPECT_FALSE(matches({}, {}, Rule::kIou50));
+  const Quad point{{{1, 1}, {1, 1}, {1, 1}, {1, 1}}};
+  EXPECT_FALSE(matches(point, point, Rule::kOverlap70));
+  EXPECT_FALSE(matches(point, point, Rule::kIou50));
 }
 
 TEST(Scoring, IdenticalPicturesCountOnceButEveryTimeByTheAuthorsRule) {
