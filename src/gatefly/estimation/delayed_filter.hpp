@@ -23,12 +23,11 @@ struct RestartParams {
 /// The drag filter with a memory: a fix is fused at the moment of its picture, however late it
 /// comes.
 ///
-/// The last moments are kept, tick by tick. A fix takes its place in it and everything
-/// after it is done again, so that the order of arrival does not matter. Fixes that the filter
-/// refuses but that agree with each other start its position anew: it is never locked out, and
-/// never thrown by one or two wrong gates. Cost: a prediction and a copy of 1 KiB per tick; a fix
-/// costs a prediction per tick of its age. Allocates
-/// when it is made, and never after.
+/// The last moments are kept, tick by tick. A fix takes its place among them and everything after it
+/// is done again, so that the order of arrival does not matter. Fixes that the filter refuses but
+/// that agree with each other start its position anew: it is never locked out, and never thrown by
+/// one or two wrong gates. Cost: a prediction and a copy of 1 KiB per tick; a fix costs a prediction
+/// per tick of its age. Allocates when it is made, and never after.
 class DelayedFilter {
  public:
   /// The filter at the end of one tick, and what led there.

@@ -76,7 +76,7 @@ struct GuidanceParams {
 /// The outer loop: which attitude and thrust each phase of the race asks for.
 ///
 /// Source: Li18 §4, Eq. (22) on straights, Eq. (24)-(29) in turns. Differs: the pitch holds a speed,
-/// and the PD trims the arc (docs/paper/deviations.md#control).
+/// and the PD trims the arc (docs/paper/deviations.md#eq-22, #eq-29).
 class Guidance {
  public:
   explicit Guidance(const GuidanceParams& params) : params_{params} {}

@@ -13,7 +13,7 @@ bool is_resting(const Phase& phase) {
 }  // namespace
 
 Pilot::Pilot(const PilotConfig& config)
-    : config_{config},
+    : map_uncertainty_{map_uncertainty(config)},
       navigator_{navigator_params(config)},
       lookout_{lookout_params(config)},
       course_{config.track, config.plan},
@@ -23,7 +23,7 @@ Pilot::Pilot(const PilotConfig& config)
   check_latency(config);
   const Track& track = config.track;
   navigator_.start({track.start.x(), track.start.y(), 0.0}, track.start_heading,
-                   frame_of(course_.gate()), map_uncertainty(config));
+                   frame_of(course_.gate()), map_uncertainty_);
 }
 
 /// One tick of the system diagram, Li18 Fig. "system structure", left to right.
@@ -52,7 +52,7 @@ void Pilot::navigate(const Sensors& sensors) {
 
 void Pilot::follow_course() {
   if (course_.follow(navigator_.state(), phase_))
-    navigator_.change_gate(frame_of(course_.gate()), map_uncertainty(config_));
+    navigator_.change_gate(frame_of(course_.gate()), map_uncertainty_);
 }
 
 void Pilot::change_phase() {

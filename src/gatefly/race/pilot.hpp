@@ -40,7 +40,7 @@ class Pilot {
   [[nodiscard]] Situation situation() const;
   std::array<double, 4> motors(const AttitudeCommand& attitude);
 
-  PilotConfig config_;
+  MapUncertainty map_uncertainty_;
   Navigator navigator_;
   Lookout lookout_;
   Course course_;
