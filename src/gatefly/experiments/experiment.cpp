@@ -10,7 +10,7 @@
 namespace gatefly::experiments {
 
 std::span<const Experiment> all() {
-  static const std::array<Experiment, 15> list{{
+  static const std::array<Experiment, 16> list{{
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
@@ -41,6 +41,8 @@ std::span<const Experiment> all() {
       {"pose-grid", "our pose against rays and PnP; is its covariance honest?", pose_grid, false},
       {"pose-real", "distances to a real gate, and a real flight against motion capture",
        pose_real},
+      {"feasible-set", "from where a gate can still be flown through, by speed and lateral law",
+       feasible_set, false},
   }};
   return list;
 }

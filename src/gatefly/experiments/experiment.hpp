@@ -71,5 +71,6 @@ Result pose_ls_p3p(const Options& options);
 Result pose_bars(const Options& options);
 Result pose_grid(const Options& options);
 Result pose_real(const Options& options);
+Result feasible_set(const Options& options);
 
 }  // namespace gatefly::experiments
