@@ -65,6 +65,7 @@ Result ahrs_real(const Options& options);
 Result eyes_real(const Options& options);
 Result ekf_track(const Options& options);
 Result ekf_vs_15(const Options& options);
+Result convergence(const Options& options);
 Result own_detector(const Options& options);
 Result detection_failures(const Options& options);
 Result pose_ls_p3p(const Options& options);
