@@ -82,7 +82,8 @@ std::vector<Condition> conditions(bool quick) {
 }
 
 template <class Filter>
-Trace trace_of(const FilterRace& race, Filter filter, const FilterConditions& given) {
+Trace trace_of(const FilterRace& race, Filter filter, const FilterConditions& given,
+               std::size_t points = kPoints) {
   Trace trace;
   const auto fixes = race.fixes(given);
   if (fixes.empty()) return trace;
@@ -100,23 +101,23 @@ Trace trace_of(const FilterRace& race, Filter filter, const FilterConditions& gi
               trace[kTilt].push_back(std::hypot(wrap_angle(attitude.roll - m.attitude.roll),
                                                 attitude.pitch - m.attitude.pitch) /
                                      kDegree);
-              return trace[kBias].size() < kPoints;
+              return trace[kBias].size() < points;
             });
   return trace;
 }
 
 /// Those noises of the classic filter that find the bias soonest, on flights that are not shown.
 baseline::Imu15Params tuned(const Options& options) {
+  constexpr std::size_t kFirst = point_at(0.5), kLast = point_at(5.0);
   const std::vector<FilterRace> races = tuning_races(options);
   return tuned_imu15(options, [&](const baseline::Imu15Params& params) {
-    std::vector<std::vector<double>> errors(races.size());
+    std::vector<std::vector<double>> biases(races.size());
     in_parallel(races.size(), [&](std::size_t i) {
-      const Trace trace = trace_of(races[i], races[i].imu15(params), {});
-      for (std::size_t k = point_at(0.5); k <= point_at(5.0) && k < trace[kBias].size(); ++k)
-        errors[i].push_back(trace[kBias][k]);
+      biases[i] = trace_of(races[i], races[i].imu15(params), {}, kLast + 1)[kBias];
     });
     std::vector<double> all;
-    for (const auto& e : errors) all.insert(all.end(), e.begin(), e.end());
+    for (const std::vector<double>& bias : biases)
+      for (std::size_t k = kFirst; k < bias.size(); ++k) all.push_back(bias[k]);
     return rms(all);
   });
 }

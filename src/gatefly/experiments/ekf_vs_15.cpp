@@ -128,8 +128,7 @@ Result ekf_vs_15(const Options& options) {
   });
   Course drag, imu15;
   int finished = 0;
-  for (const Run& run : runs)
-    add(drag, run.drag), add(imu15, run.imu15), finished += run.finished;
+  for (const Run& run : runs) add(drag, run.drag), add(imu15, run.imu15), finished += run.finished;
 
   Result result{
       .table = {},
@@ -160,7 +159,7 @@ Result ekf_vs_15(const Options& options) {
       later = first;
   later.title = "later gaps";
   const auto show = [&](const std::string& what, io::Plot& plot, const auto& d, const auto& i,
-                       double step) {
+                        double step) {
     add_band(plot, "15 states", i, 0.0, step, io::look::kGate),
         add_band(plot, "drag filter, 7 states", d, 0.0, step, io::look::kDetection);
     result.json[what] = curve_json(d, i, step);
