@@ -35,11 +35,18 @@ struct Comparison {
   std::string what, paper, ours;
 };
 
+/// A picture beside an experiment's plot.
+struct ExtraPicture {
+  std::string name;  ///< Of its file, without ".png".
+  io::Canvas picture;
+};
+
 struct Result {
   std::vector<Comparison> table;
   nlohmann::ordered_json json;  ///< The same and more, as numbers.
   std::string csv;              ///< With its header.
   io::Canvas picture;
+  std::vector<ExtraPicture> extra = {};  ///< What the plot has no room for.
 };
 
 struct Experiment {
