@@ -71,7 +71,7 @@ struct OneGate {
 
 /// The authors' rule of 2017, as their stored run has it (their script says 0.4476 at 0.07), and
 /// what flew in 2018. Theirs has more false positives than all their candidates of σ_cf 0.7
-/// together: it cannot have had that threshold.
+/// together: another threshold or another σ_L, neither is known.
 std::vector<OneGate> one_gate_points(const LabelledSet& set, int repeats, const Options& options) {
   std::vector<OneGate> list{
       {"best_of_paper", "best gate of mode paper (2017)", as_paper_best({.min_color_fitness = 0.0}),
