@@ -129,7 +129,8 @@ void DragFilter::predict(const drag_model::Input& input, double dt) {
   C.col(lasting::kHeading).head<3>() += input.yaw_sigma * turned;
   C.col(lasting::kGateYaw).head<3>() += gate_yaw_sigma_ * turned;
   C_ = C;
-  P.diagonal().segment<3>(kX).array() += params_.position_noise * dt;
+  P.diagonal().segment<2>(kX).array() += params_.position_noise * dt;
+  P(kZ, kZ) += params_.height_noise * dt;
   P(drag_model::kVz, drag_model::kVz) += params_.vertical_noise * dt;
   P.diagonal().segment<3>(drag_model::kBiasX).array() += params_.bias_noise * dt;
   P_ = 0.5 * (P + P.transpose());

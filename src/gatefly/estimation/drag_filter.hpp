@@ -10,9 +10,10 @@ namespace gatefly {
 
 struct DragFilterParams {
   drag_model::Params model;
-  /// Spectral densities of position, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms
+  /// Spectral densities of x and y, z, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms
   /// update; ours: what drag's velocity errs by lasts for seconds, so most of it is the bias's]
   double position_noise = 0.004;
+  double height_noise = 0.004;
   double vertical_noise = 0.03;
   double bias_noise = 4e-4;
   Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};  ///< On the pad [m]. [ours]

@@ -10,7 +10,7 @@
 namespace gatefly::experiments {
 
 std::span<const Experiment> all() {
-  static const std::array<Experiment, 17> list{{
+  static const std::array<Experiment, 19> list{{
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
@@ -46,6 +46,10 @@ std::span<const Experiment> all() {
        pose_real},
       {"feasible-set", "from where a gate can still be flown through, by speed and lateral law",
        feasible_set, false},
+      {"full-track", "the showroom: three flights of 15 gates each at -5 and -7 degrees, and ours",
+       full_track, false},
+      {"paper-vs-ours", "the original beside ours on the same days; which box makes the difference",
+       paper_vs_ours, false},
   }};
   return list;
 }

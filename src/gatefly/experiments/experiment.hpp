@@ -80,5 +80,7 @@ Result pose_bars(const Options& options);
 Result pose_grid(const Options& options);
 Result pose_real(const Options& options);
 Result feasible_set(const Options& options);
+Result full_track(const Options& options);
+Result paper_vs_ours(const Options& options);
 
 }  // namespace gatefly::experiments

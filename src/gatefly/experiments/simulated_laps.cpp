@@ -28,13 +28,15 @@ bool is_faced(const sim::WorldGate& gate, const Eigen::Vector3d& p_EB, double ya
 }  // namespace
 
 closed_loop::RaceConfig race_on(const std::string& track, int laps, closed_loop::Vision vision,
-                                std::uint64_t seed, bool exact_map) {
-  const io::Config config = io::load_config(io::config_files(std::vector<std::string>{}));
+                                std::uint64_t seed, bool exact_map,
+                                const std::vector<std::string>& configs,
+                                const std::vector<std::string>& settings) {
+  const io::Config config = io::load_config(io::config_files(configs), settings);
   const io::TrackFile file = io::read_track(io::find_track(track), config.gate);
   closed_loop::RaceConfig race;
   race.vision = vision, race.timeout = config.sim.timeout, race.pilot = config.pilot;
   race.pilot.track = file.track;
-  race.pilot.track.laps = laps;
+  if (laps > 0) race.pilot.track.laps = laps;
   sim::SimConfig nominal = io::simulator_config(config, file);
   nominal.cache_dir = std::filesystem::temp_directory_path() / "gatefly-cache";
   sim::Randomize sigma = io::randomized(file.randomize, config.randomize, "[randomize]");

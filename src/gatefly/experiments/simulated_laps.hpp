@@ -11,12 +11,15 @@
 
 namespace gatefly::experiments {
 
-/// A race as `gatefly fly` makes it with its defaults. @throws std::runtime_error as the files'
-/// readers.
+/// A race as `gatefly fly` makes it. @throws std::runtime_error as the files' readers.
+/// @param laps  0: as many as the track says.
 /// @param exact_map  the gates stand where the map says.
+/// @param configs, settings  as --config and --set.
 [[nodiscard]] closed_loop::RaceConfig race_on(const std::string& track, int laps,
                                               closed_loop::Vision vision, std::uint64_t seed,
-                                              bool exact_map = false);
+                                              bool exact_map = false,
+                                              const std::vector<std::string>& configs = {},
+                                              const std::vector<std::string>& settings = {});
 
 /// One IMU sample of a simulated flight.
 struct LapMoment {

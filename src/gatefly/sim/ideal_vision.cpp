@@ -188,7 +188,9 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
       statistics_{statistics_of(params.detector)},
       ghosts_{params.ghosts},
       sight_{sight},
-      stream_{seed, "ideal vision"} {}
+      stream_{seed, "ideal vision"} {
+  statistics_.false_alarms *= params.false_alarms;
+}
 
 SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history) {
   SeenPicture seen;

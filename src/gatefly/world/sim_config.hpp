@@ -86,6 +86,7 @@ struct IdealVisionParams {
   std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
   /// Part of the whole gates that are seen as from a place up to 3 m away.
   double ghosts = 0.0;
+  double false_alarms = 1.0;  ///< Times as many as the detector has.
 };
 
 /// Start pose on the pad.
