@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "gatefly/experiments/blind_arc.hpp"
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/text.hpp"
+
+namespace gatefly::experiments {
+
+/// What is told of every arc and, as mean and standard deviation, of every source.
+struct ArcQuantity {
+  const char *name, *key;
+  const char* paper;
+  double (*of)(const BlindArc&);
+};
+[[nodiscard]] const std::array<ArcQuantity, 10>& arc_quantities();
+
+[[nodiscard]] Spread1 spread_of(const std::vector<BlindArc>& arcs,
+                                double (*value)(const BlindArc&));
+/// Of the displacements.
+[[nodiscard]] Spread2 ends_of(const std::vector<BlindArc>& arcs);
+
+/// "0.27 ± 0.38", "(0.27, 3.34)".
+[[nodiscard]] std::string text_of(const Spread1& spread);
+[[nodiscard]] std::string text_of(const Eigen::Vector2d& p);
+[[nodiscard]] nlohmann::ordered_json json_of(const Spread1& spread);
+[[nodiscard]] nlohmann::ordered_json json_of(const Eigen::Vector2d& p);
+
+}  // namespace gatefly::experiments
