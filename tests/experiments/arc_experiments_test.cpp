@@ -184,6 +184,29 @@ TEST(BlindArc, IsTheSameToTheLeftAsToTheRight) {
   EXPECT_GT(right.displacement().y(), 2.9);
 }
 
+Eigen::Vector2d sum_of(const ArcParts& parts) {
+  return parts.early_end + parts.late_nose + parts.speed + parts.slip;
+}
+
+// A nose 0.1 s late, 1.6 m/s where 1.5 is believed, 5° of slip: each shows up where it belongs.
+TEST(ArcParts, AddUpToTheDifferenceFromThePlan) {
+  constexpr double kRadius = 1.5, kBelieved = 1.5, kSlip = 5.0 * kDegree;
+  const Piece turn{.time = kPi * kRadius / kBelieved,
+                   .speed = kSpeed,
+                   .yaw_rate = kBelieved / kRadius,
+                   .slip = -kSlip};
+  const std::vector<SmoothSample> motion = smoothed(flown({straight(2), turn, straight(2)}));
+  const double end = 2.0 + turn.time - 0.02;
+  const BlindArc arc = arc_between(motion, 1.9, end, motion[200].yaw, true, {.radius = kRadius});
+  EXPECT_LT((sum_of(arc.parts) - (arc.displacement() - Eigen::Vector2d{0.0, 2.0 * kRadius})).norm(),
+            0.005);
+  EXPECT_NEAR(arc.parts.late_nose.x(), 0.1 * kBelieved, 0.01);
+  EXPECT_NEAR(arc.parts.speed.y(), (kSpeed - kBelieved) / kBelieved * 2.0 * kRadius, 0.01);
+  EXPECT_NEAR(arc.parts.slip.x(), std::sin(kSlip) * kSpeed / kBelieved * 2.0 * kRadius, 0.02);
+  EXPECT_NEAR(arc.believed_speed, kBelieved, 0.01);
+  EXPECT_NEAR(arc.mean_speed, kSpeed, 0.01);
+}
+
 /// So many displacements with exactly this mean and sample variance.
 std::vector<double> values_with(std::size_t count, double mean, double variance) {
   sim::Stream random{17, "arcs"};
@@ -302,6 +325,8 @@ TEST_F(RecordedTakes, HaveTheNoseAlongTheCourseAndTurnWithIt) {
     for (const BlindArc& arc : take.found.arcs) {
       EXPECT_TRUE(arc.right) << arc.flight;
       EXPECT_GT(arc.displacement().y(), 2.9) << arc.flight << ": the way turns as the nose does";
+      EXPECT_LT((sum_of(arc.parts) - (arc.displacement() - Eigen::Vector2d{0.0, 3.0})).norm(), 0.01)
+          << arc.flight;
       EXPECT_NEAR(arc.mean_pitch, -5.0 * kDegree, 3.0 * kDegree) << arc.flight;
     }
     EXPECT_LT(take.roughness, 0.03) << take.take.name;

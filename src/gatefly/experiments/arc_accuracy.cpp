@@ -46,6 +46,18 @@ void report_paper(const PaperArcs& paper, Result& result) {
                           {"exit_std_m", json_of(paper.exit_deviation)}};
 }
 
+/// Means of the four parts of one axis.
+std::string parts_text(const std::vector<BlindArc>& arcs, int axis) {
+  ArcParts sum;
+  for (const BlindArc& arc : arcs)
+    sum.early_end += arc.parts.early_end, sum.late_nose += arc.parts.late_nose,
+        sum.speed += arc.parts.speed, sum.slip += arc.parts.slip;
+  std::string text;
+  for (const Eigen::Vector2d& part : {sum.early_end, sum.late_nose, sum.speed, sum.slip})
+    text += (text.empty() ? "" : ", ") + fixed(part[axis] / static_cast<double>(arcs.size()), 2);
+  return text;
+}
+
 /// A line for each quantity, all sources beside each other.
 void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
   const auto line_of = [&](const auto& text) {
@@ -58,9 +70,15 @@ void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
   result.table.push_back(
       {"arcs", "17", line_of([](const ArcSource& s) { return std::to_string(s.arcs.size()); })});
   for (const ArcQuantity& quantity : arc_quantities())
-    result.table.push_back({quantity.name, quantity.paper, line_of([&](const ArcSource& s) {
-                              return text_of(spread_of(s.arcs, quantity.of));
-                            })});
+    if (*quantity.name != '\0')
+      result.table.push_back({quantity.name, quantity.paper, line_of([&](const ArcSource& s) {
+                                return text_of(spread_of(s.arcs, quantity.of));
+                              })});
+  for (const int axis : {0, 1})
+    result.table.push_back({axis == 0 ? "x beyond 0: by 3° left, late nose, speed, slip [m]"
+                                      : "y beyond 3: by 3° left, late nose, speed, slip [m]",
+                            "-",
+                            line_of([&](const ArcSource& s) { return parts_text(s.arcs, axis); })});
   result.json["sources"] = nlohmann::ordered_json::object();
   for (const ArcSource& source : sources) {
     auto& told = result.json["sources"][source.name];
@@ -71,13 +89,14 @@ void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
 }
 
 std::string csv_of(const std::vector<ArcSource>& sources) {
-  std::string csv = "source,flight,turn,begin_s,entry_slip_deg,mean_climb_m";
+  std::string csv = "source,flight,turn,heading_deg,begin_s,entry_slip_deg,mean_climb_m";
   for (const ArcQuantity& quantity : arc_quantities()) csv += std::string{","} + quantity.key;
   csv += "\n";
   for (const ArcSource& source : sources)
     for (const BlindArc& arc : source.arcs) {
       csv += source.name + "," + arc.flight + "," + (arc.right ? "right" : "left");
-      for (const double v : {arc.begin, arc.entry_slip() / kDegree, arc.mean_climb})
+      for (const double v : {wrap_angle(arc.heading) / kDegree, arc.begin,
+                             arc.entry_slip() / kDegree, arc.mean_climb})
         csv += "," + io::text_of(v, 6);
       for (const ArcQuantity& quantity : arc_quantities())
         csv += "," + io::text_of(quantity.of(arc), 5);

@@ -5,8 +5,8 @@
 
 namespace gatefly::experiments {
 
-const std::array<ArcQuantity, 10>& arc_quantities() {
-  static const std::array<ArcQuantity, 10> list{{
+const std::array<ArcQuantity, 20>& arc_quantities() {
+  static const std::array<ArcQuantity, 20> list{{
       {"displacement x, planned 0 [m]", "displacement_x_m", "-0.33 ± 0.16",
        [](const BlindArc& a) { return a.displacement().x(); }},
       {"displacement y, planned 3 [m]", "displacement_y_m", "3.67 ± 0.26",
@@ -19,6 +19,9 @@ const std::array<ArcQuantity, 10>& arc_quantities() {
        [](const BlindArc& a) { return a.exit_speed(); }},
       {"speed lost between them [m/s]", "speed_loss_mps", "",
        [](const BlindArc& a) { return a.entry_speed() - a.exit_speed(); }},
+      {"mean speed [m/s]", "mean_speed_mps", "", [](const BlindArc& a) { return a.mean_speed; }},
+      {"  as the yaw rate tells it, times 1.5 m", "believed_speed_mps", "",
+       [](const BlindArc& a) { return a.believed_speed; }},
       {"radius of the circle that fits [m]", "radius_m", "planned 1.5",
        [](const BlindArc& a) { return a.radius; }},
       {"course at the exit beyond +180° [°]", "exit_slip_deg", "",
@@ -27,6 +30,14 @@ const std::array<ArcQuantity, 10>& arc_quantities() {
        [](const BlindArc& a) { return a.mean_pitch / kDegree; }},
       {"largest height change [m]", "max_climb_m", "",
        [](const BlindArc& a) { return a.max_climb; }},
+      {"", "by_early_end_x_m", "", [](const BlindArc& a) { return a.parts.early_end.x(); }},
+      {"", "by_late_nose_x_m", "", [](const BlindArc& a) { return a.parts.late_nose.x(); }},
+      {"", "by_speed_x_m", "", [](const BlindArc& a) { return a.parts.speed.x(); }},
+      {"", "by_slip_x_m", "", [](const BlindArc& a) { return a.parts.slip.x(); }},
+      {"", "by_early_end_y_m", "", [](const BlindArc& a) { return a.parts.early_end.y(); }},
+      {"", "by_late_nose_y_m", "", [](const BlindArc& a) { return a.parts.late_nose.y(); }},
+      {"", "by_speed_y_m", "", [](const BlindArc& a) { return a.parts.speed.y(); }},
+      {"", "by_slip_y_m", "", [](const BlindArc& a) { return a.parts.slip.y(); }},
   }};
   return list;
 }

@@ -16,11 +16,12 @@ namespace gatefly::experiments {
 
 /// What is told of every arc and, as mean and standard deviation, of every source.
 struct ArcQuantity {
-  const char *name, *key;
+  const char* name;  ///< In the table; "" is not.
+  const char* key;   ///< In CSV and JSON.
   const char* paper;
   double (*of)(const BlindArc&);
 };
-[[nodiscard]] const std::array<ArcQuantity, 10>& arc_quantities();
+[[nodiscard]] const std::array<ArcQuantity, 20>& arc_quantities();
 
 [[nodiscard]] Spread1 spread_of(const std::vector<BlindArc>& arcs,
                                 double (*value)(const BlindArc&));

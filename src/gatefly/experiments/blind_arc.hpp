@@ -15,6 +15,19 @@ struct PlannedArc {
   double radius = 1.5;  ///< [m] [Li18 §4]
 };
 
+/// Why an arc does not end where it was planned: parts of the difference, in the entry's frame, that
+/// add up to it. Exact kinematics, for whatever is flown: displacement = ∫ v (cos χ, sin χ) dt.
+struct ArcParts {
+  /// The nose stops short of 180°, on the planned circle [m].
+  Eigen::Vector2d early_end = Eigen::Vector2d::Zero();
+  /// The nose follows the command late: the way at the commanded speed meanwhile [m].
+  Eigen::Vector2d late_nose = Eigen::Vector2d::Zero();
+  /// The true speed is not that which the yaw rate stands for [m].
+  Eigen::Vector2d speed = Eigen::Vector2d::Zero();
+  /// The course is not where the nose is [m].
+  Eigen::Vector2d slip = Eigen::Vector2d::Zero();
+};
+
 /// Where the drone sees a gate again after an arc: what the estimate was, and what that sighting
 /// made of it. Li18 Fig. "jump after arc".
 struct EstimateJump {
@@ -34,7 +47,10 @@ struct BlindArc {
   double mean_pitch = 0.0;  ///< Inside the arc; nose up is positive [rad].
   double mean_climb = 0.0;  ///< Mean height above the entry's [m].
   double max_climb = 0.0;   ///< The largest height change, with its sign; up is positive [m].
-  double radius = 0.0;      ///< Of the circle that fits best [m].
+  /// Of the nose, r times its rate: what the drone believes to fly; and really [m/s].
+  double believed_speed = 0.0, mean_speed = 0.0;
+  ArcParts parts = {};
+  double radius = 0.0;                     ///< Of the circle that fits best [m].
   std::vector<Eigen::Vector2d> path = {};  ///< From 0.5 s before to 0.5 s after it [m].
   std::optional<EstimateJump> jump = {};   ///< Simulated arcs only.
 

@@ -183,6 +183,34 @@ class Turn {
   double rate_ = 0.0, sign_ = 1.0, heading_ = 0.0;
 };
 
+/// The arc's speeds, and the parts of its displacement.
+void explain(BlindArc& arc, std::span<const SmoothSample> motion, const PlannedArc& planned) {
+  // The attitude loop has followed the command: three times its 0.14 s [Li18's INDI, 14 rad/s], but
+  // never more than a fifth of the arc.
+  const double settle = std::min(0.42, 0.2 * arc.duration());
+  const double sign = arc.right ? 1.0 : -1.0, r = planned.radius;
+  const auto nose = [&](const SmoothSample& s) { return sign * (s.yaw - arc.heading); };
+  // Commanded from the start: the mean rate of the next stretch as long.
+  const double t1 = arc.begin + settle, t2 = arc.begin + 2.0 * settle;
+  const double first_speed = r * (nose(at(motion, t2)) - nose(at(motion, t1))) / (t2 - t1);
+  constexpr int kSteps = 1000;
+  const double dt = arc.duration() / kSteps;
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = arc.begin + (i + 0.5) * dt;
+    const SmoothSample s = at(motion, t);
+    const double psi = nose(s), flown = r * sign * s.yaw_rate, v = s.v_E.head<2>().norm();
+    const double commanded = t < t1 ? first_speed : flown;
+    const Eigen::Vector2d ahead{std::cos(psi), std::sin(psi)};
+    arc.parts.late_nose += dt * (commanded - flown) * ahead;
+    arc.parts.speed += dt * (v - commanded) * ahead;
+    arc.parts.slip += dt * (arc.in_entry_frame(s.v_E.head<2>()) - v * ahead);
+    arc.believed_speed += commanded / kSteps, arc.mean_speed += v / kSteps;
+  }
+  const double from = nose(at(motion, arc.begin)), to = nose(at(motion, arc.end));
+  arc.parts.early_end =
+      r * Eigen::Vector2d{std::sin(to) - std::sin(from), std::cos(from) - std::cos(to) - 2.0};
+}
+
 /// Stretches of fast turning to one side.
 std::vector<Window> turns_of(std::span<const SmoothSample> motion, const HalfCircleRule& rule) {
   std::vector<Window> runs;
@@ -264,7 +292,7 @@ SmoothSample at(std::span<const SmoothSample> motion, double t) {
 }
 
 BlindArc arc_between(std::span<const SmoothSample> motion, double begin, double end, double heading,
-                     bool right) {
+                     bool right, const PlannedArc& planned) {
   const SmoothSample a = at(motion, begin), b = at(motion, end);
   BlindArc arc{.flight = {},
                .right = right,
@@ -288,6 +316,7 @@ BlindArc arc_between(std::span<const SmoothSample> motion, double begin, double 
   const double n = std::max(1.0, static_cast<double>(inside.size()));
   arc.mean_climb /= n, arc.mean_pitch /= n;
   arc.radius = fitted_radius(inside);
+  explain(arc, motion, planned);
   return arc;
 }
 

@@ -86,6 +86,6 @@ struct HalfCircles {
 /// The arc between two moments of a motion, whatever decided where it begins and ends.
 /// @param heading  of the straight before it [rad].
 [[nodiscard]] BlindArc arc_between(std::span<const SmoothSample> motion, double begin, double end,
-                                   double heading, bool right);
+                                   double heading, bool right, const PlannedArc& planned = {});
 
 }  // namespace gatefly::experiments

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include <Eigen/Dense>
+
 #include "gatefly/experiments/arc_table.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/quantile.hpp"
@@ -53,6 +55,19 @@ double roughness(const RecordedArcs::Take& take) {
   return largest;
 }
 
+PitchByHeading pitch_by_heading(const RecordedArcs::Take& take) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const SmoothSample& s : take.motion) {
+    if (!s.tracked || s.t < take.found.arcs.front().begin || s.t > take.found.arcs.back().end)
+      continue;
+    const Eigen::Vector3d row{1.0, std::cos(s.yaw), std::sin(s.yaw)};
+    normal += row * row.transpose(), sum += s.pitch * row;
+  }
+  const Eigen::Vector3d fit = normal.ldlt().solve(sum);
+  return {fit.x(), std::hypot(fit.y(), fit.z()), std::atan2(fit.z(), fit.y())};
+}
+
 /// Another rule of where an arc begins and ends.
 struct OtherRule {
   const char* name;
@@ -95,6 +110,7 @@ RecordedArcs recorded_arcs(const Options& options) {
     each.found = find_half_circles(each.motion);
     each.course_off_nose = course_off_nose(each.motion, each.found);
     each.roughness = roughness(each);
+    if (!each.found.arcs.empty()) each.pitch = pitch_by_heading(each);
     for (std::size_t i = 0; i < each.found.arcs.size(); ++i)
       each.found.arcs[i].flight = short_name(each.take.name) + " arc " + std::to_string(i + 1);
     recorded.takes.push_back(std::move(each));
@@ -117,6 +133,11 @@ void report_takes(const RecordedArcs& recorded, Result& result) {
                                 " m, entered at " + fixed(speed, 2) + " m/s, radius " +
                                 fixed(radius, 2) + " m, course " + fixed(off_nose, 1) +
                                 "° off the nose"});
+    const PitchByHeading& pitch = each.pitch;
+    result.table.push_back({"  its pitch", "",
+                            fixed(pitch.mean / kDegree, 1) + "°, " +
+                                fixed(pitch.amplitude / kDegree, 1) + "° more towards heading " +
+                                fixed(pitch.heading / kDegree, 0) + "°"});
     auto left_out = nlohmann::ordered_json::array();
     for (const LeftOut& other : each.found.left_out) {
       result.table.push_back(
@@ -130,6 +151,10 @@ void report_takes(const RecordedArcs& recorded, Result& result) {
                      {"entry_speed_mps", number(speed)},
                      {"radius_m", number(radius)},
                      {"course_off_nose_deg", number(off_nose)},
+                     {"pitch",
+                      {{"mean_deg", number(pitch.mean / kDegree)},
+                       {"amplitude_deg", number(pitch.amplitude / kDegree)},
+                       {"heading_deg", number(pitch.heading / kDegree)}}},
                      {"largest_marker_error_m", each.take.largest_marker_error},
                      {"roughness_m", each.roughness},
                      {"repeated_samples", each.take.repeated},

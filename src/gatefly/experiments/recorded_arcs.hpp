@@ -10,6 +10,12 @@
 
 namespace gatefly::experiments {
 
+/// pitch(ψ) = mean + amplitude cos(ψ - heading): a tilt that is fixed to the earth, not to the body
+/// [rad]. The command is the same everywhere, so it is an error of the drone's own attitude.
+struct PitchByHeading {
+  double mean = 0.0, amplitude = 0.0, heading = 0.0;
+};
+
 /// The four takes of tudelft_bebop_mocap_laps and the half circles in them.
 struct RecordedArcs {
   struct Take {
@@ -18,7 +24,8 @@ struct RecordedArcs {
     HalfCircles found = {};
     /// Median on the straights before the arcs: is the nose where the frame says? [rad]
     double course_off_nose = 0.0;
-    double roughness = 0.0;  ///< Largest distance of a sample inside an arc from the curve [m].
+    PitchByHeading pitch = {};  ///< From the first arc to the last.
+    double roughness = 0.0;     ///< Largest distance of a sample inside an arc from the curve [m].
   };
   std::vector<Take> takes;  ///< Empty where the data is not there.
 
