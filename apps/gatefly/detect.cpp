@@ -45,21 +45,14 @@ struct Findings {
   double seconds = 0.0;  ///< Spent on detection alone.
 };
 
-DetectorMode mode_of(const std::string& name) {
-  static const std::map<std::string, DetectorMode> modes{{"ours", DetectorMode::kOurs},
-                                                         {"fast", DetectorMode::kFast},
-                                                         {"careful", DetectorMode::kCareful},
-                                                         {"paper", DetectorMode::kPaper},
-                                                         {"flown", DetectorMode::kFlown}};
-  return modes.at(name);
-}
-
 /// Gates, best first; where there are none, or all are asked for, one that the border cuts.
 std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
-                                    const ColorModel& color, bool all) {
-  const LookFor look_for{.gates = all ? LookFor::Gates::kAll : LookFor::Gates::kBest,
-                         .part = all ? LookFor::Part::kToo : LookFor::Part::kWithoutGate};
-  const GatesInView view = detector.look(image, color, look_for);
+                                    const PilotConfig& config, bool all) {
+  LookFor look_for{.gates = all ? LookFor::Gates::kAll : LookFor::Gates::kBest,
+                   .part = all ? LookFor::Part::kToo : LookFor::Part::kWithoutGate};
+  if (config.detector_mode == DetectorMode::kPaper || config.detector_mode == DetectorMode::kFlown)
+    look_for.part = LookFor::Part::kNo;  // two columns of a picture: no corners to answer with
+  const GatesInView view = detector.look(image, config.gate_color, look_for);
   std::vector<GateDetection> gates(view.gates.begin(), view.gates.end());
   if (view.part) gates.push_back(view.part->gate);
   return gates;
@@ -70,8 +63,7 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
              const io::Config& config, GateDetector& detector, Findings& findings) {
   const Image image = file.view(config.camera.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<GateDetection> gates =
-      gates_in(image, detector, config.pilot.gate_color, options.all);
+  const std::vector<GateDetection> gates = gates_in(image, detector, config.pilot, options.all);
   findings.seconds +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
@@ -128,7 +120,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
 
 Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
   Findings findings;
-  GateDetector detector{config.pilot.detector, mode_of(config.detector_mode)};
+  GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;

@@ -29,9 +29,6 @@ void refuse_unflyable(const io::Config& config) {
   if (config.gate.corners != "outer")
     throw std::runtime_error("gate.corners = \"" + config.gate.corners +
                              "\", must be \"outer\" to fly");
-  if (config.detector_mode != "ours")
-    throw std::runtime_error("detector.mode = \"" + config.detector_mode +
-                             "\", must be \"ours\" to fly");
 }
 
 /// An argument as a shell wants it.

@@ -79,9 +79,6 @@ Recording read(const ReplayOptions& options) {
     common.configs.insert(common.configs.begin(), "flights");
     recording.config = load(common);
   }
-  if (recording.config.detector_mode != "ours")
-    throw std::runtime_error("detector.mode = \"" + recording.config.detector_mode +
-                             "\", must be \"ours\" to replay");
   const fs::path track_path = !options.track.empty() ? io::find_track(options.track)
                               : recording.simulated  ? directory / "track.toml"
                                                      : io::find_track("flights");

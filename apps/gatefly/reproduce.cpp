@@ -99,6 +99,8 @@ void write(const Result& result, const fs::path& folder) {
     throw std::runtime_error("--out: " + folder.string() + " cannot be made: " + error.message());
   io::write_file(folder / "result.csv", result.csv);
   result.picture.write_png(folder / "plot.png");
+  for (const experiments::ExtraPicture& extra : result.extra)
+    extra.picture.write_png(folder / (extra.name + ".png"));
   io::write_file(folder / "result.json", result.json.dump(2) + "\n");
 }
 

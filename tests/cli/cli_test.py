@@ -884,9 +884,9 @@ class RealPictures(Cli):
         result = self.run_it("reproduce", "tpr-distance", "approach-sequence", "--quick", "--data", self.gates.parent)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("paper", result.stdout)
-        for name in ("tpr-distance", "approach-sequence"):
+        for name, extra in (("tpr-distance", ["examples.png"]), ("approach-sequence", [])):
             folder = self.folder / "out" / "reproduce" / name
-            self.assertEqual(sorted(path.name for path in folder.iterdir()), ["plot.png", "result.csv", "result.json"])
+            self.assertEqual(sorted(path.name for path in folder.iterdir()), extra + ["plot.png", "result.csv", "result.json"])
             self.assertTrue(json.loads((folder / "result.json").read_text())["quick"])
         again = self.run_it("reproduce", "tpr-distance", "--quick", "--json", "--data", self.gates.parent)
         self.assertEqual(json.loads(again.stdout)["tpr-distance"],

@@ -20,8 +20,9 @@
 namespace gatefly::closed_loop {
 namespace {
 
-RaceConfig race_on(const std::string& track, std::uint64_t seed, int laps) {
-  const io::Config config = io::load_config(io::config_files({}));
+RaceConfig race_on(const std::string& track, std::uint64_t seed, int laps,
+                   const std::vector<std::string>& configs = {}, const std::string& level = "") {
+  const io::Config config = io::load_config(io::config_files(configs));
   io::TrackFile file = io::read_track(io::find_track(track));
   RaceConfig race;
   race.pilot = config.pilot;
@@ -29,7 +30,8 @@ RaceConfig race_on(const std::string& track, std::uint64_t seed, int laps) {
   race.pilot.track.laps = laps;
   sim::SimConfig nominal = io::simulator_config(config, file);
   nominal.cache_dir = std::filesystem::temp_directory_path() / "gatefly-test-cache";
-  race.sim = sim::drawn(nominal, file.randomize, seed);
+  race.sim =
+      sim::drawn(nominal, level.empty() ? file.randomize : sim::randomize_level(level), seed);
   return race;
 }
 
@@ -75,6 +77,29 @@ TEST(Race, FinishesALapOfTheShowroom) {
   const RaceResult result = fly(race_on("showroom", 1002, 1), {});
   EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
   EXPECT_EQ(result.gates_passed, 5);
+}
+
+// The original beside ours: a lap on the level that varies nothing, at about the paper's 1.5 m/s.
+TEST(Race, TheOriginalFliesALapOfItsShowroom) {
+  RaceConfig race = race_on("showroom-li18", 1003, 1, {"li18"}, "none");
+  race.vision = Vision::kIdeal;
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };
+  const RaceResult result = fly(race, {});
+  EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
+  EXPECT_EQ(result.searches, 0);
+  EXPECT_NEAR(result.mean_speed, 1.5, 0.15);
+  EXPECT_EQ(result.step_allocations, 0u);
+}
+
+// Rendered pictures, the flown detector with its histogram bars: whatever becomes of it, it ends
+// with a cause and allocates nothing.
+TEST(Race, TheOriginalFliesOnPicturesToo) {
+  RaceConfig race = race_on("showroom-li18", 1001, 1, {"li18"});
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };
+  const RaceResult result = fly(race, {});
+  EXPECT_GT(result.frames, 50);
+  EXPECT_NE(result.stop_reason, "");
+  EXPECT_EQ(result.step_allocations, 0u);
 }
 
 TEST(Race, SameSeedSameBytes) {

@@ -259,9 +259,19 @@ TEST(Config, ShowsEveryKeyWithItsSource) {
 }
 
 TEST(Config, ShippedFilesLoad) {
-  for (const char* name : {"configs/default.toml", "configs/flights.toml", "cameras/bebop.toml",
-                           "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
+  for (const char* name : {"configs/default.toml", "configs/flights.toml", "configs/li18.toml",
+                           "cameras/bebop.toml", "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
     EXPECT_NO_THROW((void)load_config(Files{data_dir() / name})) << name;
+}
+
+// The whole original in one file: every box is the paper's.
+TEST(Config, Li18IsThePaperInEveryBox) {
+  const PilotConfig pilot = load_config(Files{data_dir() / "configs/li18.toml"}).pilot;
+  EXPECT_EQ(pilot.detector_mode, DetectorMode::kFlown);
+  EXPECT_EQ(pilot.pose_scheme, Scheme::kPaper);
+  EXPECT_EQ(pilot.filter_model, FilterModel::kPaper);
+  EXPECT_EQ(pilot.control_scheme, Scheme::kPaper);
+  EXPECT_DOUBLE_EQ(pilot.paper_control.pitch, -5.0 * kDegree);
 }
 
 TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {

@@ -24,6 +24,17 @@ std::string error_of(const std::string& content) {
   return test::error_of([&] { (void)read(content); });
 }
 
+TEST(TrackFile, AnExitTurnsToItsSide) {
+  for (const auto& [turn, angle] : {std::pair{"left", -90.0}, {"right", 90.0}}) {
+    const TrackFile file = read(std::string{kGate} + "exit = { run_m = 0.1, turn = \"" + turn +
+                                "\", angle_deg = 90.0, radius_m = 1.2 }\n");
+    ASSERT_TRUE(file.track.gates[0].exit);
+    EXPECT_EQ(file.track.gates[0].exit->run, 0.1);
+    EXPECT_NEAR(file.track.gates[0].exit->angle, angle * kDegree, 1e-12);
+    EXPECT_EQ(file.track.gates[0].exit->radius, 1.2);
+  }
+}
+
 TEST(TrackFile, PilotAndWorldGetTheSameNominalCourse) {
   const TrackFile file =
       read("name = \"two\"\nlaps = 2\nstart = { position_m = [0.5, -0.5], heading_deg = 10.0 }\n" +
@@ -37,6 +48,7 @@ TEST(TrackFile, PilotAndWorldGetTheSameNominalCourse) {
   EXPECT_EQ(file.track.start, Eigen::Vector2d(0.5, -0.5));
   EXPECT_DOUBLE_EQ(file.start.heading, 10 * kDegree);
   ASSERT_EQ(file.track.gates.size(), 1u);
+  EXPECT_FALSE(file.track.gates[0].exit);
   EXPECT_EQ(file.track.gates[0].p_EG, Eigen::Vector3d(3, 1, -1.5));
   EXPECT_DOUBLE_EQ(file.track.gates[0].yaw_EG, kPi / 2);
   EXPECT_EQ(file.world.gates[0].side, 1.4);

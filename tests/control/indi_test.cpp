@@ -186,5 +186,38 @@ TEST(Indi, ResetForgetsEverything) {
             fresh.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt));
 }
 
+// A body whose roll and pitch obey half as well as the team thinks, and yaw twice as well.
+Vector3d learnt(bool adaptive, double command) {
+  IndiParams params;
+  params.adaptive = adaptive;
+  const VehicleParams believed;
+  VehicleParams real = believed;
+  real.inertia = believed.inertia.cwiseProduct(Vector3d{2.0, 2.0, 0.5});
+  Body body{.vehicle = real, .q = {}};
+  body.thrust.fill(0.25 * real.mass * 9.81);
+  Indi indi{params, believed};
+  for (int i = 0; i < 10 * 512; ++i) {
+    AttitudeCommand c = level_hover();
+    const double t = i * kDt;
+    c.roll = command * std::sin(7.0 * t), c.pitch = command * std::sin(5.0 * t + 1.0);
+    c.yaw = 2.0 * command * std::sin(6.0 * t);
+    body.fly(indi.step(c, rotation_EB(body.q), body.rate, kDt));
+  }
+  return indi.effectiveness();
+}
+
+// Smeur et al. 2016: the effectiveness is learnt from what increments of the rotors do.
+TEST(Indi, LearnsHowWellTheDroneObeysWhenAsked) {
+  const Vector3d factor = learnt(true, 0.2);
+  EXPECT_NEAR(factor.x(), 0.5, 0.1);
+  EXPECT_NEAR(factor.y(), 0.5, 0.1);
+  EXPECT_GT(factor.z(), 1.1) << "yaw is slow, and learnt slowly";
+}
+
+TEST(Indi, LearnsNothingUnaskedNorAtRest) {
+  EXPECT_EQ(learnt(false, 0.2), Vector3d::Ones());
+  EXPECT_NEAR(learnt(true, 0.0).x(), 1.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace gatefly

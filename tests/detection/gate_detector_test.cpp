@@ -80,11 +80,15 @@ TEST(GateDetector, AGateThatTheBorderCutsIsAPart) {
   EXPECT_GT(view.part->bars.right_px.x(), 200.0);
 }
 
-TEST(GateDetector, ThePapersDetectorsKnowNoParts) {
+// Side bars by histogram: two columns, no corner.
+TEST(GateDetector, OfAGateTooNearThePapersDetectorsKnowTheSideBarsOnly) {
   const Picture picture = picture_of({kTooNear});
   for (const DetectorMode mode : {DetectorMode::kPaper, DetectorMode::kFlown}) {
     GateDetector detector{{}, mode};
-    EXPECT_FALSE(detector.look(picture.image(), kOrange, kEverything).part);
+    const auto part = detector.look(picture.image(), kOrange, kEverything).part;
+    ASSERT_TRUE(part);
+    EXPECT_FALSE(part->lower_corners());
+    EXPECT_LT(part->bars.left_px.x(), part->bars.right_px.x());
   }
 }
 

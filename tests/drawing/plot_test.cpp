@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -58,6 +59,27 @@ TEST(Plot, WhatCannotBeShownIsLeftOut) {
   EXPECT_EQ(canvas.width(), 300);
   EXPECT_EQ(count(canvas, look::kDetection),
             count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), look::kDetection));
+}
+
+TEST(Plot, AnAreaIsFilledAndACurveWithoutMarksIsThinner) {
+  constexpr Color kRed = color_of(0xff0000);
+  const auto drawn = [&](const PlotSeries& look) {
+    PlotSeries series = look;
+    series.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, series.color = kRed;
+    return count(draw({.series = {series}}), kRed);
+  };
+  EXPECT_GT(drawn({.area = true}), 100'000) << "most of 860 x 424 px";
+  EXPECT_LT(drawn({.marks = false}), drawn({}) - 4 * 20);
+  EXPECT_LT(drawn({.marks = false, .dash = 4.0}), drawn({.marks = false}));
+}
+
+TEST(Plot, ALegendThatIsTooWideGoesOnInTheNextLine) {
+  const std::string name(40, 'n');
+  Plot plot;
+  for (const Color& color : {color_of(0xff0000), color_of(0x00ff00), color_of(0x0000ff)})
+    plot.series.push_back({.name = name, .color = color});
+  const Canvas canvas = draw(plot, 500, 400);
+  for (const PlotSeries& series : plot.series) EXPECT_GT(count(canvas, series.color), 20);
 }
 
 }  // namespace

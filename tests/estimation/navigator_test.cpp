@@ -156,5 +156,55 @@ TEST(Navigator, AllocatesNothingOnceBuilt) {
   test::expect_that_allocations_are_counted();
 }
 
+NavigatorParams as_paper() {
+  NavigatorParams params;
+  params.model = FilterModel::kPaper;
+  params.filter.start_bias_sigma.setConstant(1.0);
+  params.filter.bias_noise = 0.0;
+  params.filter.gate_sigma = 100.0;
+  return params;
+}
+
+// R is what the flight code has, whatever the picture says of itself; the fix is of now.
+TEST(PaperFilter, AFixCountsAsOfNowWithAFixedCovariance) {
+  Rested drone{as_paper()};
+  drone.fly(256, {Vector3d::Zero(), {-0.8, 0, -9.81}});
+  EXPECT_EQ(drone.navigator.at(drone.t - 0.1), drone.navigator.at(drone.t));
+  const Vector3d before = drone.navigator.state().p_GB;
+  Navigator vague = drone.navigator, sure = drone.navigator;
+  Fix fix{.p_GB = before + Vector3d{0.5, 0.5, 0.0}};
+  fix.covariance *= 25.0;
+  EXPECT_EQ(vague.correct(fix, drone.t - 0.1), Fusion::kAccepted);
+  fix.covariance *= 1e-6;
+  EXPECT_EQ(sure.correct(fix, drone.t), Fusion::kAccepted);
+  EXPECT_THAT(vague.state().p_GB, IsNear(sure.state().p_GB, 1e-12));
+  const Vector3d moved = vague.state().p_GB - before;
+  EXPECT_GT(moved.y(), moved.x()) << "y is trusted ten times as much";
+  EXPECT_NEAR(moved.z(), 0.0, 0.01) << "the height is the altimeter's";
+}
+
+TEST(PaperFilter, ALegBeginsWhereThePlanSaysAndItsBiasesStay) {
+  Rested drone{as_paper()};
+  drone.fly(256);
+  drone.navigator.begin_leg({1.0, 0.5});
+  EXPECT_THAT(drone.navigator.p_EB().head<2>(), IsNear(Eigen::Vector2d{1.0, 0.5}, 1e-9));
+  const Vector3d bias = drone.navigator.filter().state().segment<3>(drag_model::kBiasX);
+  for (int i = 0; i < 20; ++i) {
+    drone.fly(30);
+    (void)drone.navigator.correct({.p_GB = drone.navigator.state().p_GB + Vector3d{0.3, 0.3, 0}},
+                                  drone.t);
+  }
+  const Vector3d after = drone.navigator.filter().state().segment<3>(drag_model::kBiasX);
+  EXPECT_THAT(after.head<2>(), IsNear(bias.head<2>(), 1e-12));
+}
+
+TEST(PaperFilter, OursKnowsBetterThanAPlanWhereItIs) {
+  Rested drone;
+  drone.fly(256);
+  const Vector3d before = drone.navigator.p_EB();
+  drone.navigator.begin_leg({1.0, 0.5});
+  EXPECT_THAT(drone.navigator.p_EB(), IsNear(before, 1e-12));
+}
+
 }  // namespace
 }  // namespace gatefly

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "gatefly/experiments/detection_examples.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 
@@ -79,6 +80,65 @@ TEST_F(RealData, TheRocPassesThroughTheAuthorsPoints) {
     ++compared;
   }
   EXPECT_EQ(compared, 2);
+}
+
+// Li18 §3.1: the race of 2017 took the gate of the highest colour fitness; .448 at .074.
+TEST_F(RealData, TheBestGateAloneCostsFewHitsAndSparesFalsePositives) {
+  const Result result = roc_fitness(quick);
+  const auto& best = result.json.at("one_gate").at(0);
+  EXPECT_EQ(best.at("detector"), "best_of_paper");
+  EXPECT_NEAR(best.at("tpr").get<double>(), best.at("paper").at("tpr").get<double>(), 0.06);
+  EXPECT_LT(best.at("fp_per_image").get<double>(),
+            best.at("paper").at("fp_per_image").get<double>());
+  const auto& all = result.json.at("points").at(0);  // every candidate, any fitness
+  EXPECT_LT(best.at("fp_per_image").get<double>(), 0.6 * all.at("fp_per_image").get<double>());
+  EXPECT_NEAR(best.at("tpr").get<double>(), all.at("tpr").get<double>(), 0.03);
+}
+
+TEST_F(RealData, TheBestGateIsTheFittestOfAllCandidates) {
+  const LabelledSet set(real_data() / "tudelft_bebop_gates" / "basement32_hq");
+  const Found all = run(set, as_paper({.min_color_fitness = 0.0}), 0),
+              best = run(set, as_paper_best({.min_color_fitness = 0.0}), 0);
+  int compared = 0;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    ASSERT_EQ(best[i].size(), all[i].empty() ? 0u : 1u) << i;
+    for (const GateDetection& gate : all[i]) {
+      EXPECT_LE(gate.fitness, best[i].front().fitness) << i;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 15);
+}
+
+TEST_F(RealData, OurDetectorFindsMoreThanThePapersAtEveryDistance) {
+  const Result result = tpr_distance(quick);
+  for (const auto& bin : result.json.at("bins")) {
+    const double gates = bin.at("gates"), own = bin.at("own_hits").get<double>() / gates;
+    EXPECT_GE(own, bin.at("paper").at("tpr").get<double>() + 0.25) << bin;
+    EXPECT_GE(2.0 * bin.at("own_hits").get<double>(), bin.at("hits").get<double>()) << bin;
+  }
+  EXPECT_LT(result.json.at("own").at("fp_per_image_on_no_gate").get<double>(), 0.03);
+  ASSERT_EQ(result.extra.size(), 1u);
+  EXPECT_EQ(result.extra.front().name, "examples");
+}
+
+TEST_F(RealData, ExamplesAreWhatTheyAreCalled) {
+  const auto folder = real_data() / "tudelft_bebop_gates" / "basement580";
+  const LabelledSet set(folder);
+  const std::vector<Found> runs{run(set, as_paper(), 0), run(set, as_paper(), 1)};
+  const auto [hit, wrong, missed] =
+      detection_examples(set, runs, unlabelled_gates(set, folder / "unlabelled_gates.csv"));
+  const auto hits = [&](std::size_t picture, const Found& found) {
+    const io::PictureToScore one = to_score(set, found)[picture];
+    return io::score({&one, 1}, io::Rule::kOverlap70Authors).hits;
+  };
+  ASSERT_TRUE(hit.picture && wrong.picture && missed.picture);
+  EXPECT_EQ(hits(*hit.picture, runs[0]), 1);
+  for (const Quad& gate : set.labels.pictures[*wrong.picture].gates)
+    EXPECT_EQ(io::polygon_shared_area(gate, wrong.found->corners_px), 0.0);
+  EXPECT_FALSE(set.labels.pictures[*missed.picture].gates.empty());
+  for (const Found& found : runs) EXPECT_EQ(hits(*missed.picture, found), 0);
+  EXPECT_FALSE(missed.found);
 }
 
 TEST_F(RealData, TwoRunsAreTheSameAndStoppingIsHeard) {

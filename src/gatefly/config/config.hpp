@@ -35,9 +35,11 @@ struct Config {
   /// track file.
   PilotConfig pilot;
   SimulatorSettings sim;
-  /// "paper", "flown": Li18's two, with their own colours and numbers.
+  /// Whose box it is: detector.mode ("paper", "flown": Li18's two, with their own colours and
+  /// numbers), pose.model, filter.model, control.mode.
   std::string detector_mode = "ours";
-  std::string control_mode = "ours";
+  std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
+              indi_effectiveness = "fixed";
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
   std::vector<std::string> notes;  ///< Lines about keys that have no effect any more.
   /// Key -> file or "--set"; others have their default.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/config/derived.hpp"
 
+#include <map>
+#include <string>
+
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::io {
@@ -31,10 +34,29 @@ double corner_scale(const GateDescription& gate) {
   return meant / (1.0 - bar);
 }
 
+DetectorMode detector_mode_of(const std::string& name) {
+  static const std::map<std::string, DetectorMode> modes{{"ours", DetectorMode::kOurs},
+                                                         {"fast", DetectorMode::kFast},
+                                                         {"careful", DetectorMode::kCareful},
+                                                         {"paper", DetectorMode::kPaper},
+                                                         {"flown", DetectorMode::kFlown}};
+  return modes.at(name);
+}
+
+Scheme scheme_of(const std::string& name) {
+  return name == "paper" ? Scheme::kPaper : Scheme::kOurs;
+}
+
 }  // namespace
 
 PilotConfig pilot_config(const Config& config) {
   PilotConfig pilot = config.pilot;
+
+  pilot.detector_mode = detector_mode_of(config.detector_mode);
+  pilot.pose_scheme = scheme_of(config.pose_model);
+  pilot.filter_model = config.filter_model == "paper" ? FilterModel::kPaper : FilterModel::kOurs;
+  pilot.control_scheme = scheme_of(config.control_mode);
+  pilot.indi.adaptive = config.indi_effectiveness == "adaptive";
 
   const CameraDescription& camera = config.camera;
   pilot.camera = {lens_of(camera), camera_mount(camera.tilt_down), camera.p_BC};

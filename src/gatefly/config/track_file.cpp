@@ -60,17 +60,17 @@ Eigen::Vector3d read_color(Table& gate) {
   gate.fail("color", "[r, g, b] in 0..1 or one of " + joined(names));
 }
 
-/// Checked but not used yet: control.mode = "paper" will.
-void check_exit(Table& gate, const std::string& file, const std::string& where) {
+std::optional<GateExit> read_exit(Table& gate, const std::string& file, const std::string& where) {
   const json& value = gate.raw("exit");
-  if (value.is_null()) return;
-  Table exit(value, file, where + ".exit");
-  (void)exit.number("run_m", 0, 100);
-  const std::string turn = exit.text("turn", "left");
-  if (turn != "left" && turn != "right") exit.fail("turn", "\"left\" or \"right\"");
-  (void)exit.number("angle_deg", 0, 360);
-  (void)exit.number("radius_m", 0.3, 100);
-  exit.refuse_others();
+  if (value.is_null()) return std::nullopt;
+  Table table(value, file, where + ".exit");
+  GateExit exit{.run = table.number("run_m", 0, 100)};
+  const std::string turn = table.text("turn", "left");
+  if (turn != "left" && turn != "right") table.fail("turn", "\"left\" or \"right\"");
+  exit.angle = table.number("angle_deg", 0, 360) * kDegree * (turn == "left" ? -1.0 : 1.0);
+  exit.radius = table.number("radius_m", 0.3, 100);
+  table.refuse_others();
+  return exit;
 }
 
 void read_gate(const json& value, const std::string& file, std::size_t index,
@@ -82,7 +82,7 @@ void read_gate(const json& value, const std::string& file, std::size_t index,
   const double side = table.number("side_m", 0.3, 5, defaults.side);
   const double bar = table.number("bar_m", 0.005, 1, defaults.bar);
   const Eigen::Vector3d color = read_color(table);
-  check_exit(table, file, where);
+  const auto exit = read_exit(table, file, where);
   table.refuse_others();
 
   if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
@@ -96,7 +96,8 @@ void read_gate(const json& value, const std::string& file, std::size_t index,
                "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");
 
   const Eigen::Vector3d center{p[0], p[1], p[2]};
-  track.track.gates.push_back({.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar});
+  track.track.gates.push_back(
+      {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .exit = exit});
   track.world.gates.push_back(
       {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
 }

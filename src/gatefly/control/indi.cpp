@@ -28,6 +28,18 @@ Indi::Indi(const IndiParams& params, const VehicleParams& vehicle)
   allocation_ = effect_.inverse();
 }
 
+// LMS of Smeur et al. 2016, Eq. (24), normalised; a factor an axis in place of a matrix: the rotors
+// are alike, what is off are the inertia and the arms.
+void Indi::adapt(const Eigen::Vector3d& accel, const Eigen::Vector3d& produced) {
+  const Eigen::Array3d got = accel - last_accel_, meant = produced - last_produced_;
+  last_accel_ = accel;
+  last_produced_ = produced;
+  const Eigen::Array3d missing = got - obeys_.array() * meant;
+  const double floor2 = params_.adaptation_floor * params_.adaptation_floor;
+  obeys_.array() += params_.adaptation * missing * meant / (meant.square() + floor2);
+  obeys_ = obeys_.cwiseMax(1.0 / params_.largest_factor).cwiseMin(params_.largest_factor);
+}
+
 void Indi::reset() { *this = Indi{params_, vehicle_}; }
 
 std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationEB& R_EB,
@@ -42,6 +54,8 @@ std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationE
   last_rate_ = rate;
   started_ = true;
   const Eigen::Vector3d produced = actuator_filter_.update(effect_of(rotor_thrusts_).head<3>());
+
+  if (params_.adaptive) adapt(accel, produced);
 
   // Wanted: a second-order response of the error rotation, split into tilt and heading.
   const Eigen::Matrix3d R_wanted =
@@ -63,7 +77,7 @@ std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationE
 
   // Increment, then allocate; heading gives way first when a rotor is at its limit.
   Eigen::Vector4d target;
-  target.head<3>() = produced + (wanted - accel);
+  target.head<3>() = produced + (wanted - accel).cwiseQuotient(obeys_);
   target(3) = std::clamp(command.thrust, 2.0, 25.0);
   const double k = vehicle_.thrust_coefficient;
   const double low = k * vehicle_.min_speed * vehicle_.min_speed,

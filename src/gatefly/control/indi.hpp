@@ -35,10 +35,17 @@ struct IndiParams {
   double filter_hz = 11.0;       ///< Of rates and actuators. [Li18 code: 50 rad/s = 8 Hz]
   double filter_damping = 0.70;  ///< [Li18 code: 0.55]
   double sample_hz = 512.0;
+  /// What rotors do is learnt in flight. [Smeur et al. 2016; off as flown, Li18 code]
+  bool adaptive = false;
+  double adaptation = 0.01;  ///< Step of the normalised LMS. [ours: a few seconds of flight]
+  /// Changes from sample to sample below this say nothing [rad/s²]. [ours: gyro noise]
+  double adaptation_floor = 0.3;
+  /// Nominal effectiveness / this .. times this is believed. [ours]
+  double largest_factor = 3.0;
 };
 
-/// Attitude control by incremental nonlinear dynamic inversion. Smeur et al. 2016, non-adaptive as
-/// flown.
+/// Attitude control by incremental nonlinear dynamic inversion. Smeur et al. 2016; adaptive on
+/// request, as flown not.
 ///
 /// Angular acceleration is measured (filtered gyro, differenced), compared with the wanted one, and
 /// only the difference is put on the rotors: what the model does not know is already in the
@@ -47,6 +54,9 @@ class Indi {
  public:
   Indi(const IndiParams& params, const VehicleParams& vehicle);
   void reset();
+
+  /// How well each axis obeys, relative to what the vehicle's numbers say: 1 unless adaptive.
+  [[nodiscard]] const Eigen::Vector3d& effectiveness() const { return obeys_; }
 
   /// Rotor speeds that bring the attitude to `command` [rad/s].
   /// @param rate_B  gyro without bias [rad/s]
@@ -59,10 +69,14 @@ class Indi {
     return effect_ * thrusts;
   }
 
+  void adapt(const Eigen::Vector3d& accel, const Eigen::Vector3d& produced);
+
   IndiParams params_;
   VehicleParams vehicle_;
+  Eigen::Vector3d obeys_ = Eigen::Vector3d::Ones();
   Eigen::Matrix4d effect_, allocation_;
   LowPass rate_filter_, actuator_filter_;
+  Eigen::Vector3d last_accel_ = Eigen::Vector3d::Zero(), last_produced_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d last_rate_ = Eigen::Vector3d::Zero();
   Eigen::Vector4d rotor_thrusts_ = Eigen::Vector4d::Zero();  ///< Modelled, with lag [N].
   bool started_ = false;

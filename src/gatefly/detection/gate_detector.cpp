@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "gatefly/detection/paper/paper_detector.hpp"
+#include "gatefly/detection/paper/side_bars.hpp"
 #include "gatefly/detection/quad.hpp"
 
 namespace gatefly {
@@ -29,14 +30,14 @@ GateDetector::GateDetector(const GateDetectorParams& params, DetectorMode mode)
 GatesInView GateDetector::look(const Image& image, const ColorModel& color,
                                const LookFor& look_for) & {
   gates_.clear();
-  if (look_for.gates != LookFor::Gates::kNone) list_gates(image, color, look_for.gates);
+  if (look_for.gates != LookFor::Gates::kNone) list_gates(image, color, look_for);
   if (look_for.gates == LookFor::Gates::kBest && gates_.size() > 1) gates_.resize(1);
 
   GatesInView view{.gates = gates_, .part = {}};
-  const bool is_paper = mode_ == DetectorMode::kPaper || mode_ == DetectorMode::kFlown;
-  if (is_paper || look_for.part == LookFor::Part::kNo) return view;
+  if (look_for.part == LookFor::Part::kNo) return view;
   if (look_for.part == LookFor::Part::kWithoutGate && !gates_.empty()) return view;
-  view.part = parts_.detect(image, color);
+  view.part = part(image, color);
+  if (is_paper()) return view;  // no corners to compare
   const auto is_part_of = [&](const GateDetection& gate) {
     return view.part && same_place(gate.corners_px, view.part->gate.corners_px);
   };
@@ -44,12 +45,26 @@ GatesInView GateDetector::look(const Image& image, const ColorModel& color,
   return view;
 }
 
-void GateDetector::list_gates(const Image& image, const ColorModel& color, LookFor::Gates wanted) {
+bool GateDetector::is_paper() const {
+  return mode_ == DetectorMode::kPaper || mode_ == DetectorMode::kFlown;
+}
+
+std::optional<GatePart> GateDetector::part(const Image& image, const ColorModel& color) {
+  if (!is_paper()) return parts_.detect(image, color);
+  Rng rng{kSeed};
+  const auto bars = side_bars_by_histogram(image, {}, rng);
+  if (!bars) return std::nullopt;
+  const GateDetection cut{.corner_fitness = {}, .method = DetectionMethod::kBars, .whole = false};
+  return GatePart{cut, *bars};
+}
+
+void GateDetector::list_gates(const Image& image, const ColorModel& color,
+                              const LookFor& look_for) {
   const auto list = [&](const auto& found) { gates_.assign(found.begin(), found.end()); };
   Rng rng{kSeed};
   switch (mode_) {
     case DetectorMode::kOurs:
-      return list(ours(image, color, wanted));
+      return list(ours(image, color, look_for.gates));
     case DetectorMode::kFast:
       return list(snakes_.detect(image, color));
     case DetectorMode::kCareful:
@@ -57,7 +72,8 @@ void GateDetector::list_gates(const Image& image, const ColorModel& color, LookF
     case DetectorMode::kPaper:
       return list(best_first(detect_as_paper(image, {}, rng)));
     case DetectorMode::kFlown:
-      if (const auto gate = detect_as_flown(image, {}, rng)) gates_.push_back(*gate);
+      if (const auto gate = detect_as_flown(image, {}, rng, look_for.previous))
+        gates_.push_back(*gate);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/careful_search.hpp"
 #include "gatefly/detection/search/part_search.hpp"
 #include "gatefly/detection/search/snake_search.hpp"
@@ -20,8 +21,8 @@ enum class DetectorMode {
   kOurs,     ///< What flies: the fast search, and the careful one where that is not sure.
   kFast,     ///< The fast search alone.
   kCareful,  ///< The careful search alone.
-  kPaper,    ///< Li18's as its ROC study ran it; whole gates only, with the study's colours.
-  kFlown,    ///< Li18's as it flew; the same.
+  kPaper,    ///< Li18's as its ROC study ran it, with the study's colours.
+  kFlown,    ///< Li18's as it flew, with that day's colours.
 };
 
 /// What a picture is expected to show. The less is asked for, the sooner there is an answer.
@@ -38,7 +39,9 @@ struct LookFor {
     kToo,          ///< Beside the gates as well.
   };
   Gates gates = Gates::kStandingOut;
-  Part part = Part::kNo;  ///< A gate that the border cuts.
+  Part part = Part::kNo;  ///< A gate that the border cuts. Li18's two: the side bars.
+  /// The last picture's gate, which kFlown tries again where it finds none.
+  std::optional<Quad> previous = std::nullopt;
 };
 
 /// What a picture shows.
@@ -62,7 +65,9 @@ class GateDetector {
                                  const LookFor& look_for = {}) &;
 
  private:
-  void list_gates(const Image& image, const ColorModel& color, LookFor::Gates wanted);
+  void list_gates(const Image& image, const ColorModel& color, const LookFor& look_for);
+  [[nodiscard]] std::optional<GatePart> part(const Image& image, const ColorModel& color);
+  [[nodiscard]] bool is_paper() const;
   [[nodiscard]] GateDetections ours(const Image& image, const ColorModel& color,
                                     LookFor::Gates wanted);
   [[nodiscard]] GateDetections everywhere(const Image& image, const ColorModel& color);

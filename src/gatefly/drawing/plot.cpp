@@ -86,6 +86,10 @@ void draw_axes(Canvas& canvas, const Plot& plot, const Axis& x, const Axis& y, c
   canvas.text({area.x, area.y - 10.0}, plot.y_label);
 }
 
+Stroke stroke_of(const PlotSeries& series) {
+  return {.color = series.color, .width = 1.6, .dash = series.dash};
+}
+
 void draw_mark(Canvas& canvas, const PlotSeries& series, const Eigen::Vector2d& at) {
   if (series.rings)
     canvas.circle(at, 4.5, {.color = series.color, .width = 1.8});
@@ -98,20 +102,46 @@ void draw_series(Canvas& canvas, const PlotSeries& series, const Axis& x, const 
   for (const Eigen::Vector2d& point : series.points)
     if (x.shows(point.x()) && y.shows(point.y()))
       places.emplace_back(x.place(point.x()), y.place(point.y()));
-  if (series.line && places.size() > 1)
-    canvas.polyline(places, {.color = series.color, .width = 1.6});
+  if (series.area) {
+    if (places.size() > 2) canvas.polygon(places, series.color);
+    return;
+  }
+  if (series.line && places.size() > 1) canvas.polyline(places, stroke_of(series));
+  if (!series.marks) return;
   for (const Eigen::Vector2d& place : places) draw_mark(canvas, series, place);
 }
 
-void draw_legend(Canvas& canvas, const Plot& plot, Eigen::Vector2d at) {
+constexpr double kLegendTop = 64.0, kLegendLine = 20.0, kSample = 26.0;  // [px]
+
+/// An entry of the legend, from the left end of its sample.
+struct LegendEntry {
+  const PlotSeries* series;
+  Eigen::Vector2d at;
+};
+
+std::vector<LegendEntry> legend_of(Canvas& canvas, const Plot& plot, const Box& within) {
+  std::vector<LegendEntry> entries;
+  Eigen::Vector2d at{within.x, kLegendTop};
   for (const PlotSeries& series : plot.series) {
     if (series.name.empty()) continue;  // shares the colour of a named one
-    if (series.line)
-      canvas.line({at.x(), at.y() - 4.5}, {at.x() + 26.0, at.y() - 4.5},
-                  {.color = series.color, .width = 1.6});
-    draw_mark(canvas, series, {at.x() + 13.0, at.y() - 4.5});
-    canvas.text({at.x() + 34.0, at.y()}, series.name);
-    at.x() += 34.0 + canvas.text_width(series.name) + 28.0;
+    const double width = kSample + 8.0 + canvas.text_width(series.name);
+    if (at.x() > within.x && at.x() + width > within.right()) at = {within.x, at.y() + kLegendLine};
+    entries.push_back({&series, at});
+    at.x() += width + 28.0;
+  }
+  return entries;
+}
+
+void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& entries) {
+  for (const auto& [series, at] : entries) {
+    const double middle = at.y() - 4.5;
+    if (series->area)
+      canvas.fill({at.x(), middle - 5.0, kSample, 10.0}, series->color);
+    else if (series->line)
+      canvas.line({at.x(), middle}, {at.x() + kSample, middle}, stroke_of(*series));
+    if (series->marks && !series->area)
+      draw_mark(canvas, *series, {at.x() + 0.5 * kSample, middle});
+    canvas.text({at.x() + kSample + 8.0, at.y()}, series->name);
   }
 }
 
@@ -135,15 +165,15 @@ std::vector<double> ticks(double low, double high, int count) {
 
 Canvas draw(const Plot& plot, int width, int height) {
   Canvas canvas(width, height);
-  const Box area{.x = 70.0,
-                 .y = 108.0,
-                 .width = std::max(10.0, width - 100.0),
-                 .height = std::max(10.0, height - 176.0)};
+  Box area{.x = 70.0, .y = 108.0, .width = std::max(10.0, width - 100.0), .height = 0.0};
+  const std::vector<LegendEntry> legend = legend_of(canvas, plot, area);
+  if (!legend.empty()) area.y += legend.back().at.y() - kLegendTop;
+  area.height = std::max(10.0, height - 68.0 - area.y);
   Axis x = axis_of(plot, 0, plot.log_x, false), y = axis_of(plot, 1, false, plot.y_from_0);
   x.from = area.x, x.to = area.right();
   y.from = area.bottom(), y.to = area.y;
   canvas.text({area.x, 34.0}, plot.title, {.size = 17.0, .bold = true});
-  draw_legend(canvas, plot, {area.x, 64.0});
+  draw_legend(canvas, legend);
   draw_axes(canvas, plot, x, y, area);
   for (const PlotSeries& series : plot.series) draw_series(canvas, series, x, y);
   return canvas;

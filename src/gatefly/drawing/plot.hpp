@@ -18,6 +18,9 @@ struct PlotSeries {
   Color color = look::kDetection;
   bool line = true;    ///< Joins the points.
   bool rings = false;  ///< Rings instead of discs: somebody else's points beside ours.
+  bool marks = true;   ///< A disc or ring at each point.
+  bool area = false;   ///< Filled as a polygon, without line or marks.
+  double dash = 0.0;   ///< Of the line: length of dashes and gaps [px]; 0: one line.
 };
 
 struct Plot {
@@ -30,8 +33,8 @@ struct Plot {
 /// Places for about `count` ticks at 1, 2 or 5 times a power of ten that lie in [low, high].
 [[nodiscard]] std::vector<double> ticks(double low, double high, int count);
 
-/// Draws axes with ticks and grid, the curves, and a legend above them. Without any point the axes
-/// are empty.
+/// Draws axes with ticks and grid, the curves, and a legend above them, in as many lines as it takes.
+/// Without any point the axes are empty.
 [[nodiscard]] Canvas draw(const Plot& plot, int width = 960, int height = 600);
 
 }  // namespace gatefly::io

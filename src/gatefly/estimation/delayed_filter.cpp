@@ -136,6 +136,11 @@ void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d
   forget_past();
 }
 
+void DelayedFilter::assume(const Eigen::Vector2d& p_G, double sigma) {
+  newest().filter.assume(p_G, sigma);
+  forget_past();
+}
+
 void DelayedFilter::turn_past(double angle) {
   for (std::size_t i = oldest(); i < count_; ++i) {
     double& yaw = moment(i).input.yaw;

@@ -203,6 +203,16 @@ Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigm
   return Fusion::kAccepted;
 }
 
+void DragFilter::assume(const Eigen::Vector2d& p_G, double sigma) {
+  x_.head<2>() = p_G;
+  for (const int i : {kX, drag_model::kY, drag_model::kBiasX, drag_model::kBiasY}) {
+    P_.row(i).setZero();
+    P_.col(i).setZero();
+  }
+  P_.diagonal().head<2>().setConstant(sigma * sigma);
+  C_.setZero();
+}
+
 void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
                               const MapUncertainty& uncertainty) {
   x_.segment<3>(kX) = R * position() + offset;

@@ -76,6 +76,10 @@ class DragFilter {
   /// doubt of the start: what threw the position was in them, too.
   void restart(const Fix& fix);
 
+  /// x and y are said from outside, `sigma` [m] uncertain, and their biases are what they are: as the
+  /// paper's filter begins a leg. [Li18 flight code]
+  void assume(const Eigen::Vector2d& p_G, double sigma);
+
   /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place,
   /// height and heading is as if the drone were elsewhere.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,

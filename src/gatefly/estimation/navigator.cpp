@@ -39,7 +39,7 @@ void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& 
                       const MapUncertainty& uncertainty) {
   start_p_EB_ = p_EB;
   gate_ = gate;
-  uncertainty_ = uncertainty;
+  uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
   ahrs_.start(yaw);
 }
 
@@ -59,7 +59,7 @@ void Navigator::rest(const Imu& imu, double time) {
   if (!advance(imu, time)) return;
   ahrs_.update_at_rest(imu);
   accel_filter_.update(imu.accel_B);
-  restart_filter(ahrs_.accel_bias());
+  restart_filter(is_paper() ? Eigen::Vector3d::Zero() : ahrs_.accel_bias());
 }
 
 void Navigator::restart_filter(const Eigen::Vector3d& accel_bias) {
@@ -76,7 +76,7 @@ void Navigator::predict(const Imu& imu, double time) {
     input_.roll = attitude.roll;
     input_.pitch = attitude.pitch;
     input_.yaw = wrap_angle(attitude.yaw - gate_.yaw_EG);
-    input_.yaw_sigma = ahrs_.heading_sigma();
+    input_.yaw_sigma = is_paper() ? 0.0 : ahrs_.heading_sigma();
     input_.gyro_B = ahrs_.rate_B();
   }
   if (dt_ <= 0.0) return;
@@ -105,8 +105,15 @@ void Navigator::correct_height(double height, double sigma) {
   (void)filter_.correct_altitude(floor_z - height, sigma, uncertainty_.height);
 }
 
-Fusion Navigator::correct(const Fix& fix, double time, bool may_restart) {
-  const Fusion fusion = filter_.correct(fix, time, may_restart);
+Fusion Navigator::correct(const Fix& seen, double time, bool may_restart) {
+  Fix fix = seen;
+  if (is_paper()) {
+    fix.covariance = params_.paper.fix_sigma.cwiseAbs2().asDiagonal();
+    fix.lasting.setZero();
+    fix.has_height = false;  // z is the altimeter's
+    time = time_;
+  }
+  const Fusion fusion = filter_.correct(fix, time, may_restart && !is_paper());
   if (fusion == Fusion::kAccepted || fusion == Fusion::kRestarted) last_fix_ = time_;
   return fusion;
 }
@@ -137,10 +144,16 @@ void Navigator::change_gate(const GateFrame& gate, const MapUncertainty& uncerta
   // p_G' = R_G'E (p_EG + R_EG p_G - p_EG')
   const double turn = gate_.yaw_EG - gate.yaw_EG;
   const Eigen::Vector3d offset = rotation_z(-gate.yaw_EG) * (gate_.p_EG - gate.p_EG);
-  filter_.change_frame(rotation_z(turn), offset, turn, uncertainty);
+  uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
+  filter_.change_frame(rotation_z(turn), offset, turn, uncertainty_);
   gate_ = gate;
-  uncertainty_ = uncertainty;
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - gate.yaw_EG);
+}
+
+void Navigator::begin_leg(const Eigen::Vector2d& p_EB) {
+  if (!is_paper()) return;
+  const Eigen::Vector3d p_GB = relative({p_EB.x(), p_EB.y(), this->p_EB().z()});
+  filter_.assume(p_GB.head<2>(), params_.paper.leg_sigma);
 }
 
 void Navigator::set_attitude(const Attitude& attitude) { ahrs_.set(attitude); }
@@ -155,6 +168,12 @@ Eigen::Vector3d Navigator::p_EB() const {
   return gate_.p_EG + rotation_z(gate_.yaw_EG) * filter().position();
 }
 
+// Eq. (14) as it is for the paper: with the vibration, without a model's lag.
+Eigen::Vector3d Navigator::v_B() const {
+  if (!is_paper()) return velocity_.v_B();
+  return drag_model::velocity_B(filter().state(), input_, params_.filter.model);
+}
+
 NavigationState Navigator::state() const {
   NavigationState now;
   now.time = time_, now.dt = dt_;
@@ -162,7 +181,7 @@ NavigationState Navigator::state() const {
   now.attitude = attitude_of(now.R_EB);
   now.rate_B = ahrs_.rate_B();
   now.p_EB = p_EB();
-  now.v_B = velocity_.v_B();
+  now.v_B = v_B();
   now.v_E = now.R_EB * now.v_B;
   now.p_GB = filter().position();
   const Eigen::Matrix3d R_GB = rotation_z(-gate_.yaw_EG) * now.R_EB.matrix;

@@ -19,7 +19,21 @@ struct GateFrame {
   double yaw_EG = 0.0;                             ///< [rad]
 };
 
+/// Whose filter it is.
+enum class FilterModel {
+  kOurs,
+  kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; nothing lasting is considered.
+};
+
+/// Li18's filter, where it is not a number of DragFilterParams. [Li18 flight code, March 2018]
+struct PaperFilterParams {
+  Eigen::Vector3d fix_sigma{1.05, 0.32, 0.71};  ///< Square roots of R; z is not used [m].
+  double leg_sigma = 1.0;                       ///< Of x and y where a leg begins [m].
+};
+
 struct NavigatorParams {
+  FilterModel model = FilterModel::kOurs;
+  PaperFilterParams paper;
   AhrsParams ahrs;
   DragFilterParams filter;
   VelocityObserverParams velocity;
@@ -80,8 +94,9 @@ class Navigator {
   /// A height above the floor that needs no judging, one standard deviation `sigma` [m].
   void correct_height(double height, double sigma);
 
-  /// The filter at the moment nearest to `time` [s]; nullptr when that is no longer remembered.
-  [[nodiscard]] const Past* at(double time) const { return filter_.at(time); }
+  /// The filter at the moment nearest to `time` [s]; nullptr when that is no longer remembered. The
+  /// paper's knows of now only.
+  [[nodiscard]] const Past* at(double time) const { return filter_.at(is_paper() ? time_ : time); }
 
   /// A fix of `time` [s]. @param may_restart  see DelayedFilter::correct.
   Fusion correct(const Fix& fix, double time, bool may_restart = false);
@@ -95,6 +110,10 @@ class Navigator {
 
   /// From now on positions are relative to `gate`.
   void change_gate(const GateFrame& gate, const MapUncertainty& uncertainty);
+
+  /// The paper's filter begins a leg: the drone is where the plan says, x and y, and the biases are
+  /// what they are. Ours knows better and goes on.
+  void begin_leg(const Eigen::Vector2d& p_EB);
 
   /// Attitude, or the accelerometer's bias, from outside (a log, other flights), instead of what rest
   /// has taught. At the end of the rest only.
@@ -111,6 +130,8 @@ class Navigator {
   [[nodiscard]] double since_fix() const { return time_ - last_fix_; }
 
  private:
+  [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
+  [[nodiscard]] Eigen::Vector3d v_B() const;
   bool advance(const Imu& imu, double time);
   void restart_filter(const Eigen::Vector3d& accel_bias);
   [[nodiscard]] Eigen::Vector3d relative(const Eigen::Vector3d& p_EB) const;

@@ -10,7 +10,7 @@
 namespace gatefly::experiments {
 
 std::span<const Experiment> all() {
-  static const std::array<Experiment, 16> list{{
+  static const std::array<Experiment, 18> list{{
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
@@ -28,6 +28,9 @@ std::span<const Experiment> all() {
        ekf_vs_15, false},
       {"arc-accuracy", "where blind half circles end: the paper's, recorded ones, simulated ones",
        arc_accuracy, false},
+      {"convergence",
+       "when drag filter and 15-state filter know the bias, and from when on the latter knows more",
+       convergence, false},
       {"blind-real",
        "drift without a fix on real flights: drag filter beside the 15-state inertial one",
        blind_real},
@@ -43,6 +46,8 @@ std::span<const Experiment> all() {
       {"pose-grid", "our pose against rays and PnP; is its covariance honest?", pose_grid, false},
       {"pose-real", "distances to a real gate, and a real flight against motion capture",
        pose_real},
+      {"feasible-set", "from where a gate can still be flown through, by speed and lateral law",
+       feasible_set, false},
   }};
   return list;
 }

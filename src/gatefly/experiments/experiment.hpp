@@ -35,11 +35,18 @@ struct Comparison {
   std::string what, paper, ours;
 };
 
+/// A picture beside an experiment's plot.
+struct ExtraPicture {
+  std::string name;  ///< Of its file, without ".png".
+  io::Canvas picture;
+};
+
 struct Result {
   std::vector<Comparison> table;
   nlohmann::ordered_json json;  ///< The same and more, as numbers.
   std::string csv;              ///< With its header.
   io::Canvas picture;
+  std::vector<ExtraPicture> extra = {};  ///< What the plot has no room for.
 };
 
 struct Experiment {
@@ -66,11 +73,13 @@ Result eyes_real(const Options& options);
 Result ekf_track(const Options& options);
 Result ekf_vs_15(const Options& options);
 Result arc_accuracy(const Options& options);
+Result convergence(const Options& options);
 Result own_detector(const Options& options);
 Result detection_failures(const Options& options);
 Result pose_ls_p3p(const Options& options);
 Result pose_bars(const Options& options);
 Result pose_grid(const Options& options);
 Result pose_real(const Options& options);
+Result feasible_set(const Options& options);
 
 }  // namespace gatefly::experiments

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <thread>
 #include <utility>
 
@@ -33,30 +34,86 @@ LabelledSet::LabelledSet(const std::filesystem::path& folder, const std::string&
     files.push_back(io::read_image(folder / picture.image));
 }
 
-std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params,
-                                          int repeat) {
-  std::vector<io::PictureToScore> pictures(set.size());
+std::vector<std::vector<Quad>> unlabelled_gates(const LabelledSet& set,
+                                                const std::filesystem::path& file) {
+  std::map<std::string, std::vector<Quad>> by_name;
+  for (const io::LabelledPicture& picture : io::read_labels(file).pictures)
+    by_name[picture.image] = picture.gates;
+  std::vector<std::vector<Quad>> gates;
+  for (const io::LabelledPicture& picture : set.labels.pictures)
+    gates.push_back(by_name[picture.image]);
+  return gates;
+}
+
+PaperDetector as_paper(const PaperDetectorParams& params) {
+  return [params](const Image& image, Rng& rng) {
+    const PaperDetections found = detect_as_paper(image, params, rng);
+    return std::vector<GateDetection>(found.begin(), found.end());
+  };
+}
+
+PaperDetector as_paper_best(const PaperDetectorParams& params) {
+  PaperDetectorParams all = params;
+  all.same_gate = 2.0;  // of two candidates on one gate the fitter counts, not the first
+  return [all](const Image& image, Rng& rng) {
+    const PaperDetections found = detect_as_paper(image, all, rng);
+    const auto best =
+        std::max_element(found.begin(), found.end(),
+                         [](const auto& a, const auto& b) { return a.fitness < b.fitness; });
+    return best == found.end() ? std::vector<GateDetection>{} : std::vector<GateDetection>{*best};
+  };
+}
+
+PaperDetector as_flown() {
+  return [](const Image& image, Rng& rng) {
+    const auto gate = detect_as_flown(image, {}, rng);
+    return gate ? std::vector<GateDetection>{*gate} : std::vector<GateDetection>{};
+  };
+}
+
+Found run(const LabelledSet& set, const PaperDetector& detector, int repeat) {
+  Found found(set.size());
   in_parallel(set.size(), [&](std::size_t i) {
     Rng rng{1'000'003u * static_cast<std::uint64_t>(repeat) + i};
-    const PaperDetections found = detect_as_paper(set.picture(i), params, rng);
-    pictures[i].gates = set.labels.pictures[i].gates;
-    for (const GateDetection& gate : found) pictures[i].detections.push_back(gate.corners_px);
+    found[i] = detector(set.picture(i), rng);
   });
+  return found;
+}
+
+std::vector<io::PictureToScore> to_score(const LabelledSet& set, const Found& found) {
+  std::vector<io::PictureToScore> pictures(set.size());
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    pictures[i].gates = set.labels.pictures[i].gates;
+    for (const GateDetection& gate : found[i]) pictures[i].detections.push_back(gate.corners_px);
+  }
   return pictures;
 }
 
-RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats,
+std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params,
+                                          int repeat) {
+  return to_score(set, run(set, as_paper(params), repeat));
+}
+
+RocPoint roc_point(const LabelledSet& set, const PaperDetector& detector, int repeats,
                    const Options& options) {
-  RocPoint point{.min_side_px = params.min_side_px, .min_color_fitness = params.min_color_fitness};
+  RocPoint point;
   double squares = 0.0;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     if (options.stopped()) throw Stopped{};
-    const io::Score score = io::score(run_paper(set, params, repeat), io::Rule::kOverlap70Authors);
+    const io::Score score =
+        io::score(to_score(set, run(set, detector, repeat)), io::Rule::kOverlap70Authors);
     const double tpr = score.true_positive_rate();
     point.tpr += tpr / repeats, squares += tpr * tpr / repeats;
     point.fp_per_image += score.false_positives_per_image() / repeats;
   }
   point.tpr_std = std::sqrt(std::max(0.0, squares - point.tpr * point.tpr));
+  return point;
+}
+
+RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params, int repeats,
+                   const Options& options) {
+  RocPoint point = roc_point(set, as_paper(params), repeats, options);
+  point.min_side_px = params.min_side_px, point.min_color_fitness = params.min_color_fitness;
   return point;
 }
 

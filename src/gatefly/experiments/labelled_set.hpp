@@ -32,8 +32,28 @@ struct LabelledSet {
   [[nodiscard]] Image picture(std::size_t i) const { return files[i].view(stored_rotation_deg); }
 };
 
-/// One run of the paper's detector over a set; the repeat's number seeds it. Same numbers, same
-/// answer.
+/// Gates that are there and have no label, by picture of the set.
+/// @throws std::runtime_error one line: the file is missing or wrong.
+[[nodiscard]] std::vector<std::vector<Quad>> unlabelled_gates(const LabelledSet& set,
+                                                              const std::filesystem::path& file);
+
+/// Everything that a detector of the paper's finds in one picture.
+using PaperDetector = std::function<std::vector<GateDetection>(const Image& image, Rng& rng)>;
+
+/// Mode `paper`, every candidate.
+[[nodiscard]] PaperDetector as_paper(const PaperDetectorParams& params = {});
+/// Mode `paper`, the candidate with the highest colour fitness: the race of 2017's rule. Li18 §3.1.
+[[nodiscard]] PaperDetector as_paper_best(const PaperDetectorParams& params = {});
+/// Mode `flown`, picture by picture.
+[[nodiscard]] PaperDetector as_flown();
+
+/// What was found in each picture of a set by one run; the repeat's number seeds it. Same numbers,
+/// same answer.
+using Found = std::vector<std::vector<GateDetection>>;
+[[nodiscard]] Found run(const LabelledSet& set, const PaperDetector& detector, int repeat);
+
+/// The same beside the labels.
+[[nodiscard]] std::vector<io::PictureToScore> to_score(const LabelledSet& set, const Found& found);
 [[nodiscard]] std::vector<io::PictureToScore> run_paper(const LabelledSet& set,
                                                         const PaperDetectorParams& params,
                                                         int repeat);
@@ -44,6 +64,8 @@ struct RocPoint {
   double tpr = 0.0, tpr_std = 0.0;  ///< Mean and standard deviation over the runs.
   double fp_per_image = 0.0;
 };
+[[nodiscard]] RocPoint roc_point(const LabelledSet& set, const PaperDetector& detector, int repeats,
+                                 const Options& options);
 [[nodiscard]] RocPoint roc_point(const LabelledSet& set, const PaperDetectorParams& params,
                                  int repeats, const Options& options);
 

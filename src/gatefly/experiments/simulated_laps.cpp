@@ -54,6 +54,7 @@ SimulatedLaps simulated_laps(const std::string& track, int laps, std::uint64_t s
                 .t = t,
                 .dt = flown.moments.empty() ? 0.0 : t - flown.moments.back().t,
                 .p_EB = tick.truth.p_EB,
+                .v_E = tick.truth.v_E,
                 .attitude = tick.truth.attitude};
     m.rests = std::holds_alternative<OnGround>(tick.pilot.phase());
     for (const sim::WorldGate& gate : race.sim.world.gates)

@@ -23,6 +23,7 @@ struct LapMoment {
   Imu imu;
   double t = 0.0, dt = 0.0;                        ///< [s]
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< True [m].
+  Eigen::Vector3d v_E = Eigen::Vector3d::Zero();   ///< True [m/s].
   Attitude attitude;                               ///< True.
   bool rests = false;                              ///< On the pad.
   /// A gate ahead could be seen: 0.5 to 4 m, within 25°.

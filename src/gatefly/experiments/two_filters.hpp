@@ -28,6 +28,8 @@ struct DragPilot {
   void step(const FilterTick& tick);
   void fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma);
   [[nodiscard]] Eigen::Vector3d position() const { return navigator.p_EB(); }
+  [[nodiscard]] Eigen::Vector3d velocity() const { return navigator.state().v_E; }
+  [[nodiscard]] Attitude attitude() const { return navigator.ahrs().attitude(); }
   [[nodiscard]] Eigen::Vector3d accel_bias() const {
     return navigator.filter().state().segment<3>(drag_model::kBiasX);
   }
@@ -42,6 +44,8 @@ struct InertialPilot {
     filter.correct_position(p_EB, sigma);
   }
   [[nodiscard]] Eigen::Vector3d position() const { return filter.position(); }
+  [[nodiscard]] Eigen::Vector3d velocity() const { return filter.velocity(); }
+  [[nodiscard]] Attitude attitude() const { return filter.attitude(); }
   [[nodiscard]] Eigen::Vector3d accel_bias() const { return filter.accel_bias(); }
 };
 

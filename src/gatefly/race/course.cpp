@@ -3,15 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/race/paper/exit_plan.hpp"
 
 namespace gatefly {
 
 Course::Course(const Track& track, const PlanParams& plan, const CourseParams& params)
+    : Course{track, plan_race(track, plan), params} {}
+
+Course Course::by_exits(const Track& track, const CourseParams& params) {
+  Course course{track, plan_from_exits(track), params};
+  course.by_exits_ = true;
+  return course;
+}
+
+Course::Course(const Track& track, RacePlan plan, const CourseParams& params)
     : track_{track},
       params_{params},
-      plan_{plan_race(track, plan)},
+      plan_{std::move(plan)},
       total_{static_cast<int>(track.gates.size()) * track.laps} {}
 
 const MapGate& Course::gate() const { return track_.gates[static_cast<std::size_t>(target_)]; }
@@ -28,6 +39,12 @@ bool Course::follow(const NavigationState& now, const Phase& phase) {
   const double total = path().length();
   progress_ = path().nearest(now.p_EB.head<2>(), std::max(0.0, progress_ - params_.back),
                              std::min(progress_ + params_.ahead, total + 0.5));
+  if (by_exits_) {
+    // Passed at the turn point [Li18 code; there within 5 cm of it, which a jump can miss].
+    const double turn_point = gate().exit ? gate().exit->run : params_.past;
+    const bool there = now.p_GB.x() >= turn_point;
+    return std::holds_alternative<Straight>(phase) && !before_approach_ && there && pass_gate();
+  }
   // While searching, only what went through the opening has passed.
   const bool on_course =
       std::holds_alternative<Straight>(phase) || std::holds_alternative<Turn>(phase);
@@ -43,7 +60,13 @@ bool Course::pass_gate() {
   progress_ = 0.0;
   if (finished()) return false;
   target_ = (target_ + 1) % static_cast<int>(track_.gates.size());
+  before_approach_ = by_exits_;
   return true;
+}
+
+void Course::begin_approach() {
+  progress_ = path().length() - path().segments.back().length;
+  before_approach_ = false;
 }
 
 void Course::approach_straight(const NavigationState& now) {

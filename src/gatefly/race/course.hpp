@@ -25,12 +25,23 @@ class Course {
   /// Plans the way. @throws std::invalid_argument when the track cannot be flown, saying why.
   Course(const Track& track, const PlanParams& plan, const CourseParams& params = {});
 
+  /// Legs by each gate's `exit` (plan_from_exits), as the paper flies: a gate is passed at its turn
+  /// point. @throws std::invalid_argument saying which exit is missing or wrong.
+  [[nodiscard]] static Course by_exits(const Track& track, const CourseParams& params = {});
+
   /// Takes in where the drone is. True when it has passed a gate and is now after another one.
   bool follow(const NavigationState& now, const Phase& phase);
 
   /// From where it waited the drone flies straight on along the gate's axis: the leg's own way may
   /// end in an arc.
   void approach_straight(const NavigationState& now);
+
+  /// The turn is done: the drone is where the leg's last straight begins, or so the plan says.
+  void begin_approach();
+  /// By exits: passed a gate, and the turn to the next one is not done.
+  [[nodiscard]] bool before_approach() const { return before_approach_; }
+  /// Where the leg's last straight begins [m].
+  [[nodiscard]] Eigen::Vector2d approach_start() const { return path().segments.back().start; }
 
   [[nodiscard]] const MapGate& gate() const;  ///< The one to fly through next.
   [[nodiscard]] int target() const { return target_; }
@@ -43,12 +54,14 @@ class Course {
   [[nodiscard]] const Track& track() const { return track_; }
 
  private:
+  Course(const Track& track, RacePlan plan, const CourseParams& params);
   bool pass_gate();
 
   Track track_;
   CourseParams params_;
   RacePlan plan_;
   std::optional<Path> approach_;  ///< Instead of the leg's own way, after a search.
+  bool by_exits_ = false, before_approach_ = false;
   int total_ = 0, target_ = 0, passed_ = 0;
   double progress_ = 0.0;
 };

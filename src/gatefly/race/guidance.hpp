@@ -87,6 +87,12 @@ class Guidance {
   /// On the ground: integrals begin at zero.
   void reset() { altitude_.reset(); }
 
+  /// Pictures count whenever it flies.
+  [[nodiscard]] bool looks(const Phase& phase) const { return is_flying(phase); }
+
+  /// Speed a turn begins with [m/s].
+  [[nodiscard]] double entry_speed(const NavigationState& now) const { return now.v_B.x(); }
+
   /// Where the lateral PD will have brought the drone in the plane of the gate: metres to the right
   /// of its axis.
   [[nodiscard]] double lateral_at_gate(const NavigationState& now) const;

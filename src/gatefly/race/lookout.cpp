@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/race/seen_fix.hpp"
 
 namespace gatefly {
 namespace {
@@ -13,14 +14,10 @@ namespace {
 constexpr double kNever = 1e9;  // [m]
 constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
 
-// Attitude against the gate's frame at that moment.
-RotationGB R_GB_of(const Navigator::Past& then) {
-  return {rotation_EB(Attitude{then.input.roll, then.input.pitch, then.input.yaw}).matrix};
-}
-
 }  // namespace
 
-Lookout::Lookout(const LookoutParams& params) : params_{params}, detector_{params.detector} {}
+Lookout::Lookout(const LookoutParams& params)
+    : params_{params}, detector_{params.detector, params.detector_mode} {}
 
 GateDetections Lookout::whole_gates(const Sensors& sensors, LookFor::Gates wanted) {
   if (sensors.seen) return sensors.seen->gates;
@@ -168,35 +165,15 @@ void Lookout::correct_with(Candidate seen, const View& view) {
     if (!again) return;
     seen.fix = *again;
   }
-  if (!fuse(seen, view)) return;
+  if (!fuse({seen.fix, seen.then, seen.source, seen.may_restart}, view.course.gate(),
+            params_.gate_yaw_sigma, view.navigator, sighting_))
+    return;
   sighting_.used = seen.detection;
   if (!seen.fix.yaw_error) return;
   const double gate_yaw = params_.gate_yaw_sigma;
   const double variance =
       params_.sight.heading_repeats * (seen.fix.yaw_variance + gate_yaw * gate_yaw);
   view.navigator.correct_heading(*seen.fix.yaw_error, variance);
-}
-
-bool Lookout::fuse(const Candidate& seen, const View& view) {
-  const Fix& fix = seen.fix;
-  Navigator& navigator = view.navigator;
-  const double innovation2 = seen.then->filter.distance2(fix);
-  const Eigen::Vector3d moved = navigator.filter().position() - seen.then->filter.position();
-  sighting_.offered = true;
-  const Fusion fusion = navigator.correct(fix, seen.then->time, seen.may_restart);
-  if (fusion != Fusion::kAccepted && fusion != Fusion::kRestarted) return false;
-  const MapGate& gate = view.course.gate();
-  const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
-  FixOnCourse& used = sighting_.fix.emplace();
-  used.p_EB = gate.p_EG + R_EG * (fix.p_GB + moved);
-  used.covariance = R_EG * fix.covariance * R_EG.transpose();
-  used.has_height = fix.has_height;
-  if (fix.yaw_error) used.yaw = wrap_angle(navigator.ahrs().attitude().yaw + *fix.yaw_error);
-  used.yaw_sigma = std::sqrt(fix.yaw_variance + params_.gate_yaw_sigma * params_.gate_yaw_sigma);
-  if (fusion == Fusion::kAccepted)
-    sighting_.innovation2 = innovation2, sighting_.innovation_dof = fix.has_height ? 3 : 2;
-  sighting_.source = seen.source;
-  return true;
 }
 
 // How far from where it is believed to be the drone would be, had it seen this gate; from before it

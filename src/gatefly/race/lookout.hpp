@@ -45,6 +45,7 @@ struct LookoutParams {
   CameraTiming timing;
   ColorModel gate_color = ColorModel::described({1.0, 0.4, 0.0});
   GateDetectorParams detector;
+  DetectorMode detector_mode = DetectorMode::kOurs;
   PoseParams pose;
   SightParams sight;
   double gate_sigma = 3.5;       ///< What the filter refuses; see DragFilterParams.
@@ -106,7 +107,6 @@ class Lookout {
                                             const View& view) const;
   bool is_confirmed(const Candidate& seen, const View& view);
   void correct_with(Candidate seen, const View& view);
-  bool fuse(const Candidate& seen, const View& view);
 
   LookoutParams params_;
   GateDetector detector_;

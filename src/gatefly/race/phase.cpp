@@ -48,7 +48,9 @@ struct Next {
     return {phase};
   }
   Transition operator()(const TakeOff& phase) const {
-    if (now.height > params.go_height) return {Straight{}};
+    const bool high = now.height > params.go_height,
+               late = now.time - phase.since > params.go_after;
+    if (params.go_after > 0.0 ? late : high) return {Straight{}};
     if (now.time - phase.since > params.climb_timeout)
       return {land_from(now), AbortReason::kNoClimb};
     return {phase};

@@ -68,7 +68,8 @@ struct Situation {
 
 struct PhaseParams {
   int rest_samples = 768;      ///< 1.5 s at 512 Hz. [ours]
-  double go_height = 0.7;      ///< Start forward flight above this [m]. [ours]
+  double go_height = 0.7;      ///< Start forward flight above this [m] ... [ours]
+  double go_after = 0.0;       ///< ... or, above 0, after so long at any height [s]. [Li18 code: 2]
   double climb_timeout = 6.0;  ///< [s]
 
   // Into a search ...

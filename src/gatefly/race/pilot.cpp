@@ -6,6 +6,25 @@
 namespace gatefly {
 namespace {
 
+using EitherLookout = std::variant<Lookout, PaperLookout>;
+using EitherGuidance = std::variant<Guidance, PaperGuidance>;
+
+Course course_of(const PilotConfig& config) {
+  if (config.control_scheme == Scheme::kPaper) return Course::by_exits(config.track);
+  return {config.track, config.plan};
+}
+
+EitherLookout lookout_of(const PilotConfig& config) {
+  if (config.pose_scheme == Scheme::kPaper) return PaperLookout{lookout_params(config)};
+  return Lookout{lookout_params(config)};
+}
+
+EitherGuidance guidance_of(const PilotConfig& config) {
+  if (config.control_scheme == Scheme::kOurs) return Guidance{guidance_params(config)};
+  return PaperGuidance{config.paper_control, guidance_params(config), config.filter.model.drag.x(),
+                       config.imu_hz};
+}
+
 bool is_resting(const Phase& phase) {
   return std::holds_alternative<OnGround>(phase) || std::holds_alternative<Landed>(phase);
 }
@@ -15,9 +34,9 @@ bool is_resting(const Phase& phase) {
 Pilot::Pilot(const PilotConfig& config)
     : map_uncertainty_{map_uncertainty(config)},
       navigator_{navigator_params(config)},
-      lookout_{lookout_params(config)},
-      course_{config.track, config.plan},
-      guidance_{guidance_params(config)},
+      lookout_{lookout_of(config)},
+      course_{course_of(config)},
+      guidance_{guidance_of(config)},
       indi_{indi_params(config), config.vehicle},
       phase_params_{phase_params(config)} {
   check_latency(config);
@@ -31,12 +50,12 @@ Command Pilot::step(const Sensors& sensors) {
   // estimate: attitude from gyro and gravity; drag carries the position between sightings ...
   navigate(sensors);
   // detect -> pose: ... and a gate in view pulls it back
-  lookout_.look(sensors, is_flying(phase_), course_, navigator_);
+  look(sensors);
   // race: how far along the course, and what that asks for
   follow_course();
   change_phase();
   // control: attitude, then rotor speeds
-  const AttitudeCommand attitude = guidance_.command(phase_, navigator_.state(), course_);
+  const AttitudeCommand attitude = guide();
   return {attitude, motors(attitude)};
 }
 
@@ -50,6 +69,20 @@ void Pilot::navigate(const Sensors& sensors) {
   }
 }
 
+void Pilot::look(const Sensors& sensors) {
+  const bool looking = std::visit([&](const auto& g) { return g.looks(phase_); }, guidance_);
+  std::visit([&](auto& l) { l.look(sensors, looking, course_, navigator_); }, lookout_);
+}
+
+const Sighting& Pilot::sighting() const {
+  return std::visit([](const auto& l) -> const Sighting& { return l.sighting(); }, lookout_);
+}
+
+AttitudeCommand Pilot::guide() {
+  return std::visit([&](auto& g) { return g.command(phase_, navigator_.state(), course_); },
+                    guidance_);
+}
+
 void Pilot::follow_course() {
   if (course_.follow(navigator_.state(), phase_))
     navigator_.change_gate(frame_of(course_.gate()), map_uncertainty_);
@@ -60,6 +93,10 @@ void Pilot::change_phase() {
   const bool found_again =
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
   if (found_again) course_.approach_straight(navigator_.state());
+  if (course_.before_approach() && std::holds_alternative<Straight>(next.phase)) {
+    course_.begin_approach();  // an open-loop arc ends where the plan says
+    navigator_.begin_leg(course_.approach_start());
+  }
   phase_ = next.phase;
   if (next.reason != AbortReason::kNone) abort_reason_ = next.reason;
 }
@@ -72,13 +109,17 @@ Situation Pilot::situation() const {
   s.height = -now.p_EB.z();
   s.course_done = course_.finished();
   s.to_go = course_.to_go();
-  s.turn_ahead = !course_.finished() && guidance_.turn_ahead(now, course_);
+  std::visit(
+      [&](const auto& g) {
+        s.turn_ahead = !course_.finished() && g.turn_ahead(now, course_);
+        s.gate_y_ahead = g.lateral_at_gate(now);
+        s.forward_speed = g.entry_speed(now);
+      },
+      guidance_);
   s.gate_x = now.p_GB.x();
   s.gate_y = now.p_GB.y();
-  s.gate_y_ahead = guidance_.lateral_at_gate(now);
   s.lateral_sigma = now.lateral_sigma;
   s.speed = now.v_B.head<2>().norm();
-  s.forward_speed = now.v_B.x();
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
   s.since_imu = now.since_imu;
@@ -89,7 +130,7 @@ Situation Pilot::situation() const {
 std::array<double, 4> Pilot::motors(const AttitudeCommand& attitude) {
   if (is_resting(phase_)) {
     indi_.reset();
-    guidance_.reset();
+    std::visit([](auto& g) { g.reset(); }, guidance_);
     return {};
   }
   const NavigationState now = navigator_.state();

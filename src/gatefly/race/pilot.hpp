@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <variant>
 
 #include "gatefly/control/indi.hpp"
 #include "gatefly/estimation/navigator.hpp"
@@ -9,6 +10,8 @@
 #include "gatefly/race/guidance.hpp"
 #include "gatefly/race/lookout.hpp"
 #include "gatefly/race/messages.hpp"
+#include "gatefly/race/paper/paper_guidance.hpp"
+#include "gatefly/race/paper/paper_lookout.hpp"
 #include "gatefly/race/phase.hpp"
 #include "gatefly/race/pilot_config.hpp"
 
@@ -27,7 +30,7 @@ class Pilot {
   [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
-  [[nodiscard]] const Sighting& sighting() const { return lookout_.sighting(); }
+  [[nodiscard]] const Sighting& sighting() const;
   [[nodiscard]] bool finished() const { return course_.finished(); }
   [[nodiscard]] bool landed() const { return std::holds_alternative<Landed>(phase_); }
   [[nodiscard]] int target_gate() const { return course_.target(); }
@@ -35,16 +38,18 @@ class Pilot {
 
  private:
   void navigate(const Sensors& sensors);
+  void look(const Sensors& sensors);
   void follow_course();
   void change_phase();
   [[nodiscard]] Situation situation() const;
+  AttitudeCommand guide();
   std::array<double, 4> motors(const AttitudeCommand& attitude);
 
   MapUncertainty map_uncertainty_;
   Navigator navigator_;
-  Lookout lookout_;
+  std::variant<Lookout, PaperLookout> lookout_;
   Course course_;
-  Guidance guidance_;
+  std::variant<Guidance, PaperGuidance> guidance_;
   Indi indi_;
   PhaseParams phase_params_;
   Phase phase_ = OnGround{};

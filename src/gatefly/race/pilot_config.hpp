@@ -11,14 +11,23 @@
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/guidance.hpp"
 #include "gatefly/race/lookout.hpp"
+#include "gatefly/race/paper/paper_guidance.hpp"
 #include "gatefly/race/path.hpp"
 #include "gatefly/race/phase.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly {
 
+/// Whose way of doing it.
+enum class Scheme { kOurs, kPaper };
+
 /// Everything a pilot is told before take-off. Start-up only.
 struct PilotConfig {
+  /// Which box is whose: any mixture flies.
+  DetectorMode detector_mode = DetectorMode::kOurs;
+  Scheme pose_scheme = Scheme::kOurs;
+  FilterModel filter_model = FilterModel::kOurs;
+  Scheme control_scheme = Scheme::kOurs;
   Track track;
   CameraRig camera;
   CameraTiming camera_timing;
@@ -28,11 +37,13 @@ struct PilotConfig {
   SightParams sight;
   AhrsParams ahrs;
   DragFilterParams filter;
+  PaperFilterParams paper_filter;
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
   LateralParams lateral;
   AltitudeParams altitude;
   SpeedParams speed;
+  PaperControlParams paper_control;
   HoldParams hold;
   IndiParams indi;
   VehicleParams vehicle;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,12 +9,20 @@
 
 namespace gatefly {
 
+/// How the paper's control leaves a gate: straight on, then an arc that ends before the next one.
+struct GateExit {
+  double run = 0.5;     ///< From the gate's plane to the turn point [m]. [Li18 code: 0.1, 0.5]
+  double angle = 0.0;   ///< Of the turn, > 0 to the right [rad].
+  double radius = 1.0;  ///< [m] [Li18 code: 0.9-1.9]
+};
+
 /// A gate on the team's hand-measured map.
 struct MapGate {
-  Eigen::Vector3d p_EG{0, 0, -1.5};  ///< Centre of the opening [m].
-  double yaw_EG = 0.0;               ///< Direction of flight through it [rad].
-  double side = 1.0;                 ///< Outer side of the coloured frame [m].
-  double bar = 0.05;                 ///< Width of its bars [m].
+  Eigen::Vector3d p_EG{0, 0, -1.5};             ///< Centre of the opening [m].
+  double yaw_EG = 0.0;                          ///< Direction of flight through it [rad].
+  double side = 1.0;                            ///< Outer side of the coloured frame [m].
+  double bar = 0.05;                            ///< Width of its bars [m].
+  std::optional<GateExit> exit = std::nullopt;  ///< For control.mode = "paper" only.
 };
 
 /// Something solid whose place the team knows: a box or a pole.
