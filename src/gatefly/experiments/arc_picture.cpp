@@ -135,6 +135,22 @@ void draw_paths(Canvas& canvas, const View& view, const std::vector<ArcSource>& 
   canvas.unclip();
 }
 
+/// From each error of the estimate when the gate is seen again to that half a second later.
+void draw_jumps(Canvas& canvas, const View& view, const std::vector<ArcSource>& sources) {
+  canvas.clip(view.box());
+  draw_cross(canvas, view.place({0.0, 0.0}), 11.0, {.color = look::kInk, .width = 2.0});
+  for (const ArcSource& source : sources)
+    for (const BlindArc& arc : source.arcs) {
+      if (!arc.detail) continue;
+      const Eigen::Vector2d &from = arc.detail->error_before, &to = arc.detail->error_after;
+      if (!from.allFinite() || !to.allFinite()) continue;
+      canvas.line(view.place(from), view.place(to), {.color = source.color.faded(0.3), .width = 1});
+      canvas.circle(view.place(from), 3.0, {.color = source.color.faded(0.8), .width = 1.2});
+      canvas.disc(view.place(to), 2.5, source.color);
+    }
+  canvas.unclip();
+}
+
 void draw_one(Canvas& canvas, const View& view, const BlindArc& arc, const io::Color& color,
               const PlannedArc& planned) {
   constexpr double kLetters = 12.0;
@@ -156,6 +172,15 @@ void draw_one(Canvas& canvas, const View& view, const BlindArc& arc, const io::C
               {.color = look::kMuted, .size = kLetters});
 }
 
+/// What a panel must show.
+struct Frame {
+  Eigen::Vector2d low{-0.5, -0.5}, high{0.5, 0.5};
+
+  void include(const Eigen::Vector2d& p) {
+    if (p.allFinite()) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+};
+
 void draw_legend(Canvas& canvas, Eigen::Vector2d at, const std::vector<ArcSource>& sources) {
   for (const ArcSource& source : sources) {
     canvas.disc({at.x() + 6.0, at.y() - 4.5}, 4.0, source.color);
@@ -175,7 +200,7 @@ Spread2 ArcSource::displacement() const {
 
 io::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& each,
                       const PlannedArc& planned) {
-  constexpr int kWidth = 1500, kTop = 690, kColumns = 5, kTile = 300, kTileHeight = 230;
+  constexpr int kWidth = 1500, kTop = 620, kColumns = 5, kTile = 300, kTileHeight = 230;
   const int rows = (static_cast<int>(each.arcs.size()) + kColumns - 1) / kColumns;
   Canvas canvas(kWidth, kTop + std::max(1, rows) * kTileHeight + 20);
   canvas.text({60.0, 34.0}, "Blind half circles, seen from the entry: x ahead, y to the inside",
@@ -183,34 +208,36 @@ io::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& ea
   draw_legend(canvas, {60.0, 62.0}, sources);
 
   // Around every end point, the planned one and what is told of others.
-  Eigen::Vector2d low{0.0, 2.0 * planned.radius}, high = low, low_all{-1.0, -0.4},
-                                                  high_all{2.6, 2.0 * planned.radius};
-  const auto include = [&](const Eigen::Vector2d& p) {
-    low = low.cwiseMin(p), high = high.cwiseMax(p);
-    low_all = low_all.cwiseMin(p), high_all = high_all.cwiseMax(p);
-  };
+  Frame ends{.low = {0.0, 2.0 * planned.radius}, .high = {0.0, 2.0 * planned.radius}},
+      paths{.low = {-1.0, -0.4}, .high = {2.6, 2.0 * planned.radius}}, jumps;
   for (const ArcSource& source : sources) {
-    for (const BlindArc& arc : source.arcs) include(arc.displacement());
+    const Spread2 spread = source.displacement();
     if (source.told)
-      include(source.told->mean - source.told->deviation()),
-          include(source.told->mean + source.told->deviation());
+      ends.include(spread.mean - spread.deviation()),
+          ends.include(spread.mean + spread.deviation());
+    for (const BlindArc& arc : source.arcs) {
+      ends.include(arc.displacement()), paths.include(arc.displacement());
+      if (arc.detail)
+        jumps.include(arc.detail->error_before), jumps.include(arc.detail->error_after);
+    }
   }
-  const Eigen::Vector2d air{0.25, 0.25};
-  const View ends{{.x = 80.0, .y = 118.0, .width = 640.0, .height = 500.0}, low - air, high + air};
-  ends.draw_grid(canvas, 8, 12.0);
-  canvas.text({80.0, 104.0},
-              "x [m] of the end points; ellipses: 1 σ, crosses: means, white: planned",
-              {.color = look::kMuted});
-  canvas.text({400.0, 656.0}, "y [m]", {.align = io::Align::kCenter});
-  draw_ends(canvas, ends, sources, planned);
-
-  const View paths{
-      {.x = 810.0, .y = 118.0, .width = 640.0, .height = 500.0}, low_all - air, high_all + air};
-  paths.draw_grid(canvas, 8, 12.0);
-  canvas.text({810.0, 104.0}, "x [m] of the paths, half a second before and after; dashed: planned",
-              {.color = look::kMuted});
-  canvas.text({1130.0, 656.0}, "y [m]", {.align = io::Align::kCenter});
-  draw_paths(canvas, paths, sources, planned);
+  const auto panel = [&](double x, const Frame& frame, const std::string& title) {
+    const Box box{.x = x, .y = 118.0, .width = 410.0, .height = 430.0};
+    const Eigen::Vector2d air = Eigen::Vector2d::Constant(0.2);
+    const View view{box, frame.low - air, frame.high + air};
+    view.draw_grid(canvas, 6, 12.0);
+    canvas.text({box.x, box.y - 12.0}, title, {.color = look::kMuted});
+    canvas.text({box.x + 0.5 * box.width, box.bottom() + 38.0}, "y [m]",
+                {.align = io::Align::kCenter});
+    return view;
+  };
+  draw_ends(canvas, panel(70.0, ends, "x [m], end points; 1 σ about means; white: planned"),
+            sources, planned);
+  draw_paths(canvas, panel(565.0, paths, "x [m], paths, 0.5 s before to after; dashed: planned"),
+             sources, planned);
+  draw_jumps(canvas,
+             panel(1060.0, jumps, "x [m], estimate - truth: gate seen again (ring), 0.5 s on"),
+             sources);
 
   for (std::size_t i = 0; i < each.arcs.size(); ++i) {
     const auto column = static_cast<double>(i % kColumns), row = static_cast<double>(i / kColumns);

@@ -70,4 +70,16 @@ nlohmann::ordered_json json_of(const Eigen::Vector2d& p) {
   return {io::number(p.x()), io::number(p.y())};
 }
 
+std::string parts_text(const std::vector<BlindArc>& arcs, int axis) {
+  ArcParts sum;
+  for (const BlindArc& arc : arcs)
+    sum.early_end += arc.parts.early_end, sum.late_nose += arc.parts.late_nose,
+        sum.speed += arc.parts.speed, sum.slip += arc.parts.slip;
+  std::string text;
+  for (const Eigen::Vector2d& part : {sum.early_end, sum.late_nose, sum.speed, sum.slip})
+    text +=
+        (text.empty() ? "" : ", ") + io::fixed(part[axis] / static_cast<double>(arcs.size()), 2);
+  return text;
+}
+
 }  // namespace gatefly::experiments

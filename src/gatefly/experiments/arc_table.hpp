@@ -28,6 +28,9 @@ struct ArcQuantity {
 /// Of the displacements.
 [[nodiscard]] Spread2 ends_of(const std::vector<BlindArc>& arcs);
 
+/// Means of the four parts of one axis: end, nose, speed, slip.
+[[nodiscard]] std::string parts_text(const std::vector<BlindArc>& arcs, int axis);
+
 /// "0.27 ± 0.38", "(0.27, 3.34)".
 [[nodiscard]] std::string text_of(const Spread1& spread);
 [[nodiscard]] std::string text_of(const Eigen::Vector2d& p);

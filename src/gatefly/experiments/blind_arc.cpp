@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <Eigen/Dense>
 
@@ -53,6 +54,24 @@ Spread2 spread_of(std::span<const Eigen::Vector2d> points) {
     squares += (p - spread.mean) * (p - spread.mean).transpose();
   spread.covariance = squares / static_cast<double>(points.size() - 1);
   return spread;
+}
+
+FlightSpread flight_spread(std::span<const FlightPoint> points) {
+  std::map<std::string, std::vector<Eigen::Vector2d>> flights;
+  for (const FlightPoint& p : points) flights[p.flight].push_back(p.point);
+  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+  double freedom = 0.0;
+  std::vector<Eigen::Vector2d> means;
+  for (const auto& [name, own] : flights) {
+    const Spread2 spread = spread_of(own);
+    means.push_back(spread.mean);
+    if (own.size() < 2) continue;
+    const auto n = static_cast<double>(own.size() - 1);
+    squares += n * spread.covariance.diagonal(), freedom += n;
+  }
+  const Eigen::Vector2d none = Eigen::Vector2d::Constant(kNan);
+  return {.within = freedom > 0.0 ? (squares / freedom).cwiseSqrt().eval() : none,
+          .between = spread_of(means).deviation()};
 }
 
 double variance_with_zero_row(std::size_t count, double mean, double variance) {

@@ -28,12 +28,17 @@ struct ArcParts {
   Eigen::Vector2d slip = Eigen::Vector2d::Zero();
 };
 
-/// Where the drone sees a gate again after an arc: what the estimate was, and what that sighting
-/// made of it. Li18 Fig. "jump after arc".
-struct EstimateJump {
-  Eigen::Vector2d error_before = Eigen::Vector2d::Zero();  ///< Estimate - truth, entry frame [m].
-  Eigen::Vector2d jump = Eigen::Vector2d::Zero();          ///< Of the estimate, entry frame [m].
-  double since_exit = 0.0;                                 ///< From the arc's end to it [s].
+/// What only the simulator tells of an arc: where the lanes are, and what the pilot believed.
+struct SimulatedDetail {
+  double predicted_speed = 0.0;  ///< That the arc's own prediction began with [m/s].
+  /// Entry and exit from the gate before the arc, along its lane [m].
+  Eigen::Vector2d entry_at_gate = Eigen::Vector2d::Zero();
+  Eigen::Vector2d exit_at_gate = Eigen::Vector2d::Zero();
+  /// Estimate - truth, both of the next gate, when it is first seen and half a second later: what
+  /// jumps in Li18 Fig. "jump after arc" [m].
+  Eigen::Vector2d error_before = Eigen::Vector2d::Zero();
+  Eigen::Vector2d error_after = Eigen::Vector2d::Zero();
+  double blind = 0.0;  ///< From the arc's end to that first sighting [s].
 };
 
 /// A blind half circle, whoever flew it. Horizontal vectors are (north, east) of a frame E.
@@ -50,9 +55,9 @@ struct BlindArc {
   /// Of the nose, r times its rate: what the drone believes to fly; and really [m/s].
   double believed_speed = 0.0, mean_speed = 0.0;
   ArcParts parts = {};
-  double radius = 0.0;                     ///< Of the circle that fits best [m].
-  std::vector<Eigen::Vector2d> path = {};  ///< From 0.5 s before to 0.5 s after it [m].
-  std::optional<EstimateJump> jump = {};   ///< Simulated arcs only.
+  double radius = 0.0;                         ///< Of the circle that fits best [m].
+  std::vector<Eigen::Vector2d> path = {};      ///< From 0.5 s before to 0.5 s after it [m].
+  std::optional<SimulatedDetail> detail = {};  ///< Simulated arcs only.
 
   [[nodiscard]] double duration() const { return end - begin; }
   [[nodiscard]] double entry_speed() const { return v_entry.norm(); }
@@ -83,6 +88,19 @@ struct Spread2 {
   [[nodiscard]] Eigen::Vector2d deviation() const { return covariance.diagonal().cwiseSqrt(); }
 };
 [[nodiscard]] Spread2 spread_of(std::span<const Eigen::Vector2d> points);
+
+/// One point of an arc, told apart by the arc's flight.
+struct FlightPoint {
+  std::string flight;
+  Eigen::Vector2d point;
+};
+
+/// Standard deviations of points that come from several flights; NaN where there are too few.
+struct FlightSpread {
+  Eigen::Vector2d within = Eigen::Vector2d::Zero();   ///< About each flight's own mean.
+  Eigen::Vector2d between = Eigen::Vector2d::Zero();  ///< Of these means.
+};
+[[nodiscard]] FlightSpread flight_spread(std::span<const FlightPoint> points);
 
 /// The sample variance of `count` values after a row of zeros was left among them: how Li18's Table
 /// "accuracy distribution" got its 0.8087 (docs/paper/deviations.md#table-2).

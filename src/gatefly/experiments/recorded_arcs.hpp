@@ -10,8 +10,8 @@
 
 namespace gatefly::experiments {
 
-/// pitch(ψ) = mean + amplitude cos(ψ - heading): a tilt that is fixed to the earth, not to the body
-/// [rad]. The command is the same everywhere, so it is an error of the drone's own attitude.
+/// pitch(ψ) = mean + amplitude cos(ψ - heading) [rad]. The command is the same everywhere: what goes
+/// with the heading is fixed to the room, as a tilt error of the drone's own attitude is.
 struct PitchByHeading {
   double mean = 0.0, amplitude = 0.0, heading = 0.0;
 };
