@@ -920,13 +920,14 @@ class Reproduce(Cli):
 
 
 class Configuration(Cli):
-    def test_a_race_is_flown_by_our_own_detector(self):
-        self.assertIn("detector.mode", self.refused("fly", "oval", "--set", "detector.mode=paper"))
+    def test_any_detector_flies_and_a_wrong_name_is_refused(self):
         self.assertIn("must be", self.refused("detect", "a.ppm", "--set", "detector.mode=papr"))
-        log = "t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,0,0,0,0,0,-9.8\n0.002,0,0,0,0,0,-9.8\n"
-        (self.folder / "flight").mkdir()
-        self.file("flight/log_si.csv", log)
-        self.assertIn('detector.mode = "fast", must be "ours" to replay', self.refused("replay", "flight", "--set", "detector.mode=fast"))
+        done = self.run_it("fly", "oval", "--laps", "1", "--vision", "ideal", "--set", "detector.mode=fast", "--json", "--out", "flown")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_the_papers_control_needs_exits(self):
+        self.assertIn('gate 1 has no exit: control.mode = "paper" flies by exits',
+                      self.refused("fly", "showroom", "--set", "control.mode=paper"))
 
     def test_a_key_of_the_colour_box_is_said_to_have_no_effect(self):
         result = self.run_it("config", "--show", "--set", "color.y_min=30")

@@ -10,7 +10,7 @@
 namespace gatefly::experiments {
 
 std::span<const Experiment> all() {
-  static const std::array<Experiment, 19> list{{
+  static const std::array<Experiment, 20> list{{
       {"roc-length", "hits against false positives over the minimum length σ_L", roc_length},
       {"roc-fitness", "hits against false positives over the colour fitness σ_cf", roc_fitness},
       {"tpr-distance", "true positive rate by distance", tpr_distance},
@@ -26,6 +26,8 @@ std::span<const Experiment> all() {
       {"ekf-vs-15",
        "simulated laps with gaps: drag filter beside the 15-state inertial one, bias and drift",
        ekf_vs_15, false},
+      {"arc-accuracy", "where blind half circles end: the paper's, recorded ones, simulated ones",
+       arc_accuracy, false},
       {"convergence",
        "when drag filter and 15-state filter know the bias, and from when on the latter knows more",
        convergence, false},

@@ -53,7 +53,7 @@ struct Experiment {
   std::string name, what;
   /// @throws std::runtime_error one line: data that is missing or wrong.
   Result (*run)(const Options& options);
-  bool needs_data = true;  ///< Else everything is simulated.
+  bool needs_data = true;  ///< Else it is simulated, or says what it leaves out without.
 };
 
 /// All that there are, in the paper's order.
@@ -72,6 +72,7 @@ Result ahrs_real(const Options& options);
 Result eyes_real(const Options& options);
 Result ekf_track(const Options& options);
 Result ekf_vs_15(const Options& options);
+Result arc_accuracy(const Options& options);
 Result convergence(const Options& options);
 Result own_detector(const Options& options);
 Result detection_failures(const Options& options);
