@@ -277,7 +277,7 @@ class Campaign(Cli):
 class Tracks(Cli):
     def test_unknown_track_lists_the_available_ones(self):
         error = self.refused("fly", "showrom")
-        self.assertIn("oval, showroom", error)
+        self.assertIn("oval, oval-li18, showroom", error)
         self.assertIn("did you mean 'showroom'", error)
 
     def test_broken_toml_names_the_line(self):
