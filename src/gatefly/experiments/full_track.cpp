@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gatefly/drawing/plot.hpp"
+#include "gatefly/experiments/causes.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
@@ -90,6 +91,11 @@ struct Days {
       if (flight.result.finished && good.size() < kWanted) good.push_back(&flight);
     return good;
   }
+  [[nodiscard]] std::vector<RaceResult> results() const {
+    std::vector<RaceResult> list;
+    for (const Flight& flight : all) list.push_back(flight.result);
+    return list;
+  }
   [[nodiscard]] int finished() const {
     return static_cast<int>(
         std::count_if(all.begin(), all.end(), [](const Flight& f) { return f.result.finished; }));
@@ -132,7 +138,7 @@ io::Plot height_plot(const std::string& name, const std::vector<const Flight*>& 
 
 io::Canvas picture_of(const std::vector<Scheme>& who, const std::vector<Days>& days,
                       const Track& track) {
-  constexpr int kWidth = 640, kView = 620, kHeight = 360, kTitle = 44;
+  constexpr int kWidth = 640, kView = 500, kHeight = 360, kTitle = 44;
   io::Canvas canvas(kWidth * static_cast<int>(who.size()), kView + kHeight);
   for (std::size_t i = 0; i < who.size(); ++i) {
     const double x = static_cast<double>(i) * kWidth;
@@ -147,17 +153,6 @@ io::Canvas picture_of(const std::vector<Scheme>& who, const std::vector<Days>& d
     canvas.paste(io::draw(height_plot(who[i].name, shown), kWidth, kHeight), {x, kView});
   }
   return canvas;
-}
-
-std::string causes_of(const Days& days) {
-  std::string text;
-  for (const Flight& flight : days.all) {
-    if (flight.result.finished) continue;
-    const RaceResult& r = flight.result;
-    text += (text.empty() ? "" : "; ") + std::to_string(r.gates_passed) + " gates, " +
-            (r.stop_reason == "crash" ? r.crash_object : r.stop_reason);
-  }
-  return text;
 }
 
 }  // namespace
@@ -202,14 +197,13 @@ Result full_track(const Options& options) {
     result.table.push_back(
         {"  way flown", is_paper ? "41 m a lap, nominal" : "",
          each_of(shown, 0, [](const Flight& f) { return f.length / 3.0; }) + " m a lap"});
-    const std::string causes = causes_of(days[i]);
+    const std::string causes = causes_of(days[i].results());
     if (!causes.empty())
       result.table.push_back({"  the others ended", "crashes at gates 2-5", causes});
     auto list = nlohmann::ordered_json::array();
     for (const Flight& f : days[i].all) {
       const RaceResult& r = f.result;
-      const std::string cause =
-          r.stop_reason == "crash" ? "crash: " + r.crash_object : r.stop_reason;
+      const std::string cause = cause_of(r);
       result.csv += name + "," + std::to_string(f.seed) + "," + (r.finished ? "1" : "0") + "," +
                     std::to_string(r.gates_passed) + "," + cause;
       for (const double v : {r.race_time, r.mean_speed, f.straight_speed, f.length,

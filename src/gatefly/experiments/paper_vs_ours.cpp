@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/experiments/causes.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
@@ -71,15 +71,6 @@ std::vector<std::string> settings_of(const Mixture& mixture, Vision vision) {
   return settings;
 }
 
-std::string cause_of(const RaceResult& r) {
-  if (r.stop_reason != "crash")
-    return r.stop_reason == "abort" ? "abort: " + r.abort_reason : r.stop_reason;
-  const std::string what = r.crash_object.substr(0, r.crash_object.find(' '));
-  return what == "gate" || what == "obstacle"
-             ? "crash: " + what
-             : "crash: " + r.crash_object.substr(r.crash_object.find(' ') + 1);
-}
-
 /// What became of one mixture on all days.
 struct Campaign {
   std::vector<RaceResult> races;
@@ -107,15 +98,7 @@ struct Campaign {
   [[nodiscard]] double error() const {
     return median([](const RaceResult& r) { return r.estimation_rmse.head<2>().norm(); });
   }
-  [[nodiscard]] std::string causes() const {
-    std::map<std::string, int> counts;
-    for (const RaceResult& r : races)
-      if (!r.finished) ++counts[cause_of(r)];
-    std::string text;
-    for (const auto& [cause, count] : counts)
-      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + cause;
-    return text;
-  }
+  [[nodiscard]] std::string causes() const { return causes_of(races); }
 };
 
 Campaign campaign_of(const Mixture& mixture, Vision vision, std::size_t days,

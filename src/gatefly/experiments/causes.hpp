@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "gatefly/closed_loop/race.hpp"
+
+namespace gatefly::experiments {
+
+/// Why a race ended: "finished", "crash: obstacle", "abort: ..."; one word for all things of a kind.
+[[nodiscard]] inline std::string cause_of(const closed_loop::RaceResult& r) {
+  if (r.stop_reason == "abort") return "abort: " + r.abort_reason;
+  if (r.stop_reason != "crash") return r.stop_reason;
+  const auto space = r.crash_object.find(' ');
+  const std::string first = r.crash_object.substr(0, space);
+  const bool is_kind_first = first == "gate" || first == "obstacle" || space == std::string::npos;
+  return "crash: " + (is_kind_first ? first : r.crash_object.substr(space + 1));
+}
+
+/// "3 crash: gate, 1 timeout" of the races that did not finish; "" when all did.
+[[nodiscard]] std::string causes_of(const auto& races) {
+  std::map<std::string, int> counts;
+  for (const closed_loop::RaceResult& r : races)
+    if (!r.finished) ++counts[cause_of(r)];
+  std::string text;
+  for (const auto& [cause, count] : counts)
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + cause;
+  return text;
+}
+
+}  // namespace gatefly::experiments
