@@ -56,6 +56,28 @@ TEST(TicksOf, ALogAreItsRowsAsTheyStand) {
   }
 }
 
+std::vector<std::size_t> rows_of_take_off(const io::FlightFolder& folder) {
+  std::vector<std::size_t> rows;
+  const auto ticks = ticks_of(folder);
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    if (ticks[i].sensors.lifted) rows.push_back(i);
+  return rows;
+}
+
+// A log whose drone does not rest as long as our pilot wants to must not leave the pilot on the
+// ground.
+TEST(TicksOf, AnotherPilotsTakeOffIsWhereThrustIsAskedForOrItClimbs) {
+  io::FlightFolder folder = hovering(10);
+  EXPECT_THAT(rows_of_take_off(folder), ElementsAre()) << "hovers from the first row on";
+  folder.samples[7].true_p_EB->z() = -2.2;
+  EXPECT_THAT(rows_of_take_off(folder), ElementsAre(7));
+  for (auto& sample : folder.samples) sample.thrust = 0.0;
+  folder.samples[4].thrust = 3500.0;
+  EXPECT_THAT(rows_of_take_off(folder), ElementsAre(4));
+  folder.samples[0].est_p_EB = Eigen::Vector3d::Zero();
+  EXPECT_THAT(rows_of_take_off(folder), ElementsAre()) << "our own pilot's log";
+}
+
 TEST(TicksOf, NothingAreNone) { EXPECT_TRUE(ticks_of({}).empty()); }
 
 TEST(TicksOf, ALostImuSampleStaysLost) {

@@ -37,6 +37,13 @@ TEST(Phase, TakesOffOnlyAfterItsRest) {
   EXPECT_EQ(std::get<TakeOff>(t.phase).since, 2.5);
 }
 
+TEST(Phase, WhenSomebodyElseHasTakenOffTheRestIsOver) {
+  Situation s;
+  s.lifted = true;
+  EXPECT_TRUE(is<TakeOff>(next_phase(OnGround{}, s, kParams)));
+  EXPECT_TRUE(is<Landed>(next_phase(Landed{}, s, kParams))) << "not again";
+}
+
 TEST(Phase, FliesForwardOnceHighEnoughAndGivesUpWhenItDoesNotClimb) {
   Situation s = flying();
   s.height = kParams.go_height - 0.01;

@@ -80,6 +80,7 @@ class Arena {
   void stop_at(const std::string& object, const Pilot& pilot, RaceResult& result) const {
     if (referee.finished()) {
       result.stop_reason = "finished";
+      if (object != "floor") result.landing_contact = object;
     } else if (is_landing(pilot) && object == "floor") {
       result.stop_reason = "abort";
     } else {
@@ -113,7 +114,8 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
     // The world moves on, the sensors look at it.
     const double dt = suite.next_interval();
     physics_watch.time([&] { arena.advance(command.motors, dt, pilot, suite, book, result); });
-    const Sensors sensors = suite.read(tick, dt, arena.simulator, camera_watch);
+    Sensors sensors = suite.read(tick, dt, arena.simulator, camera_watch);
+    if (config.sensors) config.sensors(sensors);
     const bool looks = sensors.image || sensors.seen;
     const double now = arena.simulator.body.time();
 
@@ -135,6 +137,7 @@ RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&
 
   book.fill(result);
   result.finished = arena.referee.finished();
+  result.landed = pilot.landed();
   result.gates_total = arena.referee.total();
   result.bake_seconds = arena.simulator.bake_seconds();
   result.flight_time = arena.simulator.body.time();

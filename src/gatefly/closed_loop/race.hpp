@@ -29,6 +29,8 @@ struct RaceConfig {
   PilotConfig pilot;
   sim::SimConfig sim;      ///< Already drawn for the seed.
   double timeout = 240.0;  ///< Of the whole flight [s].
+  /// May put other sensors in place of what the pilot is about to be told, for tests; may be empty.
+  std::function<void(Sensors&)> sensors;
   /// Allocations of the process so far, for tests that count them; may be empty.
   std::function<std::uint64_t()> allocations;
 };
@@ -47,6 +49,9 @@ struct RaceResult {
   double mean_speed = 0.0, max_speed = 0.0;  ///< First to last gate plane [m/s].
   std::optional<double> crash_time;          ///< [s]
   std::string crash_object;
+  bool landed = false;  ///< Motors off by its own will.
+  /// What was touched after the last gate, the floor aside; empty when nothing was.
+  std::string landing_contact;
   std::string stop_reason;                    ///< finished, crash, timeout, abort
   std::string abort_reason;                   ///< In words; empty when not aborted.
   std::vector<Eigen::Vector2d> gate_offsets;  ///< Lateral, vertical (down) at each pass [m].

@@ -107,7 +107,10 @@ void DragFilter::start(const Eigen::Vector3d& p_G, const Eigen::Vector3d& accel_
 }
 
 void DragFilter::predict(const drag_model::Input& input, double dt) {
-  if (!(dt > 0.0) || dt > 1.0 || !input.accel_B.allFinite() || !input.gyro_B.allFinite()) return;
+  const Eigen::Vector4d angles{input.roll, input.pitch, input.yaw, input.yaw_sigma};
+  if (!(dt > 0.0) || dt > 1.0 || !input.accel_B.allFinite() || !input.gyro_B.allFinite() ||
+      !angles.allFinite())
+    return;
   const StateMatrix F = drag_model::jacobian(x_, input, params_.model);
   const State derivative = drag_model::derivative(x_, input, params_.model);
   const Eigen::Vector3d v_G = derivative.segment<3>(kX);

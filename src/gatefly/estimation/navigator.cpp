@@ -41,6 +41,7 @@ void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& 
   gate_ = gate;
   uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
   ahrs_.start(yaw);
+  restart_filter(Eigen::Vector3d::Zero());
 }
 
 // False when the sample says nothing new.

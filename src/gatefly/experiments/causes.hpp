@@ -12,10 +12,11 @@ namespace gatefly::experiments {
 [[nodiscard]] inline std::string cause_of(const closed_loop::RaceResult& r) {
   if (r.stop_reason == "abort") return "abort: " + r.abort_reason;
   if (r.stop_reason != "crash") return r.stop_reason;
-  const auto space = r.crash_object.find(' ');
-  const std::string first = r.crash_object.substr(0, space);
-  const bool is_kind_first = first == "gate" || first == "obstacle" || space == std::string::npos;
-  return "crash: " + (is_kind_first ? first : r.crash_object.substr(space + 1));
+  // "gate 1 left bar", "obstacle 13", "east wall", "floor"
+  const auto first = r.crash_object.substr(0, r.crash_object.find(' '));
+  const auto last = r.crash_object.substr(r.crash_object.rfind(' ') + 1);
+  const bool is_numbered = last.find_first_not_of("0123456789") == std::string::npos;
+  return "crash: " + (is_numbered || first == "gate" ? first : last);
 }
 
 /// "3 crash: gate, 1 timeout" of the races that did not finish; "" when all did.

@@ -27,7 +27,6 @@ namespace fs = std::filesystem;
 using flight_log::RecordedTick;
 using flight_log::ReplayResult;
 
-constexpr int kRestSamples = 350;  // 0.7 s: the motors start soon after in these logs
 constexpr double kAltitudePeriod = 1.0 / 15.0, kAltitudeSigma = 0.05;  // as blind-real [s], [m]
 constexpr double kWellInTheAir = 0.8;                                  // [m]
 constexpr double kBorderPx = 3.0, kOutlierPx = 5.0;
@@ -136,7 +135,6 @@ PilotConfig pilot_for_recordings(const io::Config& config) {
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
   pilot.track.room_size = {100.0, 100.0};  // whatever way a frame is turned
-  pilot.phase.rest_samples = kRestSamples;
   pilot.phase.climb_timeout = 60.0;  // these drones climb when somebody else wants
   return pilot;
 }

@@ -122,7 +122,7 @@ struct Row {
 
 /// One line a mixture: part finished with its 95 % interval, gates, speed, error, causes.
 io::Canvas picture_of(const std::vector<Row>& rows) {
-  constexpr int kWidth = 1440, kLine = 30, kTop = 96;
+  constexpr int kWidth = 1560, kLine = 30, kTop = 96;
   constexpr double kBar = 300.0, kBarWidth = 330.0, kColumns = 670.0;
   io::Canvas canvas(kWidth, kTop + kLine * (static_cast<int>(rows.size()) + 3));
   canvas.text({24, 34}, "paper and ours on the same days: showroom, 15 gates, level race",

@@ -73,7 +73,7 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
              r = csv.numbers("gyro_r_radps");
   const auto ax = csv.numbers("acc_x_mps2"), ay = csv.numbers("acc_y_mps2"),
              az = csv.numbers("acc_z_mps2");
-  const Column sonar(csv, "sonar_m"), baro(csv, "baro_m");
+  const Column sonar(csv, "sonar_m"), baro(csv, "baro_m"), thrust(csv, "thrust_cmd");
   const Triple true_p(csv, "ot_", {"x_m", "y_m", "z_m"}),
       true_v(csv, "ot_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple true_angles(csv, "true_", {"roll_rad", "pitch_rad", "yaw_rad"});
@@ -93,6 +93,7 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
         .true_v_E = true_v.at(row),
         .true_attitude = true_angles.attitude(row),
         .ahrs = ahrs.attitude(row),
+        .thrust = thrust.at(row),
         .est_p_EB = est_p.at(row),
         .est_v_E = est_v.at(row),
         .est_attitude = est_angles.attitude(row)};

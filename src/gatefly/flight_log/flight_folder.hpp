@@ -25,8 +25,9 @@ struct FlightSample {
   std::optional<Eigen::Vector3d> true_v_E = std::nullopt;   ///< [m/s]
   std::optional<Attitude> true_attitude = std::nullopt;     ///< Simulator only.
   std::optional<Attitude> ahrs = std::nullopt;              ///< The autopilot's own, in real logs.
-  std::optional<Eigen::Vector3d> est_p_EB = std::nullopt;   ///< The recorded pilot's [m].
-  std::optional<Eigen::Vector3d> est_v_E = std::nullopt;    ///< [m/s]
+  std::optional<double> thrust = std::nullopt;  ///< What the autopilot asks for; real logs.
+  std::optional<Eigen::Vector3d> est_p_EB = std::nullopt;  ///< The recorded pilot's [m].
+  std::optional<Eigen::Vector3d> est_v_E = std::nullopt;   ///< [m/s]
   std::optional<Attitude> est_attitude = std::nullopt;
 };
 

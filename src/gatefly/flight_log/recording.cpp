@@ -38,6 +38,23 @@ void add_sonar(std::vector<RecordedTick>& ticks, const io::FlightFolder& folder,
   }
 }
 
+/// The row in which another pilot's flight takes off: thrust is asked for, or it climbs. Ours says so
+/// itself.
+std::optional<std::size_t> take_off_row(const io::FlightFolder& folder) {
+  constexpr double kClimbed = 0.10;  // [m]
+  std::optional<double> ground;
+  for (std::size_t i = 0; i < folder.samples.size(); ++i) {
+    const io::FlightSample& sample = folder.samples[i];
+    if (sample.est_p_EB) return std::nullopt;  // our own
+    if (sample.thrust && *sample.thrust > 0.0) return i;
+    const auto height = sample.true_p_EB ? std::optional{-sample.true_p_EB->z()} : sample.sonar;
+    if (!height) continue;
+    if (!ground) ground = height;
+    if (*height - *ground > kClimbed) return i;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarStandIn& sonar) {
@@ -51,6 +68,7 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarSt
                      .picture = std::nullopt,
                      .p_EB = sample.true_p_EB});
   if (!has_height(folder)) add_sonar(ticks, folder, sonar);
+  if (const auto row = take_off_row(folder)) ticks[*row].sensors.lifted = true;
   for (std::size_t i = 0; i < folder.images.size(); ++i) {
     const io::FlightImage& image = folder.images[i];
     if (image.log_row >= ticks.size())

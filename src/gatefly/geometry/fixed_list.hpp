@@ -19,15 +19,16 @@ class FixedList {
     values_[size_++] = value;
     return true;
   }
-  void pop_back() { --size_; }
+  void pop_back() { size_ -= size_ > 0; }  ///< Nothing to take: nothing happens.
   void clear() { size_ = 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] bool full() const { return size_ == N; }
   T& operator[](std::size_t i) { return values_[i]; }
   const T& operator[](std::size_t i) const { return values_[i]; }
-  T& back() { return values_[size_ - 1]; }
-  const T& back() const { return values_[size_ - 1]; }
+  /// Of an empty list: the first place, which holds a T{}.
+  T& back() { return values_[size_ > 0 ? size_ - 1 : 0]; }
+  const T& back() const { return values_[size_ > 0 ? size_ - 1 : 0]; }
   T* begin() { return values_.data(); }
   T* end() { return values_.data() + size_; }
   const T* begin() const { return values_.data(); }

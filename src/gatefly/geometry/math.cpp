@@ -2,6 +2,7 @@
 #include "gatefly/geometry/math.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace gatefly {
 namespace {
@@ -48,7 +49,9 @@ SinCos sincos(double angle) {
   static_assert(kHalfPiHigh * 0x1p32 ==
                 static_cast<double>(static_cast<long long>(kHalfPiHigh * 0x1p32)));
   const double turns = std::floor(angle * (2.0 / kPi) + 0.5);
-  if (!(std::abs(turns) < 1e9)) return {0.0, 1.0};  // NaN, infinity and the absurd
+  // NaN, infinity, and what has no digits left behind the turns: not level, but no angle.
+  constexpr double kNoAngle = std::numeric_limits<double>::quiet_NaN();
+  if (!(std::abs(turns) < 1e9)) return {kNoAngle, kNoAngle};
   const double x = (angle - turns * kHalfPiHigh) - turns * kHalfPiLow;
   const double s = sin_small(x);
   const double c = cos_small(x);

@@ -34,6 +34,8 @@ struct Sensors {
   /// Arrived now, exposed `latency` ago; read in this call only.
   std::optional<Image> image = std::nullopt;
   std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
+  /// Somebody else has taken off: the rest is over, however short it was.
+  bool lifted = false;
 };
 
 /// What the drone does next.

@@ -44,7 +44,7 @@ struct Next {
   }
 
   Transition operator()(const OnGround& phase) const {
-    if (now.rest_samples >= params.rest_samples) return {TakeOff{now.time}};
+    if (now.lifted || now.rest_samples >= params.rest_samples) return {TakeOff{now.time}};
     return {phase};
   }
   Transition operator()(const TakeOff& phase) const {

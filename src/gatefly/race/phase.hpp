@@ -49,6 +49,7 @@ enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
 struct Situation {
   double time = 0.0;          ///< [s]
   int rest_samples = 0;       ///< Of the rest calibration.
+  bool lifted = false;        ///< Somebody else has taken off.
   double height = 0.0;        ///< Above the pad [m].
   bool course_done = false;   ///< Every gate of every lap passed.
   bool turn_ahead = false;    ///< The path curves at the look-ahead point.

@@ -53,7 +53,7 @@ Command Pilot::step(const Sensors& sensors) {
   look(sensors);
   // race: how far along the course, and what that asks for
   follow_course();
-  change_phase();
+  change_phase(sensors.lifted);
   // control: attitude, then rotor speeds
   const AttitudeCommand attitude = guide();
   return {attitude, motors(attitude)};
@@ -84,12 +84,16 @@ AttitudeCommand Pilot::guide() {
 }
 
 void Pilot::follow_course() {
-  if (course_.follow(navigator_.state(), phase_))
-    navigator_.change_gate(frame_of(course_.gate()), map_uncertainty_);
+  if (!course_.follow(navigator_.state(), phase_)) return;
+  navigator_.change_gate(frame_of(course_.gate()), map_uncertainty_);
+  // What was searched for is passed; the place to wait at was before that gate.
+  if (std::holds_alternative<Search>(phase_)) phase_ = Straight{};
 }
 
-void Pilot::change_phase() {
-  const Transition next = next_phase(phase_, situation(), phase_params_);
+void Pilot::change_phase(bool lifted) {
+  Situation now = situation();
+  now.lifted = lifted;
+  const Transition next = next_phase(phase_, now, phase_params_);
   const bool found_again =
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
   if (found_again) course_.approach_straight(navigator_.state());

@@ -40,7 +40,7 @@ class Pilot {
   void navigate(const Sensors& sensors);
   void look(const Sensors& sensors);
   void follow_course();
-  void change_phase();
+  void change_phase(bool lifted);
   [[nodiscard]] Situation situation() const;
   AttitudeCommand guide();
   std::array<double, 4> motors(const AttitudeCommand& attitude);
