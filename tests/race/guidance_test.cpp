@@ -172,5 +172,19 @@ TEST(Guidance, ForetellsWhereItWillPassTheGate) {
   EXPECT_NEAR(guidance.lateral_at_gate(now), 0.5, 1e-9) << "no time left";
 }
 
+// y (1 + ωt) e^-ωt + v t e^-ωt, the response of a critically damped PD, at any distance.
+TEST(Guidance, TheForecastIsTheCriticallyDampedDecay) {
+  const GuidanceParams params;
+  const Guidance guidance{params};
+  const double w = std::sqrt(params.lateral.kp * params.gravity);
+  for (const double x : {-0.7, -1.5, -2.5, -4.0}) {
+    NavigationState now = state_at({6.0 + x, 0.5, -1.5}, 1.5);
+    now.v_GB.y() = -0.2;
+    const double t = -x / 1.5 - 1.5 * params.speed.roll_lead, decay = std::exp(-w * t);
+    EXPECT_NEAR(guidance.lateral_at_gate(now), 0.5 * (1.0 + w * t) * decay - 0.2 * t * decay, 1e-3)
+        << x;
+  }
+}
+
 }  // namespace
 }  // namespace gatefly
