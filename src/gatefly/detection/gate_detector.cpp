@@ -14,6 +14,10 @@ namespace {
 // Of the paper's random samples, in every picture: its answer does not depend on its neighbours.
 constexpr std::uint64_t kSeed = 1;
 
+std::optional<Quad> previous_of(const LookFor& look_for) {
+  return look_for.previous != nullptr ? std::optional{*look_for.previous} : std::nullopt;
+}
+
 PaperDetections best_first(PaperDetections gates) {
   insertion_sort(gates, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return gates;
@@ -72,7 +76,7 @@ void GateDetector::list_gates(const Image& image, const ColorModel& color,
     case DetectorMode::kPaper:
       return list(best_first(detect_as_paper(image, {}, rng)));
     case DetectorMode::kFlown:
-      if (const auto gate = detect_as_flown(image, {}, rng, look_for.previous))
+      if (const auto gate = detect_as_flown(image, {}, rng, previous_of(look_for)))
         gates_.push_back(*gate);
   }
 }

@@ -41,7 +41,7 @@ struct LookFor {
   Gates gates = Gates::kStandingOut;
   Part part = Part::kNo;  ///< A gate that the border cuts. Li18's two: the side bars.
   /// The last picture's gate, which kFlown tries again where it finds none.
-  std::optional<Quad> previous = std::nullopt;
+  const Quad* previous = nullptr;
 };
 
 /// What a picture shows.

@@ -60,9 +60,10 @@ void PaperLookout::find_gates(const Sensors& sensors) {
     sort_best_first(sighting_.detections, sensors.seen->image_width);
     sighting_.bars = sensors.seen->bars;
   } else {
-    const GatesInView view = detector_.look(
-        *sensors.image, params_.gate_color,
-        {.gates = LookFor::Gates::kBest, .part = LookFor::Part::kToo, .previous = previous_});
+    const GatesInView view = detector_.look(*sensors.image, params_.gate_color,
+                                            {.gates = LookFor::Gates::kBest,
+                                             .part = LookFor::Part::kToo,
+                                             .previous = previous_ ? &*previous_ : nullptr});
     for (const GateDetection& gate : view.gates)
       if (gate.whole) (void)sighting_.detections.push_back(gate);
     if (view.part) sighting_.bars = view.part->bars;
