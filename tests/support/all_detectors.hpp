@@ -30,7 +30,8 @@ class AllDetectors {
           Case{"ours", DetectorMode::kOurs, {Gates::kStandingOut}},
           Case{"best", DetectorMode::kOurs, {Gates::kBest}},
           Case{"part", DetectorMode::kOurs, {Gates::kNone, Part::kToo}},
-          Case{"paper", DetectorMode::kPaper, {Gates::kAll}}}) {
+          Case{"paper", DetectorMode::kPaper, {Gates::kAll}},
+          Case{"side bars", DetectorMode::kFlown, {Gates::kNone, Part::kToo}}}) {
       GateDetector detector{settings.search, mode};
       const auto what = wrong(detector.look(image, settings.model, look_for), image);
       if (!what.empty()) return std::string{name} + ": " + what;

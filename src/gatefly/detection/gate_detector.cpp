@@ -58,7 +58,11 @@ std::optional<GatePart> GateDetector::part(const Image& image, const ColorModel&
   Rng rng{kSeed};
   const auto bars = side_bars_by_histogram(image, {}, rng);
   if (!bars) return std::nullopt;
-  const GateDetection cut{.corner_fitness = {}, .method = DetectionMethod::kBars, .whole = false};
+  const double left = bars->left_px.x(), right = bars->right_px.x(), bottom = image.height() - 1;
+  const GateDetection cut{.corners_px = {{{left, 0}, {right, 0}, {right, bottom}, {left, bottom}}},
+                          .corner_fitness = {},
+                          .method = DetectionMethod::kBars,
+                          .whole = false};
   return GatePart{cut, *bars};
 }
 
