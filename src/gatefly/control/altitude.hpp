@@ -13,6 +13,14 @@ struct AltitudeParams {
   double max_integral = 2.5;  ///< [m/s²]
 };
 
+/// Specific thrust along −z_B whose vertical part is `vertical` [m/s²].
+///
+/// @param upright  cosine of the tilt; more than 53° is not made up for.
+[[nodiscard]] inline double thrust_for(double vertical, double upright) {
+  constexpr double kLeastUpright = 0.6;
+  return vertical / std::max(kLeastUpright, upright);
+}
+
 /// Holds a height: PID on z (down), answering the vertical acceleration to ask for, upwards [m/s²].
 class Altitude {
  public:

@@ -33,10 +33,9 @@ AttitudeCommand PaperGuidance::command(Phase& phase, const NavigationState& now,
   else
     c = straight(now, course);
   // The height is the altimeter's, arc or not; Eq. (27)'s thrust is the model's.
-  constexpr double kLeastUpright = 0.6;  // more tilt than 53° is not made up for
   const double up = altitude_.step(course.gate().p_EG.z(), 0.0, now.p_EB.z(), now.v_E.z(), now.dt,
                                    altitude_params_);
-  c.thrust = (gravity_ + up) / std::max(kLeastUpright, now.R_EB.matrix(2, 2));
+  c.thrust = thrust_for(gravity_ + up, now.R_EB.matrix(2, 2));
   return c;
 }
 
