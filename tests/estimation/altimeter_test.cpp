@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/estimation/altimeter.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace gatefly {
@@ -76,6 +78,22 @@ TEST(Altimeter, EchoesOfAClimbAreBelieved) {
     if (i % 2 == 0) refused += !altimeter.sonar(height, height, time);
   }
   EXPECT_EQ(refused, 0);
+}
+
+// A barometer that is off by 0.3 m and a sonar that sees the floor: after its time constant 63 % of
+// that is known, however often the sonar speaks.
+TEST(Altimeter, FollowsTheBarometersDriftInTheSameTimeAtAnySonarRate) {
+  for (const double hz : {5.0, 20.0, 80.0}) {
+    AltimeterParams params;
+    params.sonar_hz = hz;
+    Altimeter altimeter{params};
+    const auto offset = [&](double time) { return altimeter.baro(1.8, time)->value - 1.5; };
+    double time = 0.0;
+    (void)altimeter.baro(1.8, time);
+    const int echoes = static_cast<int>(params.drift_time * hz);
+    for (int i = 1; i <= echoes; ++i) (void)altimeter.sonar(1.5, 1.5, time = i / hz);
+    EXPECT_NEAR(offset(time) / 0.3, std::exp(-1.0), 0.02) << hz << " Hz";
+  }
 }
 
 }  // namespace
