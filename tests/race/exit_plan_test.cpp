@@ -71,6 +71,8 @@ TEST(ExitPlan, SaysWhichExitIsMissingOrWrong) {
   track.gates = {track.gates[0]};
   track.gates[0].exit->angle = 2 * kPi;
   EXPECT_THAT(refused(track), ::testing::HasSubstr("full circle"));
+  track.gates[0].exit->angle = 355.0 * kDegree;
+  EXPECT_THAT(refused(track), ::testing::HasSubstr("full circle"));
   EXPECT_NE(refused(Track{}), "");
 }
 
@@ -93,13 +95,26 @@ TEST(CourseByExits, AGateIsPassedAtItsTurnPointOrAnywhereBehindIt) {
   }
 }
 
+// Gates in a row: there is no turn, and nothing to wait for.
+TEST(CourseByExits, AnExitThatHardlyTurnsGoesStraightOn) {
+  Track track = oval();
+  track.gates[0].exit->angle = 2.0 * kDegree;
+  track.gates[1].p_EG = {9.0, 0.1, -1.5};
+  track.gates[1].yaw_EG = -2.0 * kDegree;
+  track.laps = 1;
+  Course course = Course::by_exits(track);
+  ASSERT_TRUE(course.follow(at(course, {4.0, 0, -1.5}), Straight{}));
+  EXPECT_FALSE(course.before_approach());
+}
+
 TEST(CourseByExits, NothingIsPassedInATurnOrBeforeTheApproachHasBegun) {
   Course course = Course::by_exits(oval());
   ASSERT_TRUE(course.follow(at(course, {4.0, 0, -1.5}), Straight{}));
   EXPECT_FALSE(course.follow(at(course, {-1.0, 3.0, -1.4}), Turn{}));
   EXPECT_FALSE(course.follow(at(course, {-1.0, 3.0, -1.4}), Straight{}));
+  EXPECT_TRUE(course.turn_end().isApprox(Vector2d(4.0, 3.0)));
+  EXPECT_NEAR(*course.approach_length(), 4.0, 1e-12);
   course.begin_approach();
-  EXPECT_TRUE(course.approach_start().isApprox(Vector2d(4.0, 3.0)));
   EXPECT_TRUE(course.follow(at(course, {-1.0, 3.0, -1.4}), Straight{}));
 }
 

@@ -107,10 +107,10 @@ TEST(PaperGuidance, ATurnBeginsWithTheMeanSpeedOfTheLastSecond) {
 
 TEST(PaperGuidance, LooksOnStraightsOnlyAndTakesOffForward) {
   PaperGuidance g = guidance();
-  EXPECT_TRUE(g.looks(Straight{}));
-  EXPECT_TRUE(g.looks(TakeOff{}));
+  EXPECT_TRUE(g.uses_pictures(Straight{}));
+  EXPECT_TRUE(g.uses_pictures(TakeOff{}));
   for (const Phase& blind : {Phase{Turn{}}, Phase{Land{}}, Phase{OnGround{}}})
-    EXPECT_FALSE(g.looks(blind));
+    EXPECT_FALSE(g.uses_pictures(blind));
   Phase phase = TakeOff{};
   const AttitudeCommand c =
       g.command(phase, state_at({-6, 0.5, 1.5}, Vector3d::Zero()), two_lanes());

@@ -203,7 +203,7 @@ Keys control_keys() {
   return {
       choice<Config>("control.mode", {"ours", "paper"}, AT(control_mode),
                      "paper: constant pitch, arcs open loop by each gate's exit"),
-      k("control.pitch_deg", -45, 0, AT(pilot.paper_control.pitch), "mode paper; Li18: -5, -7",
+      k("control.pitch_deg", -45, -1, AT(pilot.paper_control.pitch), "mode paper; Li18: -5, -7",
         kDegree),
       k("control.arc_drag_per_s", -5, 0, AT(pilot.paper_control.arc_drag),
         "mode paper, k of Eq. (26); Li18 code"),

@@ -34,10 +34,11 @@ void Indi::adapt(const Eigen::Vector3d& accel, const Eigen::Vector3d& produced) 
   const Eigen::Array3d got = accel - last_accel_, meant = produced - last_produced_;
   last_accel_ = accel;
   last_produced_ = produced;
-  const Eigen::Array3d missing = got - obeys_.array() * meant;
+  const Eigen::Array3d missing = got - effectiveness_.array() * meant;
   const double floor2 = params_.adaptation_floor * params_.adaptation_floor;
-  obeys_.array() += params_.adaptation * missing * meant / (meant.square() + floor2);
-  obeys_ = obeys_.cwiseMax(1.0 / params_.largest_factor).cwiseMin(params_.largest_factor);
+  effectiveness_.array() += params_.adaptation * missing * meant / (meant.square() + floor2);
+  effectiveness_ = effectiveness_.cwiseMax(1.0 / params_.max_effectiveness_ratio)
+                       .cwiseMin(params_.max_effectiveness_ratio);
 }
 
 void Indi::reset() { *this = Indi{params_, vehicle_}; }
@@ -77,7 +78,7 @@ std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationE
 
   // Increment, then allocate; heading gives way first when a rotor is at its limit.
   Eigen::Vector4d target;
-  target.head<3>() = produced + (wanted - accel).cwiseQuotient(obeys_);
+  target.head<3>() = produced + (wanted - accel).cwiseQuotient(effectiveness_);
   target(3) = std::clamp(command.thrust, 2.0, 25.0);
   const double k = vehicle_.thrust_coefficient;
   const double low = k * vehicle_.min_speed * vehicle_.min_speed,

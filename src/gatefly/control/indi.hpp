@@ -41,7 +41,7 @@ struct IndiParams {
   /// Changes from sample to sample below this say nothing [rad/s²]. [ours: gyro noise]
   double adaptation_floor = 0.3;
   /// Nominal effectiveness / this .. times this is believed. [ours]
-  double largest_factor = 3.0;
+  double max_effectiveness_ratio = 3.0;
 };
 
 /// Attitude control by incremental nonlinear dynamic inversion. Smeur et al. 2016; adaptive on
@@ -56,7 +56,7 @@ class Indi {
   void reset();
 
   /// How well each axis obeys, relative to what the vehicle's numbers say: 1 unless adaptive.
-  [[nodiscard]] const Eigen::Vector3d& effectiveness() const { return obeys_; }
+  [[nodiscard]] const Eigen::Vector3d& effectiveness() const { return effectiveness_; }
 
   /// Rotor speeds that bring the attitude to `command` [rad/s].
   /// @param rate_B  gyro without bias [rad/s]
@@ -73,7 +73,7 @@ class Indi {
 
   IndiParams params_;
   VehicleParams vehicle_;
-  Eigen::Vector3d obeys_ = Eigen::Vector3d::Ones();
+  Eigen::Vector3d effectiveness_ = Eigen::Vector3d::Ones();
   Eigen::Matrix4d effect_, allocation_;
   LowPass rate_filter_, actuator_filter_;
   Eigen::Vector3d last_accel_ = Eigen::Vector3d::Zero(), last_produced_ = Eigen::Vector3d::Zero();

@@ -56,7 +56,9 @@ bool GateDetector::is_paper() const {
 std::optional<GatePart> GateDetector::part(const Image& image, const ColorModel& color) {
   if (!is_paper()) return parts_.detect(image, color);
   Rng rng{kSeed};
-  const auto bars = side_bars_by_histogram(image, {}, rng);
+  SideBarsParams params;
+  if (mode_ == DetectorMode::kPaper) params.color = PaperDetectorParams{}.color;
+  const auto bars = side_bars_by_histogram(image, params, rng);
   if (!bars) return std::nullopt;
   const double left = bars->left_px.x(), right = bars->right_px.x(), bottom = image.height() - 1;
   const GateDetection cut{.corners_px = {{{left, 0}, {right, 0}, {right, bottom}, {left, bottom}}},

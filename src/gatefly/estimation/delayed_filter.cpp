@@ -136,8 +136,8 @@ void DelayedFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d
   forget_past();
 }
 
-void DelayedFilter::assume(const Eigen::Vector2d& p_G, double sigma) {
-  newest().filter.assume(p_G, sigma);
+void DelayedFilter::reset_position(const Eigen::Vector2d& p_G, double sigma) {
+  newest().filter.reset_position(p_G, sigma);
   forget_past();
 }
 

@@ -62,7 +62,7 @@ class DelayedFilter {
 
   /// The drone is said to be at x, y, `sigma` [m] uncertain; the biases are known from now on. What
   /// was before can no longer be corrected.
-  void assume(const Eigen::Vector2d& p_G, double sigma);
+  void reset_position(const Eigen::Vector2d& p_G, double sigma);
 
   /// Goes over to another gate's frame; what was before can no longer be corrected.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset, double turn,

@@ -207,7 +207,7 @@ Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigm
   return Fusion::kAccepted;
 }
 
-void DragFilter::assume(const Eigen::Vector2d& p_G, double sigma) {
+void DragFilter::reset_position(const Eigen::Vector2d& p_G, double sigma) {
   x_.head<2>() = p_G;
   for (const int i : {kX, drag_model::kY, drag_model::kBiasX, drag_model::kBiasY}) {
     P_.row(i).setZero();

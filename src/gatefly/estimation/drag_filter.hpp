@@ -79,7 +79,7 @@ class DragFilter {
 
   /// x and y are said from outside, `sigma` [m] uncertain, and their biases are what they are: as the
   /// paper's filter begins a leg. [Li18 flight code]
-  void assume(const Eigen::Vector2d& p_G, double sigma);
+  void reset_position(const Eigen::Vector2d& p_G, double sigma);
 
   /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place,
   /// height and heading is as if the drone were elsewhere.

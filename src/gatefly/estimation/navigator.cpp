@@ -106,15 +106,18 @@ void Navigator::correct_height(double height, double sigma) {
   (void)filter_.correct_altitude(floor_z - height, sigma, uncertainty_.height);
 }
 
-Fusion Navigator::correct(const Fix& seen, double time, bool may_restart) {
+Fix Navigator::as_fused(const Fix& seen) const {
   Fix fix = seen;
-  if (is_paper()) {
-    fix.covariance = params_.paper.fix_sigma.cwiseAbs2().asDiagonal();
-    fix.lasting.setZero();
-    fix.has_height = false;  // z is the altimeter's
-    time = time_;
-  }
-  const Fusion fusion = filter_.correct(fix, time, may_restart && !is_paper());
+  if (!is_paper()) return fix;
+  fix.covariance = params_.paper.fix_sigma.cwiseAbs2().asDiagonal();
+  fix.lasting.setZero();
+  fix.has_height = false;  // z is the altimeter's
+  return fix;
+}
+
+Fusion Navigator::correct(const Fix& fix, double time, bool may_restart) {
+  const Fusion fusion =
+      filter_.correct(as_fused(fix), is_paper() ? time_ : time, may_restart && !is_paper());
   if (fusion == Fusion::kAccepted || fusion == Fusion::kRestarted) last_fix_ = time_;
   return fusion;
 }
@@ -129,6 +132,7 @@ void Navigator::correct_heading(double error, double variance) {
 // where it began, seen from the next gate. The filter's uncertainty knows that; the difference to
 // the first fix tells δ.
 void Navigator::learn_heading(const Fix& fix, const Past& then) {
+  if (is_paper()) return;  // its covariance knows nothing of headings
   const double sigma = ahrs_.heading_sigma();
   const Eigen::Vector2d n = then.filter.heading_sensitivity(fix) / sigma;
   if (n.norm() < kLongLeg) return;
@@ -148,13 +152,14 @@ void Navigator::change_gate(const GateFrame& gate, const MapUncertainty& uncerta
   uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
   filter_.change_frame(rotation_z(turn), offset, turn, uncertainty_);
   gate_ = gate;
+  if (is_paper()) filter_.reset_position(filter().position().head<2>(), params_.paper.leg_sigma);
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - gate.yaw_EG);
 }
 
 void Navigator::begin_leg(const Eigen::Vector2d& p_EB) {
   if (!is_paper()) return;
   const Eigen::Vector3d p_GB = relative({p_EB.x(), p_EB.y(), this->p_EB().z()});
-  filter_.assume(p_GB.head<2>(), params_.paper.leg_sigma);
+  filter_.reset_position(p_GB.head<2>(), params_.paper.leg_sigma);
 }
 
 void Navigator::set_attitude(const Attitude& attitude) { ahrs_.set(attitude); }

@@ -98,6 +98,9 @@ class Navigator {
   /// paper's knows of now only.
   [[nodiscard]] const Past* at(double time) const { return filter_.at(is_paper() ? time_ : time); }
 
+  /// A fix as the filter takes it: the paper's has a covariance of its own, and no height.
+  [[nodiscard]] Fix as_fused(const Fix& fix) const;
+
   /// A fix of `time` [s]. @param may_restart  see DelayedFilter::correct.
   Fusion correct(const Fix& fix, double time, bool may_restart = false);
 
@@ -111,8 +114,8 @@ class Navigator {
   /// From now on positions are relative to `gate`.
   void change_gate(const GateFrame& gate, const MapUncertainty& uncertainty);
 
-  /// The paper's filter begins a leg: the drone is where the plan says, x and y, and the biases are
-  /// what they are. Ours knows better and goes on.
+  /// The paper's filter begins a leg at the end of a blind turn: x and y are reset to where the plan
+  /// has it, the biases are frozen. Ours goes on with its own estimate.
   void begin_leg(const Eigen::Vector2d& p_EB);
 
   /// Attitude, or the accelerometer's bias, from outside (a log, other flights), instead of what rest

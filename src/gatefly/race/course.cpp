@@ -60,8 +60,19 @@ bool Course::pass_gate() {
   progress_ = 0.0;
   if (finished()) return false;
   target_ = (target_ + 1) % static_cast<int>(track_.gates.size());
-  before_approach_ = by_exits_;
+  before_approach_ = by_exits_ && path().segments.size() > 2;  // else there is no turn
   return true;
+}
+
+std::optional<double> Course::approach_length() const {
+  if (!by_exits_) return std::nullopt;
+  return path().segments.back().length;
+}
+
+Eigen::Vector2d Course::turn_end() const {
+  const auto& segments = path().segments;
+  const Segment& last = segments[segments.size() > 1 ? segments.size() - 2 : 0];
+  return point_on(last, last.length).position;
 }
 
 void Course::begin_approach() {

@@ -40,8 +40,10 @@ class Course {
   void begin_approach();
   /// By exits: passed a gate, and the turn to the next one is not done.
   [[nodiscard]] bool before_approach() const { return before_approach_; }
-  /// Where the leg's last straight begins [m].
-  [[nodiscard]] Eigen::Vector2d approach_start() const { return path().segments.back().start; }
+  /// By exits: how far before the gate the leg's last straight begins [m]; nullopt when planned.
+  [[nodiscard]] std::optional<double> approach_length() const;
+  /// By exits: where the leg's turn ends, by the plan [m].
+  [[nodiscard]] Eigen::Vector2d turn_end() const;
 
   [[nodiscard]] const MapGate& gate() const;  ///< The one to fly through next.
   [[nodiscard]] int target() const { return target_; }

@@ -88,7 +88,7 @@ class Guidance {
   void reset() { altitude_.reset(); }
 
   /// Pictures count whenever it flies.
-  [[nodiscard]] bool looks(const Phase& phase) const { return is_flying(phase); }
+  [[nodiscard]] bool uses_pictures(const Phase& phase) const { return is_flying(phase); }
 
   /// Speed a turn begins with [m/s].
   [[nodiscard]] double entry_speed(const NavigationState& now) const { return now.v_B.x(); }

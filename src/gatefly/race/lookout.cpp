@@ -24,7 +24,7 @@ GateDetections Lookout::whole_gates(const Sensors& sensors, LookFor::Gates wante
   GateDetections whole;
   for (const GateDetection& gate :
        detector_.look(*sensors.image, params_.gate_color, {.gates = wanted}).gates)
-    if (gate.whole) (void)whole.push_back(gate);
+    if (gate.whole) (void)whole.push_back(with_outer_corners(gate, params_));
   return whole;
 }
 
@@ -80,7 +80,7 @@ std::optional<Lookout::Candidate> Lookout::best_whole_gate(const View& view) con
     const double here = distance_from(seen, *then, view.course.gate(), false, view);
     const double elsewhere = distance_from_others(seen, *then, view);
     if (elsewhere < std::min(params_.sight.tell_apart, here)) continue;
-    auto one = candidate(*fix, *then, Sighting::Source::kCorners, static_cast<int>(i));
+    auto one = candidate(*fix, *then, Sighting::Source::kCorners, view, static_cast<int>(i));
     if (seen.fitness < params_.sight.sure && !convincing(one)) continue;
     one.may_restart = here <= elsewhere && fix->p_GB.norm() < params_.sight.restart_within;
     if (!best || one.distance2 < best->distance2) best = one;
@@ -105,7 +105,7 @@ std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
     const auto fix = then ? fix_from_lower_corners(open, R_GB_of(*then), gate.side, params_.camera,
                                                    pose_params(view.navigator))
                           : std::nullopt;
-    if (fix) corners = candidate(*fix, *then, Sighting::Source::kCorners);
+    if (fix) corners = candidate(*fix, *then, Sighting::Source::kCorners, view);
   }
   const double limit = params_.gate_sigma * params_.gate_sigma;
   const double x = view.navigator.filter().position().x();
@@ -117,12 +117,12 @@ std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
   const auto fix = then ? fix_from_bars(*bars, R_GB_of(*then), gate.side - gate.bar, params_.camera,
                                         pose_params(view.navigator))
                         : std::nullopt;
-  return fix ? candidate(*fix, *then, Sighting::Source::kBars) : corners;
+  return fix ? candidate(*fix, *then, Sighting::Source::kBars, view) : corners;
 }
 
 Lookout::Candidate Lookout::candidate(const Fix& fix, const Past& then, Sighting::Source source,
-                                      int detection) const {
-  return {fix, &then, then.filter.distance2(fix), source, detection};
+                                      const View& view, int detection) const {
+  return {fix, &then, then.filter.distance2(view.navigator.as_fused(fix)), source, detection};
 }
 
 std::optional<Fix> Lookout::fix_of(const GateDetection& seen, const Past& then,

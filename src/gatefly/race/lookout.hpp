@@ -95,7 +95,7 @@ class Lookout {
   [[nodiscard]] std::optional<Candidate> best_whole_gate(const View& view) const;
   [[nodiscard]] std::optional<Candidate> best_part(const View& view);
   [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source,
-                                    int detection = -1) const;
+                                    const View& view, int detection = -1) const;
   [[nodiscard]] bool convincing(const std::optional<Candidate>& candidate) const;
   [[nodiscard]] std::optional<Fix> fix_of(const GateDetection& gate, const Past& then,
                                           const View& view) const;

@@ -34,7 +34,7 @@ struct Sensors {
   /// Arrived now, exposed `latency` ago; read in this call only.
   std::optional<Image> image = std::nullopt;
   std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
-  /// Somebody else has taken off: the rest is over, however short it was.
+  /// Another pilot flies, as in the replay of its log, and has taken off: the rest is over.
   bool lifted = false;
 };
 

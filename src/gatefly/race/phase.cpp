@@ -8,6 +8,7 @@ namespace gatefly {
 namespace {
 
 bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
+  if (!params.goes_around) return false;
   if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
   if (now.to_go > params.search_before + params.search_detour) return false;
   const bool unseen =
@@ -50,7 +51,7 @@ struct Next {
   Transition operator()(const TakeOff& phase) const {
     const bool high = now.height > params.go_height,
                late = now.time - phase.since > params.go_after;
-    if (params.go_after > 0.0 ? late : high) return {Straight{}};
+    if (high && (late || params.go_after <= 0.0)) return {Straight{}};
     if (now.time - phase.since > params.climb_timeout)
       return {land_from(now), AbortReason::kNoClimb};
     return {phase};

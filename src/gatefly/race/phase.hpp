@@ -49,7 +49,7 @@ enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
 struct Situation {
   double time = 0.0;          ///< [s]
   int rest_samples = 0;       ///< Of the rest calibration.
-  bool lifted = false;        ///< Somebody else has taken off.
+  bool lifted = false;        ///< Another pilot flies, and has taken off.
   double height = 0.0;        ///< Above the pad [m].
   bool course_done = false;   ///< Every gate of every lap passed.
   bool turn_ahead = false;    ///< The path curves at the look-ahead point.
@@ -70,9 +70,10 @@ struct Situation {
 struct PhaseParams {
   int rest_samples = 768;      ///< 1.5 s at 512 Hz. [ours]
   double go_height = 0.7;      ///< Start forward flight above this [m] ... [ours]
-  double go_after = 0.0;       ///< ... or, above 0, after so long at any height [s]. [Li18 code: 2]
+  double go_after = 0.0;       ///< ... and after so long [s]. [Li18 code: 2]
   double climb_timeout = 6.0;  ///< [s]
 
+  bool goes_around = true;  ///< A gate in doubt is searched for. [ours]
   // Into a search ...
   double search_before = 1.9;  ///< Decide between here ...  [m] [ours]
   /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]

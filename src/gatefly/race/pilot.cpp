@@ -70,7 +70,8 @@ void Pilot::navigate(const Sensors& sensors) {
 }
 
 void Pilot::look(const Sensors& sensors) {
-  const bool looking = std::visit([&](const auto& g) { return g.looks(phase_); }, guidance_);
+  const bool looking =
+      std::visit([&](const auto& g) { return g.uses_pictures(phase_); }, guidance_);
   std::visit([&](auto& l) { l.look(sensors, looking, course_, navigator_); }, lookout_);
 }
 
@@ -98,8 +99,8 @@ void Pilot::change_phase(bool lifted) {
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
   if (found_again) course_.approach_straight(navigator_.state());
   if (course_.before_approach() && std::holds_alternative<Straight>(next.phase)) {
-    course_.begin_approach();  // an open-loop arc ends where the plan says
-    navigator_.begin_leg(course_.approach_start());
+    navigator_.begin_leg(course_.turn_end());  // where the plan says, for who knows no better
+    course_.begin_approach();
   }
   phase_ = next.phase;
   if (next.reason != AbortReason::kNone) abort_reason_ = next.reason;

@@ -58,7 +58,7 @@ PhaseParams phase_params(const PilotConfig& config) {
   PhaseParams params = config.phase;
   if (config.control_scheme == Scheme::kPaper) {
     params.go_after = config.paper_control.take_off;
-    params.search_before = params.search_until = 0.0;  // it never goes around
+    params.goes_around = false;
   }
   params.rest_samples =
       static_cast<int>(std::lround(config.phase.rest_samples * config.imu_hz / kUsualHz));

@@ -8,13 +8,24 @@
 
 namespace gatefly {
 
+GateDetection with_outer_corners(const GateDetection& gate, const LookoutParams& params) {
+  const bool is_paper =
+      params.detector_mode == DetectorMode::kPaper || params.detector_mode == DetectorMode::kFlown;
+  if (!is_paper) return gate;
+  GateDetection outer = gate;
+  const Eigen::Vector2d middle = center(gate.corners_px);
+  for (Eigen::Vector2d& corner : outer.corners_px)
+    corner = middle + params.detector.corner_scale * (corner - middle);
+  return outer;
+}
+
 RotationGB R_GB_of(const Navigator::Past& then) {
   return {rotation_EB(Attitude{then.input.roll, then.input.pitch, then.input.yaw}).matrix};
 }
 
 bool fuse(const SeenFix& seen, const MapGate& gate, double gate_yaw_sigma, Navigator& navigator,
           Sighting& sighting) {
-  const Fix& fix = seen.fix;
+  const Fix fix = navigator.as_fused(seen.fix);
   const double innovation2 = seen.then->filter.distance2(fix);
   const Eigen::Vector3d moved = navigator.filter().position() - seen.then->filter.position();
   sighting.offered = true;

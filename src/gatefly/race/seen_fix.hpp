@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/pose/gate_fix.hpp"
+#include "gatefly/race/lookout.hpp"
 #include "gatefly/race/messages.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly {
+
+/// A detection with outer corners: those of the paper's detectors are where the bars' middle lines
+/// cross.
+[[nodiscard]] GateDetection with_outer_corners(const GateDetection& gate,
+                                               const LookoutParams& params);
 
 /// Attitude against the gate's frame at a moment.
 [[nodiscard]] RotationGB R_GB_of(const Navigator::Past& then);

@@ -12,8 +12,8 @@ namespace gatefly {
 namespace {
 
 constexpr double kSameHeading =
-    5.0 * kDegree;  // an arc that turns so nearly to the gate ends there
-constexpr double kFullCircle = 355.0 * kDegree;
+    5.0 * kDegree;                            // an arc that turns so nearly to the gate ends there
+constexpr double kSharpest = 10.0 * kDegree;  // a smaller turn is none: it goes straight on
 
 Eigen::Vector2d ahead(double heading) {
   const auto [sine, cosine] = sincos(heading);
@@ -36,7 +36,8 @@ Path leg(const Track& track, std::size_t from, std::size_t to) {
     throw std::invalid_argument(name_of(from) +
                                 " has no exit: control.mode = \"paper\" flies by exits");
   const GateExit& exit = *gate.exit;
-  if (std::abs(exit.angle) > kFullCircle)
+  const double change = std::abs(wrap_angle(next.yaw_EG - gate.yaw_EG));
+  if (std::abs(exit.angle) > kSharpest && change < kSharpest)
     throw std::invalid_argument(
         "the exit of " + name_of(from) +
         " turns by a full circle: its end cannot be told from its beginning");
@@ -49,10 +50,11 @@ Path leg(const Track& track, std::size_t from, std::size_t to) {
   (void)path.segments.push_back(
       {.start = gate.p_EG.head<2>(), .heading = gate.yaw_EG, .length = exit.run});
   const PathPoint turn_point = point_on(path.segments[0], exit.run);
-  (void)path.segments.push_back({.start = turn_point.position,
-                                 .heading = turn_point.heading,
-                                 .curvature = std::copysign(1.0 / exit.radius, exit.angle),
-                                 .length = exit.radius * std::abs(exit.angle)});
+  if (std::abs(exit.angle) >= kSharpest)
+    (void)path.segments.push_back({.start = turn_point.position,
+                                   .heading = turn_point.heading,
+                                   .curvature = std::copysign(1.0 / exit.radius, exit.angle),
+                                   .length = exit.radius * std::abs(exit.angle)});
   const Segment& last = path.segments.back();
   (void)path.segments.push_back(
       approach_from(point_on(last, last.length).position, next,

@@ -9,14 +9,14 @@
 
 namespace gatefly {
 
-PaperGuidance::PaperGuidance(const PaperControlParams& params, const GuidanceParams& landing,
+PaperGuidance::PaperGuidance(const PaperControlParams& params, const GuidanceParams& ours,
                              double filter_drag_x, double imu_hz)
     : params_{params},
-      lateral_{landing.lateral},
-      altitude_params_{landing.altitude},
-      gravity_{landing.gravity},
+      lateral_{ours.lateral},
+      altitude_params_{ours.altitude},
+      gravity_{ours.gravity},
       speed_scale_{filter_drag_x / params.speed_drag},
-      landing_{landing},
+      landing_{ours},
       speeds_(std::max<std::size_t>(1, static_cast<std::size_t>(params.speed_time * imu_hz)), 0.0) {
 }
 

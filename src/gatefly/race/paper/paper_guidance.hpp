@@ -32,9 +32,9 @@ struct PaperControlParams {
 /// ours does, the paper does not say how.
 class PaperGuidance {
  public:
-  /// @param landing  for the way down. @param imu_hz  how often command() is called.
-  PaperGuidance(const PaperControlParams& params, const GuidanceParams& landing,
-                double filter_drag_x, double imu_hz);
+  /// @param ours  gains, gravity, and the way down. @param imu_hz  how often command() is called.
+  PaperGuidance(const PaperControlParams& params, const GuidanceParams& ours, double filter_drag_x,
+                double imu_hz);
 
   /// The command of this tick. A turn's own prediction goes on in `phase`.
   AttitudeCommand command(Phase& phase, const NavigationState& now, const Course& course);
@@ -42,7 +42,7 @@ class PaperGuidance {
   void reset() { altitude_.reset(), landing_.reset(); }
 
   /// Pictures count on straights only.
-  [[nodiscard]] bool looks(const Phase& phase) const {
+  [[nodiscard]] bool uses_pictures(const Phase& phase) const {
     return std::holds_alternative<TakeOff>(phase) || std::holds_alternative<Straight>(phase);
   }
 

@@ -38,15 +38,15 @@ void PaperLookout::look(const Sensors& sensors, bool looking, const Course& cour
   if (!sensors.image && !sensors.seen) return;
   sighting_ = {};
   if (!sensors.seen && sensors.image->empty()) return;
-  if (!looking) return;
+  if (!looking) return previous_.reset();
   find_gates(sensors);
   const Navigator::Past* then = navigator.at(navigator.time() - params_.timing.latency);
   if (!then) return;
   const bool at_gate = navigator.filter().position().x() > -kAtGate;
   const auto fix = fix_of(*then, course.gate(), !at_gate);
   if (!fix || fix->p_GB.x() > 0.0) return;
-  const double from_start = (course.gate().p_EG.head<2>() - course.approach_start()).norm();
-  if (fix->p_GB.x() < -from_start - kBeforeLeg) return;
+  const auto leg = course.approach_length();
+  if (leg && fix->p_GB.x() < -*leg - kBeforeLeg) return;
   const bool by_bars = sighting_.bars.has_value();
   const auto source = by_bars ? Sighting::Source::kBars : Sighting::Source::kCorners;
   if (fuse({*fix, then, source}, course.gate(), params_.gate_yaw_sigma, navigator, sighting_) &&
@@ -64,13 +64,14 @@ void PaperLookout::find_gates(const Sensors& sensors) {
                                             {.gates = LookFor::Gates::kBest,
                                              .part = LookFor::Part::kToo,
                                              .previous = previous_ ? &*previous_ : nullptr});
-    for (const GateDetection& gate : view.gates)
-      if (gate.whole) (void)sighting_.detections.push_back(gate);
+    previous_.reset();
+    if (!view.gates.empty()) {
+      previous_ = view.gates[0].corners_px;
+      (void)sighting_.detections.push_back(with_outer_corners(view.gates[0], params_));
+    }
     if (view.part) sighting_.bars = view.part->bars;
   }
   sighting_.seen = !sighting_.detections.empty();
-  previous_.reset();
-  if (sighting_.seen) previous_ = sighting_.detections[0].corners_px;
 }
 
 // Bars first, as flown; those that are too far apart or too near each other are none.
