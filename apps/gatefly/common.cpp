@@ -44,9 +44,13 @@ void add_common(Command& command, CommonOptions& options) {
   command.flag("-q,--quiet", options.quiet, "no progress, as few words as possible");
 }
 
+void say_notes(const io::Config& config) {
+  for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+}
+
 io::Config load(const CommonOptions& options) {
   io::Config config = io::load_config(io::config_files(options.configs), options.settings);
-  for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+  say_notes(config);
   return config;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
@@ -64,13 +65,16 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   RaceOptions options = given_options;
   // The simulated sensor is always mounted turned, whichever way the camera's own is.
   constexpr int kSimulated = 90;
-  if (io::load_config(io::config_files(options.common.configs), options.common.settings)
-          .camera.stored_rotation_deg != kSimulated)
+  const auto read = [&] {
+    return io::load_config(io::config_files(options.common.configs), options.common.settings);
+  };
+  if (read().camera.stored_rotation_deg != kSimulated)
     options.common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
-  const io::Config config = load(options.common);
+  io::Config config = read();
   refuse_unflyable(config);
   const fs::path path = io::find_track(options.track);
   io::TrackFile file = io::read_track(path, config.gate);
+  config = io::on_course(std::move(config), file);
   if (options.laps) file.track.laps = *options.laps;
 
   nominal_.vision =
@@ -105,6 +109,7 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
   }
+  say_notes(config);
 }
 
 Race RaceMaker::race(std::uint64_t seed) const {

@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/scoring.hpp"
@@ -83,6 +84,7 @@ Recording read(const ReplayOptions& options) {
                               : recording.simulated  ? directory / "track.toml"
                                                      : io::find_track("flights");
   const io::TrackFile track = io::read_track(track_path, recording.config.gate);
+  if (recording.simulated) recording.config = io::on_course(std::move(recording.config), track);
   recording.pilot = recording.config.pilot;
   recording.pilot.track = track.track;
   if (recording.simulated) recording.pilot.track.laps = laps_of_flight(directory, track.track.laps);

@@ -137,6 +137,24 @@ class IdealVision(Cli):
         self.assertEqual(self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--out", "blind").returncode, 0)
         self.assertIn("--vision ideal", self.refused("replay", "blind"))
 
+    def colored(self, first, second):
+        oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")
+        parts = oval.split('"orange"')
+        return self.file("colored.toml", f'{parts[0]}"{first}"{parts[1]}"{second}"{parts[2]}')
+
+    def test_the_tracks_colour_is_looked_for_and_another_is_not_seen(self):
+        fly = ("fly", self.colored("blue", "blue"), "--laps", "1", "--vision")
+        for vision in ("ideal", "rendered"):
+            result = self.run_it(*fly, vision)
+            self.assertEqual((result.returncode, "not of the colour" in result.stderr), (0, False), vision + result.stderr)
+        self.assertIn("to the bit", self.run_it("replay", "out/colored-1").stdout)
+        red = self.run_it(*fly, "ideal", "--set", "color.rgb=[0.9, 0.1, 0.1]")
+        self.assertEqual(red.returncode, 1)
+        self.assertIn("oval: gate 1, 2 not of the colour that the pilot looks for (color.rgb", red.stderr)
+        mixed = self.run_it("fly", self.colored("orange", "white"), "--laps", "1", "--vision", "ideal")
+        self.assertEqual((mixed.returncode, mixed.stdout.count("1 of 2 gates")), (1, 1))
+        self.assertIn("gate 2 not of the colour", mixed.stderr)
+
     def test_another_detector_flies_another_flight(self):
         errors = []
         for detector in ("ours", "paper"):
@@ -277,7 +295,7 @@ class Campaign(Cli):
 class Tracks(Cli):
     def test_unknown_track_lists_the_available_ones(self):
         error = self.refused("fly", "showrom")
-        self.assertIn("oval, showroom", error)
+        self.assertIn("figure8, flights, lanes, oval", error)
         self.assertIn("did you mean 'showroom'", error)
 
     def test_broken_toml_names_the_line(self):

@@ -45,9 +45,16 @@ Eigen::Vector2d floor_point(Table& table, const char* key) {
   return {p[0], p[1]};
 }
 
-Eigen::Vector3d read_color(Table& gate) {
+/// The albedo that a camera shows as this sRGB colour; of the generic orange the painted one.
+Eigen::Vector3d albedo_of(const Eigen::Vector3d& rgb) {
+  if (rgb == GateDescription{}.rgb) return colors().front().second;
+  return rgb.unaryExpr(
+      [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); });
+}
+
+Eigen::Vector3d read_color(Table& gate, const GateDescription& defaults) {
   const json& value = gate.raw("color");
-  if (value.is_null()) return colors().front().second;
+  if (value.is_null()) return albedo_of(defaults.rgb);
   if (value.is_array()) {
     const auto rgb = gate.numbers("color", 3, 0, 1);
     return {rgb[0], rgb[1], rgb[2]};
@@ -81,7 +88,7 @@ void read_gate(const json& value, const std::string& file, std::size_t index,
   const double yaw = heading(table);
   const double side = table.number("side_m", 0.3, 5, defaults.side);
   const double bar = table.number("bar_m", 0.005, 1, defaults.bar);
-  const Eigen::Vector3d color = read_color(table);
+  const Eigen::Vector3d color = read_color(table, defaults);
   const auto exit = read_exit(table, file, where);
   table.refuse_others();
 
