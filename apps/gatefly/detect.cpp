@@ -23,6 +23,7 @@
 #include "gatefly/files/video_reader.hpp"
 
 #include "commands.hpp"
+#include "upright.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -59,9 +60,8 @@ std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
 }
 
 /// One picture: detected, added to the findings, drawn.
-void look_at(const io::ImageFile& file, const std::string& name, const DetectOptions& options,
+void look_at(const Image& image, const std::string& name, const DetectOptions& options,
              const io::Config& config, GateDetector& detector, Findings& findings) {
-  const Image image = file.view(config.camera.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
   const std::vector<GateDetection> gates = gates_in(image, detector, config.pilot, options.all);
   findings.seconds +=
@@ -79,7 +79,8 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
 using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
 
 /// Every picture of a file: itself, or a video's frames "f7.avi#12".
-void each_picture(const fs::path& path, const io::Config& config, const Look& look) {
+void each_picture(const fs::path& path, const io::Config& config, bool as_stored,
+                  const Look& look) {
   const std::string name = path.filename().string();
   if (name.find_first_of(",\"\r\n") != std::string::npos)
     throw std::runtime_error(
@@ -87,7 +88,7 @@ void each_picture(const fs::path& path, const io::Config& config, const Look& lo
   if (io::is_picture(path))
     return look(io::read_image(path, config.camera.stored_width(), config.camera.stored_height()),
                 name);
-  io::VideoReader video(path);
+  io::VideoReader video(path, as_stored);
   for (int frame = 0; !interrupted(); ++frame) {
     const auto picture = video.next();
     if (!picture) return;
@@ -122,18 +123,20 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   Findings findings;
   GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
+  Upright upright(config);
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;
   for (const fs::path& path : files) {
     if (interrupted()) break;
     try {
-      each_picture(path, config, [&](const io::ImageFile& file, const std::string& name) {
-        look_at(file, name, options, config, detector, findings);
-        if (progress.due(findings.pictures))
-          progress.update(done / static_cast<double>(files.size()),
-                          std::to_string(findings.pictures) + " pictures, " +
-                              std::to_string(findings.with_gate) + " with a gate");
-      });
+      each_picture(path, config, upright.told(),
+                   [&](const io::ImageFile& file, const std::string& name) {
+                     look_at(upright.view(file, path), name, options, config, detector, findings);
+                     if (progress.due(findings.pictures))
+                       progress.update(done / static_cast<double>(files.size()),
+                                       std::to_string(findings.pictures) + " pictures, " +
+                                           std::to_string(findings.with_gate) + " with a gate");
+                   });
     } catch (const std::exception& error) {
       progress.clear();
       complain(error.what());
@@ -141,6 +144,8 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
     }
     ++done;
   }
+  progress.clear();
+  if (findings.pictures > 0 && !options.common.quiet) complain(upright.said());
   return findings;
 }
 
@@ -212,7 +217,7 @@ int detect(const DetectOptions& options) {
 void declare_detect(Command& command) {
   auto options = std::make_shared<DetectOptions>();
   command.footer(
-      "Example:\n  gatefly detect --rotate 0 photo.png clip.mp4 --annotate out/drawn\n"
+      "Example:\n  gatefly detect photo.jpg clip.mp4 --annotate out/drawn\n"
       "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv "
       "found.csv\n\n"
       "A folder means its jpg, png and ppm files; raw .uyvy (of the camera's size) only when "
@@ -227,7 +232,8 @@ void declare_detect(Command& command) {
   command.flag("--all", options->all, "every gate, best first, instead of the best");
   command
       .option("--rotate", options->rotate_deg,
-              "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+              "turn stored pictures counter-clockwise [as the camera of a --config, else EXIF, "
+              "else upright]")
       .one_of({0, 90, 180, 270})
       .type_name("DEG");
   command.option("--csv", options->csv, "where rows go instead of stdout (-)").type_name("FILE");

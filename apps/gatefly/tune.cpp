@@ -25,6 +25,7 @@
 #include "gatefly/tuning/describe.hpp"
 
 #include "commands.hpp"
+#include "upright.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -81,6 +82,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
     ignored = gates_by_picture(io::read_labels(io::find_data(options.ignore, options.data)));
   std::unordered_set<std::string> contents, names;
   const std::vector<fs::path> files = all_files(options);
+  Upright upright(config);
   for (const fs::path& path : files) {
     if (interrupted()) break;
     const std::string name = path.filename().string();
@@ -96,9 +98,10 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
         ++material.duplicates;
         continue;
       }
+      const Image image = upright.view(file, path);  // its bytes stay where they are
       material.files.push_back(std::move(file));
       material.pictures.push_back(
-          {.image = {},
+          {.image = image,
            .truth = {.gates = gates[name], .ignored = ignored[name], .detections = {}}});
     } catch (const std::exception& error) {
       progress.clear();
@@ -110,8 +113,8 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
       progress.update(0.5 * done / static_cast<double>(files.size()),
                       std::to_string(names.size()) + " pictures read");
   }
-  for (std::size_t i = 0; i < material.files.size(); ++i)
-    material.pictures[i].image = material.files[i].view(config.camera.stored_rotation_deg);
+  progress.clear();
+  if (!material.files.empty() && !options.common.quiet) complain(upright.said());
   if (labelled)
     material.labels_without_picture =
         static_cast<int>(gates.size()) - static_cast<int>(names.size());
@@ -325,7 +328,8 @@ void declare_tune(Command& command) {
       .type_name("COLOR");
   command
       .option("--rotate", options->rotate_deg,
-              "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+              "turn stored pictures counter-clockwise [as the camera of a --config, else EXIF, "
+              "else upright]")
       .one_of({0, 90, 180, 270})
       .type_name("DEG");
   command

@@ -643,6 +643,30 @@ class Pictures(Cli):
         self.assertEqual(self.run_it("detect", "--set", "camera.stored_rotation_deg=90", path).stdout.splitlines()[1], row)
         self.assertIn("--rotate", self.refused("detect", "--rotate", "45", path))
 
+    def test_without_rotate_pictures_are_upright_unless_a_configuration_names_the_camera(self):
+        path = self.picture("a.ppm")
+        for given, same, said in (((), "0", "1 picture taken as upright\n"),
+                                  (("--config", "cyberzoo"), "90", "1 picture turned by 90 degrees counter-clockwise (")):
+            result = self.run_it("detect", path, *given)
+            self.assertEqual(result.stdout.splitlines()[1:], self.run_it("detect", "--rotate", same, path, *given).stdout.splitlines()[1:])
+            self.assertIn(said, result.stderr)
+        self.assertEqual(self.run_it("detect", path, "--quiet").stderr, "")
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "there is no ffmpeg")
+    def test_exif_turns_a_photo_and_a_mirrored_one_is_refused(self):
+        subprocess.run(["ffmpeg", "-v", "error", "-i", self.picture("a.ppm"), "-q:v", "1", "plain.jpg"], cwd=self.folder, check=True)
+        jpeg = (self.folder / "plain.jpg").read_bytes()
+        for orientation, rotate in ((3, "180"), (6, "270"), (8, "90")):
+            exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01" + bytes((0, orientation, 0, 0))
+            photo = self.folder / f"photo{orientation}.jpg"
+            photo.write_bytes(jpeg[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + jpeg[2:])
+            by_exif, told = self.run_it("detect", photo), self.run_it("detect", photo, "--rotate", rotate)
+            self.assertEqual(by_exif.stdout, told.stdout)
+            self.assertIn(f"turned by {rotate} degrees counter-clockwise (EXIF)", by_exif.stderr)
+            self.assertNotEqual(self.run_it("detect", photo, "--rotate", "0").stdout, told.stdout)
+        photo.write_bytes(photo.read_bytes().replace(b"\x01\0\x08", b"\x01\0\x02"))
+        self.assertIn("EXIF orientation 2 mirrors it", self.refused("detect", photo))
+
     def test_the_answer_of_a_picture_does_not_depend_on_its_neighbours(self):
         paths = [self.picture(name) for name in ("a.ppm", "b.ppm")]
         rows = self.run_it("detect", "--rotate", "0", *paths).stdout.splitlines()[1:]
@@ -651,7 +675,8 @@ class Pictures(Cli):
     def test_nothing_detected_is_exit_1_with_a_header(self):
         for name, size in (("none.ppm", {"gate": False}), ("one.ppm", {"width": 1, "height": 1}), ("line.ppm", {"height": 1})):
             result = self.run_it("detect", self.picture(name, **size))
-            self.assertEqual((result.returncode, result.stdout, result.stderr), (1, self.HEADER + "\n", ""))
+            self.assertEqual((result.returncode, result.stdout), (1, self.HEADER + "\n"))
+            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\n")
 
     def test_json_holds_the_same_rows(self):
         path = self.picture("a.ppm")
@@ -705,6 +730,13 @@ class Pictures(Cli):
         result = self.run_it("detect", "--rotate", "0", "f.avi")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual([row.split(",")[0] for row in result.stdout.splitlines()[1:]], ["f.avi#0", "f.avi#2"])
+        # A phone's film says how it was held; --rotate is told about what is stored.
+        subprocess.run(["ffmpeg", "-v", "error", "-i", "f.avi", "-c:v", "mjpeg", "-q:v", "2", "plain.mov"], cwd=self.folder, check=True)
+        subprocess.run(["ffmpeg", "-v", "error", "-i", "plain.mov", "-c", "copy", "-metadata:s:v", "rotate=90", "held.mov"], cwd=self.folder, check=True)
+        across = {rotate: max(max(self.corners(row)[0::2]) for row in self.run_it("detect", "held.mov", *rotate).stdout.splitlines()[1:])
+                  for rotate in ((), ("--rotate", "0"))}
+        self.assertLess(across[()], 102)  # turned: 120 px wide, the gate in the middle
+        self.assertGreater(across["--rotate", "0"], 118)
 
 
 class Tune(Cli):
@@ -858,7 +890,7 @@ class RealPictures(Cli):
                 self.assertEqual((answer["pictures"], answer["labelled_gates"]), (pictures, gates))
 
     def test_every_real_picture_can_be_read(self):
-        result = self.run_it("detect", "--json", *(self.gates / name for name in ("basement32_hq", "distance51")),
+        result = self.run_it("detect", "--json", "--config", "cyberzoo", *(self.gates / name for name in ("basement32_hq", "distance51")),
                              *sorted((self.gates / "distance51").glob("*.uyvy")))
         answer = json.loads(result.stdout)
         self.assertEqual((result.returncode, answer["pictures"], answer["unusable"]), (0, 32 + 51 + 51, 0))
@@ -891,7 +923,7 @@ class RealPictures(Cli):
 
     def test_the_papers_detectors_are_modes_of_detect(self):
         for mode in ("paper", "flown"):
-            result = self.run_it("detect", "--json", "--all", "--set", f"detector.mode={mode}", self.gates / "basement32_hq")
+            result = self.run_it("detect", "--json", "--all", "--config", "basement", "--set", f"detector.mode={mode}", self.gates / "basement32_hq")
             answer = json.loads(result.stdout)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertGreaterEqual(answer["with_gate"], 10)
