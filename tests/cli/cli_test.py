@@ -846,6 +846,16 @@ class Scores(Cli):
         for text in ("1 of 1 (rate 1.000)", "1 (0.500 per image)", "median 1.0 px", "30-45 px 1/1"):
             self.assertIn(text, screen.stdout)
 
+    def test_what_a_spreadsheet_makes_of_the_tables_is_read(self):
+        wanted = self.run_it(*self.score(self.FOUND, self.LABELS)).stdout
+        for form in (lambda text: "\ufeff" + text, lambda text: text.replace(",", ";").replace("0.9", "0,9"),
+                     lambda text: "\ufeff" + text.replace(",", "\t").replace("\n", "\r\n")):
+            self.assertEqual(self.run_it(*self.score(form(self.FOUND), form(self.LABELS))).stdout, wanted)
+
+    def test_a_missing_column_is_named_with_those_there_are(self):
+        error = self.refused(*self.score(self.FOUND, self.LABELS.replace("tl_v", "tlv")))
+        self.assertIn("labels.csv:1: has no column 'tl_v' (there are: image, has_gate, tl_u, tlv, tr_u,", error)
+
     def test_ignore_forgives(self):
         ignore = self.file("ignore.csv", "image,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\nb.jpg,40,40,0,0,40,0,0,40\n")
         answer = json.loads(self.run_it(*self.score(self.FOUND, self.LABELS, "--ignore", ignore, "--json")).stdout)
