@@ -162,14 +162,18 @@ int campaign(const CampaignOptions& options) {
   const Shard shard = shard_of(options.shard);
   const RaceMaker maker(options.race);
   const Race race = maker.race(options.first_seed);
-  const nlohmann::json arguments{{"track", race.identity.track},
-                                 {"track_toml", maker.inputs().at("track.toml")},
-                                 {"vision", race.identity.vision},
-                                 {"first_seed", options.first_seed},
-                                 {"runs", options.runs},
-                                 {"shard", {shard.index, shard.count}},
-                                 {"version", race.identity.version},
-                                 {"config", race.identity.config}};
+  nlohmann::json arguments{{"track", race.identity.track},
+                           {"track_toml", maker.inputs().at("track.toml")},
+                           {"vision", race.identity.vision},
+                           {"first_seed", options.first_seed},
+                           {"runs", options.runs},
+                           {"shard", {shard.index, shard.count}},
+                           {"version", race.identity.version},
+                           {"config", race.identity.config}};
+  if (const auto table = maker.inputs().find("colors.toml"); table != maker.inputs().end()) {
+    arguments["color_table"] = table->second;  // its content counts, not where it lies
+    arguments["config"]["color"].erase("table");
+  }
   std::string name = "campaign-" + fs::path{options.race.track}.stem().string();
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
   if (shard.count > 1)

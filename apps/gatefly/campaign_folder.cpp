@@ -28,6 +28,7 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
     std::string name = key.substr(1);
     std::replace(name.begin(), name.end(), '/', '.');
     if (name == "track_toml") return "the track file has changed";
+    if (name == "color_table") return "the colour table has changed";
     return name + " was " + (a.contains(key) ? a.at(key).dump() : "not there") + ", is " +
            value.dump();
   }

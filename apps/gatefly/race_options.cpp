@@ -13,6 +13,8 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/sim/randomize.hpp"
 
+#include "flight_inputs.hpp"
+
 namespace gatefly::cli {
 namespace {
 
@@ -95,13 +97,7 @@ RaceMaker::RaceMaker(const RaceOptions& given_options) {
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
   identity_.config["laps"] = file.track.laps;
 
-  inputs_["track.toml"] = io::read_file(path);
-  int number = 0;
-  for (const auto& given : io::config_files(options.common.configs))
-    inputs_["config-" + std::to_string(number++) + ".toml"] = io::read_file(given);
-  std::string& settings = inputs_["settings.txt"];
-  for (const auto& setting : options.common.settings) settings += setting + "\n";
-  settings += "laps=" + std::to_string(file.track.laps) + "\n";
+  inputs_ = flight_inputs(options.common, config, path, file.track.laps);
 
   // Whether there is a way at all, before anything is written or rendered.
   try {

@@ -42,7 +42,7 @@ class RaceMaker {
 
   [[nodiscard]] Race race(std::uint64_t seed) const;
 
-  /// Track, configuration and settings as given, by file name: for replay.
+  /// What replay will need, by file name: flight_inputs.hpp.
   [[nodiscard]] const std::map<std::string, std::string>& inputs() const { return inputs_; }
 
  private:

@@ -165,6 +165,99 @@ class IdealVision(Cli):
         self.assertIn("ours", self.refused("fly", "oval", "--set", "sim.ideal_detector=theirs"))
 
 
+class Replay(Cli):
+    """One short rendered flight, damaged in many ways."""
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="gatefly-flight-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.flight = pathlib.Path(folder.name) / "flight"
+        environment = dict(os.environ, XDG_CACHE_HOME=folder.name)
+        subprocess.run([GATEFLY, "fly", "oval", "--laps", "1", "--quiet", "--set", "sim.timeout_s=5", "--out", cls.flight],
+                       env=environment, capture_output=True, timeout=120, check=False)
+
+    def copy(self):
+        shutil.rmtree(self.folder / "flight", ignore_errors=True)
+        return shutil.copytree(self.flight, self.folder / "flight")
+
+    def edited(self, name, edit):
+        path = self.copy() / name
+        path.write_text(edit(path.read_text(encoding="utf-8")), encoding="utf-8")
+        return path.parent
+
+    def test_as_it_is_it_comes_out_to_the_bit(self):
+        result = self.run_it("replay", self.flight)
+        self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stdout + result.stderr)
+
+    def test_what_fly_wrote_must_be_there(self):
+        for name in ("images.csv", "track.toml", "settings.txt", "config-0.toml"):
+            (self.copy() / name).unlink()
+            self.assertIn(f"{name}: is missing, gatefly fly has put it there", self.refused("replay", "flight"))
+        (self.copy() / "frame_00003.uyvy").unlink()
+        self.assertIn("frame_00003.uyvy: cannot be read", self.refused("replay", "flight"))
+
+    def test_rows_that_were_deleted_are_named(self):
+        def without(row):
+            return lambda text: "".join(line for i, line in enumerate(text.splitlines(True)) if i != row)
+        self.assertIn("images.csv:16: came at", self.refused("replay", self.edited("log_si.csv", without(600))))
+        self.assertIn("log_si.csv: ends at 5", self.refused("replay", self.edited(
+            "summary.json", lambda text: text.replace('"flight_time_s": ', '"flight_time_s": 9'))))
+        self.assertIn("images.csv: has ", self.refused("replay", self.edited("images.csv", without(20))))
+
+    def test_a_number_that_was_changed_is_found_in_what_comes_out(self):
+        def without_a_gyro(text):
+            lines = text.splitlines(True)
+            cells = lines[1200].split(",")
+            lines[1200] = ",".join((*cells[:3], "", *cells[4:]))
+            return "".join(lines)
+        result = self.run_it("replay", self.edited("log_si.csv", without_a_gyro))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("other estimates from log_si.csv:1201 on", result.stdout)
+        first = self.flight.joinpath("log_si.csv").read_text().splitlines()[1].split(",")[2]
+        for wrong in ("x", "nan", "1e999"):
+            self.assertIn(f"log_si.csv:2:3: gyro_p_radps = '{wrong}'", self.refused("replay", self.edited(
+                "log_si.csv", lambda text: text.replace(f",{first},", f",{wrong},", 1))))
+
+    def test_other_settings_are_named_and_the_users_own_are_no_fault(self):
+        result = self.run_it("replay", self.edited("settings.txt", lambda text: text + "filter.sonar_sigma_m=0.5\n"))
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertIn("filter.sonar_sigma_m is 0.5, was ", result.stdout)
+        told = self.run_it("replay", self.copy(), "--set", "filter.sonar_sigma_m=0.5", "--json")
+        self.assertEqual((told.returncode, json.loads(told.stdout)["same_as_recorded"]), (0, False))
+        for laps in ("many", "99999999999", "0", "2x", ""):
+            error = self.refused("replay", self.edited("settings.txt", lambda text: f"laps={laps}\n"))
+            self.assertIn(f"settings.txt: laps={laps}, must be a whole number in 1..100", error)
+
+    def test_a_summary_that_is_nonsense_bears_no_witness(self):
+        for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x"}'):
+            self.assertEqual(self.run_it("replay", self.edited("summary.json", lambda text: nonsense)).returncode, 0, nonsense)
+
+    def test_it_is_found_in_the_data_folder(self):
+        for given, variable in ((("--data", self.flight.parent), ""), ((), str(self.flight.parent))):
+            self.assertEqual(self.run_it("replay", "flight", *given, GATEFLY_DATA=variable).returncode, 0)
+        self.assertIn("no-such-folder", self.refused("replay", "flight", "--data", "no-such-folder"))
+
+    def test_a_flight_with_a_fitted_colour_table_carries_it(self):
+        colors = "\n".join(f"{name} = {16 * [1024 * 'h']}" for name in ("absolute", "relative"))
+        (self.folder / "mine").mkdir()
+        table = self.file("mine/my.colors.toml", "version = 1\n" + colors + "\n")
+        config = self.file("mine/mine.toml", '[color]\ntable = "my.colors.toml"\n')
+        short = ("oval", "--set", "sim.timeout_s=2", "--quiet")
+        for k, given in enumerate((("--config", config), ("--set", f"color.table={table}"))):
+            self.assertEqual(self.run_it("fly", *short, *given, "--out", f"tabled{k}").returncode, 1)
+        race = ("campaign", "oval", "--runs", "1", "--vision", "ideal", "--laps", "1", "--quiet", "--config", config, "--out", "races")
+        self.assertEqual(self.run_it(*race).returncode, 0)
+        (self.folder / "mine").rename(self.folder / "elsewhere")
+        for k in range(2):
+            result = self.run_it("replay", f"tabled{k}")
+            self.assertIn("to the bit", result.stdout, result.stderr)
+        moved = [str(word).replace("/mine/", "/elsewhere/") for word in race]
+        self.assertEqual(self.run_it(*moved).returncode, 0)  # the same table, wherever it lies
+        other = self.folder / "elsewhere" / "my.colors.toml"
+        other.write_text(other.read_text().replace("hhhh", "hhih", 1))
+        self.assertIn("the colour table has changed", self.refused(*moved))
+
+
 class Campaign(Cli):
     FLIGHT = ("--vision", "ideal", "--laps", "1")
 

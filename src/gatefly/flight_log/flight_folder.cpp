@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "gatefly/files/csv.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -100,7 +101,20 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   return samples;
 }
 
-std::vector<FlightImage> read_images(const std::filesystem::path& directory, std::size_t log_rows) {
+/// A picture arrives in its row: exactly so in our own flights, which tell nanoseconds.
+void expect_at_its_row(const Csv& csv, std::size_t i, nanoseconds time, nanoseconds row_time) {
+  const nanoseconds most = csv.has("t_ns") ? nanoseconds{0} : nanoseconds{100'000'000};
+  const nanoseconds off = time > row_time ? time - row_time : row_time - time;
+  if (off <= most) return;
+  const auto text = [](nanoseconds t) { return text_of(1e-9 * static_cast<double>(t.count()), 9); };
+  throw std::runtime_error(csv.place(i) + ": came at " + text(time) +
+                           " s, the row of its log_row at " + text(row_time) +
+                           " s: rows are missing in log_si.csv, or it has too many");
+}
+
+std::vector<FlightImage> read_images(const std::filesystem::path& directory,
+                                     const std::vector<FlightSample>& samples) {
+  const std::size_t log_rows = samples.size();
   const Csv csv(directory / "images.csv");
   const auto names = csv.texts("image");
   const auto rows = csv.numbers("log_row");
@@ -120,6 +134,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory, std
         {.path = directory / name, .time = times[i], .log_row = static_cast<std::size_t>(row)});
     if (i > 0 && images[i].log_row < images[i - 1].log_row)
       throw std::runtime_error(csv.place(i) + ": log_row runs backwards");
+    expect_at_its_row(csv, i, times[i], samples[images[i].log_row].time);
   }
   return images;
 }
@@ -133,7 +148,7 @@ FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   FlightFolder flight{
       .directory = directory, .samples = read_log(directory / "log_si.csv"), .images = {}};
   if (std::filesystem::exists(directory / "images.csv", error))
-    flight.images = read_images(directory, flight.samples.size());
+    flight.images = read_images(directory, flight.samples);
   return flight;
 }
 
