@@ -32,6 +32,21 @@ void refuse_unflyable(const io::Config& config) {
   if (config.gate.corners != "outer")
     throw std::runtime_error("gate.corners = \"" + config.gate.corners +
                              "\", must be \"outer\" to fly");
+  constexpr double kGravity = 9.81, kToSpare = 1.1;  // [with less no seed finishes the oval]
+  const io::VehicleDescription& v = config.vehicle;
+  const auto lifts = [&](double speed) {
+    return 4.0 * v.thrust_coefficient * speed * speed / kGravity;
+  };
+  const auto fail = [&](const char* key, double speed, const std::string& what) {
+    throw std::runtime_error("vehicle.mass_kg = " + io::text_of(v.mass) + ", but four rotors at " +
+                             key + " = " + io::text_of(speed) + " lift " +
+                             io::text_of(lifts(speed), 3) +
+                             " kg (vehicle.thrust_coefficient): " + what);
+  };
+  if (lifts(v.max_speed) < kToSpare * v.mass)
+    fail("vehicle.max_rotor_radps", v.max_speed, "must be a tenth more than its mass to fly");
+  if (lifts(v.min_speed) >= v.mass)
+    fail("vehicle.min_rotor_radps", v.min_speed, "must be less than its mass to come down");
 }
 
 /// An argument as a shell wants it.

@@ -452,6 +452,14 @@ class Courses(Cli):
             self.assertGreaterEqual(json.loads(result.stdout)["gates_passed"], 1, course)
 
 
+class Vehicles(Cli):
+    def test_one_that_cannot_lift_itself_or_come_down_is_refused_before_take_off(self):
+        for command in (("fly", "oval"), ("campaign", "oval", "--runs", "2")):
+            self.assertIn("vehicle.mass_kg = 1.2, but four rotors at vehicle.max_rotor_radps = 1250 lift 1.1 kg",
+                          self.refused(*command, "--set", "vehicle.mass_kg=1.2"))
+        self.assertIn("to come down", self.refused("fly", "oval", "--set", "vehicle.min_rotor_radps=800"))
+
+
 class Interrupted(Cli):
     def test_ctrl_c_in_flight_keeps_nothing_and_says_so(self):
         process = subprocess.Popen([GATEFLY, "fly", "showroom", "--laps", "100", "--vision", "ideal", "--out", "flown"],
