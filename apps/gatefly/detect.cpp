@@ -113,7 +113,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
                    "' have the same name, and so have their rows");
       }
     } catch (const std::exception& error) {
-      complain(error.what());
+      complain(io::reason_of(error));
       ++findings.unusable;
     }
   return files;
@@ -139,7 +139,7 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
                    });
     } catch (const std::exception& error) {
       progress.clear();
-      complain(error.what());
+      complain(io::reason_of(error));
       ++findings.unusable;
     }
     ++done;

@@ -136,6 +136,6 @@ int run_main(std::span<char*> arguments) {
 int main(int argc, char** argv) try {
   return gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});
 } catch (const std::exception& error) {
-  std::cerr << "gatefly: " << gatefly::io::one_line(error.what(), 4000) << '\n';
+  std::cerr << "gatefly: " << gatefly::io::reason_of(error) << '\n';
   return gatefly::cli::kUnusable;
 }

@@ -63,10 +63,6 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-std::string check_seed(const std::string& text) {
-  return text.starts_with('-') ? "must be a whole number, 0 or more" : std::string{};
-}
-
 void add_race_options(Command& command, RaceOptions& options) {
   command.option("--laps", options.laps, "instead of the track's own number").between(1, 100);
   command

@@ -23,8 +23,6 @@ struct RaceOptions {
 
 /// --laps, --vision and the flags that every subcommand has.
 void add_race_options(Command& command, RaceOptions& options);
-/// A whole number, 0 or more.
-[[nodiscard]] std::string check_seed(const std::string& text);
 
 /// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
 /// Nothing drawn goes to the pilot.

@@ -105,7 +105,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
            .truth = {.gates = gates[name], .ignored = ignored[name], .detections = {}}});
     } catch (const std::exception& error) {
       progress.clear();
-      complain(error.what());
+      complain(io::reason_of(error));
       ++material.unusable;
     }
     const auto done = static_cast<double>(names.size());

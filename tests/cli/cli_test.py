@@ -114,6 +114,34 @@ class CommandLine(Cli):
         self.assertIn("--seed", self.refused("fly", "--seed", "many"))
         self.assertIn("--seed", self.refused("fly", "--seed", "-1"))
         self.assertIn("--laps", self.refused("fly", "--laps", "0"))
+        self.assertIn("--laps: '1x', must be a whole number", self.refused("fly", "--laps", "1x"))
+        self.assertIn("--gate-height-m: 'high', must be a number", self.refused("calibrate", "--gate-height-m", "high"))
+
+    def test_a_seed_is_never_another_one(self):
+        most = 2**64 - 1
+        self.assertIn(f"{most + 1} is too large", self.refused("fly", "oval", "--seed", most + 1))
+        self.assertIn("is too large", self.refused("campaign", "oval", "--runs", "1", "--first-seed", 10**30))
+        self.assertIn("no seeds", self.refused("campaign", "oval", "--runs", "2", "--first-seed", most))
+        flown = self.run_it("fly", "oval", "--vision", "ideal", "--set", "sim.timeout_s=1", "--json", "--seed", most)
+        self.assertEqual(json.loads(flown.stdout)["seed"], most)
+
+    def test_files_without_end_and_impossible_names_are_one_line(self):
+        for arguments in (("fly", "/dev/zero"), ("config", "--config", "/dev/zero"), ("score", "--detections", "/dev/zero", "--labels", "x")):
+            self.assertIn("/dev/zero: is longer than", self.refused(*arguments))
+        for arguments in (("replay",), ("identify",), ("detect",), ("fly",), ("tune", "--out", "m.toml")):
+            self.assertNotIn("filesystem error", self.refused(*arguments, 300 * "a"))
+
+    def test_a_track_from_a_pipe_is_in_the_flights_folder_too(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        program = subprocess.Popen([GATEFLY, "fly", pipe, "--vision", "ideal", "--set", "sim.timeout_s=1", "--out", self.folder / "flown"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")
+        pipe.write_text(oval, encoding="utf-8")
+        program.communicate(timeout=60)
+        self.assertEqual((self.folder / "flown" / "track.toml").read_text(encoding="utf-8"), oval)
+
+    def test_values_of_vision(self):
         self.assertIn("--vision", self.refused("fly", "--vision", "real"))
 
 

@@ -46,7 +46,8 @@ std::string range_text(double low, double high) {
 }  // namespace
 
 json read_toml(const std::filesystem::path& path) {
-  const std::string content = read_file(path);
+  constexpr std::uintmax_t kMost = std::uintmax_t{16} << 20;
+  const std::string content = read_file(path, kMost);
   try {
     return json_of(toml::parse(content, path.string()));
   } catch (const toml::parse_error& error) {
