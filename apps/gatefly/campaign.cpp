@@ -159,8 +159,8 @@ int merge(const CampaignOptions& options) {
 
 int campaign(const CampaignOptions& options) {
   if (!options.merge.empty()) return merge(options);
-  if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
   const Shard shard = shard_of(options.shard);
+  if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
   if (options.first_seed >
       std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(options.runs - 1))
     throw std::runtime_error("--first-seed " + std::to_string(options.first_seed) + ": " +

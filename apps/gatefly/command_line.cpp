@@ -64,12 +64,8 @@ Flag& Flag::between(double low, double high) {
   option_->check(CLI::Range(low, high));
   return *this;
 }
-Flag& Flag::check(std::string (*rule)(const std::string& text)) {
-  option_->check(rule);
-  return *this;
-}
 Flag& Flag::one_value_each() {
-  option_->allow_extra_args(false);
+  option_->expected(1)->take_all()->allow_extra_args(false);
   return *this;
 }
 Flag& Flag::separated_by(char separator) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <iomanip>
@@ -42,8 +43,9 @@ struct DetectOptions {
 struct Findings {
   std::vector<io::DetectionRow> rows;
   /// with_part: with no more than a part of a gate.
-  int pictures = 0, with_gate = 0, with_part = 0, unusable = 0;
-  double seconds = 0.0;  ///< Spent on detection alone.
+  int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
+  std::string first_grey;  ///< Its name.
+  double seconds = 0.0;    ///< Spent on detection alone.
 };
 
 /// Gates, best first; where there are none, or all are asked for, one that the border cuts.
@@ -59,6 +61,16 @@ std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
   return gates;
 }
 
+/// Whether a picture has no colour anywhere, by every 5th pixel of every 5th line.
+bool is_grey(const Image& image) {
+  constexpr int kEvery = 5, kNearGrey = 3;  // a grey JPEG's chroma is 128 to a level or two
+  const auto grey = [](std::uint8_t chroma) { return std::abs(chroma - 128) <= kNearGrey; };
+  for (int v = 0; v < image.height(); v += kEvery)
+    for (int u = 0; u < image.width(); u += kEvery)
+      if (const Yuv color = image.at(u, v); !grey(color.u) || !grey(color.v)) return false;
+  return true;
+}
+
 /// One picture: detected, added to the findings, drawn.
 void look_at(const Image& image, const std::string& name, const DetectOptions& options,
              const io::Config& config, GateDetector& detector, Findings& findings) {
@@ -67,6 +79,7 @@ void look_at(const Image& image, const std::string& name, const DetectOptions& o
   findings.seconds +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
+  if (gates.empty() && is_grey(image) && findings.grey++ == 0) findings.first_grey = name;
   if (!gates.empty())
     ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
   for (std::size_t i = 0; i < gates.size(); ++i)
@@ -104,7 +117,10 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
   std::map<std::string, fs::path> folder_of;
   bool warned = false;
   for (const std::string& path : options.paths) try {
-      for (const fs::path& file : io::picture_files(io::find_data(path, options.data))) {
+      const fs::path found = io::find_data(path, options.data);
+      const std::vector<fs::path> pictures = io::picture_files(found);
+      if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
+      for (const fs::path& file : pictures) {
         files.push_back(file);
         const auto [other, is_new] =
             folder_of.try_emplace(file.filename().string(), file.parent_path());
@@ -146,6 +162,10 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   }
   progress.clear();
   if (findings.pictures > 0 && !options.common.quiet) complain(upright.said());
+  if (findings.grey > 0 && !options.common.quiet)
+    complain(std::to_string(findings.grey) + " of " + std::to_string(findings.pictures) +
+             " pictures have no colour, by which gates are found: " + findings.first_grey +
+             (findings.grey > 1 ? ", ..." : ""));
   return findings;
 }
 

@@ -67,8 +67,8 @@ void print_screen(const Race& race, const closed_loop::RaceResult& r,
                        fixed(r.estimation_rmse.y(), 2) + ", z " + fixed(r.estimation_rmse.z(), 2) +
                        " m");
   line("detection", std::to_string(r.frames) + " pictures, " + std::to_string(r.frames_with_gate) +
-                        " with a gate in view: " + std::to_string(r.true_positives) + " found, " +
-                        std::to_string(r.false_positives) + " false");
+                        " show the next gate whole: in " + std::to_string(r.true_positives) +
+                        " found, " + std::to_string(r.false_positives) + " false detections");
   line("searches", std::to_string(r.searches));
   line("cost",
        fixed(r.flight_time > 0 ? r.cpu_seconds / r.flight_time : 0.0, 2) +

@@ -241,8 +241,9 @@ int replay(const ReplayOptions& options) {
               << result.estimates.size() << " samples, " << result.pictures.size()
               << " pictures, all numbers " << (result.finite ? "finite" : "NOT finite") << '\n';
     if (visible)
-      std::cout << "  gate found      in " << visible->found << " of " << visible->shown
-                << " in-flight pictures that show it whole\n";
+      std::cout
+          << "  gate found      in " << visible->found << " of " << visible->shown
+          << " pictures in flight that show a gate of the map whole, the next one or another\n";
     if (labelled)
       std::cout << "  labelled        in " << labelled->found << " of " << labelled->shown
                 << " (overlap70)\n";

@@ -76,6 +76,51 @@ class Help(Cli):
         self.assertRegex(result.stdout, r"^gatefly \d+\.\d+\.\d+\n$")
 
 
+class Words(Cli):
+    """What the program says of itself and of its work."""
+    def test_help_and_version_are_commands_too(self):
+        self.assertEqual(self.run_it("help", "fly").stdout, self.run_it("fly", "--help").stdout)
+        self.assertEqual(self.run_it("help", "tune").stdout, self.run_it("tune", "--help").stdout)  # the sibling's
+        self.assertEqual(self.run_it("help").stdout, self.run_it("--help").stdout)
+        self.assertEqual(self.run_it("version").stdout, self.run_it("--version").stdout)
+        self.assertIn("did you mean 'fly'", self.refused("help", "flyy"))
+
+    def test_help_shows_config_and_set_as_they_are_taken(self):
+        text = self.run_it("fly", "--help").stdout
+        for flag in ("--config FILE", "--set SECTION.KEY=VALUE"):
+            self.assertIn(flag, text)
+            self.assertNotIn(flag + " ...", text)
+        slow, fast = self.file("slow.toml", "[control]\nspeed_mps = 1.1\n"), self.file("fast.toml", "[control]\nspeed_mps = 1.9\n")
+        both = self.run_it("config", "--json", "--config", slow, "--config", fast, "--set", "camera.tilt_deg=1", "--set", "camera.rate_hz=9")
+        answer = json.loads(both.stdout)
+        self.assertEqual((answer["control"]["speed_mps"], answer["camera"]["tilt_deg"], answer["camera"]["rate_hz"]), (1.9, 1, 9))
+        self.refused("config", "--config", slow, fast)
+
+    def test_counts_of_fly_and_replay_say_what_they_count(self):
+        flown = self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1")
+        self.assertRegex(flown.stdout, r"detection +\d+ pictures, \d+ show the next gate whole: in \d+ found, \d+ false detections")
+
+    def test_a_narrow_terminal_gets_one_line_of_progress(self):
+        import fcntl, pty, struct, termios
+        for columns in (20, 30, 60):
+            terminal, end = pty.openpty()
+            fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+            program = subprocess.Popen([GATEFLY, "fly", "oval", "--laps", "100", "--vision", "ideal", "--set", "sim.timeout_s=400"],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=end)
+            os.close(end)
+            said = b""
+            try:
+                while piece := os.read(terminal, 65536):
+                    said += piece
+            except OSError:  # the other end is closed
+                pass
+            program.wait()
+            os.close(terminal)
+            updates = said.decode().split("\r\x1b[K")[1:]
+            self.assertGreater(len(updates), 2)
+            self.assertLess(max(map(len, updates)), columns)
+
+
 class Bench(Cli):
     def test_costs_of_a_pattern_stand_beside_their_baseline(self):
         result = self.run_it("bench", "--pictures", "checker:8", "gate", "--stage", "snakes", "flown", "--quick", "--json")
@@ -407,6 +452,7 @@ class Campaign(Cli):
         self.assertIn("--runs", self.refused("campaign", "oval"))
         self.assertIn("--runs", self.refused("campaign", "oval", "--runs", "0"))
         self.assertIn("--first-seed", self.refused("campaign", "oval", "--runs", "1", "--first-seed", "-1"))
+        self.assertIn("--shard x", self.refused("campaign", "oval", "--shard", "x"))
         for shard in ("3/2", "0/2", "1", "1/2/3", "a/b", "-1/2"):
             self.assertIn("--shard", self.refused("campaign", "oval", "--runs", "2", "--shard", shard))
         self.assertIn("--out", self.refused("campaign", "--merge", "a", "b"))
@@ -424,20 +470,20 @@ class Tracks(Cli):
 
     def test_unknown_key_suggests_the_nearest(self):
         error = self.fly_track(GATE + "hedding_deg = 3\n")
-        self.assertIn("gates[0].hedding_deg", error)
+        self.assertIn("gate 1: hedding_deg", error)
         self.assertIn("'heading_deg'", error)
 
     def test_not_a_number_is_refused(self):
-        self.assertIn("gates[0].position_m = [nan, 0, -1.5]",
+        self.assertIn("gate 1: position_m = [nan, 0, -1.5]",
                       self.fly_track("[[gates]]\nposition_m = [nan, 0.0, -1.5]\n"))
 
     def test_negative_side_names_file_key_value_and_range(self):
-        self.assertIn("mine.toml: gates[0].side_m = -1, must be in 0.3..5", self.fly_track(GATE + "side_m = -1\n"))
+        self.assertIn("mine.toml:3: gate 1: side_m = -1, must be in 0.3..5", self.fly_track(GATE + "side_m = -1\n"))
 
     def test_gate_too_low_is_refused_before_take_off(self):
         error = self.fly_track("[[gates]]\nposition_m = [3.0, 0.0, -0.3]\n")
         self.assertIn("mine.toml", error)
-        self.assertIn("gates[0].position_m", error)
+        self.assertIn("gate 1: position_m", error)
 
     def test_course_without_a_way_is_refused_before_take_off(self):
         wall = "[[obstacles]]\nbox_m = [0.3, 10.0, 3.0]\nposition_m = [1.5, 0.0]\n"
@@ -457,7 +503,7 @@ class Courses(Cli):
 
     def test_impossible_courses_are_refused_with_the_reason(self):
         reasons = {
-            "gate_above_ceiling": "gates[1].position_m = [3.5, 4, -4.5], must be below the ceiling",
+            "gate_above_ceiling": "gate 2: position_m = [3.5, 4, -4.5], must be below the ceiling",
             "gate_in_floor": "the lower bar is 0.05 m above the floor",
             "gate_outside_room": "must be inside the room",
             "gate_too_small": "gate 2 is too small to fly through",
@@ -805,7 +851,8 @@ class Pictures(Cli):
         for name, size in (("none.ppm", {"gate": False}), ("one.ppm", {"width": 1, "height": 1}), ("line.ppm", {"height": 1})):
             result = self.run_it("detect", self.picture(name, **size))
             self.assertEqual((result.returncode, result.stdout), (1, self.HEADER + "\n"))
-            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\n")
+            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\ngatefly detect: 1 of 1 pictures have "
+                             f"no colour, by which gates are found: {name}\n")
 
     def test_json_holds_the_same_rows(self):
         path = self.picture("a.ppm")
@@ -844,6 +891,17 @@ class Pictures(Cli):
         self.assertIn("--csv", self.refused("detect", self.picture("b.ppm"), "--csv", "nowhere/found.csv"))
         self.assertIn("ffmpeg", self.refused("detect", "notes.txt", PATH=str(self.folder)))
         self.assertIn("no-such-folder", self.refused("detect", "b.ppm", "--data", "no-such-folder"))
+
+    def test_what_a_folder_does_not_mean_is_said(self):
+        self.picture("set/a.ppm")
+        for name in ("b.BMP", "c.webp", "d.tiff", "e.heic", "notes.txt"):
+            (self.folder / "set" / name).write_bytes(b"x")
+        said = "set: left out: b.BMP, c.webp, d.tiff and 1 more (a folder means its .jpg, .jpeg, .png and .ppm)"
+        result = self.run_it("detect", "set")
+        self.assertEqual((result.returncode, said in result.stderr), (0, True), result.stderr)
+        (self.folder / "set" / "a.ppm").unlink()
+        self.assertIn(said, self.refused("detect", "set"))
+        self.assertIn(said, self.refused("tune", "set", "--out", "mine.toml"))
 
     def test_pictures_are_found_in_the_data_folder(self):
         self.picture("data/a.ppm")
@@ -896,6 +954,7 @@ class Tune(Cli):
         result = self.run_it("tune", "--labels", labels, "--rotate", "0", folder, "--out", "mine.toml")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("12 labelled gates", result.stdout)
+        self.assertRegex(result.stdout, r"two-fold +hit rate [01]\.\d{3}, 0\.0\d\d false per picture \(min_score")
         self.assertLessEqual(len(result.stdout.splitlines()), 24)
         self.assertEqual(sorted(path.name for path in self.folder.glob("mine*")),
                          ["mine.colors.toml", "mine.roc.csv", "mine.roc.png", "mine.toml"])
@@ -909,6 +968,19 @@ class Tune(Cli):
         self.assertEqual((result.returncode, answer["learnt"], answer["estimated"], answer["pictures"]), (0, True, True, 12))
         self.assertGreaterEqual(answer["confident_detections"], 10)
         self.assertEqual(self.found(folder, "--config", self.folder / "mine.toml"), 12)
+
+    def test_estimates_are_called_estimates(self):
+        folder, _ = self.album(b"\x30\xa0\x40")
+        result = self.run_it("tune", "--describe", "green", "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertRegex(result.stdout, r"estimated +hit rate [01]\.\d{3}, 0\.0\d\d false per picture")
+        self.assertIn("from scores alone", result.stdout)
+        self.assertIn("# estimated without labels: hit rate", (self.folder / "mine.toml").read_text())
+
+    def test_with_too_few_sure_gates_it_starts_again_from_less_sure_ones(self):
+        folder, _ = self.album(bytes((115, 134, 118)))  # hardly green
+        result = self.run_it("tune", "--describe", "green", "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertRegex(result.stdout, "detections of fitness 0.[56] and more")
 
     def test_a_description_that_finds_nothing_is_kept_and_that_is_said(self):
         folder, _ = self.album(b"\x30\xa0\x40")
@@ -953,7 +1025,7 @@ class Tune(Cli):
         config = self.file("mine.toml", "[color]\ntable = \"colors.toml\"\n")
         for command in (("detect", self.file("a.ppm", "")), ("fly", "oval"), ("config",)):
             error = self.refused(*command, "--config", config)
-            self.assertIn("mine.toml: color.table: ", error)
+            self.assertIn("mine.toml:2: color.table: ", error)
             self.assertIn("colors.toml:", error)
 
 
@@ -1150,7 +1222,7 @@ class Configuration(Cli):
 
     def test_config_file_errors_name_the_file(self):
         path = self.file("mine.toml", "[control]\nrest_samples = \"many\"\n")
-        self.assertIn("mine.toml: control.rest_samples = \"many\"", self.refused("config", "--config", path))
+        self.assertIn("mine.toml:2: control.rest_samples = \"many\"", self.refused("config", "--config", path))
         self.assertIn("default", self.refused("config", "--config", "no-such"))
 
     def config_file(self, content):

@@ -226,14 +226,6 @@ ImageFile decode_uyvy(const std::string& path, const std::string& file, int widt
           .stored_height = height};
 }
 
-/// The name's ending in small letters: ".jpg".
-std::string kind_of(const std::filesystem::path& path) {
-  std::string kind = path.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kind;
-}
-
 }  // namespace
 
 std::optional<int> exif_rotation_deg(int orientation) {
@@ -250,6 +242,13 @@ std::optional<int> exif_rotation_deg(int orientation) {
     default:
       return std::nullopt;
   }
+}
+
+std::string kind_of(const std::filesystem::path& path) {
+  std::string kind = path.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kind;
 }
 
 bool is_picture(const std::filesystem::path& path) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gatefly/sensing/image.hpp"
@@ -27,6 +28,9 @@ struct ImageFile {
 /// How far a stored picture of such an EXIF orientation has to be turned counter-clockwise; nothing
 /// for mirrored ones (2, 4, 5, 7).
 [[nodiscard]] std::optional<int> exif_rotation_deg(int orientation);
+
+/// The name's ending in small letters: ".jpg".
+[[nodiscard]] std::string kind_of(const std::filesystem::path& path);
 
 /// Whether the name ends as those that read_image() knows, in small or capital letters.
 [[nodiscard]] bool is_picture(const std::filesystem::path& path);
