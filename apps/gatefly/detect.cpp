@@ -125,7 +125,8 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
         const auto [other, is_new] =
             folder_of.try_emplace(file.filename().string(), file.parent_path());
         if (!is_new && !std::exchange(warned, true))
-          complain("warning: " + file.string() + " and one in '" + other->second.string() +
+          complain("warning: " + file.string() + " and one in '" +
+                   (other->second.empty() ? "." : other->second.string()) +
                    "' have the same name, and so have their rows");
       }
     } catch (const std::exception& error) {

@@ -127,6 +127,13 @@ io::Config config_of_flight(const fs::path& directory, const CommonOptions& user
   const auto given = io::config_files(user.configs);
   files.insert(files.end(), given.begin() + 1, given.end());  // the default is the flight's own
   std::vector<std::string> settings = read_settings(directory).keys;
+  try {  // the flight's own first: what is wrong in them is no --set of the user's
+    (void)io::load_config(files, settings);
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    if (!what.starts_with("--set")) throw;
+    throw std::runtime_error((directory / kSettings).string() + what.substr(5));
+  }
   settings.insert(settings.end(), user.settings.begin(), user.settings.end());
   return io::load_config(files, settings);
 }

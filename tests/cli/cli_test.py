@@ -305,6 +305,22 @@ class Replay(Cli):
         for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x"}'):
             self.assertEqual(self.run_it("replay", self.edited("summary.json", lambda text: nonsense)).returncode, 0, nonsense)
 
+    def test_a_wrong_setting_of_the_folder_is_not_blamed_on_set(self):
+        for wrong, said in (("nonsense", "settings.txt nonsense: must be section.key=value"), ("camera.foo=3", "settings.txt: camera.foo is not a known key")):
+            self.assertIn(said, self.refused("replay", self.edited("settings.txt", lambda text: wrong + "\n" + text)))
+
+    def test_a_picture_listed_twice_is_refused(self):
+        twice = self.edited("images.csv", lambda text: text.replace("frame_00007.uyvy", "frame_00006.uyvy"))
+        self.assertIn("images.csv:9: image = 'frame_00006.uyvy', a second time", self.refused("replay", twice))
+
+    def test_a_damaged_flight_among_others_is_named_and_the_rest_is_done(self):
+        self.edited("log_si.csv", lambda text: text[:len(text) // 2]).rename(self.folder / "a")
+        shutil.copytree(self.flight, self.folder / "b")
+        result = self.run_it("identify", ".")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertRegex(result.stderr, r"a/log_si.csv:\d+: has \d+ cells")
+        self.assertIn("./b: no second above 0.9 m", result.stderr)
+
     def test_it_is_found_in_the_data_folder(self):
         for given, variable in ((("--data", self.flight.parent), ""), ((), str(self.flight.parent))):
             self.assertEqual(self.run_it("replay", "flight", *given, GATEFLY_DATA=variable).returncode, 0)
@@ -432,6 +448,13 @@ class Campaign(Cli):
         thesis.mkdir()
         (thesis / "chapter1.tex").write_text("years of work", encoding="utf-8")
         self.assertIn("thesis", self.refused("campaign", "oval", "--runs", "1", *self.FLIGHT, "--out", thesis))
+
+    def test_a_damaged_campaign_is_named(self):
+        (self.folder / "bad").mkdir()
+        for damage in ("", "[]", '{"arguments": {"runs": "x"}}', '{"arguments": {"runs": 0, "first_seed": 1, "shard": [1, 1]}, "fly": ""}',
+                       '{"arguments": {"runs": 2, "first_seed": 1, "shard": [0, 0]}, "fly": ""}', '{"arguments": {"runs": 2, "first_seed": 1, "shard": [1, 1]}, "fly": 7}'):
+            self.file("bad/campaign.json", damage)
+            self.assertIn("bad/campaign.json: is damaged", self.refused("campaign", "--merge", "bad", "--out", "merged"))
 
     def test_the_printed_command_flies_the_failed_run_again(self):
         track = self.file("my track.toml", (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8"))

@@ -98,8 +98,7 @@ TEST(TrackFile, ErrorsNameFileKeyValueAndWhatIsAllowed) {
               AllOf(HasSubstr("t.toml:10: gate 3: side_m = -1, must be in 0.3..5")));
   EXPECT_THAT(error_of("[[gates]]\nposition_m = [3.0, nan, -1.5]\n"),
               HasSubstr("gate 1: position_m = [3, nan, -1.5], must be 3 numbers"));
-  EXPECT_THAT(error_of("[[gates]]\nheading_deg = 0\n"),
-              HasSubstr("gate 1: position_m is missing"));
+  EXPECT_THAT(error_of("[[gates]]\nheading_deg = 0\n"), HasSubstr("gate 1: position_m is missing"));
   EXPECT_THAT(error_of(std::string{kGate} + "bar_m = 0.5\n"),
               HasSubstr("bar_m = 0.5, must be less than half"));
   EXPECT_THAT(error_of(std::string{kGate} + "color = \"orang\"\n"),
@@ -149,8 +148,9 @@ TEST(TrackFile, BrokenTomlNamesTheLineAndAMissingFileItsName) {
 }
 
 TEST(TrackFile, UnknownNamesListTheTracksThereAre) {
-  EXPECT_THAT(test::error_of([] { (void)find_track("shworoom"); }),
-              AllOf(HasSubstr("figure8, flights, lanes, oval"), HasSubstr("did you mean 'showroom'")));
+  EXPECT_THAT(
+      test::error_of([] { (void)find_track("shworoom"); }),
+      AllOf(HasSubstr("figure8, flights, lanes, oval"), HasSubstr("did you mean 'showroom'")));
 }
 
 TEST(TrackFile, ShowroomHasFiveGatesTwentyThreeBoxesAndThreeLaps) {

@@ -54,8 +54,12 @@ Csv::Csv(const std::filesystem::path& path) : file_{path.string()}, content_{rea
   if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   if (rest.starts_with("\xFF\xFE") || rest.starts_with("\xFE\xFF"))
     throw std::runtime_error(file_ + ": is UTF-16 text, must be UTF-8");
+  if (rest.find('\0') != std::string_view::npos)
+    throw std::runtime_error(file_ + ": is no text, it has bytes of zero");
+  // Old spreadsheets end lines by CR alone.
+  const char line_end = rest.find('\n') == std::string_view::npos ? '\r' : '\n';
   const auto next_line = [&] {
-    std::string_view line = take(rest, '\n');
+    std::string_view line = take(rest, line_end);
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   };

@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 std::vector<fs::path> picture_files(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error))
-    throw std::runtime_error(path.string() + ": there is no such file or folder");
+    throw std::runtime_error((path.empty() ? "\"\"" : path.string()) +
+                             ": there is no such file or folder");
   if (!fs::is_directory(path, error)) return {path};
 
   std::vector<fs::path> files;

@@ -111,6 +111,8 @@ void VideoReader::end() {
   if (status == 0 && why.empty() && pictures_ > 0) return;
   const std::string prefix = "file:" + path_.string() + ": ";
   if (why.starts_with(prefix)) why.erase(0, prefix.size());
+  if (why.starts_with('[') && why.find("] ") != std::string::npos)
+    why.erase(0, why.find("] ") + 2);  // "[mjpeg @ 0x5617...] ": where in its memory
   if (why.empty()) why = "it holds no picture";
   throw std::runtime_error(path_.string() + ": " +
                            (pictures_ == 0

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "gatefly/files/csv.hpp"
@@ -121,11 +122,14 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
   const std::vector<nanoseconds> times = times_of(csv);
 
   std::vector<FlightImage> images;
+  std::set<std::string> known;
   for (std::size_t i = 0; i < csv.rows(); ++i) {
     const std::filesystem::path name{names[i]};
     if (name.empty() || name.has_parent_path())
       throw std::runtime_error(csv.place(i) + ": image = '" + names[i] +
                                "', must be a file name in this folder");
+    if (!known.insert(names[i]).second)
+      throw std::runtime_error(csv.place(i) + ": image = '" + names[i] + "', a second time");
     const double row = rows[i];
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
