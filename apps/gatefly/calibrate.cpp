@@ -195,7 +195,7 @@ Boards find_boards(const CalibrateOptions& options) {
       } catch (const std::exception& error) {
         if (files.size() == 1) throw;
         progress.clear();
-        complain(error.what());
+        complain(io::reason_of(error));
         ++boards.unusable;
       }
     ++done;

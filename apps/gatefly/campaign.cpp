@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <sstream>
@@ -158,18 +159,26 @@ int merge(const CampaignOptions& options) {
 
 int campaign(const CampaignOptions& options) {
   if (!options.merge.empty()) return merge(options);
-  if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
   const Shard shard = shard_of(options.shard);
+  if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
+  if (options.first_seed >
+      std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(options.runs - 1))
+    throw std::runtime_error("--first-seed " + std::to_string(options.first_seed) + ": " +
+                             std::to_string(options.runs) + " runs from there on have no seeds");
   const RaceMaker maker(options.race);
   const Race race = maker.race(options.first_seed);
-  const nlohmann::json arguments{{"track", race.identity.track},
-                                 {"track_toml", maker.inputs().at("track.toml")},
-                                 {"vision", race.identity.vision},
-                                 {"first_seed", options.first_seed},
-                                 {"runs", options.runs},
-                                 {"shard", {shard.index, shard.count}},
-                                 {"version", race.identity.version},
-                                 {"config", race.identity.config}};
+  nlohmann::json arguments{{"track", race.identity.track},
+                           {"track_toml", maker.inputs().at("track.toml")},
+                           {"vision", race.identity.vision},
+                           {"first_seed", options.first_seed},
+                           {"runs", options.runs},
+                           {"shard", {shard.index, shard.count}},
+                           {"version", race.identity.version},
+                           {"config", race.identity.config}};
+  if (const auto table = maker.inputs().find("colors.toml"); table != maker.inputs().end()) {
+    arguments["color_table"] = table->second;  // its content counts, not where it lies
+    arguments["config"]["color"].erase("table");
+  }
   std::string name = "campaign-" + fs::path{options.race.track}.stem().string();
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
   if (shard.count > 1)
@@ -213,9 +222,7 @@ void declare_campaign(Command& command) {
       "kept.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
   command.option("--runs", options->runs, "how many seeds").between(1, 1000000);
-  command.option("--first-seed", options->first_seed, "and from which on")
-      .check(check_seed)
-      .show_default();
+  command.option("--first-seed", options->first_seed, "and from which on").show_default();
   command.option("--jobs", options->jobs, "races at the same time [one a core]").between(1, 1024);
   command
       .option("--shard", options->shard,

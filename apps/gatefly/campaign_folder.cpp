@@ -13,7 +13,17 @@ namespace fs = std::filesystem;
 
 nlohmann::json read_campaign(const fs::path& path) {
   const auto json = nlohmann::json::parse(io::read_file(path / "campaign.json"), nullptr, false);
-  if (!json.is_object() || !json.contains("arguments") || !json.at("arguments").is_object())
+  const auto has = [&](const char* pointer, auto is_right) {
+    const nlohmann::json::json_pointer place{pointer};
+    return json.contains(place) && is_right(json.at(place));
+  };
+  const auto whole = [](const nlohmann::json& value) { return value.is_number_unsigned(); };
+  const auto counted = [](const nlohmann::json& value) {
+    return value.is_number_unsigned() && value > 0;
+  };
+  if (!has("/arguments/first_seed", whole) || !has("/arguments/runs", counted) ||
+      !has("/arguments/shard/0", counted) || !has("/arguments/shard/1", counted) ||
+      !has("/fly", [](const auto& value) { return value.is_string(); }))
     throw std::runtime_error((path / "campaign.json").string() +
                              ": is damaged, choose another --out");
   return json;
@@ -28,6 +38,7 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
     std::string name = key.substr(1);
     std::replace(name.begin(), name.end(), '/', '.');
     if (name == "track_toml") return "the track file has changed";
+    if (name == "color_table") return "the colour table has changed";
     return name + " was " + (a.contains(key) ? a.at(key).dump() : "not there") + ", is " +
            value.dump();
   }

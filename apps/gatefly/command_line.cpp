@@ -1,11 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_line.hpp"
 
+#include <charconv>
+#include <cmath>
+#include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
+#include "gatefly/files/text.hpp"
+
 namespace gatefly::cli {
+namespace {
+
+/// In place of CLI11's conversion, which takes the nearest number it can hold.
+template <class Number>
+std::string check_number(const std::string& text) {
+  Number value{};
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data() + text.starts_with('+'), end, value);
+  const bool is_whole = std::is_integral_v<Number>;
+  if (error == std::errc::result_out_of_range && rest == end)
+    return io::one_line(text) + " is too large";
+  if (error != std::errc{} || rest != end || (!is_whole && !std::isfinite(value)))
+    return "'" + io::one_line(text) + "', must be a " + (is_whole ? "whole number" : "number") +
+           (std::is_unsigned_v<Number> ? ", 0 or more" : "");
+  return "";
+}
+
+template <class Number, class Value>
+CLI::Option* number(CLI::App* app, const char* name, Value& value, const char* help) {
+  return app->add_option(name, value, help)->check(check_number<Number>);
+}
+
+}  // namespace
 
 Flag& Flag::required() {
   option_->required();
@@ -35,12 +64,8 @@ Flag& Flag::between(double low, double high) {
   option_->check(CLI::Range(low, high));
   return *this;
 }
-Flag& Flag::check(std::string (*rule)(const std::string& text)) {
-  option_->check(rule);
-  return *this;
-}
 Flag& Flag::one_value_each() {
-  option_->allow_extra_args(false);
+  option_->expected(1)->take_all()->allow_extra_args(false);
   return *this;
 }
 Flag& Flag::separated_by(char separator) {
@@ -63,19 +88,19 @@ Flag Command::option(const char* name, std::vector<std::string>& value, const ch
   return Flag{app_->add_option(name, value, help)};
 }
 Flag Command::option(const char* name, int& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{number<int>(app_, name, value, help)};
 }
 Flag Command::option(const char* name, std::uint64_t& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{number<std::uint64_t>(app_, name, value, help)};
 }
 Flag Command::option(const char* name, double& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{number<double>(app_, name, value, help)};
 }
 Flag Command::option(const char* name, std::optional<int>& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{number<int>(app_, name, value, help)};
 }
 Flag Command::option(const char* name, std::optional<double>& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{number<double>(app_, name, value, help)};
 }
 Flag Command::flag(const char* name, bool& value, const char* help) {
   return Flag{app_->add_flag(name, value, help)};

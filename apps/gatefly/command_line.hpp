@@ -33,8 +33,6 @@ class Flag {
   Flag& one_of(std::initializer_list<int> choices);
   Flag& between(int low, int high);
   Flag& between(double low, double high);
-  /// @param rule  answers what is wrong with a text; empty: nothing.
-  Flag& check(std::string (*rule)(const std::string& text));
   Flag& one_value_each();              ///< --flag A --flag B, never --flag A B.
   Flag& separated_by(char separator);  ///< --flag A,B as well.
   Flag& needs(const Flag& other);

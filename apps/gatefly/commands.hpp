@@ -58,6 +58,9 @@ struct CommonOptions {
 };
 void add_common(Command& command, CommonOptions& options);
 
+/// What a configuration has to say, on stderr.
+void say_notes(const io::Config& config);
+
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
 [[nodiscard]] io::Config load(const CommonOptions& options);
 

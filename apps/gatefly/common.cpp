@@ -4,7 +4,10 @@
 #include <csignal>
 #include <iostream>
 
+#include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
 
@@ -23,6 +26,12 @@ bool on_terminal() {
   return terminal;
 }
 
+/// Of stderr; 80 where it does not say.
+std::size_t terminal_columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -35,18 +44,24 @@ bool interrupted() { return was_interrupted != 0; }
 void add_common(Command& command, CommonOptions& options) {
   command
       .option("--config", options.configs,
-              "configuration: a file or a name in configs/; later wins")
+              "configuration: a file or a name in configs/; may be given again, the later wins")
       .one_value_each()
       .type_name("FILE");
-  command.option("--set", options.settings, "one key, after all files; see gatefly config --show")
+  command
+      .option("--set", options.settings,
+              "one key, after all files; may be given again; see gatefly config --show")
       .one_value_each()
       .type_name("SECTION.KEY=VALUE");
   command.flag("-q,--quiet", options.quiet, "no progress, as few words as possible");
 }
 
+void say_notes(const io::Config& config) {
+  for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+}
+
 io::Config load(const CommonOptions& options) {
   io::Config config = io::load_config(io::config_files(options.configs), options.settings);
-  for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+  say_notes(config);
   return config;
 }
 
@@ -64,11 +79,15 @@ void Progress::update(double part, const std::string& text) {
     std::cerr << text << '\n';
     return;
   }
-  constexpr int kWidth = 24;
-  const int full = static_cast<int>(std::clamp(part, 0.0, 1.0) * kWidth);
+  // What is wider than the terminal would begin a line of its own with every update.
+  constexpr std::size_t kWidth = 24, kLeast = 10;
+  const std::size_t columns = terminal_columns() - 1;
+  const bool has_room = columns >= kWidth + 2 + text.size();
+  const auto full = static_cast<std::size_t>(std::clamp(part, 0.0, 1.0) * kWidth);
   std::string bar;
-  for (int i = 0; i < kWidth; ++i) bar += i < full ? "█" : "░";
-  std::cerr << "\r\033[K" << bar << "  " << text << std::flush;
+  for (std::size_t i = 0; i < kWidth && has_room; ++i) bar += i < full ? "█" : "░";
+  std::cerr << "\r\033[K" << bar << (has_room ? "  " : "")
+            << io::one_line(text, std::max(columns, kLeast)) << std::flush;
   shown_ = true;
 }
 

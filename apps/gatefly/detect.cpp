@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <iomanip>
@@ -23,6 +24,7 @@
 #include "gatefly/files/video_reader.hpp"
 
 #include "commands.hpp"
+#include "upright.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -41,8 +43,9 @@ struct DetectOptions {
 struct Findings {
   std::vector<io::DetectionRow> rows;
   /// with_part: with no more than a part of a gate.
-  int pictures = 0, with_gate = 0, with_part = 0, unusable = 0;
-  double seconds = 0.0;  ///< Spent on detection alone.
+  int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
+  std::string first_grey;  ///< Its name.
+  double seconds = 0.0;    ///< Spent on detection alone.
 };
 
 /// Gates, best first; where there are none, or all are asked for, one that the border cuts.
@@ -58,15 +61,25 @@ std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
   return gates;
 }
 
+/// Whether a picture has no colour anywhere, by every 5th pixel of every 5th line.
+bool is_grey(const Image& image) {
+  constexpr int kEvery = 5, kNearGrey = 3;  // a grey JPEG's chroma is 128 to a level or two
+  const auto grey = [](std::uint8_t chroma) { return std::abs(chroma - 128) <= kNearGrey; };
+  for (int v = 0; v < image.height(); v += kEvery)
+    for (int u = 0; u < image.width(); u += kEvery)
+      if (const Yuv color = image.at(u, v); !grey(color.u) || !grey(color.v)) return false;
+  return true;
+}
+
 /// One picture: detected, added to the findings, drawn.
-void look_at(const io::ImageFile& file, const std::string& name, const DetectOptions& options,
+void look_at(const Image& image, const std::string& name, const DetectOptions& options,
              const io::Config& config, GateDetector& detector, Findings& findings) {
-  const Image image = file.view(config.camera.stored_rotation_deg);
   const auto start = std::chrono::steady_clock::now();
   const std::vector<GateDetection> gates = gates_in(image, detector, config.pilot, options.all);
   findings.seconds +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
+  if (gates.empty() && is_grey(image) && findings.grey++ == 0) findings.first_grey = name;
   if (!gates.empty())
     ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
   for (std::size_t i = 0; i < gates.size(); ++i)
@@ -79,7 +92,8 @@ void look_at(const io::ImageFile& file, const std::string& name, const DetectOpt
 using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
 
 /// Every picture of a file: itself, or a video's frames "f7.avi#12".
-void each_picture(const fs::path& path, const io::Config& config, const Look& look) {
+void each_picture(const fs::path& path, const io::Config& config, bool as_stored,
+                  const Look& look) {
   const std::string name = path.filename().string();
   if (name.find_first_of(",\"\r\n") != std::string::npos)
     throw std::runtime_error(
@@ -87,7 +101,7 @@ void each_picture(const fs::path& path, const io::Config& config, const Look& lo
   if (io::is_picture(path))
     return look(io::read_image(path, config.camera.stored_width(), config.camera.stored_height()),
                 name);
-  io::VideoReader video(path);
+  io::VideoReader video(path, as_stored);
   for (int frame = 0; !interrupted(); ++frame) {
     const auto picture = video.next();
     if (!picture) return;
@@ -103,16 +117,20 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
   std::map<std::string, fs::path> folder_of;
   bool warned = false;
   for (const std::string& path : options.paths) try {
-      for (const fs::path& file : io::picture_files(io::find_data(path, options.data))) {
+      const fs::path found = io::find_data(path, options.data);
+      const std::vector<fs::path> pictures = io::picture_files(found);
+      if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
+      for (const fs::path& file : pictures) {
         files.push_back(file);
         const auto [other, is_new] =
             folder_of.try_emplace(file.filename().string(), file.parent_path());
         if (!is_new && !std::exchange(warned, true))
-          complain("warning: " + file.string() + " and one in '" + other->second.string() +
+          complain("warning: " + file.string() + " and one in '" +
+                   (other->second.empty() ? "." : other->second.string()) +
                    "' have the same name, and so have their rows");
       }
     } catch (const std::exception& error) {
-      complain(error.what());
+      complain(io::reason_of(error));
       ++findings.unusable;
     }
   return files;
@@ -122,25 +140,33 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   Findings findings;
   GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
+  Upright upright(config);
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;
   for (const fs::path& path : files) {
     if (interrupted()) break;
     try {
-      each_picture(path, config, [&](const io::ImageFile& file, const std::string& name) {
-        look_at(file, name, options, config, detector, findings);
-        if (progress.due(findings.pictures))
-          progress.update(done / static_cast<double>(files.size()),
-                          std::to_string(findings.pictures) + " pictures, " +
-                              std::to_string(findings.with_gate) + " with a gate");
-      });
+      each_picture(path, config, upright.told(),
+                   [&](const io::ImageFile& file, const std::string& name) {
+                     look_at(upright.view(file, path), name, options, config, detector, findings);
+                     if (progress.due(findings.pictures))
+                       progress.update(done / static_cast<double>(files.size()),
+                                       std::to_string(findings.pictures) + " pictures, " +
+                                           std::to_string(findings.with_gate) + " with a gate");
+                   });
     } catch (const std::exception& error) {
       progress.clear();
-      complain(error.what());
+      complain(io::reason_of(error));
       ++findings.unusable;
     }
     ++done;
   }
+  progress.clear();
+  if (findings.pictures > 0 && !options.common.quiet) complain(upright.said());
+  if (findings.grey > 0 && !options.common.quiet)
+    complain(std::to_string(findings.grey) + " of " + std::to_string(findings.pictures) +
+             " pictures have no colour, by which gates are found: " + findings.first_grey +
+             (findings.grey > 1 ? ", ..." : ""));
   return findings;
 }
 
@@ -212,7 +238,7 @@ int detect(const DetectOptions& options) {
 void declare_detect(Command& command) {
   auto options = std::make_shared<DetectOptions>();
   command.footer(
-      "Example:\n  gatefly detect --rotate 0 photo.png clip.mp4 --annotate out/drawn\n"
+      "Example:\n  gatefly detect photo.jpg clip.mp4 --annotate out/drawn\n"
       "  gatefly detect ../shared/data/tudelft_bebop_gates/cyberzoo --config cyberzoo --csv "
       "found.csv\n\n"
       "A folder means its jpg, png and ppm files; raw .uyvy (of the camera's size) only when "
@@ -227,7 +253,8 @@ void declare_detect(Command& command) {
   command.flag("--all", options->all, "every gate, best first, instead of the best");
   command
       .option("--rotate", options->rotate_deg,
-              "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+              "turn stored pictures counter-clockwise [as the camera of a --config, else EXIF, "
+              "else upright]")
       .one_of({0, 90, 180, 270})
       .type_name("DEG");
   command.option("--csv", options->csv, "where rows go instead of stdout (-)").type_name("FILE");

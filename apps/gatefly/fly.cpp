@@ -67,8 +67,8 @@ void print_screen(const Race& race, const closed_loop::RaceResult& r,
                        fixed(r.estimation_rmse.y(), 2) + ", z " + fixed(r.estimation_rmse.z(), 2) +
                        " m");
   line("detection", std::to_string(r.frames) + " pictures, " + std::to_string(r.frames_with_gate) +
-                        " with a gate in view: " + std::to_string(r.true_positives) + " found, " +
-                        std::to_string(r.false_positives) + " false");
+                        " show the next gate whole: in " + std::to_string(r.true_positives) +
+                        " found, " + std::to_string(r.false_positives) + " false detections");
   line("searches", std::to_string(r.searches));
   line("cost",
        fixed(r.flight_time > 0 ? r.cpu_seconds / r.flight_time : 0.0, 2) +
@@ -141,9 +141,7 @@ void declare_fly(Command& command) {
       "An ideal flight has no pictures: replay needs a rendered one.\n"
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
-  command.option("--seed", options->seed, "the day: what [randomize] draws")
-      .check(check_seed)
-      .show_default();
+  command.option("--seed", options->seed, "the day: what [randomize] draws").show_default();
   command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").type_name("DIR");
   command.flag("--video", options->video,
                "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");

@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/identification/drag_fit.hpp"
@@ -83,9 +85,17 @@ int identify(const IdentifyOptions& options) {
   (void)load(options.common);
   std::vector<Identified> all;
   bool some_without = false;
+  int unusable = 0;
   for (const fs::path& folder : flight_folders(options)) {
     if (interrupted()) return kInterrupted;
-    const auto fit = identification::fit_drag(io::read_flight_folder(folder));
+    std::optional<DragFit> fit;
+    try {
+      fit = identification::fit_drag(io::read_flight_folder(folder));
+    } catch (const std::runtime_error& error) {
+      ++unusable;
+      std::cerr << "gatefly identify: " << io::reason_of(error) << '\n';
+      continue;
+    }
     const std::string name = fs::weakly_canonical(folder).filename().string();
     if (fit) {
       all.push_back({name, *fit});
@@ -95,7 +105,7 @@ int identify(const IdentifyOptions& options) {
                 << ": no second above 0.9 m with true position, velocity and attitude; left out\n";
     }
   }
-  if (all.empty()) return kAnswerIsNo;
+  if (all.empty()) return unusable > 0 ? kUnusable : kAnswerIsNo;
   std::vector<DragFit> fits;
   for (const Identified& one : all) fits.push_back(one.fit);
   const DragFit mean = identification::mean_of(fits);
@@ -112,7 +122,7 @@ int identify(const IdentifyOptions& options) {
   } else {
     print(all, mean);
   }
-  return some_without ? kAnswerIsNo : kDone;
+  return unusable > 0 ? kUnusable : some_without ? kAnswerIsNo : kDone;
 }
 
 }  // namespace

@@ -90,14 +90,26 @@ int call_sibling(const std::string& name, char** argv) {
   return kUnusable;
 }
 
-int run_main(std::span<char*> arguments) {
+/// "help fly" is "fly --help", "version" is "--version"; ends with a nullptr, as execv wants it.
+std::vector<char*> spelled_out(std::span<char*> arguments) {
+  static char help[] = "--help", version[] = "--version";
+  std::vector<char*> words(arguments.begin(), arguments.end());
+  const std::string_view first = words.size() > 1 ? words[1] : "";
+  if (first == "help" && words.size() == 2) words[1] = help;
+  if (first == "help" && words.size() > 2) words = {words[0], words[2], help};
+  if (first == "version" && words.size() == 2) words[1] = version;
+  words.push_back(nullptr);
+  return words;
+}
+
+int run_main(std::span<char*> given) {
   CLI::App app{"Flies a drone through a course of gates with one camera, an IMU and a sonar.",
                "gatefly"};
   app.set_version_flag("--version", std::string{"gatefly "} + GATEFLY_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help says more about a "
-      "command.");
+      "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help (or: gatefly help "
+      "COMMAND) says more about a command.");
   Run run;
   for (const auto& [name, help] : kCommands) {
     const CommandHere* here = find_here(name);
@@ -106,6 +118,8 @@ int run_main(std::span<char*> arguments) {
     if (here != nullptr && !left_out) here->declare(command);
   }
 
+  std::vector<char*> words = spelled_out(given);
+  const std::span<char*> arguments{words.data(), words.size() - 1};
   if (arguments.size() > 1 && arguments[1][0] != '-') {
     const std::string name = arguments[1];
     const auto names = command_names(app);
@@ -136,6 +150,6 @@ int run_main(std::span<char*> arguments) {
 int main(int argc, char** argv) try {
   return gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});
 } catch (const std::exception& error) {
-  std::cerr << "gatefly: " << gatefly::io::one_line(error.what(), 4000) << '\n';
+  std::cerr << "gatefly: " << gatefly::io::reason_of(error) << '\n';
   return gatefly::cli::kUnusable;
 }

@@ -23,8 +23,6 @@ struct RaceOptions {
 
 /// --laps, --vision and the flags that every subcommand has.
 void add_race_options(Command& command, RaceOptions& options);
-/// A whole number, 0 or more.
-[[nodiscard]] std::string check_seed(const std::string& text);
 
 /// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
 /// Nothing drawn goes to the pilot.
@@ -42,7 +40,7 @@ class RaceMaker {
 
   [[nodiscard]] Race race(std::uint64_t seed) const;
 
-  /// Track, configuration and settings as given, by file name: for replay.
+  /// What replay will need, by file name: flight_inputs.hpp.
   [[nodiscard]] const std::map<std::string, std::string>& inputs() const { return inputs_; }
 
  private:

@@ -14,8 +14,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/pictures.hpp"
 #include "gatefly/files/scoring.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
@@ -23,6 +25,7 @@
 #include "gatefly/geometry/math.hpp"
 
 #include "commands.hpp"
+#include "flight_inputs.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -31,7 +34,7 @@ namespace fs = std::filesystem;
 
 struct ReplayOptions {
   CommonOptions common;
-  std::string directory, track, csv, estimator = "drag";
+  std::string directory, track, csv, data, estimator = "drag";
   double heading_offset_deg = 11.5;
   bool json = false;
 };
@@ -45,34 +48,13 @@ struct Recording {
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
 };
 
-/// The configuration a simulated flight was flown with lies in its folder, as it was given.
-io::Config config_of_flight(const fs::path& directory, const CommonOptions& user) {
-  std::vector<fs::path> files;
-  for (int i = 0; fs::exists(directory / ("config-" + std::to_string(i) + ".toml")); ++i)
-    files.push_back(directory / ("config-" + std::to_string(i) + ".toml"));
-  for (const auto& file : io::config_files(user.configs))
-    if (!user.configs.empty() && file != io::config_files({}).front()) files.push_back(file);
-  std::vector<std::string> settings;
-  std::ifstream lines(directory / "settings.txt");
-  for (std::string line; std::getline(lines, line);)
-    if (!line.empty() && line.rfind("laps=", 0) != 0) settings.push_back(line);
-  settings.insert(settings.end(), user.settings.begin(), user.settings.end());
-  return io::load_config(files, settings);
-}
-
-int laps_of_flight(const fs::path& directory, int otherwise) {
-  std::ifstream lines(directory / "settings.txt");
-  for (std::string line; std::getline(lines, line);)
-    if (line.rfind("laps=", 0) == 0) return std::stoi(line.substr(5));
-  return otherwise;
-}
-
 Recording read(const ReplayOptions& options) {
   Recording recording;
-  const fs::path directory = options.directory;
+  const fs::path directory = io::find_data(options.directory, options.data);
   recording.folder = io::read_flight_folder(directory);
-  recording.simulated = fs::exists(directory / "track.toml");
+  recording.simulated = is_simulated(directory);
   if (recording.simulated) {
+    expect_whole(directory, recording.folder);
     recording.config = config_of_flight(directory, options.common);
   } else {
     CommonOptions common = options.common;
@@ -83,9 +65,11 @@ Recording read(const ReplayOptions& options) {
                               : recording.simulated  ? directory / "track.toml"
                                                      : io::find_track("flights");
   const io::TrackFile track = io::read_track(track_path, recording.config.gate);
+  if (recording.simulated) recording.config = io::on_course(std::move(recording.config), track);
   recording.pilot = recording.config.pilot;
   recording.pilot.track = track.track;
-  if (recording.simulated) recording.pilot.track.laps = laps_of_flight(directory, track.track.laps);
+  if (recording.simulated)
+    recording.pilot.track.laps = laps_of_flight(directory).value_or(track.track.laps);
 
   // A real log: heading from its own AHRS plus the offset to motion capture.
   const auto& samples = recording.folder.samples;
@@ -182,30 +166,35 @@ std::string estimates_csv(const flight_log::ReplayResult& result) {
   return csv.str();
 }
 
-/// Whether the recorded pilot's estimates came out again, to the bit.
-std::optional<bool> same_as_recorded(const Recording& recording,
-                                     const flight_log::ReplayResult& result) {
-  if (!recording.folder.samples.front().est_p_EB) return std::nullopt;
-  for (std::size_t i = 0; i < result.estimates.size(); ++i) {
-    const auto& recorded = recording.folder.samples[i];
-    if (!recorded.est_p_EB || *recorded.est_p_EB != result.estimates[i].estimate.p_EB) return false;
-  }
-  return true;
+/// The recorded pilot's estimates beside those that came out now.
+struct Comparison {
+  std::optional<std::size_t> first_other;  ///< Row from which on they are not the same to the bit.
+  bool told = false;                       ///< To be another pilot: by --config, --set, --track.
+};
+
+std::optional<Comparison> compared(const Recording& recording, const ReplayOptions& options,
+                                   const flight_log::ReplayResult& result) {
+  const auto& samples = recording.folder.samples;
+  if (!samples.front().est_p_EB || options.estimator != "drag") return std::nullopt;
+  Comparison comparison{.first_other = {},
+                        .told = !options.common.configs.empty() ||
+                                !options.common.settings.empty() || !options.track.empty()};
+  for (std::size_t i = 0; i < samples.size() && !comparison.first_other; ++i)
+    if (!samples[i].est_p_EB || *samples[i].est_p_EB != result.estimates[i].estimate.p_EB)
+      comparison.first_other = i;
+  return comparison;
 }
 
-/// A flight on ideal vision left no pictures; what it saw was drawn and is not kept.
-void refuse_ideal(const fs::path& directory) {
-  if (!fs::exists(directory / "summary.json")) return;
-  const auto summary =
-      nlohmann::json::parse(io::read_file(directory / "summary.json"), nullptr, false);
-  if (summary.is_object() && summary.value("vision", "rendered") == "ideal")
-    throw std::runtime_error(
-        directory.string() +
-        ": flown with --vision ideal, has no pictures to replay; fly it with --vision rendered");
+std::string text_of(const Comparison& comparison, const Recording& recording) {
+  if (!comparison.first_other) return "the same estimates, to the bit";
+  const std::string from =
+      "other estimates from log_si.csv:" + std::to_string(*comparison.first_other + 2) + " on";
+  if (comparison.told) return from + ", as --config, --set or --track want it";
+  const std::string why = difference_in(recording.config, recording.folder.directory);
+  return from + (why.empty() ? ": a file of the folder or the program has changed" : ": " + why);
 }
 
 int replay(const ReplayOptions& options) {
-  refuse_ideal(options.directory);
   const bool is_drag = options.estimator == "drag";
   const Recording recording = read(options);
   const auto load_picture = flight_log::picture_loader(
@@ -224,8 +213,7 @@ int replay(const ReplayOptions& options) {
 
   const auto labelled = against_labels(recording, result);
   const auto visible = against_geometry(recording, result, options.heading_offset_deg * kDegree);
-  std::optional<bool> exact;
-  if (is_drag) exact = same_as_recorded(recording, result);
+  const auto comparison = compared(recording, options, result);
   int fixes = 0;
   for (const auto& row : result.pictures) fixes += row.sighting.source != Sighting::Source::kNone;
   if (options.json) {
@@ -244,15 +232,18 @@ int replay(const ReplayOptions& options) {
       json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
     if (labelled) json["labelled"] = {{"shown", labelled->shown}, {"found", labelled->found}};
     if (visible) json["visible"] = {{"shown", visible->shown}, {"found", visible->found}};
-    if (exact) json["same_as_recorded"] = *exact;
+    if (comparison) json["same_as_recorded"] = !comparison->first_other;
+    if (comparison && comparison->first_other)
+      json["first_difference_row"] = *comparison->first_other;
     std::cout << json.dump(2) << '\n';
   } else {
     std::cout << std::fixed << std::setprecision(2) << options.directory << ": "
               << result.estimates.size() << " samples, " << result.pictures.size()
               << " pictures, all numbers " << (result.finite ? "finite" : "NOT finite") << '\n';
     if (visible)
-      std::cout << "  gate found      in " << visible->found << " of " << visible->shown
-                << " in-flight pictures that show it whole\n";
+      std::cout
+          << "  gate found      in " << visible->found << " of " << visible->shown
+          << " pictures in flight that show a gate of the map whole, the next one or another\n";
     if (labelled)
       std::cout << "  labelled        in " << labelled->found << " of " << labelled->shown
                 << " (overlap70)\n";
@@ -261,11 +252,10 @@ int replay(const ReplayOptions& options) {
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
-    if (exact)
-      std::cout << "  recorded flight "
-                << (*exact ? "the same estimates, to the bit" : "estimates DIFFER") << '\n';
+    if (comparison) std::cout << "  recorded flight " << text_of(*comparison, recording) << '\n';
   }
-  return result.finite ? kDone : kAnswerIsNo;
+  const bool came_out = !comparison || !comparison->first_other || comparison->told;
+  return result.finite && came_out ? kDone : kAnswerIsNo;
 }
 
 }  // namespace
@@ -274,10 +264,12 @@ void declare_replay(Command& command) {
   auto options = std::make_shared<ReplayOptions>();
   command.footer(
       "Example:\n  gatefly replay out/showroom-1 --csv estimates.csv\n"
-      "  gatefly replay ../shared/data/tudelft_bebop_flights/flight_11 --json\n\n"
+      "  gatefly replay tudelft_bebop_flights/flight_11 --json\n\n"
       "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml "
       "and\n"
-      "configs/flights.toml. Exit code 0: done; 1: a number was not finite; 2: unusable input.");
+      "configs/flights.toml. Exit code 0: done; 1: a number was not finite, or a flight of gatefly "
+      "fly came out "
+      "otherwise; 2: unusable input.");
   command.option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")
       .required();
   command.option("--track", options->track,
@@ -291,6 +283,9 @@ void declare_replay(Command& command) {
       .option("--heading-offset-deg", options->heading_offset_deg,
               "real logs: motion capture's heading minus the log's own (differs by flight)")
       .show_default();
+  command
+      .option("--data", options->data, "where a DIR is looked for that is not here [$GATEFLY_DATA]")
+      .type_name("DIR");
   command.option("--csv", options->csv, "write estimates.csv").type_name("FILE");
   command.flag("--json", options->json, "print JSON");
   add_common(command, options->common);

@@ -25,6 +25,7 @@
 #include "gatefly/tuning/describe.hpp"
 
 #include "commands.hpp"
+#include "upright.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -52,9 +53,11 @@ void complain(const std::string& what) { std::cerr << "gatefly tune: " << what <
 
 std::vector<fs::path> all_files(const TuneOptions& options) {
   std::vector<fs::path> files;
-  for (const std::string& path : options.images)
-    for (const fs::path& file : io::picture_files(io::find_data(path, options.data)))
-      files.push_back(file);
+  for (const std::string& path : options.images) {
+    const fs::path found = io::find_data(path, options.data);
+    for (const fs::path& file : io::picture_files(found)) files.push_back(file);
+    if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
+  }
   // Neighbours in time stay in one half.
   std::stable_sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return a.parent_path() != b.parent_path()
@@ -81,6 +84,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
     ignored = gates_by_picture(io::read_labels(io::find_data(options.ignore, options.data)));
   std::unordered_set<std::string> contents, names;
   const std::vector<fs::path> files = all_files(options);
+  Upright upright(config);
   for (const fs::path& path : files) {
     if (interrupted()) break;
     const std::string name = path.filename().string();
@@ -96,13 +100,14 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
         ++material.duplicates;
         continue;
       }
+      const Image image = upright.view(file, path);  // its bytes stay where they are
       material.files.push_back(std::move(file));
       material.pictures.push_back(
-          {.image = {},
+          {.image = image,
            .truth = {.gates = gates[name], .ignored = ignored[name], .detections = {}}});
     } catch (const std::exception& error) {
       progress.clear();
-      complain(error.what());
+      complain(io::reason_of(error));
       ++material.unusable;
     }
     const auto done = static_cast<double>(names.size());
@@ -110,8 +115,8 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
       progress.update(0.5 * done / static_cast<double>(files.size()),
                       std::to_string(names.size()) + " pictures read");
   }
-  for (std::size_t i = 0; i < material.files.size(); ++i)
-    material.pictures[i].image = material.files[i].view(config.camera.stored_rotation_deg);
+  progress.clear();
+  if (!material.files.empty() && !options.common.quiet) complain(upright.said());
   if (labelled)
     material.labels_without_picture =
         static_cast<int>(gates.size()) - static_cast<int>(names.size());
@@ -129,8 +134,15 @@ fs::path beside(const fs::path& out, const char* ending) {
 
 std::string summary_of(const TuneOptions& options, const Material& material, const Tuned& tuned) {
   const std::string pictures = std::to_string(material.pictures.size()) + " pictures, ";
-  return options.labels.empty() ? pictures + std::to_string(tuned.gates) + " confident detections"
-                                : pictures + std::to_string(tuned.gates) + " labelled gates";
+  return options.labels.empty()
+             ? pictures + std::to_string(tuned.gates) + " detections of fitness " +
+                   io::text_of(tuned.confident) + " and more"
+             : pictures + std::to_string(tuned.gates) + " labelled gates";
+}
+
+std::string rates_of(const tuning::Operating& point) {
+  return "hit rate " + io::fixed(point.true_positive_rate, 3) + ", " +
+         io::fixed(point.false_per_image, 3) + " false per picture";
 }
 
 std::string config_text(const TuneOptions& options, const io::Config& config,
@@ -146,10 +158,9 @@ std::string config_text(const TuneOptions& options, const io::Config& config,
   text << "table = "
        << nlohmann::json(beside(options.out, ".colors.toml").filename().string()).dump()
        << "\n\n[detector]\n"
-       << "min_score = " << io::text_of(tuned.chosen.min_score, 4)
-       << "  # two-fold: " << io::text_of(tuned.chosen.true_positive_rate, 3) << " of the gates at "
-       << io::text_of(tuned.chosen.false_per_image, 3) << " false ones a picture"
-       << (options.labels.empty() ? " (estimated)\n" : "\n") << "sure_score = "
+       << "min_score = " << io::text_of(tuned.chosen.min_score, 4) << "  # "
+       << (options.labels.empty() ? "estimated without labels: " : "two-fold: ")
+       << rates_of(tuned.chosen) << "\nsure_score = "
        << io::text_of(
               tuning::with_fitted_colors({.detector = config.pilot.detector}).detector.sure_score,
               4)
@@ -165,9 +176,27 @@ std::string roc_text(const tuning::Roc& roc) {
   return text;
 }
 
-io::Canvas roc_plot(const TuneOptions& options, const Tuned& tuned) {
-  io::PlotSeries curve{.name = options.labels.empty() ? "estimated"
-                                                      : "each half by the other's colours"};
+/// Without labels hits are of what was found: over false positives that is a flat line.
+io::Canvas estimate_plot(const Tuned& tuned) {
+  io::PlotSeries hits{.name = "hit rate, estimated"},
+      wrong{.name = "false positives per picture, estimated", .color = io::look::kFlown},
+      chosen{.name = "detector.min_score = " + io::text_of(tuned.chosen.min_score, 3),
+             .points = {{tuned.chosen.min_score, 0.0}, {tuned.chosen.min_score, 1.0}},
+             .color = io::look::kGate,
+             .marks = false};
+  hits.marks = wrong.marks = false;
+  for (const tuning::Operating& point : tuned.roc.points) {
+    hits.points.emplace_back(point.min_score, point.true_positive_rate);
+    wrong.points.emplace_back(point.min_score, point.false_per_image);
+  }
+  return io::draw({.title = "Estimated without labels",
+                   .x_label = "detector.min_score",
+                   .y_label = "rate",
+                   .series = {hits, wrong, chosen}});
+}
+
+io::Canvas roc_plot(const Tuned& tuned) {
+  io::PlotSeries curve{.name = "each half by the other's colours"};
   for (const tuning::Operating& point : tuned.roc.points)
     curve.points.emplace_back(point.false_per_image, point.true_positive_rate);
   io::PlotSeries chosen{.name = "min_score " + io::text_of(tuned.chosen.min_score, 3),
@@ -188,7 +217,8 @@ void write(const TuneOptions& options, const io::Config& config, const Material&
     io::write_file(beside(options.out, ".colors.toml"),
                    io::color_model_text(tuned.color, summary_of(options, material, tuned)));
     io::write_file(beside(options.out, ".roc.csv"), roc_text(tuned.roc));
-    roc_plot(options, tuned).write_png(beside(options.out, ".roc.png"));
+    (options.labels.empty() ? estimate_plot(tuned) : roc_plot(tuned))
+        .write_png(beside(options.out, ".roc.png"));
   }
   io::write_file(options.out, config_text(options, config, material, tuned));
 }
@@ -220,10 +250,10 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
     for (const double allowed : {0.01, 0.02, 0.05, 0.1}) {
       const tuning::Operating point = tuned.roc.at(allowed);
       line(allowed == 0.01 ? (options.labels.empty() ? "estimated" : "two-fold") : "",
-           io::text_of(point.true_positive_rate, 3) + " of the gates at " +
-               io::text_of(point.false_per_image, 3) + " false ones a picture (min_score " +
-               io::text_of(point.min_score, 3) + ")");
+           rates_of(point) + " (min_score " + io::text_of(point.min_score, 3) + ")");
     }
+    if (options.labels.empty())
+      line("", "from scores alone, of the gates that were found at all: --labels measures");
     line("chosen", "detector.min_score = " + io::text_of(tuned.chosen.min_score, 4));
     line("written", options.out + ", " + beside(options.out, ".colors.toml").filename().string() +
                         ", " + beside(options.out, ".roc.csv").filename().string() + ", " +
@@ -325,7 +355,8 @@ void declare_tune(Command& command) {
       .type_name("COLOR");
   command
       .option("--rotate", options->rotate_deg,
-              "turn stored pictures counter-clockwise [camera.stored_rotation_deg]")
+              "turn stored pictures counter-clockwise [as the camera of a --config, else EXIF, "
+              "else upright]")
       .one_of({0, 90, 180, 270})
       .type_name("DEG");
   command

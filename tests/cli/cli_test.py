@@ -76,6 +76,51 @@ class Help(Cli):
         self.assertRegex(result.stdout, r"^gatefly \d+\.\d+\.\d+\n$")
 
 
+class Words(Cli):
+    """What the program says of itself and of its work."""
+    def test_help_and_version_are_commands_too(self):
+        self.assertEqual(self.run_it("help", "fly").stdout, self.run_it("fly", "--help").stdout)
+        self.assertEqual(self.run_it("help", "tune").stdout, self.run_it("tune", "--help").stdout)  # the sibling's
+        self.assertEqual(self.run_it("help").stdout, self.run_it("--help").stdout)
+        self.assertEqual(self.run_it("version").stdout, self.run_it("--version").stdout)
+        self.assertIn("did you mean 'fly'", self.refused("help", "flyy"))
+
+    def test_help_shows_config_and_set_as_they_are_taken(self):
+        text = self.run_it("fly", "--help").stdout
+        for flag in ("--config FILE", "--set SECTION.KEY=VALUE"):
+            self.assertIn(flag, text)
+            self.assertNotIn(flag + " ...", text)
+        slow, fast = self.file("slow.toml", "[control]\nspeed_mps = 1.1\n"), self.file("fast.toml", "[control]\nspeed_mps = 1.9\n")
+        both = self.run_it("config", "--json", "--config", slow, "--config", fast, "--set", "camera.tilt_deg=1", "--set", "camera.rate_hz=9")
+        answer = json.loads(both.stdout)
+        self.assertEqual((answer["control"]["speed_mps"], answer["camera"]["tilt_deg"], answer["camera"]["rate_hz"]), (1.9, 1, 9))
+        self.refused("config", "--config", slow, fast)
+
+    def test_counts_of_fly_and_replay_say_what_they_count(self):
+        flown = self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1")
+        self.assertRegex(flown.stdout, r"detection +\d+ pictures, \d+ show the next gate whole: in \d+ found, \d+ false detections")
+
+    def test_a_narrow_terminal_gets_one_line_of_progress(self):
+        import fcntl, pty, struct, termios
+        for columns in (20, 30, 60):
+            terminal, end = pty.openpty()
+            fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+            program = subprocess.Popen([GATEFLY, "fly", "oval", "--laps", "100", "--vision", "ideal", "--set", "sim.timeout_s=400"],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=end)
+            os.close(end)
+            said = b""
+            try:
+                while piece := os.read(terminal, 65536):
+                    said += piece
+            except OSError:  # the other end is closed
+                pass
+            program.wait()
+            os.close(terminal)
+            updates = said.decode().split("\r\x1b[K")[1:]
+            self.assertGreater(len(updates), 2)
+            self.assertLess(max(map(len, updates)), columns)
+
+
 class Bench(Cli):
     def test_costs_of_a_pattern_stand_beside_their_baseline(self):
         result = self.run_it("bench", "--pictures", "checker:8", "gate", "--stage", "snakes", "flown", "--quick", "--json")
@@ -114,6 +159,34 @@ class CommandLine(Cli):
         self.assertIn("--seed", self.refused("fly", "--seed", "many"))
         self.assertIn("--seed", self.refused("fly", "--seed", "-1"))
         self.assertIn("--laps", self.refused("fly", "--laps", "0"))
+        self.assertIn("--laps: '1x', must be a whole number", self.refused("fly", "--laps", "1x"))
+        self.assertIn("--gate-height-m: 'high', must be a number", self.refused("calibrate", "--gate-height-m", "high"))
+
+    def test_a_seed_is_never_another_one(self):
+        most = 2**64 - 1
+        self.assertIn(f"{most + 1} is too large", self.refused("fly", "oval", "--seed", most + 1))
+        self.assertIn("is too large", self.refused("campaign", "oval", "--runs", "1", "--first-seed", 10**30))
+        self.assertIn("no seeds", self.refused("campaign", "oval", "--runs", "2", "--first-seed", most))
+        flown = self.run_it("fly", "oval", "--vision", "ideal", "--set", "sim.timeout_s=1", "--json", "--seed", most)
+        self.assertEqual(json.loads(flown.stdout)["seed"], most)
+
+    def test_files_without_end_and_impossible_names_are_one_line(self):
+        for arguments in (("fly", "/dev/zero"), ("config", "--config", "/dev/zero"), ("score", "--detections", "/dev/zero", "--labels", "x")):
+            self.assertIn("/dev/zero: is longer than", self.refused(*arguments))
+        for arguments in (("replay",), ("identify",), ("detect",), ("fly",), ("tune", "--out", "m.toml")):
+            self.assertNotIn("filesystem error", self.refused(*arguments, 300 * "a"))
+
+    def test_a_track_from_a_pipe_is_in_the_flights_folder_too(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        program = subprocess.Popen([GATEFLY, "fly", pipe, "--vision", "ideal", "--set", "sim.timeout_s=1", "--out", self.folder / "flown"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")
+        pipe.write_text(oval, encoding="utf-8")
+        program.communicate(timeout=60)
+        self.assertEqual((self.folder / "flown" / "track.toml").read_text(encoding="utf-8"), oval)
+
+    def test_values_of_vision(self):
         self.assertIn("--vision", self.refused("fly", "--vision", "real"))
 
 
@@ -137,6 +210,24 @@ class IdealVision(Cli):
         self.assertEqual(self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--out", "blind").returncode, 0)
         self.assertIn("--vision ideal", self.refused("replay", "blind"))
 
+    def colored(self, first, second):
+        oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")
+        parts = oval.split('"orange"')
+        return self.file("colored.toml", f'{parts[0]}"{first}"{parts[1]}"{second}"{parts[2]}')
+
+    def test_the_tracks_colour_is_looked_for_and_another_is_not_seen(self):
+        fly = ("fly", self.colored("blue", "blue"), "--laps", "1", "--vision")
+        for vision in ("ideal", "rendered"):
+            result = self.run_it(*fly, vision)
+            self.assertEqual((result.returncode, "not of the colour" in result.stderr), (0, False), vision + result.stderr)
+        self.assertIn("to the bit", self.run_it("replay", "out/colored-1").stdout)
+        red = self.run_it(*fly, "ideal", "--set", "color.rgb=[0.9, 0.1, 0.1]")
+        self.assertEqual(red.returncode, 1)
+        self.assertIn("oval: gate 1, 2 not of the colour that the pilot looks for (color.rgb", red.stderr)
+        mixed = self.run_it("fly", self.colored("orange", "white"), "--laps", "1", "--vision", "ideal")
+        self.assertEqual((mixed.returncode, mixed.stdout.count("1 of 2 gates")), (1, 1))
+        self.assertIn("gate 2 not of the colour", mixed.stderr)
+
     def test_another_detector_flies_another_flight(self):
         errors = []
         for detector in ("ours", "paper"):
@@ -145,6 +236,115 @@ class IdealVision(Cli):
             errors.append(json.loads(result.stdout)["detection"]["true_positives"])
         self.assertGreater(errors[0], errors[1])
         self.assertIn("ours", self.refused("fly", "oval", "--set", "sim.ideal_detector=theirs"))
+
+
+class Replay(Cli):
+    """One short rendered flight, damaged in many ways."""
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="gatefly-flight-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.flight = pathlib.Path(folder.name) / "flight"
+        environment = dict(os.environ, XDG_CACHE_HOME=folder.name)
+        subprocess.run([GATEFLY, "fly", "oval", "--laps", "1", "--quiet", "--set", "sim.timeout_s=5", "--out", cls.flight],
+                       env=environment, capture_output=True, timeout=120, check=False)
+
+    def copy(self):
+        shutil.rmtree(self.folder / "flight", ignore_errors=True)
+        return shutil.copytree(self.flight, self.folder / "flight")
+
+    def edited(self, name, edit):
+        path = self.copy() / name
+        path.write_text(edit(path.read_text(encoding="utf-8")), encoding="utf-8")
+        return path.parent
+
+    def test_as_it_is_it_comes_out_to_the_bit(self):
+        result = self.run_it("replay", self.flight)
+        self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stdout + result.stderr)
+
+    def test_what_fly_wrote_must_be_there(self):
+        for name in ("images.csv", "track.toml", "settings.txt", "config-0.toml"):
+            (self.copy() / name).unlink()
+            self.assertIn(f"{name}: is missing, gatefly fly has put it there", self.refused("replay", "flight"))
+        (self.copy() / "frame_00003.uyvy").unlink()
+        self.assertIn("frame_00003.uyvy: cannot be read", self.refused("replay", "flight"))
+
+    def test_rows_that_were_deleted_are_named(self):
+        def without(row):
+            return lambda text: "".join(line for i, line in enumerate(text.splitlines(True)) if i != row)
+        self.assertIn("images.csv:16: came at", self.refused("replay", self.edited("log_si.csv", without(600))))
+        self.assertIn("log_si.csv: ends at 5", self.refused("replay", self.edited(
+            "summary.json", lambda text: text.replace('"flight_time_s": ', '"flight_time_s": 9'))))
+        self.assertIn("images.csv: has ", self.refused("replay", self.edited("images.csv", without(20))))
+
+    def test_a_number_that_was_changed_is_found_in_what_comes_out(self):
+        def without_a_gyro(text):
+            lines = text.splitlines(True)
+            cells = lines[1200].split(",")
+            lines[1200] = ",".join((*cells[:3], "", *cells[4:]))
+            return "".join(lines)
+        result = self.run_it("replay", self.edited("log_si.csv", without_a_gyro))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("other estimates from log_si.csv:1201 on", result.stdout)
+        first = self.flight.joinpath("log_si.csv").read_text().splitlines()[1].split(",")[2]
+        for wrong in ("x", "nan", "1e999"):
+            self.assertIn(f"log_si.csv:2:3: gyro_p_radps = '{wrong}'", self.refused("replay", self.edited(
+                "log_si.csv", lambda text: text.replace(f",{first},", f",{wrong},", 1))))
+
+    def test_other_settings_are_named_and_the_users_own_are_no_fault(self):
+        result = self.run_it("replay", self.edited("settings.txt", lambda text: text + "filter.sonar_sigma_m=0.5\n"))
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertIn("filter.sonar_sigma_m is 0.5, was ", result.stdout)
+        told = self.run_it("replay", self.copy(), "--set", "filter.sonar_sigma_m=0.5", "--json")
+        self.assertEqual((told.returncode, json.loads(told.stdout)["same_as_recorded"]), (0, False))
+        for laps in ("many", "99999999999", "0", "2x", ""):
+            error = self.refused("replay", self.edited("settings.txt", lambda text: f"laps={laps}\n"))
+            self.assertIn(f"settings.txt: laps={laps}, must be a whole number in 1..100", error)
+
+    def test_a_summary_that_is_nonsense_bears_no_witness(self):
+        for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x"}'):
+            self.assertEqual(self.run_it("replay", self.edited("summary.json", lambda text: nonsense)).returncode, 0, nonsense)
+
+    def test_a_wrong_setting_of_the_folder_is_not_blamed_on_set(self):
+        for wrong, said in (("nonsense", "settings.txt nonsense: must be section.key=value"), ("camera.foo=3", "settings.txt: camera.foo is not a known key")):
+            self.assertIn(said, self.refused("replay", self.edited("settings.txt", lambda text: wrong + "\n" + text)))
+
+    def test_a_picture_listed_twice_is_refused(self):
+        twice = self.edited("images.csv", lambda text: text.replace("frame_00007.uyvy", "frame_00006.uyvy"))
+        self.assertIn("images.csv:9: image = 'frame_00006.uyvy', a second time", self.refused("replay", twice))
+
+    def test_a_damaged_flight_among_others_is_named_and_the_rest_is_done(self):
+        self.edited("log_si.csv", lambda text: text[:len(text) // 2]).rename(self.folder / "a")
+        shutil.copytree(self.flight, self.folder / "b")
+        result = self.run_it("identify", ".")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertRegex(result.stderr, r"a/log_si.csv:\d+: has \d+ cells")
+        self.assertIn("./b: no second above 0.9 m", result.stderr)
+
+    def test_it_is_found_in_the_data_folder(self):
+        for given, variable in ((("--data", self.flight.parent), ""), ((), str(self.flight.parent))):
+            self.assertEqual(self.run_it("replay", "flight", *given, GATEFLY_DATA=variable).returncode, 0)
+        self.assertIn("no-such-folder", self.refused("replay", "flight", "--data", "no-such-folder"))
+
+    def test_a_flight_with_a_fitted_colour_table_carries_it(self):
+        colors = "\n".join(f"{name} = {16 * [1024 * 'h']}" for name in ("absolute", "relative"))
+        (self.folder / "mine").mkdir()
+        table = self.file("mine/my.colors.toml", "version = 1\n" + colors + "\n")
+        config = self.file("mine/mine.toml", '[color]\ntable = "my.colors.toml"\n')
+        short = ("oval", "--set", "sim.timeout_s=2", "--quiet")
+        for k, given in enumerate((("--config", config), ("--set", f"color.table={table}"))):
+            self.assertEqual(self.run_it("fly", *short, *given, "--out", f"tabled{k}").returncode, 1)
+        race = ("campaign", "oval", "--runs", "1", "--vision", "ideal", "--laps", "1", "--quiet", "--config", config, "--out", "races")
+        self.assertEqual(self.run_it(*race).returncode, 0)
+        (self.folder / "mine").rename(self.folder / "elsewhere")
+        for k in range(2):
+            result = self.run_it("replay", f"tabled{k}")
+            self.assertIn("to the bit", result.stdout, result.stderr)
+        moved = [str(word).replace("/mine/", "/elsewhere/") for word in race]
+        self.assertEqual(self.run_it(*moved).returncode, 0)  # the same table, wherever it lies
+        other = self.folder / "elsewhere" / "my.colors.toml"
+        other.write_text(other.read_text().replace("hhhh", "hhih", 1))
+        self.assertIn("the colour table has changed", self.refused(*moved))
 
 
 class Campaign(Cli):
@@ -249,6 +449,13 @@ class Campaign(Cli):
         (thesis / "chapter1.tex").write_text("years of work", encoding="utf-8")
         self.assertIn("thesis", self.refused("campaign", "oval", "--runs", "1", *self.FLIGHT, "--out", thesis))
 
+    def test_a_damaged_campaign_is_named(self):
+        (self.folder / "bad").mkdir()
+        for damage in ("", "[]", '{"arguments": {"runs": "x"}}', '{"arguments": {"runs": 0, "first_seed": 1, "shard": [1, 1]}, "fly": ""}',
+                       '{"arguments": {"runs": 2, "first_seed": 1, "shard": [0, 0]}, "fly": ""}', '{"arguments": {"runs": 2, "first_seed": 1, "shard": [1, 1]}, "fly": 7}'):
+            self.file("bad/campaign.json", damage)
+            self.assertIn("bad/campaign.json: is damaged", self.refused("campaign", "--merge", "bad", "--out", "merged"))
+
     def test_the_printed_command_flies_the_failed_run_again(self):
         track = self.file("my track.toml", (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8"))
         result = self.run_it("campaign", track, "--runs", "2", *self.FLIGHT, "--set", "sim.timeout_s=5", "--out", "late")
@@ -268,6 +475,7 @@ class Campaign(Cli):
         self.assertIn("--runs", self.refused("campaign", "oval"))
         self.assertIn("--runs", self.refused("campaign", "oval", "--runs", "0"))
         self.assertIn("--first-seed", self.refused("campaign", "oval", "--runs", "1", "--first-seed", "-1"))
+        self.assertIn("--shard x", self.refused("campaign", "oval", "--shard", "x"))
         for shard in ("3/2", "0/2", "1", "1/2/3", "a/b", "-1/2"):
             self.assertIn("--shard", self.refused("campaign", "oval", "--runs", "2", "--shard", shard))
         self.assertIn("--out", self.refused("campaign", "--merge", "a", "b"))
@@ -277,7 +485,7 @@ class Campaign(Cli):
 class Tracks(Cli):
     def test_unknown_track_lists_the_available_ones(self):
         error = self.refused("fly", "showrom")
-        self.assertIn("oval, oval-li18, showroom", error)
+        self.assertIn("figure8, flights, lanes, oval", error)
         self.assertIn("did you mean 'showroom'", error)
 
     def test_broken_toml_names_the_line(self):
@@ -285,20 +493,20 @@ class Tracks(Cli):
 
     def test_unknown_key_suggests_the_nearest(self):
         error = self.fly_track(GATE + "hedding_deg = 3\n")
-        self.assertIn("gates[0].hedding_deg", error)
+        self.assertIn("gate 1: hedding_deg", error)
         self.assertIn("'heading_deg'", error)
 
     def test_not_a_number_is_refused(self):
-        self.assertIn("gates[0].position_m = [nan, 0, -1.5]",
+        self.assertIn("gate 1: position_m = [nan, 0, -1.5]",
                       self.fly_track("[[gates]]\nposition_m = [nan, 0.0, -1.5]\n"))
 
     def test_negative_side_names_file_key_value_and_range(self):
-        self.assertIn("mine.toml: gates[0].side_m = -1, must be in 0.3..5", self.fly_track(GATE + "side_m = -1\n"))
+        self.assertIn("mine.toml:3: gate 1: side_m = -1, must be in 0.3..5", self.fly_track(GATE + "side_m = -1\n"))
 
     def test_gate_too_low_is_refused_before_take_off(self):
         error = self.fly_track("[[gates]]\nposition_m = [3.0, 0.0, -0.3]\n")
         self.assertIn("mine.toml", error)
-        self.assertIn("gates[0].position_m", error)
+        self.assertIn("gate 1: position_m", error)
 
     def test_course_without_a_way_is_refused_before_take_off(self):
         wall = "[[obstacles]]\nbox_m = [0.3, 10.0, 3.0]\nposition_m = [1.5, 0.0]\n"
@@ -318,7 +526,7 @@ class Courses(Cli):
 
     def test_impossible_courses_are_refused_with_the_reason(self):
         reasons = {
-            "gate_above_ceiling": "gates[1].position_m = [3.5, 4, -4.5], must be below the ceiling",
+            "gate_above_ceiling": "gate 2: position_m = [3.5, 4, -4.5], must be below the ceiling",
             "gate_in_floor": "the lower bar is 0.05 m above the floor",
             "gate_outside_room": "must be inside the room",
             "gate_too_small": "gate 2 is too small to fly through",
@@ -339,6 +547,14 @@ class Courses(Cli):
             result = self.run_it("fly", course, "--vision", "ideal", "--laps", "1", "--json", "--out", "flown-" + course.stem)
             self.assertIn(result.returncode, (0, 1), result.stderr)
             self.assertGreaterEqual(json.loads(result.stdout)["gates_passed"], 1, course)
+
+
+class Vehicles(Cli):
+    def test_one_that_cannot_lift_itself_or_come_down_is_refused_before_take_off(self):
+        for command in (("fly", "oval"), ("campaign", "oval", "--runs", "2")):
+            self.assertIn("vehicle.mass_kg = 1.2, but four rotors at vehicle.max_rotor_radps = 1250 lift 1.1 kg",
+                          self.refused(*command, "--set", "vehicle.mass_kg=1.2"))
+        self.assertIn("to come down", self.refused("fly", "oval", "--set", "vehicle.min_rotor_radps=800"))
 
 
 class Interrupted(Cli):
@@ -625,6 +841,30 @@ class Pictures(Cli):
         self.assertEqual(self.run_it("detect", "--set", "camera.stored_rotation_deg=90", path).stdout.splitlines()[1], row)
         self.assertIn("--rotate", self.refused("detect", "--rotate", "45", path))
 
+    def test_without_rotate_pictures_are_upright_unless_a_configuration_names_the_camera(self):
+        path = self.picture("a.ppm")
+        for given, same, said in (((), "0", "1 picture taken as upright\n"),
+                                  (("--config", "cyberzoo"), "90", "1 picture turned by 90 degrees counter-clockwise (")):
+            result = self.run_it("detect", path, *given)
+            self.assertEqual(result.stdout.splitlines()[1:], self.run_it("detect", "--rotate", same, path, *given).stdout.splitlines()[1:])
+            self.assertIn(said, result.stderr)
+        self.assertEqual(self.run_it("detect", path, "--quiet").stderr, "")
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "there is no ffmpeg")
+    def test_exif_turns_a_photo_and_a_mirrored_one_is_refused(self):
+        subprocess.run(["ffmpeg", "-v", "error", "-i", self.picture("a.ppm"), "-q:v", "1", "plain.jpg"], cwd=self.folder, check=True)
+        jpeg = (self.folder / "plain.jpg").read_bytes()
+        for orientation, rotate in ((3, "180"), (6, "270"), (8, "90")):
+            exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01" + bytes((0, orientation, 0, 0))
+            photo = self.folder / f"photo{orientation}.jpg"
+            photo.write_bytes(jpeg[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + jpeg[2:])
+            by_exif, told = self.run_it("detect", photo), self.run_it("detect", photo, "--rotate", rotate)
+            self.assertEqual(by_exif.stdout, told.stdout)
+            self.assertIn(f"turned by {rotate} degrees counter-clockwise (EXIF)", by_exif.stderr)
+            self.assertNotEqual(self.run_it("detect", photo, "--rotate", "0").stdout, told.stdout)
+        photo.write_bytes(photo.read_bytes().replace(b"\x01\0\x08", b"\x01\0\x02"))
+        self.assertIn("EXIF orientation 2 mirrors it", self.refused("detect", photo))
+
     def test_the_answer_of_a_picture_does_not_depend_on_its_neighbours(self):
         paths = [self.picture(name) for name in ("a.ppm", "b.ppm")]
         rows = self.run_it("detect", "--rotate", "0", *paths).stdout.splitlines()[1:]
@@ -633,7 +873,9 @@ class Pictures(Cli):
     def test_nothing_detected_is_exit_1_with_a_header(self):
         for name, size in (("none.ppm", {"gate": False}), ("one.ppm", {"width": 1, "height": 1}), ("line.ppm", {"height": 1})):
             result = self.run_it("detect", self.picture(name, **size))
-            self.assertEqual((result.returncode, result.stdout, result.stderr), (1, self.HEADER + "\n", ""))
+            self.assertEqual((result.returncode, result.stdout), (1, self.HEADER + "\n"))
+            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\ngatefly detect: 1 of 1 pictures have "
+                             f"no colour, by which gates are found: {name}\n")
 
     def test_json_holds_the_same_rows(self):
         path = self.picture("a.ppm")
@@ -673,6 +915,17 @@ class Pictures(Cli):
         self.assertIn("ffmpeg", self.refused("detect", "notes.txt", PATH=str(self.folder)))
         self.assertIn("no-such-folder", self.refused("detect", "b.ppm", "--data", "no-such-folder"))
 
+    def test_what_a_folder_does_not_mean_is_said(self):
+        self.picture("set/a.ppm")
+        for name in ("b.BMP", "c.webp", "d.tiff", "e.heic", "notes.txt"):
+            (self.folder / "set" / name).write_bytes(b"x")
+        said = "set: left out: b.BMP, c.webp, d.tiff and 1 more (a folder means its .jpg, .jpeg, .png and .ppm)"
+        result = self.run_it("detect", "set")
+        self.assertEqual((result.returncode, said in result.stderr), (0, True), result.stderr)
+        (self.folder / "set" / "a.ppm").unlink()
+        self.assertIn(said, self.refused("detect", "set"))
+        self.assertIn(said, self.refused("tune", "set", "--out", "mine.toml"))
+
     def test_pictures_are_found_in_the_data_folder(self):
         self.picture("data/a.ppm")
         for given in (("--data", "data"), ()):
@@ -687,6 +940,13 @@ class Pictures(Cli):
         result = self.run_it("detect", "--rotate", "0", "f.avi")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual([row.split(",")[0] for row in result.stdout.splitlines()[1:]], ["f.avi#0", "f.avi#2"])
+        # A phone's film says how it was held; --rotate is told about what is stored.
+        subprocess.run(["ffmpeg", "-v", "error", "-i", "f.avi", "-c:v", "mjpeg", "-q:v", "2", "plain.mov"], cwd=self.folder, check=True)
+        subprocess.run(["ffmpeg", "-v", "error", "-i", "plain.mov", "-c", "copy", "-metadata:s:v", "rotate=90", "held.mov"], cwd=self.folder, check=True)
+        across = {rotate: max(max(self.corners(row)[0::2]) for row in self.run_it("detect", "held.mov", *rotate).stdout.splitlines()[1:])
+                  for rotate in ((), ("--rotate", "0"))}
+        self.assertLess(across[()], 102)  # turned: 120 px wide, the gate in the middle
+        self.assertGreater(across["--rotate", "0"], 118)
 
 
 class Tune(Cli):
@@ -717,6 +977,7 @@ class Tune(Cli):
         result = self.run_it("tune", "--labels", labels, "--rotate", "0", folder, "--out", "mine.toml")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("12 labelled gates", result.stdout)
+        self.assertRegex(result.stdout, r"two-fold +hit rate [01]\.\d{3}, 0\.0\d\d false per picture \(min_score")
         self.assertLessEqual(len(result.stdout.splitlines()), 24)
         self.assertEqual(sorted(path.name for path in self.folder.glob("mine*")),
                          ["mine.colors.toml", "mine.roc.csv", "mine.roc.png", "mine.toml"])
@@ -730,6 +991,19 @@ class Tune(Cli):
         self.assertEqual((result.returncode, answer["learnt"], answer["estimated"], answer["pictures"]), (0, True, True, 12))
         self.assertGreaterEqual(answer["confident_detections"], 10)
         self.assertEqual(self.found(folder, "--config", self.folder / "mine.toml"), 12)
+
+    def test_estimates_are_called_estimates(self):
+        folder, _ = self.album(b"\x30\xa0\x40")
+        result = self.run_it("tune", "--describe", "green", "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertRegex(result.stdout, r"estimated +hit rate [01]\.\d{3}, 0\.0\d\d false per picture")
+        self.assertIn("from scores alone", result.stdout)
+        self.assertIn("# estimated without labels: hit rate", (self.folder / "mine.toml").read_text())
+
+    def test_with_too_few_sure_gates_it_starts_again_from_less_sure_ones(self):
+        folder, _ = self.album(bytes((115, 134, 118)))  # hardly green
+        result = self.run_it("tune", "--describe", "green", "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertRegex(result.stdout, "detections of fitness 0.[56] and more")
 
     def test_a_description_that_finds_nothing_is_kept_and_that_is_said(self):
         folder, _ = self.album(b"\x30\xa0\x40")
@@ -774,7 +1048,7 @@ class Tune(Cli):
         config = self.file("mine.toml", "[color]\ntable = \"colors.toml\"\n")
         for command in (("detect", self.file("a.ppm", "")), ("fly", "oval"), ("config",)):
             error = self.refused(*command, "--config", config)
-            self.assertIn("mine.toml: color.table: ", error)
+            self.assertIn("mine.toml:2: color.table: ", error)
             self.assertIn("colors.toml:", error)
 
 
@@ -795,6 +1069,16 @@ class Scores(Cli):
         self.assertEqual((screen.returncode, screen.stderr), (0, ""))
         for text in ("1 of 1 (rate 1.000)", "1 (0.500 per image)", "median 1.0 px", "30-45 px 1/1"):
             self.assertIn(text, screen.stdout)
+
+    def test_what_a_spreadsheet_makes_of_the_tables_is_read(self):
+        wanted = self.run_it(*self.score(self.FOUND, self.LABELS)).stdout
+        for form in (lambda text: "\ufeff" + text, lambda text: text.replace(",", ";").replace("0.9", "0,9"),
+                     lambda text: "\ufeff" + text.replace(",", "\t").replace("\n", "\r\n")):
+            self.assertEqual(self.run_it(*self.score(form(self.FOUND), form(self.LABELS))).stdout, wanted)
+
+    def test_a_missing_column_is_named_with_those_there_are(self):
+        error = self.refused(*self.score(self.FOUND, self.LABELS.replace("tl_v", "tlv")))
+        self.assertIn("labels.csv:1: has no column 'tl_v' (there are: image, has_gate, tl_u, tlv, tr_u,", error)
 
     def test_ignore_forgives(self):
         ignore = self.file("ignore.csv", "image,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\nb.jpg,40,40,0,0,40,0,0,40\n")
@@ -840,7 +1124,7 @@ class RealPictures(Cli):
                 self.assertEqual((answer["pictures"], answer["labelled_gates"]), (pictures, gates))
 
     def test_every_real_picture_can_be_read(self):
-        result = self.run_it("detect", "--json", *(self.gates / name for name in ("basement32_hq", "distance51")),
+        result = self.run_it("detect", "--json", "--config", "cyberzoo", *(self.gates / name for name in ("basement32_hq", "distance51")),
                              *sorted((self.gates / "distance51").glob("*.uyvy")))
         answer = json.loads(result.stdout)
         self.assertEqual((result.returncode, answer["pictures"], answer["unusable"]), (0, 32 + 51 + 51, 0))
@@ -873,7 +1157,7 @@ class RealPictures(Cli):
 
     def test_the_papers_detectors_are_modes_of_detect(self):
         for mode in ("paper", "flown"):
-            result = self.run_it("detect", "--json", "--all", "--set", f"detector.mode={mode}", self.gates / "basement32_hq")
+            result = self.run_it("detect", "--json", "--all", "--config", "basement", "--set", f"detector.mode={mode}", self.gates / "basement32_hq")
             answer = json.loads(result.stdout)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertGreaterEqual(answer["with_gate"], 10)
@@ -961,7 +1245,7 @@ class Configuration(Cli):
 
     def test_config_file_errors_name_the_file(self):
         path = self.file("mine.toml", "[control]\nrest_samples = \"many\"\n")
-        self.assertIn("mine.toml: control.rest_samples = \"many\"", self.refused("config", "--config", path))
+        self.assertIn("mine.toml:2: control.rest_samples = \"many\"", self.refused("config", "--config", path))
         self.assertIn("default", self.refused("config", "--config", "no-such"))
 
     def config_file(self, content):

@@ -187,8 +187,8 @@ TEST(Config, LaterFilesWinAndSettingsComeLast) {
   EXPECT_EQ(config.gate.bar, 0.07);
   EXPECT_EQ(config.pilot.phase.rest_samples, 200);
   EXPECT_EQ(config.pilot.detector.min_side_px, 33);
-  EXPECT_EQ(config.set_by.at("gate.bar_m"), files[0].string());
-  EXPECT_EQ(config.set_by.at("control.rest_samples"), files[1].string());
+  EXPECT_EQ(config.set_by.at("gate.bar_m"), files[0].string() + ":6");
+  EXPECT_EQ(config.set_by.at("control.rest_samples"), files[1].string() + ":2");
   EXPECT_EQ(config.set_by.at("detector.min_side_px"), "--set");
 }
 

@@ -55,6 +55,34 @@ TEST(Derived, TheLensIsThePilotsAndTheSimulators) {
   }
 }
 
+TrackFile track_of(const std::vector<Eigen::Vector3d>& albedos) {
+  TrackFile track;
+  for (const auto& albedo : albedos) track.world.gates.push_back({.color = albedo});
+  return track;
+}
+
+TEST(Derived, AGatesColourHasOneSource) {
+  const Eigen::Vector3d orange{0.95, 0.40, 0.12}, red{0.75, 0.07, 0.07}, blue{0.07, 0.15, 0.75},
+      white{0.85, 0.85, 0.85};
+  const Config silent = Told({}).config, green = Told({"color.rgb=[0.1, 0.7, 0.2]"}).config;
+  // What the generic orange finds changes nothing; another colour is the track's.
+  for (const auto& albedo : {orange, red})
+    EXPECT_EQ(on_course(silent, track_of({albedo})).pilot.gate_color.absolute,
+              silent.pilot.gate_color.absolute);
+  const Config on_blue = on_course(silent, track_of({blue}));
+  EXPECT_GT(on_blue.gate.rgb.z(), on_blue.gate.rgb.x() + 0.3);
+  EXPECT_TRUE(on_blue.notes.empty());
+  EXPECT_TRUE(simulator_config(on_blue, track_of({blue})).world.gates[0].sought);
+  // What a configuration says is looked for; gates of another colour, or of none, are named.
+  const auto world = simulator_config(green, track_of({blue})).world;
+  EXPECT_FALSE(world.gates[0].sought);
+  EXPECT_EQ(on_course(green, track_of({blue})).gate.rgb, green.gate.rgb);
+  ASSERT_EQ(on_course(silent, track_of({orange, white})).notes.size(), 1u);
+  EXPECT_NE(on_course(silent, track_of({orange, white})).notes[0].find("gate 2 not of the colour"),
+            std::string::npos);
+  EXPECT_EQ(on_course(Told({"detector.mode=flown"}).config, track_of({blue})).notes.size(), 1u);
+}
+
 // From the middle of the exposure of the middle line to arrival: half of exposure and read-out, all
 // of the way.
 TEST(Derived, ThePilotsLatencyIsHalfOfExposureAndReadoutAndAllOfTheWay) {

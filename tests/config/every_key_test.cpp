@@ -174,7 +174,7 @@ TEST_F(EveryKey, RefusesWhatItMayNotHoldNamingFileKeyAndValue) {
                                         " = " + value.dump() + "\n");
       EXPECT_THAT(
           test::error_of([&] { (void)load_config(Files{file}); }),
-          HasSubstr(file.string() + ": " + rule.name + " = " + shown(value) + ", must be "));
+          HasSubstr(file.string() + ":2: " + rule.name + " = " + shown(value) + ", must be "));
     }
 }
 

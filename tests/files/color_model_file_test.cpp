@@ -101,7 +101,7 @@ TEST(ColorTable, ThatIsNotThereIsSaidWithTheFileThatNamesIt) {
   const std::vector<std::filesystem::path> files{
       folder.file("my.toml", "[color]\ntable = \"none.toml\"\n")};
   const std::string error = test::error_of([&] { (void)load_config(files); });
-  EXPECT_THAT(error, AllOf(HasSubstr("my.toml: color.table: "), HasSubstr("none.toml"),
+  EXPECT_THAT(error, AllOf(HasSubstr("my.toml:2: color.table: "), HasSubstr("none.toml"),
                            Not(HasSubstr("\n"))));
   const std::string wrong =
       test::error_of([&] { (void)load_config({}, std::vector<std::string>{"color.table=3"}); });

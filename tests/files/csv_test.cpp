@@ -30,6 +30,17 @@ TEST(Csv, WindowsLineEndsAndAMissingLastOneAreFine) {
   EXPECT_THAT(csv.numbers("b"), ElementsAre(2, 4));
 }
 
+TEST(Csv, ReadsWhatSpreadsheetsWrite) {
+  const test::TempFolder folder;
+  for (const char* content :
+       {"\xEF\xBB\xBFimage,x\na,0.5\n", "image;x\r\na;0,5\r\n", "image,x\ra,0.5\r",
+        "image\tx\na\t0.5\n", "\"image\", \"x\"\n\"a\",0.5\n"}) {
+    const Csv csv(folder.file("a.csv", content));
+    EXPECT_THAT(csv.texts("image"), ElementsAre("a")) << content;
+    EXPECT_THAT(csv.numbers("x"), ElementsAre(0.5)) << content;
+  }
+}
+
 TEST(Csv, ErrorsNameFileLineAndColumn) {
   const test::TempFolder folder;
   const auto error = [&](const std::string& content, const char* column) {
@@ -42,7 +53,10 @@ TEST(Csv, ErrorsNameFileLineAndColumn) {
   EXPECT_THAT(error("a,b\n1\n", "b"), HasSubstr("a.csv:2: has 1 cells, must have 2"));
   EXPECT_THAT(error("a,b\n1,2,3\n", "b"), HasSubstr("a.csv:2: has 3 cells"));
   EXPECT_THAT(error("a,b\n1,2\n\n", "b"), HasSubstr("a.csv:3: has 1 cells"));
-  EXPECT_THAT(error("t_s,b\n1,2\n", "t_ms"), HasSubstr("did you mean 't_s'"));
+  EXPECT_THAT(error("t_s,b\n1,2\n", "t_ms"),
+              HasSubstr("a.csv:1: has no column 't_ms' (there are: t_s, b)"));
+  EXPECT_THAT(error(std::string{"a,b\n1,\0002\n", 9}, "b"), HasSubstr("a.csv: is no text"));
+  EXPECT_THAT(error("\xFF\xFEt\0_\0s\0", "t_s"), HasSubstr("a.csv: is UTF-16 text"));
   EXPECT_THAT(error("a,a\n1,2\n", "a"), HasSubstr("same name"));
   EXPECT_THAT(error("", "a"), HasSubstr("a.csv:1"));
 }

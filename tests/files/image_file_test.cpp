@@ -50,6 +50,16 @@ std::string flat_jpeg(JSAMPLE y, JSAMPLE cb, JSAMPLE cr, bool grey = false) {
   return file;
 }
 
+/// With an EXIF marker of one entry, the orientation, in either byte order.
+std::string with_exif(const std::string& jpeg, char orientation, bool little) {
+  using namespace std::string_literals;
+  const std::string tiff =
+      little ? "II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"s + orientation + "\0\0\0"s
+             : "MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0"s + orientation + "\0\0"s;
+  return jpeg.substr(0, 2) + "\xFF\xE1\0"s + static_cast<char>(8 + tiff.size()) + "Exif\0\0"s +
+         tiff + jpeg.substr(2);
+}
+
 /// A PNG of one row of pixels in a format of libpng's.
 std::string png_of(std::uint32_t format, const std::string& pixels) {
   png_image png{};
@@ -82,6 +92,22 @@ TEST(ImageFile, JpegKeepsItsOwnColoursFullRange) {
   EXPECT_NEAR(c.v, 200, 1);
 }
 
+TEST(ImageFile, AJpegsExifSaysHowItWasHeld) {
+  const test::TempFolder folder;
+  const std::string plain = flat_jpeg(100, 110, 120);
+  EXPECT_EQ(read_image(folder.file("a.jpg", plain)).exif_orientation, 0);
+  for (const bool little : {false, true})
+    for (char orientation = 0; orientation < 10; ++orientation)
+      EXPECT_EQ(
+          read_image(folder.file("a.jpg", with_exif(plain, orientation, little))).exif_orientation,
+          orientation > 8 ? 0 : orientation);
+  EXPECT_EQ(exif_rotation_deg(1), 0);
+  EXPECT_EQ(exif_rotation_deg(3), 180);
+  EXPECT_EQ(exif_rotation_deg(6), 270);  // "turn it clockwise by 90 degrees"
+  EXPECT_EQ(exif_rotation_deg(8), 90);
+  EXPECT_EQ(exif_rotation_deg(2), std::nullopt);
+}
+
 TEST(ImageFile, GreyJpegIsNeutral) {
   const test::TempFolder folder;
   const ImageFile file = read_image(folder.file("a.jpeg", flat_jpeg(77, 0, 0, true)));
@@ -92,6 +118,19 @@ TEST(ImageFile, GreyJpegIsNeutral) {
 }
 
 TEST(ImageFile, EveryTruncationOfAJpegIsAnErrorAndNeverACrash) {
+  const test::TempFolder folder;
+  // What follows "Exif" is a stranger's: every length of it, and a list that would lie elsewhere.
+  const std::string photo = with_exif(flat_jpeg(100, 110, 120), 6, true);
+  for (std::size_t left = 0; left < 22; ++left) {
+    std::string cut = photo;
+    cut.erase(12 + left, 22 - left);
+    cut[5] = static_cast<char>(8 + left);
+    EXPECT_EQ(read_image(folder.file("cut.jpg", cut)).exif_orientation, 0) << left;
+  }
+  std::string far_off = photo;
+  far_off[16] = '\x70';
+  EXPECT_EQ(read_image(folder.file("far.jpg", far_off)).exif_orientation, 0);
+
   const std::string whole = flat_jpeg(100, 110, 120);
   for (std::size_t size = 0; size < whole.size() - 2; size += 7)
     EXPECT_THAT(error_reading("a.jpg", whole.substr(0, size)),

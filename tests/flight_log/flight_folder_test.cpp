@@ -140,6 +140,10 @@ TEST(FlightFolder, DamageIsNamedByFileAndLine) {
   EXPECT_THAT(error("1" + row, "a.jpg,1,1\n"), HasSubstr("images.csv:2: log_row"));
   EXPECT_THAT(error("1" + row, "a.jpg,1,0.5\n"), HasSubstr("images.csv:2: log_row"));
   EXPECT_THAT(error("1" + row, "../a.jpg,1,0\n"), HasSubstr("images.csv:2: image"));
+  EXPECT_THAT(error("1" + row, "a.jpg,1.09,0\n"), "");
+  EXPECT_THAT(error("1" + row, "a.jpg,1,0\na.jpg,1,0\n"),
+              HasSubstr("images.csv:3: image = 'a.jpg', a second time"));
+  EXPECT_THAT(error("1" + row, "a.jpg,1.2,0\n"), HasSubstr("images.csv:2: came at 1.2 s"));
   EXPECT_THAT(test::error_of([] { (void)read_flight_folder("/nowhere"); }),
               HasSubstr("/nowhere: is no folder"));
 }

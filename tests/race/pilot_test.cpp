@@ -88,6 +88,24 @@ int climb(Pilot& pilot, int tick) {
   return tick;
 }
 
+// As README shows it: a default configuration lacks the course alone, and says so.
+TEST(Pilot, FliesOnADefaultConfigurationOnceItHasACourse) {
+  PilotConfig config;
+  try {
+    const Pilot pilot{config};
+    FAIL() << "without gates";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "the track has no gates: PilotConfig::track.gates is empty");
+  }
+  config.camera = {AnyCamera{DhaneFisheye{}}, camera_mount(0.35), {0.10, 0.0, 0.0}};
+  config.track.gates = {{.p_EG = {4.0, 0.0, -1.5}}, {.p_EG = {4.0, 4.0, -1.5}, .yaw_EG = 3.14}};
+  Pilot pilot{config};
+  Sensors sensors = at(0, {.gyro_B = {0, 0, 0}, .accel_B = {0, 0, -9.81}});
+  const std::vector<std::uint8_t> bytes(std::size_t{2} * 160 * 315, 128);
+  sensors.image = Image{bytes.data(), PixelFormat::kUyvy, 160, 315, /*stored_rotation_deg=*/90};
+  EXPECT_EQ(pilot.step(sensors).motors[0], 0.0);  // it rests first
+}
+
 TEST(Pilot, KeepsItsMotorsOffOnTheGroundAndTakesOffAfterItsRest) {
   Pilot pilot{config()};
   const int rest = PhaseParams{}.rest_samples;

@@ -160,5 +160,16 @@ TEST(IdealVision, AnUnknownDetectorIsRefused) {
   EXPECT_THROW((void)statistics_of("theirs"), std::invalid_argument);
 }
 
+TEST(IdealVision, IsBlindToAGateOfAnotherColour) {
+  Hall hall{3.0};
+  hall.world.gates[0].sought = false;
+  const SolidSight sight{hall.world};
+  IdealVision vision{hall.world, hall.camera, {.false_alarms = 0.0}, 1, sight};
+  for (int i = 0; i < 50; ++i) {
+    const SeenPicture seen = vision.look(0.0, Hall::history());
+    EXPECT_TRUE(seen.gates.empty() && !seen.lower && !seen.bars);
+  }
+}
+
 }  // namespace
 }  // namespace gatefly::sim

@@ -55,13 +55,14 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "room_center", room_center);
     put(n, "decoys", static_cast<double>(decoys.size()));
     for (std::size_t i = 0; i < gates.size(); ++i) {
-      const auto& [p_EG, yaw_EG, side, bar, color] = gates[i];
+      const auto& [p_EG, yaw_EG, side, bar, color, sought] = gates[i];
       const std::string name = "gate" + std::to_string(i);
       put(n, name + ".p_EG", p_EG);
       put(n, name + ".yaw_EG", yaw_EG);
       put(n, name + ".side", side);
       put(n, name + ".bar", bar);
       put_color(n, name, color);
+      put(n, name + ".sought", sought ? 1.0 : 0.0);
     }
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       const auto& [center, size, heading, bottom, top, pole] = obstacles[i];

@@ -56,10 +56,10 @@ std::string key_suggestion(const std::string& name) {
   return any.empty() ? ", gatefly config --show lists them all" : any;
 }
 
-/// A file named in another is looked for beside it.
-std::string beside(const std::string& where, const std::string& name) {
-  if (name.empty() || where == "--set") return name;
-  return (std::filesystem::path{where}.parent_path() / name).lexically_normal().string();
+/// A file named in another is looked for beside it; named by --set (file ""), where it says.
+std::string beside(const std::filesystem::path& file, const std::string& name) {
+  if (name.empty() || file.empty()) return name;
+  return (file.parent_path() / name).lexically_normal().string();
 }
 
 /// Keys of the colour box and of the searches that used it: known, so that older files still load.
@@ -80,7 +80,8 @@ bool is_retired(const std::string& name) {
   return retired.contains(name);
 }
 
-void set_key(Config& config, const std::string& name, const json& value, const std::string& where) {
+void set_key(Config& config, const std::string& name, const json& value, const std::string& where,
+             const std::filesystem::path& file = {}) {
   if (is_retired(name)) {
     config.notes.push_back(
         where + ": " + name +
@@ -99,15 +100,15 @@ void set_key(Config& config, const std::string& name, const json& value, const s
                                key_suggestion(name));
     json allowed = checked(found->rule, value, where);
     if (found->rule.kind == KeyRule::Kind::kFile)
-      allowed = beside(where, allowed.get<std::string>());
+      allowed = beside(file, allowed.get<std::string>());
     found->set(config, allowed);
   }
   config.set_by[name] = where;
 }
 
 [[noreturn]] void unknown_section(const std::string& section, const json& content,
-                                  const std::string& file) {
-  const std::string where = file + ": ";
+                                  const std::string& place) {
+  const std::string where = place + ": ";
   if (!content.is_object())
     throw std::runtime_error(where + one_line(section) + " stands outside every [section]" +
                              key_suggestion(section));
@@ -117,17 +118,18 @@ void set_key(Config& config, const std::string& name, const json& value, const s
 }
 
 void read_config_file(Config& config, const std::filesystem::path& path) {
-  const json content = read_toml(path);
-  for (const auto& [section, table] : content.items()) {
+  const TomlFile file(path);
+  for (const auto& [section, table] : file.content().items()) {
+    const std::string pointer = "/" + section, place = file.place(pointer);
     const auto sections = section_names();
     if (std::find(sections.begin(), sections.end(), section) == sections.end())
-      unknown_section(section, table, path.string());
+      unknown_section(section, table, place);
     if (!table.is_object())
-      throw std::runtime_error(path.string() + ": " + section + " = " + shown(table) +
+      throw std::runtime_error(place + ": " + section + " = " + shown(table) +
                                ", must be a section: [" + section +
                                "] on a line of its own, its keys below");
     for (const auto& [key, value] : table.items())
-      set_key(config, section + "." + key, value, path.string());
+      set_key(config, section + "." + key, value, file.place(pointer + "/" + key), path);
   }
 }
 

@@ -42,7 +42,7 @@ struct Config {
               indi_effectiveness = "fixed";
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
   std::vector<std::string> notes;  ///< Lines about keys that have no effect any more.
-  /// Key -> file or "--set"; others have their default.
+  /// Key -> "file:line" or "--set"; others have their default.
   std::map<std::string, std::string> set_by;
 
   Config();

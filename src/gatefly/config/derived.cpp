@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/config/derived.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::io {
@@ -47,7 +51,56 @@ Scheme scheme_of(const std::string& name) {
   return name == "paper" ? Scheme::kPaper : Scheme::kOurs;
 }
 
+/// As a camera shows an albedo in white light: sRGB.
+Eigen::Vector3d shown(const Eigen::Vector3d& albedo) {
+  return albedo.unaryExpr(
+      [](double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055; });
+}
+
+ColorModel described(const Eigen::Vector3d& rgb) {
+  return ColorModel::described({rgb.x(), rgb.y(), rgb.z()});
+}
+
+/// What the chosen detector looks for: Li18's two have their own colours, which are orange.
+ColorModel looked_for(const Config& config) {
+  const DetectorMode mode = detector_mode_of(config.detector_mode);
+  return mode == DetectorMode::kPaper || mode == DetectorMode::kFlown
+             ? described(GateDescription{}.rgb)
+             : config.pilot.gate_color;
+}
+
+/// Whether bars of this albedo speak for a gate, before grey that is as bright.
+bool speaks_for_gate(const ColorModel& model, const Eigen::Vector3d& albedo) {
+  const auto byte = [](double c) { return static_cast<std::uint8_t>(std::lround(255.0 * c)); };
+  const Eigen::Vector3d rgb = shown(albedo);
+  const Yuv color = yuv_of_rgb(byte(rgb.x()), byte(rgb.y()), byte(rgb.z()));
+  return model.evidence(color, {color.y, 128, 128}) > 0;
+}
+
+/// Whether it says what a gate looks like: the generic orange says nothing.
+bool names_color(const GateDescription& gate) {
+  return !gate.color_table.empty() || gate.rgb != GateDescription{}.rgb;
+}
+
 }  // namespace
+
+Config on_course(Config config, const TrackFile& track) {
+  const auto& gates = track.world.gates;
+  if (!names_color(config.gate) && !gates.empty() &&
+      !speaks_for_gate(looked_for(config), gates.front().color)) {
+    config.gate.rgb = shown(gates.front().color);
+    config.pilot = pilot_config(config);
+  }
+  const ColorModel color = looked_for(config);
+  std::vector<std::string> unseen;
+  for (std::size_t i = 0; i < gates.size(); ++i)
+    if (!speaks_for_gate(color, gates[i].color)) unseen.push_back(std::to_string(i + 1));
+  if (!unseen.empty())
+    config.notes.push_back(track.track.name + ": gate " + joined(unseen) +
+                           " not of the colour that the pilot looks for (color.rgb, color.table): "
+                           "will not be seen");
+  return config;
+}
 
 PilotConfig pilot_config(const Config& config) {
   PilotConfig pilot = config.pilot;
@@ -67,9 +120,7 @@ PilotConfig pilot_config(const Config& config) {
   const GateDescription& gate = config.gate;
   pilot.detector.bar_ratio = gate.bar / gate.side;
   pilot.detector.corner_scale = corner_scale(gate);
-  pilot.gate_color = gate.fitted_color
-                         ? *gate.fitted_color
-                         : ColorModel::described({gate.rgb.x(), gate.rgb.y(), gate.rgb.z()});
+  pilot.gate_color = gate.fitted_color ? *gate.fitted_color : described(gate.rgb);
 
   pilot.vehicle = config.vehicle;
   pilot.imu_hz = config.rates.imu_hz;
@@ -80,6 +131,8 @@ PilotConfig pilot_config(const Config& config) {
 sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   sim::SimConfig nominal;
   nominal.world = track.world;
+  for (auto& gate : nominal.world.gates)
+    gate.sought = speaks_for_gate(looked_for(config), gate.color);
   nominal.start = track.start;
   nominal.ideal_vision = config.sim.ideal_vision;
   nominal.bake_threads = config.sim.bake_threads;

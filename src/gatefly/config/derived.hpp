@@ -13,6 +13,10 @@ namespace gatefly::io {
 /// The pilot's own settings with what camera, vehicle and gate mean to it; without a track.
 [[nodiscard]] PilotConfig pilot_config(const Config& config);
 
+/// `config` for one course: where it has no colour but the generic orange, the track's gates have.
+/// Adds a note that names the gates that the pilot cannot tell by its colour.
+[[nodiscard]] Config on_course(Config config, const TrackFile& track);
+
 /// The simulator's own settings, what camera and vehicle mean to it, and the track's world; nominal:
 /// nothing is drawn yet.
 [[nodiscard]] sim::SimConfig simulator_config(const Config& config, const TrackFile& track);

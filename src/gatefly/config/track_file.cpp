@@ -32,8 +32,9 @@ const std::vector<std::pair<std::string, Eigen::Vector3d>>& colors() {
   return list;
 }
 
-std::string indexed(const char* list, std::size_t index) {
-  return std::string{list} + "[" + std::to_string(index) + "]";
+/// "gate 1": people count from 1, in files and plans alike.
+std::string counted(const char* what, std::size_t index) {
+  return std::string{what} + " " + std::to_string(index + 1);
 }
 
 double heading(Table& table, const char* key = "heading_deg") {
@@ -45,9 +46,16 @@ Eigen::Vector2d floor_point(Table& table, const char* key) {
   return {p[0], p[1]};
 }
 
-Eigen::Vector3d read_color(Table& gate) {
+/// The albedo that a camera shows as this sRGB colour; of the generic orange the painted one.
+Eigen::Vector3d albedo_of(const Eigen::Vector3d& rgb) {
+  if (rgb == GateDescription{}.rgb) return colors().front().second;
+  return rgb.unaryExpr(
+      [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); });
+}
+
+Eigen::Vector3d read_color(Table& gate, const GateDescription& defaults) {
   const json& value = gate.raw("color");
-  if (value.is_null()) return colors().front().second;
+  if (value.is_null()) return albedo_of(defaults.rgb);
   if (value.is_array()) {
     const auto rgb = gate.numbers("color", 3, 0, 1);
     return {rgb[0], rgb[1], rgb[2]};
@@ -60,10 +68,9 @@ Eigen::Vector3d read_color(Table& gate) {
   gate.fail("color", "[r, g, b] in 0..1 or one of " + joined(names));
 }
 
-std::optional<GateExit> read_exit(Table& gate, const std::string& file, const std::string& where) {
-  const json& value = gate.raw("exit");
-  if (value.is_null()) return std::nullopt;
-  Table table(value, file, where + ".exit");
+std::optional<GateExit> read_exit(Table& gate) {
+  if (!gate.has("exit")) return std::nullopt;
+  Table table = gate.table("exit");
   GateExit exit{.run = table.number("run_m", 0, 100)};
   const std::string turn = table.text("turn", "left");
   if (turn != "left" && turn != "right") table.fail("turn", "\"left\" or \"right\"");
@@ -73,16 +80,13 @@ std::optional<GateExit> read_exit(Table& gate, const std::string& file, const st
   return exit;
 }
 
-void read_gate(const json& value, const std::string& file, std::size_t index,
-               const GateDescription& defaults, TrackFile& track) {
-  const std::string where = indexed("gates", index);
-  Table table(value, file, where);
+void read_gate(Table table, const GateDescription& defaults, TrackFile& track) {
   const auto p = table.numbers("position_m", 3, -kFarthest, kFarthest);
   const double yaw = heading(table);
   const double side = table.number("side_m", 0.3, 5, defaults.side);
   const double bar = table.number("bar_m", 0.005, 1, defaults.bar);
-  const Eigen::Vector3d color = read_color(table);
-  const auto exit = read_exit(table, file, where);
+  const Eigen::Vector3d color = read_color(table, defaults);
+  const auto exit = read_exit(table);
   table.refuse_others();
 
   if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
@@ -102,9 +106,7 @@ void read_gate(const json& value, const std::string& file, std::size_t index,
       {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
 }
 
-void read_obstacle(const json& value, const std::string& file, std::size_t index,
-                   TrackFile& track) {
-  Table table(value, file, indexed("obstacles", index));
+void read_obstacle(Table table, TrackFile& track) {
   sim::WorldBox box;
   box.center = floor_point(table, "position_m");
   box.heading = heading(table);
@@ -125,10 +127,10 @@ void read_obstacle(const json& value, const std::string& file, std::size_t index
       {.center = box.center, .size = box.size, .heading = box.heading, .height = box.top});
 }
 
-void read_room(Table& file_table, const std::string& file, TrackFile& track) {
+void read_room(Table& file_table, TrackFile& track) {
   sim::World& world = track.world;
   if (file_table.has("room")) {
-    Table room(file_table.raw("room"), file, "room");
+    Table room = file_table.table("room");
     if (room.has("size_m")) {
       const auto size = room.numbers("size_m", 3, 1, kFarthest);
       world.room_size = {size[0], size[1], size[2]};
@@ -144,9 +146,9 @@ void read_room(Table& file_table, const std::string& file, TrackFile& track) {
   track.track.ceiling = world.room_size.z();
 }
 
-void read_start(Table& file_table, const std::string& file, TrackFile& track) {
+void read_start(Table& file_table, TrackFile& track) {
   if (!file_table.has("start")) return;
-  Table start(file_table.raw("start"), file, "start");
+  Table start = file_table.table("start");
   track.start.position = floor_point(start, "position_m");
   track.start.heading = heading(start);
   start.refuse_others();
@@ -171,19 +173,21 @@ bool in_room(const Track& track, const MapObstacle& box) {
   return true;
 }
 
-void check_inside_room(const Track& track, const std::string& file) {
-  const auto fail = [&](const std::string& key, const Eigen::Vector2d& p) {
-    throw std::runtime_error(file + ": " + key + " = [" + text_of(p.x(), 6) + ", " +
-                             text_of(p.y(), 6) +
+void check_inside_room(const Track& track, const TomlFile& file) {
+  const auto fail = [&](const std::string& pointer, const std::string& name,
+                        const Eigen::Vector2d& p) {
+    throw std::runtime_error(file.place(pointer + "/position_m") + ": " + name + "position_m = [" +
+                             text_of(p.x(), 6) + ", " + text_of(p.y(), 6) +
                              "], must be inside the room, all of it (room.size_m, room.center_m)");
   };
-  if (!in_room(track, track.start)) fail("start.position_m", track.start);
+  if (!in_room(track, track.start)) fail("/start", "start.", track.start);
   for (std::size_t i = 0; i < track.gates.size(); ++i)
     if (!in_room(track, track.gates[i].p_EG.head<2>()))
-      fail(indexed("gates", i) + ".position_m", track.gates[i].p_EG.head<2>());
+      fail("/gates/" + std::to_string(i), counted("gate", i) + ": ", track.gates[i].p_EG.head<2>());
   for (std::size_t i = 0; i < track.obstacles.size(); ++i)
     if (!in_room(track, track.obstacles[i]))
-      fail(indexed("obstacles", i) + ".position_m", track.obstacles[i].center);
+      fail("/obstacles/" + std::to_string(i), counted("obstacle", i) + ": ",
+           track.obstacles[i].center);
 }
 
 const json& list_of(Table& table, const char* key, std::size_t least, std::size_t most) {
@@ -199,25 +203,28 @@ const json& list_of(Table& table, const char* key, std::size_t least, std::size_
 }  // namespace
 
 TrackFile read_track(const std::filesystem::path& path, const GateDescription& defaults) {
-  const std::string file = path.string();
-  const json content = read_toml(path);
-  Table table(content, file, "");
+  const TomlFile file(path);
+  Table table(file);
 
   TrackFile track;
   track.track.name = table.text("name", path.stem().string());
   track.track.laps = table.integer("laps", 1, 100, 1);
-  read_room(table, file, track);
-  read_start(table, file, track);
-  const json& gates = list_of(table, "gates", 1, kMaxGates);
-  for (std::size_t i = 0; i < gates.size(); ++i) read_gate(gates[i], file, i, defaults, track);
-  const json& obstacles = list_of(table, "obstacles", 0, kMaxObstacles);
-  for (std::size_t i = 0; i < obstacles.size(); ++i) read_obstacle(obstacles[i], file, i, track);
+  read_room(table, track);
+  read_start(table, track);
+  const std::size_t gates = list_of(table, "gates", 1, kMaxGates).size();
+  for (std::size_t i = 0; i < gates; ++i)
+    read_gate(table.item("gates", i, counted("gate", i)), defaults, track);
+  const std::size_t obstacles = list_of(table, "obstacles", 0, kMaxObstacles).size();
+  for (std::size_t i = 0; i < obstacles; ++i)
+    read_obstacle(table.item("obstacles", i, counted("obstacle", i)), track);
 
   json randomize = table.raw("randomize");
   if (randomize.is_null()) randomize = json::object();
   if (!randomize.is_object()) table.fail("randomize", "a table");
+  for (const auto& [key, value] : randomize.items())
+    check_randomize(key, value, file.place("/randomize/" + key));
   if (!randomize.contains("level")) randomize["level"] = "race";
-  track.randomize = randomized({}, randomize, file);
+  track.randomize = randomized({}, randomize, path.string());
   table.refuse_others();
   check_inside_room(track.track, file);
   return track;

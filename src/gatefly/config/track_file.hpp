@@ -22,9 +22,8 @@ struct TrackFile {
 
 /// Reads tracks/*.toml. Format: see tracks/oval.toml.
 ///
-/// @param gates  what a gate measures where the file does not say.
-/// @throws std::runtime_error one line: file, key, value, what is allowed; the line for broken
-///     TOML.
+/// @param gates  what a gate measures and looks like where the file does not say.
+/// @throws std::runtime_error one line: file, line, key, value, what is allowed.
 [[nodiscard]] TrackFile read_track(const std::filesystem::path& path,
                                    const GateDescription& gates = {});
 

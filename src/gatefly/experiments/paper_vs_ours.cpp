@@ -56,8 +56,8 @@ std::vector<Mixture> mixtures() {
 /// The keys of those sections of configs/li18.toml, as --set has them. Without pictures the
 /// detector's box is its statistics.
 std::vector<std::string> settings_of(const Mixture& mixture, Vision vision) {
-  const nlohmann::json li18 =
-      io::read_toml(io::config_files(std::vector<std::string>{"li18"}).back());
+  const io::TomlFile file(io::config_files(std::vector<std::string>{"li18"}).back());
+  const nlohmann::json& li18 = file.content();
   std::vector<std::string> settings;
   for (std::size_t i = 0; i < kBoxes.size(); ++i) {
     if (!mixture.paper[i]) continue;

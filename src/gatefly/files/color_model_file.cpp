@@ -62,8 +62,8 @@ std::string color_model_text(const ColorModel& model, const std::string& about) 
 }
 
 ColorModel read_color_model(const std::filesystem::path& path) {
-  const nlohmann::json content = read_toml(path);
-  Table table(content, path.string(), "");
+  const TomlFile file(path);
+  Table table(file);
   if (!table.has("version"))
     throw std::runtime_error(path.string() + ": has no version: not a colour table");
   if (table.integer("version", 0, 1'000'000, 0) != kVersion)

@@ -21,30 +21,58 @@ std::string_view take(std::string_view& rest, char end) {
   return part;
 }
 
-std::vector<std::string_view> cells_of(std::string_view line) {
+/// A cell without the quotes that some programs put around texts.
+std::string_view unquoted(std::string_view cell) {
+  const bool is_quoted = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"';
+  return is_quoted ? cell.substr(1, cell.size() - 2) : cell;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   std::vector<std::string_view> cells;
-  const auto count = std::count(line.begin(), line.end(), ',') + 1;
-  for (std::ptrdiff_t i = 0; i < count; ++i) cells.push_back(take(line, ','));
+  const auto count = std::count(line.begin(), line.end(), separator) + 1;
+  for (std::ptrdiff_t i = 0; i < count; ++i) cells.push_back(unquoted(take(line, separator)));
   return cells;
+}
+
+/// What stands between two names; spreadsheets of half of the world write semicolons.
+char separator_of(std::string_view header) {
+  for (const char separator : {',', ';', '\t'})
+    if (header.find(separator) != std::string_view::npos) return separator;
+  return ',';
+}
+
+std::string_view trimmed(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
 }  // namespace
 
 Csv::Csv(const std::filesystem::path& path) : file_{path.string()}, content_{read_file(path)} {
   std::string_view rest{content_};
+  constexpr std::string_view kByteOrderMark{"\xEF\xBB\xBF"};
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
+  if (rest.starts_with("\xFF\xFE") || rest.starts_with("\xFE\xFF"))
+    throw std::runtime_error(file_ + ": is UTF-16 text, must be UTF-8");
+  if (rest.find('\0') != std::string_view::npos)
+    throw std::runtime_error(file_ + ": is no text, it has bytes of zero");
+  // Old spreadsheets end lines by CR alone.
+  const char line_end = rest.find('\n') == std::string_view::npos ? '\r' : '\n';
   const auto next_line = [&] {
-    std::string_view line = take(rest, '\n');
+    std::string_view line = take(rest, line_end);
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   };
   const std::string_view first = next_line();
   if (first.empty()) throw std::runtime_error(file_ + ":1: must start with a line of column names");
-  for (const std::string_view name : cells_of(first)) header_.emplace_back(name);
+  separator_ = separator_of(first);
+  for (const std::string_view name : cells_of(first, separator_))
+    header_.emplace_back(unquoted(trimmed(name)));
   if (std::set<std::string>(header_.begin(), header_.end()).size() != header_.size())
     throw std::runtime_error(file_ + ":1: two columns have the same name");
 
   while (!rest.empty()) {
-    const auto cells = cells_of(next_line());
+    const auto cells = cells_of(next_line(), separator_);
     if (cells.size() != header_.size())
       throw std::runtime_error(place(rows_) + ": has " + std::to_string(cells.size()) +
                                " cells, must have " + std::to_string(header_.size()) +
@@ -67,8 +95,8 @@ bool Csv::has(const std::string& column) const {
 std::size_t Csv::index_of(const std::string& column) const {
   const auto found = std::find(header_.begin(), header_.end(), column);
   if (found == header_.end())
-    throw std::runtime_error(file_ + ":1: has no column '" + column + "'" +
-                             suggestion(column, header_));
+    throw std::runtime_error(file_ + ":1: has no column '" + column +
+                             "' (there are: " + one_line(joined(header_), 400) + ")");
   return static_cast<std::size_t>(found - header_.begin());
 }
 
@@ -76,13 +104,19 @@ std::vector<double> Csv::numbers(const std::string& column) const {
   const std::size_t index = index_of(column);
   std::vector<double> values(rows_, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t row = 0; row < rows_; ++row) {
-    const std::string_view text = cell(row, index);
+    std::string_view text = cell(row, index);
     if (text.empty()) continue;
+    std::string pointed;  // 0.5 in place of 0,5
+    if (separator_ != ',') {
+      pointed = text;
+      std::replace(pointed.begin(), pointed.end(), ',', '.');
+      text = pointed;
+    }
     const auto result = std::from_chars(text.data(), text.data() + text.size(), values[row]);
     if (result.ec != std::errc{} || result.ptr != text.data() + text.size() ||
         !std::isfinite(values[row]))
       throw std::runtime_error(place(row) + ":" + std::to_string(index + 1) + ": " + column +
-                               " = '" + std::string{text.substr(0, 40)} +
+                               " = '" + one_line(std::string{text}, 40) +
                                "', must be a number or nothing");
   }
   return values;

@@ -11,8 +11,9 @@ namespace gatefly::io {
 /// A table of text cells with a header line; every cell's place is known for error messages.
 class Csv {
  public:
-  /// Reads a comma-separated file: no quotes, every line as wide as the header, one trailing
-  /// newline (or CR LF) allowed.
+  /// Reads cells between commas; between semicolons or tabs where the header has no comma, and then
+  /// 0,5 is a number. Every line as wide as the header, quotes only around whole cells, one trailing
+  /// newline (or CR LF) and a byte-order mark allowed.
   /// @throws std::runtime_error "file:line: what is wrong".
   explicit Csv(const std::filesystem::path& path);
 
@@ -22,7 +23,7 @@ class Csv {
 
   /// A column of numbers; an empty cell is NaN.
   /// @throws std::runtime_error "file:line:column: ..." for anything else, or when there is no such
-  ///         column, naming the nearest.
+  ///         column, listing those there are.
   [[nodiscard]] std::vector<double> numbers(const std::string& column) const;
   /// A column as it is written.
   [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;
@@ -41,6 +42,7 @@ class Csv {
   std::vector<std::string> header_;
   std::vector<std::string_view> cells_;  ///< Into content_.
   std::size_t rows_ = 0;
+  char separator_ = ',';
 
  public:
   Csv(const Csv&) = delete;  // cells_ point into content_

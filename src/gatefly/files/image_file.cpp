@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <jpeglib.h>
 #include <png.h>
@@ -56,10 +57,43 @@ void start(Decoder& decoder, const std::string& file) {
   jpeg_mem_src(&decoder.jpeg, reinterpret_cast<const unsigned char*>(file.data()), file.size());
 }
 
+/// The orientation, 1..8, in what follows "Exif\0\0": a TIFF header and one list of 12-byte entries.
+int orientation_in(const std::uint8_t* tiff, std::size_t size) {
+  const bool little = size >= 8 && tiff[0] == 'I';
+  const auto number = [&](std::size_t at, std::size_t bytes) {
+    std::size_t value = 0;
+    for (std::size_t i = 0; i < bytes; ++i)
+      value = value << 8 | tiff[at + (little ? bytes - 1 - i : i)];
+    return value;
+  };
+  constexpr std::size_t kEntry = 12, kOrientation = 0x0112;
+  if (size < 8) return 0;
+  const std::size_t list = number(4, 4);
+  if (list > size || size - list < 2) return 0;
+  const std::size_t entries = std::min(number(list, 2), (size - list - 2) / kEntry);
+  for (std::size_t i = 0; i < entries; ++i) {
+    const std::size_t entry = list + 2 + kEntry * i;
+    if (number(entry, 2) != kOrientation) continue;
+    const std::size_t value = number(entry + 8, 2);
+    return value >= 1 && value <= 8 ? static_cast<int>(value) : 0;
+  }
+  return 0;
+}
+
+int exif_orientation(const jpeg_decompress_struct& jpeg) {
+  constexpr std::string_view kStart{"Exif\0\0", 6};
+  for (auto* marker = jpeg.marker_list; marker != nullptr; marker = marker->next)
+    if (std::string_view{reinterpret_cast<const char*>(marker->data), marker->data_length}
+            .starts_with(kStart))
+      return orientation_in(marker->data + kStart.size(), marker->data_length - kStart.size());
+  return 0;
+}
+
 /// False with a message when libjpeg gives up.
 bool read_header(Decoder& decoder, const std::string& file) {
   if (setjmp(decoder.escape) != 0) return false;
   start(decoder, file);
+  jpeg_save_markers(&decoder.jpeg, JPEG_APP0 + 1, 0xFFFF);  // EXIF
   jpeg_read_header(&decoder.jpeg, TRUE);
   if (decoder.jpeg.jpeg_color_space != JCS_GRAYSCALE && decoder.jpeg.jpeg_color_space != JCS_RGB)
     decoder.jpeg.out_color_space = JCS_YCbCr;  // the others come as they are stored
@@ -101,6 +135,7 @@ ImageFile decode_jpeg(const std::string& path, const std::string& file) {
   const bool grey = decoder.jpeg.num_components == 1;
   if (!grey && decoder.jpeg.num_components != 3) fail("it has neither 1 nor 3 colour channels");
   ImageFile image;
+  image.exif_orientation = exif_orientation(decoder.jpeg);
   if (decoder.jpeg.jpeg_color_space == JCS_RGB) image.format = PixelFormat::kRgb;
   image.stored_width = static_cast<int>(decoder.jpeg.output_width);
   image.stored_height = static_cast<int>(decoder.jpeg.output_height);
@@ -191,15 +226,30 @@ ImageFile decode_uyvy(const std::string& path, const std::string& file, int widt
           .stored_height = height};
 }
 
-/// The name's ending in small letters: ".jpg".
+}  // namespace
+
+std::optional<int> exif_rotation_deg(int orientation) {
+  switch (orientation) {
+    case 0:
+    case 1:
+      return 0;
+    case 3:
+      return 180;
+    case 6:
+      return 270;
+    case 8:
+      return 90;
+    default:
+      return std::nullopt;
+  }
+}
+
 std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
   std::transform(kind.begin(), kind.end(), kind.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return kind;
 }
-
-}  // namespace
 
 bool is_picture(const std::filesystem::path& path) {
   const std::string kind = kind_of(path);

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "gatefly/sensing/image.hpp"
@@ -14,6 +16,7 @@ struct ImageFile {
   std::vector<std::uint8_t> bytes;
   PixelFormat format = PixelFormat::kYuv444;
   int stored_width = 0, stored_height = 0;  ///< [px]
+  int exif_orientation = 0;                 ///< 1..8 as a JPEG's EXIF has it; 0: it has none.
 
   /// The picture upright; valid as long as this object lives and is not changed.
   /// @param rotation_deg  how far to turn the stored picture counter-clockwise: 0, 90, 180, 270.
@@ -21,6 +24,13 @@ struct ImageFile {
     return Image(bytes.data(), format, stored_width, stored_height, rotation_deg);
   }
 };
+
+/// How far a stored picture of such an EXIF orientation has to be turned counter-clockwise; nothing
+/// for mirrored ones (2, 4, 5, 7).
+[[nodiscard]] std::optional<int> exif_rotation_deg(int orientation);
+
+/// The name's ending in small letters: ".jpg".
+[[nodiscard]] std::string kind_of(const std::filesystem::path& path);
 
 /// Whether the name ends as those that read_image() knows, in small or capital letters.
 [[nodiscard]] bool is_picture(const std::filesystem::path& path);

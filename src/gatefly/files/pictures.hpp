@@ -13,6 +13,10 @@ namespace gatefly::io {
 /// @throws std::runtime_error one line: there is no such path, or the folder has no picture.
 [[nodiscard]] std::vector<std::filesystem::path> picture_files(const std::filesystem::path& path);
 
+/// "folder: left out: a.bmp, b.webp (a folder means ...)": pictures of kinds that a folder does not
+/// mean; "" when there are none, or the path is no folder.
+[[nodiscard]] std::string left_out_of(const std::filesystem::path& path);
+
 /// A path as it is given, when it is there; else below the folder of real data, when it is there.
 ///
 /// Real data: `data` if not empty, else $GATEFLY_DATA, else the sibling folder ../shared/data.

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <fstream>
 #include <iomanip>
-#include <iterator>
+#include <map>
+#include <mutex>
+#include <new>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -22,6 +24,10 @@
 namespace gatefly::io {
 
 namespace fs = std::filesystem;
+
+namespace {
+constexpr std::uintmax_t kMostOfAStream = std::uintmax_t{64} << 20;
+}  // namespace
 
 int edit_distance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);
@@ -116,14 +122,40 @@ std::string one_line(std::string text, std::size_t most) {
   return text.substr(0, end) + "...";
 }
 
-std::string read_file(const fs::path& path) {
+std::string reason_of(const std::exception& error) {
+  if (const auto* file = dynamic_cast<const fs::filesystem_error*>(&error))
+    return one_line(file->path1().string(), 200) + ": " + file->code().message();
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "not enough memory";
+  return one_line(error.what(), 4000);
+}
+
+std::string read_file(const fs::path& path, std::uintmax_t most) {
   std::error_code error;
-  if (fs::is_directory(path, error))
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status))
     throw std::runtime_error(path.string() + ": is a folder, not a file");
+  // A pipe gives its content once, a device may never end.
+  static std::map<std::string, std::string> pipes;
+  static std::mutex guard;
+  const bool is_stream = fs::exists(status) && !fs::is_regular_file(status);
+  const std::lock_guard lock{guard};
+  if (const auto known = pipes.find(path.string()); is_stream && known != pipes.end())
+    return known->second;
+  if (is_stream) most = std::min(most, kMostOfAStream);
+
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
-  std::string content{std::istreambuf_iterator<char>{file}, std::istreambuf_iterator<char>{}};
+  std::string content;
+  std::vector<char> piece(1 << 20);
+  while (file && content.size() <= most) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    content.append(piece.data(), static_cast<std::size_t>(file.gcount()));
+  }
   if (file.bad()) throw std::runtime_error(path.string() + ": cannot be read to its end");
+  if (content.size() > most)
+    throw std::runtime_error(path.string() + ": is longer than " + std::to_string(most >> 20) +
+                             " MiB, which no such file is");
+  if (is_stream) pipes[path.string()] = content;
   return content;
 }
 

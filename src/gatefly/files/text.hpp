@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -36,8 +38,14 @@ namespace gatefly::io {
 /// letters stay.
 [[nodiscard]] std::string one_line(std::string text, std::size_t most = 60);
 
-/// All bytes of a file. @throws std::runtime_error naming it and why it cannot be read.
-[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+/// What went wrong, on one line, in people's words.
+[[nodiscard]] std::string reason_of(const std::exception& error);
+
+/// All bytes of a file; of a pipe, the same again when it is read again.
+/// @param most  bytes: what is longer is no such file; of a pipe or device 64 MiB at most.
+/// @throws std::runtime_error naming it and why it cannot be read.
+[[nodiscard]] std::string read_file(const std::filesystem::path& path,
+                                    std::uintmax_t most = std::uintmax_t{1} << 30);
 
 /// Writes a whole file or throws: under a temporary name, then renamed.
 /// @throws std::runtime_error naming it and why it cannot be written.

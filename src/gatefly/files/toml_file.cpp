@@ -15,15 +15,22 @@ namespace {
 
 using nlohmann::json;
 
-json json_of(const toml::node& node) {
+using Lines = std::map<std::string, unsigned>;
+
+json json_of(const toml::node& node, const std::string& pointer, Lines& lines) {
+  lines[pointer] = node.source().begin.line;
   if (const auto* table = node.as_table()) {
     json object = json::object();
-    for (const auto& [key, value] : *table) object[std::string{key.str()}] = json_of(value);
+    for (const auto& [key, value] : *table) {
+      const std::string name{key.str()};
+      object[name] = json_of(value, pointer + "/" + name, lines);
+    }
     return object;
   }
   if (const auto* array = node.as_array()) {
     json list = json::array();
-    for (const auto& value : *array) list.push_back(json_of(value));
+    for (const auto& value : *array)
+      list.push_back(json_of(value, pointer + "/" + std::to_string(list.size()), lines));
     return list;
   }
   if (const auto* text = node.as_string()) return text->get();
@@ -45,10 +52,11 @@ std::string range_text(double low, double high) {
 
 }  // namespace
 
-json read_toml(const std::filesystem::path& path) {
-  const std::string content = read_file(path);
+TomlFile::TomlFile(const std::filesystem::path& path) : name_{path.string()} {
+  constexpr std::uintmax_t kMost = std::uintmax_t{16} << 20;
+  const std::string content = read_file(path, kMost);
   try {
-    return json_of(toml::parse(content, path.string()));
+    content_ = json_of(toml::parse(content, path.string()), "", lines_);
   } catch (const toml::parse_error& error) {
     std::string what{error.description()};
     std::replace(what.begin(), what.end(), '\n', ' ');
@@ -57,10 +65,16 @@ json read_toml(const std::filesystem::path& path) {
   }
 }
 
+std::string TomlFile::place(std::string pointer) const {
+  while (!pointer.empty() && !lines_.contains(pointer)) pointer.resize(pointer.rfind('/'));
+  return pointer.empty() ? name_ : name_ + ":" + std::to_string(lines_.at(pointer));
+}
+
 json parse_toml_value(std::string_view text) {
   try {
     const toml::table table = toml::parse("value = " + std::string{text});
-    if (table.size() == 1) return json_of(*table.get("value"));
+    Lines lines;
+    if (table.size() == 1) return json_of(*table.get("value"), "", lines);
   } catch (const toml::parse_error&) {
     // Not TOML: a bare word.
   }
@@ -78,20 +92,34 @@ std::string shown(const json& value) {
   return one_line(value.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
-Table::Table(const json& value, std::string file, std::string where)
-    : value_{value}, file_{std::move(file)}, where_{std::move(where)} {
-  if (!value.is_object())
-    throw std::runtime_error(file_ + ": " + where_ + " = " + shown(value) + ", must be a table");
+Table::Table(const TomlFile& file, std::string pointer, std::string before)
+    : file_{file},
+      value_{file.content().at(json::json_pointer{pointer})},
+      pointer_{std::move(pointer)},
+      before_{std::move(before)} {}
+
+Table Table::table(const std::string& key) {
+  if (!raw(key).is_object()) fail(key, "a table");
+  return {file_, pointer_ + "/" + key, before_ + key + "."};
 }
 
-std::string Table::name_of(const std::string& key) const {
-  return where_.empty() ? key : where_ + "." + key;
+Table Table::item(const std::string& key, std::size_t index, const std::string& name) {
+  const std::string pointer = pointer_ + "/" + key + "/" + std::to_string(index);
+  const json& value = raw(key).at(index);
+  if (!value.is_object())
+    throw std::runtime_error(file_.place(pointer) + ": " + name + " = " + shown(value) +
+                             ", must be a table");
+  return {file_, pointer, name + ": "};
+}
+
+std::string Table::place_and_name(const std::string& key) const {
+  return file_.place(pointer_ + "/" + key) + ": " + before_ + one_line(key);
 }
 
 void Table::fail(const std::string& key, const std::string& what) const {
   const bool there = value_.contains(key);
   throw std::runtime_error(
-      file_ + ": " + name_of(key) +
+      place_and_name(key) +
       (there ? " = " + shown(value_.at(key)) + ", must be " : " is missing, must be ") + what);
 }
 
@@ -152,7 +180,7 @@ std::string Table::text(const std::string& key, const std::string& fallback) {
 void Table::refuse_others() const {
   for (const auto& [key, value] : value_.items())
     if (std::find(known_.begin(), known_.end(), key) == known_.end())
-      throw std::runtime_error(file_ + ": " + name_of(key) + " is not a known key" +
+      throw std::runtime_error(place_and_name(key) + " is not a known key" +
                                suggestion(key, known_));
 }
 

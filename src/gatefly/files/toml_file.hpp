@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,9 +12,22 @@
 
 namespace gatefly::io {
 
-/// A TOML file as a JSON value: tables are objects, numbers keep being whole or not.
-/// @throws std::runtime_error "file:line: what is wrong".
-[[nodiscard]] nlohmann::json read_toml(const std::filesystem::path& path);
+/// A TOML file as a JSON value, tables are objects, numbers keep being whole or not; and where in
+/// it everything stands.
+class TomlFile {
+ public:
+  /// @throws std::runtime_error "file:line: what is wrong".
+  explicit TomlFile(const std::filesystem::path& path);
+
+  [[nodiscard]] const nlohmann::json& content() const { return content_; }
+  /// "file:12": the line of what a JSON pointer leads to, or of the nearest table around it.
+  [[nodiscard]] std::string place(std::string pointer) const;
+
+ private:
+  std::string name_;
+  nlohmann::json content_;
+  std::map<std::string, unsigned> lines_;  ///< By JSON pointer.
+};
 
 /// One TOML value as typed after `--set key=`; bare words are text.
 [[nodiscard]] nlohmann::json parse_toml_value(std::string_view text);
@@ -23,12 +37,15 @@ namespace gatefly::io {
 
 /// Reads one table of a file key by key; knows which keys nobody asked for.
 ///
-/// Every error is one line: "file: where.key = value, must be ...".
+/// Every error is one line: "file:12: where.key = value, must be ...".
 class Table {
  public:
-  /// @param where  the table's own name in the file, "" at the top.
-  /// @throws std::runtime_error when `value` is not a table.
-  Table(const nlohmann::json& value, std::string file, std::string where);
+  /// The whole file, which must live as long.
+  explicit Table(const TomlFile& file) : Table{file, "", ""} {}
+  /// A table in this one, by its key. @throws std::runtime_error when it is none.
+  [[nodiscard]] Table table(const std::string& key);
+  /// One of a list of tables; `name` is for people, who count from 1: "gate 1".
+  [[nodiscard]] Table item(const std::string& key, std::size_t index, const std::string& name);
 
   [[nodiscard]] bool has(const std::string& key);
   /// A number in [low, high]; `fallback` when absent.
@@ -45,16 +62,19 @@ class Table {
   /// To be called last. @throws std::runtime_error naming a key nobody asked for, and the nearest
   /// known.
   void refuse_others() const;
-  /// @throws std::runtime_error "file: where.key = value, must be <what>".
+  /// @throws std::runtime_error "file:12: where.key = value, must be <what>".
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
-  [[nodiscard]] std::string name_of(const std::string& key) const;
 
  private:
+  /// @param pointer  leads to it in the file; @param before  stands before a key's name.
+  Table(const TomlFile& file, std::string pointer, std::string before);
+  [[nodiscard]] std::string place_and_name(const std::string& key) const;
   double checked(const std::string& key, const nlohmann::json& value, double low,
                  double high) const;
 
+  const TomlFile& file_;
   const nlohmann::json& value_;
-  std::string file_, where_;
+  std::string pointer_, before_;
   std::vector<std::string> known_;
 };
 

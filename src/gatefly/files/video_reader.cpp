@@ -25,14 +25,16 @@ constexpr const char* kContainers =
     "yuv4mpegpipe,nut,mxf,"
     "dv,rm,bmp_pipe,tiff_pipe,webp_pipe";
 
-std::vector<std::string> decoder(const std::string& file) {
-  return {
+std::vector<std::string> decoder(const std::string& file, bool as_stored) {
+  std::vector<std::string> words{
       "ffmpeg",      "-nostdin",     "-hide_banner",
       "-loglevel",   "error",        "-format_whitelist",
       kContainers,   "-i",           "file:" + file,
       "-map",        "0:v:0",        "-fps_mode",
       "passthrough", "-vf",          "scale=out_range=full:out_color_matrix=bt601,format=yuv444p",
       "-f",          "yuv4mpegpipe", "pipe:1"};
+  if (as_stored) words.insert(words.begin() + 1, "-noautorotate");
+  return words;
 }
 
 /// Planes one after the other become Y, Cb, Cr of each pixel.
@@ -47,14 +49,14 @@ std::vector<std::uint8_t> interleaved(const std::vector<std::uint8_t>& planes) {
 
 }  // namespace
 
-VideoReader::VideoReader(std::filesystem::path path)
+VideoReader::VideoReader(std::filesystem::path path, bool as_stored)
     : path_{std::move(path)}, messages_{std::tmpfile()} {
   if (!std::ifstream(path_))
     throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
   int ends[2] = {-1, -1};
   if (!messages_ || pipe2(ends, O_CLOEXEC) != 0)
     throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
-  const int error = start(decoder(path_.string()),
+  const int error = start(decoder(path_.string(), as_stored),
                           {.output = ends[1], .errors = fileno(messages_.get())}, ffmpeg_);
   ::close(ends[1]);
   stream_.reset(fdopen(ends[0], "rb"));
@@ -109,6 +111,8 @@ void VideoReader::end() {
   if (status == 0 && why.empty() && pictures_ > 0) return;
   const std::string prefix = "file:" + path_.string() + ": ";
   if (why.starts_with(prefix)) why.erase(0, prefix.size());
+  if (why.starts_with('[') && why.find("] ") != std::string::npos)
+    why.erase(0, why.find("] ") + 2);  // "[mjpeg @ 0x5617...] ": where in its memory
   if (why.empty()) why = "it holds no picture";
   throw std::runtime_error(path_.string() + ": " +
                            (pictures_ == 0

@@ -20,13 +20,14 @@ namespace gatefly::io {
 /// dropped or doubled.
 class VideoReader {
  public:
+  /// @param as_stored  else turned as the film itself says.
   /// @throws std::runtime_error one line: the file cannot be read, or there is no ffmpeg.
-  explicit VideoReader(std::filesystem::path path);
+  explicit VideoReader(std::filesystem::path path, bool as_stored = false);
   ~VideoReader();
   VideoReader(const VideoReader&) = delete;
   VideoReader& operator=(const VideoReader&) = delete;
 
-  /// The next picture as it is stored; nullopt after the last.
+  /// The next picture; nullopt after the last.
   /// @throws std::runtime_error with ffmpeg's own words: no video at all, or damaged (after what
   ///     could be read).
   [[nodiscard]] std::optional<ImageFile> next();

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "gatefly/files/csv.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -101,18 +103,34 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   return samples;
 }
 
-std::vector<FlightImage> read_images(const std::filesystem::path& directory, std::size_t log_rows) {
+/// A picture arrives in its row: exactly so in our own flights, which tell nanoseconds.
+void expect_at_its_row(const Csv& csv, std::size_t i, nanoseconds time, nanoseconds row_time) {
+  const nanoseconds most = csv.has("t_ns") ? nanoseconds{0} : nanoseconds{100'000'000};
+  const nanoseconds off = time > row_time ? time - row_time : row_time - time;
+  if (off <= most) return;
+  const auto text = [](nanoseconds t) { return text_of(1e-9 * static_cast<double>(t.count()), 9); };
+  throw std::runtime_error(csv.place(i) + ": came at " + text(time) +
+                           " s, the row of its log_row at " + text(row_time) +
+                           " s: rows are missing in log_si.csv, or it has too many");
+}
+
+std::vector<FlightImage> read_images(const std::filesystem::path& directory,
+                                     const std::vector<FlightSample>& samples) {
+  const std::size_t log_rows = samples.size();
   const Csv csv(directory / "images.csv");
   const auto names = csv.texts("image");
   const auto rows = csv.numbers("log_row");
   const std::vector<nanoseconds> times = times_of(csv);
 
   std::vector<FlightImage> images;
+  std::set<std::string> known;
   for (std::size_t i = 0; i < csv.rows(); ++i) {
     const std::filesystem::path name{names[i]};
     if (name.empty() || name.has_parent_path())
       throw std::runtime_error(csv.place(i) + ": image = '" + names[i] +
                                "', must be a file name in this folder");
+    if (!known.insert(names[i]).second)
+      throw std::runtime_error(csv.place(i) + ": image = '" + names[i] + "', a second time");
     const double row = rows[i];
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
@@ -121,6 +139,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory, std
         {.path = directory / name, .time = times[i], .log_row = static_cast<std::size_t>(row)});
     if (i > 0 && images[i].log_row < images[i - 1].log_row)
       throw std::runtime_error(csv.place(i) + ": log_row runs backwards");
+    expect_at_its_row(csv, i, times[i], samples[images[i].log_row].time);
   }
   return images;
 }
@@ -134,7 +153,7 @@ FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   FlightFolder flight{
       .directory = directory, .samples = read_log(directory / "log_si.csv"), .images = {}};
   if (std::filesystem::exists(directory / "images.csv", error))
-    flight.images = read_images(directory, flight.samples.size());
+    flight.images = read_images(directory, flight.samples);
   return flight;
 }
 

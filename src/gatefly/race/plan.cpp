@@ -221,7 +221,8 @@ class Planner {
 }  // namespace
 
 RacePlan plan_race(const Track& track, const PlanParams& params) {
-  if (track.gates.empty()) throw std::invalid_argument("the track has no gates");
+  if (track.gates.empty())
+    throw std::invalid_argument("the track has no gates: PilotConfig::track.gates is empty");
   if (track.laps < 1)
     throw std::invalid_argument("laps = " + std::to_string(track.laps) + ", must be at least 1");
   for (std::size_t i = 0; i < track.gates.size(); ++i) {

@@ -194,7 +194,10 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
 
 SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history) {
   SeenPicture seen;
-  const auto views = gates_in_view(world_, camera_, sight_, t_start, history);
+  auto views = gates_in_view(world_, camera_, sight_, t_start, history);
+  std::erase_if(views, [&](const GateView& view) {
+    return !world_.gates[static_cast<std::size_t>(view.gate)].sought;
+  });
   add_whole_gates(ghosts_ > 0.0 ? haunted(views, t_start, history) : views, seen);
   add_parts(views, seen);
   add_false_alarm(seen);

@@ -55,7 +55,7 @@ struct SeenPicture {
 /// Detections without pictures: what is in view, with the misses, errors and false alarms of a
 /// detector.
 ///
-/// One picture is independent of the next: a real detector's misses come in rows
+/// Blind to gates of a colour that the pilot does not look for. One picture is independent of the next: a real detector's misses come in rows
 /// (docs/simulation.md).
 class IdealVision {
  public:

@@ -131,11 +131,20 @@ Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& 
 
 Tuned tune_to_description(Pictures pictures, const ColorModel& described, const Judging& judging,
                           double false_per_image) {
-  const SelfTraining training = train_on_own(pictures, described, judging.detector);
-  Tuned tuned{.color = training.color, .learnt = training.learnt, .gates = training.confident};
+  SelfTrainingParams params;
+  SelfTraining training;
+  for (const double confident : {params.confident, 0.6, 0.5}) {
+    params.confident = confident;
+    training = train_on_own(pictures, described, judging.detector, params);
+    if (training.learnt) break;
+  }
+  Tuned tuned{.color = training.color,
+              .learnt = training.learnt,
+              .gates = training.confident,
+              .confident = params.confident};
   if (!tuned.learnt) return tuned;
   const auto fit = [&](Pictures half) {
-    return train_on_own(half, described, judging.detector).color;
+    return train_on_own(half, described, judging.detector, params).color;
   };
   std::vector<Judged> judged = judged_by_halves(pictures, fit, with_fitted_colors(judging));
   estimate_chances(judged);

@@ -37,6 +37,7 @@ struct Tuned {
   ColorModel color;
   bool learnt = true;       ///< Else too few gates: `color` is the prior, there is no ROC.
   int gates = 0;            ///< Labelled, or confident detections.
+  double confident = 0;     ///< Fitness from which on a detection was learnt from; 0 with labels.
   double gates_to_hit = 0;  ///< What true positive rates are of; an estimate without labels.
   Roc roc = {};  ///< Each half of the pictures searched with colours fitted to the other.
   Operating chosen = {};
@@ -47,7 +48,8 @@ struct Tuned {
 [[nodiscard]] Tuned tune_to_labels(Pictures pictures, const ColorModel& prior,
                                    const Judging& judging, double false_per_image);
 
-/// The same without labels. Which detections are gates is estimated from their scores, which have
+/// The same without labels. With too few detections to learn from it starts again from less sure
+/// ones, down to an even chance. Which detections are gates is estimated from their scores, which have
 /// two peaks; on hard pictures, whose gates' scores reach far down, fewer are false than it says.
 [[nodiscard]] Tuned tune_to_description(Pictures pictures, const ColorModel& described,
                                         const Judging& judging, double false_per_image);

@@ -15,6 +15,7 @@ struct WorldGate {
   double side = 1.0;                        ///< Outer side of the coloured frame [m].
   double bar = 0.05;                        ///< Width of its bars, and their depth [m].
   Eigen::Vector3d color{0.95, 0.40, 0.12};  ///< Linear-light albedo, r g b, 0..1.
+  bool sought = true;  ///< The pilot looks for this colour; else ideal vision is blind to it.
 };
 
 /// A solid thing standing on the floor (or hanging, if `bottom` > 0).

@@ -66,7 +66,8 @@ Path leg(const Track& track, std::size_t from, std::size_t to) {
 }  // namespace
 
 RacePlan plan_from_exits(const Track& track) {
-  if (track.gates.empty()) throw std::invalid_argument("the track has no gates");
+  if (track.gates.empty())
+    throw std::invalid_argument("the track has no gates: PilotConfig::track.gates is empty");
   RacePlan plan;
   (void)plan.start.segments.push_back(
       approach_from(track.start, track.gates[0], "the start, before gate 1,"));

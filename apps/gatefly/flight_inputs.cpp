@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_inputs.hpp"
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "gatefly/files/text.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kTrack = "track.toml";
+constexpr const char* kSettings = "settings.txt";
+constexpr const char* kSummary = "summary.json";
+constexpr const char* kColors = "colors.toml";
+constexpr const char* kTableKey = "color.table";
+constexpr std::string_view kLaps = "laps=";
+
+std::string config_name(std::size_t number) { return "config-" + std::to_string(number) + ".toml"; }
+
+/// Lines of settings.txt, the laps apart.
+struct Settings {
+  std::vector<std::string> keys;
+  std::optional<int> laps;
+};
+
+Settings read_settings(const fs::path& directory) {
+  Settings settings;
+  std::ifstream lines(directory / kSettings);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(kLaps)) {
+      if (!line.empty()) settings.keys.push_back(line);
+      continue;
+    }
+    int laps = 0;
+    const char* const end = line.data() + line.size();
+    const auto [rest, error] = std::from_chars(line.data() + kLaps.size(), end, laps);
+    if (error != std::errc{} || rest != end || laps < 1 || laps > 100)
+      throw std::runtime_error((directory / kSettings).string() + ": " + io::one_line(line) +
+                               ", must be a whole number in 1..100");
+    settings.laps = laps;
+  }
+  return settings;
+}
+
+/// What fly says of its flight; nothing where the file is not there or damaged: it only bears witness.
+class Witness {
+ public:
+  explicit Witness(const fs::path& directory) {
+    if (fs::exists(directory / kSummary))
+      summary_ = nlohmann::json::parse(io::read_file(directory / kSummary), nullptr, false);
+  }
+  /// Null where it says nothing.
+  [[nodiscard]] nlohmann::json at(const std::string& pointer) const {
+    const nlohmann::json::json_pointer place{pointer};
+    return summary_.contains(place) ? summary_.at(place) : nlohmann::json{};
+  }
+  [[nodiscard]] std::optional<double> number(const std::string& pointer) const {
+    const auto value = at(pointer);
+    return value.is_number() ? std::optional{value.get<double>()} : std::nullopt;
+  }
+
+ private:
+  nlohmann::json summary_;
+};
+
+}  // namespace
+
+std::map<std::string, std::string> flight_inputs(const CommonOptions& options,
+                                                 const io::Config& config, const fs::path& track,
+                                                 int laps) {
+  std::map<std::string, std::string> inputs{{kTrack, io::read_file(track)}};
+  std::size_t number = 0;
+  for (const auto& given : io::config_files(options.configs))
+    inputs[config_name(number++)] = io::read_file(given);
+  const bool has_table = !config.gate.color_table.empty();
+  if (has_table) {  // whoever named it: here it lies beside the last configuration
+    inputs[kColors] = io::read_file(config.gate.color_table);
+    inputs[config_name(number)] = std::string{"[color]\ntable = \""} + kColors + "\"\n";
+  }
+  std::string& settings = inputs[kSettings];
+  for (const auto& setting : options.settings)
+    if (!has_table || setting.find(kTableKey) != setting.find_first_not_of(" \t"))
+      settings += setting + "\n";
+  settings += std::string{kLaps} + std::to_string(laps) + "\n";
+  return inputs;
+}
+
+bool is_simulated(const fs::path& directory) {
+  return fs::exists(directory / kTrack) || fs::exists(directory / kSettings);
+}
+
+void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
+  const Witness flown(directory);
+  if (flown.at("/vision") == "ideal")  // what it saw was drawn and is not kept
+    throw std::runtime_error(
+        directory.string() +
+        ": flown with --vision ideal, has no pictures to replay; fly it with --vision rendered");
+  for (const std::string& name :
+       {std::string{kTrack}, std::string{kSettings}, config_name(0), std::string{"images.csv"}})
+    if (!fs::exists(directory / name))
+      throw std::runtime_error((directory / name).string() +
+                               ": is missing, gatefly fly has put it there");
+  const auto frames = flown.number("/detection/frames"), seconds = flown.number("/flight_time_s");
+  if (frames && *frames != static_cast<double>(folder.images.size()))
+    throw std::runtime_error((directory / "images.csv").string() + ": has " +
+                             std::to_string(folder.images.size()) + " rows, the flight had " +
+                             io::text_of(*frames) + " pictures (summary.json)");
+  const double last = std::chrono::duration<double>(folder.samples.back().time).count();
+  if (seconds && std::abs(*seconds - last) > 1e-6)
+    throw std::runtime_error((directory / "log_si.csv").string() + ": ends at " +
+                             io::text_of(last, 6) + " s, the flight at " +
+                             io::text_of(*seconds, 6) + " s (summary.json)");
+}
+
+io::Config config_of_flight(const fs::path& directory, const CommonOptions& user) {
+  std::vector<fs::path> files;
+  for (std::size_t i = 0; fs::exists(directory / config_name(i)); ++i)
+    files.push_back(directory / config_name(i));
+  const auto given = io::config_files(user.configs);
+  files.insert(files.end(), given.begin() + 1, given.end());  // the default is the flight's own
+  std::vector<std::string> settings = read_settings(directory).keys;
+  try {  // the flight's own first: what is wrong in them is no --set of the user's
+    (void)io::load_config(files, settings);
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    if (!what.starts_with("--set")) throw;
+    throw std::runtime_error((directory / kSettings).string() + what.substr(5));
+  }
+  settings.insert(settings.end(), user.settings.begin(), user.settings.end());
+  return io::load_config(files, settings);
+}
+
+std::optional<int> laps_of_flight(const fs::path& directory) {
+  return read_settings(directory).laps;
+}
+
+std::string difference_in(const io::Config& config, const fs::path& directory) {
+  const Witness flown(directory);
+  const nlohmann::json now = io::as_json(config);
+  for (const auto& [section, keys] : now.items()) {
+    if (section == "randomize") continue;  // the simulator's alone
+    for (const auto& [key, value] : keys.items()) {
+      const std::string name = section + "." + key;
+      const nlohmann::json was = flown.at("/config/" + section + "/" + key);
+      if (name != kTableKey && !was.is_null() && was != value)
+        return name + " is " + io::one_line(value.dump()) + ", was " + io::one_line(was.dump()) +
+               " in flight";
+    }
+  }
+  return "";
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
+
+#include "commands.hpp"
+
+// What a flight was flown with lies in its folder: `fly` puts it there, `replay` takes it from there.
+namespace gatefly::cli {
+
+/// Files of the folder by name: track and configurations as given, a fitted colour table, settings.
+/// @param config  what `options` load as.
+[[nodiscard]] std::map<std::string, std::string> flight_inputs(const CommonOptions& options,
+                                                               const io::Config& config,
+                                                               const std::filesystem::path& track,
+                                                               int laps);
+
+/// Whether `gatefly fly` flew it, by what is in its folder.
+[[nodiscard]] bool is_simulated(const std::filesystem::path& directory);
+
+/// @throws std::runtime_error one line: what fly wrote is not all there, or it has no pictures.
+void expect_whole(const std::filesystem::path& directory, const io::FlightFolder& folder);
+
+/// The configuration a flight was flown with, then the user's.
+[[nodiscard]] io::Config config_of_flight(const std::filesystem::path& directory,
+                                          const CommonOptions& user);
+
+/// nullopt where its settings do not say.
+[[nodiscard]] std::optional<int> laps_of_flight(const std::filesystem::path& directory);
+
+/// "control.speed_mps is 1.2, was 1.5 in flight" for the first key that summary.json has otherwise;
+/// "" when none.
+[[nodiscard]] std::string difference_in(const io::Config& config,
+                                        const std::filesystem::path& directory);
+
+}  // namespace gatefly::cli

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/files/image_file.hpp"
+
+namespace gatefly::cli {
+
+/// Makes stored pictures upright: by --rotate or a camera that was named; else a raw picture by the
+/// camera that it needs anyway, others by their EXIF; else they are upright.
+class Upright {
+ public:
+  /// @param config  its camera.stored_rotation_deg counts where somebody has set it.
+  explicit Upright(const io::Config& config);
+
+  [[nodiscard]] bool told() const { return !by_.empty(); }
+  /// @throws std::runtime_error when the picture's EXIF says that it is mirrored.
+  [[nodiscard]] Image view(const io::ImageFile& file, const std::filesystem::path& path);
+  /// "3 pictures turned by 90 degrees counter-clockwise (EXIF), 2 taken as upright".
+  [[nodiscard]] std::string said() const;
+
+ private:
+  int camera_deg_;
+  std::string by_;                     ///< Who set it; "" when nobody.
+  std::map<std::string, int> done_{};  ///< What was done to how many pictures.
+};
+
+}  // namespace gatefly::cli
