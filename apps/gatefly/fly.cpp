@@ -122,7 +122,9 @@ int fly(const FlyOptions& options) {
 
   if (video) video->finish(verdict(result, last_p_EB));
   const std::string summary = io::summary(result, race.identity).dump(2) + "\n";
-  recorder.finish(summary);
+  const std::string replaced = recorder.finish(summary);
+  if (!replaced.empty() && !quiet)
+    std::cerr << "gatefly fly: " << (out / "").string() << ": " << replaced << '\n';
   if (options.json) {
     std::cout << summary;
   } else {
@@ -144,7 +146,7 @@ void declare_fly(Command& command) {
   command.option("--seed", options->seed, "the day: what [randomize] draws")
       .check(check_seed)
       .show_default();
-  command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").type_name("DIR");
+  command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").path("DIR");
   command.flag("--video", options->video,
                "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
   command.flag("--json", options->json, "print summary.json instead of a screen");

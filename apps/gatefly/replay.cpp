@@ -205,6 +205,11 @@ void refuse_ideal(const fs::path& directory) {
 }
 
 int replay(const ReplayOptions& options) {
+  const bool rows_on_stdout = io::is_stdout(options.csv);
+  if (options.json && rows_on_stdout)
+    throw std::runtime_error("--json and --csv " + options.csv + ": both want stdout; name a file");
+  check_outputs({{"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}}},
+                {options.directory, options.track}, options.common);
   refuse_ideal(options.directory);
   const bool is_drag = options.estimator == "drag";
   const Recording recording = read(options);
@@ -246,7 +251,7 @@ int replay(const ReplayOptions& options) {
     if (visible) json["visible"] = {{"shown", visible->shown}, {"found", visible->found}};
     if (exact) json["same_as_recorded"] = *exact;
     std::cout << json.dump(2) << '\n';
-  } else {
+  } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << options.directory << ": "
               << result.estimates.size() << " samples, " << result.pictures.size()
               << " pictures, all numbers " << (result.finite ? "finite" : "NOT finite") << '\n';
@@ -279,7 +284,8 @@ void declare_replay(Command& command) {
       "and\n"
       "configs/flights.toml. Exit code 0: done; 1: a number was not finite; 2: unusable input.");
   command.option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")
-      .required();
+      .required()
+      .path();
   command.option("--track", options->track,
                  "instead of the folder's own: a name in tracks/ or a file");
   command
@@ -291,8 +297,9 @@ void declare_replay(Command& command) {
       .option("--heading-offset-deg", options->heading_offset_deg,
               "real logs: motion capture's heading minus the log's own (differs by flight)")
       .show_default();
-  command.option("--csv", options->csv, "write estimates.csv").type_name("FILE");
+  command.option("--csv", options->csv, "write estimates.csv (- for stdout)").path("FILE");
   command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return replay(*options); });
 }

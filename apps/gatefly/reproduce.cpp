@@ -5,11 +5,11 @@
 #include <iostream>
 #include <memory>
 #include <stdexcept>
-#include <system_error>
 
 #include <nlohmann/json.hpp>
 
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
@@ -93,15 +93,28 @@ void print_table(const Experiment& experiment, const Result& result, double seco
 }
 
 void write(const Result& result, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error("--out: " + folder.string() + " cannot be made: " + error.message());
-  io::write_file(folder / "result.csv", result.csv);
-  result.picture.write_png(folder / "plot.png");
+  io::PartialFolder whole(folder, io::PartialFolder::Grows::kInside, [](const std::string& name) {
+    return name.ends_with(".png") || name.starts_with("result.");
+  });
+  whole.write("result.csv", result.csv);
+  whole.write("plot.png", result.picture.png());
   for (const experiments::ExtraPicture& extra : result.extra)
-    extra.picture.write_png(folder / (extra.name + ".png"));
-  io::write_file(folder / "result.json", result.json.dump(2) + "\n");
+    whole.write(extra.name + ".png", extra.picture.png());
+  whole.write("result.json", result.json.dump(2) + "\n");
+  whole.pour();
+}
+
+/// Before the work: whether all results may be written.
+void check_folders(const std::vector<Experiment>& list, const ReproduceOptions& options) {
+  const io::OutputKind result{"earlier result", "\"quick\"", std::string::npos};
+  io::check_output_folder("--out", options.out);
+  for (const Experiment& experiment : list) {
+    const fs::path folder = fs::path{options.out} / experiment.name;
+    io::check_output_folder("--out", folder);
+    if (!options.common.force)
+      io::refuse_foreign_folder(folder, "result.json", result,
+                                "choose another --out (--force writes it there)");
+  }
 }
 
 /// gatefly reproduce: exit 0 done, 2 unusable arguments or no data, 130 Ctrl-C.
@@ -109,6 +122,7 @@ int reproduce(const ReproduceOptions& options) {
   (void)load(options.common);  // a wrong --config or --set is an error here as everywhere
   if (options.list) return print_list(options.json);
   const std::vector<Experiment> list = chosen(options);
+  check_folders(list, options);
   catch_interrupt();
   nlohmann::ordered_json answer = nlohmann::ordered_json::object();
   for (const Experiment& experiment : list) {
@@ -159,9 +173,10 @@ void declare_reproduce(Command& command) {
   command.flag("--quick", options->quick, "fewer points and repeats: seconds instead of minutes");
   command
       .option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")
-      .type_name("DIR");
-  command.option("--out", options->out, "where the results go [out/reproduce]").type_name("DIR");
+      .path("DIR");
+  command.option("--out", options->out, "where the results go [out/reproduce]").path("DIR");
   command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return reproduce(*options); });
 }

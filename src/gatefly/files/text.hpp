@@ -39,10 +39,6 @@ namespace gatefly::io {
 /// All bytes of a file. @throws std::runtime_error naming it and why it cannot be read.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
-/// Writes a whole file or throws: under a temporary name, then renamed.
-/// @throws std::runtime_error naming it and why it cannot be written.
-void write_file(const std::filesystem::path& path, std::string_view content);
-
 /// Where tracks/, configs/, cameras/ and vehicles/ lie: the source tree the program was built from.
 [[nodiscard]] std::filesystem::path data_dir();
 
