@@ -76,6 +76,9 @@ TEST(WriteFiles, AreAllWrittenOrNone) {
   EXPECT_THAT(test::error_of([&] { write_files(files); }),
               HasSubstr("missing/b: cannot be written"));
   EXPECT_EQ(read_file(folder.path() / "a"), "old");
+  const std::array<FileContent, 2> to_device{{{folder.path() / "a", "new"}, {"/dev/full", "new"}}};
+  EXPECT_THAT(test::error_of([&] { write_files(to_device); }), HasSubstr("/dev/full"));
+  EXPECT_EQ(read_file(folder.path() / "a"), "old");
   EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"a"});
 }
 

@@ -59,6 +59,17 @@ TEST(PartialFolder, IsAddedToWhatIsThere) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 2);
 }
 
+TEST(PartialFolder, IsAddedWholeOrNotAtAll) {
+  const test::TempFolder folder;
+  fs::create_directory(folder.path() / "ours z");
+  {
+    PartialFolder partial(folder.path(), Grows::kInside, is_ours);
+    for (const char* name : {"ours a", "ours z"}) partial.write(name, "new");
+    EXPECT_THAT(test::error_of([&] { partial.pour(); }), HasSubstr("ours z: cannot be written"));
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+}
+
 TEST(PartialFolder, ALinkToAFolderKeepsPointing) {
   const test::TempFolder folder;
   fs::create_directory(folder.path() / "far");

@@ -126,6 +126,18 @@ TEST_F(Recording, AFilmThatNoNewOneReplacesGetsANameOfItsOwn) {
   EXPECT_FALSE(std::filesystem::exists(out / "flight.mp4"));
 }
 
+TEST_F(Recording, AFlightThatCannotTakeItsPlaceIsKeptAside) {
+  const auto out = folder_.path() / "flight", aside = folder_.path() / "flight.partial";
+  {
+    FlightRecorder recorder(out);
+    (void)folder_.file("flight", "came meanwhile");
+    EXPECT_THAT(test::error_of([&] { recorder.finish("{}"); }),
+                HasSubstr("this flight is in " + aside.string()));
+  }
+  EXPECT_EQ(read_file(aside / "summary.json"), "{}");
+  EXPECT_EQ(read_file(out), "came meanwhile");
+}
+
 TEST(FlightFolder, ReadsRealLogsColumns) {
   const test::TempFolder folder;
   (void)folder.file("log_si.csv", std::string{kRealHeader} +

@@ -88,6 +88,8 @@ class Pending {
   Pending(const Pending&) = delete;
   Pending& operator=(const Pending&) = delete;
 
+  [[nodiscard]] bool is_aside() const { return !aside_.empty(); }
+
   void put_in_place() {
     if (is_stdout(path_)) {
       if (!std::cout.write(content_.data(), static_cast<std::streamsize>(content_.size())).flush())
@@ -235,6 +237,9 @@ void refuse_foreign_folder(const fs::path& folder, const std::string& witness,
 void write_files(std::span<const FileContent> files) {
   std::vector<std::unique_ptr<Pending>> pending;
   for (const FileContent& file : files) pending.push_back(std::make_unique<Pending>(file));
+  // Streams and devices first: only they can still fail, and then nothing has changed.
+  std::stable_partition(pending.begin(), pending.end(),
+                        [](const auto& file) { return !file->is_aside(); });
   for (const auto& file : pending) file->put_in_place();
 }
 

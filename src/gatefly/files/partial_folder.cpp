@@ -76,7 +76,7 @@ PartialFolder::PartialFolder(fs::path out, Grows grows, IsOurs is_ours)
 }
 
 PartialFolder::~PartialFolder() {
-  if (is_same_file(lock_, partial_)) {
+  if (!kept_ && is_same_file(lock_, partial_)) {
     std::error_code ignored;
     remove_ours(partial_);
     fs::remove(partial_, ignored);
@@ -142,7 +142,11 @@ void PartialFolder::replace(const IsOurs& keep) {
 
 void PartialFolder::pour() {
   std::error_code error;
-  for (const fs::path& entry : entries_of(partial_)) {
+  const std::vector<fs::path> entries = entries_of(partial_);
+  for (const fs::path& entry : entries)
+    if (fs::is_directory(place_ / entry.filename(), error))
+      throw CannotWrite(out_ / entry.filename(), "is a folder");
+  for (const fs::path& entry : entries) {
     fs::rename(entry, place_ / entry.filename(), error);
     if (error) throw CannotWrite(out_ / entry.filename(), error.message());
   }

@@ -36,6 +36,8 @@ class PartialFolder {
   /// Becomes `out`. Of the folder that was there, what is not ours moves in.
   /// @param keep  what of ours stays, too
   void replace(const IsOurs& keep);
+  /// What is written stays where it is, e.g. when it cannot take its place.
+  void keep() { kept_ = true; }
   /// Moves every file into `out`, over those of its name.
   void pour();
 
@@ -49,6 +51,7 @@ class PartialFolder {
   IsOurs is_ours_;
   std::vector<std::filesystem::path> made_;  ///< Folders above, innermost first.
   int lock_ = -1;
+  bool kept_ = false;
 };
 
 }  // namespace gatefly::io

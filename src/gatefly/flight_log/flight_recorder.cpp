@@ -183,10 +183,16 @@ std::string FlightRecorder::finish(const std::string& summary_json) {
   check(detections_, "detections.csv");
   add_file("summary.json", summary_json);
 
-  refuse_foreign_folder(out_, "summary.json", kFlight, "choose another --out");
   const bool replaces = fs::exists(out_ / "summary.json");
   const bool film = fs::exists(folder_.path() / kFilm);
-  folder_.replace([film](const std::string& name) { return name == kFilm && !film; });
+  try {
+    refuse_foreign_folder(out_, "summary.json", kFlight, "it came while we flew");
+    folder_.replace([film](const std::string& name) { return name == kFilm && !film; });
+  } catch (const std::exception& error) {  // flown is flown
+    folder_.keep();
+    throw std::runtime_error(std::string{error.what()} + "; this flight is in " +
+                             folder_.path().string());
+  }
   if (!replaces) return "";
   std::string said = "in place of the flight that was there";
   if (!film && fs::exists(out_ / kFilm)) {  // it shows another flight than the one beside it
