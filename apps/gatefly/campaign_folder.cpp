@@ -50,9 +50,7 @@ CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::str
                                other + "), choose another --out");
     return;
   }
-  if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
-    throw std::runtime_error(
-        path_.string() + ": is there and holds no campaign (campaign.json), choose another --out");
+  io::refuse_foreign_folder(path_, "campaign.json", {"campaign", ""}, "choose another --out");
   fs::create_directories(path_, error);
   if (error) throw std::runtime_error(path_.string() + ": cannot be written: " + error.message());
   try {

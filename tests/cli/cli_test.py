@@ -996,6 +996,19 @@ class NothingIsLost(Cli):
         first.wait(timeout=60)
         self.assertEqual((second.returncode, second.stderr), (2, "gatefly: X: cannot be written: another gatefly is writing it now\n"))
 
+    def test_of_two_results_into_one_folder_the_second_is_not_begun(self):
+        arguments = ("reproduce", "pose-ls-p3p", "--quick")
+        with subprocess.Popen([GATEFLY, *arguments], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as first:
+            deadline = time.monotonic() + 60
+            while not list(self.folder.glob("out/reproduce/*/.gatefly.partial")) and time.monotonic() < deadline:
+                time.sleep(0.01)
+            second = self.run_it(*arguments)
+            first.send_signal(signal.SIGTERM)
+        self.assertEqual(second.returncode, 2)
+        self.assertEqual(second.stderr.count("\n"), 1, second.stderr)
+        self.assertIn("another gatefly is writing it now", second.stderr)
+        self.assertEqual((first.returncode, [path.name for path in self.folder.iterdir()]), (143, ["a.ppm"]))
+
     def test_a_signal_leaves_nothing_half(self):
         for sent, code in ((signal.SIGTERM, 143), (signal.SIGHUP, 129)):
             answer = self.interrupted(sent, "X.partial/log_si.csv", *self.FOREVER)

@@ -162,6 +162,20 @@ TEST_F(CheckOutputs, TwoOutputsAreTwoFiles) {
               HasSubstr("is where --out goes, too"));
 }
 
+TEST(RefuseForeignFolder, WhatAKilledProgramLeftIsNobodys) {
+  const test::TempFolder folder;
+  const auto error = [&] {
+    return test::error_of([&] { refuse_foreign_folder(folder.path(), "w", kTable, "go away"); });
+  };
+  EXPECT_EQ(error(), "");
+  (void)folder.file(".gatefly-7-1", "half");
+  EXPECT_EQ(error(), "");
+  (void)folder.file("thesis", "years of work");
+  EXPECT_THAT(error(), HasSubstr("holds no table (w), go away"));
+  (void)folder.file("w", "a,b\n");
+  EXPECT_EQ(error(), "");
+}
+
 TEST(OurPng, IsKnownFromOthersAndStillAPicture) {
   const test::TempFolder folder;
   Canvas(8, 8).write_png(folder.path() / "a.png");

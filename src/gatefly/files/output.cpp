@@ -39,7 +39,8 @@ int open_aside(const fs::path& folder, fs::path& aside) {
   static std::atomic<int> count{0};  // other threads write, too
   int file = -1;
   do {
-    aside = folder / (".gatefly-" + std::to_string(getpid()) + "-" + std::to_string(count++));
+    aside = folder /
+            (std::string{kAside} + "-" + std::to_string(getpid()) + "-" + std::to_string(count++));
     file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (file < 0 && errno == EEXIST);
   return file;
@@ -229,7 +230,11 @@ void refuse_foreign_folder(const fs::path& folder, const std::string& witness,
   if (!fs::exists(folder, error)) return;
   if (!fs::is_directory(folder, error))
     throw std::runtime_error(folder.string() + ": is there and is no folder, " + way_out);
-  if (!fs::is_empty(folder, error) && !is_of_kind(folder / witness, kind))
+  const bool empty = std::all_of(
+      fs::directory_iterator(folder, error), fs::directory_iterator{}, [](const auto& entry) {
+        return entry.path().filename().string().starts_with(kAside);  // a killed program's
+      });
+  if (!empty && !is_of_kind(folder / witness, kind))
     throw std::runtime_error(folder.string() + ": is there and holds no " + std::string{kind.name} +
                              " (" + witness + "), " + way_out);
 }

@@ -32,6 +32,9 @@ struct OutputKind {
 /// Pictures that a Canvas wrote.
 inline constexpr OutputKind kOurPng{"picture of ours", {"Software\0gatefly", 16}};
 
+/// How names of what is not yet whole begin.
+inline constexpr std::string_view kAside = ".gatefly";
+
 /// Whether there is such a file, with nothing in it or of this kind.
 [[nodiscard]] bool is_of_kind(const std::filesystem::path& path, const OutputKind& kind);
 

@@ -53,7 +53,7 @@ PartialFolder::PartialFolder(fs::path out, Grows grows, IsOurs is_ours)
     : out_{without_slash(std::move(out))},
       place_{without_slash(behind_links(out_))},
       partial_{grows == Grows::kBeside ? fs::path{place_.string() + ".partial"}
-                                       : place_ / ".gatefly.partial"},
+                                       : place_ / (std::string{kAside} + ".partial")},
       is_ours_{std::move(is_ours)} {
   if (grows == Grows::kBeside && is_mount_point(place_))
     fail("is a mount point, choose a folder in it");
