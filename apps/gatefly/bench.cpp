@@ -332,7 +332,7 @@ void declare_bench(Command& command) {
   command.flag("--once", options->once, "one call a picture, nothing measured: for callgrind");
   command.flag("--quick", options->quick, "fewer pictures and rounds: seconds");
   command.option("--data", options->data, "folder of real data [$GATEFLY_DATA, ../shared/data]")
-      .type_name("DIR");
+      .path("DIR");
   command.flag("--json", options->json, "print JSON");
   add_common(command, options->race.common);
   command.runs([options] { return bench_all(*options); });

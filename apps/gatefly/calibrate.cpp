@@ -47,6 +47,9 @@ struct CalibrateOptions {
   bool json = false;
 
   [[nodiscard]] int rotation() const { return rotate_deg.value_or(0); }
+  [[nodiscard]] bool writes_to_stdout() const {
+    return io::is_stdout(out) || io::is_stdout(report);
+  }
 };
 
 void complain(const std::string& what) { std::cerr << "gatefly calibrate: " << what << '\n'; }
@@ -376,23 +379,18 @@ std::vector<std::string> provenance(const Calibration& answer) {
   return lines;
 }
 
-void check_writable(const std::string& flag, const std::string& file) {
-  if (file.empty()) return;
-  if (fs::is_directory(file) || !fs::is_directory(fs::absolute(file).parent_path()))
-    throw std::runtime_error(flag + " " + file +
-                             ": cannot be written: must be a file in a folder that is there");
-}
-
-void write_camera(const CameraFile& camera, const CalibrateOptions& options,
-                  std::vector<std::string> comments) {
+/// The camera and, of a calibration, the picture of its residuals.
+void write(const CameraFile& camera, const CalibrateOptions& options,
+           std::vector<std::string> comments, const Calibration* answer) {
   if (camera.stored_rotation_deg != 0 && options.to != "toml")
     comments.push_back("Of the upright picture: the stored one turned " +
                        std::to_string(camera.stored_rotation_deg) + " degrees counter-clockwise.");
   const std::string text = camera_text(camera, format_of(options.to), comments);
-  if (options.out == "-")
-    std::cout << text;
-  else if (!options.out.empty())
-    io::write_file(options.out, text);
+  std::vector<io::FileContent> files;
+  if (!options.out.empty()) files.push_back({options.out, text});
+  if (answer != nullptr && !options.report.empty())
+    files.push_back({options.report, residual_picture(*answer).png()});
+  io::write_files(files);
 }
 
 /// The first gate of each picture, where it has exactly one.
@@ -462,7 +460,7 @@ void add_tilt(CameraFile& camera, const CalibrateOptions& options,
                     fixed(mount.p_EG.x(), 2) + ", " + fixed(mount.p_EG.y(), 2) + ", " +
                     fixed(mount.p_EG.z(), 2) + ") m."
               : "; a drone that stood askew by a degree makes it a degree."));
-  if (!options.json && !options.common.quiet && options.out != "-")
+  if (!options.json && !options.common.quiet && !options.writes_to_stdout())
     std::cout << comments.back() << '\n';
 }
 
@@ -477,21 +475,25 @@ int convert(const CalibrateOptions& options) {
   CameraFile camera = read_camera(path, options.camera);
   std::vector<std::string> comments{"From " + path.filename().string() + " by gatefly calibrate."};
   add_tilt(camera, options, comments);
-  write_camera(camera, options, comments);
+  write(camera, options, comments, nullptr);
   return kDone;
 }
 
 /// gatefly calibrate: exit 0 done, 2 no camera comes out (or, at the end, a picture could not be
 /// read), 130 Ctrl-C.
 int run_calibrate(const CalibrateOptions& options) {
-  if (options.out != "-") check_writable("--out", options.out);
-  check_writable("--report", options.report);
+  std::vector<fs::path> inputs = all_files(options);
+  for (const std::string& input : {options.from, options.tilt_from})
+    if (!input.empty()) inputs.push_back(io::find_data(input, options.data));
+  check_outputs({{"--out", options.out, {"camera of gatefly calibrate", "by gatefly calibrate"}},
+                 {"--report", options.report, io::kOurPng}},
+                inputs, options.common);
   if (!options.from.empty()) return convert(options);
   if (options.paths.empty())
     throw std::runtime_error(
         "neither pictures nor a corner list nor --from is given (--help shows an example)");
-  if (options.out == "-" && options.json)
-    throw std::runtime_error("--json and --out -: both want stdout; name a file");
+  if (options.writes_to_stdout() && options.json)
+    throw std::runtime_error("--json and --out or --report -: both want stdout; name a file");
 
   catch_interrupt();
   const Boards boards = find_boards(options);
@@ -518,11 +520,10 @@ int run_calibrate(const CalibrateOptions& options) {
   const std::string doubt = rotation_doubt(boards, options, by_flight);
   if (!doubt.empty()) comments.push_back("Beware: " + doubt + ".");
   add_tilt(camera, options, comments);
-  write_camera(camera, options, comments);
-  if (!options.report.empty()) residual_picture(answer).write_png(options.report);
+  write(camera, options, comments, &answer);
   if (options.json)
     std::cout << as_json(answer, boards, camera.stored_rotation_deg, doubt).dump(2) << '\n';
-  else if (!options.common.quiet && options.out != "-")
+  else if (!options.common.quiet && !options.writes_to_stdout())
     print(answer, boards, options, doubt);
   if (boards.unusable == 0) return kDone;
   complain(std::to_string(boards.unusable) + " pictures could not be used, the rest was");
@@ -549,8 +550,8 @@ void declare_calibrate(Command& command) {
       "written. Exit code 2: no camera\n"
       "can be had from these pictures, the reason is said; or a picture could not be read (the "
       "rest was done).");
-  command.option("PATH", options->paths, "pictures, folders of them, corner lists (.csv)");
-  command.option("--out", options->out, "where the camera goes (- for stdout)").type_name("FILE");
+  command.option("PATH", options->paths, "pictures, folders of them, corner lists (.csv)").path();
+  command.option("--out", options->out, "where the camera goes (- for stdout)").path("FILE");
   Flag pattern = command.option("--pattern", options->pattern, "inner corners of the checkerboard")
                      .type_name("COLUMNSxROWS");
   Flag square = command.option("--square-m", options->square, "side of a square")
@@ -583,7 +584,7 @@ void declare_calibrate(Command& command) {
       command
           .option("--from", options->from,
                   "no pictures: the camera of a Kalibr camchain, ROS camera_info or our .toml")
-          .type_name("FILE");
+          .path("FILE");
   command.option("--camera", options->camera, "which of a camchain's cameras")
       .needs(from)
       .type_name("NAME");
@@ -592,19 +593,20 @@ void declare_calibrate(Command& command) {
           .option("--tilt-from", options->tilt_from,
                   "mount angle from a labels.csv of gates that a level drone saw,\nor from a "
                   "flight folder with labels.csv and motion capture")
-          .type_name("FILE|DIR");
+          .path("FILE|DIR");
   command
       .option("--gate-height-m", options->gate_height,
               "for a labels.csv: the gates' middle above the camera, to 5 cm")
       .between(-10.0, 10.0)
       .needs(tilt)
       .type_name("METRES");
-  Flag report = command.option("--report", options->report, "draw all residuals").type_name("PNG");
+  Flag report = command.option("--report", options->report, "draw all residuals").path("PNG");
   command
       .option("--data", options->data,
               "where a PATH is looked for that is not here [$GATEFLY_DATA]")
-      .type_name("DIR");
+      .path("DIR");
   Flag json = command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   for (Flag other : {pattern, square, size, rotate, model, zero, report, json})
     from.excludes(other);
   add_common(command, options->common);

@@ -228,10 +228,8 @@ void declare_campaign(Command& command) {
       .option("--shard", options->shard,
               "only every n-th seed, from the i-th on: for several machines")
       .type_name("i/n");
-  command.option("--merge", options->merge, "instead of flying: the shards' folders")
-      .type_name("DIR");
-  command.option("--out", options->out, "folder for the campaign [out/campaign-TRACK]")
-      .type_name("DIR");
+  command.option("--merge", options->merge, "instead of flying: the shards' folders").path("DIR");
+  command.option("--out", options->out, "folder for the campaign [out/campaign-TRACK]").path("DIR");
   command.flag("--json", options->json, "print campaign.json instead of a screen");
   add_race_options(command, options->race);
   command.runs([options] { return campaign(*options); });

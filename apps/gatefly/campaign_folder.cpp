@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
 
 namespace gatefly::cli {
@@ -51,6 +52,7 @@ CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::str
     : path_{std::move(path)},
       arguments_(std::move(arguments)),
       fly_{std::move(fly)} {  // braces would make an array
+  io::check_output_folder("--out", path_);
   std::error_code error;
   if (fs::exists(path_ / "campaign.json", error)) {
     const std::string other = difference(read_campaign(path_).at("arguments"), arguments_);
@@ -59,12 +61,15 @@ CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::str
                                other + "), choose another --out");
     return;
   }
-  if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
-    throw std::runtime_error(
-        path_.string() + ": is there and holds no campaign (campaign.json), choose another --out");
+  io::refuse_foreign_folder(path_, "campaign.json", {"campaign", ""}, "choose another --out");
   fs::create_directories(path_, error);
   if (error) throw std::runtime_error(path_.string() + ": cannot be written: " + error.message());
-  io::write_file(path_ / "campaign.json", as_json().dump(2) + "\n");
+  try {
+    io::write_file(path_ / "campaign.json", as_json().dump(2) + "\n");
+  } catch (const io::CannotWrite&) {
+    fs::remove(path_, error);
+    throw;
+  }
 }
 
 nlohmann::ordered_json CampaignFolder::as_json() const {

@@ -44,6 +44,14 @@ Flag& Flag::type_name(const char* name) {
   option_->type_name(name);
   return *this;
 }
+Flag& Flag::path(const char* name) {
+  option_->check([](const std::string& text) {
+    return text.empty() ? std::string{"must not be empty, it names a file or folder"}
+                        : std::string{};
+  });
+  if (*name != '\0') option_->type_name(name);
+  return *this;
+}
 Flag& Flag::show_default() {
   option_->capture_default_str();
   return *this;

@@ -28,6 +28,7 @@ class Flag {
 
   Flag& required();
   Flag& type_name(const char* name);  ///< What stands for the value in --help: FILE, DIR, ...
+  Flag& path(const char* name = "");  ///< A file or folder, not empty; type_name() if any.
   Flag& show_default();               ///< The value it has now, in --help.
   Flag& one_of(std::initializer_list<const char*> choices);
   Flag& one_of(std::initializer_list<int> choices);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/files/output.hpp"
 
 #include "command_line.hpp"
 
@@ -16,7 +18,8 @@ inline constexpr int kDone = 0;        ///< The work is done.
 inline constexpr int kAnswerIsNo = 1;  ///< It ran, but e.g. the race was not finished.
 /// Arguments or input; thrown as std::exception, caught in main.
 inline constexpr int kUnusable = 2;
-inline constexpr int kInterrupted = 130;  ///< Ctrl-C.
+inline constexpr int kInterrupted =
+    130;  ///< Ctrl-C; main() makes it 143 for SIGTERM, 129 for SIGHUP.
 
 // One file per subcommand. Each declares its command line and what to do when it is chosen:
 //
@@ -55,8 +58,15 @@ struct CommonOptions {
   std::vector<std::string> configs;   ///< --config, in order.
   std::vector<std::string> settings;  ///< --set section.key=value, in order.
   bool quiet = false;
+  bool force = false;  ///< --force, of those that write files.
 };
 void add_common(Command& command, CommonOptions& options);
+void add_force(Command& command, CommonOptions& options);
+
+/// Before the work: refuses what io::check_outputs() refuses, for which --config is an input, too.
+/// An output without a path is not asked for.
+void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem::path> inputs,
+                   const CommonOptions& options);
 
 /// What a configuration has to say, on stderr.
 void say_notes(const io::Config& config);
@@ -64,9 +74,12 @@ void say_notes(const io::Config& config);
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
 [[nodiscard]] io::Config load(const CommonOptions& options);
 
-/// Ctrl-C from now on sets a flag instead of ending the program; a second one ends it.
+/// Ctrl-C, SIGTERM and SIGHUP from now on set a flag instead of ending the program; a second one
+/// ends it.
 void catch_interrupt();
 [[nodiscard]] bool interrupted();
+/// Which of them it was.
+[[nodiscard]] int interrupting_signal();
 
 /// How far a long piece of work is, on stderr: a bar on a terminal, else a line now and then.
 class Progress {

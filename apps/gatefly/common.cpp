@@ -17,7 +17,7 @@ namespace {
 volatile std::sig_atomic_t was_interrupted = 0;
 
 void on_interrupt(int signal) {
-  was_interrupted = 1;
+  was_interrupted = signal;
   std::signal(signal, SIG_DFL);  // whoever is in a hurry presses it twice
 }
 
@@ -38,8 +38,13 @@ double wall_seconds() {
 
 }  // namespace
 
-void catch_interrupt() { std::signal(SIGINT, on_interrupt); }
+void catch_interrupt() {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  if (std::signal(SIGHUP, on_interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
+}
 bool interrupted() { return was_interrupted != 0; }
+int interrupting_signal() { return was_interrupted; }
 
 void add_common(Command& command, CommonOptions& options) {
   command
@@ -57,6 +62,19 @@ void add_common(Command& command, CommonOptions& options) {
 
 void say_notes(const io::Config& config) {
   for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+}
+
+void add_force(Command& command, CommonOptions& options) {
+  command.flag("--force", options.force, "replace files that are not earlier ones of this command");
+}
+
+void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem::path> inputs,
+                   const CommonOptions& options) {
+  std::erase_if(outputs, [](const io::Output& output) { return output.path.empty(); });
+  std::erase_if(inputs, [](const auto& input) { return input.empty(); });
+  const auto configs = io::config_files(options.configs);
+  inputs.insert(inputs.end(), configs.begin(), configs.end());
+  io::check_outputs(outputs, inputs, options.force);
 }
 
 io::Config load(const CommonOptions& options) {

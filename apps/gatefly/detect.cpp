@@ -19,6 +19,7 @@
 #include "gatefly/drawing/annotate.hpp"
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/video_reader.hpp"
@@ -37,6 +38,10 @@ struct DetectOptions {
   bool all = false, json = false;
   std::optional<int> rotate_deg;
   std::string csv, annotate, data;
+
+  [[nodiscard]] fs::path drawing_of(const std::string& name) const {
+    return fs::path{annotate} / (name + ".png");
+  }
 };
 
 /// What came out of all pictures.
@@ -44,9 +49,25 @@ struct Findings {
   std::vector<io::DetectionRow> rows;
   /// with_part: with no more than a part of a gate.
   int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
-  std::string first_grey;  ///< Its name.
-  double seconds = 0.0;    ///< Spent on detection alone.
+  std::string first_grey;                       ///< Its name.
+  double seconds = 0.0;                         ///< Spent on detection alone.
+  std::unique_ptr<io::PartialFolder> drawings;  ///< With --annotate.
 };
+
+/// @throws CannotWrite where a drawing would replace a file that is none.
+void check_drawing(const fs::path& path, const DetectOptions& options) {
+  if (!options.common.force && fs::exists(path) && !io::is_of_kind(path, io::kOurPng))
+    throw io::CannotWrite(path, "is there and is no " + std::string{io::kOurPng.name} +
+                                    "; choose another folder (--force replaces it)");
+}
+
+/// Drawn aside, until all are.
+void draw(const Image& image, const std::string& name, const std::vector<GateDetection>& gates,
+          const DetectOptions& options, const Findings& findings) {
+  const fs::path drawing = options.drawing_of(name);
+  check_drawing(drawing, options);
+  findings.drawings->write(drawing.filename().string(), io::annotated(image, gates).png());
+}
 
 /// Gates, best first; where there are none, or all are asked for, one that the border cuts.
 std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
@@ -84,9 +105,7 @@ void look_at(const Image& image, const std::string& name, const DetectOptions& o
     ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back(io::row_of(name, static_cast<int>(i), gates[i]));
-  if (options.annotate.empty()) return;
-  fs::create_directories(options.annotate);
-  io::annotate(image, gates, fs::path{options.annotate} / (name + ".png"));
+  if (findings.drawings) draw(image, name, gates, options, findings);
 }
 
 using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
@@ -141,6 +160,14 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
   Upright upright(config);
+  if (!options.annotate.empty()) {
+    io::check_output_folder("--annotate", options.annotate);
+    for (const fs::path& file : files)
+      check_drawing(options.drawing_of(file.filename().string()), options);
+    findings.drawings = std::make_unique<io::PartialFolder>(
+        options.annotate, io::PartialFolder::Grows::kInside,
+        [](const std::string& name) { return name.ends_with(".png"); });
+  }
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;
   for (const fs::path& path : files) {
@@ -154,6 +181,8 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
                                        std::to_string(findings.pictures) + " pictures, " +
                                            std::to_string(findings.with_gate) + " with a gate");
                    });
+    } catch (const io::CannotWrite&) {  // not the picture's fault: the next would end so, too
+      throw;
     } catch (const std::exception& error) {
       progress.clear();
       complain(io::reason_of(error));
@@ -199,13 +228,14 @@ void print_summary(const Findings& findings, const std::string& csv) {
 /// gatefly detect: exit 0 something detected, 1 nothing, 2 unusable input (the rest is done), 130
 /// Ctrl-C.
 int detect(const DetectOptions& options) {
-  const bool to_file = !options.csv.empty() && options.csv != "-";
-  if (options.json && options.csv == "-")
-    throw std::runtime_error("--json and --csv -: both want stdout; name a file");
-  if (to_file &&
-      (fs::is_directory(options.csv) || !fs::is_directory(fs::absolute(options.csv).parent_path())))
-    throw std::runtime_error("--csv " + options.csv +
-                             ": cannot be written: must be a file in a folder that is there");
+  const std::string csv = options.csv.empty() && !options.json ? "-" : options.csv;
+  const bool rows_on_stdout = io::is_stdout(csv);
+  if (options.json && rows_on_stdout)
+    throw std::runtime_error("--json and --csv " + csv + ": both want stdout; name a file");
+  std::vector<fs::path> inputs;
+  for (const std::string& path : options.paths) inputs.push_back(io::find_data(path, options.data));
+  check_outputs({{"--csv", csv, {"table of detections", "image,gate,tl_u,"}}}, inputs,
+                options.common);
   CommonOptions common = options.common;
   if (options.rotate_deg)
     common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
@@ -214,7 +244,7 @@ int detect(const DetectOptions& options) {
   catch_interrupt();
   const Findings findings = look_everywhere(options, config);
   if (interrupted()) {
-    complain("interrupted, no rows kept");
+    complain("interrupted, nothing kept");
     return kInterrupted;
   }
   if (findings.pictures == 0) return kUnusable;
@@ -222,13 +252,12 @@ int detect(const DetectOptions& options) {
     complain(std::to_string(findings.unusable) + " could not be used, " +
              std::to_string(findings.pictures) + " pictures were done");
 
-  if (to_file) io::write_file(options.csv, io::detections_csv(findings.rows));
+  if (!csv.empty()) io::write_file(csv, io::detections_csv(findings.rows));
+  if (findings.drawings) findings.drawings->pour();
   if (options.json)
     std::cout << as_json(findings).dump(2) << '\n';
-  else if (!to_file)
-    std::cout << io::detections_csv(findings.rows);
-  else if (!options.common.quiet)
-    print_summary(findings, options.csv);
+  else if (!rows_on_stdout && !options.common.quiet)
+    print_summary(findings, csv);
   if (findings.unusable > 0) return kUnusable;
   return findings.with_gate + findings.with_part > 0 ? kDone : kAnswerIsNo;
 }
@@ -249,7 +278,7 @@ void declare_detect(Command& command) {
       "picture only with --all. Exit code 0: a gate was detected; 1: none; 2: something could not "
       "be used (the\n"
       "rest is done); 130: Ctrl-C.");
-  command.option("PATH", options->paths, "images, folders, videos").required();
+  command.option("PATH", options->paths, "images, folders, videos").required().path();
   command.flag("--all", options->all, "every gate, best first, instead of the best");
   command
       .option("--rotate", options->rotate_deg,
@@ -257,15 +286,16 @@ void declare_detect(Command& command) {
               "else upright]")
       .one_of({0, 90, 180, 270})
       .type_name("DEG");
-  command.option("--csv", options->csv, "where rows go instead of stdout (-)").type_name("FILE");
+  command.option("--csv", options->csv, "where rows go instead of stdout (-)").path("FILE");
   command
       .option("--annotate", options->annotate, "draw every picture with its gates: DIR/<image>.png")
-      .type_name("DIR");
+      .path("DIR");
   command
       .option("--data", options->data,
               "where a PATH is looked for that is not here [$GATEFLY_DATA]")
-      .type_name("DIR");
+      .path("DIR");
   command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return detect(*options); });
 }

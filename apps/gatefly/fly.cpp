@@ -122,7 +122,9 @@ int fly(const FlyOptions& options) {
 
   if (video) video->finish(verdict(result, last_p_EB));
   const std::string summary = io::summary(result, race.identity).dump(2) + "\n";
-  recorder.finish(summary);
+  const std::string replaced = recorder.finish(summary);
+  if (!replaced.empty() && !quiet)
+    std::cerr << "gatefly fly: " << (out / "").string() << ": " << replaced << '\n';
   if (options.json) {
     std::cout << summary;
   } else {
@@ -142,7 +144,7 @@ void declare_fly(Command& command) {
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
   command.option("--seed", options->seed, "the day: what [randomize] draws").show_default();
-  command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").type_name("DIR");
+  command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").path("DIR");
   command.flag("--video", options->video,
                "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
   command.flag("--json", options->json, "print summary.json instead of a screen");

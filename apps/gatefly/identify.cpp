@@ -135,10 +135,10 @@ void declare_identify(Command& command) {
       "log_si.csv.\n"
       "Exit code 0: all flights identified; 1: some were not; 2: unusable arguments or log; 130: "
       "Ctrl-C.");
-  command.option("DIR", options->flights, "flight folders, or folders of them").required();
+  command.option("DIR", options->flights, "flight folders, or folders of them").required().path();
   command
       .option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")
-      .type_name("DIR");
+      .path("DIR");
   command.flag("--json", options->json, "numbers for programs");
   add_common(command, options->common);
   command.runs([options] { return identify(*options); });

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <span>
+#include <streambuf>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "gatefly/files/text.hpp"
@@ -140,7 +146,61 @@ int run_main(std::span<char*> given) {
   } catch (const CLI::ParseError& error) {
     return parse_failed(app, error, arguments);
   }
-  return run();
+  const int code = run();
+  return code == kInterrupted ? 128 + interrupting_signal() : code;
+}
+
+/// A stream that is closed would give its number to the next file, which would get our words.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 &&
+        open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR) < 0)
+      std::exit(kUnusable);
+  for (const int signal : {SIGPIPE, SIGXFSZ})
+    std::signal(signal, SIG_IGN);  // a write fails instead
+}
+
+/// Thrown where something is printed that does not arrive.
+struct StandardOutputFailed {
+  int reason = errno;
+};
+
+/// Standard output while the program runs: what it does not take is not just forgotten.
+class WatchedOutput : public std::streambuf {
+ public:
+  WatchedOutput() : behind_{std::cout.rdbuf(this)} { std::cout.exceptions(std::ios::badbit); }
+  ~WatchedOutput() override {
+    std::cout.exceptions(std::ios::goodbit);
+    std::cout.rdbuf(behind_);
+  }
+  WatchedOutput(const WatchedOutput&) = delete;
+  WatchedOutput& operator=(const WatchedOutput&) = delete;
+
+ private:
+  int_type overflow(int_type c) override {
+    const char letter = traits_type::to_char_type(c);
+    xsputn(&letter, 1);
+    return c;
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    if (behind_->sputn(text, size) != size) throw StandardOutputFailed{};
+    return size;
+  }
+  int sync() override {
+    if (behind_->pubsync() != 0) throw StandardOutputFailed{};
+    return 0;
+  }
+
+  std::streambuf* behind_;
+};
+
+int standard_output_failed(int reason) {
+  if (reason == EPIPE) {  // head has seen enough: as any program, we end without a word
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+  }
+  std::cerr << "gatefly: standard output: cannot be written: " << std::strerror(reason) << '\n';
+  return kUnusable;
 }
 
 }  // namespace
@@ -148,7 +208,13 @@ int run_main(std::span<char*> given) {
 
 /// gatefly COMMAND ...: exit 0 done, 1 the answer is no, 2 unusable arguments or input, 130 Ctrl-C.
 int main(int argc, char** argv) try {
-  return gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});
+  gatefly::cli::open_standard_streams();
+  const gatefly::cli::WatchedOutput watched;
+  const int code = gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});
+  std::cout.flush();
+  return code;
+} catch (const gatefly::cli::StandardOutputFailed& failed) {
+  return gatefly::cli::standard_output_failed(failed.reason);
 } catch (const std::exception& error) {
   std::cerr << "gatefly: " << gatefly::io::reason_of(error) << '\n';
   return gatefly::cli::kUnusable;

@@ -195,6 +195,11 @@ std::string text_of(const Comparison& comparison, const Recording& recording) {
 }
 
 int replay(const ReplayOptions& options) {
+  const bool rows_on_stdout = io::is_stdout(options.csv);
+  if (options.json && rows_on_stdout)
+    throw std::runtime_error("--json and --csv " + options.csv + ": both want stdout; name a file");
+  check_outputs({{"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}}},
+                {io::find_data(options.directory, options.data), options.track}, options.common);
   const bool is_drag = options.estimator == "drag";
   const Recording recording = read(options);
   const auto load_picture = flight_log::picture_loader(
@@ -236,7 +241,7 @@ int replay(const ReplayOptions& options) {
     if (comparison && comparison->first_other)
       json["first_difference_row"] = *comparison->first_other;
     std::cout << json.dump(2) << '\n';
-  } else {
+  } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << options.directory << ": "
               << result.estimates.size() << " samples, " << result.pictures.size()
               << " pictures, all numbers " << (result.finite ? "finite" : "NOT finite") << '\n';
@@ -271,7 +276,8 @@ void declare_replay(Command& command) {
       "fly came out "
       "otherwise; 2: unusable input.");
   command.option("DIR", options->directory, "flight folder: log_si.csv, images.csv, pictures")
-      .required();
+      .required()
+      .path();
   command.option("--track", options->track,
                  "instead of the folder's own: a name in tracks/ or a file");
   command
@@ -285,9 +291,10 @@ void declare_replay(Command& command) {
       .show_default();
   command
       .option("--data", options->data, "where a DIR is looked for that is not here [$GATEFLY_DATA]")
-      .type_name("DIR");
-  command.option("--csv", options->csv, "write estimates.csv").type_name("FILE");
+      .path("DIR");
+  command.option("--csv", options->csv, "write estimates.csv (- for stdout)").path("FILE");
   command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return replay(*options); });
 }

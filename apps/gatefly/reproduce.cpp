@@ -5,11 +5,11 @@
 #include <iostream>
 #include <memory>
 #include <stdexcept>
-#include <system_error>
 
 #include <nlohmann/json.hpp>
 
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
@@ -61,7 +61,10 @@ std::vector<Experiment> chosen(const ReproduceOptions& options) {
       throw std::runtime_error("reproduce: no experiment '" + name + "'" +
                                io::suggestion(name, names) + " (there are: " + io::joined(names) +
                                ")");
-    list.push_back(all[static_cast<std::size_t>(found - names.begin())]);
+    const Experiment& experiment = all[static_cast<std::size_t>(found - names.begin())];
+    if (std::none_of(list.begin(), list.end(),
+                     [&](const Experiment& other) { return other.name == experiment.name; }))
+      list.push_back(experiment);
   }
   return list;
 }
@@ -92,16 +95,38 @@ void print_table(const Experiment& experiment, const Result& result, double seco
             << '\n';
 }
 
-void write(const Result& result, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error("--out: " + folder.string() + " cannot be made: " + error.message());
-  io::write_file(folder / "result.csv", result.csv);
-  result.picture.write_png(folder / "plot.png");
+void write(const Result& result, io::PartialFolder& folder) {
+  folder.write("result.csv", result.csv);
+  folder.write("plot.png", result.picture.png());
   for (const experiments::ExtraPicture& extra : result.extra)
-    extra.picture.write_png(folder / (extra.name + ".png"));
-  io::write_file(folder / "result.json", result.json.dump(2) + "\n");
+    folder.write(extra.name + ".png", extra.picture.png());
+  folder.write("result.json", result.json.dump(2) + "\n");
+  folder.pour();
+}
+
+fs::path folder_of(const Experiment& experiment, const ReproduceOptions& options) {
+  return fs::path{options.out} / experiment.name;
+}
+
+/// Where each result will grow: taken before the work, when somebody else has one or it may not be
+/// written.
+std::vector<std::unique_ptr<io::PartialFolder>> taken_folders(const std::vector<Experiment>& list,
+                                                              const ReproduceOptions& options) {
+  const io::OutputKind result{"earlier result", "\"quick\"", std::string::npos};
+  io::check_output_folder("--out", options.out);
+  std::vector<std::unique_ptr<io::PartialFolder>> folders(list.size());
+  for (std::size_t i = list.size(); i-- > 0;) {  // the first made those above, and goes last
+    const fs::path folder = folder_of(list[i], options);
+    io::check_output_folder("--out", folder);
+    if (!options.common.force)
+      io::refuse_foreign_folder(folder, "result.json", result,
+                                "choose another --out (--force writes it there)");
+    folders[i] = std::make_unique<io::PartialFolder>(
+        folder, io::PartialFolder::Grows::kInside, [](const std::string& name) {
+          return name.ends_with(".png") || name.starts_with("result.");
+        });
+  }
+  return folders;
 }
 
 /// gatefly reproduce: exit 0 done, 2 unusable arguments or no data, 130 Ctrl-C.
@@ -109,9 +134,11 @@ int reproduce(const ReproduceOptions& options) {
   (void)load(options.common);  // a wrong --config or --set is an error here as everywhere
   if (options.list) return print_list(options.json);
   const std::vector<Experiment> list = chosen(options);
+  auto folders = taken_folders(list, options);
   catch_interrupt();
   nlohmann::ordered_json answer = nlohmann::ordered_json::object();
-  for (const Experiment& experiment : list) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Experiment& experiment = list[i];
     Progress progress(options.common.quiet, 0.25);
     const experiments::Options told{.data = options.data,
                                     .quick = options.quick,
@@ -127,10 +154,9 @@ int reproduce(const ReproduceOptions& options) {
       const double seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       result.json["quick"] = options.quick;
-      const fs::path folder = fs::path{options.out} / experiment.name;
-      write(result, folder);
+      write(result, *folders[i]);
       progress.clear();
-      if (!options.json) print_table(experiment, result, seconds, folder);
+      if (!options.json) print_table(experiment, result, seconds, folder_of(experiment, options));
       answer[experiment.name] = std::move(result.json);
     } catch (const experiments::Stopped&) {
       progress.clear();
@@ -159,9 +185,10 @@ void declare_reproduce(Command& command) {
   command.flag("--quick", options->quick, "fewer points and repeats: seconds instead of minutes");
   command
       .option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")
-      .type_name("DIR");
-  command.option("--out", options->out, "where the results go [out/reproduce]").type_name("DIR");
+      .path("DIR");
+  command.option("--out", options->out, "where the results go [out/reproduce]").path("DIR");
   command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return reproduce(*options); });
 }

@@ -166,8 +166,8 @@ void declare_score(Command& command) {
       "the best cyclic order and as listed. Exit code 0: scored; 2: unusable input.");
   command.option("--detections", options->detections, "what gatefly detect wrote")
       .required()
-      .type_name("FILE");
-  command.option("--labels", options->labels, "labels.csv").required().type_name("FILE");
+      .path("FILE");
+  command.option("--labels", options->labels, "labels.csv").required().path("FILE");
   command.option("--rule", options->rule, "when a detection is a hit")
       .one_of({"overlap70", "overlap70-authors", "iou50", "iou75"})
       .show_default();
@@ -175,11 +175,11 @@ void declare_score(Command& command) {
   command
       .option("--ignore", options->ignore,
               "quads where a detection is neither hit nor false positive")
-      .type_name("FILE");
+      .path("FILE");
   command
       .option("--data", options->data,
               "where a FILE is looked for that is not here [$GATEFLY_DATA]")
-      .type_name("DIR");
+      .path("DIR");
   command.flag("--json", options->json, "print JSON");
   add_common(command, options->common);
   command.runs([options] { return score(*options); });

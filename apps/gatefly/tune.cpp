@@ -127,6 +127,8 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
   return material;
 }
 
+constexpr const char *kColors = ".colors.toml", *kRocTable = ".roc.csv", *kRocPlot = ".roc.png";
+
 /// mine.toml -> mine.colors.toml, mine.roc.csv, mine.roc.png.
 fs::path beside(const fs::path& out, const char* ending) {
   return out.parent_path() / (out.stem().string() + ending);
@@ -155,8 +157,7 @@ std::string config_text(const TuneOptions& options, const io::Config& config,
        << io::text_of(config.gate.rgb.y(), 4) << ", " << io::text_of(config.gate.rgb.z(), 4)
        << "]\n";
   if (!tuned.learnt) return text.str();
-  text << "table = "
-       << nlohmann::json(beside(options.out, ".colors.toml").filename().string()).dump()
+  text << "table = " << nlohmann::json(beside(options.out, kColors).filename().string()).dump()
        << "\n\n[detector]\n"
        << "min_score = " << io::text_of(tuned.chosen.min_score, 4) << "  # "
        << (options.labels.empty() ? "estimated without labels: " : "two-fold: ")
@@ -213,14 +214,35 @@ io::Canvas roc_plot(const Tuned& tuned) {
 /// The configuration last: when it is there, so is all that it names.
 void write(const TuneOptions& options, const io::Config& config, const Material& material,
            const Tuned& tuned) {
-  if (tuned.learnt) {
-    io::write_file(beside(options.out, ".colors.toml"),
-                   io::color_model_text(tuned.color, summary_of(options, material, tuned)));
-    io::write_file(beside(options.out, ".roc.csv"), roc_text(tuned.roc));
-    (options.labels.empty() ? estimate_plot(tuned) : roc_plot(tuned))
-        .write_png(beside(options.out, ".roc.png"));
-  }
-  io::write_file(options.out, config_text(options, config, material, tuned));
+  std::vector<io::FileContent> files;
+  if (tuned.learnt)
+    files = {{beside(options.out, kColors),
+              io::color_model_text(tuned.color, summary_of(options, material, tuned))},
+             {beside(options.out, kRocTable), roc_text(tuned.roc)},
+             {beside(options.out, kRocPlot),
+              (options.labels.empty() ? estimate_plot(tuned) : roc_plot(tuned)).png()}};
+  files.push_back({options.out, config_text(options, config, material, tuned)});
+  io::write_files(files);
+}
+
+/// Before the work: whether all that write() will write, may be.
+void check_outputs_of(const TuneOptions& options, const io::Config& config) {
+  if (options.out == "-" || (fs::exists(options.out) && fs::is_other(options.out)))
+    throw std::runtime_error("--out " + options.out +
+                             ": must be the name of a file, three others are written beside it");
+  std::vector<fs::path> inputs;
+  for (const std::string& image : options.images)
+    inputs.push_back(io::find_data(image, options.data));
+  for (const std::string& input : {options.labels, options.ignore, config.gate.color_table})
+    if (!input.empty()) inputs.push_back(io::find_data(input, options.data));
+  const io::OutputKind ours{"configuration of gatefly tune", "by gatefly tune"};
+  check_outputs({{"--out", options.out, ours},
+                 {"--out", beside(options.out, kColors), ours},
+                 {"--out",
+                  beside(options.out, kRocTable),
+                  {"ROC of gatefly tune", "min_score,true_positive_rate,"}},
+                 {"--out", beside(options.out, kRocPlot), io::kOurPng}},
+                inputs, options.common);
 }
 
 nlohmann::ordered_json as_json(const TuneOptions& options, const Material& material,
@@ -255,9 +277,9 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
     if (options.labels.empty())
       line("", "from scores alone, of the gates that were found at all: --labels measures");
     line("chosen", "detector.min_score = " + io::text_of(tuned.chosen.min_score, 4));
-    line("written", options.out + ", " + beside(options.out, ".colors.toml").filename().string() +
-                        ", " + beside(options.out, ".roc.csv").filename().string() + ", " +
-                        beside(options.out, ".roc.png").filename().string());
+    line("written", options.out + ", " + beside(options.out, kColors).filename().string() + ", " +
+                        beside(options.out, kRocTable).filename().string() + ", " +
+                        beside(options.out, kRocPlot).filename().string());
   } else {
     line("not fitted", std::string{"too few gates to learn from; the described colour is kept"});
     line("written", options.out);
@@ -293,10 +315,8 @@ io::Config config_of(const TuneOptions& options) {
 /// gatefly tune: exit 0 fitted, 1 too few gates to fit, 2 unusable arguments or input (the rest is
 /// done), 130 Ctrl-C.
 int tune(const TuneOptions& options) {
-  if (fs::is_directory(options.out) || !fs::is_directory(fs::absolute(options.out).parent_path()))
-    throw std::runtime_error("--out " + options.out +
-                             ": cannot be written: must be a file in a folder that is there");
   const io::Config config = config_of(options);
+  check_outputs_of(options, config);
   catch_interrupt();
   Progress progress(options.common.quiet, 10'000.0);
   const Material material = gathered(options, config, progress);
@@ -342,13 +362,13 @@ void declare_tune(Command& command) {
       "FILE.colors.toml, FILE.roc.csv, FILE.roc.png. Exit code 0: fitted; 1: too few gates (the "
       "described colour is\n"
       "written); 2: something could not be used; 130: Ctrl-C.");
-  command.option("IMAGES", options->images, "images and folders").required();
+  command.option("IMAGES", options->images, "images and folders").required().path();
   command.option("--labels", options->labels, "labels.csv; pictures it does not name are left out")
-      .type_name("FILE");
+      .path("FILE");
   command
       .option("--ignore", options->ignore,
               "quads that are neither gate nor background, as in score")
-      .type_name("FILE");
+      .path("FILE");
   command
       .option("--describe", options->describe,
               "the gate's colour: orange, \"dark blue\", \"#rrggbb\", r,g,b [color.rgb]")
@@ -364,12 +384,13 @@ void declare_tune(Command& command) {
               "false positives a picture that are allowed")
       .between(0.0, 1.0)
       .show_default();
-  command.option("--out", options->out, "the configuration to write").required().type_name("FILE");
+  command.option("--out", options->out, "the configuration to write").required().path("FILE");
   command
       .option("--data", options->data,
               "where a path is looked for that is not here [$GATEFLY_DATA]")
-      .type_name("DIR");
+      .path("DIR");
   command.flag("--json", options->json, "print JSON");
+  add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return tune(*options); });
 }

@@ -47,7 +47,7 @@ std::array<int, 2> png_size(const std::string& file) {
 std::array<int, 2> annotated_size(const Picture& picture) {
   const test::TempFolder folder;
   const std::array<GateDetection, 1> gates{square(5, 40, 0.9)};
-  annotate(picture.view(), gates, folder.path() / "a.png");
+  annotated(picture.view(), gates).write_png(folder.path() / "a.png");
   return png_size(read_file(folder.path() / "a.png"));
 }
 
@@ -67,7 +67,7 @@ TEST(Annotate, TheFileShowsWhatWasFound) {
   const Picture picture{.stored_width = 100, .stored_height = 60};
   const std::array<GateDetection, 2> gates{square(20, 40, 0.9), square(50, 58, 0.7)};
   const auto file = [&](std::size_t count) {
-    annotate(picture.view(), std::span{gates}.first(count), folder.path() / "a.png");
+    annotated(picture.view(), std::span{gates}.first(count)).write_png(folder.path() / "a.png");
     return read_file(folder.path() / "a.png");
   };
   EXPECT_NE(file(0), file(1));
@@ -91,7 +91,7 @@ TEST(Annotate, GatesOutsideThePictureDoNoHarm) {
   const test::TempFolder folder;
   const Picture picture{.stored_width = 30, .stored_height = 20};
   const std::array<GateDetection, 1> gates{square(-500, 900, 0.5)};
-  annotate(picture.view(), gates, folder.path() / "a.png");
+  annotated(picture.view(), gates).write_png(folder.path() / "a.png");
   EXPECT_EQ(png_size(read_file(folder.path() / "a.png")), (std::array{90, 60}));
 }
 
@@ -99,7 +99,7 @@ TEST(Annotate, WhatCannotBeWrittenLeavesNothing) {
   const test::TempFolder folder;
   const Picture picture{.stored_width = 30, .stored_height = 20};
   const auto error_at = [&](const std::filesystem::path& path, const Image& image) {
-    return test::error_of([&] { annotate(image, {}, path); });
+    return test::error_of([&] { annotated(image, {}).write_png(path); });
   };
   EXPECT_THAT(error_at(folder.path() / "missing" / "a.png", picture.view()),
               HasSubstr("a.png: cannot be written"));

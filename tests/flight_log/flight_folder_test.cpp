@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
 
@@ -95,11 +96,14 @@ TEST_F(Recording, ReplacesAnEarlierFlightButNothingElse) {
   for (int i = 0; i < 2; ++i) {
     FlightRecorder recorder(out);
     record(recorder, i);
-    if (i == 0) recorder.add_file("old", "");
-    recorder.finish("{\"i\":" + std::to_string(i) + "}");
+    if (i == 0) recorder.add_file("config-0.toml", "");
+    const std::string said = recorder.finish("{\"gates_passed\":" + std::to_string(i) + "}");
+    EXPECT_EQ(said, i == 0 ? "" : "in place of the flight that was there");
+    if (i == 0) write_file(out / "notes.txt", "mine");
   }
-  EXPECT_EQ(read_file(out / "summary.json"), "{\"i\":1}");
-  EXPECT_FALSE(std::filesystem::exists(out / "old"));
+  EXPECT_EQ(read_file(out / "summary.json"), "{\"gates_passed\":1}");
+  EXPECT_FALSE(std::filesystem::exists(out / "config-0.toml"));
+  EXPECT_EQ(read_file(out / "notes.txt"), "mine");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 
   std::filesystem::remove(out / "summary.json");
@@ -109,6 +113,29 @@ TEST_F(Recording, ReplacesAnEarlierFlightButNothingElse) {
   EXPECT_THAT(test::error_of([&] { FlightRecorder{file / "below"}; }),
               HasSubstr("cannot be written"));
   EXPECT_THAT(test::error_of([] { FlightRecorder{"."}; }), HasSubstr("--out"));
+}
+
+TEST_F(Recording, AFilmThatNoNewOneReplacesGetsANameOfItsOwn) {
+  const auto out = folder_.path() / "flight";
+  for (int i = 0; i < 3; ++i) {
+    FlightRecorder recorder(out);
+    if (i < 2) write_file(recorder.place_for("flight.mp4"), std::to_string(i));
+    recorder.finish("{\"gates_passed\":1}");
+  }
+  EXPECT_EQ(read_file(out / "flight-before-1.mp4"), "1");
+  EXPECT_FALSE(std::filesystem::exists(out / "flight.mp4"));
+}
+
+TEST_F(Recording, AFlightThatCannotTakeItsPlaceIsKeptAside) {
+  const auto out = folder_.path() / "flight", aside = folder_.path() / "flight.partial";
+  {
+    FlightRecorder recorder(out);
+    (void)folder_.file("flight", "came meanwhile");
+    EXPECT_THAT(test::error_of([&] { recorder.finish("{}"); }),
+                HasSubstr("this flight is in " + aside.string()));
+  }
+  EXPECT_EQ(read_file(aside / "summary.json"), "{}");
+  EXPECT_EQ(read_file(out), "came meanwhile");
 }
 
 TEST(FlightFolder, ReadsRealLogsColumns) {

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/files/csv.hpp"
+#include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/replay.hpp"
 #include "gatefly/geometry/math.hpp"

@@ -67,10 +67,8 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
   if (in_view(0)) canvas.disc(corners[0], 1.2 * stroke.width, stroke.color);
 }
 
-void annotate(const Image& image, std::span<const GateDetection> gates,
-              const std::filesystem::path& png) {
-  if (image.empty())
-    throw std::runtime_error(png.string() + ": cannot be written: the picture is empty");
+Canvas annotated(const Image& image, std::span<const GateDetection> gates) {
+  if (image.empty()) throw std::runtime_error("the picture is empty");
   const double scale = annotation_scale(image);
   const auto enlarged = [scale](int side) {
     return std::max(1, static_cast<int>(std::lround(scale * side)));
@@ -87,7 +85,7 @@ void annotate(const Image& image, std::span<const GateDetection> gates,
     draw_label(canvas, label_of(rank, gate), top_left, color);
   }
   if (gates.empty()) draw_label(canvas, "no gate", {8.0, canvas.height() - 1.0}, look::kMuted);
-  canvas.write_png(png);
+  return canvas;
 }
 
 }  // namespace gatefly::io

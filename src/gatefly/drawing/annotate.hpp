@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <span>
 
 #include <Eigen/Core>
@@ -12,7 +11,7 @@
 
 namespace gatefly::io {
 
-/// How much annotate() enlarges: whole steps up to 3; pictures with a side above 1600 px are made
+/// How much annotated() enlarges: whole steps up to 3; pictures with a side above 1600 px are made
 /// smaller.
 [[nodiscard]] double annotation_scale(const Image& image);
 
@@ -22,12 +21,8 @@ namespace gatefly::io {
 void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vector2d& at,
                     double scale, const Stroke& stroke);
 
-/// Writes the upright picture, enlarged, with every gate's outline, corners, rank (0 is the best)
-/// and fitness.
-///
-/// @throws std::runtime_error naming the file: the picture is empty, or the file cannot be written.
-///         Nothing half-written stays.
-void annotate(const Image& image, std::span<const GateDetection> gates,
-              const std::filesystem::path& png);
+/// The upright picture, enlarged, with every gate's outline, corners, rank (0 is the best) and
+/// fitness. @throws std::runtime_error when the picture is empty.
+[[nodiscard]] Canvas annotated(const Image& image, std::span<const GateDetection> gates);
 
 }  // namespace gatefly::io

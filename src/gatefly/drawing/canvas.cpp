@@ -6,10 +6,11 @@
 #include <cstring>
 #include <numbers>
 #include <stdexcept>
+#include <string_view>
 
 #include <cairo.h>
 
-#include "gatefly/files/text.hpp"
+#include "gatefly/files/output.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -205,13 +206,16 @@ std::vector<std::uint8_t> Canvas::rgb() const {
   return out;
 }
 
-void Canvas::write_png(const std::filesystem::path& path) const {
+std::string Canvas::png() const {
   std::string file;
   const cairo_status_t status = cairo_surface_write_to_png_stream(surface_.get(), append, &file);
-  if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error(path.string() +
-                             ": cannot be written: " + cairo_status_to_string(status));
-  write_file(path, file);
+  if (status != CAIRO_STATUS_SUCCESS) throw std::runtime_error(cairo_status_to_string(status));
+  // A text chunk, by its length, name, content and checksum, behind the signature and the header.
+  constexpr std::string_view kChunk{"\0\0\0\x10tEXtSoftware\0gatefly\x94\xd6\x0c\x15", 28};
+  constexpr std::size_t kHeaderEnd = 33;
+  return file.insert(kHeaderEnd, kChunk);
 }
+
+void Canvas::write_png(const std::filesystem::path& path) const { write_file(path, png()); }
 
 }  // namespace gatefly::io

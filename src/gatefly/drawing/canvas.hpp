@@ -95,8 +95,9 @@ class Canvas {
 
   /// R G B, 3 bytes a pixel, line by line without padding.
   [[nodiscard]] std::vector<std::uint8_t> rgb() const;
-  /// Writes it whole or not at all. @throws std::runtime_error naming the file and why it cannot be
-  /// written.
+  /// A PNG file that says it is of gatefly's making.
+  [[nodiscard]] std::string png() const;
+  /// Writes it whole or not at all. @throws CannotWrite naming the file and why.
   void write_png(const std::filesystem::path& path) const;
 
  private:

@@ -159,25 +159,6 @@ std::string read_file(const fs::path& path, std::uintmax_t most) {
   return content;
 }
 
-void write_file(const fs::path& path, std::string_view content) {
-  const fs::path partial = path.string() + ".partial";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  if (file) file.write(content.data(), static_cast<std::streamsize>(content.size())).flush();
-  if (!file) {
-    const std::string reason = std::strerror(errno);
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw std::runtime_error(path.string() + ": cannot be written: " + reason);
-  }
-  file.close();
-  std::error_code error;
-  fs::rename(partial, path, error);
-  if (!error) return;
-  const std::string reason = error.message();
-  fs::remove(partial, error);
-  throw std::runtime_error(path.string() + ": cannot be written: " + reason);
-}
-
 fs::path data_dir() { return GATEFLY_DATA_DIR; }
 
 fs::path find_toml(const std::string& name, const std::string& folder) {

@@ -47,10 +47,6 @@ namespace gatefly::io {
 [[nodiscard]] std::string read_file(const std::filesystem::path& path,
                                     std::uintmax_t most = std::uintmax_t{1} << 30);
 
-/// Writes a whole file or throws: under a temporary name, then renamed.
-/// @throws std::runtime_error naming it and why it cannot be written.
-void write_file(const std::filesystem::path& path, std::string_view content);
-
 /// Where tracks/, configs/, cameras/ and vehicles/ lie: the source tree the program was built from.
 [[nodiscard]] std::filesystem::path data_dir();
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/flight_recorder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <regex>
 #include <stdexcept>
 #include <system_error>
 
@@ -29,34 +31,50 @@ constexpr const char* kHeader =
 
 double seconds(std::chrono::nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
 
-/// An earlier flight may be replaced, and a folder with nothing in it. Nothing else.
-void refuse_foreign(const fs::path& out) {
+constexpr const char* kFilm = "flight.mp4";
+constexpr OutputKind kFlight{"earlier flight", "\"gates_passed\""};
+
+/// The names of a flight's files, a film on its way among them. Others in its folder are kept.
+bool is_of_a_flight(const std::string& name) {
+  static const std::regex kNames{
+      "log_si\\.csv(\\.gz)?|images\\.csv|detections\\.csv|summary\\.json|report\\.html|flight\\."
+      "mcap|"
+      "flight\\.mp4(\\.partial)?|track\\.toml|config-[0-9]+\\.toml|settings\\.txt|frame_[0-9]+\\."
+      "uyvy"};
+  return std::regex_match(name, kNames);
+}
+
+/// A folder that may be replaced: not where we are, and not somebody else's.
+fs::path checked(fs::path out) {
   std::error_code error;
-  if (!fs::exists(out, error)) return;
-  if (!fs::is_directory(out, error))
-    throw std::runtime_error(out.string() + ": is there and is no folder, choose another --out");
-  if (!fs::is_empty(out, error) && !fs::exists(out / "summary.json", error))
-    throw std::runtime_error(
-        out.string() +
-        ": is there and holds no earlier flight (summary.json), choose another --out");
+  const fs::path here = fs::current_path(error), place = fs::weakly_canonical(out, error);
+  if (out.empty() ||
+      std::mismatch(place.begin(), place.end(), here.begin(), here.end()).first == place.end())
+    throw std::runtime_error("--out " + out.string() +
+                             ": must be a folder of its own, which will be replaced");
+  check_output_folder("--out", out);
+  refuse_foreign_folder(out, "summary.json", kFlight, "choose another --out");
+  if (const fs::path aside = behind_links(out).string() + ".partial";
+      fs::exists(aside / "summary.json"))
+    throw std::runtime_error(aside.string() + ": is there and holds a whole flight, move it away");
+  return out;
+}
+
+/// A name for an earlier flight's film that nobody has.
+fs::path free_name(const fs::path& folder) {
+  for (int i = 1;; ++i)
+    if (const fs::path path = folder / ("flight-before-" + std::to_string(i) + ".mp4");
+        !fs::exists(path))
+      return path;
 }
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(fs::path out) : out_{std::move(out)} {
-  while (!out_.empty() && !out_.has_filename()) out_ = out_.parent_path();  // "out/a/" is "out/a"
-  if (out_.empty() || out_ == "." || out_ == "..")
-    throw std::runtime_error("--out: must be a folder of its own, which will be replaced");
-  refuse_foreign(out_);
-  partial_ = out_.string() + ".partial";
-
-  std::error_code error;
-  fs::remove_all(partial_, error);
-  if (!error) fs::create_directories(partial_, error);
-  if (error) throw std::runtime_error(out_.string() + ": cannot be written: " + error.message());
-  log_.open(partial_ / "log_si.csv", std::ios::binary);
-  images_.open(partial_ / "images.csv", std::ios::binary);
-  detections_.open(partial_ / "detections.csv", std::ios::binary);
+FlightRecorder::FlightRecorder(fs::path out)
+    : out_{checked(std::move(out))}, folder_{out_, PartialFolder::Grows::kBeside, is_of_a_flight} {
+  log_.open(folder_.path() / "log_si.csv", std::ios::binary);
+  images_.open(folder_.path() / "images.csv", std::ios::binary);
+  detections_.open(folder_.path() / "detections.csv", std::ios::binary);
   buffer_.reserve(kPiece + 4096);
   buffer_ = kHeader;
   images_ << "image,t_s,log_row,t_ns\n";
@@ -66,18 +84,8 @@ FlightRecorder::FlightRecorder(fs::path out) : out_{std::move(out)} {
   check(detections_, "detections.csv");
 }
 
-FlightRecorder::~FlightRecorder() {
-  if (finished_) return;
-  log_.close();
-  images_.close();
-  detections_.close();
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
-}
-
 void FlightRecorder::check(const std::ofstream& file, const fs::path& path) const {
-  if (!file)
-    throw std::runtime_error((partial_ / path).string() + ": cannot be written (disk full?)");
+  if (!file) throw std::runtime_error((out_ / path).string() + ": cannot be written (disk full?)");
 }
 
 void FlightRecorder::append(double value) {
@@ -146,7 +154,7 @@ void FlightRecorder::record_frame(const Tick& tick) {
   const std::chrono::nanoseconds time = tick.sensors.time;
   std::array<char, 32> name{};
   std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
-  std::ofstream file(partial_ / name.data(), std::ios::binary);
+  std::ofstream file(folder_.path() / name.data(), std::ios::binary);
   file.write(reinterpret_cast<const char*>(tick.frame.data()),
              static_cast<std::streamsize>(tick.frame.size()));
   file.flush();
@@ -162,10 +170,10 @@ void FlightRecorder::record_frame(const Tick& tick) {
 }
 
 void FlightRecorder::add_file(const std::string& name, const std::string& content) {
-  write_file(partial_ / name, content);
+  folder_.write(name, content);
 }
 
-void FlightRecorder::finish(const std::string& summary_json) {
+std::string FlightRecorder::finish(const std::string& summary_json) {
   flush(true);
   log_.close();
   images_.close();
@@ -175,16 +183,24 @@ void FlightRecorder::finish(const std::string& summary_json) {
   check(detections_, "detections.csv");
   add_file("summary.json", summary_json);
 
-  // Out of the way first, then in place: at no moment is there half a flight under the name.
-  refuse_foreign(out_);
-  const fs::path old = out_.string() + ".replaced";
-  std::error_code error;
-  fs::remove_all(old, error);
-  if (fs::exists(out_, error)) fs::rename(out_, old, error);
-  if (!error) fs::rename(partial_, out_, error);
-  if (error) throw std::runtime_error(out_.string() + ": cannot be written: " + error.message());
-  finished_ = true;
-  fs::remove_all(old, error);
+  const bool replaces = fs::exists(out_ / "summary.json");
+  const bool film = fs::exists(folder_.path() / kFilm);
+  try {
+    refuse_foreign_folder(out_, "summary.json", kFlight, "it came while we flew");
+    folder_.replace([film](const std::string& name) { return name == kFilm && !film; });
+  } catch (const std::exception& error) {  // flown is flown
+    folder_.keep();
+    throw std::runtime_error(std::string{error.what()} + "; this flight is in " +
+                             folder_.path().string());
+  }
+  if (!replaces) return "";
+  std::string said = "in place of the flight that was there";
+  if (!film && fs::exists(out_ / kFilm)) {  // it shows another flight than the one beside it
+    const fs::path before = free_name(out_);
+    fs::rename(out_ / kFilm, before);
+    said += ", whose film is now " + before.filename().string();
+  }
+  return said;
 }
 
 }  // namespace gatefly::io

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/flight_log/tick.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
@@ -16,14 +17,12 @@ namespace gatefly::io {
 /// Writes a flight while it is flown: log_si.csv, images.csv, frame_00000.uyvy ..., and what the
 /// pilot saw in each frame: detections.csv.
 ///
-/// Everything goes to `<out>.partial`, which finish() renames, so that a folder that is there is
-/// whole; an unfinished one is removed by the destructor. Numbers have 17 digits: they read back
-/// exactly.
+/// A folder that is there is whole: everything goes to a PartialFolder, to which finish() gives its
+/// name. Numbers have 17 digits: they read back exactly.
 class FlightRecorder {
  public:
   /// @throws std::runtime_error when `out` cannot be written, or is there and is no earlier flight.
   explicit FlightRecorder(std::filesystem::path out);
-  ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
@@ -35,11 +34,13 @@ class FlightRecorder {
 
   /// Where somebody else may write a file of the folder, before finish().
   [[nodiscard]] std::filesystem::path place_for(const std::string& name) const {
-    return partial_ / name;
+    return folder_.path() / name;
   }
 
-  /// Writes summary.json and gives the folder its name, in place of an earlier flight's.
-  void finish(const std::string& summary_json);
+  /// Writes summary.json and gives the folder its name, in place of an earlier flight's. Other files
+  /// that lay there stay.
+  /// @return what became of an earlier flight, in words; "" when there was none.
+  std::string finish(const std::string& summary_json);
 
  private:
   void append(double value);
@@ -49,11 +50,11 @@ class FlightRecorder {
   void flush(bool all);
   void check(const std::ofstream& file, const std::filesystem::path& path) const;
 
-  std::filesystem::path out_, partial_;
+  std::filesystem::path out_;
+  PartialFolder folder_;
   std::ofstream log_, images_, detections_;
   std::string buffer_;  ///< Of log_, written in large pieces.
   std::size_t row_ = 0, frame_ = 0;
-  bool finished_ = false;
 };
 
 }  // namespace gatefly::io
