@@ -107,7 +107,8 @@ class Words(Cli):
         for columns in (20, 30, 60):
             terminal, end = pty.openpty()
             fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
-            program = subprocess.Popen([GATEFLY, "fly", "oval", "--laps", "100", "--vision", "ideal", "--set", "sim.timeout_s=400"],
+            program = subprocess.Popen([GATEFLY, "fly", "oval", "--laps", "100", "--vision", "ideal", "--set", "sim.timeout_s=400",
+                                        "--out", str(columns)],
                                        cwd=self.folder, stdout=subprocess.DEVNULL, stderr=end)
             os.close(end)
             said = b""
@@ -1323,8 +1324,8 @@ class NothingIsLost(Cli):
             with self.subTest(arguments=arguments), open("/dev/full", "w", encoding="utf-8") as full:
                 result = subprocess.run([GATEFLY, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.folder, check=False,
                                         timeout=120)
-                self.assertEqual((result.returncode, result.stderr),
-                                 (2, "gatefly: standard output: cannot be written: No space left on device\n"))
+                self.assertEqual((result.returncode, result.stderr.splitlines()[-1]),
+                                 (2, "gatefly: standard output: cannot be written: No space left on device"))
         self.assertTrue((self.folder / "F").is_dir())
 
     def test_a_reader_that_has_seen_enough_is_no_fault(self):
@@ -1337,7 +1338,8 @@ class NothingIsLost(Cli):
     def test_a_closed_standard_output_does_not_lead_into_a_file(self):
         result = subprocess.run(["sh", "-c", '"$0" detect --rotate 0 a.ppm --csv found.csv >&-', GATEFLY], cwd=self.folder,
                                 stderr=subprocess.PIPE, text=True, timeout=60, check=False)
-        self.assertEqual((result.returncode, result.stderr), (2, "gatefly: standard output: cannot be written: Bad file descriptor\n"))
+        self.assertEqual((result.returncode, result.stderr.splitlines()[-1]),
+                         (2, "gatefly: standard output: cannot be written: Bad file descriptor"))
         self.assertEqual((self.folder / "found.csv").read_text(), self.detect().stdout)
 
     def test_outputs_that_cannot_be_written_are_found_before_the_work(self):

@@ -135,7 +135,7 @@ PilotConfig pilot_for_recordings(const io::Config& config) {
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
   pilot.track.room_size = {100.0, 100.0};  // whatever way a frame is turned
-  pilot.phase.climb_timeout = 60.0;  // these drones climb when somebody else wants
+  pilot.phase.climb_timeout = 60.0;        // these drones climb when somebody else wants
   return pilot;
 }
 

@@ -23,7 +23,7 @@ enum class Scheme { kOurs, kPaper };
 
 /// Everything a pilot is told before take-off. Start-up only.
 struct PilotConfig {
-  /// Which box is whose: any mixture flies.
+  /// Which box is whose: any mixture can be configured.
   DetectorMode detector_mode = DetectorMode::kOurs;
   Scheme pose_scheme = Scheme::kOurs;
   FilterModel filter_model = FilterModel::kOurs;

@@ -33,8 +33,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["crash"] = crash;
   json["stop_reason"] = result.stop_reason;
   json["landed"] = result.landed;
-  json["landing_contact"] =
-      result.landing_contact.empty() ? Json{} : Json(result.landing_contact);
+  json["landing_contact"] = result.landing_contact.empty() ? Json{} : Json(result.landing_contact);
   json["abort_reason"] = result.abort_reason;
   json["gate_offsets_m"] = offsets;
   json["estimation_rmse_m"] = Json::array({rmse.x(), rmse.y(), rmse.z()});
