@@ -194,6 +194,23 @@ std::string text_of(const Comparison& comparison, const Recording& recording) {
   return from + (why.empty() ? ": a file of the folder or the program has changed" : ": " + why);
 }
 
+/// Many gates and no fix: why; "" where all is well.
+std::string why_no_fix(const flight_log::ReplayResult& result) {
+  constexpr int kMany = 5;
+  int with_gate = 0, offered = 0;
+  for (const auto& row : result.pictures) {
+    if (row.sighting.source != Sighting::Source::kNone) return "";
+    with_gate += row.sighting.seen;
+    offered += row.sighting.offered;
+  }
+  if (with_gate < kMany) return "";
+  const std::string reason =
+      offered > 0
+          ? "the filter refused all " + std::to_string(offered) + " that could be the next gate"
+          : "none could be the next gate of the map (--track, --heading-offset-deg?)";
+  return "gates in " + std::to_string(with_gate) + " pictures and no fix: " + reason;
+}
+
 int replay(const ReplayOptions& options) {
   const bool rows_on_stdout = io::is_stdout(options.csv);
   if (options.json && rows_on_stdout)
@@ -219,6 +236,8 @@ int replay(const ReplayOptions& options) {
   const auto labelled = against_labels(recording, result);
   const auto visible = against_geometry(recording, result, options.heading_offset_deg * kDegree);
   const auto comparison = compared(recording, options, result);
+  if (const std::string why = why_no_fix(result); !why.empty())
+    std::cerr << "gatefly replay: " << why << '\n';
   int fixes = 0;
   for (const auto& row : result.pictures) fixes += row.sighting.source != Sighting::Source::kNone;
   if (options.json) {
