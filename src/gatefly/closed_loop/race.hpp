@@ -49,7 +49,7 @@ struct RaceResult {
   double mean_speed = 0.0, max_speed = 0.0;  ///< First to last gate plane [m/s].
   std::optional<double> crash_time;          ///< [s]
   std::string crash_object;
-  bool landed = false;  ///< Motors off by its own will.
+  bool landed = false;  ///< The pilot has switched the motors off.
   /// What was touched after the last gate, the floor aside; empty when nothing was.
   std::string landing_contact;
   std::string stop_reason;                    ///< finished, crash, timeout, abort
