@@ -99,7 +99,7 @@ void Pilot::change_phase(bool lifted) {
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
   if (found_again) course_.approach_straight(navigator_.state());
   if (course_.before_approach() && std::holds_alternative<Straight>(next.phase)) {
-    navigator_.begin_leg(course_.turn_end());  // where the plan says, for who knows no better
+    navigator_.begin_leg(course_.turn_end());  // the plan's place, for the paper's filter
     course_.begin_approach();
   }
   phase_ = next.phase;
