@@ -238,7 +238,7 @@ TEST(Config, RecordedConfigurationsAreReadUnderThePresentNames) {
   EXPECT_NE(earlier, today);
   EXPECT_EQ(with_current_names(earlier), today);
   EXPECT_EQ(with_current_names(today), today);
-  for (const nlohmann::json nonsense : {nlohmann::json(7), nlohmann::json{{"sim", 3}}})
+  for (const nlohmann::json& nonsense : {nlohmann::json(7), nlohmann::json{{"sim", 3}}})
     EXPECT_EQ(with_current_names(nonsense), nonsense);
 }
 
