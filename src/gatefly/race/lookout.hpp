@@ -48,7 +48,7 @@ class Lookout {
   struct Candidate {  ///< What might correct the filter.
     Fix fix;
     const Past* then = nullptr;  ///< When it was exposed.
-    double distance2 = 0.0;      ///< Squared Mahalanobis distance from the estimate of then.
+    double nis = 0.0;            ///< Against the estimate of then.
     Sighting::Source source = Sighting::Source::kNone;
     int detection = -1;       ///< Index of a whole gate; -1: a part of one.
     bool may_restart = true;  ///< No other gate of the map explains it better.
@@ -57,7 +57,7 @@ class Lookout {
   struct Confirmation {  ///< A gate that was seen and is not believed before a second one agrees.
     double time = 0.0;   ///< [s]
     int passed = 0;      ///< Gates, by then.
-    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says it [m].
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Origin of dead reckoning by its fix [m].
   };
 
   struct View {  ///< What a look needs to know.

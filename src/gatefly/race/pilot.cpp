@@ -124,8 +124,7 @@ void Pilot::change_phase(bool lifted) {
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
   if (found_again) parts_->course.approach_straight(navigator_.state());
   if (parts_->course.before_approach() && std::holds_alternative<Straight>(next.phase)) {
-    navigator_.begin_leg(
-        parts_->course.turn_end());  // where the plan says, for who knows no better
+    navigator_.begin_leg(parts_->course.turn_end());  // the plan's place, for the paper's filter
     parts_->course.begin_approach();
   }
   phase_ = next.phase;

@@ -15,17 +15,17 @@ struct CameraTiming {
   double readout = 0.020;  ///< First to last upright column [s].
 };
 
-/// When a detection is the gate that is looked for. Distances are squared Mahalanobis distances.
+/// When a detection is the gate that is looked for. NIS: normalised innovation squared of its fix.
 struct SightParams {
-  /// Nothing better is looked for: one in four of the right ones is farther off. [chi-square, 3]
+  /// NIS below which nothing better is looked for: 3 in 4 of the right ones. [chi-square, 3]
   double convincing = 4.1;
-  /// Needs a second sighting that agrees: one in twenty of the right ones is. [chi-square, 3]
-  double surprising = 7.8;
+  /// NIS above which a second sighting has to agree: 1 in 20 of the right ones. [chi-square, 3]
+  double confirm_above = 7.8;
   double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [ours]
   double agree =
       0.4;  ///< Two sightings from places nearer than this agree [m]. [ours: 66 ms apart]
-  /// Only nearer gates start the position anew: what farther ones err by lasts for a second and
-  /// agrees with itself, too [m]. [ours]
+  /// Only nearer gates restart the position: errors of farther ones last for a second, so that they
+  /// agree with each other, too [m]. [ours]
   double restart_within = 7.0;
   /// The estimate may be off by this and still tell gates apart [m]. [ours]
   double tell_apart = 1.5;
