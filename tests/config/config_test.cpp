@@ -8,6 +8,7 @@
 
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -301,12 +302,12 @@ TEST(Config, ShowsEveryKeyWithItsSource) {
 TEST(Config, ShippedFilesLoad) {
   for (const char* name : {"configs/default.toml", "configs/flights.toml", "configs/li18.toml",
                            "cameras/bebop.toml", "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
-    EXPECT_NO_THROW((void)load_config(Files{data_dir() / name})) << name;
+    EXPECT_NO_THROW((void)load_config(Files{shipped_dir() / name})) << name;
 }
 
 // The whole original in one file: every box is the paper's.
 TEST(Config, Li18IsThePaperInEveryBox) {
-  const PilotConfig pilot = load_config(Files{data_dir() / "configs/li18.toml"}).pilot;
+  const PilotConfig pilot = load_config(Files{shipped_dir() / "configs/li18.toml"}).pilot;
   EXPECT_EQ(pilot.detector_mode, DetectorMode::kFlown);
   EXPECT_EQ(pilot.pose_scheme, Scheme::kPaper);
   EXPECT_EQ(pilot.filter_model, FilterModel::kPaper);
@@ -315,7 +316,7 @@ TEST(Config, Li18IsThePaperInEveryBox) {
 }
 
 TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {
-  const std::filesystem::path root = data_dir();
+  const std::filesystem::path root = shipped_dir();
   const Config bebop = load_config(Files{root / "configs/default.toml", root / "cameras/bebop.toml",
                                          root / "vehicles/bebop.toml"});
   EXPECT_EQ(as_json(bebop), as_json(Config{}));

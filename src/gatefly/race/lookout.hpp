@@ -11,34 +11,9 @@
 #include "gatefly/pose/gate_fix.hpp"
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/messages.hpp"
+#include "gatefly/race/race_params.hpp"
 
 namespace gatefly {
-
-struct CameraTiming {
-  double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
-  double readout = 0.020;  ///< First to last upright column [s].
-};
-
-/// When a detection is the gate that is looked for. NIS: normalised innovation squared of its fix.
-struct SightParams {
-  /// NIS below which nothing better is looked for: 3 in 4 of the right ones. [chi-square, 3]
-  double convincing = 4.1;
-  /// NIS above which a second sighting has to agree: 1 in 20 of the right ones. [chi-square, 3]
-  double confirm_above = 7.8;
-  double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [ours]
-  double agree =
-      0.4;  ///< Two sightings from places nearer than this agree [m]. [ours: 66 ms apart]
-  /// Only nearer gates restart the position: errors of farther ones last for a second, so that they
-  /// agree with each other, too [m]. [ours]
-  double restart_within = 7.0;
-  /// The estimate may be off by this and still tell gates apart [m]. [ours]
-  double tell_apart = 1.5;
-  /// Below this confidence a detection counts where a gate is expected only. [ours]
-  double sure = 0.9;
-  double parts_from = 4.5;  ///< Nearer than this the upper bar may be cut off [m]. [ours]
-  /// Neighbouring pictures share their errors: a heading counts as one of so many. [ours]
-  double heading_repeats = 3.0;
-};
 
 struct LookoutParams {
   CameraRig camera;
