@@ -15,4 +15,6 @@ int main(int argc, char** argv) try {
     for (const auto& corner : gate.corners_px) std::cout << ' ' << corner.transpose() << ';';
     std::cout << '\n';
   }
-} catch (const std::exception& error) { return std::cerr << error.what() << '\n', 2; }
+} catch (const std::exception& error) {
+  return std::cerr << error.what() << '\n', 2;
+}
