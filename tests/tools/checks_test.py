@@ -135,6 +135,7 @@ class Docs(unittest.TestCase):
             '`detector.mode = "best"`': "detector.mode is never best",
             "`--set sim.nothing=1`": "there is no key sim.nothing",
             "    ./gatefly fly --set randomize.nothing=1": "there is no key randomize.nothing",
+            "`sim.ghosts_percent`": "is the old name of sim.outliers_percent",
             "`Pilot.DoesNothing`": "there is no test Pilot.DoesNothing",
         }
         for (line, error), said in zip(wrong.items(), self.errors_of(wrong), strict=True):
