@@ -4,6 +4,7 @@
 
 usage: checks_test.py SOURCE_DIR CXX NM"""
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -77,6 +78,84 @@ class Format(unittest.TestCase):
             self.assertEqual(code, 1)
             self.assertIn("src/bad.hpp", said)
             self.assertNotIn("good.cpp", said)
+
+
+class Docs(unittest.TestCase):
+    """The project with one line more, in a page or a source."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.root = pathlib.Path(folder.name)
+        for each in pathlib.Path(SOURCE).iterdir():
+            if each.name in ("docs", "apps"):
+                shutil.copytree(each, cls.root / each.name)
+            elif not each.name.startswith(".") and each.name not in ("build", "out"):
+                (cls.root / each.name).symlink_to(each.resolve())
+
+    def errors_of(self, lines, place="docs/paper/results.md"):
+        """What is said of each of the lines, written behind the page's own."""
+        file = self.root / place
+        before = file.read_text()
+        first = before.count("\n") + 2
+        try:
+            file.write_text(before + "\n" + "\n\n".join(lines) + "\n")
+            code, said = run("check_docs.py", self.root)
+        finally:
+            file.write_text(before)
+        found = [[] for _ in lines]
+        for line in said.splitlines() if code else []:
+            where, number, error = line.split(":", 2)
+            self.assertEqual(where, place, line)
+            found[(int(number) - first) // 2].append(error.strip())
+        return found
+
+    def test_what_is_not_there_is_named(self):
+        wrong = {
+            "[a page](nowhere.md)": "link nowhere.md leads nowhere",
+            "[a place](deviations.md#nowhere)": "has no place #nowhere",
+            "[a place here](#nowhere)": "has no place #nowhere",
+            "`tools/nothing.py`": "there is no file tools/nothing.py",
+            "`race/nothing.cpp`": "there is no file race/nothing.cpp",
+            "`nothing.hpp`": "there is no file called nothing.hpp",
+            "`no_such_function`": "no_such_function is nowhere",
+            "`Pilot::no_such_thing`": "Pilot::no_such_thing is nowhere",
+            "`NoSuchClass::step`": "NoSuchClass::step is nowhere",
+            "`gatefly flie oval`": "there is no command gatefly flie",
+            "    ./gatefly flie oval": "there is no command gatefly flie",
+            "    ./gatefly fly oval --sed 7": "gatefly fly has no --sed",
+            "    ./gatefly detect photo.jpg --seed 7   # of another command": "gatefly detect has no --seed",
+            "`gatefly fly ovl`": "there is no track ovl",
+            "    ./gatefly fly --config nothing": "there is no configuration nothing",
+            "    ./gatefly campaign tests/courses/nothing.toml --runs 2": "there is no file tests/courses/nothing.toml",
+            "`gatefly reproduce nothing`": "there is no experiment nothing",
+            "`reproduce roc-length nothing`": "there is no experiment nothing",
+            "`camera.tilt_rad`": "there is no key camera.tilt_rad",
+            '`detector.mode = "best"`': "detector.mode is never best",
+            "`--set sim.nothing=1`": "there is no key sim.nothing",
+            "    ./gatefly fly --set randomize.nothing=1": "there is no key randomize.nothing",
+            "`sim.ghosts_percent`": "is the old name of sim.outliers_percent",
+            "`Pilot.DoesNothing`": "there is no test Pilot.DoesNothing",
+        }
+        for (line, error), said in zip(wrong.items(), self.errors_of(wrong), strict=True):
+            self.assertEqual(len(said), 1, f"{line}: {said}")
+            self.assertIn(error, said[0])
+
+    def test_a_test_of_the_command_line_that_is_not_there_is_named(self):
+        table = "| use | test |\n| --- | --- |\n| a | a_test_that_nobody_wrote |"
+        self.assertEqual(self.errors_of([table, ""])[1], ["there is no test a_test_that_nobody_wrote"])
+
+    def test_a_place_named_in_a_source_that_is_not_there_is_named(self):
+        wrong = ["docs/paper/deviations.md#nowhere", "results.md#nowhere", "docs/nothing.md"]
+        for line, said in zip(wrong, self.errors_of([f"// as in {each}" for each in wrong], "apps/gatefly/main.cpp"), strict=True):
+            self.assertEqual(len(said), 1, line)
+
+    def test_what_is_there_is_not_named(self):
+        right = ["[a place](deviations.md#eq-9)", "[lenses](../conventions.md#lenses)", "`Pilot::step`, `map_pose()`",
+                 "`gatefly fly oval --seed 7`", "    ./gatefly reproduce --all --quick", "`camera.tilt_deg = 20`",
+                 "`race/pilot.cpp`, `tests/courses/*.toml`, `found.csv`, `my.toml`", "```\n[no link](nowhere.md)\n```"]
+        self.assertEqual([error for errors in self.errors_of(right) for error in errors], [])
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ namespace gatefly::sim {
 namespace {
 
 constexpr int kPacket = 16;
-constexpr int kBounceRays = 32;  // 8 look blotchy [guide/simulation.md]
+constexpr int kBounceRays = 32;  // 8 look blotchy [docs/simulation.md]
 static_assert(kBounceRays == 8 * 4, "stratified so");
 static_assert(kBounceRays % kPacket == 0 && sizeof(RayScene::Valid) == kPacket * sizeof(int));
 constexpr float kTiny = 1e-3f;  // keeps a ray off its own surface, share of its length or [m]

@@ -17,7 +17,7 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr int kSamples = 4;  // per pixel: 12 ms a frame [guide/simulation.md]
+constexpr int kSamples = 4;  // per pixel: 12 ms a frame [docs/simulation.md]
 constexpr int kPacket = 16;
 constexpr int kColumns =
     kPacket / kSamples;  // neighbours of one line that share a packet with all their samples
