@@ -146,9 +146,9 @@ def link_errors(page, line):
 
 
 def exists(path, page):
-    """A path of the project, as somebody on `page` would write it: from the root, from the page, from src/gatefly."""
+    """A path of the project, as somebody on `page` would write it: from the root, from the page, from src/gatefly, as an include."""
     path = path.rstrip("/")
-    starts = [pathlib.PurePosixPath("."), page.parent, pathlib.PurePosixPath("src/gatefly")]
+    starts = [pathlib.PurePosixPath("."), page.parent, pathlib.PurePosixPath("src/gatefly"), pathlib.PurePosixPath("src")]
     for start in starts:
         there = resolved(start, path)
         if there in PATHS:
@@ -208,7 +208,7 @@ def commands():
     for name in names:
         flags[name] |= shared
     script = text_of(pathlib.PurePosixPath("gatefly")) if "gatefly" in PATHS else ""
-    flags |= {"help": set(), "version": set(), "test": set(re.findall(r"--[a-z-]+", script))}
+    flags |= {"help": set(), "version": set(), "package": set(), "test": set(re.findall(r"--[a-z-]+", script))}
     return flags
 
 

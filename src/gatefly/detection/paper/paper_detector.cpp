@@ -19,11 +19,11 @@ struct Stretch {
 };
 
 Stretch vertical(const ColorMask& is_gate, Pixel p) {
-  return {snake(is_gate, p, 0, -1, false), snake(is_gate, p, 0, +1, false)};
+  return {snake(is_gate, p, 0, -1), snake(is_gate, p, 0, +1)};
 }
 
 Stretch horizontal(const ColorMask& is_gate, Pixel p) {
-  return {snake(is_gate, p, -1, 0, false), snake(is_gate, p, +1, 0, false)};
+  return {snake(is_gate, p, -1, 0), snake(is_gate, p, +1, 0)};
 }
 
 /// Upright square; centre in half pixels.

@@ -19,9 +19,9 @@ inline double distance(Pixel a, Pixel b) {
 /// Follows a bar from `p` in direction (du, dv), one of them ±1: Li18 Algorithm 2, any of its
 /// branches.
 ///
-/// Ahead, ahead and to one side, ahead and to the other; over a hole of one pixel as well [2018
-/// flight code] unless `over_holes` is false. Ends at the border at the latest.
-inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv, bool over_holes = true) {
+/// Ahead, ahead and to one side, ahead and to the other; never over a hole, which the 2018
+/// flight code does (docs/paper/deviations.md#alg-2). Ends at the border at the latest.
+inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv) {
   const int side_u = dv != 0 ? 1 : 0, side_v = du != 0 ? 1 : 0;
   for (;;) {
     if (is_gate(p.u + du, p.v + dv)) {
@@ -30,19 +30,10 @@ inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv, bool over_
       p = {p.u + du - side_u, p.v + dv - side_v};
     } else if (is_gate(p.u + du + side_u, p.v + dv + side_v)) {
       p = {p.u + du + side_u, p.v + dv + side_v};
-    } else if (over_holes && is_gate(p.u + 2 * du, p.v + 2 * dv)) {
-      p = {p.u + 2 * du, p.v + 2 * dv};
     } else {
       return p;
     }
   }
-}
-
-/// The farther end of the bar that leaves `start` to the left or to the right.
-inline Pixel search_horizontal(const ColorMask& is_gate, Pixel start) {
-  const Pixel left = snake(is_gate, start, -1, 0);
-  const Pixel right = snake(is_gate, start, +1, 0);
-  return distance(start, left) > distance(start, right) ? left : right;
 }
 
 }  // namespace gatefly
