@@ -8,7 +8,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/image_file.hpp"
 
-namespace gatefly::cli {
+namespace gatefly::tasks {
 
 /// Makes stored pictures upright: by --rotate or a camera that was named; else a raw picture by the
 /// camera that it needs anyway, others by their EXIF; else they are upright.
@@ -29,4 +29,4 @@ class Upright {
   std::map<std::string, int> done_{};  ///< What was done to how many pictures.
 };
 
-}  // namespace gatefly::cli
+}  // namespace gatefly::tasks

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "upright.hpp"
+#include "gatefly/tasks/upright.hpp"
 
 #include <stdexcept>
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::cli {
+namespace gatefly::tasks {
 
 Upright::Upright(const io::Config& config) : camera_deg_{config.camera.stored_rotation_deg} {
   const auto set = config.set_by.find("camera.stored_rotation_deg");
@@ -40,4 +40,4 @@ std::string Upright::said() const {
   return io::joined(parts);
 }
 
-}  // namespace gatefly::cli
+}  // namespace gatefly::tasks
