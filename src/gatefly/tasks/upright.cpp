@@ -12,7 +12,7 @@ Upright::Upright(const io::Config& config) : camera_deg_{config.camera.stored_ro
   if (set != config.set_by.end()) by_ = set->second == "--set" ? "as told" : set->second;
 }
 
-Image Upright::view(const io::ImageFile& file, const std::filesystem::path& path) {
+int Upright::rotation_deg(const io::ImageFile& file, const std::filesystem::path& path) {
   int degrees = 0;
   std::string by = by_;
   if (told() || io::is_raw(path)) {
@@ -30,7 +30,7 @@ Image Upright::view(const io::ImageFile& file, const std::filesystem::path& path
       degrees == 0 ? "taken as upright"
                    : "turned by " + std::to_string(degrees) + " degrees counter-clockwise";
   ++done_[what + (by.empty() ? "" : " (" + by + ")")];
-  return file.view(degrees);
+  return degrees;
 }
 
 std::string Upright::said() const {

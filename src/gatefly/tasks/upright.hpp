@@ -18,9 +18,13 @@ class Upright {
   explicit Upright(const io::Config& config);
 
   [[nodiscard]] bool told() const { return !by_.empty(); }
+  /// How far to turn a picture counter-clockwise.
   /// @throws std::runtime_error when the picture's EXIF says that it is mirrored.
-  [[nodiscard]] Image view(const io::ImageFile& file, const std::filesystem::path& path);
-  /// "3 pictures turned by 90 degrees counter-clockwise (EXIF), 2 taken as upright".
+  [[nodiscard]] int rotation_deg(const io::ImageFile& file, const std::filesystem::path& path);
+  [[nodiscard]] Image view(const io::ImageFile& file, const std::filesystem::path& path) {
+    return file.view(rotation_deg(file, path));
+  }
+  /// "3 pictures turned by 90 degrees counter-clockwise (EXIF), 2 taken as upright": so far.
   [[nodiscard]] std::string said() const;
 
  private:
