@@ -48,6 +48,22 @@ py::array array_in(const py::object& image) {
   return py::module_::import("numpy").attr("asarray")(image);
 }
 
+/// `array`, (height, width, 3) of uint8, where it lies line by line without gaps; else copied so: several times as fast as
+/// numpy does it.
+Bytes contiguous(const py::array& array) {
+  if ((array.flags() & py::array::c_style) != 0) return array;
+  const py::ssize_t height = array.shape(0), width = array.shape(1);
+  const py::ssize_t down = array.strides(0), along = array.strides(1), deep = array.strides(2);
+  Bytes copy({height, width, py::ssize_t{3}});
+  std::uint8_t* to = copy.mutable_data();
+  for (py::ssize_t v = 0; v < height; ++v) {
+    const auto* from = static_cast<const std::uint8_t*>(array.data()) + v * down;
+    for (py::ssize_t u = 0; u < width; ++u, from += along, to += 3)
+      to[0] = from[0], to[1] = from[deep], to[2] = from[2 * deep];
+  }
+  return copy;
+}
+
 /// Of an array (height, width, 3) of uint8.
 Picture picture_in(const py::object& image, PixelFormat format, int rotation) {
   check_rotation(rotation);
@@ -62,7 +78,7 @@ Picture picture_in(const py::object& image, PixelFormat format, int rotation) {
   if (array.ndim() != 3 || array.shape(2) != 3)
     throw std::runtime_error("a picture of shape " + shape + ", must be (height, width, 3)");
   check_size(array.shape(1), array.shape(0));
-  const Bytes bytes = array;  // the same where it is contiguous
+  const Bytes bytes = contiguous(array);
   return {.owner = bytes,
           .bytes = bytes.data(),
           .format = format,

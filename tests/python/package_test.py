@@ -11,9 +11,9 @@ import sys
 
 import gatefly
 import support
-from support import FLIGHT, GATEFLY, ROOT, Case
+from support import FLIGHT, ROOT, Case
 
-PACKAGE = pathlib.Path(gatefly.__file__).parent
+PACKAGE = pathlib.Path(gatefly.__file__).resolve().parent
 SPECIAL = {"__call__", "__iter__", "__next__", "__array__"}
 
 
@@ -90,7 +90,7 @@ class Package(Case):
 class Examples(Case):
     def run_python(self, *arguments):
         run = subprocess.run([sys.executable, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=120, check=False,
-                             env=dict(os.environ, PYTHONWARNINGS="error", PATH=f"{GATEFLY.parent}:{os.environ['PATH']}"))
+                             env=dict(os.environ, PYTHONWARNINGS="error", PYTHONPATH=str(PACKAGE.parent)))
         self.assertEqual((run.returncode, run.stderr), (0, ""), run.stdout)
         return run.stdout
 
@@ -110,7 +110,7 @@ class Examples(Case):
 
     def test_replay_a_flight(self):
         said = self.example("replay_a_flight.py", FLIGHT)
-        self.assertRegex(said, r"(?s)^drag: \d+ samples.*rms x 0\.\d\d.*^imu15: ".replace("^imu", "imu"))
+        self.assertRegex(said, r"(?s)^drag: \d+ samples.*rms x 0\.\d\d.*imu15: ")
 
     @support.needs_simulator
     def test_every_snippet_of_the_page_runs_in_order(self):

@@ -35,7 +35,7 @@ class SameRace(Case):
         """The rows of the log and of the table of pictures, and the summary, as the program writes them."""
         self.program("fly", track, "--seed", seed, "--out", "flight", *flags, codes=(0, 1))
         folder = self.folder / "flight"
-        tables = [list(csv.DictReader((folder / name).open(encoding="utf-8"))) for name in ("log_si.csv", "images.csv")]
+        tables = [list(csv.DictReader((folder / name).read_text(encoding="utf-8").splitlines())) for name in ("log_si.csv", "images.csv")]
         return folder, *tables, json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
     def expect_row(self, race, row):
