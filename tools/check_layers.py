@@ -55,7 +55,7 @@ def violations():
 
 
 def passed_doors():
-    for source in sorted(path for folder in ("src", "apps", "tests") for path in (ROOT / folder).rglob("*.[ch]pp")):
+    for source in sorted(path for folder in ("src", "apps", "python", "tests") for path in (ROOT / folder).rglob("*.[ch]pp")):
         if source.relative_to(ROOT).as_posix().startswith(STAGES_FOR):
             continue
         for number, line in enumerate(source.read_text().splitlines(), 1):
