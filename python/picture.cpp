@@ -97,9 +97,7 @@ Picture from_uyvy(const py::object& data, int width, int height, int rotation) {
     throw py::type_error("UYVY is bytes or an array of uint8, not " +
                          text_of(py::type::handle_of(data).attr("__name__")));
   const py::array array = py::module_::import("numpy").attr("asarray")(
-      py::isinstance<py::array>(data)
-          ? data
-          : py::module_::import("numpy").attr("frombuffer")(data, "uint8"));
+      py::isinstance<py::array>(data) ? data : py::memoryview{data});
   if (array.dtype().kind() != 'u' || array.itemsize() != 1)
     throw py::type_error("UYVY of " + text_of(array.dtype()) + ", must be uint8");
   const std::size_t wanted = image_bytes(PixelFormat::kUyvy, width, height);

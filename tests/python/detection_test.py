@@ -72,7 +72,10 @@ class SameRows(Case):
         self.assertEqual(len(rows), 1)
         frame = gatefly.Image.from_uyvy(stored.tobytes(), 160, 315, rotation=90)
         self.assertEqual((frame.width, frame.height, frame.format), (315, 160, "uyvy"))
-        for image in (frame, gatefly.Image.from_uyvy(np.ascontiguousarray(stored), 160, 315, 90), gatefly.read_image(path)):
+        spread = bytearray(2 * stored.size)
+        spread[::2] = stored.tobytes()
+        for image in (frame, gatefly.Image.from_uyvy(np.ascontiguousarray(stored), 160, 315, 90), gatefly.read_image(path),
+                      gatefly.Image.from_uyvy(memoryview(spread)[::2], 160, 315, 90), gatefly.Image.from_uyvy(spread[::2], 160, 315, 90)):
             self.assertEqual(rows_of("frame.uyvy", gatefly.detect(image)), rows)
 
 

@@ -4,6 +4,7 @@ with the module on PYTHONPATH. Exit code 77, skipped: no numpy for this interpre
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -37,6 +38,7 @@ needs_simulator = unittest.skipUnless(has_simulator(), "built without the simula
 
 class Case(unittest.TestCase):
     def setUp(self):
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would not hear Ctrl-C
         folder = tempfile.TemporaryDirectory(prefix="gatefly-python-")
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
