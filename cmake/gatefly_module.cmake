@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 include(gatefly_precompiled)
 
-# gatefly_module(<folder> [COLD] DEPENDS <target>... [PRIVATE_DEPENDS <target>...])
+# gatefly_module(<folder> [COLD] [PUBLIC <header>...] [INSTALLED_WITH gatefly|gatefly-files]
+#                DEPENDS <target>... [PRIVATE_DEPENDS <target>...])
 #
 # One folder of src/gatefly/ is one library gatefly::<folder>. DEPENDS is the architecture, written
 # down once: tools/check_layers.py (a ctest) fails the build when a file includes a folder that is
 # not listed here. Sources and headers are found by name, in subfolders, too.
 #
 # COLD: no time is spent in here, only wasted on optimising it.
+# INSTALLED_WITH: which of the two installed libraries it is part of: the flight code, or what reads its files.
+# PUBLIC: headers that are installed. The others are internal: nothing public includes them, and they change as they like.
 function(gatefly_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "DEPENDS;PRIVATE_DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "INSTALLED_WITH" "PUBLIC;DEPENDS;PRIVATE_DEPENDS")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
-  file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
 
   if(sources)
     set(scope PUBLIC)
@@ -32,6 +34,15 @@ function(gatefly_module name)
   set_target_properties(gatefly_${name} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(gatefly_${name} ${scope} cxx_std_20)
   target_link_libraries(gatefly_${name} ${scope} ${arg_DEPENDS})
-  target_sources(gatefly_${name} ${scope}
-    FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${headers})
+  target_include_directories(gatefly_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+  if(arg_PUBLIC)
+    target_sources(gatefly_${name} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${arg_PUBLIC})
+  endif()
+  if(arg_INSTALLED_WITH)
+    set(headers)
+    if(arg_PUBLIC)
+      set(headers FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
+    endif()
+    install(TARGETS gatefly_${name} EXPORT ${arg_INSTALLED_WITH}-targets ARCHIVE COMPONENT library ${headers})
+  endif()
 endfunction()

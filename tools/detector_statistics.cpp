@@ -66,7 +66,7 @@ constexpr double kBin = 0.5;  // [m]
 
 struct Statistics {
   std::vector<Rate> by_distance = std::vector<Rate>(24);
-  Rate open, bars, false_alarms;
+  Rate lower_corners, bars, false_alarms;
   Errors corner_u, corner_v, common_u, common_v, growth, lower_u, lower_v, bar_u;
 
   void add(const std::vector<sim::GateView>& views, const Sighting& seen, int target);
@@ -96,14 +96,14 @@ void Statistics::add(const std::vector<sim::GateView>& views, const Sighting& se
     }
     // The pilot asks for these two only when nothing better corrected it.
     if (view.gate != target || seen.used >= 0) continue;
-    if (view.open && view.distance < 3.3) {
-      const bool hit = seen.open &&
-                       (seen.open->bottom_left_px - view.corners_px[3]).norm() < 20.0 &&
-                       (seen.open->bottom_right_px - view.corners_px[2]).norm() < 20.0;
-      open.count(hit);
+    if (view.only_lower_corners && view.distance < 3.3) {
+      const bool hit = seen.lower_corners &&
+                       (seen.lower_corners->bottom_left_px - view.corners_px[3]).norm() < 20.0 &&
+                       (seen.lower_corners->bottom_right_px - view.corners_px[2]).norm() < 20.0;
+      lower_corners.count(hit);
       if (hit) {
-        const Eigen::Vector2d left = seen.open->bottom_left_px - view.corners_px[3],
-                              right = seen.open->bottom_right_px - view.corners_px[2];
+        const Eigen::Vector2d left = seen.lower_corners->bottom_left_px - view.corners_px[3],
+                              right = seen.lower_corners->bottom_right_px - view.corners_px[2];
         for (const auto& e : {left, right})
           lower_u.px.push_back(e.x()), lower_v.px.push_back(e.y());
       }
@@ -134,7 +134,7 @@ void Statistics::print() {
     if (by_distance[i].tries > 0) by_distance[i].print(what);
   }
   false_alarms.print("false alarms / picture");
-  open.print("cut off above, below 3.3 m");
+  lower_corners.print("cut off above, below 3.3 m");
   bars.print("side bars, below 1.7 m");
   corner_u.print("corner u");
   corner_v.print("corner v");

@@ -267,8 +267,8 @@ void print_views(const Calibration& answer, const Boards& boards) {
 }
 
 /// What cannot be known about how the pictures are stored, one line; "" when it was said.
-std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options,
-                           std::optional<int> by_flight) {
+std::string rotation_warning(const Boards& boards, const CalibrateOptions& options,
+                             std::optional<int> by_flight) {
   if (options.rotate_deg || by_flight) return "";
   if (boards.size_px.y() > boards.size_px.x())
     return "pictures of " + std::to_string(boards.size_px.x()) + "x" +
@@ -284,7 +284,7 @@ std::string rotation_doubt(const Boards& boards, const CalibrateOptions& options
 }
 
 void print(const Calibration& answer, const Boards& boards, const CalibrateOptions& options,
-           const std::string& doubt) {
+           const std::string& warning) {
   std::size_t corners = 0, dropped = 0;
   for (const ViewResult& view : answer.views) {
     corners += view.corners;
@@ -306,11 +306,11 @@ void print(const Calibration& answer, const Boards& boards, const CalibrateOptio
     std::cout << "warning: beyond the outermost corners the lens is extrapolated: hold the board "
                  "into the picture's corners too\n";
   if (!options.out.empty()) std::cout << options.out << ": " << chosen << '\n';
-  if (!doubt.empty()) std::cout << "warning: " << doubt << '\n';
+  if (!warning.empty()) std::cout << "warning: " << warning << '\n';
 }
 
 nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards,
-                               int stored_rotation_deg, const std::string& doubt) {
+                               int stored_rotation_deg, const std::string& warning) {
   nlohmann::ordered_json models = nlohmann::ordered_json::array(),
                          pictures = nlohmann::ordered_json::array();
   for (const ModelResult& result : answer.models) {
@@ -345,7 +345,7 @@ nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards,
           {"coverage", answer.coverage},
           {"unusable", boards.unusable},
           {"stored_rotation_deg", stored_rotation_deg},
-          {"stored_rotation_doubt", doubt}};
+          {"stored_rotation_doubt", warning}};
 }
 
 CameraFormat format_of(const std::string& name) {
@@ -517,14 +517,14 @@ int run_calibrate(const CalibrateOptions& options) {
                        " are where its labels have them.");
   CameraFile camera{
       short_lens(answer.best().fit), answer.size_px, by_flight.value_or(options.rotation()), {}};
-  const std::string doubt = rotation_doubt(boards, options, by_flight);
-  if (!doubt.empty()) comments.push_back("Beware: " + doubt + ".");
+  const std::string warning = rotation_warning(boards, options, by_flight);
+  if (!warning.empty()) comments.push_back("Beware: " + warning + ".");
   add_tilt(camera, options, comments);
   write(camera, options, comments, &answer);
   if (options.json)
-    std::cout << as_json(answer, boards, camera.stored_rotation_deg, doubt).dump(2) << '\n';
+    std::cout << as_json(answer, boards, camera.stored_rotation_deg, warning).dump(2) << '\n';
   else if (!options.common.quiet && !options.writes_to_stdout())
-    print(answer, boards, options, doubt);
+    print(answer, boards, options, warning);
   if (boards.unusable == 0) return kDone;
   complain(std::to_string(boards.unusable) + " pictures could not be used, the rest was");
   return kUnusable;

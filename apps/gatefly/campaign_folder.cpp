@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "gatefly/config/config.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 nlohmann::json read_campaign(const fs::path& path) {
-  const auto json = nlohmann::json::parse(io::read_file(path / "campaign.json"), nullptr, false);
+  auto json = nlohmann::json::parse(io::read_file(path / "campaign.json"), nullptr, false);
   const auto has = [&](const char* pointer, auto is_right) {
     const nlohmann::json::json_pointer place{pointer};
     return json.contains(place) && is_right(json.at(place));
@@ -27,6 +28,8 @@ nlohmann::json read_campaign(const fs::path& path) {
       !has("/fly", [](const auto& value) { return value.is_string(); }))
     throw std::runtime_error((path / "campaign.json").string() +
                              ": is damaged, choose another --out");
+  if (nlohmann::json& arguments = json["arguments"]; arguments.contains("config"))
+    arguments["config"] = io::with_current_names(arguments["config"]);
   return json;
 }
 

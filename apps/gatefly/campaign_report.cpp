@@ -43,14 +43,14 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
   spread("race time", "race_time_s", " s", 1);
   spread("speed", "mean_speed_mps", " m/s", 2);
   const auto& consistency = result.at("consistency");
-  const auto honest = [&](const char* name, const char* key, const char* what) {
+  const auto consistent = [&](const char* name, const char* key, const char* what) {
     const auto& count = consistency.at(key);
     if (count.at("samples") == 0) return;
     line(name, std::string{what} + " " + fixed(count.at("mean_per_dof"), 2) + " (1 is expected), " +
                    percent(count.at("inside_95")) + " inside the 95 % bounds");
   };
-  honest("honesty", "nees", "position error² / covariance");
-  honest("", "nis", "innovation² / covariance");
+  consistent("consistency", "nees", "NEES / degree of freedom");
+  consistent("", "nis", "NIS / degree of freedom");
   if (consistency.at("divergences") != 0)
     line("",
          consistency.at("divergences").dump() + " times > 1 m off for > 1 s with a gate in view");

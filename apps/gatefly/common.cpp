@@ -18,7 +18,7 @@ volatile std::sig_atomic_t was_interrupted = 0;
 
 void on_interrupt(int signal) {
   was_interrupted = signal;
-  std::signal(signal, SIG_DFL);  // whoever is in a hurry presses it twice
+  std::signal(signal, SIG_DFL);  // the second Ctrl-C ends the program
 }
 
 bool on_terminal() {

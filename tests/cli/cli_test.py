@@ -304,7 +304,17 @@ class Replay(Cli):
             error = self.refused("replay", self.edited("settings.txt", lambda text: f"laps={laps}\n"))
             self.assertIn(f"settings.txt: laps={laps}, must be a whole number in 1..100", error)
 
-    def test_a_summary_that_is_nonsense_bears_no_witness(self):
+    def test_a_flight_from_before_a_key_was_renamed_comes_out_to_the_bit(self):
+        self.edited("summary.json", lambda text: text.replace('"random_sigma_px"', '"white_px"'))
+        path = self.folder / "flight" / "settings.txt"
+        settings = path.read_text(encoding="utf-8")
+        path.write_text(settings + "pose.white_px=0.35\n", encoding="utf-8")
+        result = self.run_it("replay", "flight")
+        self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stdout + result.stderr)
+        path.write_text(settings + "pose.white_px=0.5\n", encoding="utf-8")
+        self.assertIn("pose.random_sigma_px is 0.5, was 0.35 in flight", self.run_it("replay", "flight").stdout)
+
+    def test_a_summary_that_is_nonsense_is_ignored(self):
         for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x"}'):
             self.assertEqual(self.run_it("replay", self.edited("summary.json", lambda text: nonsense)).returncode, 0, nonsense)
 
@@ -432,6 +442,19 @@ class Campaign(Cli):
         result = self.run_it("campaign", "--merge", "part1", "part2", "part3", "--out", "merged")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(self.results("merged"), self.results("whole"))
+
+    def test_a_campaign_from_before_a_key_was_renamed_goes_on(self):
+        setting = ("--set", "sim.outliers_percent=20")
+        self.assertEqual(self.campaign("mine", *setting, runs=2).returncode, 0)
+        written = self.folder / "mine" / "campaign.json"
+        before = json.loads(written.read_text(encoding="utf-8"))
+        written.write_text(written.read_text(encoding="utf-8").replace('"outliers_percent"', '"ghosts_percent"'), encoding="utf-8")
+        result = self.campaign("mine", "--set", "sim.ghosts_percent=20", runs=2)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("sim.ghosts_percent is the old name of sim.outliers_percent", result.stderr)
+        after = json.loads(written.read_text(encoding="utf-8"))
+        for key in ("arguments", "result"):
+            self.assertEqual(after[key], before[key])
 
     def test_shards_of_different_campaigns_are_not_merged(self):
         self.assertEqual(self.campaign("one", "--shard", "1/2", runs=2).returncode, 0)
@@ -1506,6 +1529,13 @@ class Configuration(Cli):
         self.assertEqual(result.returncode, 0)
         self.assertIn("color.y_min has no effect any more", result.stderr)
         self.assertNotIn("y_min", result.stdout)
+
+    def test_the_old_name_of_a_key_still_works_and_is_said_to_be_old(self):
+        result = self.run_it("config", "--show", "--set", "sim.ghosts_percent=30")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("--set: sim.ghosts_percent is the old name of sim.outliers_percent", result.stderr)
+        self.assertRegex(result.stdout, r"\noutliers_percent += 30 ")
+        self.assertNotIn("ghosts", result.stdout)
 
     def test_show_lists_every_section_with_units_and_sources(self):
         result = self.run_it("config", "--show", "--set", "control.speed_mps=1.25")

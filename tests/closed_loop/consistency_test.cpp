@@ -65,26 +65,26 @@ struct Course {
 
 // Errors drawn from the covariance that the pilot states: NEES / 3 averages 1 within four standard
 // errors, 95 % lie inside; long and narrow, so that another frame than the gate's shows.
-TEST(ConsistencyWatch, HonestErrorsHaveANeesOfOnePerDegree) {
+TEST(ConsistencyWatch, ConsistentErrorsHaveANeesOfOnePerDegree) {
   const Course course;
   Eigen::Matrix3d covariance;
   covariance << 0.25, 0.03, 0.0, 0.03, 0.01, 0.002, 0.0, 0.002, 0.004;
   const Eigen::Matrix3d root = covariance.llt().matrixL();
-  for (const double boast : {1.0, 0.5}) {  // as sure as it may be, and twice as sure
+  for (const double overconfidence : {1.0, 0.5}) {  // consistent, and overconfident by two
     ConsistencyWatch watch = course.watch();
     sim::Stream stream{2, "errors"};
     for (int tick = 0; tick < 51'200; ++tick) {
       Belief belief = course.right();
       belief.p_GB += root * Eigen::Vector3d{stream.normal(), stream.normal(), stream.normal()};
-      belief.covariance_GB = boast * boast * covariance;
+      belief.covariance_GB = overconfidence * overconfidence * covariance;
       watch.update(belief, course.p_EB, tick * kTick);
     }
     const ChiSquareCount& nees = watch.result().nees;
     EXPECT_NEAR(nees.samples, 20 * 100, 40) << "20 Hz, every 26th tick";
-    EXPECT_NEAR(nees.sum_per_dof / nees.samples, 1.0 / (boast * boast),
-                4 * std::sqrt(2.0 / 3 / nees.samples) / (boast * boast));
+    EXPECT_NEAR(nees.sum_per_dof / nees.samples, 1.0 / (overconfidence * overconfidence),
+                4 * std::sqrt(2.0 / 3 / nees.samples) / (overconfidence * overconfidence));
     const double inside = static_cast<double>(nees.inside) / nees.samples;
-    if (boast == 1.0)
+    if (overconfidence == 1.0)
       EXPECT_NEAR(inside, 0.95, 4 * std::sqrt(0.95 * 0.05 / nees.samples));
     else
       EXPECT_LT(inside, 0.6);
@@ -95,7 +95,7 @@ TEST(ConsistencyWatch, OnlyFixesThatCorrectedTheFilterCountForNis) {
   const Course course;
   ConsistencyWatch watch = course.watch();
   Sighting fix;
-  fix.source = Sighting::Source::kCorners, fix.innovation2 = 2.4, fix.innovation_dof = 2;
+  fix.source = Sighting::Source::kCorners, fix.nis = 2.4, fix.nis_dof = 2;
   Sighting refused;
   refused.offered = true;
   Belief belief = course.right();
@@ -168,7 +168,7 @@ TEST(ConsistencyWatch, OffTheCourseNothingCounts) {
   ConsistencyWatch watch = course.watch();
   Sighting offered;
   offered.offered = true, offered.source = Sighting::Source::kCorners;
-  offered.innovation2 = 1.0, offered.innovation_dof = 3;
+  offered.nis = 1.0, offered.nis_dof = 3;
   Belief belief = course.off_by({5, 0, 0});
   belief.on_course = false, belief.sighting = &offered;
   for (int tick = 0; tick < 5120; ++tick) watch.update(belief, course.p_EB, tick * kTick);

@@ -8,6 +8,7 @@
 
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -34,6 +35,7 @@ TEST(Config, HasEveryKeyOnceAndEveryDefaultInItsOwnRange) {
   const Config config;
   for (const auto& key : config_keys()) {
     EXPECT_TRUE(names.insert(key.rule.name).second) << key.rule.name;
+    EXPECT_FALSE(key.rule.what.empty()) << key.rule.name;
     EXPECT_FALSE(key.rule.source.empty()) << key.rule.name;
     EXPECT_NO_THROW((void)checked(key.rule, key.get(config), "default")) << key.rule.name;
   }
@@ -202,6 +204,45 @@ TEST(Config, KeysOfTheColourBoxStillLoadAndAreSaidToHaveNoEffect) {
   EXPECT_TRUE(with({}).notes.empty());
 }
 
+TEST(Config, TheOldNameOfARenamedKeySetsItAndIsSaidToBeOld) {
+  const Config config =
+      with({"pose.white_px=0.5", "pose.white_part_px=0.9", "sim.ghosts_percent=30"});
+  EXPECT_EQ(config.pilot.pose.random_sigma_px, 0.5);
+  EXPECT_EQ(config.pilot.pose.random_part_sigma_px, 0.9);
+  EXPECT_DOUBLE_EQ(config.sim.ideal_vision.outliers, 0.3);
+  ASSERT_EQ(config.notes.size(), 3u);
+  EXPECT_THAT(config.notes[0],
+              HasSubstr("--set: pose.white_px is the old name of pose.random_sigma_px"));
+  EXPECT_EQ(config.set_by.at("sim.outliers_percent"), "--set");
+  EXPECT_THAT(show(config), AllOf(HasSubstr("outliers_percent"), Not(HasSubstr("ghosts_percent")),
+                                  Not(HasSubstr("white_px"))));
+  EXPECT_THAT(error_with("pose.white_px=-1"), HasSubstr("pose.random_sigma_px = -1"));
+}
+
+TEST(Config, OldAndNewNameOfAKeyInOneFileAreRefused) {
+  const test::TempFolder folder;
+  const auto both = folder.file("both.toml", "[pose]\nrandom_sigma_px = 1\nwhite_px = 2\n"),
+             old_name = folder.file("old.toml", "[pose]\nwhite_px = 2\n");
+  EXPECT_THAT(
+      test::error_of([&] { (void)load_config(Files{both}); }),
+      AllOf(HasSubstr("both.toml:3"), HasSubstr("is the old name of pose.random_sigma_px")));
+  EXPECT_EQ(
+      load_config(Files{old_name}, Settings{"pose.random_sigma_px=3"}).pilot.pose.random_sigma_px,
+      3.0);
+}
+
+TEST(Config, RecordedConfigurationsAreReadUnderThePresentNames) {
+  const auto today = as_json(with({"sim.ghosts_percent=20"}));
+  auto earlier = today;
+  earlier["sim"]["ghosts_percent"] = earlier["sim"]["outliers_percent"];
+  earlier["sim"].erase("outliers_percent");
+  EXPECT_NE(earlier, today);
+  EXPECT_EQ(with_current_names(earlier), today);
+  EXPECT_EQ(with_current_names(today), today);
+  for (const nlohmann::json& nonsense : {nlohmann::json(7), nlohmann::json{{"sim", 3}}})
+    EXPECT_EQ(with_current_names(nonsense), nonsense);
+}
+
 TEST(Config, UnknownKeySuggestsTheNearest) {
   EXPECT_THAT(error_with("control.rest_sampels=3"),
               AllOf(HasSubstr("--set"), HasSubstr("'control.rest_samples'")));
@@ -255,18 +296,18 @@ TEST(Config, ShowsEveryKeyWithItsSource) {
     EXPECT_THAT(text, HasSubstr(key.rule.name.substr(key.rule.name.find('.') + 1) + " "))
         << key.rule.name;
   EXPECT_THAT(text, HasSubstr("1.25"));
-  EXPECT_THAT(text, HasSubstr("m/s, set by --set"));
+  EXPECT_THAT(text, HasSubstr("m/s, speed on straights; set by --set"));
 }
 
 TEST(Config, ShippedFilesLoad) {
   for (const char* name : {"configs/default.toml", "configs/flights.toml", "configs/li18.toml",
                            "cameras/bebop.toml", "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
-    EXPECT_NO_THROW((void)load_config(Files{data_dir() / name})) << name;
+    EXPECT_NO_THROW((void)load_config(Files{shipped_dir() / name})) << name;
 }
 
 // The whole original in one file: every box is the paper's.
 TEST(Config, Li18IsThePaperInEveryBox) {
-  const PilotConfig pilot = load_config(Files{data_dir() / "configs/li18.toml"}).pilot;
+  const PilotConfig pilot = load_config(Files{shipped_dir() / "configs/li18.toml"}).pilot;
   EXPECT_EQ(pilot.detector_mode, DetectorMode::kFlown);
   EXPECT_EQ(pilot.pose_scheme, Scheme::kPaper);
   EXPECT_EQ(pilot.filter_model, FilterModel::kPaper);
@@ -275,7 +316,7 @@ TEST(Config, Li18IsThePaperInEveryBox) {
 }
 
 TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {
-  const std::filesystem::path root = data_dir();
+  const std::filesystem::path root = shipped_dir();
   const Config bebop = load_config(Files{root / "configs/default.toml", root / "cameras/bebop.toml",
                                          root / "vehicles/bebop.toml"});
   EXPECT_EQ(as_json(bebop), as_json(Config{}));

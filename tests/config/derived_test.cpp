@@ -11,6 +11,7 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/race/part_params.hpp"
 
 namespace gatefly::io {
 namespace {

@@ -168,7 +168,7 @@ TEST(GateDetector, LookingAllocatesNothing) {
 }
 
 // Two thirds of a bar washed out: its two corners are less sure, the other two are as sure as ever.
-TEST(GateDetector, CornersOfABrokenBarAreDoubtful) {
+TEST(GateDetector, CornersOfABrokenBarHaveLowFitness) {
   GateDetector detector{{.min_score = 0.5}};
   const View view{{-2.5, 0, 0.1}, {}};
   const Quad truth = truth_of(view);

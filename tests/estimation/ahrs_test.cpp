@@ -158,7 +158,7 @@ TEST(Ahrs, AHeadingCorrectionInFlightLeavesTheTiltAlone) {
   EXPECT_GT(ahrs.attitude().yaw, 0.1);
 }
 
-TEST(Ahrs, TheDoubtOfTheTiltWidensWithWhatIsNotExplainedAndComesBack) {
+TEST(Ahrs, TheTiltsSigmaGrowsWithUnexplainedAccelerationAndShrinksAgain) {
   Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero());
   const auto fly = [&](const Imu& imu) {
     for (int i = 0; i < 10 * 512; ++i) ahrs.update(imu, Vector3d::Zero(), kDt);
@@ -177,8 +177,8 @@ TEST(Ahrs, TheDoubtOfTheTiltWidensWithWhatIsNotExplainedAndComesBack) {
 }
 
 // 200 hovers of 20 s: noise and vibration of a Bebop, biases that appear after the rest. Mean of
-// e²/σ² over both axes: 1 when honest; below when the doubt is too large.
-TEST(Ahrs, TheDoubtOfTheTiltIsTrue) {
+// e²/σ² over both axes: 1 when consistent; below when σ is too large.
+TEST(Ahrs, TheTiltsSigmaIsConsistent) {
   double sum = 0;
   constexpr int kRuns = 200;
   for_all(kRuns, [&](Rng& rng) {
@@ -213,7 +213,7 @@ TEST(Ahrs, HeadingConvergesToWhatGatesSayAndFindsTheYawBias) {
   EXPECT_LT(ahrs.heading_sigma(), before);
 }
 
-TEST(Ahrs, HeadingDoubtGrowsWithoutGates) {
+TEST(Ahrs, HeadingSigmaGrowsWithoutGates) {
   Ahrs ahrs = at_rest(Vector3d::Zero(), Vector3d::Zero());
   double last = ahrs.heading_sigma();
   for (int second = 0; second < 10; ++second) {

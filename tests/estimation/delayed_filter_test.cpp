@@ -133,10 +133,10 @@ TEST(DelayedFilter, OneOrTwoWrongGatesThrowNothing) {
   }
 }
 
-TEST(DelayedFilter, AlternatingGhostsNeverThrowIt) {
+TEST(DelayedFilter, AlternatingOutliersNeverThrowIt) {
   Hovering drone;
   for (int k = 0; k < 100; ++k) {
-    const bool good = k % 10 == 0;  // or else its own doubt would let them in one day
+    const bool good = k % 10 == 0;  // or else its growing covariance would accept them at last
     const Fusion fusion = drone.see({-4, good ? 0.0 : k % 2 == 0 ? 2.0 : -2.0, 0});
     EXPECT_EQ(fusion, good ? Fusion::kAccepted : Fusion::kRefused) << k;
     EXPECT_LT(drone.error(), 0.1) << k;
@@ -157,9 +157,9 @@ TEST(DelayedFilter, IsNeverLockedOut) {
   }
 }
 
-// Two metres off, and one fix in three is a ghost anywhere: five right ones more than wrong ones
+// Two metres off, and one fix in three is an outlier anywhere: five right ones more than wrong ones
 // take 13 fixes, and luck.
-TEST(DelayedFilter, GhostsInBetweenDelayTheRestartButDoNotPreventIt) {
+TEST(DelayedFilter, OutliersInBetweenDelayTheRestartButDoNotPreventIt) {
   for_all(20, [](Rng& rng) {
     Hovering drone{Vector3d{0, 2, 0}};
     int fixes = 0;
@@ -170,7 +170,7 @@ TEST(DelayedFilter, GhostsInBetweenDelayTheRestartButDoNotPreventIt) {
   });
 }
 
-// What threw the position taught a wrong bias, too: after a restart it is learnt anew, or the drone
+// What corrupted the position corrupted the bias, too: after a restart it is learnt anew, or the drone
 // drifts off again.
 TEST(DelayedFilter, AfterARestartTheBiasIsLearntAnew) {
   Hovering drone;
@@ -181,7 +181,7 @@ TEST(DelayedFilter, AfterARestartTheBiasIsLearntAnew) {
   EXPECT_NEAR(drone.filter.now().position().y(), 2.5, 0.1);
 }
 
-// The same picture four times is one witness.
+// The same picture four times counts once.
 TEST(DelayedFilter, OnePictureCannotAgreeWithItself) {
   Hovering drone{Vector3d{2, 0, 0}};
   drone.wait(0.5);

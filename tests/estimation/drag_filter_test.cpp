@@ -83,9 +83,9 @@ TEST(DragFilter, CovarianceStaysACovarianceWhateverHappens) {
       if (i % 34 == 0) {
         Fix fix = fix_at(filter.position() + any_vector3(rng, 0.3), rng.uniform(0.005, 0.5));
         fix.has_height = rng.uniform_index(2) == 0;
-        for (int k = 0; k < lasting::kCount && i % 68 == 0; ++k)
-          fix.lasting.col(k) = any_vector3(rng, 0.3);
-        fix.white = 1e-4 * Matrix3d::Identity();
+        for (int k = 0; k < systematic::kCount && i % 68 == 0; ++k)
+          fix.systematic.col(k) = any_vector3(rng, 0.3);
+        fix.random_covariance = 1e-4 * Matrix3d::Identity();
         (void)filter.correct(fix);
       }
       if (i % 26 == 0)
@@ -98,7 +98,7 @@ TEST(DragFilter, CovarianceStaysACovarianceWhateverHappens) {
   });
 }
 
-TEST(DragFilter, CoastingGrowsDoubtAndAFixShrinksIt) {
+TEST(DragFilter, CoastingGrowsTheCovarianceAndAFixShrinksIt) {
   DragFilter filter = started();
   Vector3d last = filter.covariance().diagonal().head<3>();
   for (int second = 0; second < 5; ++second) {
@@ -203,7 +203,7 @@ TEST(DragFilter, ShiftingDroneAndFixesTogetherChangesNothing) {
 }
 
 // A gate 5 m ahead whose heading is off by δ moves the drone 5 δ to the side.
-TEST(DragFilter, AGatesUncertainHeadingIsDoubtAcrossTheWay) {
+TEST(DragFilter, AGatesUncertainHeadingIsUncertaintyAcrossTheWay) {
   DragFilter filter = started({-5, 0, 0});
   const drag_model::StateMatrix before = filter.covariance();
   filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
@@ -225,10 +225,10 @@ TEST(DragFilter, AltitudeDoesNotTellTheHeightOfTheGate) {
 }
 
 // A fix that is off as the one before it: 0.02 m of noise, and 0.2 m to the side that stay.
-Fix fix_with_lasting_error(const Vector3d& p) {
+Fix fix_with_systematic_error(const Vector3d& p) {
   Fix fix = fix_at(p, 0.2);
-  fix.white = 0.02 * 0.02 * Matrix3d::Identity();
-  fix.lasting(1, lasting::kTiltX) = 0.2;
+  fix.random_covariance = 0.02 * 0.02 * Matrix3d::Identity();
+  fix.systematic(1, systematic::kTiltX) = 0.2;
   return fix;
 }
 
@@ -236,7 +236,7 @@ Fix fix_with_lasting_error(const Vector3d& p) {
 TEST(DragFilter, ARestartFromBarsLeavesTheHeight) {
   DragFilter filter = started({-3, 0, 0.25});
   const double before = filter.covariance()(2, 2);
-  Fix bars = fix_with_lasting_error({-1, 0.4, 0});
+  Fix bars = fix_with_systematic_error({-1, 0.4, 0});
   bars.has_height = false;
   filter.restart(bars);
   EXPECT_THAT(filter.position(), IsNear(Vector3d{-1, 0.4, 0.25}, 1e-12));
@@ -244,9 +244,9 @@ TEST(DragFilter, ARestartFromBarsLeavesTheHeight) {
   EXPECT_THAT(filter.covariance(), IsCovariance());
 }
 
-TEST(DragFilter, WhatLastsIsNotAveragedAway) {
+TEST(DragFilter, SystematicErrorsAreNotAveragedAway) {
   DragFilter filter = started();
-  for (int i = 0; i < 200; ++i) (void)filter.correct(fix_with_lasting_error(filter.position()));
+  for (int i = 0; i < 200; ++i) (void)filter.correct(fix_with_systematic_error(filter.position()));
   EXPECT_GT(filter.covariance()(1, 1), 0.9 * 0.15 * 0.15 * 0.2 * 0.2 / (0.15 * 0.15 + 0.2 * 0.2))
       << "pad and gate together";
   EXPECT_LT(filter.covariance()(0, 0), 0.01 * 0.01);
@@ -255,7 +255,7 @@ TEST(DragFilter, WhatLastsIsNotAveragedAway) {
 // 200 flights of 20 s over a gate whose every fix is off alike, seed base 1. Position errors and
 // innovations are both as large as the filter thinks: 3 degrees of freedom each; 200 flights give
 // ±0.69 at 4 σ, 200 × 290 innovations less.
-TEST(DragFilter, KnowsBothItsErrorAndItsSurprises) {
+TEST(DragFilter, NeesAndNisAreConsistent) {
   double nees = 0, nis = 0;
   int fixes = 0;
   constexpr int kFlights = 200;
@@ -271,9 +271,9 @@ TEST(DragFilter, KnowsBothItsErrorAndItsSurprises) {
     const double off = normal(rng);
     for (int i = 0; i < 300; ++i) {
       Fix fix =
-          fix_with_lasting_error(truth + 0.02 * Vector3d{normal(rng), normal(rng), normal(rng)});
-      fix.p_GB += off * fix.lasting.col(lasting::kTiltX);
-      nis += filter.distance2(fix), ++fixes;
+          fix_with_systematic_error(truth + 0.02 * Vector3d{normal(rng), normal(rng), normal(rng)});
+      fix.p_GB += off * fix.systematic.col(systematic::kTiltX);
+      nis += filter.nis(fix), ++fixes;
       (void)filter.correct(fix);
     }
     const Vector3d error = filter.position() - truth;
@@ -283,8 +283,8 @@ TEST(DragFilter, KnowsBothItsErrorAndItsSurprises) {
   EXPECT_NEAR(nis / fixes, 3.0, 4 * std::sqrt(6.0 / fixes));
 }
 
-// Whoever holds the gate's heading for 0.1 rad more than it is sees fixes and way flown turned
-// alike: nothing surprises, and how far off that is shrinks with the distance.
+// With the gate's heading assumed 0.1 rad too large, fixes and the way flown are turned alike: the
+// innovations stay small, and the position error shrinks with the distance.
 TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
   DragFilter filter = started({-8, 0, 0});
   filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
@@ -297,8 +297,8 @@ TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
     filter.predict(u, kDt);
     if (i % 34 != 0) continue;
     Fix fix = fix_at(filter.position(), 0.5);
-    fix.white = 0.02 * 0.02 * Matrix3d::Identity();
-    fix.lasting.col(lasting::kGateYaw) = 0.1 * Vector3d::UnitZ().cross(filter.position());
+    fix.random_covariance = 0.02 * 0.02 * Matrix3d::Identity();
+    fix.systematic.col(systematic::kGateYaw) = 0.1 * Vector3d::UnitZ().cross(filter.position());
     EXPECT_LT(filter.innovation_covariance(fix)(1, 1), 0.3 * 0.3) << filter.position().x();
     (void)filter.correct(fix);
   }
@@ -307,7 +307,7 @@ TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
 }
 
 // Which way the gate faces says nothing about whether the drone is in it.
-TEST(DragFilter, LateralDoubtLeavesOutTheGatesHeading) {
+TEST(DragFilter, LateralSigmaLeavesOutTheGatesHeading) {
   DragFilter filter = started({-5, 0, 0});
   const double before = filter.lateral_sigma();
   filter.change_frame(Matrix3d::Identity(), Vector3d::Zero(),
@@ -318,17 +318,17 @@ TEST(DragFilter, LateralDoubtLeavesOutTheGatesHeading) {
 
 // A tilt is another one ten seconds later, so that fixes may differ from what they were; a gate's
 // height stays what it is.
-TEST(DragFilter, WhatFadesMaySurpriseLater) {
-  const auto doubt_after = [](lasting::Index column) {
+TEST(DragFilter, ADecorrelatedErrorWidensTheInnovation) {
+  const auto sigma_after = [](systematic::Index column) {
     DragFilter filter = started();
     Fix fix = fix_at(filter.position(), 0.2);
-    fix.white = 0.02 * 0.02 * Matrix3d::Identity();
-    fix.lasting(1, column) = 0.2;
+    fix.random_covariance = 0.02 * 0.02 * Matrix3d::Identity();
+    fix.systematic(1, column) = 0.2;
     for (int i = 0; i < 200; ++i) (void)filter.correct(fix);
     for (int i = 0; i < 10 * 512; ++i) filter.predict(hover(), kDt);
     return filter.innovation_covariance(fix)(1, 1);
   };
-  EXPECT_GT(doubt_after(lasting::kTiltX), doubt_after(lasting::kHeight) + 0.5 * 0.12 * 0.12);
+  EXPECT_GT(sigma_after(systematic::kTiltX), sigma_after(systematic::kHeight) + 0.5 * 0.12 * 0.12);
 }
 
 TEST(DragFilter, ChangingFramesThereAndBackChangesNothing) {

@@ -83,8 +83,8 @@ TEST(NavigatorInTurns, DoesNotLeanWhenTheDroneIsAnotherEither) {
   }
   EXPECT_LE(std::sqrt(square / n), 0.75 * kDegree);
   EXPECT_GE(within, 0.99 * n);
-  EXPECT_LT(square / claimed2, 1.6) << "its doubt is too small";
-  EXPECT_GT(square / claimed2, 0.6) << "its doubt is too large";
+  EXPECT_LT(square / claimed2, 1.6) << "its covariance is too small";
+  EXPECT_GT(square / claimed2, 0.6) << "its covariance is too large";
 }
 
 TEST(AhrsReal, MeetsWhatItMustShow) {

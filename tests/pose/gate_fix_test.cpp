@@ -137,7 +137,7 @@ TEST(FixFromCorners, YawErrorIsUnbiasedAndAsUncertainAsItSays) {
 // 2000 trials, seed 21, 3 m, 2.5 px on each coordinate, attitude as noisy as params says. NEES has
 // 3 degrees of freedom: its mean is 3 with a standard error of sqrt(6/2000) = 0.055; 10 % for the
 // linearisation.
-TEST(FixFromCorners, CovarianceIsHonestAtThreeMetres) {
+TEST(FixFromCorners, CovarianceIsConsistentAtThreeMetres) {
   const CameraRig rig = bebop_rig();
   const View view{{-3.0, 0.3, 0.1}, {0.0, -0.08, 0.05}};
   const Quad truth = *corners_of(1.0, view, rig);
@@ -235,7 +235,7 @@ TEST(FixFromCorners, RefusesWhatNoGateCanHaveDrawn) {
   EXPECT_FALSE(fix_from_corners(*corners_of(1, too_far, rig), R_of(too_far), 1.0, rig, {}));
 }
 
-TEST(FixFromLowerCorners, IsExactForExactCornersAndHonestAboutItsDoubt) {
+TEST(FixFromLowerCorners, IsExactForExactCornersAndHasAConsistentCovariance) {
   const CameraRig rig = bebop_rig();
   for_all(200, [&](Rng& rng) {
     const View view{{rng.uniform(-3, -1.2), rng.uniform(-0.4, 0.4), rng.uniform(-0.3, 0.3)},
@@ -254,8 +254,8 @@ TEST(FixFromLowerCorners, IsExactForExactCornersAndHonestAboutItsDoubt) {
   });
 }
 
-// 2000 trials, seed 41, 1.8 m; as CovarianceIsHonestAtThreeMetres.
-TEST(FixFromLowerCorners, CovarianceIsHonest) {
+// 2000 trials, seed 41, 1.8 m; as CovarianceIsConsistentAtThreeMetres.
+TEST(FixFromLowerCorners, CovarianceIsConsistent) {
   const CameraRig rig = bebop_rig();
   const View view{{-1.8, 0.2, 0.1}, {0.0, -0.08, 0.05}};
   const Quad truth = *corners_of(1.0, view, rig);

@@ -239,7 +239,7 @@ struct NoiseCase {
 class Noise : public ::testing::TestWithParam<NoiseCase> {};
 
 // 1000 trials, seed 17: the mean of NEES/3 has a standard error of 0.026.
-TEST_P(Noise, CovarianceIsHonest) {
+TEST_P(Noise, CovarianceIsConsistent) {
   const auto [view, attitude_deg, px] = GetParam();
   const CameraRig rig = bebop_rig();
   const double sigma = attitude_deg * kDegree;
@@ -304,8 +304,8 @@ TEST(MapPose, SurvivesOneGrossOutlier) {
 }
 
 // 1 m before the gate with an attitude to 5° any three of four corners fit well, each with another
-// position. To an attitude that is 15° in doubt, a corner that is far off may look like a turn:
-// better no answer than a sure wrong one.
+// position. To an attitude prior of 15°, a corner that is far off may look like a turn:
+// better no answer than a wrong one with a small covariance.
 TEST(MapPose, IsRarelySureOfAPoseThatAnOutlierMade) {
   const CameraRig rig = bebop_rig();
   const double yaw = -30.0 * kDegree;
@@ -461,11 +461,11 @@ TEST(MapPose, AFullListTakesNoMore) {
 
 // Published quantiles of the chi-square distribution: 97.725 % is two standard deviations of the
 // normal one.
-TEST(SurpriseOf, IsTheNormalDeviateOfTheChiSquare) {
-  EXPECT_NEAR(surprise_of(0.455, 1), 0.0, 0.05);  // medians
-  EXPECT_NEAR(surprise_of(4.351, 5), 0.0, 0.01);
-  EXPECT_NEAR(surprise_of(11.070, 5), 1.645, 0.02);  // 95 %
-  EXPECT_NEAR(surprise_of(20.515, 5), 3.09, 0.04);   // 99.9 %
+TEST(NormalDeviate, IsTheNormalDeviateOfTheChiSquare) {
+  EXPECT_NEAR(normal_deviate(0.455, 1), 0.0, 0.05);  // medians
+  EXPECT_NEAR(normal_deviate(4.351, 5), 0.0, 0.01);
+  EXPECT_NEAR(normal_deviate(11.070, 5), 1.645, 0.02);  // 95 %
+  EXPECT_NEAR(normal_deviate(20.515, 5), 3.09, 0.04);   // 99.9 %
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ TEST(Guidance, TurnsAlongACurvedWay) {
 }
 
 // Half a metre to the right and 3 m before the gate: the PD will have brought most of it back.
-TEST(Guidance, ForetellsWhereItWillPassTheGate) {
+TEST(Guidance, PredictsWhereItWillPassTheGate) {
   const Guidance guidance{{}};
   NavigationState now = state_at({3, 0.5, -1.5}, 1.5);
   EXPECT_LT(guidance.lateral_at_gate(now), 0.2);
@@ -173,7 +173,7 @@ TEST(Guidance, ForetellsWhereItWillPassTheGate) {
 }
 
 // y (1 + ωt) e^-ωt + v t e^-ωt, the response of a critically damped PD, at any distance.
-TEST(Guidance, TheForecastIsTheCriticallyDampedDecay) {
+TEST(Guidance, ThePredictionIsTheCriticallyDampedDecay) {
   const GuidanceParams params;
   const Guidance guidance{params};
   const double w = std::sqrt(params.lateral.kp * params.gravity);

@@ -59,7 +59,7 @@ TEST(Lookout, AGateWhereTheMapHasOneCorrectsTheNavigator) {
   const double sigma = drone.navigator.state().lateral_sigma;
   EXPECT_TRUE(drone.see({0.0, 0.1, 0.0}));
   EXPECT_EQ(drone.lookout.sighting().used, 0);
-  EXPECT_EQ(drone.lookout.sighting().innovation_dof, 3);
+  EXPECT_EQ(drone.lookout.sighting().nis_dof, 3);
   EXPECT_TRUE(drone.navigator.has_fix());
   EXPECT_LT(drone.navigator.state().lateral_sigma, sigma);
   EXPECT_GT(drone.navigator.state().p_GB.y(), 0.02);
@@ -141,7 +141,7 @@ TEST(Lookout, SideBarsCorrectUpClose) {
   sensors.seen->bars = GateBars{0.5 * (middle[0] + middle[3]), 0.5 * (middle[1] + middle[2])};
   drone.lookout.look(sensors, true, drone.course, drone.navigator);
   EXPECT_EQ(drone.lookout.sighting().source, Sighting::Source::kBars);
-  EXPECT_EQ(drone.lookout.sighting().innovation_dof, 2) << "bars tell no height";
+  EXPECT_EQ(drone.lookout.sighting().nis_dof, 2) << "bars tell no height";
   EXPECT_NEAR(drone.navigator.state().p_GB.x(), -1.4, 0.1);
 }
 

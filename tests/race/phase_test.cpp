@@ -71,7 +71,7 @@ TEST(Phase, TurnsWhereThePathCurvesAndTheArcKeepsItsPrediction) {
   EXPECT_TRUE(is<Straight>(next_phase(turning, s, kParams)));
 }
 
-TEST(Phase, SearchesWhenTheGateIsNearAndInDoubt) {
+TEST(Phase, SearchesWhenTheGateIsNearAndUncertain) {
   Situation s = flying();
   s.gate_x = -kParams.search_before + 0.05;
   s.to_go = -s.gate_x;

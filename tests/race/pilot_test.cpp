@@ -301,7 +301,7 @@ TEST(Pilot, TakesAFixFromAGateInView) {
 
 // A frame of the bars of two gates says 1.5 m farther; the lower corners of the gate, whose top is
 // cut off, say right here.
-TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
+TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameFarOff) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {2.5, 0, -1.9};
   Pilot pilot{c};
@@ -312,7 +312,7 @@ TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameThatSurprises) {
   view.p_GB.x() -= 1.5;
   SeenGates seen;
   (void)seen.gates.push_back({*corners_of(1.0, view, c.camera), 1.0});
-  seen.open = OpenGate{corners[3], corners[2], 1.0};
+  seen.lower_corners = LowerCorners{corners[3], corners[2], 1.0};
   Sensors s = at(tick, still());
   s.seen = seen;
   (void)pilot.step(s);
@@ -361,9 +361,9 @@ TEST(Pilot, AfterABlindLegTwoSightingsHaveToAgree) {
   }
 }
 
-// What is far off, but not farther than doubt allows, is believed once a second sighting says the
-// same. How far that is depends on the doubt: steps of 2 cm find it.
-TEST(Pilot, ASightingThatSurprisesNeedsASecondOne) {
+// A fix far off, but inside the innovation gate, is used once a second sighting confirms it. How far
+// that is depends on the covariance: steps of 2 cm find it.
+TEST(Pilot, AnImprobableSightingNeedsConfirmation) {
   PilotConfig c = config();
   c.track.gates[0].p_EG = {3.5, 0, -1.5};
   int believed_at_once = 0, believed_then = 0, refused = 0;

@@ -92,7 +92,7 @@ LedDrone searching_before_the_first_gate() {
   return drone;
 }
 
-TEST(Search, BeginsBeforeAGateThatIsNotSeenWhereThePilotIsInDoubt) {
+TEST(Search, BeginsBeforeAnUnseenGateWhereThePilotIsUncertain) {
   const LedDrone drone = searching_before_the_first_gate();
   EXPECT_LT(drone.x(), -drone.config.phase.search_until + 0.02);
   EXPECT_GT(drone.x(), -drone.config.phase.search_before - 0.02);

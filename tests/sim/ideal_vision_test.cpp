@@ -38,7 +38,7 @@ TEST(GatesInView, AGateStraightAheadIsWholeAndClockwiseFromTopLeft) {
   const auto views = Hall{4.0}.views();
   ASSERT_EQ(views.size(), 1u);
   EXPECT_TRUE(views[0].whole);
-  EXPECT_FALSE(views[0].open);
+  EXPECT_FALSE(views[0].only_lower_corners);
   EXPECT_NEAR(views[0].distance, 4.0, 1e-9);
   const auto& c = views[0].corners_px;
   EXPECT_LT(c[0].x(), c[1].x());
@@ -62,7 +62,7 @@ TEST(GatesInView, AGateThatIsTooHighForThePictureIsOpen) {
   const auto views = hall.views();
   ASSERT_EQ(views.size(), 1u);
   EXPECT_FALSE(views[0].whole);
-  EXPECT_TRUE(views[0].open);
+  EXPECT_TRUE(views[0].only_lower_corners);
 }
 
 TEST(GatesInView, CloseUpTheSideBarsAreLeft) {

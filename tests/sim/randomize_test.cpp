@@ -48,7 +48,7 @@ Numbers numbers_of(const SimConfig& config) {
                bake_threads] = config;
   put(n, "seed", static_cast<double>(seed));
   put(n, "bake_threads", bake_threads);
-  put(n, "ideal_vision.ghosts", ideal_vision.ghosts);
+  put(n, "ideal_vision.outliers", ideal_vision.outliers);
   {
     const auto& [look, room_size, room_center, gates, obstacles, decoys] = world;
     put(n, "room_size", room_size);

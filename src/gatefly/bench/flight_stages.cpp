@@ -6,6 +6,7 @@
 
 #include "gatefly/baseline/imu15.hpp"
 #include "gatefly/bench/opencv_baseline.hpp"
+#include "gatefly/control/indi.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::bench {

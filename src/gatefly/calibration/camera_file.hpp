@@ -12,7 +12,7 @@
 
 namespace gatefly::calibration {
 
-/// What a calibration file says about a camera, whoever wrote it.
+/// What a calibration file says about a camera, in any of the formats.
 struct CameraFile {
   AnyCamera lens;                 ///< Of the upright picture.
   Eigen::Vector2i size_px{0, 0};  ///< Of the upright picture.

@@ -34,7 +34,7 @@ void ConsistencyWatch::update(const Belief& belief, const Eigen::Vector3d& true_
   if (!belief.on_course) return;
   const Sighting* seen = belief.sighting;
   if (seen != nullptr && seen->source != Sighting::Source::kNone)
-    result_.nis.add(seen->innovation2, seen->innovation_dof);
+    result_.nis.add(seen->nis, seen->nis_dof);
 
   const auto target = static_cast<std::size_t>(belief.target);
   const sim::WorldGate& gate = gates_[target];

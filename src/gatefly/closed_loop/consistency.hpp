@@ -20,8 +20,8 @@ struct ChiSquareCount {
   void add(double chi2, int dof);
 };
 
-/// Whether the pilot's covariance is true: NEES of its position, NIS of its fixes. Bar-Shalom et
-/// al. 2001, §5.4.
+/// Whether the pilot's covariance is consistent: NEES of its position, NIS of its fixes. Bar-Shalom
+/// et al. 2001, §5.4.
 struct Consistency {
   /// 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
   ChiSquareCount nees;

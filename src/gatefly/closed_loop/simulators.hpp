@@ -60,7 +60,8 @@ struct IdealSimulator {
     gates.image_width = width;
     for (const auto& gate : seen.gates)
       (void)gates.gates.push_back({gate.corners_px, gate.fitness});
-    if (seen.lower) gates.open = OpenGate{seen.lower->left_px, seen.lower->right_px, 1.0};
+    if (seen.lower)
+      gates.lower_corners = LowerCorners{seen.lower->left_px, seen.lower->right_px, 1.0};
     if (seen.bars) gates.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
   }
   [[nodiscard]] std::span<const std::uint8_t> picture() const { return {}; }

@@ -12,6 +12,7 @@
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/color_model_file.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
@@ -62,6 +63,20 @@ std::string beside(const std::filesystem::path& file, const std::string& name) {
   return (file.parent_path() / name).lexically_normal().string();
 }
 
+/// Keys that were renamed, by their old names, which still work.
+const std::map<std::string, std::string>& renamed_keys() {
+  static const std::map<std::string, std::string> renamed{
+      {"pose.white_px", "pose.random_sigma_px"},
+      {"pose.white_part_px", "pose.random_part_sigma_px"},
+      {"sim.ghosts_percent", "sim.outliers_percent"}};
+  return renamed;
+}
+
+std::string current_name(const std::string& name) {
+  const auto found = renamed_keys().find(name);
+  return found == renamed_keys().end() ? name : found->second;
+}
+
 /// Keys of the colour box and of the searches that used it: known, so that older files still load.
 bool is_retired(const std::string& name) {
   static const std::set<std::string> retired{"color.y_min",
@@ -80,8 +95,10 @@ bool is_retired(const std::string& name) {
   return retired.contains(name);
 }
 
-void set_key(Config& config, const std::string& name, const json& value, const std::string& where,
+void set_key(Config& config, const std::string& given, const json& value, const std::string& where,
              const std::filesystem::path& file = {}) {
+  const std::string name = current_name(given);
+  if (name != given) config.notes.push_back(where + ": " + given + " is the old name of " + name);
   if (is_retired(name)) {
     config.notes.push_back(
         where + ": " + name +
@@ -128,12 +145,18 @@ void read_config_file(Config& config, const std::filesystem::path& path) {
       throw std::runtime_error(place + ": " + section + " = " + shown(table) +
                                ", must be a section: [" + section +
                                "] on a line of its own, its keys below");
-    for (const auto& [key, value] : table.items())
-      set_key(config, section + "." + key, value, file.place(pointer + "/" + key), path);
+    for (const auto& [key, value] : table.items()) {
+      const std::string name = section + "." + key, now = current_name(name);
+      const std::string where = file.place(pointer + "/" + key);
+      if (now != name && table.contains(now.substr(section.size() + 1)))
+        throw std::runtime_error(where + ": " + name + " is the old name of " + now +
+                                 ", which is set, too: keep one of them");
+      set_key(config, name, value, where, path);
+    }
   }
 }
 
-/// `low` may not be above `high`, whoever set them.
+/// `low` may not be above `high`, wherever they were set.
 void ordered(const Config& config, const char* low_key, double low, const char* high_key,
              double high) {
   if (low <= high) return;
@@ -244,8 +267,9 @@ std::vector<std::filesystem::path> config_files(std::span<const std::string> nam
 std::string show(const Config& config) {
   std::ostringstream text;
   std::string section;
-  const auto line = [&](const std::string& name, const std::string& value,
-                        const std::string& source, const std::string& before = "") {
+  const auto line = [&](const KeyRule& rule, const std::string& value, const std::string& source,
+                        const std::string& before = "") {
+    const std::string& name = rule.name;
     const auto dot = name.find('.');
     if (name.substr(0, dot) != section) {
       text << (section.empty() ? "" : "\n") << '[' << (section = name.substr(0, dot)) << "]\n";
@@ -253,22 +277,21 @@ std::string show(const Config& config) {
     const auto set_by = config.set_by.find(name);
     const std::string unit = unit_of(name);
     text << std::left << std::setw(28) << before + name.substr(dot + 1) << " = " << std::setw(22)
-         << value << "  # " << (unit.empty() ? "" : unit + ", ")
+         << value << "  # " << (unit.empty() ? "" : unit + ", ") << rule.what << "; "
          << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second)
          << '\n';
   };
-  for (const auto& key : config_keys())
-    line(key.rule.name, written(key.get(config)), key.rule.source);
+  for (const auto& key : config_keys()) line(key.rule, written(key.get(config)), key.rule.source);
   const json& over = config.randomize;
-  const auto line_or_track = [&](const std::string& name) {
-    const std::string key = name.substr(10);
+  const auto line_or_track = [&](const KeyRule& rule) {
+    const std::string key = rule.name.substr(10);
     if (over.contains(key))
-      line(name, written(over[key]), "");
+      line(rule, written(over[key]), "");
     else
-      line(name, "\"track's\"", "the track file's", "# ");
+      line(rule, "\"track's\"", "the track file's", "# ");
   };
-  line_or_track("randomize.level");
-  for (const auto& key : randomize_keys()) line_or_track(key.rule.name);
+  line_or_track(randomize_level_rule());
+  for (const auto& key : randomize_keys()) line_or_track(key.rule);
   return text.str();
 }
 
@@ -280,6 +303,20 @@ json as_json(const Config& config) {
   }
   result["randomize"] = config.randomize;
   return result;
+}
+
+json with_current_names(json config) {
+  for (const auto& [old_name, name] : renamed_keys()) {
+    const auto dot = old_name.find('.');
+    const std::string section = old_name.substr(0, dot), old_key = old_name.substr(dot + 1);
+    if (!config.is_object() || !config.contains(section) || !config[section].is_object() ||
+        !config[section].contains(old_key))
+      continue;
+    const json value = config[section][old_key];
+    config[section].erase(old_key);
+    config[section][name.substr(dot + 1)] = value;
+  }
+  return config;
 }
 
 }  // namespace gatefly::io

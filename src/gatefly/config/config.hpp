@@ -35,13 +35,14 @@ struct Config {
   /// track file.
   PilotConfig pilot;
   SimulatorSettings sim;
-  /// Whose box it is: detector.mode ("paper", "flown": Li18's two, with their own colours and
+  /// Whose method each stage uses: detector.mode ("paper", "flown": Li18's two, with their own colours and
   /// numbers), pose.model, filter.model, control.mode.
   std::string detector_mode = "ours";
   std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
               indi_effectiveness = "fixed";
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
-  std::vector<std::string> notes;  ///< Lines about keys that have no effect any more.
+  std::vector<std::string>
+      notes;  ///< Lines about keys that were renamed or have no effect any more.
   /// Key -> "file:line" or "--set"; others have their default.
   std::map<std::string, std::string> set_by;
 
@@ -66,5 +67,8 @@ struct Config {
 
 /// {section: {key: value}}, effective values.
 [[nodiscard]] nlohmann::json as_json(const Config& config);
+
+/// What as_json() of an earlier version gave, renamed keys under their present names.
+[[nodiscard]] nlohmann::json with_current_names(nlohmann::json config);
 
 }  // namespace gatefly::io

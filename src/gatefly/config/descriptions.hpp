@@ -12,8 +12,8 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sensing/camera.hpp"
 
-// What a team measures, for whoever asks: the pilot believes it, the simulator varies it. Sources of
-// the defaults: config_keys.cpp.
+// What a team measures: the pilot takes it as it is, the simulator varies it. Sources of the defaults:
+// config_keys.cpp.
 namespace gatefly::io {
 
 /// [camera]: the camera, how it is mounted and how late it is.

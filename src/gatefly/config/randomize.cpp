@@ -14,79 +14,95 @@ constexpr double kPercent = 0.01;
 const char* const kSource = "level of simulation.md";
 
 template <class Member>
-Key<sim::Randomize> sigma(const char* name, double high, Member member, double unit = 1.0) {
-  return key<sim::Randomize>(std::string{"randomize."} + name, 0.0, high, member, kSource, unit);
+Key<sim::Randomize> sigma(const char* name, const char* what, double high, Member member,
+                          double unit = 1.0) {
+  return key<sim::Randomize>(std::string{"randomize."} + name, 0.0, high, member, what, kSource,
+                             unit);
 }
 
 std::vector<Key<sim::Randomize>> make_keys() {
   return {
       sigma(
-          "gate_position_m", 2, [](auto& r) -> auto& { return r.gate_position; }),
+          "gate_position_m", "a gate's place on the floor plan", 2,
+          [](auto& r) -> auto& { return r.gate_position; }),
       sigma(
-          "gate_heading_deg", 45, [](auto& r) -> auto& { return r.gate_heading; }, kDegree),
+          "gate_heading_deg", "a gate's heading", 45,
+          [](auto& r) -> auto& { return r.gate_heading; }, kDegree),
       sigma(
-          "gate_height_m", 1, [](auto& r) -> auto& { return r.gate_height; }),
+          "gate_height_m", "a gate's height", 1, [](auto& r) -> auto& { return r.gate_height; }),
       sigma(
-          "start_position_m", 2, [](auto& r) -> auto& { return r.start_position; }),
+          "start_position_m", "start position", 2,
+          [](auto& r) -> auto& { return r.start_position; }),
       sigma(
-          "start_heading_deg", 45, [](auto& r) -> auto& { return r.start_heading; }, kDegree),
+          "start_heading_deg", "start heading", 45,
+          [](auto& r) -> auto& { return r.start_heading; }, kDegree),
       sigma(
-          "camera_focal_percent", 20, [](auto& r) -> auto& { return r.camera_focal; }, kPercent),
+          "camera_focal_percent", "focal length", 20,
+          [](auto& r) -> auto& { return r.camera_focal; }, kPercent),
       sigma(
-          "camera_center_px", 50, [](auto& r) -> auto& { return r.camera_center_px; }),
+          "camera_center_px", "principal point", 50,
+          [](auto& r) -> auto& { return r.camera_center_px; }),
       sigma(
-          "camera_k", 0.3, [](auto& r) -> auto& { return r.camera_k; }),
+          "camera_k", "first distortion coefficient", 0.3,
+          [](auto& r) -> auto& { return r.camera_k; }),
       sigma(
-          "camera_tilt_deg", 20, [](auto& r) -> auto& { return r.camera_tilt; }, kDegree),
+          "camera_tilt_deg", "mount angles of the camera", 20,
+          [](auto& r) -> auto& { return r.camera_tilt; }, kDegree),
       sigma(
-          "camera_latency_ms", 200, [](auto& r) -> auto& { return r.camera_latency; }, 1e-3),
+          "camera_latency_ms", "camera latency", 200,
+          [](auto& r) -> auto& { return r.camera_latency; }, 1e-3),
       sigma(
-          "gate_side_percent", 20, [](auto& r) -> auto& { return r.gate_side; }, kPercent),
+          "gate_side_percent", "a gate's side", 20, [](auto& r) -> auto& { return r.gate_side; },
+          kPercent),
       sigma(
-          "drag_percent", 35, [](auto& r) -> auto& { return r.drag; }, kPercent),
+          "drag_percent", "drag", 35, [](auto& r) -> auto& { return r.drag; }, kPercent),
       sigma(
-          "mass_percent", 30, [](auto& r) -> auto& { return r.mass; }, kPercent),
+          "mass_percent", "mass", 30, [](auto& r) -> auto& { return r.mass; }, kPercent),
       sigma(
-          "thrust_percent", 30, [](auto& r) -> auto& { return r.thrust; }, kPercent),
+          "thrust_percent", "thrust", 30, [](auto& r) -> auto& { return r.thrust; }, kPercent),
       sigma(
-          "sag_percent", 50, [](auto& r) -> auto& { return r.sag; }, kPercent),
+          "sag_percent", "thrust lost to the battery (not drawn)", 50,
+          [](auto& r) -> auto& { return r.sag; }, kPercent),
       sigma(
-          "accel_bias_mps2", 5, [](auto& r) -> auto& { return r.accel_bias; }),
+          "accel_bias_mps2", "accelerometer bias", 5,
+          [](auto& r) -> auto& { return r.accel_bias; }),
       sigma(
-          "gyro_bias_degps", 20, [](auto& r) -> auto& { return r.gyro_bias; }, kDegree),
+          "gyro_bias_degps", "gyro bias", 20, [](auto& r) -> auto& { return r.gyro_bias; },
+          kDegree),
       sigma(
-          "scale_percent", 20, [](auto& r) -> auto& { return r.scale; }, kPercent),
+          "scale_percent", "scale of accelerometer and gyro", 20,
+          [](auto& r) -> auto& { return r.scale; }, kPercent),
       sigma(
-          "flight_bias_mps2", 5, [](auto& r) -> auto& { return r.flight_bias; }),
+          "flight_bias_mps2", "accelerometer bias that vibration adds in flight", 5,
+          [](auto& r) -> auto& { return r.flight_bias; }),
       sigma(
-          "noise_scale", 20, [](auto& r) -> auto& { return r.noise_scale; }),
+          "noise_scale", "factor on the noise of IMU and pictures (not drawn)", 20,
+          [](auto& r) -> auto& { return r.noise_scale; }),
       sigma(
-          "light_percent", 100, [](auto& r) -> auto& { return r.light; }, kPercent),
+          "light_percent", "brightness of each light group", 100,
+          [](auto& r) -> auto& { return r.light; }, kPercent),
       sigma(
-          "exposure_percent", 100, [](auto& r) -> auto& { return r.exposure; }, kPercent),
+          "exposure_percent", "auto-exposure's aim", 100,
+          [](auto& r) -> auto& { return r.exposure; }, kPercent),
       sigma(
-          "hue_deg", 60, [](auto& r) -> auto& { return r.hue; }, kDegree),
+          "hue_deg", "gates' hue", 60, [](auto& r) -> auto& { return r.hue; }, kDegree),
       sigma(
-          "white_balance_percent", 50, [](auto& r) -> auto& { return r.white_balance; }, kPercent),
+          "white_balance_percent", "white balance gains", 50,
+          [](auto& r) -> auto& { return r.white_balance; }, kPercent),
       sigma(
-          "frame_loss_percent", 100, [](auto& r) -> auto& { return r.frame_loss; }, kPercent),
+          "frame_loss_percent", "pictures that never arrive (not drawn)", 100,
+          [](auto& r) -> auto& { return r.frame_loss; }, kPercent),
       sigma(
-          "latency_jitter_ms", 200, [](auto& r) -> auto& { return r.latency_jitter; }, 1e-3),
+          "latency_jitter_ms", "jitter of the latency from picture to picture", 200,
+          [](auto& r) -> auto& { return r.latency_jitter; }, 1e-3),
       sigma(
-          "wind_mps", 5, [](auto& r) -> auto& { return r.wind; }),
+          "wind_mps", "mean wind", 5, [](auto& r) -> auto& { return r.wind; }),
       sigma(
-          "gust_mps", 5, [](auto& r) -> auto& { return r.gust; }),
+          "gust_mps", "gusts", 5, [](auto& r) -> auto& { return r.gust; }),
       sigma(
-          "decoys", 50, [](auto& r) -> auto& { return r.decoys; }),
+          "decoys", "things of the gate's colour (number)", 50,
+          [](auto& r) -> auto& { return r.decoys; }),
   };
-}
-
-const KeyRule& level_rule() {
-  static const KeyRule rule{.name = "randomize.level",
-                            .source = "tracks: race",
-                            .choices = {"none", "race", "hard"},
-                            .kind = KeyRule::Kind::kText};
-  return rule;
 }
 
 const Key<sim::Randomize>* find(const std::string& name) {
@@ -98,6 +114,15 @@ const Key<sim::Randomize>* find(const std::string& name) {
 
 }  // namespace
 
+const KeyRule& randomize_level_rule() {
+  static const KeyRule rule{.name = "randomize.level",
+                            .what = "how much a seed changes",
+                            .source = "tracks: race",
+                            .choices = {"none", "race", "hard"},
+                            .kind = KeyRule::Kind::kText};
+  return rule;
+}
+
 const std::vector<Key<sim::Randomize>>& randomize_keys() {
   static const std::vector<Key<sim::Randomize>> keys = make_keys();
   return keys;
@@ -106,7 +131,7 @@ const std::vector<Key<sim::Randomize>>& randomize_keys() {
 void check_randomize(const std::string& key, const nlohmann::json& value,
                      const std::string& where) {
   if (key == "level") {
-    (void)checked(level_rule(), value, where);
+    (void)checked(randomize_level_rule(), value, where);
   } else if (const auto* known = find(key)) {
     (void)checked(known->rule, value, where);
   } else {

@@ -12,6 +12,9 @@ namespace gatefly::io {
 /// The keys of [randomize] but `level`: one standard deviation each. simulation.md has the levels.
 [[nodiscard]] const std::vector<Key<sim::Randomize>>& randomize_keys();
 
+/// The key `level` itself.
+[[nodiscard]] const KeyRule& randomize_level_rule();
+
 /// Whether `value` may stand at `key` ("level" or one of the above) of [randomize].
 /// @throws std::runtime_error "where: randomize.key ..." when not, or when there is no such key.
 void check_randomize(const std::string& key, const nlohmann::json& value, const std::string& where);

@@ -14,11 +14,12 @@
 
 namespace gatefly::io {
 
-/// What a configuration key may hold, and where its default comes from.
+/// What a configuration key means and may hold, and where its default comes from.
 struct KeyRule {
   enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText, kFile };
   std::string name;                       ///< "section.key", the unit at its end.
   double low = 0.0, high = 0.0;           ///< Of every number, in the key's unit, bounds included.
+  std::string what = {};                  ///< In a few words.
   std::string source = {};                ///< Of the default.
   std::vector<std::string> choices = {};  ///< Of a text.
   Kind kind = Kind::kNumber;
@@ -47,11 +48,15 @@ struct Key {
 /// A key whose member `member(target)` yields by reference: a number, a vector or a text.
 /// @param unit  SI value of the key's unit: kDegree, 1e-3, ...
 template <class Target, class Member>
-Key<Target> key(std::string name, double low, double high, Member member, std::string source,
-                double unit = 1.0) {
+Key<Target> key(std::string name, double low, double high, Member member, std::string what,
+                std::string source, double unit = 1.0) {
   using Type = std::decay_t<decltype(member(std::declval<Target&>()))>;
   Key<Target> result;
-  result.rule = {.name = std::move(name), .low = low, .high = high, .source = std::move(source)};
+  result.rule = {.name = std::move(name),
+                 .low = low,
+                 .high = high,
+                 .what = std::move(what),
+                 .source = std::move(source)};
   if constexpr (std::is_same_v<Type, double>) {
     result.get = [=](const Target& t) { return nlohmann::json(in_unit(member(t), unit)); };
     result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<double>() * unit; };
@@ -78,9 +83,10 @@ Key<Target> key(std::string name, double low, double high, Member member, std::s
 /// A key whose member is one of a few words.
 template <class Target, class Member>
 Key<Target> choice(std::string name, std::vector<std::string> choices, Member member,
-                   std::string source) {
+                   std::string what, std::string source) {
   Key<Target> result;
   result.rule = {.name = std::move(name),
+                 .what = std::move(what),
                  .source = std::move(source),
                  .choices = std::move(choices),
                  .kind = KeyRule::Kind::kText};
@@ -91,8 +97,9 @@ Key<Target> choice(std::string name, std::vector<std::string> choices, Member me
 
 /// A key whose member is the name of a file, or "" for none.
 template <class Target, class Member>
-Key<Target> file_name(std::string name, Member member, std::string source) {
-  Key<Target> result = choice<Target>(std::move(name), {}, member, std::move(source));
+Key<Target> file_name(std::string name, Member member, std::string what, std::string source) {
+  Key<Target> result =
+      choice<Target>(std::move(name), {}, member, std::move(what), std::move(source));
   result.rule.kind = KeyRule::Kind::kFile;
   return result;
 }

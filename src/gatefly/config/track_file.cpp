@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 #include "gatefly/geometry/math.hpp"

@@ -3,15 +3,9 @@
 
 #include <algorithm>
 
-namespace gatefly {
+#include "gatefly/control/control_params.hpp"
 
-struct AltitudeParams {
-  double kp = 5.0;            ///< [(m/s²)/m] [Li18 code: 4.3]
-  double kd = 3.6;            ///< [(m/s²)/(m/s)] [Li18 code: 1.1, which rings at ζ 0.26]
-  double ki = 0.8;            ///< [(m/s²)/(m s)] carries battery sag and mass. [ours]
-  double max_accel = 4.0;     ///< [m/s²]
-  double max_integral = 2.5;  ///< [m/s²]
-};
+namespace gatefly {
 
 /// Specific thrust along −z_B whose vertical part is `vertical` [m/s²].
 ///

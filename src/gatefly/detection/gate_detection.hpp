@@ -43,7 +43,7 @@ using GateDetections = FixedList<GateDetection, 6>;
 }
 
 /// The lower corners of a gate: all that is needed of one whose upper bar is above the picture.
-struct OpenGate {
+struct LowerCorners {
   Eigen::Vector2d bottom_left_px, bottom_right_px;  ///< Outer corners, sub-pixel.
   double fitness = 0.0;                             ///< Of the bars in view, 0..1.
 };
@@ -61,9 +61,9 @@ struct GatePart {
   GateBars bars;
 
   /// The lower corners, when both are in view.
-  [[nodiscard]] std::optional<OpenGate> lower_corners() const {
+  [[nodiscard]] std::optional<LowerCorners> lower_corners() const {
     if (!(gate.corner_fitness[2] > 0.0 && gate.corner_fitness[3] > 0.0)) return std::nullopt;
-    return OpenGate{gate.corners_px[3], gate.corners_px[2], gate.fitness};
+    return LowerCorners{gate.corners_px[3], gate.corners_px[2], gate.fitness};
   }
 };
 

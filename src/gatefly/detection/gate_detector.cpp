@@ -7,6 +7,9 @@
 #include "gatefly/detection/paper/paper_detector.hpp"
 #include "gatefly/detection/paper/side_bars.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/careful_search.hpp"
+#include "gatefly/detection/search/part_search.hpp"
+#include "gatefly/detection/search/snake_search.hpp"
 
 namespace gatefly {
 namespace {
@@ -25,11 +28,23 @@ PaperDetections best_first(PaperDetections gates) {
 
 }  // namespace
 
+struct GateDetector::Searches {
+  explicit Searches(const GateDetectorParams& params)
+      : snakes{params}, careful{params}, parts{params} {}
+
+  SnakeSearch snakes;
+  CarefulSearch careful;
+  PartSearch parts;
+};
+
 GateDetector::GateDetector(const GateDetectorParams& params, DetectorMode mode)
-    : params_{params}, mode_{mode}, snakes_{params}, careful_{params}, parts_{params} {
+    : params_{params}, mode_{mode}, searches_{std::make_unique<Searches>(params)} {
   gates_.reserve(mode == DetectorMode::kPaper ? PaperDetections::kCapacity
                                               : GateDetections::kCapacity);
 }
+GateDetector::GateDetector(GateDetector&&) noexcept = default;
+GateDetector& GateDetector::operator=(GateDetector&&) noexcept = default;
+GateDetector::~GateDetector() = default;
 
 GatesInView GateDetector::look(const Image& image, const ColorModel& color,
                                const LookFor& look_for) & {
@@ -54,7 +69,7 @@ bool GateDetector::is_paper() const {
 }
 
 std::optional<GatePart> GateDetector::part(const Image& image, const ColorModel& color) {
-  if (!is_paper()) return parts_.detect(image, color);
+  if (!is_paper()) return searches_->parts.detect(image, color);
   Rng rng{kSeed};
   SideBarsParams params;
   if (mode_ == DetectorMode::kPaper) params.color = PaperDetectorParams{}.color;
@@ -76,7 +91,7 @@ void GateDetector::list_gates(const Image& image, const ColorModel& color,
     case DetectorMode::kOurs:
       return list(ours(image, color, look_for.gates));
     case DetectorMode::kFast:
-      return list(snakes_.detect(image, color));
+      return list(searches_->snakes.detect(image, color));
     case DetectorMode::kCareful:
       return list(everywhere(image, color));
     case DetectorMode::kPaper:
@@ -90,23 +105,23 @@ void GateDetector::list_gates(const Image& image, const ColorModel& color,
 GateDetections GateDetector::ours(const Image& image, const ColorModel& color,
                                   LookFor::Gates wanted) {
   if (wanted == LookFor::Gates::kAll) return everywhere(image, color);
-  const GateDetections quick = snakes_.detect(image, color);
+  const GateDetections quick = searches_->snakes.detect(image, color);
   if (quick.empty() || !is_sure(quick[0])) return everywhere(image, color);
   // A strong bar beside the gates found may be another gate's. Who knows which gate to expect need
   // not ask.
-  if (wanted == LookFor::Gates::kBest && snakes_.shows_bars_beside(quick))
+  if (wanted == LookFor::Gates::kBest && searches_->snakes.shows_bars_beside(quick))
     return with_gates_beside(quick, image, color);
   return in_order(quick, image);
 }
 
 GateDetections GateDetector::everywhere(const Image& image, const ColorModel& color) {
-  return in_order(careful_.detect(image, color), image);
+  return in_order(searches_->careful.detect(image, color), image);
 }
 
 // What stood out stays, unless the careful search is surer of something in its place.
 GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image,
                                                const ColorModel& color) {
-  GateDetections all = careful_.detect(image, color);
+  GateDetections all = searches_->careful.detect(image, color);
   for (const GateDetection& gate : quick) {
     if (!is_sure(gate)) continue;
     const auto same = std::find_if(all.begin(), all.end(), [&](const auto& other) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,9 +10,6 @@
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/quad.hpp"
-#include "gatefly/detection/search/careful_search.hpp"
-#include "gatefly/detection/search/part_search.hpp"
-#include "gatefly/detection/search/snake_search.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -56,6 +54,9 @@ class GateDetector {
  public:
   explicit GateDetector(const GateDetectorParams& params = {},
                         DetectorMode mode = DetectorMode::kOurs);
+  GateDetector(GateDetector&&) noexcept;
+  GateDetector& operator=(GateDetector&&) noexcept;
+  ~GateDetector();
 
   /// Gates, in microseconds where they stand out, else by looking everywhere. Of several beyond
   /// doubt the first is the one nearest to the middle of the picture.
@@ -65,6 +66,8 @@ class GateDetector {
                                  const LookFor& look_for = {}) &;
 
  private:
+  struct Searches;
+
   void list_gates(const Image& image, const ColorModel& color, const LookFor& look_for);
   [[nodiscard]] std::optional<GatePart> part(const Image& image, const ColorModel& color);
   [[nodiscard]] bool is_paper() const;
@@ -78,9 +81,7 @@ class GateDetector {
 
   GateDetectorParams params_;
   DetectorMode mode_;
-  SnakeSearch snakes_;
-  CarefulSearch careful_;
-  PartSearch parts_;
+  std::unique_ptr<Searches> searches_;
   std::vector<GateDetection> gates_;  // of the picture that was looked at last
 };
 

@@ -56,7 +56,7 @@ void Ahrs::update(const Imu& imu, const Eigen::Vector3d& v_B, double dt) {
   v_E_ = v_E;
   const Eigen::Vector3d up_E = force_E_ - accel_E_;
 
-  // The velocity is known to a part only: the more it changes, the less is left to believe.
+  // Drag shows only a part of the velocity: the more it changes, the less weight gravity gets.
   const double off = (std::abs(up_E.norm() - g) + accel_E_.norm()) / g;
   const double weight =
       std::clamp(1.0 - params_.gravity_factor * off / 10.0, params_.min_weight, 1.0);

@@ -20,8 +20,8 @@ struct AhrsParams {
   /// The specific force is averaged over this, in the earth frame [s]. [ours]
   double gravity_time = 0.5;
   double tilt_process = 3e-3;  ///< Growth of the tilt's standard deviation [rad/√s]. [ours]
-  double gyro_delay = 2.5e-3;  ///< How old a rate may be: doubt only [s]. [BROAD: 2.4 ms]
-  /// Of what rest does not teach of the accelerometer's bias [m/s²]. [ours]
+  double gyro_delay = 2.5e-3;  ///< Age of a rate: for the uncertainty only [s]. [BROAD: 2.4 ms]
+  /// Accelerometer bias that the rest calibration does not show [m/s²]. [ours]
   double accel_bias_sigma = 0.08;
   /// Below this rate, low-passed, the drone may be at rest [rad/s]. [ours]
   double rest_gyro = 0.15;
@@ -42,7 +42,7 @@ struct AhrsParams {
 ///
 /// Differs: the specific force is freed from its bias at rest and from the change of the velocity
 /// that drag shows (a turn, braking), and averaged in the earth frame, where all shaking is about
-/// zero [Laidig & Seel 2022]; its doubt is told; gyro biases are learnt at rest; heading, which
+/// zero [Laidig & Seel 2022]; its uncertainty is estimated; gyro biases are learnt at rest; heading, which
 /// gravity cannot see, is corrected by sightings of gates through a two-state Kalman filter
 /// (heading, yaw gyro bias) (docs/paper/deviations.md#ahrs).
 class Ahrs {

@@ -27,7 +27,7 @@ struct Height {
 /// Sonar where it sees the floor, barometer where it does not. The paper's altitude is the
 /// autopilot's.
 ///
-/// A sonar flying past a table reads the table. Three witnesses expose it: the filter's own height,
+/// A sonar flying past a table reads the table. Three checks reject it: the filter's own height,
 /// the barometer (slow, drifting, blind to furniture), and that furniture only ever makes the floor
 /// *nearer*.
 class Altimeter {

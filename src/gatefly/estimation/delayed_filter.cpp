@@ -107,17 +107,19 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
   return fusion;
 }
 
-// Whether enough refused fixes say the same. Wrong ones in between count against it [Boyer, Moore
+// Whether enough refused fixes agree. Outliers in between count against it [Boyer, Moore
 // 1981].
 bool DelayedFilter::agreed(const Fix& fix, double time, const Eigen::Vector3d& odometry) {
-  if (run_.count > 0 && time <= run_.last) return false;  // one picture is one witness
+  if (run_.count > 0 && time <= run_.last) return false;  // a picture counts once
   const Eigen::Vector3d start = fix.p_GB - odometry;
-  const Eigen::Matrix3d white = fix.lasting.isZero(0.0) ? fix.covariance : fix.white;
+  const Eigen::Matrix3d random_covariance =
+      fix.systematic.isZero(0.0) ? fix.covariance : fix.random_covariance;
   const double drift = restart_.odometry * (time - run_.since);
-  const Eigen::Matrix3d S = run_.covariance + white + drift * drift * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d S =
+      run_.covariance + random_covariance + drift * drift * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d apart = start - run_.start;
   if (run_.count == 0 || time - run_.since > restart_.longest) {
-    run_ = {1, time, time, start, white};
+    run_ = {1, time, time, start, random_covariance};
     return false;
   }
   run_.last = time;

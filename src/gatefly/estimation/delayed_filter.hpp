@@ -16,7 +16,7 @@ struct RestartParams {
   int fixes = 4;          ///< So many more that agree with the first of them than do not ...
   double duration = 0.3;  ///< ... over at least this long [s] ...
   double longest = 2.0;   ///< ... and at most this [s]. [ours]
-  /// What dead reckoning may be off by: what threw the position is in it, too [m/s]. [ours]
+  /// Drift of dead reckoning: what corrupted the position is in it, too [m/s]. [ours]
   double odometry = 0.6;
 };
 
@@ -25,7 +25,7 @@ struct RestartParams {
 ///
 /// The last moments are kept, tick by tick. A fix takes its place among them and everything after it
 /// is done again, so that the order of arrival does not matter. Fixes that the filter refuses but
-/// that agree with each other start its position anew: it is never locked out, and never thrown by
+/// that agree with each other restart its position: it is never locked out, and never thrown by
 /// one or two wrong gates. Cost: a prediction and a copy of 1 KiB per tick; a fix costs a prediction
 /// per tick of its age. Allocates when it is made, and never after.
 class DelayedFilter {

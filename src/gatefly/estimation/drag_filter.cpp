@@ -18,15 +18,15 @@ using drag_model::StateMatrix;
 
 using Cross = DragFilter::Cross;
 
-// time constants [s]. [ours: fixes of 30 races]
-constexpr double kTiltLasts = 5.0, kScaleLasts = 2.0;
+// Correlation times of systematic errors [s]. [ours: fixes of 30 races]
+constexpr double kTiltCorrelation = 5.0, kScaleCorrelation = 2.0;
 
 // N neighbouring states from `kFirst` on are measured: H picks their rows, and is never multiplied by.
 template <int N, int kFirst = kX>
 struct Measurement {
   Eigen::Matrix<double, N, 1> innovation;
-  Eigen::Matrix<double, N, N> R;                ///< What is new in every measurement ...
-  Eigen::Matrix<double, N, lasting::kCount> L;  ///< ... and what is not.
+  Eigen::Matrix<double, N, N> R;                   ///< Random errors ...
+  Eigen::Matrix<double, N, systematic::kCount> L;  ///< ... and systematic ones.
 
   template <class Matrix>  // H M
   [[nodiscard]] static auto rows_of(const Matrix& m) {
@@ -41,7 +41,7 @@ struct Measurement {
 template <int N, int kFirst>
 Eigen::Matrix<double, N, N> covariance_of_innovation(const StateMatrix& P, const Cross& C,
                                                      const Measurement<N, kFirst>& m) {
-  const Eigen::Matrix<double, N, lasting::kCount> HC = m.rows_of(C);
+  const Eigen::Matrix<double, N, systematic::kCount> HC = m.rows_of(C);
   const Eigen::Matrix<double, N, N> HCL = HC * m.L.transpose();
   const Eigen::Matrix<double, N, N> LL = m.L * m.L.transpose();
   return m.columns_of(m.rows_of(P)) + HCL + HCL.transpose() + LL + m.R;
@@ -57,8 +57,8 @@ Eigen::Matrix<double, N, kColumns> solved(const Eigen::Matrix<double, N, N>& S,
   return X;
 }
 
-// EKF update in place. Li18 appendix (4), and (5) in Joseph form, with what lasts considered, not
-// estimated [Schmidt 1966].
+// EKF update in place. Li18 appendix (4), and (5) in Joseph form, systematic errors considered,
+// not estimated [Schmidt 1966].
 template <int N, int kFirst>
 void update(State& x, StateMatrix& P, Cross& C, const Measurement<N, kFirst>& m) {
   const Eigen::Matrix<double, N, N> S = covariance_of_innovation(P, C, m);
@@ -81,14 +81,14 @@ template <int N>
 Measurement<N> measured(const Fix& fix, const Eigen::Vector3d& innovation) {
   Measurement<N> m;
   m.innovation = innovation.head<N>();
-  m.L = fix.lasting.topRows<N>();
-  m.R = (fix.lasting.isZero(0.0) ? fix.covariance : fix.white).topLeftCorner<N, N>();
+  m.L = fix.systematic.topRows<N>();
+  m.R = (fix.systematic.isZero(0.0) ? fix.covariance : fix.random_covariance).topLeftCorner<N, N>();
   return m;
 }
 
 }  // namespace
 
-// Of what is not the position.
+// Of all states but the position.
 Eigen::Vector4d DragFilter::start_variance() const {
   const Eigen::Vector3d bias = params_.start_bias_sigma.cwiseAbs2();
   return {0.01, bias.x(), bias.y(), bias.z()};
@@ -117,20 +117,20 @@ void DragFilter::predict(const drag_model::Input& input, double dt) {
   x_ += dt * derivative;  // Eq. (31)
   // Eq. (32) to second order; the flight code has dt where dt² belongs.
   const StateMatrix Phi = StateMatrix::Identity() + dt * F + (0.5 * dt * dt) * (F * F);
-  // A heading that is off turns what was flown: as far as what fixes tell is turned, too.
+  // A heading error turns the way flown by the same angle as the fixes.
   const Eigen::Vector3d turned = dt * Eigen::Vector3d{v_G.y(), -v_G.x(), 0.0};
   Cross C = Phi * C_;
   age(C, input.yaw_sigma, dt);
   StateMatrix P = Phi * P_ * Phi.transpose();  // Eq. (33)
   const Eigen::Matrix<double, kStates, 1> with =
-      input.yaw_sigma * C.col(lasting::kHeading) + gate_yaw_sigma_ * C.col(lasting::kGateYaw);
+      input.yaw_sigma * C.col(systematic::kHeading) + gate_yaw_sigma_ * C.col(systematic::kGateYaw);
   P.leftCols<3>() += with * turned.transpose();
   P.topRows<3>() += turned * with.transpose();
   P.topLeftCorner<3, 3>() +=
       (input.yaw_sigma * input.yaw_sigma + gate_yaw_sigma_ * gate_yaw_sigma_) * turned *
       turned.transpose();
-  C.col(lasting::kHeading).head<3>() += input.yaw_sigma * turned;
-  C.col(lasting::kGateYaw).head<3>() += gate_yaw_sigma_ * turned;
+  C.col(systematic::kHeading).head<3>() += input.yaw_sigma * turned;
+  C.col(systematic::kGateYaw).head<3>() += gate_yaw_sigma_ * turned;
   C_ = C;
   P.diagonal().segment<2>(kX).array() += params_.position_noise * dt;
   P(kZ, kZ) += params_.height_noise * dt;
@@ -139,18 +139,18 @@ void DragFilter::predict(const drag_model::Input& input, double dt) {
   P_ = 0.5 * (P + P.transpose());
 }
 
-// What lasts is not the same for ever: the part of it that is new knows nothing of the state.
+// Systematic errors decorrelate: what is new of them has no correlation with the state.
 void DragFilter::age(Cross& C, double yaw_sigma, double dt) {
-  for (const auto column : {lasting::kTiltX, lasting::kTiltY})
-    C.col(column) *= 1.0 - dt / kTiltLasts;
-  C.col(lasting::kScale) *= 1.0 - dt / kScaleLasts;
-  // A heading's doubt grows by what is new, and shrinks by what a gate took away.
+  for (const auto column : {systematic::kTiltX, systematic::kTiltY})
+    C.col(column) *= 1.0 - dt / kTiltCorrelation;
+  C.col(systematic::kScale) *= 1.0 - dt / kScaleCorrelation;
+  // A heading's variance grows by new errors and shrinks by what a gate corrects.
   if (yaw_sigma_ > 0.0 && yaw_sigma > 0.0)
-    C.col(lasting::kHeading) *= std::min(yaw_sigma / yaw_sigma_, yaw_sigma_ / yaw_sigma);
+    C.col(systematic::kHeading) *= std::min(yaw_sigma / yaw_sigma_, yaw_sigma_ / yaw_sigma);
   yaw_sigma_ = yaw_sigma;
 }
 
-double DragFilter::distance2(const Fix& fix) const {
+double DragFilter::nis(const Fix& fix) const {
   const Eigen::Vector3d innovation = fix.p_GB - position();
   if (!innovation.allFinite()) return 1e12;
   const auto squared = [&](const auto& m) {
@@ -162,7 +162,7 @@ double DragFilter::distance2(const Fix& fix) const {
 
 Fusion DragFilter::correct(const Fix& fix) {
   const double limit = params_.gate_sigma * params_.gate_sigma;
-  if (!(distance2(fix) < limit)) return Fusion::kRefused;
+  if (!(nis(fix) < limit)) return Fusion::kRefused;
   const Eigen::Vector3d innovation = fix.p_GB - position();
   if (fix.has_height) {
     update(x_, P_, C_, measured<3>(fix, innovation));
@@ -175,7 +175,7 @@ Fusion DragFilter::correct(const Fix& fix) {
 void DragFilter::restart(const Fix& fix) {
   const Measurement<3> m = measured<3>(fix, Eigen::Vector3d::Zero());
   const double z = x_(kZ), z_variance = P_(kZ, kZ);
-  const Eigen::Matrix<double, 1, lasting::kCount> z_lasting = C_.row(kZ);
+  const Eigen::Matrix<double, 1, systematic::kCount> z_systematic = C_.row(kZ);
   x_.segment<3>(kX) = fix.p_GB;
   C_.setZero();
   C_.topRows<3>() = -m.L;
@@ -184,8 +184,8 @@ void DragFilter::restart(const Fix& fix) {
   P_.diagonal().tail<4>() = start_variance();
   if (fix.has_height) return;
   x_(kZ) = z;
-  C_.row(kZ) = z_lasting;
-  P_.col(kZ).head<2>() = C_.topRows<2>() * z_lasting.transpose();
+  C_.row(kZ) = z_systematic;
+  P_.col(kZ).head<2>() = C_.topRows<2>() * z_systematic.transpose();
   P_.row(kZ).head<2>() = P_.col(kZ).head<2>().transpose();
   P_(kZ, kZ) = z_variance;
 }
@@ -196,10 +196,10 @@ Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigm
   m.innovation << innovation;
   m.R << sigma * sigma;
   m.L.setZero();
-  m.L(lasting::kHeight) = height_sigma;
+  m.L(systematic::kHeight) = height_sigma;
   if (!std::isfinite(innovation) ||
       !(innovation * innovation < 25.0 * covariance_of_innovation(P_, C_, m)(0, 0))) {
-    // The filter is too sure of itself: doubt, but do not jump.
+    // The filter is overconfident: inflate its variance, but do not jump.
     if (std::isfinite(innovation)) P_(kZ, kZ) += 0.01;
     return Fusion::kRefused;
   }
@@ -223,23 +223,23 @@ void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& o
   StateMatrix T = StateMatrix::Identity();
   T.topLeftCorner<3, 3>() = R;
   P_ = T * P_ * T.transpose();
-  // The heading is off as before; the rest of what lasts begins anew.
-  const Eigen::Matrix<double, kStates, 1> heading = T * C_.col(lasting::kHeading);
+  // The heading error stays; the other systematic errors are new with the gate.
+  const Eigen::Matrix<double, kStates, 1> heading = T * C_.col(systematic::kHeading);
   C_.setZero();
-  C_.col(lasting::kHeading) = heading;
+  C_.col(systematic::kHeading) = heading;
   add(uncertainty);
 }
 
-// A gate's heading and height are off in the position as they will be in its fixes and heights:
-// these do not tell.
+// Errors of a gate's heading and height are in the position as they will be in its fixes and
+// heights: no innovation shows them.
 void DragFilter::add(const MapUncertainty& uncertainty) {
   P_.diagonal().head<2>().array() += uncertainty.position * uncertainty.position;
   gate_yaw_sigma_ = uncertainty.yaw;
   const Eigen::Vector3d turned =
       uncertainty.yaw * Eigen::Vector3d{x_(drag_model::kY), -x_(kX), 0.0};
   const Eigen::Vector3d lifted = -uncertainty.height * Eigen::Vector3d::UnitZ();
-  C_.col(lasting::kGateYaw).head<3>() = turned;
-  C_.col(lasting::kHeight).head<3>() = lifted;
+  C_.col(systematic::kGateYaw).head<3>() = turned;
+  C_.col(systematic::kHeight).head<3>() = lifted;
   P_.topLeftCorner<3, 3>() += turned * turned.transpose() + lifted * lifted.transpose();
 }
 
@@ -248,12 +248,13 @@ Eigen::Matrix3d DragFilter::innovation_covariance(const Fix& fix) const {
 }
 
 double DragFilter::lateral_sigma() const {
-  const double by_gate = C_(drag_model::kY, lasting::kGateYaw);
+  const double by_gate = C_(drag_model::kY, systematic::kGateYaw);
   return std::sqrt(std::max(0.0, P_(drag_model::kY, drag_model::kY) - by_gate * by_gate));
 }
 
 Eigen::Vector2d DragFilter::heading_sensitivity(const Fix& fix) const {
-  return C_.col(lasting::kHeading).head<2>() + fix.lasting.col(lasting::kHeading).head<2>();
+  return C_.col(systematic::kHeading).head<2>() +
+         fix.systematic.col(systematic::kHeading).head<2>();
 }
 
 }  // namespace gatefly

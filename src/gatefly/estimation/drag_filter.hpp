@@ -11,7 +11,7 @@ namespace gatefly {
 struct DragFilterParams {
   drag_model::Params model;
   /// Spectral densities of x and y, z, v_z and bias [unit²/s]. [Li18 code: .2 .2 .1 4.2 per 68 ms
-  /// update; ours: what drag's velocity errs by lasts for seconds, so most of it is the bias's]
+  /// update; ours: errors of drag's velocity last for seconds, so most of it is the bias's]
   double position_noise = 0.004;
   double height_noise = 0.004;
   double vertical_noise = 0.03;
@@ -26,12 +26,12 @@ struct DragFilterParams {
 /// What became of a measurement.
 enum class Fusion {
   kAccepted,
-  kRefused,    ///< Farther off than the doubt allows, or not a number.
+  kRefused,    ///< Outside the innovation gate, or not a number.
   kTooLate,    ///< Of a moment that is no longer remembered.
-  kRestarted,  ///< Refused, but fixes agree on it: the position begins anew there.
+  kRestarted,  ///< Refused, but several agree: the position was reset to them.
 };
 
-/// How well the map knows one gate relative to another.
+/// How well the map knows one gate relative to another: standard deviations.
 struct MapUncertainty {
   /// On the floor plan, and of the centre above the floor [m].
   double position = 0.0, height = 0.0;
@@ -41,13 +41,13 @@ struct MapUncertainty {
 /// The 7-state extended Kalman filter of Li18 §3.3 and appendix, in the frame of the target gate.
 ///
 /// Differs: Φ to second order in dt, Q scaled by time, covariance propagated at every step, Joseph
-/// form, innovation gate; what is off in all fixes of a gate alike is considered
+/// form, innovation gate; systematic errors of the fixes are considered, as by Schmidt 1966
 /// (docs/paper/deviations.md#eq-31).
 class DragFilter {
  public:
-  /// Covariance of the state's error with what lasts (unit variance each): it is considered, never
-  /// estimated.
-  using Cross = Eigen::Matrix<double, drag_model::kStates, lasting::kCount>;
+  /// Cross-covariance of the state's error with the systematic errors (unit variance each), which are
+  /// considered, never estimated.
+  using Cross = Eigen::Matrix<double, drag_model::kStates, systematic::kCount>;
 
   explicit DragFilter(const DragFilterParams& params) : params_{params} {}
 
@@ -70,29 +70,29 @@ class DragFilter {
   /// `height_sigma` of the gate above the floor, which no altitude can tell [m].
   Fusion correct_altitude(double z_G, double sigma, double height_sigma = 0.0);
 
-  /// Squared Mahalanobis distance of a fix.
-  [[nodiscard]] double distance2(const Fix& fix) const;
+  /// Normalised innovation squared of a fix: its squared Mahalanobis distance.
+  [[nodiscard]] double nis(const Fix& fix) const;
 
-  /// The position is what a fix says, whatever it was before. Velocity and biases stay, with the
-  /// doubt of the start: what threw the position was in them, too.
+  /// Resets the position to a fix. Velocity and biases stay, with the covariance of the start: what
+  /// corrupted the position was in them, too.
   void restart(const Fix& fix);
 
-  /// x and y are said from outside, `sigma` [m] uncertain, and their biases are what they are: as the
+  /// Resets x and y, one standard deviation `sigma` [m]; the biases are taken as known: so the
   /// paper's filter begins a leg. [Li18 flight code]
   void reset_position(const Eigen::Vector2d& p_G, double sigma);
 
-  /// Goes over to another gate's frame: p' = R p + offset. What is off about the new gate's place,
-  /// height and heading is as if the drone were elsewhere.
+  /// Changes to another gate's frame: p' = R p + offset. Errors of the new gate's place, height and
+  /// heading become errors of the position.
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
                     const MapUncertainty& uncertainty);
 
-  /// Covariance of what a fix will differ from the estimate by [m²].
+  /// Of a fix [m²].
   [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Fix& fix) const;
-  /// How much a heading that is off by one standard deviation adds to the innovation of a fix [m].
+  /// What one standard deviation of the heading adds to the innovation of a fix [m].
   [[nodiscard]] Eigen::Vector2d heading_sensitivity(const Fix& fix) const;
 
-  /// Doubt about y [m] as far as it is still there in the gate: there it does not matter which way
-  /// the gate faces.
+  /// Standard deviation of y in the gate's plane, where the error of the gate's heading has vanished
+  /// [m].
   [[nodiscard]] double lateral_sigma() const;
 
   [[nodiscard]] const drag_model::State& state() const { return x_; }

@@ -19,7 +19,7 @@ struct Input {
   double yaw = 0.0;                ///< Relative to the frame of the position [rad].
   Eigen::Vector3d accel_B = Eigen::Vector3d::Zero();  ///< Specific force, bias included [m/s²].
   Eigen::Vector3d gyro_B = Eigen::Vector3d::Zero();   ///< p, q, r [rad/s].
-  double yaw_sigma = 0.0;  ///< How well the yaw is known [rad]; its error lasts.
+  double yaw_sigma = 0.0;  ///< How well the yaw is known [rad]; a systematic error.
 };
 
 struct Params {

@@ -110,7 +110,7 @@ Fix Navigator::as_fused(const Fix& seen) const {
   Fix fix = seen;
   if (!is_paper()) return fix;
   fix.covariance = params_.paper.fix_sigma.cwiseAbs2().asDiagonal();
-  fix.lasting.setZero();
+  fix.systematic.setZero();
   fix.has_height = false;  // z is the altimeter's
   return fix;
 }

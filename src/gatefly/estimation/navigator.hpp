@@ -22,7 +22,7 @@ struct GateFrame {
 /// Whose filter it is.
 enum class FilterModel {
   kOurs,
-  kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; nothing lasting is considered.
+  kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; no systematic errors.
 };
 
 /// Li18's filter, where it is not a number of DragFilterParams. [Li18 flight code, March 2018]

@@ -41,7 +41,7 @@ struct SimulatedDetail {
   double blind = 0.0;  ///< From the arc's end to that first sighting [s].
 };
 
-/// A blind half circle, whoever flew it. Horizontal vectors are (north, east) of a frame E.
+/// A blind half circle, recorded or simulated. Horizontal vectors are (north, east) of a frame E.
 struct BlindArc {
   std::string flight;             ///< A take's name, or how the simulator was set.
   bool right = true;              ///< The turn goes clockwise, seen from above.

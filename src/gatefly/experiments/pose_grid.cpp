@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ours: the pose by maximum a posteriori against rays and PnP, over distance, attitude noise, pixel
-// noise and the gate's yaw; whether its covariance is honest; and with one gross outlier.
+// noise and the gate's yaw; whether its covariance is consistent; and with one gross outlier.
 #include <algorithm>
 #include <array>
 #include <cmath>

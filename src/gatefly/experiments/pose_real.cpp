@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gatefly/calibration/corner_list.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 
 namespace gatefly::experiments {

@@ -113,7 +113,7 @@ AllDistances distances_of(const std::vector<MeasuredGate>& gates, const CameraRi
 }
 
 /// Straight line through the mean errors over the distance: what it grows by, and its standard
-/// deviation. Each mean is as doubtful as the drone's place was: those of one distance share it.
+/// deviation. Each mean is as uncertain as the drone's place was: those of one distance share it.
 struct Slope {
   double per_m, sigma, chi2;  ///< chi2 of the means about the line, 3 degrees of freedom.
 };

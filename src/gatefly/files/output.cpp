@@ -77,7 +77,7 @@ class Pending {
     target_ = behind_links(path_);
     const int aside = open_aside(folder_of(target_), aside_);
     if (aside < 0) fail();
-    if (old) {  // it stays whose it was, and as readable
+    if (old) {  // owner and permissions stay
       (void)!::fchown(aside, old->st_uid, old->st_gid);
       ::fchmod(aside, old->st_mode & 07777);
     }
@@ -224,7 +224,7 @@ void check_output_folder(const std::string& flag, const fs::path& folder) {
   if (const int reason = try_folder(there)) throw CannotWrite(named, std::strerror(reason));
 }
 
-void refuse_foreign_folder(const fs::path& folder, const std::string& witness,
+void refuse_foreign_folder(const fs::path& folder, const std::string& marker,
                            const OutputKind& kind, const std::string& way_out) {
   std::error_code error;
   if (!fs::exists(folder, error)) return;
@@ -234,9 +234,9 @@ void refuse_foreign_folder(const fs::path& folder, const std::string& witness,
       fs::directory_iterator(folder, error), fs::directory_iterator{}, [](const auto& entry) {
         return entry.path().filename().string().starts_with(kAside);  // a killed program's
       });
-  if (!empty && !is_of_kind(folder / witness, kind))
+  if (!empty && !is_of_kind(folder / marker, kind))
     throw std::runtime_error(folder.string() + ": is there and holds no " + std::string{kind.name} +
-                             " (" + witness + "), " + way_out);
+                             " (" + marker + "), " + way_out);
 }
 
 void write_files(std::span<const FileContent> files) {

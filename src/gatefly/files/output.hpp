@@ -59,8 +59,8 @@ void check_outputs(std::span<const Output> outputs, std::span<const std::filesys
 /// @throws std::runtime_error one line.
 void check_output_folder(const std::string& flag, const std::filesystem::path& folder);
 
-/// Refuses a folder, if it is there and not empty, whose file `witness` is not of `kind`.
-void refuse_foreign_folder(const std::filesystem::path& folder, const std::string& witness,
+/// Refuses a folder, if it is there and not empty, whose file `marker` is not of `kind`.
+void refuse_foreign_folder(const std::filesystem::path& folder, const std::string& marker,
                            const OutputKind& kind, const std::string& way_out);
 
 /// Where a chain of symbolic links ends, be it there or not.

@@ -17,10 +17,6 @@
 #include <stdexcept>
 #include <system_error>
 
-#ifndef GATEFLY_DATA_DIR
-#define GATEFLY_DATA_DIR "."
-#endif
-
 namespace gatefly::io {
 
 namespace fs = std::filesystem;
@@ -157,29 +153,6 @@ std::string read_file(const fs::path& path, std::uintmax_t most) {
                              " MiB, which no such file is");
   if (is_stream) pipes[path.string()] = content;
   return content;
-}
-
-fs::path data_dir() { return GATEFLY_DATA_DIR; }
-
-fs::path find_toml(const std::string& name, const std::string& folder) {
-  std::error_code error;
-  if (fs::is_regular_file(name, error)) return name;
-
-  const std::array<fs::path, 2> places{fs::path{folder}, data_dir() / folder};
-  std::set<std::string> names;
-  for (const fs::path& place : places) {
-    const fs::path candidate = place / (name + ".toml");
-    if (fs::is_regular_file(candidate, error)) return candidate;
-    for (const auto& entry : fs::directory_iterator(place, error))
-      if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
-  }
-  // Not a folder: a pipe such as bash's <(...), or a device. A link to nowhere does not exist.
-  const fs::file_status status = fs::status(name, error);
-  if (fs::is_directory(status)) throw std::runtime_error(name + ": is a folder, not a file");
-  if (fs::exists(status)) return name;
-  const std::vector<std::string> list{names.begin(), names.end()};
-  throw std::runtime_error((name.empty() ? "\"\"" : name) + ": no such file, nor a name in " +
-                           folder + "/ (there are: " + joined(list) + ")" + suggestion(name, list));
 }
 
 }  // namespace gatefly::io

@@ -47,11 +47,4 @@ namespace gatefly::io {
 [[nodiscard]] std::string read_file(const std::filesystem::path& path,
                                     std::uintmax_t most = std::uintmax_t{1} << 30);
 
-/// Where tracks/, configs/, cameras/ and vehicles/ lie: the source tree the program was built from.
-[[nodiscard]] std::filesystem::path data_dir();
-
-/// A file by its path, or by its name in `folder`: ./folder first, then the source tree's.
-/// @throws std::runtime_error listing the names there are.
-[[nodiscard]] std::filesystem::path find_toml(const std::string& name, const std::string& folder);
-
 }  // namespace gatefly::io

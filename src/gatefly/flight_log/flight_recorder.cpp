@@ -188,7 +188,7 @@ std::string FlightRecorder::finish(const std::string& summary_json) {
   try {
     refuse_foreign_folder(out_, "summary.json", kFlight, "it came while we flew");
     folder_.replace([film](const std::string& name) { return name == kFilm && !film; });
-  } catch (const std::exception& error) {  // flown is flown
+  } catch (const std::exception& error) {  // the flight itself is complete
     folder_.keep();
     throw std::runtime_error(std::string{error.what()} + "; this flight is in " +
                              folder_.path().string());

@@ -39,7 +39,7 @@ class FixedList {
   std::size_t size_ = 0;
 };
 
-/// Sorts a short list in place, stable: std::sort on a list of a few makes compilers fear for its
+/// Sorts a short list in place, stable: std::sort on so short a list makes compilers warn about its
 /// end.
 template <class T, std::size_t N, class Before>
 void insertion_sort(FixedList<T, N>& list, Before before) {

@@ -49,7 +49,7 @@ SinCos sincos(double angle) {
   static_assert(kHalfPiHigh * 0x1p32 ==
                 static_cast<double>(static_cast<long long>(kHalfPiHigh * 0x1p32)));
   const double turns = std::floor(angle * (2.0 / kPi) + 0.5);
-  // NaN, infinity, and what has no digits left behind the turns: not level, but no angle.
+  // NaN, infinity, and angles so large that whole turns take all their digits: no angle.
   constexpr double kNoAngle = std::numeric_limits<double>::quiet_NaN();
   if (!(std::abs(turns) < 1e9)) return {kNoAngle, kNoAngle};
   const double x = (angle - turns * kHalfPiHigh) - turns * kHalfPiLow;

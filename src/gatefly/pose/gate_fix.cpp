@@ -41,16 +41,16 @@ Eigen::Matrix3d attitude_covariance(const Eigen::Vector3d& t_G, const PoseParams
 }
 
 // δp = δθ × p, and a wrong scale moves it along the line of sight.
-Levers levers(const Eigen::Vector3d& p_GB, const PoseParams& params) {
+Sensitivities sensitivities(const Eigen::Vector3d& p_GB, const PoseParams& params) {
   using Eigen::Vector3d;
   const double heading2 =
       params.heading_sigma * params.heading_sigma - params.gate_yaw_sigma * params.gate_yaw_sigma;
-  Levers L = Levers::Zero();
-  L.col(lasting::kTiltX) = params.attitude_sigma * Vector3d::UnitX().cross(p_GB);
-  L.col(lasting::kTiltY) = params.attitude_sigma * Vector3d::UnitY().cross(p_GB);
-  L.col(lasting::kHeading) = std::sqrt(std::max(0.0, heading2)) * Vector3d::UnitZ().cross(p_GB);
-  L.col(lasting::kGateYaw) = params.gate_yaw_sigma * Vector3d::UnitZ().cross(p_GB);
-  L.col(lasting::kScale) = params.scale_sigma * p_GB;
+  Sensitivities L = Sensitivities::Zero();
+  L.col(systematic::kTiltX) = params.attitude_sigma * Vector3d::UnitX().cross(p_GB);
+  L.col(systematic::kTiltY) = params.attitude_sigma * Vector3d::UnitY().cross(p_GB);
+  L.col(systematic::kHeading) = std::sqrt(std::max(0.0, heading2)) * Vector3d::UnitZ().cross(p_GB);
+  L.col(systematic::kGateYaw) = params.gate_yaw_sigma * Vector3d::UnitZ().cross(p_GB);
+  L.col(systematic::kScale) = params.scale_sigma * p_GB;
   return L;
 }
 
@@ -197,9 +197,9 @@ std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const Rota
   Fix fix{.p_GB = pose->p_GB, .covariance = pose->covariance.topLeftCorner<3, 3>()};
   const auto sights = sights_to(outer_corners_px, gate_corners_G(side), R_GB, rig, params);
   if (!sights) return std::nullopt;
-  fix.white =
-      ray_covariance(*sights, fix.p_GB + R_GB * rig.p_BC, params.white_px / params.corner_sigma_px);
-  fix.lasting = levers(fix.p_GB, params);
+  fix.random_covariance = ray_covariance(*sights, fix.p_GB + R_GB * rig.p_BC,
+                                         params.random_sigma_px / params.corner_sigma_px);
+  fix.systematic = sensitivities(fix.p_GB, params);
   // Take the prior out again: the filter that uses this has its own.
   const double before = prior.yaw_sigma * prior.yaw_sigma, after = pose->covariance(5, 5);
   const double measured = 1.0 / std::max(1e-9, 1.0 / after - 1.0 / before);
@@ -210,19 +210,20 @@ std::optional<Fix> map_fix_from_corners(const Quad& outer_corners_px, const Rota
   return fix;
 }
 
-std::optional<Fix> fix_from_lower_corners(const OpenGate& gate, const RotationGB& R_GB, double side,
-                                          const CameraRig& rig, const PoseParams& params) {
+std::optional<Fix> fix_from_lower_corners(const LowerCorners& gate, const RotationGB& R_GB,
+                                          double side, const CameraRig& rig,
+                                          const PoseParams& params) {
   const auto corners = gate_corners_G(side);
   const std::array<Eigen::Vector2d, 2> px{gate.bottom_left_px, gate.bottom_right_px};
   const std::array<Eigen::Vector3d, 2> lower{corners[3], corners[2]};
   const auto sights = sights_to(px, lower, R_GB, rig, params);
   if (!sights) return std::nullopt;
   auto met = intersection_of(*sights, R_GB, rig, params);
-  // One degree of freedom is left to doubt with: roll, and how level the gate stands.
+  // One degree of freedom is left for a check: roll, and how level the gate stands.
   if (!met || met->misfit > 4.0 * params.max_misfit) return std::nullopt;
-  met->fix.white =
-      ray_covariance(*sights, met->camera_G, params.white_part_px / params.corner_sigma_px);
-  met->fix.lasting = levers(met->fix.p_GB, params);
+  met->fix.random_covariance =
+      ray_covariance(*sights, met->camera_G, params.random_part_sigma_px / params.corner_sigma_px);
+  met->fix.systematic = sensitivities(met->fix.p_GB, params);
   return met->fix;
 }
 
@@ -262,11 +263,12 @@ std::optional<Fix> fix_from_bars(const GateBars& bars, const RotationGB& R_GB, d
   fix.covariance = attitude_covariance(camera_G, params);
   fix.covariance.topLeftCorner<2, 2>() += J * noise * J.transpose();
   fix.covariance.diagonal().head<2>().array() += std::pow(params.bars_sigma * std::max(1.0, x), 2);
-  const double white = params.white_part_px / params.corner_sigma_px;
-  fix.lasting = levers(fix.p_GB, params);
-  fix.lasting.col(lasting::kScale) =
+  const double random_scale = params.random_part_sigma_px / params.corner_sigma_px;
+  fix.systematic = sensitivities(fix.p_GB, params);
+  fix.systematic.col(systematic::kScale) =
       params.bars_sigma * std::max(1.0, x) * Eigen::Vector3d::UnitX();
-  fix.white.topLeftCorner<2, 2>() = white * white * J * noise * J.transpose();
+  fix.random_covariance.topLeftCorner<2, 2>() =
+      random_scale * random_scale * J * noise * J.transpose();
   fix.covariance.row(2).setZero();
   fix.covariance.col(2).setZero();
   fix.covariance(2, 2) = 1.0;

@@ -19,30 +19,31 @@ struct CameraRig {
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< Focal point in the body frame [m].
 };
 
-/// What is off in every picture of a gate alike, and is therefore no noise.
-namespace lasting {
+/// Systematic errors of a fix: the same in every picture of a gate, so that no averaging helps. The
+/// filter considers them (Schmidt-Kalman filter), it does not estimate them.
+namespace systematic {
 enum Index : int { kTiltX, kTiltY, kHeading, kGateYaw, kScale, kHeight, kCount };
 }
-/// How far each of them moves a position, one standard deviation of it per column [m].
-using Levers = Eigen::Matrix<double, 3, lasting::kCount>;
+/// How far one standard deviation of each moves a position, one column each [m].
+using Sensitivities = Eigen::Matrix<double, 3, systematic::kCount>;
 
 struct PoseParams {
   /// Independent part. [authors' detections: 3 px robust; ours after line fits]
   double corner_sigma_px = 2.5;
-  /// Roll and pitch of the camera; the pilot adds the AHRS's own doubt [rad]. [docs/simulation.md:
+  /// Roll and pitch of the camera; the pilot adds the AHRS's own uncertainty [rad]. [docs/simulation.md:
   /// mount 1°]
   double attitude_sigma = 0.017;
   double heading_sigma = 0.04;  ///< Yaw against the gate [rad]. [ours: map 3°, gyro]
   double gate_yaw_sigma = 0.0;  ///< The gate's part of heading_sigma [rad].
-  /// Distances are too long by this part: lens, side of the gate. [ours: 30 races]
+  /// Relative error of all distances: lens, side of the gate. [ours: 30 races]
   double scale_sigma = 0.025;
-  /// What of a corner's error is new in every picture ... [ours: 30 races]
-  double white_px = 0.35;
-  double white_part_px = 0.7;      ///< ... and of lower corners and bars. [ours: 30 races]
-  double max_lateral = 4.0;        ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
-  double max_distance = 9.0;       ///< [m] [ours: a 1 m gate is 19 px there]
-  double min_bars_distance = 0.3;  ///< [m] [Li18 flight code]
-  double max_bars_distance = 1.8;  ///< [m] [Li18 flight code]
+  /// Random part of a corner's error: independent between pictures ... [ours: 30 races]
+  double random_sigma_px = 0.35;
+  double random_part_sigma_px = 0.7;  ///< ... and of lower corners and bars. [ours: 30 races]
+  double max_lateral = 4.0;           ///< |y| beyond this is no gate fix [m]. [Li18 flight code]
+  double max_distance = 9.0;          ///< [m] [ours: a 1 m gate is 19 px there]
+  double min_bars_distance = 0.3;     ///< [m] [Li18 flight code]
+  double max_bars_distance = 1.8;     ///< [m] [Li18 flight code]
   /// |y| beyond this part of the bars' distance is no fix. [ours: beside the opening]
   double max_bars_lateral = 0.8;
   /// Of rays: mean squared corner residual / σ²; 1 is expected. [ours]
@@ -54,12 +55,12 @@ struct PoseParams {
 /// Position of the body relative to a gate, from one picture.
 struct Fix {
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< [m]; z is 0 when !has_height.
-  /// Of p_GB, for who looks at one picture only [m²].
+  /// Of p_GB, random and systematic errors together: for a single picture [m²].
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-  /// Taken apart for who looks at many: what is new in each [m²] ...
-  Eigen::Matrix3d white = Eigen::Matrix3d::Zero();
-  /// ... and what is not. Zero: all of the covariance is white.
-  Levers lasting = Levers::Zero();
+  /// The same in two parts, to fuse many pictures: random errors, independent in each [m²] ...
+  Eigen::Matrix3d random_covariance = Eigen::Matrix3d::Zero();
+  /// ... and systematic ones. Zero: all of the covariance is random.
+  Sensitivities systematic = Sensitivities::Zero();
   bool has_height = true;
   std::optional<double> yaw_error = std::nullopt;  ///< What has to be added to R_GB's yaw [rad].
   double yaw_variance = 0.0;                       ///< Of yaw_error [rad²].
@@ -88,7 +89,7 @@ struct Fix {
                                                       const PoseParams& params);
 
 /// Position from the two lower corners of a gate that is cut off above; no heading. Ours.
-[[nodiscard]] std::optional<Fix> fix_from_lower_corners(const OpenGate& gate,
+[[nodiscard]] std::optional<Fix> fix_from_lower_corners(const LowerCorners& gate,
                                                         const RotationGB& R_GB, double side,
                                                         const CameraRig& rig,
                                                         const PoseParams& params);

@@ -22,13 +22,13 @@ using namespace reprojection;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// of an angle [rad] or the height [m]; less is no knowledge, but bad arithmetic
+// of an angle [rad] or the height [m]; less would only be ill-conditioned
 constexpr double kLeastSigma = 1e-4;
-// from here on the covariance is walked, not taken from the curvature [rad]
+// from here on the covariance is integrated, not taken from the curvature [rad]
 constexpr double kRoughAttitude = 0.06;
 constexpr double kPoorAttitude = 0.1;  // from here on the homography's poses are tried, too [rad]
-// A gate that stands straight across is as likely as not in a race, but one attitude of many to the
-// arithmetic: with a poor prior it thinks too well of its covariance there. [ours: reproduce
+// In a race gates are often seen straight on; to a poor prior that is one attitude of many, and the
+// covariance comes out too small there: it is inflated. [ours: reproduce
 // pose-grid, NEES/3 1.8 at 15°]
 constexpr double kCaution = 1.6;
 
@@ -72,7 +72,7 @@ struct Problem {
   const MapPoseParams& params;
 };
 
-/// One way to explain what is seen: which of it counts, and the pose that fits it.
+/// Which observations are inliers, and the pose that fits them.
 struct Hypothesis {
   Active active;
   Fit fit;
@@ -152,7 +152,7 @@ const Hypothesis& best_of(const Hypotheses& list) {
                            [](const auto& a, const auto& b) { return a.cost < b.cost; });
 }
 
-/// Leaves out one observation after the other while each makes the best explanation cheaper.
+/// Leaves out one observation after the other while each makes the best hypothesis cheaper.
 void consider_outliers(Hypotheses& list, const Problem& problem) {
   const Sights& sights = problem.sights;
   double least = outlier_cost(sights[0], problem.params);
@@ -181,7 +181,7 @@ void move_to_size_prior(Moments& moments) {
   moments.mean -= moments.covariance.leftCols<3>() * (2.0 / d.squaredNorm() * d);
 }
 
-/// Explanations, each with its probability; all moments are counted from one place.
+/// Hypotheses weighted by probability; moments are relative to one position.
 struct Mixture {
   Vector6 first = Vector6::Zero();
   Matrix6 second = Matrix6::Zero();
@@ -199,7 +199,7 @@ struct Mixture {
   }
 };
 
-/// Mean and covariance over all explanations.
+/// Mean and covariance over all hypotheses.
 struct Summary {
   Moments moments;
   /// The position's variance, in units of what it would be if all that may be left out meant one
@@ -221,8 +221,8 @@ Summary summary_of(const Hypotheses& list, const Problem& problem) {
     if (!(weight > 1e-6 && weight < 1e6)) continue;
     Moments moments = one.moments;
     if (walk)
-      moments = walked_moments_of(one.fit, moments, problem.sights, one.active, problem.prior,
-                                  problem.rig);
+      moments = integrated_moments_of(one.fit, moments, problem.sights, one.active, problem.prior,
+                                      problem.rig);
     move_to_size_prior(moments);
     Vector6 off = moments.mean - best.moments.mean;
     for (int i = 3; i < 6; ++i) off(i) = wrap_angle(off(i));
@@ -237,16 +237,16 @@ Summary summary_of(const Hypotheses& list, const Problem& problem) {
           all.total * all.position_variance() / (alike.total * alike.position_variance() + others)};
 }
 
-NoPose doubt_of(const MapPose& pose, bool converged, const CameraRig& rig,
-                const MapPoseParams& params) {
+NoPose refusal_of(const MapPose& pose, bool converged, const CameraRig& rig,
+                  const MapPoseParams& params) {
   const Eigen::Vector3d camera_G = pose.p_GB + rotation_EB(pose.attitude_GB).matrix * rig.p_BC;
   const double distance = camera_G.norm();
   if (!converged || !pose.p_GB.allFinite()) return NoPose::kNotConverged;
   if (!(camera_G.x() < 0.0)) return NoPose::kBehind;
   if (!(-camera_G.x() > params.min_incidence * distance)) return NoPose::kEdgeOn;
   if (!(distance < params.max_distance)) return NoPose::kTooFar;
-  const double most = pose.dropped == 0u ? params.max_surprise : params.max_surprise_after_drop;
-  if (!(surprise_of(pose.chi2, pose.dof) < most)) return NoPose::kMisfit;
+  const double most = pose.dropped == 0u ? params.max_deviate : params.max_deviate_after_drop;
+  if (!(normal_deviate(pose.chi2, pose.dof) < most)) return NoPose::kMisfit;
   return NoPose::kNone;
 }
 
@@ -298,13 +298,13 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
                      .chi2 = best.fit.normal.cost,
                      .dof = degrees_of_freedom(*sights, best.active, prior),
                      .dropped = all & ~best.active};
-  const NoPose doubt = doubt_of(pose, best.fit.converged, rig, params);
-  if (doubt != NoPose::kNone) return refused(doubt);
+  const NoPose refusal = refusal_of(pose, best.fit.converged, rig, params);
+  if (refusal != NoPose::kNone) return refused(refusal);
   if (!(widening < params.max_widening)) return refused(NoPose::kAmbiguous);
   return {pose, NoPose::kNone};
 }
 
-double surprise_of(double chi2, int dof) {
+double normal_deviate(double chi2, int dof) {
   if (dof < 1) return 0.0;
   const double spread = 2.0 / (9.0 * dof);
   return (std::cbrt(chi2 / dof) - (1.0 - spread)) / std::sqrt(spread);

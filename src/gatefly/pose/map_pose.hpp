@@ -49,14 +49,14 @@ struct MapPoseParams {
   /// ... and how far they are off. [authors' detections: 10-40 px]
   double outlier_sigma_px = 20.0;
   double max_outliers = 0.25;  ///< Part of all observations.
-  /// Of the chi-square, in normal standard deviations: 1 of 2,000 good fits. [ours]
-  double max_surprise = 3.3;
+  /// Largest normal_deviate() of the chi-square: 1 of 2,000 good fits is above. [ours]
+  double max_deviate = 3.3;
   /// The same when something was left out: parts of two gates fit better then. [ours]
-  double max_surprise_after_drop = 2.3;
-  /// With a poor attitude also what explains so much worse is looked at, in chi-square. [ours:
+  double max_deviate_after_drop = 2.3;
+  /// With a poor attitude also hypotheses worse by so much in chi-square are followed. [ours:
   /// pose-grid]
   double search_depth = 9.0;
-  /// Of the position's variance, by doubt about what to leave out. [ours: pose-grid]
+  /// Most that hypotheses about outliers may widen the position's variance. [ours: pose-grid]
   double max_widening = 1.8;
   /// Sine of the angle between the line of sight and the gate's plane: 10°. [ours]
   double min_incidence = 0.17;
@@ -76,17 +76,17 @@ enum class NoPose {
   kNotConverged,
   /// No gate of this size and attitude looks like that: another gate, parts of two, noise.
   kMisfit,
-  kAmbiguous,  ///< Something may be an outlier, and what it is decides where the gate is.
+  kAmbiguous,  ///< Hypotheses about which observation is the outlier put the gate elsewhere.
 };
 [[nodiscard]] const char* text_of(NoPose reason);
 
-/// Position and attitude of the body relative to a gate, and how sure that is.
+/// Position and attitude of the body relative to a gate, with covariance.
 struct MapPose {
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< [m]
   Attitude attitude_GB;                            ///< The prior's, corrected.
   /// Of (x, y, z, roll, pitch, yaw) [m, rad]; the prior is in it.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
-  double chi2 = 0.0;     ///< Of what was kept, prior included.
+  double chi2 = 0.0;     ///< Of the inliers, prior included.
   int dof = 0;           ///< Its degrees of freedom.
   unsigned dropped = 0;  ///< Bit i is set: observation i was left out.
 };
@@ -109,8 +109,8 @@ struct MapPoseAnswer {
 [[nodiscard]] MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& prior,
                                      const CameraRig& rig, const MapPoseParams& params = {});
 
-/// How many standard deviations of a normal number are as unlikely as a chi-square above `chi2`.
-/// Wilson and Hilferty 1931; 0 without degrees of freedom.
-[[nodiscard]] double surprise_of(double chi2, int dof);
+/// The standard normal deviate that is as improbable as this chi-square. Wilson and Hilferty 1931;
+/// 0 without degrees of freedom.
+[[nodiscard]] double normal_deviate(double chi2, int dof);
 
 }  // namespace gatefly

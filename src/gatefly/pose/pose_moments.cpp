@@ -59,8 +59,8 @@ std::optional<Moments> moments_of(const Fit& fit) {
   return P.allFinite() && P.diagonal().minCoeff() > 0.0 ? std::optional{moments} : std::nullopt;
 }
 
-Moments walked_moments_of(const Fit& fit, const Moments& by_curvature, const Sights& sights,
-                          Active active, const PosePrior& prior, const CameraRig& rig) {
+Moments integrated_moments_of(const Fit& fit, const Moments& by_curvature, const Sights& sights,
+                              Active active, const PosePrior& prior, const CameraRig& rig) {
   constexpr int kFarthest = 4;  // steps
   // sigmas; the sum over a normal density is then 0.6 % off its variance
   constexpr double kStep = 1.5;
@@ -86,7 +86,7 @@ Moments walked_moments_of(const Fit& fit, const Moments& by_curvature, const Sig
       sums.add(weight, state_of(pose) - by_curvature.mean);
     }
 
-  // Around each of them: the position's own doubt, and the third direction, as the curvature tells.
+  // Around each: the position's own covariance, and the third direction, as the curvature tells.
   const Vector6 off = sums.first / sums.weight;
   Moments moments{by_curvature.mean + off, sums.second / sums.weight - off * off.transpose()};
   const Turned body = turned(fit.pose.angles);

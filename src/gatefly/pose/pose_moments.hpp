@@ -18,11 +18,11 @@ struct Moments {
 /// As the curvature at the fit tells (Laplace); nullopt when a direction is left open.
 [[nodiscard]] std::optional<Moments> moments_of(const Fit& fit);
 
-/// By walking from the fit along the three main directions of its attitude, the position following,
-/// and weighing every sigma's step by its true cost: a far gate seen straight on shows its tilt
+/// By numerical integration over the principal axes of its attitude, the position following, each
+/// step weighted by its true cost: a far gate seen straight on shows its tilt
 /// only in second order, and the curvature there is not what it is a few degrees on. Costs 2-4 µs.
-[[nodiscard]] Moments walked_moments_of(const Fit& fit, const Moments& by_curvature,
-                                        const Sights& sights, Active active, const PosePrior& prior,
-                                        const CameraRig& rig);
+[[nodiscard]] Moments integrated_moments_of(const Fit& fit, const Moments& by_curvature,
+                                            const Sights& sights, Active active,
+                                            const PosePrior& prior, const CameraRig& rig);
 
 }  // namespace gatefly::reprojection

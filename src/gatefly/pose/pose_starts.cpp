@@ -70,9 +70,9 @@ std::optional<Pose> start_from_rays(const Sights& sights, Active active, const P
     b += N * sights[i].point_G;
   }
   const double weight = std::min(1.0, std::pow(kNominalMiss / prior.z_sigma, 2));
-  const Eigen::Vector3d lever_G = R_GB * rig.p_BC;
+  const Eigen::Vector3d lever_arm_G = R_GB * rig.p_BC;
   A(2, 2) += weight;
-  b.z() += weight * (prior.z + lever_G.z());
+  b.z() += weight * (prior.z + lever_arm_G.z());
   Eigen::Matrix3d A_inverse;
   bool solvable = false;
   A.computeInverseWithCheck(A_inverse, solvable, kLeastSpread);

@@ -6,16 +6,10 @@
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/race/path.hpp"
 #include "gatefly/race/phase.hpp"
+#include "gatefly/race/race_params.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly {
-
-struct CourseParams {
-  double back = 0.5, ahead = 0.8;  ///< The nearest point is looked for so far around the last [m].
-  double end = 1.5;    ///< A gate can be passed on the last part of the way to it only [m]. [ours]
-  double past = 0.10;  ///< So far behind its plane a gate is passed [m]. [Li18 code: 0.1-0.5]
-  double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [ours]
-};
 
 /// How far along the race the drone is: which gate is next, the way there, the progress on it.
 ///

@@ -11,41 +11,9 @@
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/phase.hpp"
+#include "gatefly/race/race_params.hpp"
 
 namespace gatefly {
-
-struct SpeedParams {
-  /// [rad/(m/s)] of speed error. [ours; paper: constant pitch]
-  double pitch_gain = 0.14;
-  double max_pitch = 14.0 * kDegree;   ///< Nose down.
-  double min_pitch = -12.0 * kDegree;  ///< As nose up: braking.
-  /// Roll starts this long before the curve [s]: INDI's lag. [ours]
-  double roll_lead = 0.16;
-  double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [ours]
-  /// From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
-  double settle = 1.3;
-  double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [ours]
-  /// Towards a gate that has not been seen from here [m/s]. [ours]
-  double unsure = 1.1;
-  double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [ours]
-  double unsure_after = 0.6;   ///< Not seen means: not for so long [s] ... [ours]
-  double unsure_sigma = 0.2;   ///< ... and more uncertain to the side than this [m]. [ours]
-  /// Of turn and correction together. [ours: INDI follows 40°]
-  double max_roll = 38.0 * kDegree;
-};
-
-/// Position hold: before take-off is done, while searching, while landing.
-struct HoldParams {
-  double stiffness = 0.9;     ///< [1/s²] [ours: with the damping ω 0.95, ζ 1]
-  double damping = 2.0;       ///< [1/s] [ours]
-  double integral = 0.25;     ///< [1/s³] [ours: 1° of tilt would hold it 0.2 m beside]
-  double max_integral = 0.5;  ///< [m/s²] [ours: 3° of tilt]
-  double max_distance = 1.0;  ///< Farther away pulls no more [m]. [ours]
-  double max_accel = 1.8;     ///< [m/s²] [ours: 10°]
-  double max_braking = 3.5;   ///< [m/s²] [ours: 1.7 m/s stop in 0.9 m, roll's lag included]
-  double brake_from = 1.5;    ///< Above this speed it brakes before it steers [m/s]. [ours]
-  double climb_until = 0.25;  ///< Nearer to the floor the drone only goes up [m]. [ours]
-};
 
 struct SweepParams {
   double angle = 40.0 * kDegree;  ///< To both sides of the gate's axis. [ours: half the view]

@@ -53,13 +53,13 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
     // Near the gate parts of it are enough. A frame may be put together from bars of two gates: the
     // more probable counts.
     const auto part = best_part(view);
-    if (part && (!best || part->distance2 < best->distance2)) best = part;
+    if (part && (!best || part->nis < best->nis)) best = part;
   }
   if (best) correct_with(*best, view);
 }
 
 bool Lookout::convincing(const std::optional<Candidate>& candidate) const {
-  return candidate && candidate->distance2 < params_.sight.convincing;
+  return candidate && candidate->nis < params_.sight.convincing;
 }
 
 // The moment at which a column of the picture was exposed.
@@ -83,7 +83,7 @@ std::optional<Lookout::Candidate> Lookout::best_whole_gate(const View& view) con
     auto one = candidate(*fix, *then, Sighting::Source::kCorners, view, static_cast<int>(i));
     if (seen.fitness < params_.sight.sure && !convincing(one)) continue;
     one.may_restart = here <= elsewhere && fix->p_GB.norm() < params_.sight.restart_within;
-    if (!best || one.distance2 < best->distance2) best = one;
+    if (!best || one.nis < best->nis) best = one;
   }
   return best;
 }
@@ -92,25 +92,24 @@ std::optional<Lookout::Candidate> Lookout::best_whole_gate(const View& view) con
 std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
   std::optional<GateBars> bars;
   if (view.sensors.seen) {
-    sighting_.open = view.sensors.seen->open, bars = view.sensors.seen->bars;
+    sighting_.lower_corners = view.sensors.seen->lower_corners, bars = view.sensors.seen->bars;
   } else if (const auto part =
                  detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
-    sighting_.open = part->lower_corners(), bars = part->bars;
+    sighting_.lower_corners = part->lower_corners(), bars = part->bars;
   }
   const MapGate& gate = view.course.gate();
   std::optional<Candidate> corners;
-  if (sighting_.open) {
-    const OpenGate& open = *sighting_.open;
-    const Past* then = past_of(0.5 * (open.bottom_left_px.x() + open.bottom_right_px.x()), view);
-    const auto fix = then ? fix_from_lower_corners(open, R_GB_of(*then), gate.side, params_.camera,
+  if (sighting_.lower_corners) {
+    const LowerCorners& lower = *sighting_.lower_corners;
+    const Past* then = past_of(0.5 * (lower.bottom_left_px.x() + lower.bottom_right_px.x()), view);
+    const auto fix = then ? fix_from_lower_corners(lower, R_GB_of(*then), gate.side, params_.camera,
                                                    pose_params(view.navigator))
                           : std::nullopt;
     if (fix) corners = candidate(*fix, *then, Sighting::Source::kCorners, view);
   }
   const double limit = params_.gate_sigma * params_.gate_sigma;
   const double x = view.navigator.filter().position().x();
-  if ((corners && corners->distance2 < limit) || x < -params_.pose.max_bars_distance)
-    return corners;
+  if ((corners && corners->nis < limit) || x < -params_.pose.max_bars_distance) return corners;
   sighting_.bars = bars;
   if (!bars) return corners;
   const Past* then = past_of(0.5 * (bars->left_px.x() + bars->right_px.x()), view);
@@ -122,7 +121,7 @@ std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
 
 Lookout::Candidate Lookout::candidate(const Fix& fix, const Past& then, Sighting::Source source,
                                       const View& view, int detection) const {
-  return {fix, &then, then.filter.distance2(view.navigator.as_fused(fix)), source, detection};
+  return {fix, &then, then.filter.nis(view.navigator.as_fused(fix)), source, detection};
 }
 
 std::optional<Fix> Lookout::fix_of(const GateDetection& seen, const Past& then,
@@ -139,9 +138,9 @@ PoseParams Lookout::pose_params(const Navigator& navigator) const {
   return params;
 }
 
-// After a blind leg much is believed, and one wrong gate would turn the heading; where uncertainty
-// is large, a gate a metre off is within it, and would be believed far too well. There have to be
-// two that agree.
+// After a blind leg the innovation gate is wide, and one wrong gate would turn the heading; where the
+// covariance is large, a gate a metre off is within it, and would get far too much weight. Two
+// sightings have to agree.
 bool Lookout::is_confirmed(const Candidate& seen, const View& view) {
   const Confirmation now{seen.then->time, view.course.passed(),
                          seen.fix.p_GB - seen.then->odometry};
@@ -155,8 +154,8 @@ void Lookout::correct_with(Candidate seen, const View& view) {
   const bool whole = seen.detection >= 0;
   const bool was_blind =
       view.navigator.has_fix() && view.navigator.since_fix() > params_.sight.blind_after;
-  const bool within = seen.distance2 < params_.gate_sigma * params_.gate_sigma;
-  const bool improbable = seen.distance2 > params_.sight.surprising;
+  const bool within = seen.nis < params_.gate_sigma * params_.gate_sigma;
+  const bool improbable = seen.nis > params_.sight.confirm_above;
   if (whole && (was_blind || improbable) && within && !is_confirmed(seen, view)) return;
   if (whole && was_blind && within) {
     view.navigator.learn_heading(seen.fix, *seen.then);
@@ -176,8 +175,8 @@ void Lookout::correct_with(Candidate seen, const View& view) {
   view.navigator.correct_heading(*seen.fix.yaw_error, variance);
 }
 
-// How far from where it is believed to be the drone would be, had it seen this gate; from before it
-// or from behind [m].
+// Distance between the estimated position and that from which the detection would be this gate, seen
+// from before it or from behind [m].
 double Lookout::distance_from(const GateDetection& seen, const Past& then, const MapGate& gate,
                               bool from_behind, const View& view) const {
   // Gates of other legs are seen from the side and from afar.

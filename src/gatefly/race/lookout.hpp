@@ -11,34 +11,9 @@
 #include "gatefly/pose/gate_fix.hpp"
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/messages.hpp"
+#include "gatefly/race/race_params.hpp"
 
 namespace gatefly {
-
-struct CameraTiming {
-  double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
-  double readout = 0.020;  ///< First to last upright column [s].
-};
-
-/// When a detection is the gate that is looked for. Distances are squared Mahalanobis distances.
-struct SightParams {
-  /// Nothing better is looked for: one in four of the right ones is farther off. [chi-square, 3]
-  double convincing = 4.1;
-  /// Needs a second sighting that agrees: one in twenty of the right ones is. [chi-square, 3]
-  double surprising = 7.8;
-  double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [ours]
-  double agree =
-      0.4;  ///< Two sightings from places nearer than this agree [m]. [ours: 66 ms apart]
-  /// Only nearer gates start the position anew: what farther ones err by lasts for a second and
-  /// agrees with itself, too [m]. [ours]
-  double restart_within = 7.0;
-  /// The estimate may be off by this and still tell gates apart [m]. [ours]
-  double tell_apart = 1.5;
-  /// Below this confidence a detection counts where a gate is expected only. [ours]
-  double sure = 0.9;
-  double parts_from = 4.5;  ///< Nearer than this the upper bar may be cut off [m]. [ours]
-  /// Neighbouring pictures share their errors: a heading counts as one of so many. [ours]
-  double heading_repeats = 3.0;
-};
 
 struct LookoutParams {
   CameraRig camera;
@@ -73,7 +48,7 @@ class Lookout {
   struct Candidate {  ///< What might correct the filter.
     Fix fix;
     const Past* then = nullptr;  ///< When it was exposed.
-    double distance2 = 0.0;      ///< Squared Mahalanobis distance from the estimate of then.
+    double nis = 0.0;            ///< Against the estimate of then.
     Sighting::Source source = Sighting::Source::kNone;
     int detection = -1;       ///< Index of a whole gate; -1: a part of one.
     bool may_restart = true;  ///< No other gate of the map explains it better.
@@ -82,7 +57,7 @@ class Lookout {
   struct Confirmation {  ///< A gate that was seen and is not believed before a second one agrees.
     double time = 0.0;   ///< [s]
     int passed = 0;      ///< Gates, by then.
-    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Where dead reckoning began, says it [m].
+    Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Origin of dead reckoning by its fix [m].
   };
 
   struct View {  ///< What a look needs to know.

@@ -19,8 +19,9 @@ namespace gatefly {
 
 /// What somebody else has already found in a picture: the simulator's ideal vision.
 struct SeenGates {
-  GateDetections gates;                         ///< Best first.
-  std::optional<OpenGate> open = std::nullopt;  ///< One cut off above.
+  GateDetections gates;  ///< Best first.
+  std::optional<LowerCorners> lower_corners =
+      std::nullopt;                             ///< Its upper bar is above the picture.
   std::optional<GateBars> bars = std::nullopt;  ///< One too near to be whole.
   int image_width = 315;                        ///< Of the upright picture [px].
 };
@@ -54,7 +55,7 @@ struct Estimate {
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< [rad/s]
   /// The position in the frame of the target gate [m] ...
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and how sure it is [m²].
+  Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and its covariance [m²].
   int gates_passed = 0;
 };
 
@@ -77,11 +78,11 @@ struct Sighting {
   int used = -1;                  ///< Index into detections; -1 when none (or bars).
   Source source = Source::kNone;  ///< What corrected the filter, if anything did.
   std::optional<FixOnCourse> fix;
-  /// How much it surprised: squared innovation in units of its covariance ...
-  double innovation2 = 0.0;
-  int innovation_dof = 0;  ///< ... and its degrees of freedom; 0: nothing corrected.
+  /// Normalised innovation squared of that fix ...
+  double nis = 0.0;
+  int nis_dof = 0;  ///< ... and its degrees of freedom; 0: nothing corrected.
   std::optional<GateBars> bars;
-  std::optional<OpenGate> open;  ///< Looked for when no whole gate was of use.
+  std::optional<LowerCorners> lower_corners;  ///< Looked for when no whole gate was of use.
 };
 
 }  // namespace gatefly

@@ -7,7 +7,7 @@
 namespace gatefly {
 namespace {
 
-bool gate_in_doubt(const Situation& now, const PhaseParams& params) {
+bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
   if (!params.goes_around) return false;
   if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
   if (now.to_go > params.search_before + params.search_detour) return false;
@@ -39,7 +39,7 @@ struct Next {
   const PhaseParams& params;
 
   Transition on_course() const {
-    if (gate_in_doubt(now, params)) return {search_from(now, params)};
+    if (gate_is_uncertain(now, params)) return {search_from(now, params)};
     if (now.turn_ahead) return {turn_from(now)};
     return {Straight{}};
   }

@@ -73,7 +73,7 @@ struct PhaseParams {
   double go_after = 0.0;       ///< ... and after so long [s]. [Li18 code: 2]
   double climb_timeout = 6.0;  ///< [s]
 
-  bool goes_around = true;  ///< A gate in doubt is searched for. [ours]
+  bool goes_around = true;  ///< Waits and searches where the gate is uncertain. [ours]
   // Into a search ...
   double search_before = 1.9;  ///< Decide between here ...  [m] [ours]
   /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]

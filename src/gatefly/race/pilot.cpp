@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/pilot.hpp"
 
+#include "gatefly/control/indi.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/race/course.hpp"
+#include "gatefly/race/guidance.hpp"
+#include "gatefly/race/lookout.hpp"
+#include "gatefly/race/paper/paper_guidance.hpp"
+#include "gatefly/race/paper/paper_lookout.hpp"
+#include "gatefly/race/part_params.hpp"
 
 namespace gatefly {
 namespace {
@@ -31,19 +38,32 @@ bool is_resting(const Phase& phase) {
 
 }  // namespace
 
+struct Pilot::Parts {
+  explicit Parts(const PilotConfig& config)
+      : lookout{lookout_of(config)},
+        course{course_of(config)},
+        guidance{guidance_of(config)},
+        indi{indi_params(config), config.vehicle} {}
+
+  EitherLookout lookout;
+  Course course;
+  EitherGuidance guidance;
+  Indi indi;
+};
+
 Pilot::Pilot(const PilotConfig& config)
     : map_uncertainty_{map_uncertainty(config)},
       navigator_{navigator_params(config)},
-      lookout_{lookout_of(config)},
-      course_{course_of(config)},
-      guidance_{guidance_of(config)},
-      indi_{indi_params(config), config.vehicle},
+      parts_{std::make_unique<Parts>(config)},
       phase_params_{phase_params(config)} {
   check_latency(config);
   const Track& track = config.track;
   navigator_.start({track.start.x(), track.start.y(), 0.0}, track.start_heading,
-                   frame_of(course_.gate()), map_uncertainty_);
+                   frame_of(parts_->course.gate()), map_uncertainty_);
 }
+Pilot::Pilot(Pilot&&) noexcept = default;
+Pilot& Pilot::operator=(Pilot&&) noexcept = default;
+Pilot::~Pilot() = default;
 
 /// One tick of the system diagram, Li18 Fig. "system structure", left to right.
 Command Pilot::step(const Sensors& sensors) {
@@ -71,22 +91,27 @@ void Pilot::navigate(const Sensors& sensors) {
 
 void Pilot::look(const Sensors& sensors) {
   const bool looking =
-      std::visit([&](const auto& g) { return g.uses_pictures(phase_); }, guidance_);
-  std::visit([&](auto& l) { l.look(sensors, looking, course_, navigator_); }, lookout_);
+      std::visit([&](const auto& g) { return g.uses_pictures(phase_); }, parts_->guidance);
+  std::visit([&](auto& l) { l.look(sensors, looking, parts_->course, navigator_); },
+             parts_->lookout);
 }
 
+bool Pilot::finished() const { return parts_->course.finished(); }
+int Pilot::target_gate() const { return parts_->course.target(); }
+const RacePlan& Pilot::plan() const { return parts_->course.plan(); }
+
 const Sighting& Pilot::sighting() const {
-  return std::visit([](const auto& l) -> const Sighting& { return l.sighting(); }, lookout_);
+  return std::visit([](const auto& l) -> const Sighting& { return l.sighting(); }, parts_->lookout);
 }
 
 AttitudeCommand Pilot::guide() {
-  return std::visit([&](auto& g) { return g.command(phase_, navigator_.state(), course_); },
-                    guidance_);
+  return std::visit([&](auto& g) { return g.command(phase_, navigator_.state(), parts_->course); },
+                    parts_->guidance);
 }
 
 void Pilot::follow_course() {
-  if (!course_.follow(navigator_.state(), phase_)) return;
-  navigator_.change_gate(frame_of(course_.gate()), map_uncertainty_);
+  if (!parts_->course.follow(navigator_.state(), phase_)) return;
+  navigator_.change_gate(frame_of(parts_->course.gate()), map_uncertainty_);
   // What was searched for is passed; the place to wait at was before that gate.
   if (std::holds_alternative<Search>(phase_)) phase_ = Straight{};
 }
@@ -97,10 +122,10 @@ void Pilot::change_phase(bool lifted) {
   const Transition next = next_phase(phase_, now, phase_params_);
   const bool found_again =
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
-  if (found_again) course_.approach_straight(navigator_.state());
-  if (course_.before_approach() && std::holds_alternative<Straight>(next.phase)) {
-    navigator_.begin_leg(course_.turn_end());  // where the plan says, for who knows no better
-    course_.begin_approach();
+  if (found_again) parts_->course.approach_straight(navigator_.state());
+  if (parts_->course.before_approach() && std::holds_alternative<Straight>(next.phase)) {
+    navigator_.begin_leg(parts_->course.turn_end());  // the plan's place, for the paper's filter
+    parts_->course.begin_approach();
   }
   phase_ = next.phase;
   if (next.reason != AbortReason::kNone) abort_reason_ = next.reason;
@@ -112,15 +137,15 @@ Situation Pilot::situation() const {
   s.time = now.time;
   s.rest_samples = now.rest_samples;
   s.height = -now.p_EB.z();
-  s.course_done = course_.finished();
-  s.to_go = course_.to_go();
+  s.course_done = parts_->course.finished();
+  s.to_go = parts_->course.to_go();
   std::visit(
       [&](const auto& g) {
-        s.turn_ahead = !course_.finished() && g.turn_ahead(now, course_);
+        s.turn_ahead = !parts_->course.finished() && g.turn_ahead(now, parts_->course);
         s.gate_y_ahead = g.lateral_at_gate(now);
         s.forward_speed = g.entry_speed(now);
       },
-      guidance_);
+      parts_->guidance);
   s.gate_x = now.p_GB.x();
   s.gate_y = now.p_GB.y();
   s.lateral_sigma = now.lateral_sigma;
@@ -134,12 +159,12 @@ Situation Pilot::situation() const {
 
 std::array<double, 4> Pilot::motors(const AttitudeCommand& attitude) {
   if (is_resting(phase_)) {
-    indi_.reset();
-    std::visit([](auto& g) { g.reset(); }, guidance_);
+    parts_->indi.reset();
+    std::visit([](auto& g) { g.reset(); }, parts_->guidance);
     return {};
   }
   const NavigationState now = navigator_.state();
-  return indi_.step(attitude, now.R_EB, now.rate_B, now.dt);
+  return parts_->indi.step(attitude, now.R_EB, now.rate_B, now.dt);
 }
 
 Estimate Pilot::estimate() const {
@@ -153,7 +178,7 @@ Estimate Pilot::estimate() const {
   e.gyro_bias = navigator_.ahrs().gyro_bias();
   e.p_GB = now.p_GB;
   e.covariance_GB = filter.covariance().topLeftCorner<3, 3>();
-  e.gates_passed = course_.passed();
+  e.gates_passed = parts_->course.passed();
   return e;
 }
 

@@ -2,16 +2,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <variant>
 
-#include "gatefly/control/indi.hpp"
 #include "gatefly/estimation/navigator.hpp"
-#include "gatefly/race/course.hpp"
-#include "gatefly/race/guidance.hpp"
-#include "gatefly/race/lookout.hpp"
 #include "gatefly/race/messages.hpp"
-#include "gatefly/race/paper/paper_guidance.hpp"
-#include "gatefly/race/paper/paper_lookout.hpp"
+#include "gatefly/race/path.hpp"
 #include "gatefly/race/phase.hpp"
 #include "gatefly/race/pilot_config.hpp"
 
@@ -23,6 +19,9 @@ class Pilot {
   /// Plans the course. @throws std::invalid_argument when it cannot be flown, or pictures come later
   ///     than the filter remembers, saying why.
   explicit Pilot(const PilotConfig& config);
+  Pilot(Pilot&&) noexcept;
+  Pilot& operator=(Pilot&&) noexcept;
+  ~Pilot();
 
   /// One tick, at the IMU's rate. Never throws, never allocates; non-finite samples are ignored.
   Command step(const Sensors& sensors);
@@ -31,12 +30,14 @@ class Pilot {
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
   [[nodiscard]] const Sighting& sighting() const;
-  [[nodiscard]] bool finished() const { return course_.finished(); }
+  [[nodiscard]] bool finished() const;
   [[nodiscard]] bool landed() const { return std::holds_alternative<Landed>(phase_); }
-  [[nodiscard]] int target_gate() const { return course_.target(); }
-  [[nodiscard]] const RacePlan& plan() const { return course_.plan(); }
+  [[nodiscard]] int target_gate() const;
+  [[nodiscard]] const RacePlan& plan() const;
 
  private:
+  struct Parts;  ///< Lookout, course, guidance and INDI: inside, and nobody else's.
+
   void navigate(const Sensors& sensors);
   void look(const Sensors& sensors);
   void follow_course();
@@ -47,10 +48,7 @@ class Pilot {
 
   MapUncertainty map_uncertainty_;
   Navigator navigator_;
-  std::variant<Lookout, PaperLookout> lookout_;
-  Course course_;
-  std::variant<Guidance, PaperGuidance> guidance_;
-  Indi indi_;
+  std::unique_ptr<Parts> parts_;
   PhaseParams phase_params_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/control/altitude.hpp"
-#include "gatefly/control/indi.hpp"
-#include "gatefly/control/lateral_pd.hpp"
+#include "gatefly/control/control_params.hpp"
 #include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/pose/gate_fix.hpp"
-#include "gatefly/race/course.hpp"
-#include "gatefly/race/guidance.hpp"
-#include "gatefly/race/lookout.hpp"
-#include "gatefly/race/paper/paper_guidance.hpp"
 #include "gatefly/race/path.hpp"
 #include "gatefly/race/phase.hpp"
+#include "gatefly/race/race_params.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly {
@@ -57,16 +53,5 @@ struct PilotConfig {
   double gate_height_sigma = 0.05;  ///< Of a gate's centre [m]. [docs/simulation.md]
   double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
 };
-
-// What each part of a pilot is told of it.
-[[nodiscard]] NavigatorParams navigator_params(const PilotConfig& config);
-[[nodiscard]] LookoutParams lookout_params(const PilotConfig& config);
-[[nodiscard]] GuidanceParams guidance_params(const PilotConfig& config);
-[[nodiscard]] IndiParams indi_params(const PilotConfig& config);
-[[nodiscard]] PhaseParams phase_params(const PilotConfig& config);
-[[nodiscard]] MapUncertainty map_uncertainty(const PilotConfig& config);
-
-/// @throws std::invalid_argument when pictures arrive later than the filter remembers.
-void check_latency(const PilotConfig& config);
 
 }  // namespace gatefly

@@ -26,7 +26,7 @@ RotationGB R_GB_of(const Navigator::Past& then) {
 bool fuse(const SeenFix& seen, const MapGate& gate, double gate_yaw_sigma, Navigator& navigator,
           Sighting& sighting) {
   const Fix fix = navigator.as_fused(seen.fix);
-  const double innovation2 = seen.then->filter.distance2(fix);
+  const double nis = seen.then->filter.nis(fix);
   const Eigen::Vector3d moved = navigator.filter().position() - seen.then->filter.position();
   sighting.offered = true;
   const Fusion fusion = navigator.correct(fix, seen.then->time, seen.may_restart);
@@ -38,8 +38,7 @@ bool fuse(const SeenFix& seen, const MapGate& gate, double gate_yaw_sigma, Navig
   used.has_height = fix.has_height;
   if (fix.yaw_error) used.yaw = wrap_angle(navigator.ahrs().attitude().yaw + *fix.yaw_error);
   used.yaw_sigma = std::sqrt(fix.yaw_variance + gate_yaw_sigma * gate_yaw_sigma);
-  if (fusion == Fusion::kAccepted)
-    sighting.innovation2 = innovation2, sighting.innovation_dof = fix.has_height ? 3 : 2;
+  if (fusion == Fusion::kAccepted) sighting.nis = nis, sighting.nis_dof = fix.has_height ? 3 : 2;
   sighting.source = seen.source;
   return true;
 }

@@ -149,9 +149,9 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
                    {.color = look::kDetection.faded(used ? 1.0 : 0.6), .width = used ? 2.5 : 1.2});
   }
   const Stroke stroke{.color = look::kDetection, .width = 2.5};
-  if (sighting.open) {
-    const Eigen::Vector2d left = at(sighting.open->bottom_left_px),
-                          right = at(sighting.open->bottom_right_px);
+  if (sighting.lower_corners) {
+    const Eigen::Vector2d left = at(sighting.lower_corners->bottom_left_px),
+                          right = at(sighting.lower_corners->bottom_right_px);
     const Eigen::Vector2d up{0, -0.35 * (right - left).norm()};
     const std::array<Eigen::Vector2d, 4> feet{left + up, left, right, right + up};
     canvas.polyline(feet, stroke);

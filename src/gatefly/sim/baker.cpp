@@ -43,11 +43,10 @@ struct ShadowPacket {
   std::array<int, kPacket> group{};
   int count = 0;
 
-  void flush(RTCScene scene, NodeLight& sum) {
+  void flush(const RayScene& scene, NodeLight& sum) {
     if (count == 0) return;
     for (int i = 0; i < kPacket; ++i) valid.lane[i] = i < count ? -1 : 0;
-    RTCIntersectContext context = RayScene::incoherent();
-    rtcOccluded16(valid.lane, scene, &context, &ray);
+    scene.occluded(valid, ray);
     for (int i = 0; i < count; ++i) {
       if (ray.tfar[i] < 0.0f) continue;
       const auto k = static_cast<std::size_t>(i);
@@ -64,7 +63,7 @@ void set_ray(Ray& ray, int i, const Eigen::Vector3f& from, const Eigen::Vector3f
   ray.org_x[i] = from.x(), ray.org_y[i] = from.y(), ray.org_z[i] = from.z();
   ray.dir_x[i] = direction.x(), ray.dir_y[i] = direction.y(), ray.dir_z[i] = direction.z();
   ray.tnear[i] = kTiny, ray.tfar[i] = far;
-  ray.time[i] = 0.0f, ray.mask[i] = ~0u, ray.id[i] = 0, ray.flags[i] = 0;
+  ray.time[i] = 0.0f, ray.id[i] = 0, ray.flags[i] = 0;
 }
 
 /// Irradiance at (u, v) of a rectangle from the nearest node.
@@ -107,10 +106,10 @@ NodeLight Baker::direct(const SurfacePoint& at, NodeRandom random) const {
       for (std::size_t c = 0; c < 3; ++c) packet.light[i][c] = weight * light.radiance[c];
       packet.group[i] = light.group;
       set_ray(packet.ray, packet.count++, at.p, d, 0.999f);
-      if (packet.count == kPacket) packet.flush(rays_.get(), sum);
+      if (packet.count == kPacket) packet.flush(rays_, sum);
     }
   }
-  packet.flush(rays_.get(), sum);
+  packet.flush(rays_, sum);
   return sum;
 }
 
@@ -135,8 +134,7 @@ NodeLight Baker::bounced(const SurfacePoint& at, NodeRandom random,
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       valid.lane[i] = -1;
     }
-    RTCIntersectContext context = RayScene::incoherent();
-    rtcIntersect16(valid.lane, rays_.get(), &context, &packet);
+    rays_.intersect(valid, packet, RayScene::Rays::kIncoherent);
     for (int i = 0; i < kPacket; ++i) {
       if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       const Rectangle& r = scene_.fixed[packet.hit.primID[i]];

@@ -159,8 +159,7 @@ void CameraRenderer::Impl::cast(const Eyes& eyes, const Directions& d, RTCRayHit
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
   }
-  RTCIntersectContext context = RayScene::coherent();
-  rtcIntersect16(d.valid.lane, visible.get(), &context, &packet);
+  visible.intersect(d.valid, packet, RayScene::Rays::kCoherent);
   std::fill_n(pixels, kColumns, Float4{});
   for (int i = 0; i < kPacket; ++i) {
     if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -178,7 +177,6 @@ void CameraRenderer::Impl::render_line(double t_start, std::span<const BodyPose>
                                        int line) {
   const Eyes from = eyes(t_start, history, line);
   RTCRayHit16 packet{};
-  std::fill_n(packet.ray.mask, kPacket, ~0u);
   for (int p = 0; p < packets; ++p) {
     std::array<Float4, kColumns> pixels;
     cast(from, table[static_cast<std::size_t>(line * packets + p)], packet, pixels.data());
@@ -231,10 +229,8 @@ bool CameraRenderer::occluded(const Eigen::Vector3d& from_E, const Eigen::Vector
   RTCRay ray{};
   ray.org_x = from.x(), ray.org_y = from.y(), ray.org_z = from.z();
   ray.dir_x = d.x(), ray.dir_y = d.y(), ray.dir_z = d.z();
-  ray.mask = ~0u;
   ray.tfar = 0.999f;  // the point itself may lie on something
-  RTCIntersectContext context = RayScene::incoherent();
-  rtcOccluded1(impl_->solid.get(), &context, &ray);
+  impl_->solid.occluded(ray);
   return ray.tfar < 0.0f;
 }
 
@@ -244,11 +240,9 @@ double CameraRenderer::range(const Eigen::Vector3d& from_E, const Eigen::Vector3
   RTCRayHit ray{};
   ray.ray.org_x = from.x(), ray.ray.org_y = from.y(), ray.ray.org_z = from.z();
   ray.ray.dir_x = d.x(), ray.ray.dir_y = d.y(), ray.ray.dir_z = d.z();
-  ray.ray.mask = ~0u;
   ray.ray.tfar = static_cast<float>(max);
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context = RayScene::incoherent();
-  rtcIntersect1(impl_->solid.get(), &context, &ray);
+  impl_->solid.intersect(ray);
   return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? max : static_cast<double>(ray.ray.tfar);
 }
 

@@ -20,10 +20,10 @@ struct DetectorStatistics {
   double outlier_rate = 0.0;     ///< Of a corner: a normal error is joined by a big one ...
   double outlier_low_px = 0.0, outlier_high_px = 0.0;  ///< ... of this length.
   double false_alarms = 0.0;                           ///< Per picture: quads that are no gate.
-  double open_rate = 0.0;                              ///< Of gates cut off above, within reach.
-  double open_sigma_px = 0.0;  ///< Each coordinate of its two lower corners.
-  double bars_rate = 0.0;      ///< Of pairs of side bars, within reach.
-  double bars_sigma_px = 0.0;  ///< Of the middle of a bar, across.
+  double lower_corners_rate = 0.0;                     ///< Of gates cut off above, within reach.
+  double lower_corners_sigma_px = 0.0;  ///< Each coordinate of its two lower corners.
+  double bars_rate = 0.0;               ///< Of pairs of side bars, within reach.
+  double bars_sigma_px = 0.0;           ///< Of the middle of a bar, across.
 };
 
 /// @throws std::invalid_argument for another name than "ours" and "paper".

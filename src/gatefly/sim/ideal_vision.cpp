@@ -19,7 +19,7 @@ constexpr double kEdgeOn = 0.2;  // seen at less than this much depth its frame 
 constexpr double kMinSide = 20.0;
 constexpr double kMaxAspect = 1.8;  // seen more from the side no statistics were taken
 // nearer than this the upper bar may be cut off: race/sight.cpp [m]
-constexpr double kOpenReach = 3.5;
+constexpr double kLowerCornersReach = 3.5;
 constexpr double kBarsReach = 1.8;  // [Li18 flight code]
 // part of the picture's height that shows a bar [Li18 flight code: 0.28]
 constexpr double kMinBar = 0.35;
@@ -115,7 +115,7 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
     seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E);
   }
   view.whole = seen[0] && seen[1] && seen[2] && seen[3];
-  view.open = above[0] && above[1] && seen[2] && seen[3];
+  view.only_lower_corners = above[0] && above[1] && seen[2] && seen[3];
   const Eigen::Vector3d aside = (gate.side - gate.bar) * right * R_EG.col(1);
   const auto left_bar = bar_in_view(exposure, gate.p_EG - aside, gate.side),
              right_bar = bar_in_view(exposure, gate.p_EG + aside, gate.side);
@@ -136,8 +136,8 @@ DetectorStatistics statistics_of(const std::string& detector) {
             .outlier_low_px = 3.0,
             .outlier_high_px = 10.0,
             .false_alarms = 0.016,
-            .open_rate = 0.92,
-            .open_sigma_px = 1.0,  // u 1.3, v 0.6
+            .lower_corners_rate = 0.92,
+            .lower_corners_sigma_px = 1.0,  // u 1.3, v 0.6
             .bars_rate = 0.98,
             .bars_sigma_px = 2.1};
   // Li18, table of true positives by distance; 3 px and 5-8 % outliers: the authors' recorded
@@ -149,8 +149,8 @@ DetectorStatistics statistics_of(const std::string& detector) {
             .outlier_low_px = 10.0,
             .outlier_high_px = 40.0,
             .false_alarms = 0.03,
-            .open_rate = 0.0,  // the paper knows no such gates
-            .open_sigma_px = 0.0,
+            .lower_corners_rate = 0.0,  // the paper knows no such gates
+            .lower_corners_sigma_px = 0.0,
             .bars_rate = 0.70,
             .bars_sigma_px = 3.0};
   throw std::invalid_argument("detector \"" + detector + "\", must be ours or paper");
@@ -186,7 +186,7 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
     : world_{world},
       camera_{camera},
       statistics_{statistics_of(params.detector)},
-      ghosts_{params.ghosts},
+      outliers_{params.outliers},
       sight_{sight},
       stream_{seed, "ideal vision"} {
   statistics_.false_alarms *= params.false_alarms;
@@ -198,7 +198,7 @@ SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history)
   std::erase_if(views, [&](const GateView& view) {
     return !world_.gates[static_cast<std::size_t>(view.gate)].sought;
   });
-  add_whole_gates(ghosts_ > 0.0 ? haunted(views, t_start, history) : views, seen);
+  add_whole_gates(outliers_ > 0.0 ? with_outliers(views, t_start, history) : views, seen);
   add_parts(views, seen);
   add_false_alarm(seen);
   return seen;
@@ -216,21 +216,22 @@ Eigen::Vector2d IdealVision::outlier() {
 }
 
 // Some of the gates in view, seen as if the drone were elsewhere.
-std::vector<GateView> IdealVision::haunted(std::vector<GateView> views, double t_start,
-                                           std::span<const BodyPose> history) {
+std::vector<GateView> IdealVision::with_outliers(std::vector<GateView> views, double t_start,
+                                                 std::span<const BodyPose> history) {
   constexpr double kFarthest = 3.0;  // [m]
   World moved = world_;
   for (WorldGate& gate : moved.gates) {
     const Eigen::Vector3d direction{stream_.normal(), stream_.normal(), 0.3 * stream_.normal()};
     gate.p_EG += kFarthest * stream_.uniform() * direction.normalized();
   }
-  const auto ghosts = gates_in_view(moved, camera_, sight_, t_start, history);
+  const auto displaced = gates_in_view(moved, camera_, sight_, t_start, history);
   for (GateView& view : views) {
-    if (stream_.uniform() >= ghosts_) continue;
-    const auto ghost = std::find_if(ghosts.begin(), ghosts.end(),
-                                    [&](const GateView& other) { return other.gate == view.gate; });
-    view.whole = view.whole && ghost != ghosts.end() && ghost->whole;
-    if (view.whole) view.corners_px = ghost->corners_px;
+    if (stream_.uniform() >= outliers_) continue;
+    const auto elsewhere =
+        std::find_if(displaced.begin(), displaced.end(),
+                     [&](const GateView& other) { return other.gate == view.gate; });
+    view.whole = view.whole && elsewhere != displaced.end() && elsewhere->whole;
+    if (view.whole) view.corners_px = elsewhere->corners_px;
   }
   return views;
 }
@@ -253,10 +254,10 @@ void IdealVision::add_whole_gates(const std::vector<GateView>& views, SeenPictur
 
 void IdealVision::add_parts(const std::vector<GateView>& views, SeenPicture& seen) {
   for (const GateView& view : views) {  // the nearest of each kind
-    if (!seen.lower && view.open && view.distance < kOpenReach &&
-        stream_.uniform() < statistics_.open_rate)
-      seen.lower = {noisy(view.corners_px[3], statistics_.open_sigma_px),
-                    noisy(view.corners_px[2], statistics_.open_sigma_px)};
+    if (!seen.lower && view.only_lower_corners && view.distance < kLowerCornersReach &&
+        stream_.uniform() < statistics_.lower_corners_rate)
+      seen.lower = {noisy(view.corners_px[3], statistics_.lower_corners_sigma_px),
+                    noisy(view.corners_px[2], statistics_.lower_corners_sigma_px)};
     if (!seen.bars && view.bars_px && view.distance < kBarsReach &&
         stream_.uniform() < statistics_.bars_rate) {
       const auto across = [&](const Eigen::Vector2d& px) -> Eigen::Vector2d {

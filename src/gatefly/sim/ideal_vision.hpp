@@ -18,10 +18,10 @@ namespace gatefly::sim {
 
 /// A gate in a picture, as a perfect detector would mark it.
 struct GateView {
-  int gate = 0;           ///< Index into the world's gates.
-  double distance = 0.0;  ///< From the camera to its centre [m].
-  bool whole = false;     ///< All four corners are in the picture and in sight.
-  bool open = false;      ///< The lower two are, the upper two are above the picture.
+  int gate = 0;                     ///< Index into the world's gates.
+  double distance = 0.0;            ///< From the camera to its centre [m].
+  bool whole = false;               ///< All four corners are in the picture and in sight.
+  bool only_lower_corners = false;  ///< The lower two are, the upper two are above the picture.
   std::array<Eigen::Vector2d, 4> corners_px{};  ///< Outer ones, clockwise from top-left as seen.
   /// Middle of the left and right bar's part in view.
   std::optional<std::array<Eigen::Vector2d, 2>> bars_px;
@@ -68,8 +68,8 @@ class IdealVision {
  private:
   [[nodiscard]] Eigen::Vector2d noisy(const Eigen::Vector2d& px, double sigma_px);
   [[nodiscard]] Eigen::Vector2d outlier();
-  [[nodiscard]] std::vector<GateView> haunted(std::vector<GateView> views, double t_start,
-                                              std::span<const BodyPose> history);
+  [[nodiscard]] std::vector<GateView> with_outliers(std::vector<GateView> views, double t_start,
+                                                    std::span<const BodyPose> history);
   void add_whole_gates(const std::vector<GateView>& views, SeenPicture& seen);
   void add_parts(const std::vector<GateView>& views, SeenPicture& seen);
   void add_false_alarm(SeenPicture& seen);
@@ -77,7 +77,7 @@ class IdealVision {
   World world_;
   CameraTruth camera_;
   DetectorStatistics statistics_;
-  double ghosts_;
+  double outliers_;
   const Sight& sight_;
   Stream stream_;
 };

@@ -1,25 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/sim/ray_scene.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
 namespace gatefly::sim {
 namespace {
 
-RTCIntersectContext context(RTCIntersectContextFlags flags) {
-  RTCIntersectContext result;
-  rtcInitIntersectContext(&result);
-  result.flags = flags;
-  return result;
+// Embree 4 takes what Embree 3 called a context as arguments of each call.
+#if RTC_VERSION_MAJOR >= 4
+struct Query : RTCIntersectArguments {
+  explicit Query(RayScene::Rays kind) : RTCIntersectArguments{} {
+    rtcInitIntersectArguments(this);
+    flags = kind == RayScene::Rays::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT
+                                              : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  }
+};
+struct ShadowQuery : RTCOccludedArguments {
+  ShadowQuery() : RTCOccludedArguments{} {
+    rtcInitOccludedArguments(this);
+    flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  }
+};
+#else
+RTCIntersectContext context_of(RayScene::Rays kind) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = kind == RayScene::Rays::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                    : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
 }
+#endif
 
 }  // namespace
 
-RTCIntersectContext RayScene::coherent() { return context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT); }
-RTCIntersectContext RayScene::incoherent() {
-  return context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+void RayScene::intersect(const Valid& valid, RTCRayHit16& rays, Rays kind) const {
+  std::fill(std::begin(rays.ray.mask), std::end(rays.ray.mask), ~0u);
+#if RTC_VERSION_MAJOR >= 4
+  Query query{kind};
+  rtcIntersect16(valid.lane, scene_, &rays, &query);
+#else
+  RTCIntersectContext context = context_of(kind);
+  rtcIntersect16(valid.lane, scene_, &context, &rays);
+#endif
+}
+
+void RayScene::intersect(RTCRayHit& ray) const {
+  ray.ray.mask = ~0u;
+#if RTC_VERSION_MAJOR >= 4
+  Query query{Rays::kIncoherent};
+  rtcIntersect1(scene_, &ray, &query);
+#else
+  RTCIntersectContext context = context_of(Rays::kIncoherent);
+  rtcIntersect1(scene_, &context, &ray);
+#endif
+}
+
+void RayScene::occluded(const Valid& valid, RTCRay16& rays) const {
+  std::fill(std::begin(rays.mask), std::end(rays.mask), ~0u);
+#if RTC_VERSION_MAJOR >= 4
+  ShadowQuery query;
+  rtcOccluded16(valid.lane, scene_, &rays, &query);
+#else
+  RTCIntersectContext context = context_of(Rays::kIncoherent);
+  rtcOccluded16(valid.lane, scene_, &context, &rays);
+#endif
+}
+
+void RayScene::occluded(RTCRay& ray) const {
+  ray.mask = ~0u;
+#if RTC_VERSION_MAJOR >= 4
+  ShadowQuery query;
+  rtcOccluded1(scene_, &ray, &query);
+#else
+  RTCIntersectContext context = context_of(Rays::kIncoherent);
+  rtcOccluded1(scene_, &context, &ray);
+#endif
 }
 
 RayScene::RayScene(const std::vector<const std::vector<Rectangle>*>& lists) {

@@ -3,7 +3,11 @@
 
 #include <vector>
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include "gatefly/sim/scene.hpp"
 
@@ -15,10 +19,8 @@ namespace gatefly::sim {
 /// along edge_u and edge_v.
 class RayScene {
  public:
-  /// The parameters of one Embree call: sixteen rays that start and point much alike.
-  static RTCIntersectContext coherent();
-  /// Sixteen rays in any directions.
-  static RTCIntersectContext incoherent();
+  /// How sixteen rays go: starting and pointing much alike, or in any directions.
+  enum class Rays { kCoherent, kIncoherent };
   /// Marks which of sixteen rays are cast.
   struct alignas(64) Valid {
     int lane[16];
@@ -30,7 +32,12 @@ class RayScene {
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
 
-  [[nodiscard]] RTCScene get() const { return scene_; }
+  /// The nearest hit of each ray; Embree's own conventions, but that masks need not be set.
+  void intersect(const Valid& valid, RTCRayHit16& rays, Rays kind) const;
+  void intersect(RTCRayHit& ray) const;
+  /// tfar is negative afterwards where something is in the way.
+  void occluded(const Valid& valid, RTCRay16& rays) const;
+  void occluded(RTCRay& ray) const;
 
  private:
   RTCDevice device_ = nullptr;

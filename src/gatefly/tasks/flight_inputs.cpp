@@ -50,12 +50,14 @@ Settings read_settings(const fs::path& directory) {
   return settings;
 }
 
-/// What fly says of its flight; nothing where the file is not there or damaged: it only bears witness.
-class Witness {
+/// What fly says of its flight; nothing where the file is not there or damaged: only checked against.
+class FlightSummary {
  public:
-  explicit Witness(const fs::path& directory) {
-    if (fs::exists(directory / kSummary))
-      summary_ = nlohmann::json::parse(io::read_file(directory / kSummary), nullptr, false);
+  explicit FlightSummary(const fs::path& directory) {
+    if (!fs::exists(directory / kSummary)) return;
+    summary_ = nlohmann::json::parse(io::read_file(directory / kSummary), nullptr, false);
+    if (summary_.contains("config"))
+      summary_["config"] = io::with_current_names(summary_["config"]);
   }
   /// Null where it says nothing.
   [[nodiscard]] nlohmann::json at(const std::string& pointer) const {
@@ -98,7 +100,7 @@ bool is_simulated(const fs::path& directory) {
 }
 
 void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
-  const Witness flown(directory);
+  const FlightSummary flown(directory);
   if (flown.at("/vision") == "ideal")  // what it saw was drawn and is not kept
     throw std::runtime_error(
         directory.string() +
@@ -143,7 +145,7 @@ std::optional<int> laps_of_flight(const fs::path& directory) {
 }
 
 std::string difference_in(const io::Config& config, const fs::path& directory) {
-  const Witness flown(directory);
+  const FlightSummary flown(directory);
   const nlohmann::json now = io::as_json(config);
   for (const auto& [section, keys] : now.items()) {
     if (section == "randomize") continue;  // the simulator's alone

@@ -84,8 +84,8 @@ struct LightConditions {
 /// How detections are drawn when no pictures are rendered.
 struct IdealVisionParams {
   std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
-  /// Part of the whole gates that are seen as from a place up to 3 m away.
-  double ghosts = 0.0;
+  /// Part of the whole gates that are outliers: seen as from a place up to 3 m away.
+  double outliers = 0.0;
   double false_alarms = 1.0;  ///< Times as many as the detector has.
 };
 

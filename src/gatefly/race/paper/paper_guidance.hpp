@@ -12,18 +12,9 @@
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/guidance.hpp"
 #include "gatefly/race/phase.hpp"
+#include "gatefly/race/race_params.hpp"
 
 namespace gatefly {
-
-/// The paper's outer loop. Its other numbers are LateralParams and AltitudeParams.
-struct PaperControlParams {
-  double pitch = -5.0 * kDegree;                ///< θ_0, all the way. [Li18 §4: -5° or -7°]
-  Eigen::Vector3d arc_drag{-0.53, -0.47, 0.0};  ///< k of Eq. (26) [1/s]. [Li18 code]
-  double speed_drag = -0.55;                    ///< k_x of the speed on entry [1/s]. [Li18 code]
-  double speed_time = 1.0;         ///< ... which is a mean over so long [s]. [Li18 code]
-  double arc_end = 3.0 * kDegree;  ///< A turn is done so near its heading. [Li18 code]
-  double take_off = 2.0;           ///< Climbs so long before the first straight [s]. [Li18 code]
-};
 
 /// The outer loop as flown: constant pitch, PD to the gate's axis, arcs open loop.
 ///

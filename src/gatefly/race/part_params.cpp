@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/race/pilot_config.hpp"
+#include "gatefly/race/part_params.hpp"
 
 #include <cmath>
 #include <stdexcept>

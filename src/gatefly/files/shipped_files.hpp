@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+// The tracks, configurations, cameras and vehicles that gatefly comes with.
+namespace gatefly::io {
+
+/// The folder share/gatefly with tracks/, configs/, cameras/ and vehicles/; empty when there is none.
+///
+/// Looked for above the program (or above Python's module), so that an installation works wherever
+/// it was put and the build folder has one of its own; then in $XDG_DATA_DIRS.
+[[nodiscard]] std::filesystem::path shipped_dir();
+
+/// A file by its path, here or in what gatefly comes with ("cameras/bebop.toml"), or by its name in
+/// `folder`: ./folder first, then what gatefly comes with.
+/// @throws std::runtime_error listing the names there are.
+[[nodiscard]] std::filesystem::path find_toml(const std::string& name, const std::string& folder);
+
+}  // namespace gatefly::io

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/math.hpp"
+
+// What lookout, course and guidance are told before take-off. The plan's and the phases' own numbers are
+// in path.hpp and phase.hpp.
+
+namespace gatefly {
+
+struct CameraTiming {
+  double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
+  double readout = 0.020;  ///< First to last upright column [s].
+};
+
+/// When a detection is the gate that is looked for. NIS: normalised innovation squared of its fix.
+struct SightParams {
+  /// NIS below which nothing better is looked for: 3 in 4 of the right ones. [chi-square, 3]
+  double convincing = 4.1;
+  /// NIS above which a second sighting has to agree: 1 in 20 of the right ones. [chi-square, 3]
+  double confirm_above = 7.8;
+  double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [ours]
+  double agree =
+      0.4;  ///< Two sightings from places nearer than this agree [m]. [ours: 66 ms apart]
+  /// Only nearer gates restart the position: errors of farther ones last for a second, so that they
+  /// agree with each other, too [m]. [ours]
+  double restart_within = 7.0;
+  /// The estimate may be off by this and still tell gates apart [m]. [ours]
+  double tell_apart = 1.5;
+  /// Below this confidence a detection counts where a gate is expected only. [ours]
+  double sure = 0.9;
+  double parts_from = 4.5;  ///< Nearer than this the upper bar may be cut off [m]. [ours]
+  /// Neighbouring pictures share their errors: a heading counts as one of so many. [ours]
+  double heading_repeats = 3.0;
+};
+
+struct CourseParams {
+  double back = 0.5, ahead = 0.8;  ///< The nearest point is looked for so far around the last [m].
+  double end = 1.5;    ///< A gate can be passed on the last part of the way to it only [m]. [ours]
+  double past = 0.10;  ///< So far behind its plane a gate is passed [m]. [Li18 code: 0.1-0.5]
+  double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [ours]
+};
+
+struct SpeedParams {
+  /// [rad/(m/s)] of speed error. [ours; paper: constant pitch]
+  double pitch_gain = 0.14;
+  double max_pitch = 14.0 * kDegree;   ///< Nose down.
+  double min_pitch = -12.0 * kDegree;  ///< As nose up: braking.
+  /// Roll starts this long before the curve [s]: INDI's lag. [ours]
+  double roll_lead = 0.16;
+  double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [ours]
+  /// From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
+  double settle = 1.3;
+  double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [ours]
+  /// Towards a gate that has not been seen from here [m/s]. [ours]
+  double unsure = 1.1;
+  double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [ours]
+  double unsure_after = 0.6;   ///< Not seen means: not for so long [s] ... [ours]
+  double unsure_sigma = 0.2;   ///< ... and more uncertain to the side than this [m]. [ours]
+  /// Of turn and correction together. [ours: INDI follows 40°]
+  double max_roll = 38.0 * kDegree;
+};
+
+/// Position hold: before take-off is done, while searching, while landing.
+struct HoldParams {
+  double stiffness = 0.9;     ///< [1/s²] [ours: with the damping ω 0.95, ζ 1]
+  double damping = 2.0;       ///< [1/s] [ours]
+  double integral = 0.25;     ///< [1/s³] [ours: 1° of tilt would hold it 0.2 m beside]
+  double max_integral = 0.5;  ///< [m/s²] [ours: 3° of tilt]
+  double max_distance = 1.0;  ///< Farther away pulls no more [m]. [ours]
+  double max_accel = 1.8;     ///< [m/s²] [ours: 10°]
+  double max_braking = 3.5;   ///< [m/s²] [ours: 1.7 m/s stop in 0.9 m, roll's lag included]
+  double brake_from = 1.5;    ///< Above this speed it brakes before it steers [m/s]. [ours]
+  double climb_until = 0.25;  ///< Nearer to the floor the drone only goes up [m]. [ours]
+};
+
+/// The paper's outer loop. Its other numbers are LateralParams and AltitudeParams.
+struct PaperControlParams {
+  double pitch = -5.0 * kDegree;                ///< θ_0, all the way. [Li18 §4: -5° or -7°]
+  Eigen::Vector3d arc_drag{-0.53, -0.47, 0.0};  ///< k of Eq. (26) [1/s]. [Li18 code]
+  double speed_drag = -0.55;                    ///< k_x of the speed on entry [1/s]. [Li18 code]
+  double speed_time = 1.0;         ///< ... which is a mean over so long [s]. [Li18 code]
+  double arc_end = 3.0 * kDegree;  ///< A turn is done so near its heading. [Li18 code]
+  double take_off = 2.0;           ///< Climbs so long before the first straight [s]. [Li18 code]
+};
+
+}  // namespace gatefly
