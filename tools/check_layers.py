@@ -14,7 +14,8 @@ SYSTEM = re.compile(r"\s*#\s*include\s+<([^>]+)>")
 QUOTED = re.compile(r'\s*#\s*include\s+"([^"]+)"')
 DEPENDS = re.compile(r"gatefly::(\w+)")
 FLIGHT = {"geometry", "sensing", "detection", "pose", "estimation", "control", "race"}
-PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report"}
+PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report",
+              "tasks", "simulated_race"}
 FORBIDDEN = {"sim": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
 # Stages of the detector, and who may include them: those who test or time them, or compare with the paper's detector.
 STAGE = re.compile(r'\s*#\s*include\s+"gatefly/detection/\w+/')
@@ -54,7 +55,7 @@ def violations():
 
 
 def passed_doors():
-    for source in sorted(path for folder in ("src", "apps", "tests") for path in (ROOT / folder).rglob("*.[ch]pp")):
+    for source in sorted(path for folder in ("src", "apps", "python", "tests") for path in (ROOT / folder).rglob("*.[ch]pp")):
         if source.relative_to(ROOT).as_posix().startswith(STAGES_FOR):
             continue
         for number, line in enumerate(source.read_text().splitlines(), 1):

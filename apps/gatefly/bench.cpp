@@ -261,7 +261,7 @@ int bench_all(const BenchOptions& options) {
                   measure(stages, rounds, interrupted));
   } else {
     say(0.0, "flying, for pictures");
-    const Race race = RaceMaker{options.race}.race(1);
+    const tasks::Race race = race_maker(options.race).race(1);
     const auto flight = std::make_shared<const RecordedFlight>(
         recorded_flight(race.config, options.quick ? 20 : 60, interrupted));
     if (interrupted()) return kInterrupted;

@@ -60,14 +60,14 @@ std::string clock_text(double seconds) {
 /// Flies seeds on several threads and keeps each summary in a file of its own.
 class Fleet {
  public:
-  Fleet(const RaceMaker& maker, CampaignFolder& folder, std::vector<std::uint64_t> seeds)
+  Fleet(const tasks::RaceMaker& maker, CampaignFolder& folder, std::vector<std::uint64_t> seeds)
       : maker_{maker}, folder_{folder}, seeds_{std::move(seeds)} {}
 
   /// @throws whatever a worker threw. Returns early after Ctrl-C: what has finished is kept.
   void fly(int jobs, bool quiet) {
     if (seeds_.empty()) return;
     // What all races share is made once, before several of them would make it at the same time.
-    const Race first = maker_.race(seeds_.front());
+    const tasks::Race first = maker_.race(seeds_.front());
     if (first.config.vision == closed_loop::Vision::kRendered) {
       const sim::SimConfig& s = first.config.sim;
       const sim::CameraRenderer bakes{s.world, s.camera,    s.light,
@@ -96,7 +96,7 @@ class Fleet {
   void work() {
     try {
       for (std::size_t i = next_++; i < seeds_.size() && !stop_ && !interrupted(); i = next_++) {
-        Race race = maker_.race(seeds_[i]);
+        tasks::Race race = maker_.race(seeds_[i]);
         race.config.sim.bake_threads = 1;
         const auto result =
             closed_loop::fly(race.config, [this](const Tick&) { return !stop_ && !interrupted(); });
@@ -126,7 +126,7 @@ class Fleet {
     return words;
   }
 
-  const RaceMaker& maker_;
+  const tasks::RaceMaker& maker_;
   CampaignFolder& folder_;
   std::vector<std::uint64_t> seeds_;
   std::atomic<std::size_t> next_{0};
@@ -165,8 +165,8 @@ int campaign(const CampaignOptions& options) {
       std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(options.runs - 1))
     throw std::runtime_error("--first-seed " + std::to_string(options.first_seed) + ": " +
                              std::to_string(options.runs) + " runs from there on have no seeds");
-  const RaceMaker maker(options.race);
-  const Race race = maker.race(options.first_seed);
+  const tasks::RaceMaker maker = race_maker(options.race);
+  const tasks::Race race = maker.race(options.first_seed);
   nlohmann::json arguments{{"track", race.identity.track},
                            {"track_toml", maker.inputs().at("track.toml")},
                            {"vision", race.identity.vision},

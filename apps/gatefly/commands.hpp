@@ -9,6 +9,7 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/output.hpp"
+#include "gatefly/tasks/arguments.hpp"
 
 #include "command_line.hpp"
 
@@ -54,9 +55,7 @@ struct CommandHere {
 [[nodiscard]] std::span<const CommandHere> commands_here();
 
 /// Flags that every subcommand has.
-struct CommonOptions {
-  std::vector<std::string> configs;   ///< --config, in order.
-  std::vector<std::string> settings;  ///< --set section.key=value, in order.
+struct CommonOptions : tasks::ConfigArguments {  // --config and --set
   bool quiet = false;
   bool force = false;  ///< --force, of those that write files.
 };
@@ -69,7 +68,7 @@ void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem:
                    const CommonOptions& options);
 
 /// What a configuration has to say, on stderr.
-void say_notes(const io::Config& config);
+void say_notes(const std::vector<std::string>& notes);
 
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
 [[nodiscard]] io::Config load(const CommonOptions& options);

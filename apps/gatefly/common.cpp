@@ -60,8 +60,8 @@ void add_common(Command& command, CommonOptions& options) {
   command.flag("-q,--quiet", options.quiet, "no progress, as few words as possible");
 }
 
-void say_notes(const io::Config& config) {
-  for (const std::string& note : config.notes) std::cerr << "gatefly: " << note << '\n';
+void say_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::cerr << "gatefly: " << note << '\n';
 }
 
 void add_force(Command& command, CommonOptions& options) {
@@ -78,8 +78,8 @@ void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem:
 }
 
 io::Config load(const CommonOptions& options) {
-  io::Config config = io::load_config(io::config_files(options.configs), options.settings);
-  say_notes(config);
+  io::Config config = tasks::load(options);
+  say_notes(config.notes);
   return config;
 }
 

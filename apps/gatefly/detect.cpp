@@ -23,9 +23,10 @@
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/video_reader.hpp"
+#include "gatefly/tasks/gates_in_picture.hpp"
+#include "gatefly/tasks/upright.hpp"
 
 #include "commands.hpp"
-#include "upright.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -69,19 +70,6 @@ void draw(const Image& image, const std::string& name, const std::vector<GateDet
   findings.drawings->write(drawing.filename().string(), io::annotated(image, gates).png());
 }
 
-/// Gates, best first; where there are none, or all are asked for, one that the border cuts.
-std::vector<GateDetection> gates_in(const Image& image, GateDetector& detector,
-                                    const PilotConfig& config, bool all) {
-  LookFor look_for{.gates = all ? LookFor::Gates::kAll : LookFor::Gates::kBest,
-                   .part = all ? LookFor::Part::kToo : LookFor::Part::kWithoutGate};
-  if (config.detector_mode == DetectorMode::kPaper || config.detector_mode == DetectorMode::kFlown)
-    look_for.part = LookFor::Part::kNo;  // two columns of a picture: no corners to answer with
-  const GatesInView view = detector.look(image, config.gate_color, look_for);
-  std::vector<GateDetection> gates(view.gates.begin(), view.gates.end());
-  if (view.part) gates.push_back(view.part->gate);
-  return gates;
-}
-
 /// Whether a picture has no colour anywhere, by every 5th pixel of every 5th line.
 bool is_grey(const Image& image) {
   constexpr int kEvery = 5, kNearGrey = 3;  // a grey JPEG's chroma is 128 to a level or two
@@ -96,7 +84,8 @@ bool is_grey(const Image& image) {
 void look_at(const Image& image, const std::string& name, const DetectOptions& options,
              const io::Config& config, GateDetector& detector, Findings& findings) {
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<GateDetection> gates = gates_in(image, detector, config.pilot, options.all);
+  const std::vector<GateDetection> gates =
+      tasks::gates_in_picture(image, detector, config.pilot, options.all);
   findings.seconds +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++findings.pictures;
@@ -159,7 +148,7 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   Findings findings;
   GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
-  Upright upright(config);
+  tasks::Upright upright(config);
   if (!options.annotate.empty()) {
     io::check_output_folder("--annotate", options.annotate);
     for (const fs::path& file : files)

@@ -50,7 +50,7 @@ std::string verdict(const closed_loop::RaceResult& r, const Eigen::Vector3d& las
          (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
 }
 
-void print_screen(const Race& race, const closed_loop::RaceResult& r,
+void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
                   const Eigen::Vector3d& last_p_EB, const fs::path& out, bool quiet) {
   std::cout << race.identity.track << ", seed " << race.identity.seed << ": "
             << verdict(r, last_p_EB) << '\n';
@@ -79,8 +79,8 @@ void print_screen(const Race& race, const closed_loop::RaceResult& r,
 
 /// gatefly fly: one closed-loop race. Exit 0 finished, 1 not, 2 unusable input, 130 Ctrl-C.
 int fly(const FlyOptions& options) {
-  const RaceMaker maker(options.race);
-  const Race race = maker.race(options.seed);
+  const tasks::RaceMaker maker = race_maker(options.race);
+  const tasks::Race race = maker.race(options.seed);
   const fs::path out = options.out.empty()
                            ? fs::path{"out"} / (fs::path{options.race.track}.stem().string() + "-" +
                                                 std::to_string(options.seed))

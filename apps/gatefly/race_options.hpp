@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 
-#include "gatefly/closed_loop/race.hpp"
-#include "gatefly/config/track_file.hpp"
-#include "gatefly/report/summary.hpp"
+#include "gatefly/simulated_race/race_maker.hpp"
 
 #include "commands.hpp"
 
@@ -24,31 +20,9 @@ struct RaceOptions {
 /// --laps, --vision and the flags that every subcommand has.
 void add_race_options(Command& command, RaceOptions& options);
 
-/// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
-/// Nothing drawn goes to the pilot.
-struct Race {
-  closed_loop::RaceConfig config;
-  io::RaceIdentity identity;
-};
-
-/// Reads track and configuration once, then makes the race of any seed.
-class RaceMaker {
- public:
-  /// @throws std::runtime_error one line: unreadable, not allowed, or a course that cannot be
-  ///     flown.
-  explicit RaceMaker(const RaceOptions& options);
-
-  [[nodiscard]] Race race(std::uint64_t seed) const;
-
-  /// What replay will need, by file name: flight_inputs.hpp.
-  [[nodiscard]] const std::map<std::string, std::string>& inputs() const { return inputs_; }
-
- private:
-  closed_loop::RaceConfig nominal_;
-  sim::Randomize randomize_;
-  io::RaceIdentity identity_;
-  std::map<std::string, std::string> inputs_;
-};
+/// The races that these options mean; says what the configuration has to say.
+/// @throws std::runtime_error one line, as RaceMaker does.
+[[nodiscard]] tasks::RaceMaker race_maker(const RaceOptions& options);
 
 /// "gatefly fly TRACK --seed N ..." that flies one of these races alone.
 [[nodiscard]] std::string fly_command(const RaceOptions& options, const std::string& seed);

@@ -22,10 +22,10 @@
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/tasks/upright.hpp"
 #include "gatefly/tuning/describe.hpp"
 
 #include "commands.hpp"
-#include "upright.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -84,7 +84,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
     ignored = gates_by_picture(io::read_labels(io::find_data(options.ignore, options.data)));
   std::unordered_set<std::string> contents, names;
   const std::vector<fs::path> files = all_files(options);
-  Upright upright(config);
+  tasks::Upright upright(config);
   for (const fs::path& path : files) {
     if (interrupted()) break;
     const std::string name = path.filename().string();

@@ -219,6 +219,39 @@ TEST(IdealRace, SameSeedSameBytesAndAnotherSeedAnotherFlight) {
   EXPECT_TRUE(one.frames.empty());
 }
 
+TEST(IdealRace, TickByTickItIsTheSameRace) {
+  const RaceConfig race = ideal_race_on("oval", 1003, 1);
+  const Trace whole = flown(race);
+  Flight flight{race}, beside{ideal_race_on("oval", 1004, 1)};
+  Trace steps;
+  while (flight.step()) {
+    beside.step();  // another race in between changes nothing
+    EXPECT_EQ(flight.tick().sensors.time.count(), whole.sensors[steps.answers.size()].time.count());
+    steps.answers.push_back(answer_of(flight.tick().command));
+  }
+  EXPECT_TRUE(same_bytes(steps.answers, whole.answers));
+  EXPECT_TRUE(flight.over());
+  EXPECT_FALSE(flight.step());
+  const RaceResult result = flight.result();
+  EXPECT_TRUE(result.finished);
+  EXPECT_EQ(result.stop_reason, whole.result.stop_reason);
+  EXPECT_EQ(result.lap_times, whole.result.lap_times);
+  EXPECT_EQ(result.estimation_rmse, whole.result.estimation_rmse);
+  EXPECT_EQ(result.flight_time, whole.result.flight_time);
+}
+
+TEST(IdealRace, WhatIsStoppedDoesNotGoOn) {
+  Flight flight{ideal_race_on("oval", 1003, 1)};
+  EXPECT_EQ(flight.tick().sensors.time.count(), 0);
+  EXPECT_TRUE(flight.step());
+  EXPECT_FALSE(flight.over());
+  flight.stop();
+  EXPECT_TRUE(flight.over());
+  EXPECT_FALSE(flight.step());
+  EXPECT_EQ(flight.result().stop_reason, "stopped");
+  EXPECT_FALSE(flight.result().finished);
+}
+
 TEST(IdealRace, ThePilotsStepAllocatesNothing) {
   RaceConfig race = ideal_race_on("oval", 1005, 3);
   race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <memory>
 #include <string>
 #include <variant>
 
@@ -16,6 +17,22 @@
 #include "gatefly/sim/referee.hpp"
 
 namespace gatefly::closed_loop {
+
+/// A flight, whichever simulator it is flown in.
+class AnyFlight {
+ public:
+  AnyFlight() = default;
+  virtual ~AnyFlight() = default;
+  AnyFlight(const AnyFlight&) = delete;
+  AnyFlight& operator=(const AnyFlight&) = delete;
+
+  virtual bool step() = 0;
+  [[nodiscard]] virtual Tick tick() const = 0;
+  virtual void stop() = 0;
+  [[nodiscard]] virtual bool over() const = 0;
+  [[nodiscard]] virtual RaceResult result() = 0;
+};
+
 namespace {
 
 constexpr double kPhysicsHz = 1024.0;  // the body takes at least so many steps a second
@@ -97,67 +114,102 @@ class Arena {
 };
 
 template <class Simulator>
-RaceResult fly_in(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick) {
-  Pilot pilot{config.pilot};
-  Arena<Simulator> arena{config};
-  SensorSuite suite{config.sim};
-  Logbook book{config};
-  Stopwatch step_watch{"pilot_step"}, image_watch{"pilot_step_with_image"}, camera_watch{"camera"},
-      physics_watch{"physics"};
-  RaceResult result;
-  const double cpu_start = cpu_seconds();
-  const auto wall_start = std::chrono::steady_clock::now();
-  const sim::BodyState& body = arena.simulator.body.state();
+class FlightIn final : public AnyFlight {
+ public:
+  explicit FlightIn(const RaceConfig& config) : config_{config} {}
 
-  Command command;
-  for (std::int64_t tick = 0; result.stop_reason.empty(); ++tick) {
+  bool step() override {
+    if (over()) return false;
     // The world moves on, the sensors look at it.
-    const double dt = suite.next_interval();
-    physics_watch.time([&] { arena.advance(command.motors, dt, pilot, suite, book, result); });
-    Sensors sensors = suite.read(tick, dt, arena.simulator, camera_watch);
-    if (config.sensors) config.sensors(sensors);
-    const bool looks = sensors.image || sensors.seen;
-    const double now = arena.simulator.body.time();
+    const double dt = suite_.next_interval();
+    physics_watch_.time(
+        [&] { arena_.advance(command_.motors, dt, pilot_, suite_, book_, result_); });
+    sensors_ = suite_.read(ticks_++, dt, arena_.simulator, camera_watch_);
+    if (config_.sensors) config_.sensors(sensors_);
+    looks_ = sensors_.image || sensors_.seen;
+    const double now = arena_.simulator.body.time();
 
     // The pilot thinks, the motors obey.
-    const std::uint64_t allocated = config.allocations ? config.allocations() : 0;
-    command = (looks ? image_watch : step_watch).time([&] { return pilot.step(sensors); });
-    if (config.allocations) result.step_allocations += config.allocations() - allocated;
+    const std::uint64_t allocated = config_.allocations ? config_.allocations() : 0;
+    command_ = (looks_ ? image_watch_ : step_watch_).time([&] { return pilot_.step(sensors_); });
+    if (config_.allocations) result_.step_allocations += config_.allocations() - allocated;
 
     // The books.
-    book.motors(command, now);
-    if (looks) book.looked(pilot, suite.camera().middle_pose(), arena.simulator.sight());
-    book.flown(pilot, body, now, !arena.referee.finished());
-    const auto picture = looks ? arena.simulator.picture() : std::span<const std::uint8_t>{};
-    const auto exposed = looks ? std::optional{suite.camera().start()} : std::nullopt;
-    if (on_tick && !on_tick({sensors, command, pilot, truth_of(body), picture, exposed}))
-      result.stop_reason = "stopped";
-    if (result.stop_reason.empty()) result.stop_reason = arena.verdict(pilot);
+    book_.motors(command_, now);
+    if (looks_) book_.looked(pilot_, suite_.camera().middle_pose(), arena_.simulator.sight());
+    book_.flown(pilot_, arena_.simulator.body.state(), now, !arena_.referee.finished());
+    if (result_.stop_reason.empty()) result_.stop_reason = arena_.verdict(pilot_);
+    return true;
   }
 
-  book.fill(result);
-  result.finished = arena.referee.finished();
-  result.landed = pilot.landed();
-  result.gates_total = arena.referee.total();
-  result.bake_seconds = arena.simulator.bake_seconds();
-  result.flight_time = arena.simulator.body.time();
-  if (result.stop_reason == "abort")
-    result.abort_reason = pilot.abort_reason() == AbortReason::kNone
-                              ? "landed before the last gate"
-                              : text_of(pilot.abort_reason());
-  result.cpu_seconds = cpu_seconds() - cpu_start;
-  result.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  result.timings = {step_watch.result(), image_watch.result(), camera_watch.result(),
-                    physics_watch.result()};
-  return result;
-}
+  [[nodiscard]] Tick tick() const override {
+    const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
+    const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
+    return {sensors_, command_, pilot_, truth_of(arena_.simulator.body.state()), picture, exposed};
+  }
+
+  void stop() override { result_.stop_reason = "stopped"; }
+  [[nodiscard]] bool over() const override { return !result_.stop_reason.empty(); }
+
+  [[nodiscard]] RaceResult result() override {
+    RaceResult result = result_;
+    book_.fill(result);
+    result.finished = arena_.referee.finished();
+    result.landed = pilot_.landed();
+    result.gates_total = arena_.referee.total();
+    result.bake_seconds = arena_.simulator.bake_seconds();
+    result.flight_time = arena_.simulator.body.time();
+    if (result.stop_reason == "abort")
+      result.abort_reason = pilot_.abort_reason() == AbortReason::kNone
+                                ? "landed before the last gate"
+                                : text_of(pilot_.abort_reason());
+    result.cpu_seconds = cpu_seconds() - cpu_start_;
+    result.wall_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start_).count();
+    result.timings = {step_watch_.result(), image_watch_.result(), camera_watch_.result(),
+                      physics_watch_.result()};
+    return result;
+  }
+
+ private:
+  RaceConfig config_;
+  Pilot pilot_{config_.pilot};
+  Arena<Simulator> arena_{config_};
+  SensorSuite suite_{config_.sim};
+  Logbook book_{config_};
+  Stopwatch step_watch_{"pilot_step"}, image_watch_{"pilot_step_with_image"},
+      camera_watch_{"camera"}, physics_watch_{"physics"};
+  RaceResult result_;  ///< As far as it is known.
+  double cpu_start_ = cpu_seconds();
+  std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
+  // Of the last tick.
+  Sensors sensors_;
+  Command command_;
+  bool looks_ = false;
+  std::int64_t ticks_ = 0;
+};
 
 }  // namespace
 
+Flight::Flight(const RaceConfig& config) {
+  if (config.vision == Vision::kIdeal)
+    flight_ = std::make_unique<FlightIn<IdealSimulator>>(config);
+  else
+    flight_ = std::make_unique<FlightIn<RenderedSimulator>>(config);
+}
+Flight::~Flight() = default;
+
+bool Flight::step() { return flight_->step(); }
+Tick Flight::tick() const { return flight_->tick(); }
+void Flight::stop() { flight_->stop(); }
+bool Flight::over() const { return flight_->over(); }
+RaceResult Flight::result() const { return flight_->result(); }
+
 RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick) {
-  return config.vision == Vision::kIdeal ? fly_in<IdealSimulator>(config, on_tick)
-                                         : fly_in<RenderedSimulator>(config, on_tick);
+  Flight flight{config};
+  while (flight.step())
+    if (on_tick && !on_tick(flight.tick())) flight.stop();
+  return flight.result();
 }
 
 }  // namespace gatefly::closed_loop

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,6 +65,36 @@ struct RaceResult {
   double bake_seconds = 0.0, wall_seconds = 0.0, cpu_seconds = 0.0;  ///< CPU without the bake.
   std::uint64_t step_allocations = 0;  ///< By Pilot::step, when counted (tests).
   std::vector<StageTime> timings;      ///< pilot, camera, physics, ...
+};
+
+class AnyFlight;
+
+/// One race, tick by tick: pilot against simulator, in lock-step. For who wants to look in between.
+///
+///   Flight flight{config};
+///   while (flight.step()) look_at(flight.tick());
+///   const RaceResult result = flight.result();
+class Flight {
+ public:
+  /// @throws std::invalid_argument when the pilot finds that the course cannot be flown.
+  explicit Flight(const RaceConfig& config);
+  ~Flight();
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  /// One IMU sample, one Pilot::step. False, and nothing happens, when the race is over.
+  bool step();
+  /// The last one; before the first step nothing is in it. Valid until the next.
+  [[nodiscard]] Tick tick() const;
+  /// Over now, for the reason "stopped".
+  void stop();
+  /// Finished, crashed, aborted, timed out or stopped.
+  [[nodiscard]] bool over() const;
+  /// What happened so far; its seconds of CPU and wall include what the caller did between ticks.
+  [[nodiscard]] RaceResult result() const;
+
+ private:
+  std::unique_ptr<AnyFlight> flight_;
 };
 
 /// Flies one race: pilot against simulator, in lock-step, until finished, crashed, aborted or timed

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "upright.hpp"
+#include "gatefly/tasks/upright.hpp"
 
 #include <stdexcept>
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::cli {
+namespace gatefly::tasks {
 
 Upright::Upright(const io::Config& config) : camera_deg_{config.camera.stored_rotation_deg} {
   const auto set = config.set_by.find("camera.stored_rotation_deg");
   if (set != config.set_by.end()) by_ = set->second == "--set" ? "as told" : set->second;
 }
 
-Image Upright::view(const io::ImageFile& file, const std::filesystem::path& path) {
+int Upright::rotation_deg(const io::ImageFile& file, const std::filesystem::path& path) {
   int degrees = 0;
   std::string by = by_;
   if (told() || io::is_raw(path)) {
@@ -30,7 +30,7 @@ Image Upright::view(const io::ImageFile& file, const std::filesystem::path& path
       degrees == 0 ? "taken as upright"
                    : "turned by " + std::to_string(degrees) + " degrees counter-clockwise";
   ++done_[what + (by.empty() ? "" : " (" + by + ")")];
-  return file.view(degrees);
+  return degrees;
 }
 
 std::string Upright::said() const {
@@ -40,4 +40,4 @@ std::string Upright::said() const {
   return io::joined(parts);
 }
 
-}  // namespace gatefly::cli
+}  // namespace gatefly::tasks

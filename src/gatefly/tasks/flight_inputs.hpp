@@ -9,15 +9,14 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
-
-#include "commands.hpp"
+#include "gatefly/tasks/arguments.hpp"
 
 // What a flight was flown with lies in its folder: `fly` puts it there, `replay` takes it from there.
-namespace gatefly::cli {
+namespace gatefly::tasks {
 
 /// Files of the folder by name: track and configurations as given, a fitted colour table, settings.
 /// @param config  what `options` load as.
-[[nodiscard]] std::map<std::string, std::string> flight_inputs(const CommonOptions& options,
+[[nodiscard]] std::map<std::string, std::string> flight_inputs(const ConfigArguments& options,
                                                                const io::Config& config,
                                                                const std::filesystem::path& track,
                                                                int laps);
@@ -30,7 +29,7 @@ void expect_whole(const std::filesystem::path& directory, const io::FlightFolder
 
 /// The configuration a flight was flown with, then the user's.
 [[nodiscard]] io::Config config_of_flight(const std::filesystem::path& directory,
-                                          const CommonOptions& user);
+                                          const ConfigArguments& user);
 
 /// nullopt where its settings do not say.
 [[nodiscard]] std::optional<int> laps_of_flight(const std::filesystem::path& directory);
@@ -40,4 +39,4 @@ void expect_whole(const std::filesystem::path& directory, const io::FlightFolder
 [[nodiscard]] std::string difference_in(const io::Config& config,
                                         const std::filesystem::path& directory);
 
-}  // namespace gatefly::cli
+}  // namespace gatefly::tasks

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight_inputs.hpp"
+#include "gatefly/tasks/flight_inputs.hpp"
 
 #include <charconv>
 #include <chrono>
@@ -11,7 +11,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::cli {
+namespace gatefly::tasks {
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,7 +75,7 @@ class FlightSummary {
 
 }  // namespace
 
-std::map<std::string, std::string> flight_inputs(const CommonOptions& options,
+std::map<std::string, std::string> flight_inputs(const ConfigArguments& options,
                                                  const io::Config& config, const fs::path& track,
                                                  int laps) {
   std::map<std::string, std::string> inputs{{kTrack, io::read_file(track)}};
@@ -122,7 +122,7 @@ void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
                              io::text_of(*seconds, 6) + " s (summary.json)");
 }
 
-io::Config config_of_flight(const fs::path& directory, const CommonOptions& user) {
+io::Config config_of_flight(const fs::path& directory, const ConfigArguments& user) {
   std::vector<fs::path> files;
   for (std::size_t i = 0; fs::exists(directory / config_name(i)); ++i)
     files.push_back(directory / config_name(i));
@@ -160,4 +160,4 @@ std::string difference_in(const io::Config& config, const fs::path& directory) {
   return "";
 }
 
-}  // namespace gatefly::cli
+}  // namespace gatefly::tasks

@@ -8,7 +8,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/image_file.hpp"
 
-namespace gatefly::cli {
+namespace gatefly::tasks {
 
 /// Makes stored pictures upright: by --rotate or a camera that was named; else a raw picture by the
 /// camera that it needs anyway, others by their EXIF; else they are upright.
@@ -18,9 +18,13 @@ class Upright {
   explicit Upright(const io::Config& config);
 
   [[nodiscard]] bool told() const { return !by_.empty(); }
+  /// How far to turn a picture counter-clockwise.
   /// @throws std::runtime_error when the picture's EXIF says that it is mirrored.
-  [[nodiscard]] Image view(const io::ImageFile& file, const std::filesystem::path& path);
-  /// "3 pictures turned by 90 degrees counter-clockwise (EXIF), 2 taken as upright".
+  [[nodiscard]] int rotation_deg(const io::ImageFile& file, const std::filesystem::path& path);
+  [[nodiscard]] Image view(const io::ImageFile& file, const std::filesystem::path& path) {
+    return file.view(rotation_deg(file, path));
+  }
+  /// "3 pictures turned by 90 degrees counter-clockwise (EXIF), 2 taken as upright": so far.
   [[nodiscard]] std::string said() const;
 
  private:
@@ -29,4 +33,4 @@ class Upright {
   std::map<std::string, int> done_{};  ///< What was done to how many pictures.
 };
 
-}  // namespace gatefly::cli
+}  // namespace gatefly::tasks

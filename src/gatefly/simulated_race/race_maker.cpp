@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/simulated_race/race_maker.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "gatefly/config/derived.hpp"
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/sim/randomize.hpp"
+#include "gatefly/tasks/flight_inputs.hpp"
+
+namespace gatefly::tasks {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path cache_dir() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return fs::path{cache} / "gatefly";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return fs::path{home} / ".cache" / "gatefly";
+  return fs::temp_directory_path() / "gatefly-cache";
+}
+
+void refuse_unflyable(const io::Config& config) {
+  if (config.gate.corners != "outer")
+    throw std::runtime_error("gate.corners = \"" + config.gate.corners +
+                             "\", must be \"outer\" to fly");
+  constexpr double kGravity = 9.81, kToSpare = 1.1;  // [with less no seed finishes the oval]
+  const io::VehicleDescription& v = config.vehicle;
+  const auto lifts = [&](double speed) {
+    return 4.0 * v.thrust_coefficient * speed * speed / kGravity;
+  };
+  const auto fail = [&](const char* key, double speed, const std::string& what) {
+    throw std::runtime_error("vehicle.mass_kg = " + io::text_of(v.mass) + ", but four rotors at " +
+                             key + " = " + io::text_of(speed) + " lift " +
+                             io::text_of(lifts(speed), 3) +
+                             " kg (vehicle.thrust_coefficient): " + what);
+  };
+  if (lifts(v.max_speed) < kToSpare * v.mass)
+    fail("vehicle.max_rotor_radps", v.max_speed, "must be a tenth more than its mass to fly");
+  if (lifts(v.min_speed) >= v.mass)
+    fail("vehicle.min_rotor_radps", v.min_speed, "must be less than its mass to come down");
+}
+
+}  // namespace
+
+RaceMaker::RaceMaker(const RaceArguments& given) {
+  ConfigArguments arguments = given.config;
+  // The simulated sensor is always mounted turned, whichever way the camera's own is.
+  constexpr int kSimulated = 90;
+  if (load(arguments).camera.stored_rotation_deg != kSimulated)
+    arguments.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
+  io::Config config = load(arguments);
+  refuse_unflyable(config);
+  const fs::path path = io::find_track(given.track);
+  io::TrackFile file = io::read_track(path, config.gate);
+  config = io::on_course(std::move(config), file);
+  if (given.laps) file.track.laps = *given.laps;
+
+  nominal_.vision =
+      given.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
+  nominal_.timeout = config.sim.timeout;
+  nominal_.pilot = config.pilot;
+  nominal_.pilot.track = file.track;
+  nominal_.sim = io::simulator_config(config, file);
+  nominal_.sim.cache_dir = cache_dir();
+  randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
+
+  identity_ = {.track = file.track.name,
+               .seed = 0,
+               .vision = given.vision,
+               .version = GATEFLY_VERSION,
+               .config = io::as_json(config)};
+  for (const auto& key : io::randomize_keys())
+    identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
+  identity_.config["laps"] = file.track.laps;
+
+  inputs_ = flight_inputs(arguments, config, path, file.track.laps);
+
+  // Whether there is a way at all, before anything is written or rendered.
+  try {
+    const Pilot plans{nominal_.pilot};
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
+  }
+  notes_ = config.notes;
+}
+
+Race RaceMaker::race(std::uint64_t seed) const {
+  Race race{nominal_, identity_};
+  race.config.sim = sim::drawn(nominal_.sim, randomize_, seed);
+  race.identity.seed = seed;
+  return race;
+}
+
+}  // namespace gatefly::tasks

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/report/summary.hpp"
+#include "gatefly/tasks/arguments.hpp"
+
+namespace gatefly::tasks {
+
+/// What one is told about a race, but its seed.
+struct RaceArguments {
+  ConfigArguments config;
+  std::string track = "showroom";   ///< A name in tracks/ or a file.
+  std::string vision = "rendered";  ///< Or "ideal".
+  std::optional<int> laps;          ///< Instead of the track's own number.
+};
+
+/// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
+/// Nothing drawn goes to the pilot.
+struct Race {
+  closed_loop::RaceConfig config;
+  io::RaceIdentity identity;
+};
+
+/// Reads track and configuration once, then makes the race of any seed.
+class RaceMaker {
+ public:
+  /// @throws std::runtime_error one line: unreadable, not allowed, or a course that cannot be
+  ///     flown.
+  explicit RaceMaker(const RaceArguments& given);
+
+  [[nodiscard]] Race race(std::uint64_t seed) const;
+
+  /// What replay will need, by file name: tasks/flight_inputs.hpp.
+  [[nodiscard]] const std::map<std::string, std::string>& inputs() const { return inputs_; }
+  /// What the configuration has to say to its user.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  closed_loop::RaceConfig nominal_;
+  sim::Randomize randomize_;
+  io::RaceIdentity identity_;
+  std::map<std::string, std::string> inputs_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace gatefly::tasks

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gatefly/config/config.hpp"
+
+namespace gatefly::tasks {
+
+/// What every task is told of its configuration.
+struct ConfigArguments {
+  std::vector<std::string> configs;   ///< Files or names in configs/, the later wins.
+  std::vector<std::string> settings;  ///< "section.key=value", after all files.
+};
+
+/// configs/default.toml, then the configurations, then the settings.
+/// @throws std::runtime_error one line.
+[[nodiscard]] inline io::Config load(const ConfigArguments& arguments) {
+  return io::load_config(io::config_files(arguments.configs), arguments.settings);
+}
+
+}  // namespace gatefly::tasks

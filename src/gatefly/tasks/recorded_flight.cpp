@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/tasks/recorded_flight.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "gatefly/config/derived.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/files/pictures.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/tasks/flight_inputs.hpp"
+
+namespace gatefly::tasks {
+
+namespace fs = std::filesystem;
+
+RecordedFlight read_flight(const ReplayArguments& arguments) {
+  RecordedFlight flight;
+  const fs::path directory = io::find_data(arguments.directory, arguments.data);
+  flight.folder = io::read_flight_folder(directory);
+  flight.simulated = is_simulated(directory);
+  if (flight.simulated) {
+    expect_whole(directory, flight.folder);
+    flight.config = config_of_flight(directory, arguments.config);
+  } else {
+    ConfigArguments config = arguments.config;
+    config.configs.insert(config.configs.begin(), "flights");
+    flight.config = load(config);
+    flight.notes = flight.config.notes;
+  }
+  const fs::path track_path = !arguments.track.empty() ? io::find_track(arguments.track)
+                              : flight.simulated       ? directory / "track.toml"
+                                                       : io::find_track("flights");
+  const io::TrackFile track = io::read_track(track_path, flight.config.gate);
+  if (flight.simulated) flight.config = io::on_course(std::move(flight.config), track);
+  flight.pilot = flight.config.pilot;
+  flight.pilot.track = track.track;
+  if (flight.simulated)
+    flight.pilot.track.laps = laps_of_flight(directory).value_or(track.track.laps);
+
+  // A real log: heading from its own AHRS plus the offset to motion capture.
+  const auto& samples = flight.folder.samples;
+  if (!flight.simulated && samples.front().ahrs)
+    flight.pilot.track.start_heading =
+        wrap_angle(samples.front().ahrs->yaw + arguments.heading_offset_deg * kDegree);
+  flight.ticks = flight_log::ticks_of(flight.folder);
+  return flight;
+}
+
+flight_log::ReplayResult replayed(const RecordedFlight& flight, const ReplayArguments& arguments,
+                                  const std::function<void()>& on_picture) {
+  const auto load_picture = flight_log::picture_loader(
+      flight.folder, flight.config.camera.stored_width(), flight.config.camera.stored_height(),
+      flight.config.camera.stored_rotation_deg);
+  const auto watched = [&](std::size_t picture) {
+    if (on_picture) on_picture();
+    return load_picture(picture);
+  };
+  try {
+    return flight_log::replay(flight.pilot, flight.ticks, watched,
+                              arguments.estimator == "drag" ? flight_log::Estimator::kDrag
+                                                            : flight_log::Estimator::kImu15);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("the track cannot be flown: ") + error.what());
+  }
+}
+
+}  // namespace gatefly::tasks

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/recording.hpp"
+#include "gatefly/flight_log/replay.hpp"
+#include "gatefly/tasks/arguments.hpp"
+
+namespace gatefly::tasks {
+
+/// What one is told about a flight that is to be flown again.
+struct ReplayArguments {
+  ConfigArguments config;
+  std::string directory;  ///< log_si.csv, images.csv, pictures.
+  std::string track;      ///< Instead of the folder's own: a name or a file; "": none.
+  std::string data;       ///< Where a directory is looked for that is not here; "": default.
+  std::string estimator = "drag";  ///< Or "imu15": the classic inertial filter beside it.
+  /// Real logs: motion capture's heading minus the log's own [deg]; differs by flight.
+  double heading_offset_deg = 11.5;
+};
+
+/// A recorded flight, ready for the pilot.
+struct RecordedFlight {
+  io::Config config;
+  PilotConfig pilot;
+  io::FlightFolder folder;
+  std::vector<flight_log::RecordedTick> ticks;
+  bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
+  std::vector<std::string> notes;  ///< What the configuration has to say to its user.
+};
+
+/// @throws std::runtime_error one line: unreadable, damaged, not whole.
+[[nodiscard]] RecordedFlight read_flight(const ReplayArguments& arguments);
+
+/// Flies it again, by the pilot or the filter that was asked for.
+/// @param on_picture  called before each picture is read; may throw to stop; may be empty.
+/// @throws std::runtime_error one line: a picture cannot be read, the track cannot be flown.
+[[nodiscard]] flight_log::ReplayResult replayed(const RecordedFlight& flight,
+                                                const ReplayArguments& arguments,
+                                                const std::function<void()>& on_picture = {});
+
+}  // namespace gatefly::tasks

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "gatefly/flight_log/replay.hpp"
+#include "gatefly/tasks/recorded_flight.hpp"
+
+namespace gatefly::tasks {
+
+/// How many pictures of a set show the gate, and in how many of them it was found.
+struct Rate {
+  int shown = 0, found = 0;
+};
+
+/// The recorded pilot's estimates beside those that came out now.
+struct Comparison {
+  std::optional<std::size_t> first_other;  ///< Row from which on they are not the same to the bit.
+  bool told = false;                       ///< To be another pilot: by --config, --set, --track.
+};
+
+/// What is to be said about a flight that was flown again.
+struct ReplayReport {
+  int fixes = 0;  ///< Pictures that corrected the filter.
+  /// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
+  std::optional<Rate> labelled;
+  /// Against the geometry: where true position, the log's own attitude and the measured gate say
+  /// that the whole gate is in the picture.
+  std::optional<Rate> visible;
+  std::optional<Comparison> comparison;  ///< Where the log has the recorded pilot's estimates.
+  std::string why_no_fix;                ///< Many gates and no fix: why; "" where all is well.
+};
+
+[[nodiscard]] ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& arguments,
+                                     const flight_log::ReplayResult& result);
+
+/// What `gatefly replay --json` prints.
+[[nodiscard]] nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& arguments,
+                                     const flight_log::ReplayResult& result);
+
+/// "the same estimates, to the bit", or from where on they are others, and why.
+[[nodiscard]] std::string text_of(const Comparison& comparison, const RecordedFlight& flight);
+
+/// "predict", "corners", "bars": the column `source` of estimates.csv.
+[[nodiscard]] const char* name_of(Sighting::Source source);
+
+[[nodiscard]] std::string estimates_csv(const flight_log::ReplayResult& result);
+
+}  // namespace gatefly::tasks
