@@ -143,7 +143,8 @@ void declare_fly(Command& command) {
       "An ideal flight has no pictures: replay needs a rendered one.\n"
       "Exit code 0: finished; 1: not finished; 2: unusable arguments or track; 130: Ctrl-C.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
-  command.option("--seed", options->seed, "the day: what [randomize] draws").show_default();
+  command.option("--seed", options->seed, "random seed: the day that [randomize] draws")
+      .show_default();
   command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").path("DIR");
   command.flag("--video", options->video,
                "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");

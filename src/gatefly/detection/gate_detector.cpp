@@ -139,7 +139,7 @@ bool GateDetector::is_sure(const GateDetection& gate) const {
   return gate.fitness >= confidence_of(params_.sure_score);
 }
 
-// Of gates that are all beyond doubt, scores that differ by a picture's noise must not say which
+// Of gates that are all certain, scores that differ by a picture's noise must not say which
 // one is answered.
 GateDetections GateDetector::in_order(GateDetections gates, const Image& image) const {
   const Eigen::Vector2d middle{0.5 * (image.width() - 1), 0.5 * (image.height() - 1)};

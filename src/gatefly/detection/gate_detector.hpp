@@ -58,8 +58,8 @@ class GateDetector {
   GateDetector& operator=(GateDetector&&) noexcept;
   ~GateDetector();
 
-  /// Gates, in microseconds where they stand out, else by looking everywhere. Of several beyond
-  /// doubt the first is the one nearest to the middle of the picture.
+  /// Gates, in microseconds where they stand out, else by looking everywhere. Of several that are
+  /// certain the first is the one nearest to the middle of the picture.
   ///
   /// Keeps nothing from picture to picture. Allocates nothing.
   [[nodiscard]] GatesInView look(const Image& image, const ColorModel& color,

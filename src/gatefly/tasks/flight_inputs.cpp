@@ -83,7 +83,7 @@ std::map<std::string, std::string> flight_inputs(const ConfigArguments& options,
   for (const auto& given : io::config_files(options.configs))
     inputs[config_name(number++)] = io::read_file(given);
   const bool has_table = !config.gate.color_table.empty();
-  if (has_table) {  // whoever named it: here it lies beside the last configuration
+  if (has_table) {  // beside the last configuration, whichever file named it
     inputs[kColors] = io::read_file(config.gate.color_table);
     inputs[config_name(number)] = std::string{"[color]\ntable = \""} + kColors + "\"\n";
   }
