@@ -14,6 +14,7 @@ import unittest
 
 BUILD, SOURCE = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 CMAKE, CXX = sys.argv[3:5]
+CONFIGURE = (CMAKE, "-G", "Ninja")  # which building gatefly needs; a clean system has no make
 VERSION = re.search(r"project\(gatefly VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
 # Whoever includes one of these has all that is meant for others.
 DOORS = ("detection/gate_detector.hpp", "pose/gate_fix.hpp", "estimation/navigator.hpp", "race/pilot.hpp",
@@ -96,7 +97,7 @@ class Installed(unittest.TestCase):
         examples, build = next(self.prefix.rglob("examples")), self.folder / "found"
         for source, most in (("find_gates.cpp", 20), ("pilot_loop.cpp", 40)):
             self.assertLessEqual(len((examples / source).read_text().splitlines()), most)
-        run(CMAKE, "-S", examples, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={CXX}",
+        run(*CONFIGURE, "-S", examples, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={CXX}",
             "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
         run(CMAKE, "--build", build)
         self.expect_examples_to_work(build)
@@ -153,7 +154,7 @@ class Installed(unittest.TestCase):
                                                 "find_package(gatefly ${WANTED} REQUIRED)\n")
         major, minor, _ = VERSION.split(".")
         for wanted, code in ((f"{major}.{minor}", 0), (f"{major}.{int(minor) + 1}", 1)):
-            run(CMAKE, "-S", project, "-B", self.folder / "v", f"-DWANTED={wanted}", f"-DCMAKE_PREFIX_PATH={self.prefix}",
+            run(*CONFIGURE, "-S", project, "-B", self.folder / "v", f"-DWANTED={wanted}", f"-DCMAKE_PREFIX_PATH={self.prefix}",
                 f"-DCMAKE_CXX_COMPILER={CXX}", code=code)
 
     def test_as_a_part_of_another_project_it_is_the_flight_code_alone(self):
@@ -164,7 +165,7 @@ class Installed(unittest.TestCase):
             f"add_subdirectory({SOURCE} gatefly)\nadd_library(user user.cpp)\n"
             "target_link_libraries(user PRIVATE gatefly::gatefly)\n")
         (project / "user.cpp").write_text("#include <gatefly/race/pilot.hpp>\n")
-        run(CMAKE, "-G", "Ninja", "-S", project, "-B", project / "build", f"-DCMAKE_CXX_COMPILER={CXX}")
+        run(*CONFIGURE, "-S", project, "-B", project / "build", f"-DCMAKE_CXX_COMPILER={CXX}")
         targets = run(CMAKE, "--build", project / "build", "--target", "help")
         self.assertIn("libgatefly_race.a", targets)
         for other in ("gatefly_sim", "gatefly_config", "_test"):
