@@ -5,7 +5,8 @@
 #   tidy         clang-tidy 14 finds nothing in the flight code (.clang-tidy)
 #   sanitizers   the flight code's tests pass with address and undefined-behaviour sanitizers (preset asan)
 #   fuzzers      hostile pictures under sanitizers, seconds of libFuzzer where there is clang (tests/fuzz)
-#   no_simulator the program builds and works without MuJoCo and Embree
+#   no_simulator the program works without MuJoCo and Embree
+#   no_simulator_whole   the same, everything built anew for it; before a release
 set -uo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
@@ -13,13 +14,14 @@ format() { python3 tools/check_format.py; }
 tidy() { python3 tools/check_tidy.py; }
 fuzzers() { cmake --build build/release --target fuzzers && ctest --test-dir build/release -L fuzz -LE full --output-on-failure; }
 no_simulator() { tools/check_without_simulator.sh; }
+no_simulator_whole() { tools/check_without_simulator.sh --whole; }
 sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }
 
 failed=0
 TIMEFORMAT='%0R s, %0U s CPU'
 [[ $# -gt 0 ]] || set -- format tidy sanitizers fuzzers no_simulator
 for rule in "$@"; do
-  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator" >&2; exit 2 ;; esac
+  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole" >&2; exit 2 ;; esac
   log="$(mktemp)"
   took="$( { time "$rule" >"$log" 2>&1; echo "$?" >"$log.code"; } 2>&1 )"
   code="$(cat "$log.code")"
