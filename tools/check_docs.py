@@ -274,7 +274,7 @@ def positional_errors(command, word, page):
         return
     if command == "reproduce" and word not in experiments():
         yield f"there is no experiment {word}"
-    if command in {"fly", "campaign"} and not word.endswith(".toml") and f"tracks/{word}.toml" not in PATHS:
+    if command in {"fly", "campaign", "track"} and not word.endswith(".toml") and f"tracks/{word}.toml" not in PATHS:
         yield f"there is no track {word}"
     if command == "help" and word not in commands():
         yield f"there is no command {word}"

@@ -42,6 +42,7 @@ void declare_identify(Command& command);
 void declare_bench(Command& command);
 void declare_calibrate(Command& command);
 void declare_tune(Command& command);
+void declare_track(Command& command);
 
 /// A subcommand that is compiled into this program.
 struct CommandHere {

@@ -10,6 +10,7 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"fly", declare_fly},           CommandHere{"replay", declare_replay},
       CommandHere{"detect", declare_detect},     CommandHere{"score", declare_score},
       CommandHere{"campaign", declare_campaign}, CommandHere{"config", declare_config},
+      CommandHere{"track", declare_track},
   };
   return kHere;
 }

@@ -10,9 +10,9 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"replay", declare_replay}, CommandHere{"detect", declare_detect},
       CommandHere{"score", declare_score},   CommandHere{"calibrate", declare_calibrate},
       CommandHere{"tune", declare_tune},     CommandHere{"identify", declare_identify},
-      CommandHere{"config", declare_config}, CommandHere{"fly", nullptr},
-      CommandHere{"campaign", nullptr},      CommandHere{"reproduce", nullptr},
-      CommandHere{"bench", nullptr},
+      CommandHere{"config", declare_config}, CommandHere{"track", declare_track},
+      CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
+      CommandHere{"reproduce", nullptr},     CommandHere{"bench", nullptr},
   };
   return kHere;
 }

@@ -72,6 +72,7 @@ constexpr std::array kCommands{
     Listed{"reproduce", "the paper's figures and tables, \"paper | ours\""},
     Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights"},
     Listed{"bench", "the stage-by-stage cost, each beside its baseline"},
+    Listed{"track", "checks and draws a course: can it be flown, how long, how fast"},
     Listed{"config", "every configuration key with value, unit and source"},
 };
 

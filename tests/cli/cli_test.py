@@ -62,7 +62,8 @@ class Help(Cli):
     def test_help_of_the_program_and_every_command_has_an_example(self):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
-        for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune", "reproduce"):
+        for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune", "reproduce",
+                        "track"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -573,6 +574,69 @@ class Courses(Cli):
             result = self.run_it("fly", course, "--vision", "ideal", "--laps", "1", "--json", "--out", "flown-" + course.stem)
             self.assertIn(result.returncode, (0, 1), result.stderr)
             self.assertGreaterEqual(json.loads(result.stdout)["gates_passed"], 1, course)
+
+
+class CheckedCourse(Cli):
+    def track(self, *arguments, code=0):
+        result = self.run_it("track", *arguments, "--json")
+        self.assertEqual(result.returncode, code, result.stderr)
+        return json.loads(result.stdout)
+
+    def test_every_shipped_course_can_be_flown_at_the_wanted_clearance(self):
+        for path in sorted((ROOT / "tracks").glob("*.toml")):
+            with self.subTest(track=path.stem):
+                answer = self.track(path.stem)
+                self.assertTrue(answer["can_be_flown"])
+                self.assertGreaterEqual(answer["least_clearance_m"], answer["wanted_clearance_m"])
+                self.assertEqual([leg["to_gate"] for leg in answer["legs"][:answer["gates"]]], list(range(1, answer["gates"] + 1)))
+
+    def test_lengths_and_times_are_the_legs_own(self):
+        answer = self.track("showroom")
+        start, *laps = answer["legs"]
+        self.assertAlmostEqual(answer["lap_length_m"], sum(leg["length_m"] for leg in laps))
+        self.assertAlmostEqual(answer["race_length_m"], start["length_m"] + 3 * answer["lap_length_m"] - laps[-1]["length_m"])
+        self.assertAlmostEqual(answer["race_time_s"], start["time_s"] + 3 * answer["lap_time_s"] - laps[-1]["time_s"])
+        self.assertEqual(answer["tightest_radius_m"], min(leg["tightest_radius_m"] for leg in laps))
+
+    def test_a_straight_course_is_as_long_as_it_is(self):
+        answer = self.track(self.file("line.toml", "[[gates]]\nposition_m = [4.0, 0.0, -1.5]\n"), "--set", "control.speed_mps=2")
+        self.assertAlmostEqual(answer["race_length_m"], 4.0, places=3)
+        self.assertAlmostEqual(answer["race_time_s"], 2.0, places=3)
+        self.assertIsNone(answer["tightest_radius_m"])
+        self.assertIsNone(answer["lap_length_m"])
+
+    def test_the_screen_is_one_and_says_what_matters(self):
+        screen = self.run_it("track", "showroom").stdout
+        self.assertLessEqual(screen.count("\n"), 24)
+        self.assertTrue(screen.startswith("showroom: can be flown\n"))
+        for line in ("gates  ", "room  ", "lap  ", "race  ", "speed  ", "tightest turn  ", "shortest run-in  ", "least clearance  "):
+            self.assertIn("\n  " + line, screen)
+        self.assertEqual(self.run_it("track", "showroom", "--quiet").stdout, "showroom: can be flown\n")
+
+    def test_what_cannot_be_flown_is_exit_1_with_the_planners_reason(self):
+        impossible = ROOT / "tests" / "courses" / "impossible"
+        for name, reason in (("pole_in_gate", "obstacle 1 stands in the opening of gate 2"),
+                             ("wall_between_gates", "no way from gate 1 to gate 2: obstacle 1 is in the way")):
+            answer = self.track(impossible / (name + ".toml"), "--draw", name + ".png", code=1)
+            self.assertFalse(answer["can_be_flown"])
+            self.assertEqual(answer["reason"], reason)
+            self.assertTrue((self.folder / (name + ".png")).exists())
+        self.assertIn("has no exit", self.track("oval", "--set", "control.mode=paper", code=1)["reason"])
+
+    def test_what_cannot_be_read_is_exit_2(self):
+        self.assertIn("did you mean 'showroom'", self.refused("track", "showrom"))
+        self.assertIn("mine.toml:3: gate 1: side_m", self.refused("track", self.file("mine.toml", GATE + "side_m = -1\n")))
+        self.assertIn("TRACK", self.refused("track"))
+
+    def test_the_drawing_is_a_picture_and_replaces_its_own_kind_only(self):
+        for _ in range(2):
+            self.assertEqual(self.run_it("track", "oval", "--draw", "oval.png").returncode, 0)
+        self.assertEqual((self.folder / "oval.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        mine = self.file("mine.toml", GATE)
+        self.assertIn("mine.toml", self.refused("track", mine, "--draw", mine, "--force"))
+        self.file("notes.png", "mine\n")
+        self.assertIn("--force", self.refused("track", "oval", "--draw", "notes.png"))
+        self.assertEqual(self.run_it("track", "oval", "--draw", "notes.png", "--force").returncode, 0)
 
 
 class Vehicles(Cli):

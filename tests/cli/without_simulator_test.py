@@ -25,7 +25,7 @@ class WithoutSimulator(cli_test.Cli):
                                      f"gatefly {command}: this program was built without the simulator\n")
 
     def test_every_other_command_has_its_help(self):
-        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "config"):
+        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "config", "track"):
             with self.subTest(command=command):
                 result = self.run_it(command, "--help")
                 self.assertEqual((result.returncode, result.stderr), (0, ""))
@@ -35,6 +35,11 @@ class WithoutSimulator(cli_test.Cli):
         result = self.run_it("replay", self.flight(), "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertGreater(json.loads(result.stdout)["fixes"], 0)
+
+    def test_a_course_is_checked(self):
+        result = self.run_it("track", "oval", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue(json.loads(result.stdout)["can_be_flown"])
 
     def test_a_gate_is_found_and_scored(self):
         detections = self.folder / "detections.csv"

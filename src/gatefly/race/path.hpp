@@ -70,4 +70,17 @@ struct RacePlan {
 /// @throws std::invalid_argument naming the leg for which there is no way, and why.
 [[nodiscard]] RacePlan plan_race(const Track& track, const PlanParams& params);
 
+/// What a plan wants to fly on a segment [m/s].
+[[nodiscard]] double speed_on(const Segment& segment, const PlanParams& params);
+
+/// What a way comes nearest to.
+struct Clearance {
+  double distance = 0.0;  ///< From the body's outline; negative: touches [m].
+  std::string nearest;    ///< "a wall", "obstacle 2", "gate 1".
+};
+
+/// How near a leg comes to anything solid, as the planner measures it. @param from_gate  -1: the start.
+[[nodiscard]] Clearance clearance_of(const Path& path, const Track& track, const PlanParams& params,
+                                     int from_gate, int to_gate);
+
 }  // namespace gatefly

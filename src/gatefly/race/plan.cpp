@@ -78,6 +78,47 @@ double distance_to(const MapObstacle& box, const Eigen::Vector2d& p) {
   return (local.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm();
 }
 
+/// The nearest solid thing on a way, from its middle line.
+struct Nearest {
+  double distance = 1e9;  ///< [m]
+  int thing = -1;         ///< -1 a wall, then obstacles, then gates.
+};
+
+std::string name_of(const Nearest& nearest, const Track& track) {
+  const int obstacles = static_cast<int>(track.obstacles.size());
+  return nearest.thing < 0           ? std::string("a wall")
+         : nearest.thing < obstacles ? "obstacle " + std::to_string(nearest.thing + 1)
+                                     : "gate " + std::to_string(nearest.thing - obstacles + 1);
+}
+
+/// @param near_enough  looks no further once something is nearer than this [m].
+Nearest nearest_solid(const Track& track, const PlanParams& params, const Path& path, int from_gate,
+                      int to_gate, double near_enough) {
+  const double total = path.length();
+  Nearest nearest;
+  const auto consider = [&](double distance, int thing) {
+    if (distance < nearest.distance) nearest = {distance, thing};
+  };
+  const int obstacles = static_cast<int>(track.obstacles.size());
+  for (double s = 0.0; s <= total && nearest.distance >= near_enough; s += 0.1) {
+    const Eigen::Vector2d p = path.at(s).position;
+    const double height = -path.z_at(s);
+    consider((0.5 * track.room_size - (p - track.room_center).cwiseAbs()).minCoeff(), -1);
+    for (int i = 0; i < obstacles; ++i) {
+      const MapObstacle& obstacle = track.obstacles[static_cast<std::size_t>(i)];
+      if (obstacle.height > height - params.clearance) consider(distance_to(obstacle, p), i);
+    }
+    for (int g = 0; g < static_cast<int>(track.gates.size()); ++g) {
+      // The gates at the two ends are flown through; a little way off they are obstacles as well.
+      if ((g == from_gate && s < 0.8) || (g == to_gate && total - s < 0.8)) continue;
+      const MapGate& gate = track.gates[static_cast<std::size_t>(g)];
+      const MapObstacle frame{gate.p_EG.head<2>(), {0.1, gate.side}, gate.yaw_EG, 0.0};
+      consider(distance_to(frame, p), obstacles + g);
+    }
+  }
+  return nearest;
+}
+
 struct Candidate {
   Path path;
   double cost;
@@ -184,34 +225,9 @@ class Planner {
   };
 
   Room room_around(const Path& path, int from_gate, int to_gate) const {
-    const double total = path.length();
     const double wanted = params_.clearance + params_.body_radius;
-    double least = 1e9;
-    int what = -1;  // -1 a wall, then obstacles, then gates
-    const auto consider = [&](double distance, int thing) {
-      if (distance < least) least = distance, what = thing;
-    };
-    const int obstacles = static_cast<int>(track_.obstacles.size());
-    for (double s = 0.0; s <= total && least >= wanted; s += 0.1) {
-      const Eigen::Vector2d p = path.at(s).position;
-      const double height = -path.z_at(s);
-      consider((0.5 * track_.room_size - (p - track_.room_center).cwiseAbs()).minCoeff(), -1);
-      for (int i = 0; i < obstacles; ++i) {
-        const MapObstacle& obstacle = track_.obstacles[static_cast<std::size_t>(i)];
-        if (obstacle.height > height - params_.clearance) consider(distance_to(obstacle, p), i);
-      }
-      for (int g = 0; g < static_cast<int>(track_.gates.size()); ++g) {
-        // The gates at the two ends are flown through; a little way off they are obstacles as well.
-        if ((g == from_gate && s < 0.8) || (g == to_gate && total - s < 0.8)) continue;
-        const MapGate& gate = track_.gates[static_cast<std::size_t>(g)];
-        const MapObstacle frame{gate.p_EG.head<2>(), {0.1, gate.side}, gate.yaw_EG, 0.0};
-        consider(distance_to(frame, p), obstacles + g);
-      }
-    }
-    const std::string name = what < 0           ? std::string("a wall")
-                             : what < obstacles ? "obstacle " + std::to_string(what + 1)
-                                                : "gate " + std::to_string(what - obstacles + 1);
-    return {least - wanted, name};
+    const Nearest nearest = nearest_solid(track_, params_, path, from_gate, to_gate, wanted);
+    return {nearest.distance - wanted, name_of(nearest, track_)};
   }
 
   const Track& track_;
@@ -259,6 +275,17 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
         planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
   }
   return plan;
+}
+
+double speed_on(const Segment& segment, const PlanParams& params) {
+  if (segment.curvature == 0.0) return params.speed;
+  return std::min(params.speed, std::sqrt(params.max_lateral / std::abs(segment.curvature)));
+}
+
+Clearance clearance_of(const Path& path, const Track& track, const PlanParams& params,
+                       int from_gate, int to_gate) {
+  const Nearest nearest = nearest_solid(track, params, path, from_gate, to_gate, -1e9);
+  return {nearest.distance - params.body_radius, name_of(nearest, track)};
 }
 
 }  // namespace gatefly
