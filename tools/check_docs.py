@@ -235,10 +235,9 @@ def keys():
                 found["randomize." + key] = None
             level = re.search(r'randomize\.level".*?choices = \{([^}]*)\}', text, re.S)
             found["randomize.level"] = set(re.findall(r'"([^"]*)"', level[1])) if level else None
-        if file.stem == "track_file":
-            for section in ("room", "start"):
-                for key in re.findall(rf'\b{section}\.\w+\("(\w+)"', text) + re.findall(r'floor_point\(\w+, "(\w+)"', text):
-                    found.setdefault(f"{section}.{key}", None)
+        if file.stem == "track_keys":
+            for section, key in re.findall(r'\{"(room|start)", "(\w+)"', text):
+                found.setdefault(f"{section}.{key}", None)
     return found
 
 

@@ -42,7 +42,9 @@ void declare_identify(Command& command);
 void declare_bench(Command& command);
 void declare_calibrate(Command& command);
 void declare_tune(Command& command);
+void declare_new(Command& command);
 void declare_track(Command& command);
+void declare_doctor(Command& command);
 
 /// A subcommand that is compiled into this program.
 struct CommandHere {

@@ -10,7 +10,8 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"fly", declare_fly},           CommandHere{"replay", declare_replay},
       CommandHere{"detect", declare_detect},     CommandHere{"score", declare_score},
       CommandHere{"campaign", declare_campaign}, CommandHere{"config", declare_config},
-      CommandHere{"track", declare_track},
+      CommandHere{"new", declare_new},           CommandHere{"track", declare_track},
+      CommandHere{"doctor", declare_doctor},
   };
   return kHere;
 }

@@ -10,7 +10,8 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"replay", declare_replay}, CommandHere{"detect", declare_detect},
       CommandHere{"score", declare_score},   CommandHere{"calibrate", declare_calibrate},
       CommandHere{"tune", declare_tune},     CommandHere{"identify", declare_identify},
-      CommandHere{"config", declare_config}, CommandHere{"track", declare_track},
+      CommandHere{"config", declare_config}, CommandHere{"new", declare_new},
+      CommandHere{"track", declare_track},   CommandHere{"doctor", declare_doctor},
       CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
       CommandHere{"reproduce", nullptr},     CommandHere{"bench", nullptr},
   };

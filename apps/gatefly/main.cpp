@@ -72,7 +72,9 @@ constexpr std::array kCommands{
     Listed{"reproduce", "the paper's figures and tables, \"paper | ours\""},
     Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights"},
     Listed{"bench", "the stage-by-stage cost, each beside its baseline"},
+    Listed{"new", "a commented track, camera or configuration to start from"},
     Listed{"track", "checks and draws a course: can it be flown, how long, how fast"},
+    Listed{"doctor", "what is installed, which data is found, what to do about the rest"},
     Listed{"config", "every configuration key with value, unit and source"},
 };
 

@@ -63,7 +63,7 @@ class Help(Cli):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
         for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune", "reproduce",
-                        "track"):
+                        "track", "doctor", "new"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)
@@ -637,6 +637,112 @@ class CheckedCourse(Cli):
         self.file("notes.png", "mine\n")
         self.assertIn("--force", self.refused("track", "oval", "--draw", "notes.png"))
         self.assertEqual(self.run_it("track", "oval", "--draw", "notes.png", "--force").returncode, 0)
+
+
+class Doctor(Cli):
+    def doctor(self, *arguments, code=0, **variables):
+        result = self.run_it("doctor", *arguments, "--json", **variables)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        answer = json.loads(result.stdout)
+        return answer, {check["name"]: check for check in answer["checks"]}
+
+    def test_says_that_a_race_can_be_flown_and_leaves_nothing_behind(self):
+        answer, checks = self.doctor()
+        self.assertTrue(answer["can_fly"])
+        self.assertEqual(list(self.folder.iterdir()), [])
+        for name in ("simulator", "processor", "shipped files", "configuration", "track", "out folder"):
+            self.assertTrue(checks[name]["needed_to_fly"] and checks[name]["ok"], checks[name])
+        screen = self.run_it("doctor").stdout
+        self.assertIn(": a race can be flown\n", screen)
+        self.assertEqual(screen.count("\n  ok ") + screen.count("\n  missing "), len(checks))
+        self.assertEqual(screen.count("-> "), sum(not check["ok"] for check in checks.values()))
+
+    def test_data_is_where_the_variable_says(self):
+        (self.folder / "data" / "my_flights").mkdir(parents=True)
+        checks = self.doctor(GATEFLY_DATA=str(self.folder / "data"))[1]
+        self.assertTrue(checks["real data"]["found"].endswith("data: my_flights"))
+        missing = self.doctor(GATEFLY_DATA=str(self.folder / "nowhere"))[1]["real data"]
+        self.assertFalse(missing["ok"])
+        self.assertIn("$GATEFLY_DATA", missing["advice"])
+
+    def test_programs_that_are_not_there_are_missing_but_not_needed(self):
+        checks = self.doctor(PATH=str(self.folder))[1]
+        for name in ("ffmpeg", "Python module"):
+            self.assertEqual((checks[name]["ok"], checks[name]["needed_to_fly"]), (False, False))
+
+    def test_an_out_that_cannot_be_written_is_exit_1(self):
+        self.file("out", "a file\n")
+        answer, checks = self.doctor(code=1)
+        self.assertFalse(answer["can_fly"] or checks["out folder"]["ok"])
+        self.assertIn("for want of: out folder", self.run_it("doctor", "--quiet").stdout)
+
+    def test_a_configuration_that_does_not_load_is_named(self):
+        checks = self.doctor("--set", "camera.tilt_deg=900", code=1)[1]
+        self.assertIn("camera.tilt_deg = 900", checks["configuration"]["found"])
+
+    def test_a_program_without_its_files_is_told_where_they_belong(self):
+        lone = self.folder / "lone"
+        lone.mkdir()
+        shutil.copy(GATEFLY, lone)
+        result = subprocess.run([lone / "gatefly", "doctor", "--json"], cwd=lone, capture_output=True, text=True, check=False,
+                                env=dict(os.environ, XDG_DATA_DIRS=str(lone)), timeout=60)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        wrong = [check["name"] for check in json.loads(result.stdout)["checks"] if check["needed_to_fly"] and not check["ok"]]
+        self.assertEqual(wrong, ["shipped files", "configuration", "track"])
+
+
+class New(Cli):
+    def new(self, *arguments):
+        result = self.run_it("new", *arguments)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        return result.stdout
+
+    def test_a_new_track_can_be_flown_as_it_stands(self):
+        self.assertIn("gatefly track mine.toml", self.new("track", "mine.toml"))
+        answer = json.loads(self.run_it("track", "mine.toml", "--json").stdout)
+        self.assertTrue(answer["can_be_flown"])
+        self.assertGreaterEqual(answer["least_clearance_m"], answer["wanted_clearance_m"])
+        flown = self.run_it("fly", "mine.toml", "--vision", "ideal", "--json")
+        self.assertEqual(json.loads(flown.stdout)["gates_passed"], 4, flown.stderr)
+
+    def test_every_key_of_a_new_track_is_one_that_the_reader_knows(self):
+        # What may be left out is a comment "# key = value  # what"; box_m and pole_m exclude each other.
+        lines = self.new("track", "-").splitlines()
+        full = [line.removeprefix("# ") if " = " in line or "[gates.exit]" in line else line for line in lines]
+        for without in ("box_m", "pole_m"):
+            track = self.file("full.toml", "\n".join(line for line in full if not line.startswith(without)))
+            self.assertEqual(self.run_it("track", track).returncode, 0, self.run_it("track", track).stderr)
+        keys = tomllib.loads("\n".join(full))
+        self.assertEqual(set(keys), {"name", "laps", "start", "gates", "obstacles", "room", "randomize"})
+        self.assertEqual(set(keys["gates"][0]), {"position_m", "heading_deg", "side_m", "bar_m", "color", "exit"})
+        self.assertIn("gate_position_m", keys["randomize"])
+        for line in lines:
+            if " = " in line:
+                self.assertRegex(line, r"  # \w|^(position_m|heading_deg) =|control.mode")
+
+    def test_a_new_camera_and_configuration_change_nothing(self):
+        defaults = self.run_it("config", "--json").stdout
+        for kind in ("camera", "config"):
+            self.new(kind)
+            self.assertEqual(self.run_it("config", "--json", "--config", kind + ".toml").stdout, defaults)
+        self.assertEqual(list(tomllib.loads(self.new("camera", "-"))), ["camera"])
+        sections = tomllib.loads(self.new("config", "-"))
+        sections.setdefault("randomize", {})
+        self.assertEqual({name: set(keys) for name, keys in sections.items()},
+                         {name: set(keys) for name, keys in json.loads(defaults).items()})
+
+    def test_a_file_that_is_there_stays_without_force(self):
+        self.new("track", "mine.toml")
+        for content in ("mine\n", "", (self.folder / "mine.toml").read_text(encoding="utf-8")):
+            self.file("mine.toml", content)
+            self.assertIn("mine.toml: is there already (--force replaces it)", self.refused("new", "track", "mine.toml"))
+            self.assertEqual((self.folder / "mine.toml").read_text(encoding="utf-8"), content)
+        self.new("track", "mine.toml", "--force")
+        self.assertEqual((self.folder / "mine.toml").read_text(encoding="utf-8"), self.new("track", "-"))
+
+    def test_what_is_no_kind_and_no_place_is_refused(self):
+        self.assertIn("{track,camera,config}", self.refused("new", "drone"))
+        self.assertIn("KIND", self.refused("new"))
 
 
 class Vehicles(Cli):

@@ -25,7 +25,7 @@ class WithoutSimulator(cli_test.Cli):
                                      f"gatefly {command}: this program was built without the simulator\n")
 
     def test_every_other_command_has_its_help(self):
-        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "config", "track"):
+        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "config", "track", "doctor", "new"):
             with self.subTest(command=command):
                 result = self.run_it(command, "--help")
                 self.assertEqual((result.returncode, result.stderr), (0, ""))
@@ -40,6 +40,12 @@ class WithoutSimulator(cli_test.Cli):
         result = self.run_it("track", "oval", "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertTrue(json.loads(result.stdout)["can_be_flown"])
+
+    def test_the_doctor_says_that_the_simulator_is_missing(self):
+        result = self.run_it("doctor", "--json")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        lacking = [check["name"] for check in json.loads(result.stdout)["checks"] if check["needed_to_fly"] and not check["ok"]]
+        self.assertIn("simulator", lacking)
 
     def test_a_gate_is_found_and_scored(self):
         detections = self.folder / "detections.csv"

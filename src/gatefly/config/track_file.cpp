@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/config/track_keys.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
@@ -19,8 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFarthest = 1000.0;  // [m] from the origin
-constexpr double kLowestBar = 0.05;   // [m] above the floor: a gate stands on a foot plate.
+constexpr double kLowestBar = 0.05;  // [m] above the floor: a gate stands on a foot plate.
 constexpr int kMaxGates = 200, kMaxObstacles = 1000;
 
 /// Linear-light albedos of painted wood and cloth. [ours]
@@ -38,14 +38,42 @@ std::string counted(const char* what, std::size_t index) {
   return std::string{what} + " " + std::to_string(index + 1);
 }
 
-double heading(Table& table, const char* key = "heading_deg") {
-  return wrap_angle(table.number(key, -720, 720, 0.0) * kDegree);
-}
+/// One [section] of the file: its keys and their bounds are those of track_keys().
+class Section {
+ public:
+  Section(Table table, const char* name) : table_{std::move(table)}, name_{name} {}
 
-Eigen::Vector2d floor_point(Table& table, const char* key) {
-  const auto p = table.numbers(key, 2, -kFarthest, kFarthest);
-  return {p[0], p[1]};
-}
+  [[nodiscard]] Table& table() { return table_; }
+  [[nodiscard]] bool has(const char* key) { return table_.has(rule(key).name); }
+  double number(const char* key) { return table_.number(key, rule(key).low, rule(key).high); }
+  double number(const char* key, double fallback) {
+    return table_.number(key, rule(key).low, rule(key).high, fallback);
+  }
+  int integer(const char* key, int fallback) {
+    return table_.integer(key, static_cast<int>(rule(key).low), static_cast<int>(rule(key).high),
+                          fallback);
+  }
+  std::vector<double> numbers(const char* key, std::size_t count) {
+    return table_.numbers(key, count, rule(key).low, rule(key).high);
+  }
+  std::string text(const char* key, const std::string& fallback) {
+    return table_.text(rule(key).name, fallback);
+  }
+  const json& raw(const char* key) { return table_.raw(rule(key).name); }
+  Eigen::Vector2d floor_point(const char* key) {
+    const auto p = numbers(key, 2);
+    return {p[0], p[1]};
+  }
+  double heading() { return wrap_angle(number("heading_deg", 0.0) * kDegree); }
+  [[noreturn]] void fail(const char* key, const std::string& what) const { table_.fail(key, what); }
+  void refuse_others() const { table_.refuse_others(); }
+
+ private:
+  [[nodiscard]] const TrackKey& rule(const char* key) const { return track_key(name_, key); }
+
+  Table table_;
+  const char* name_;
+};
 
 /// The albedo that a camera shows as this sRGB colour; of the generic orange the painted one.
 Eigen::Vector3d albedo_of(const Eigen::Vector3d& rgb) {
@@ -54,11 +82,11 @@ Eigen::Vector3d albedo_of(const Eigen::Vector3d& rgb) {
       [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); });
 }
 
-Eigen::Vector3d read_color(Table& gate, const GateDescription& defaults) {
+Eigen::Vector3d read_color(Section& gate, const GateDescription& defaults) {
   const json& value = gate.raw("color");
   if (value.is_null()) return albedo_of(defaults.rgb);
   if (value.is_array()) {
-    const auto rgb = gate.numbers("color", 3, 0, 1);
+    const auto rgb = gate.table().numbers("color", 3, 0, 1);
     return {rgb[0], rgb[1], rgb[2]};
   }
   std::vector<std::string> names;
@@ -71,23 +99,23 @@ Eigen::Vector3d read_color(Table& gate, const GateDescription& defaults) {
 
 std::optional<GateExit> read_exit(Table& gate) {
   if (!gate.has("exit")) return std::nullopt;
-  Table table = gate.table("exit");
-  GateExit exit{.run = table.number("run_m", 0, 100)};
+  Section table{gate.table("exit"), "exit"};
+  GateExit exit{.run = table.number("run_m")};
   const std::string turn = table.text("turn", "left");
   if (turn != "left" && turn != "right") table.fail("turn", "\"left\" or \"right\"");
-  exit.angle = table.number("angle_deg", 0, 360) * kDegree * (turn == "left" ? -1.0 : 1.0);
-  exit.radius = table.number("radius_m", 0.3, 100);
+  exit.angle = table.number("angle_deg") * kDegree * (turn == "left" ? -1.0 : 1.0);
+  exit.radius = table.number("radius_m");
   table.refuse_others();
   return exit;
 }
 
-void read_gate(Table table, const GateDescription& defaults, TrackFile& track) {
-  const auto p = table.numbers("position_m", 3, -kFarthest, kFarthest);
-  const double yaw = heading(table);
-  const double side = table.number("side_m", 0.3, 5, defaults.side);
-  const double bar = table.number("bar_m", 0.005, 1, defaults.bar);
+void read_gate(Section table, const GateDescription& defaults, TrackFile& track) {
+  const auto p = table.numbers("position_m", 3);
+  const double yaw = table.heading();
+  const double side = table.number("side_m", defaults.side);
+  const double bar = table.number("bar_m", defaults.bar);
   const Eigen::Vector3d color = read_color(table, defaults);
-  const auto exit = read_exit(table);
+  const auto exit = read_exit(table.table());
   table.refuse_others();
 
   if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
@@ -107,18 +135,18 @@ void read_gate(Table table, const GateDescription& defaults, TrackFile& track) {
       {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
 }
 
-void read_obstacle(Table table, TrackFile& track) {
+void read_obstacle(Section table, TrackFile& track) {
   sim::WorldBox box;
-  box.center = floor_point(table, "position_m");
-  box.heading = heading(table);
+  box.center = table.floor_point("position_m");
+  box.heading = table.heading();
   box.pole = table.has("pole_m");
   if (box.pole && table.has("box_m")) table.fail("pole_m", "left out where box_m is given");
   if (box.pole) {
-    const auto pole = table.numbers("pole_m", 2, 0.005, 100);
+    const auto pole = table.numbers("pole_m", 2);
     box.size = {2 * pole[0], 2 * pole[0]};
     box.top = pole[1];
   } else {
-    const auto size = table.numbers("box_m", 3, 0.01, 100);
+    const auto size = table.numbers("box_m", 3);
     box.size = {size[0], size[1]};
     box.top = size[2];
   }
@@ -131,12 +159,12 @@ void read_obstacle(Table table, TrackFile& track) {
 void read_room(Table& file_table, TrackFile& track) {
   sim::World& world = track.world;
   if (file_table.has("room")) {
-    Table room = file_table.table("room");
+    Section room{file_table.table("room"), "room"};
     if (room.has("size_m")) {
-      const auto size = room.numbers("size_m", 3, 1, kFarthest);
+      const auto size = room.numbers("size_m", 3);
       world.room_size = {size[0], size[1], size[2]};
     }
-    if (room.has("center_m")) world.room_center = floor_point(room, "center_m");
+    if (room.has("center_m")) world.room_center = room.floor_point("center_m");
     world.look = room.text("look", world.look);
     if (world.look != "hall" && world.look != "showroom")
       room.fail("look", "\"hall\" or \"showroom\"");
@@ -149,9 +177,9 @@ void read_room(Table& file_table, TrackFile& track) {
 
 void read_start(Table& file_table, TrackFile& track) {
   if (!file_table.has("start")) return;
-  Table start = file_table.table("start");
-  track.start.position = floor_point(start, "position_m");
-  track.start.heading = heading(start);
+  Section start{file_table.table("start"), "start"};
+  track.start.position = start.floor_point("position_m");
+  track.start.heading = start.heading();
   start.refuse_others();
   track.track.start = track.start.position;
   track.track.start_heading = track.start.heading;
@@ -205,19 +233,20 @@ const json& list_of(Table& table, const char* key, std::size_t least, std::size_
 
 TrackFile read_track(const std::filesystem::path& path, const GateDescription& defaults) {
   const TomlFile file(path);
-  Table table(file);
+  Section top{Table(file), ""};
+  Table& table = top.table();
 
   TrackFile track;
-  track.track.name = table.text("name", path.stem().string());
-  track.track.laps = table.integer("laps", 1, 100, 1);
+  track.track.name = top.text("name", path.stem().string());
+  track.track.laps = top.integer("laps", 1);
   read_room(table, track);
   read_start(table, track);
   const std::size_t gates = list_of(table, "gates", 1, kMaxGates).size();
   for (std::size_t i = 0; i < gates; ++i)
-    read_gate(table.item("gates", i, counted("gate", i)), defaults, track);
+    read_gate({table.item("gates", i, counted("gate", i)), "gates"}, defaults, track);
   const std::size_t obstacles = list_of(table, "obstacles", 0, kMaxObstacles).size();
   for (std::size_t i = 0; i < obstacles; ++i)
-    read_obstacle(table.item("obstacles", i, counted("obstacle", i)), track);
+    read_obstacle({table.item("obstacles", i, counted("obstacle", i)), "obstacles"}, track);
 
   json randomize = table.raw("randomize");
   if (randomize.is_null()) randomize = json::object();

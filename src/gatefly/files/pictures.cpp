@@ -2,12 +2,12 @@
 #include "gatefly/files/pictures.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <system_error>
 
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
@@ -57,8 +57,7 @@ fs::path find_data(const fs::path& path, const std::string& data) {
   if (!data.empty() && !fs::is_directory(data, error))
     throw std::runtime_error("--data " + data + ": there is no such folder");
   if (path.is_absolute() || fs::exists(path, error)) return path;
-  const char* variable = std::getenv("GATEFLY_DATA");
-  const fs::path folder = !data.empty() ? data : variable != nullptr ? variable : "../shared/data";
+  const fs::path folder = !data.empty() ? fs::path{data} : data_folder();
   return fs::exists(folder / path, error) ? folder / path : path;
 }
 

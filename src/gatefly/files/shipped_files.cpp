@@ -55,6 +55,19 @@ fs::path shipped_dir() {
   return {};
 }
 
+fs::path cache_dir() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return fs::path{cache} / "gatefly";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return fs::path{home} / ".cache" / "gatefly";
+  return fs::temp_directory_path() / "gatefly-cache";
+}
+
+fs::path data_folder() {
+  const char* variable = std::getenv("GATEFLY_DATA");
+  return variable != nullptr ? variable : "../shared/data";
+}
+
 fs::path find_toml(const std::string& name, const std::string& folder) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-// The tracks, configurations, cameras and vehicles that gatefly comes with.
+// The tracks, configurations, cameras and vehicles that gatefly comes with, and the folders it uses.
 namespace gatefly::io {
 
 /// The folder share/gatefly with tracks/, configs/, cameras/ and vehicles/; empty when there is none.
@@ -12,6 +12,12 @@ namespace gatefly::io {
 /// Looked for above the program (or above Python's module), so that an installation works wherever
 /// it was put and the build folder has one of its own; then in $XDG_DATA_DIRS.
 [[nodiscard]] std::filesystem::path shipped_dir();
+
+/// Where what was computed once is kept: gatefly/ in $XDG_CACHE_HOME, else in ~/.cache.
+[[nodiscard]] std::filesystem::path cache_dir();
+
+/// Where real data is looked for: $GATEFLY_DATA, else the sibling folder ../shared/data.
+[[nodiscard]] std::filesystem::path data_folder();
 
 /// A file by its path, here or in what gatefly comes with ("cameras/bebop.toml"), or by its name in
 /// `folder`: ./folder first, then what gatefly comes with.

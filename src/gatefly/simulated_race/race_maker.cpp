@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/simulated_race/race_maker.hpp"
 
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/sim/randomize.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
@@ -16,14 +16,6 @@ namespace gatefly::tasks {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path cache_dir() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  if (cache != nullptr && *cache != '\0') return fs::path{cache} / "gatefly";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && *home != '\0') return fs::path{home} / ".cache" / "gatefly";
-  return fs::temp_directory_path() / "gatefly-cache";
-}
 
 void refuse_unflyable(const io::Config& config) {
   if (config.gate.corners != "outer")
@@ -67,7 +59,7 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
   nominal_.sim = io::simulator_config(config, file);
-  nominal_.sim.cache_dir = cache_dir();
+  nominal_.sim.cache_dir = io::cache_dir();
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
   identity_ = {.track = file.track.name,

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/config/track_keys.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/randomize.hpp"
+#include "gatefly/files/toml_file.hpp"
+
+namespace gatefly::io {
+namespace {
+
+constexpr double kFarthest = 1000.0;  // [m] from the origin
+
+std::string line(const std::string& name, const std::string& value, const std::string& what,
+                 bool left_out) {
+  std::ostringstream text;
+  text << std::left << std::setw(38) << (left_out ? "# " : "") + name + " = " + value << "  # "
+       << what << '\n';
+  return text.str();
+}
+
+std::string section_lines(std::string_view section) {
+  std::string text;
+  const bool left_out = section == "exit";
+  for (const TrackKey& key : track_keys())
+    if (key.section == section)
+      text += line(key.name, key.example, key.what, key.left_out || left_out);
+  return text;
+}
+
+std::string randomize_lines() {
+  const sim::Randomize race = randomized({}, {{"level", "race"}}, "");
+  std::string text = line("level", "\"race\"", "none, race or hard", false);
+  for (const auto& key : randomize_keys())
+    text += line(key.rule.name.substr(key.rule.name.find('.') + 1), shown(key.get(race)),
+                 key.rule.what, true);
+  return text;
+}
+
+}  // namespace
+
+const std::vector<TrackKey>& track_keys() {
+  static const std::vector<TrackKey> keys{
+      {"", "name", "\"my course\"", "as it is called in results"},
+      {"", "laps", "2", "1..100", 1, 100},
+      {"start", "position_m", "[0.0, 0.0]", "north, east; on the floor", -kFarthest, kFarthest},
+      {"start", "heading_deg", "0.0", "clockwise from north", -720, 720},
+      {"gates", "position_m", "[4.0, 0.0, -1.5]", "centre of the opening: north, east, down",
+       -kFarthest, kFarthest},
+      {"gates", "heading_deg", "0.0", "direction of flight through it, clockwise from north", -720,
+       720},
+      {"gates", "side_m", "1.0", "outer side; without it gate.side_m of the configuration", 0.3, 5},
+      {"gates", "bar_m", "0.05", "width of its bars; without it gate.bar_m", 0.005, 1},
+      {"gates", "color", "\"orange\"", "a name or [r, g, b], 0..1; without it color.rgb"},
+      {"exit", "run_m", "0.5", "straight on behind the gate", 0, 100},
+      {"exit", "turn", "\"right\"", "left or right"},
+      {"exit", "angle_deg", "180.0", "by how much it turns", 0, 360},
+      {"exit", "radius_m", "1.5", "of the turn", 0.3, 100},
+      {"obstacles", "box_m", "[0.4, 0.4, 2.0]", "along its own axes, height", 0.01, 100},
+      {"obstacles", "pole_m", "[0.1, 2.0]", "in place of box_m: radius, height", 0.005, 100, true},
+      {"obstacles", "position_m", "[2.0, 1.5]", "its middle on the floor: north, east", -kFarthest,
+       kFarthest},
+      {"obstacles", "heading_deg", "0.0", "of its first axis, clockwise from north", -720, 720},
+      {"room", "size_m", "[14.0, 12.0, 3.5]", "north, east, height", 1, kFarthest},
+      {"room", "center_m", "[2.0, 1.5]", "north, east", -kFarthest, kFarthest},
+      {"room", "look", "\"hall\"", "textures and lights: hall or showroom"},
+  };
+  return keys;
+}
+
+const TrackKey& track_key(std::string_view section, std::string_view name) {
+  for (const TrackKey& key : track_keys())
+    if (key.section == section && key.name == name) return key;
+  throw std::logic_error("track_keys() has no " + std::string{section} + "." + std::string{name});
+}
+
+std::string new_track() {
+  return "# A course for gatefly. Metres and degrees; x north, y east, z down, heading clockwise "
+         "from\n"
+         "# north; z = 0 is the floor. What has a # before it may be left out.\n"
+         "# gatefly track FILE checks it, gatefly fly FILE flies it.\n" +
+         section_lines("") + "\n[start]\n" + section_lines("start") +
+         "\n# Gates, in the order of flight.\n[[gates]]\n" + section_lines("gates") +
+         "# How to leave this gate, for control.mode = \"paper\" only; else gatefly plans the "
+         "way.\n"
+         "# [gates.exit]\n" +
+         section_lines("exit") +
+         "\n[[gates]]\nposition_m = [0.0, 3.0, -1.5]\nheading_deg = 180.0\n"
+         "\n# Boxes and poles that stand on the floor: one [[obstacles]] each.\n[[obstacles]]\n" +
+         section_lines("obstacles") + "\n# Walls, ceiling, light.\n[room]\n" +
+         section_lines("room") +
+         "\n# What the simulator changes with every seed: one standard deviation each, of the "
+         "level "
+         "if not said.\n[randomize]\n" +
+         randomize_lines();
+}
+
+std::string new_config(const std::string& section) {
+  const Config config = load_config(config_files({}));
+  std::istringstream all{show(config)};
+  std::string text, now;
+  for (std::string each; std::getline(all, each);) {
+    if (each.starts_with('[')) now = each.substr(1, each.find(']') - 1);
+    if (section.empty() || now == section) text += each + '\n';
+  }
+  if (!section.empty()) text.erase(text.find_last_not_of('\n') + 1) += '\n';
+  return text;
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gatefly::io {
+
+/// A key of a track file: what the reader allows and what a new file says of it.
+struct TrackKey {
+  std::string_view section;  ///< "" for the top, "start", "gates", "exit", "obstacles", "room".
+  const char* name;
+  const char* example;  ///< As it stands in a new file.
+  const char* what;
+  double low = 0.0, high = 0.0;  ///< Of every number.
+  bool left_out = false;  ///< A comment in a new file: it has a default, or excludes another.
+};
+
+/// The one table of all keys of a track file but [randomize]'s, in the order of a new file.
+[[nodiscard]] const std::vector<TrackKey>& track_keys();
+
+/// @throws std::logic_error when the table has no such key: the reader asks for no other.
+[[nodiscard]] const TrackKey& track_key(std::string_view section, std::string_view name);
+
+/// A track file with two gates that can be flown, every key explained.
+[[nodiscard]] std::string new_track();
+
+/// configs/default.toml's values with every key explained; of one [section] when it is not "".
+[[nodiscard]] std::string new_config(const std::string& section = "");
+
+}  // namespace gatefly::io
