@@ -7,7 +7,7 @@ export interface Moment { t: number; text: string; kind: "bad" | "warn" | "gate"
 
 const OUTSIDE = 3;         // standard deviations
 const OUTSIDE_FOR = 0.4;   // shorter is chance [s]
-const BLIND_FOR = 2.0;     // [s]
+const BLIND_FOR = 3.0;     // a long turn is 2.5 [s]
 
 /** Each stretch of rows where `is` holds, as first and last row. */
 export function stretches(count: number, is: (row: number) => boolean): [number, number][] {

@@ -204,19 +204,32 @@ export class SceneView {
     this.view = view;
     for (const button of this.box.querySelectorAll<HTMLElement>("[data-view]"))
       button.setAttribute("aria-pressed", String(button.dataset.view === view));
-    const { room_center: [x, y], room_size: [north, east] } = this.flight.course;
-    const middle = new Vector3(x, y, -0.6).applyMatrix4(NED);
-    // Far enough for the room's width and depth at this shape of the window.
+    const { middle: [x, y], north, east } = this.extent();
+    const middle = new Vector3(x, y, -0.8).applyMatrix4(NED);
+    // Far enough for the course's width and depth at this shape of the window.
     const half = Math.tan((this.camera.fov * Math.PI) / 360);
     const wide = (0.5 * east) / (half * this.camera.aspect), deep = (0.5 * north) / half;
     this.orbit.target.copy(middle);
-    if (view === "above") this.camera.position.copy(middle).add(new Vector3(0, 1.08 * Math.max(wide, deep) + 1, 0.01));
+    if (view === "above") this.camera.position.copy(middle).add(new Vector3(0, Math.max(wide, deep) + 1.5, 0.01));
     else if (view === "overview") {
-      const far = Math.max(wide, 0.75 * deep) + 0.3 * north;
-      this.camera.position.copy(middle).add(new Vector3(0.12 * far, 0.72 * far, 0.72 * far));
+      const far = Math.max(wide, 0.85 * deep) + 0.25 * north + 0.5;
+      this.camera.position.copy(middle).add(new Vector3(0.1 * far, 0.66 * far, 0.74 * far));
     } else this.follow(true);
     this.orbit.update();
     this.draw();
+  }
+
+  /** What a view has to show: gates and flight, a metre around them. */
+  private extent(): { middle: [number, number]; north: number; east: number } {
+    const f = this.flight, gates = f.course.gates.map((gate) => gate.position);
+    const range = (axis: 0 | 1): [number, number] => {
+      const flown = f.column(POSITION[axis]);
+      const places = gates.map((place) => place[axis]);
+      return [flown.reduce((a, b) => Math.min(a, b), Math.min(...places, flown[0] ?? 0)) - 1,
+              flown.reduce((a, b) => Math.max(a, b), Math.max(...places, flown[0] ?? 0)) + 1];
+    };
+    const [south, north] = range(0), [west, east] = range(1);
+    return { middle: [(south + north) / 2, (west + east) / 2], north: north - south, east: east - west };
   }
 
   /** Behind and above the drone; then along with it, as the user has turned the view. */

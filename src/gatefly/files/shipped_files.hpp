@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-// The tracks, configurations, cameras and vehicles that gatefly comes with.
+// The tracks, configurations, cameras, vehicles and the report's page that gatefly comes with.
 namespace gatefly::io {
 
 /// The folder share/gatefly with tracks/, configs/, cameras/ and vehicles/; empty when there is none.
