@@ -70,7 +70,7 @@ async function inStep(page, time, pictures) {
   const due = await page.evaluate((t) => {
     const { flight } = window.__report;
     const shown = flight.looks.filter((look) => look.t <= t && (look.picture !== undefined || !flight.pictures.length));
-    return { row: Math.max(...Array.from(flight.t).filter((at) => at <= t)), look: shown.length ? shown[shown.length - 1].t : null };
+    return { row: Math.max(flight.t[0], ...Array.from(flight.t).filter((at) => at <= t)), look: shown.length ? shown[shown.length - 1].t : null };
   }, time);
   assert.equal(now.time, time);
   assert.equal(now.plots, time);

@@ -35,7 +35,7 @@ function searches(flight: Flight): Moment[] {
 function surprises(flight: Flight): Moment[] {
   const moments: Moment[] = [];
   const sigmas = sigma(flight);
-  ["along", "across", "in height"].forEach((name, axis) => {
+  ["along the axis", "across it", "in height"].forEach((name, axis) => {
     const error = flight.column(`error_${"xyz"[axis]}_m`);
     const outside = (row: number) => racing(flight, row) && Math.abs(error[row]) > OUTSIDE * sigmas[axis][row];
     for (const [first, last] of stretches(flight.t.length, outside)) {

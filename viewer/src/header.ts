@@ -27,8 +27,8 @@ export function showHeader(flight: Flight, moments: Moment[], clock: Clock): voi
   figure("gates", `${s.gates_passed} of ${s.gates_total}`);
   figure("race time", s.finished ? seconds(s.race_time_s) : "–");
   figure(s.lap_times_s.length === 1 ? "lap" : "laps", s.lap_times_s.map((t) => t.toFixed(1)).join(" · ") + (s.lap_times_s.length ? " s" : "none"));
-  figure("speed", `${s.mean_speed_mps.toFixed(2)} mean, ${s.max_speed_mps.toFixed(2)} m/s max`);
-  figure("estimate", `${(100 * Math.hypot(...s.estimation_rmse_m)).toFixed(0)} cm rms`);
+  if (s.mean_speed_mps > 0) figure("speed", `${s.mean_speed_mps.toFixed(2)} mean, ${s.max_speed_mps.toFixed(2)} m/s max`);
+  if (s.gates_passed > 1) figure("estimate", `${(100 * Math.hypot(...s.estimation_rmse_m)).toFixed(0)} cm rms`);
   if (s.detection.with_gate_visible > 0)
     figure("gate found in", `${((100 * s.detection.true_positives) / s.detection.with_gate_visible).toFixed(0)} % of ${s.detection.with_gate_visible} views`);
   figure("searches", String(s.searches));

@@ -13,7 +13,7 @@ import { startTheme } from "./theme";
 import { byId, element } from "./text";
 
 function legend(): void {
-  for (const [name, text] of [["flown", "flown, brighter is faster"], ["estimate", "estimate, ±3σ"], ["plan", "plan and map"], ["gate", "gate"]]) {
+  for (const [name, text] of [["flown", "flown, coloured by speed"], ["estimate", "estimate, ±3σ"], ["plan", "plan and map"], ["gate", "gate"]]) {
     const entry = element("span", text);
     entry.style.setProperty("--line", `var(--${name})`);
     byId("legend").append(entry);

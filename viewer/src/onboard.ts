@@ -83,7 +83,7 @@ export class Onboard {
     const found = look.gates?.length ?? 0;
     this.note.textContent =
       `${look.t.toFixed(2)} s, exposed ${(1000 * (look.t - look.exposed)).toFixed(0)} ms before: ` +
-      (look.source ? `position from ${look.source}, NIS ${look.nis?.toFixed(1)} (${look.dof} dof)`
+      (look.source ? `position from ${look.source}` + (look.dof ? `, NIS ${look.nis?.toFixed(1)} (${look.dof} dof)` : "")
         : look.offered ? "fix refused by the filter" : found ? `${found} found, none used` : "no gate found");
   }
 

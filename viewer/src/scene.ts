@@ -2,7 +2,7 @@
 import {
   AmbientLight, BoxGeometry, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, Euler, Float32BufferAttribute,
   GridHelper, Group, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
-  SphereGeometry, Sprite, SpriteMaterial, Vector3, WebGLRenderer, MeshBasicMaterial, type Object3D,
+  SphereGeometry, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, WebGLRenderer, MeshBasicMaterial, type Object3D,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
@@ -285,7 +285,9 @@ function label(text: string): Sprite {
   context.textBaseline = "middle";
   context.fillStyle = color("gate");
   context.fillText(text, 32, 34);
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false }));
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false }));
   sprite.scale.setScalar(0.5);
   return sprite;
 }
