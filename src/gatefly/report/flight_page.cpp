@@ -183,7 +183,7 @@ void FlightPage::record(const Tick& tick) {
   if (tick.sensors.image || tick.sensors.seen) look(tick, now);
   last_ = row_of(tick, now);
   if (now < next_row_) return;
-  next_row_ = now + row_period_ - 1e-6;
+  next_row_ = std::max(next_row_ + row_period_, now);
   rows_.push_back(last_);
   if (rows_.size() < kMostRows) return;
   for (std::size_t i = 0; 2 * i < rows_.size(); ++i) rows_[i] = rows_[2 * i];
