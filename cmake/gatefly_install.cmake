@@ -37,4 +37,7 @@ if(GATEFLY_PROGRAM)
     file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/gatefly)
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/gatefly/${folder} SYMBOLIC)
   endforeach()
+  # Of viewer/, what npm built from it: report.html and the licences of what is in it.
+  install(DIRECTORY viewer/built/ DESTINATION ${CMAKE_INSTALL_DATADIR}/gatefly/viewer COMPONENT data)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/viewer/built ${PROJECT_BINARY_DIR}/share/gatefly/viewer SYMBOLIC)
 endif()

@@ -20,7 +20,7 @@ import shlex
 import sys
 
 ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
-IGNORED = {".git", "build", "out", "shared"}
+IGNORED = {".git", "build", "out", "shared", "node_modules"}
 SOURCES = {".hpp", ".cpp", ".h", ".py", ".sh"}
 LIKE_SOURCES = SOURCES | {".toml", ".txt", ".cmake", ".in"}
 # Of a file that is named alone: these are ours wherever they are, others (camera.toml, found.csv) may be the reader's.

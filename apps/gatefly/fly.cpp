@@ -7,6 +7,7 @@
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
+#include "gatefly/report/flight_page.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
 
@@ -87,13 +88,14 @@ int fly(const FlyOptions& options) {
                            : fs::path{options.out};
   const bool quiet = options.race.common.quiet;
   if (options.video) io::require_ffmpeg();
+  const bool pictures = options.race.vision != "ideal";
+  io::FlightPage page(io::shipped_page(), race.config, pictures);
   io::FlightRecorder recorder(out);
   for (const auto& [name, content] : maker.inputs()) recorder.add_file(name, content);
   std::optional<io::FlightVideo> video;
   if (options.video)
     video.emplace(recorder.place_for("flight.mp4"), race.config,
-                  race.identity.track + ", seed " + std::to_string(options.seed),
-                  options.race.vision != "ideal");
+                  race.identity.track + ", seed " + std::to_string(options.seed), pictures);
   catch_interrupt();
 
   Progress progress(quiet, 10.0);
@@ -102,6 +104,7 @@ int fly(const FlyOptions& options) {
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
   const auto on_tick = [&](const Tick& tick) {
     recorder.record(tick);
+    page.record(tick);
     if (video) video->record(tick);
     last_p_EB = tick.truth.p_EB;
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
@@ -121,7 +124,9 @@ int fly(const FlyOptions& options) {
   }
 
   if (video) video->finish(verdict(result, last_p_EB));
-  const std::string summary = io::summary(result, race.identity).dump(2) + "\n";
+  const nlohmann::ordered_json told = io::summary(result, race.identity);
+  const std::string summary = told.dump(2) + "\n";
+  recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));
   const std::string replaced = recorder.finish(summary);
   if (!replaced.empty() && !quiet)
     std::cerr << "gatefly fly: " << (out / "").string() << ": " << replaced << '\n';

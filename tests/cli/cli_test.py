@@ -1445,6 +1445,7 @@ class NothingIsLost(Cli):
         self.assertEqual(result.stderr.splitlines()[-1],
                          "gatefly fly: X/: in place of the flight that was there, whose film is now flight-before-1.mp4")
         self.assertEqual(json.loads((self.folder / "X/summary.json").read_text())["seed"], 2)
+        self.assertIn('"seed":2,', (self.folder / "X/report.html").read_text(encoding="utf-8"))
         self.assertEqual((notes.read_text(), (self.folder / "X/flight-before-1.mp4").read_text()), ("mine", "a film"))
         self.assertTrue(replaced.is_dir())
 

@@ -81,6 +81,7 @@ class Installed(unittest.TestCase):
         if (self.prefix / "bin" / "gatefly-lab").exists():
             run(program, "fly", "oval", "--vision", "ideal", "--laps", "1", "--quiet", cwd=elsewhere, env=env)
             self.assertTrue((elsewhere / "out" / "oval-1" / "summary.json").exists())
+            self.assertTrue((elsewhere / "out" / "oval-1" / "report.html").exists())
             self.assertIn("eyes-real", run(program, "reproduce", "--list", cwd=elsewhere, env=env))
 
     def test_without_its_files_the_program_says_where_it_looked(self):

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-// The tracks, configurations, cameras and vehicles that gatefly comes with, and the folders it uses.
+// What gatefly comes with (tracks, configurations, cameras, vehicles, the report's page), and the folders it uses.
 namespace gatefly::io {
 
 /// The folder share/gatefly with tracks/, configs/, cameras/ and vehicles/; empty when there is none.

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/report/flight_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "gatefly/files/jpeg_writer.hpp"
+#include "gatefly/files/text.hpp"
+
+#include "support/temp_folder.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kEmpty = "<body><!--gatefly:flight--></body>";
+
+closed_loop::RaceConfig one_gate() {
+  closed_loop::RaceConfig race;
+  race.pilot.track.gates = {MapGate{.p_EG = {3, 0, -1.5}}};
+  race.sim.world.gates = {sim::WorldGate{.p_EG = {3, 0.1, -1.5}}};
+  race.sim.world.obstacles = {sim::WorldBox{}, sim::WorldBox{.center = {2, 2}, .pole = true}};
+  return race;
+}
+
+/// Noise: no JPEG makes it small.
+std::vector<std::uint8_t> noise(std::size_t bytes) {
+  std::vector<std::uint8_t> all(bytes);
+  std::uint32_t state = 1;
+  for (auto& byte : all)
+    byte = static_cast<std::uint8_t>((state = state * 1664525U + 1013904223U) >> 24);
+  return all;
+}
+
+/// Where the body is at a time, for who does not care about physics: through the gate at 3 s.
+Truth at(double time) {
+  return {.p_EB = {time, 0.15, -1.4}, .v_E = {1, 0, 0}, .attitude = {0.01, 0.02, 0.03}};
+}
+
+/// Ticks of 512 Hz; a picture every 0.1 s if there are any. @return the times of all ticks [s]
+std::vector<double> fly(FlightPage& page, const closed_loop::RaceConfig& race, double seconds,
+                        bool pictures) {
+  const std::vector<std::uint8_t> picture = noise(image_bytes(PixelFormat::kUyvy, 160, 315));
+  Pilot pilot{race.pilot};
+  std::vector<double> times;
+  double next = 0.0;
+  for (int i = 0; i < static_cast<int>(seconds * 512); ++i) {
+    Sensors sensors;
+    sensors.time = std::chrono::nanoseconds{i * 1953125LL};
+    sensors.imu.accel_B = {0, 0, -9.81};
+    const double now = 1e-9 * static_cast<double>(sensors.time.count());
+    if (pictures && now >= next) {
+      sensors.image = Image(picture.data(), PixelFormat::kUyvy, 160, 315, 90);
+      next += 0.1;
+    }
+    const Command command = pilot.step(sensors);
+    page.record({sensors, command, pilot, at(now), {}, now - 0.05});
+    times.push_back(now);
+  }
+  return times;
+}
+
+Json element(const std::string& html, const std::string& id) {
+  const std::string begin = "id=\"" + id + "\">";
+  const std::size_t from = html.find(begin) + begin.size();
+  return Json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+std::vector<double> column(const Json& flight, const std::string& name) {
+  std::vector<double> values;
+  std::int64_t sum = 0;
+  const Json& column = flight["columns"][name];
+  for (const std::int64_t step : column["steps"])
+    values.push_back(static_cast<double>(sum += step) * column["unit"].get<double>());
+  return values;
+}
+
+Json summary(int passed) {
+  return {{"gates_passed", passed}, {"gates_total", 1}, {"gate_offsets_m", {{0.05, 0.1}}}};
+}
+
+TEST(FlightPageTest, WhatWasRecordedIsReadBack) {
+  const auto race = one_gate();
+  FlightPage page(kEmpty, race, false);
+  const std::vector<double> times = fly(page, race, 4.0, false);
+  const Json flight = element(page.html(summary(1), "finished"), "flight");
+
+  const std::vector<double> t = column(flight, "t_s"), x = column(flight, "x_m"),
+                            yaw = column(flight, "yaw_rad"), error = column(flight, "error_y_m"),
+                            spread = column(flight, "l_xx_m"), phase = column(flight, "phase");
+  ASSERT_EQ(t.size(), x.size());
+  EXPECT_NEAR(static_cast<double>(t.size()), 4.0 * 50, 8);
+  EXPECT_NEAR(t.back(), times.back(), 1e-4) << "the last tick is always there";
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    ASSERT_NEAR(x[i], at(t[i]).p_EB.x(), 7e-4);
+    ASSERT_NEAR(yaw[i], 0.03, 6e-5);
+    ASSERT_TRUE(spread[i] > 0.0);
+  }
+  EXPECT_EQ(phase.front(), 0.0);
+  EXPECT_EQ(flight["phases"][0], "ground");
+  EXPECT_TRUE(std::isfinite(error.back()));
+  EXPECT_EQ(flight["course"]["gates"][0]["position"], Json::parse("[3.0, 0.1, -1.5]"));
+  EXPECT_EQ(flight["course"]["gates"][0]["map"]["position"], Json::parse("[3.0, 0.0, -1.5]"));
+  EXPECT_EQ(flight["course"]["plan"].size(), 1U) << "from the start to the only gate";
+}
+
+TEST(FlightPageTest, APassHasItsTimeSpeedAndOffset) {
+  const auto race = one_gate();
+  FlightPage page(kEmpty, race, false);
+  fly(page, race, 4.0, false);
+  const Json passes = element(page.html(summary(1), "finished"), "flight")["passes"];
+  ASSERT_EQ(passes.size(), 1U);
+  EXPECT_NEAR(passes[0]["t"].get<double>(), 3.0, 1e-3);
+  EXPECT_NEAR(passes[0]["speed"].get<double>(), 1.0, 1e-3);
+  EXPECT_EQ(passes[0]["offset"], Json::parse("[0.05, 0.1]"));
+}
+
+TEST(FlightPageTest, AFlightThatEndsBeforeItsFirstTickOrItsGateHasAPage) {
+  const auto race = one_gate();
+  const FlightPage empty(kEmpty, race, true);
+  EXPECT_TRUE(
+      element(empty.html(summary(0), "not finished"), "flight")["columns"]["t_s"]["steps"].empty());
+
+  FlightPage page(kEmpty, race, true);
+  fly(page, race, 1.0, true);
+  const Json passes = element(page.html(summary(0), "crashed"), "flight")["passes"];
+  ASSERT_EQ(passes.size(), 1U) << "the gate that it did not reach";
+  EXPECT_FALSE(passes[0].contains("t"));
+}
+
+TEST(FlightPageTest, PicturesAreJpegsAndNamedByTheirLook) {
+  const auto race = one_gate();
+  FlightPage page(kEmpty, race, true);
+  fly(page, race, 1.0, true);
+  const std::string html = page.html(summary(0), "crashed");
+  const Json pictures = element(html, "pictures"), looks = element(html, "flight")["looks"];
+  ASSERT_EQ(looks.size(), 10U);
+  ASSERT_EQ(pictures.size(), 10U);
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    EXPECT_EQ(looks[i]["picture"], i);
+    EXPECT_NEAR(looks[i]["t"].get<double>(), 0.1 * static_cast<double>(i), 2.1e-3);
+    EXPECT_NEAR(looks[i]["t"].get<double>() - looks[i]["exposed"].get<double>(), 0.05, 2e-4);
+    EXPECT_EQ(pictures[i].get<std::string>().substr(0, 4), "/9j/");  // FF D8 FF in base64
+  }
+}
+
+TEST(FlightPageTest, ALongFlightIsThinnedToTheLargestPage) {
+  const auto race = one_gate();
+  FlightPage page(kEmpty, race, true);
+  fly(page, race, 150.0, true);  // of noise, which no JPEG makes small
+  const std::string html = page.html(summary(1), "finished");
+  EXPECT_LE(html.size(), FlightPage::kMostBytes);
+  const Json pictures = element(html, "pictures"), flight = element(html, "flight");
+  EXPECT_GT(pictures.size(), 40U);
+  std::size_t next = 0;
+  for (const Json& look : flight["looks"]) {
+    if (look.contains("picture")) {
+      EXPECT_EQ(look["picture"], next++);
+    }
+  }
+  EXPECT_EQ(next, pictures.size());
+  const std::vector<double> t = column(flight, "t_s");
+  EXPECT_LE(t.size(), 6001U);
+  EXPECT_GT(t.size(), 2900U);
+  EXPECT_TRUE(std::is_sorted(t.begin(), t.end()));
+}
+
+TEST(FlightPageTest, NoTextEndsTheElementItStandsIn) {
+  const auto race = one_gate();
+  const FlightPage page(kEmpty, race, false);
+  Json told = summary(0);
+  told["track"] = "</script><script>alert(1)</script>\xff";
+  const std::string html = page.html(told, "</script>");
+  EXPECT_THAT(html, Not(HasSubstr("alert(1)</script>")));
+  EXPECT_EQ(element(html, "flight")["verdict"], "</script>");
+}
+
+TEST(FlightPageTest, AFileThatIsNoPageIsRefused) {
+  EXPECT_THAT(shipped_page(), HasSubstr("<!--gatefly:flight-->"));
+  EXPECT_THROW((void)small_jpeg(Image{}, 50), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gatefly::io
