@@ -377,7 +377,7 @@ class Campaign(Cli):
         header, *rows = (self.folder / "all" / "runs.csv").read_text().splitlines()
         self.assertEqual(header, "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
                                  "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences")
+                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration")
         cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
         self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
         answer = json.loads(result.stdout)
@@ -464,6 +464,46 @@ class Campaign(Cli):
         error = self.refused("campaign", "--merge", "one", "two", "--out", "merged")
         self.assertIn("two", error)
         self.assertIn("config.control.speed_mps", error)
+
+    def test_what_another_commit_flew_is_not_mixed_in(self):
+        self.assertEqual(self.campaign("mine", runs=2).returncode, 0)
+        written = self.folder / "mine" / "campaign.json"
+        mine = json.loads(written.read_text(encoding="utf-8"))
+        commit = mine["arguments"]["commit"]
+        rows = (self.folder / "mine" / "runs.csv").read_text().splitlines()[1:]
+        self.assertEqual({row.split(",")[-2] for row in rows}, {commit})
+        self.assertEqual(len({row.split(",")[-1] for row in rows}), 1)  # all of one configuration
+        run = self.folder / "mine" / "run_000002.json"
+        whole = run.read_text(encoding="utf-8")
+        run.write_text(whole.replace(f'"commit": "{commit}"', '"commit": "0123456789ab"'), encoding="utf-8")
+        self.assertIn('run_000002.json: flown by commit "0123456789ab"', self.refused("campaign", "oval", "--runs", "2", *self.FLIGHT, "--out", "mine"))
+        run.write_text(whole, encoding="utf-8")
+        mine["arguments"]["commit"] = "0123456789ab"
+        written.write_text(json.dumps(mine), encoding="utf-8")
+        error = self.refused("campaign", "oval", "--runs", "2", *self.FLIGHT, "--out", "mine")
+        self.assertIn(f'commit was "0123456789ab", is "{commit}"', error)
+        self.assertEqual(self.campaign("part", "--shard", "2/2", runs=2).returncode, 0)
+        self.assertIn("commit", self.refused("campaign", "--merge", "part", "mine", "--out", "merged"))
+
+    def test_two_campaigns_are_compared_seed_by_seed(self):
+        self.assertEqual(self.campaign("early", "--set", "sim.timeout_s=5", runs=3).returncode, 0)
+        result = self.campaign("late", "--first-seed", "2", "--compare", "early", "--json", runs=3)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        comparison = json.loads(result.stdout)["comparison"]
+        self.assertEqual(comparison["pairs"], 2)  # seeds 2 and 3
+        self.assertEqual(comparison["unpaired"], 2)
+        self.assertEqual((comparison["only_first"], comparison["only_second"]), ([], [2, 3]))
+        self.assertAlmostEqual(comparison["mcnemar_p"], 0.5)
+        self.assertEqual(comparison["differences"], ["sim.timeout_s: 5.0 | 240.0"])
+        stored = json.loads((self.folder / "late" / "campaign.json").read_text())
+        self.assertNotIn("comparison", stored)
+        again = self.run_it("campaign", "--compare", "early", "late")
+        self.assertIn("0 | 2 by one alone", again.stdout)
+        self.assertIn("only the second seed 2, 3", again.stdout)
+        self.assertEqual(self.campaign("other", "--first-seed", "900", runs=1).returncode, 0)
+        self.assertIn("no seed in common", self.refused("campaign", "--compare", "early", "other"))
+        self.assertIn("nowhere/campaign.json", self.refused("campaign", "oval", "--runs", "1", "--compare", "nowhere"))
+        self.assertIn("--compare", self.refused("campaign", "--compare", "early", "late", "other"))
 
     def test_a_folder_with_other_arguments_is_refused(self):
         self.assertEqual(self.campaign("mine", runs=1).returncode, 0)

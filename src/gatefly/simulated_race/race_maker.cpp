@@ -7,9 +7,11 @@
 
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/fingerprint.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/sim/randomize.hpp"
+#include "gatefly/simulated_race/built_from.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
 namespace gatefly::tasks {
@@ -36,6 +38,17 @@ void refuse_unflyable(const io::Config& config) {
     fail("vehicle.max_rotor_radps", v.max_speed, "must be a tenth more than its mass to fly");
   if (lifts(v.min_speed) >= v.mass)
     fail("vehicle.min_rotor_radps", v.min_speed, "must be less than its mass to come down");
+}
+
+std::string fingerprint_of(const io::RaceIdentity& race,
+                           const std::map<std::string, std::string>& inputs) {
+  nlohmann::json all{
+      {"vision", race.vision}, {"config", race.config}, {"track", inputs.at("track.toml")}};
+  if (const auto table = inputs.find("colors.toml"); table != inputs.end()) {
+    all["colors"] = table->second;  // its content counts, not where it lies
+    all["config"]["color"].erase("table");
+  }
+  return io::fingerprint(all.dump());
 }
 
 }  // namespace
@@ -66,12 +79,15 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
                .seed = 0,
                .vision = given.vision,
                .version = GATEFLY_VERSION,
+               .commit = built_from(),
+               .configuration = {},
                .config = io::as_json(config)};
   for (const auto& key : io::randomize_keys())
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
   identity_.config["laps"] = file.track.laps;
 
   inputs_ = flight_inputs(arguments, config, path, file.track.laps);
+  identity_.configuration = fingerprint_of(identity_, inputs_);
 
   // Whether there is a way at all, before anything is written or rendered.
   try {
