@@ -362,6 +362,28 @@ class Replay(Cli):
         self.assertIn("the colour table has changed", self.refused(*moved))
 
 
+class Faults(Cli):
+    def test_they_are_said_in_a_track_file_a_configuration_or_on_the_command_line(self):
+        oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")
+        track = self.file("broken.toml", oval + "\n[faults]\nmissing_gate = 1\ncamera_out_s = [3, 1]\n")
+        config = self.file("mended.toml", "[faults]\ncamera_out_s = [0, 0]\n")
+        fly = ("fly", track, "--vision", "ideal", "--laps", "1", "--json", "--out")
+        summary = json.loads(self.run_it(*fly, "a").stdout)
+        self.assertEqual(summary["gates_passed"], 0)
+        self.assertEqual((summary["config"]["faults"]["missing_gate"], summary["config"]["faults"]["camera_out_s"]), (1, [3, 1]))
+        over = json.loads(self.run_it(*fly, "b", "--config", config, "--set", "faults.missing_gate=0").stdout)
+        self.assertEqual((over["config"]["faults"]["missing_gate"], over["config"]["faults"]["camera_out_s"]), (0, [0, 0]))
+        self.assertEqual(over["gates_passed"], 2)
+
+    def test_wrong_ones_are_refused(self):
+        fly = ("fly", "oval", "--vision", "ideal", "--set")
+        self.assertIn("did you mean 'camera_out_s'", self.refused(*fly, "faults.camera_ot_s=[1, 2]"))
+        self.assertIn("2 numbers", self.refused(*fly, "faults.camera_out_s=1"))
+        self.assertIn("has 2 gates", self.refused(*fly, "faults.missing_gate=3"))
+        track = self.file("t.toml", (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8") + "\n[faults]\nweak_rotor = 5\n")
+        self.assertRegex(self.refused("fly", track, "--vision", "ideal"), r"t\.toml:\d+: faults\.weak_rotor = 5, must be a whole number in 0\.\.4")
+
+
 class Campaign(Cli):
     FLIGHT = ("--vision", "ideal", "--laps", "1")
 

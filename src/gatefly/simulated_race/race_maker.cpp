@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gatefly/config/derived.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/fingerprint.hpp"
 #include "gatefly/files/shipped_files.hpp"
@@ -73,6 +74,15 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   nominal_.pilot.track = file.track;
   nominal_.sim = io::simulator_config(config, file);
   nominal_.sim.cache_dir = io::cache_dir();
+  nominal_.sim.faults = io::with_faults(file.faults, config.faults, "[faults]");
+  const int gates = static_cast<int>(file.track.gates.size());
+  for (const auto& [name, number] : {std::pair{"moved_gate", nominal_.sim.faults.moved_gate},
+                                     {"missing_gate", nominal_.sim.faults.missing_gate},
+                                     {"hidden_gate", nominal_.sim.faults.hidden_gate}})
+    if (number > gates)
+      throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
+                               ", but " + path.string() + " has " + std::to_string(gates) +
+                               " gates");
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
   identity_ = {.track = file.track.name,
@@ -84,6 +94,8 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
                .config = io::as_json(config)};
   for (const auto& key : io::randomize_keys())
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
+  for (const auto& key : io::fault_keys())
+    identity_.config["faults"][key.rule.name.substr(7)] = key.get(nominal_.sim.faults);
   identity_.config["laps"] = file.track.laps;
 
   inputs_ = flight_inputs(arguments, config, path, file.track.laps);
