@@ -776,9 +776,10 @@ class New(Cli):
             track = self.file("full.toml", "\n".join(line for line in full if not line.startswith(without)))
             self.assertEqual(self.run_it("track", track).returncode, 0, self.run_it("track", track).stderr)
         keys = tomllib.loads("\n".join(full))
-        self.assertEqual(set(keys), {"name", "laps", "start", "gates", "obstacles", "room", "randomize"})
+        self.assertEqual(set(keys), {"name", "laps", "start", "gates", "obstacles", "room", "randomize", "faults"})
         self.assertEqual(set(keys["gates"][0]), {"position_m", "heading_deg", "side_m", "bar_m", "color", "exit"})
         self.assertIn("gate_position_m", keys["randomize"])
+        self.assertIn("camera_out_s", keys["faults"])
         for line in lines:
             if re.match(r"(# )?\w+ = ", line):
                 self.assertRegex(line, r"  # \w|^(position_m|heading_deg) =")
