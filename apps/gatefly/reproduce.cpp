@@ -150,10 +150,9 @@ int reproduce(const ReproduceOptions& options) {
                                     .stopped = interrupted};
     const auto start = std::chrono::steady_clock::now();
     try {
-      Result result = experiment.run(told);
+      Result result = experiments::run(experiment, told);
       const double seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      result.json["quick"] = options.quick;
       write(result, *folders[i]);
       progress.clear();
       if (!options.json) print_table(experiment, result, seconds, folder_of(experiment, options));

@@ -57,8 +57,8 @@ TEST(Plot, WhatCannotBeShownIsLeftOut) {
       .log_x = true};
   const Canvas canvas = draw(plot, 300, 200);
   EXPECT_EQ(canvas.width(), 300);
-  EXPECT_EQ(count(canvas, look::kDetection),
-            count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), look::kDetection));
+  EXPECT_EQ(count(canvas, kLight.found),
+            count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), kLight.found));
 }
 
 TEST(Plot, AnAreaIsFilledAndACurveWithoutMarksIsThinner) {

@@ -75,15 +75,15 @@ class CourseMap {
 
   void draw_room() {
     const auto room = rectangle(track_.room_center, track_.room_size, 0.0);
-    canvas_.polygon(room, look::kPanel);
-    canvas_.outline(room, {.color = look::kFaint, .width = 2.0});
+    canvas_.polygon(room, kLight.panel);
+    canvas_.outline(room, {.color = kLight.rule, .width = 2.0});
   }
 
   void draw_obstacle(const MapObstacle& obstacle) {
     const double strength = std::clamp(obstacle.height / kFullHeight, 0.0, 1.0);
     const auto shape = rectangle(obstacle.center, obstacle.size, obstacle.heading);
-    canvas_.polygon(shape, look::kSolid.faded(0.35 + 0.65 * strength));
-    canvas_.outline(shape, {.color = look::kFaint, .width = 1.0});
+    canvas_.polygon(shape, kLight.solid.faded(0.35 + 0.65 * strength));
+    canvas_.outline(shape, {.color = kLight.rule, .width = 1.0});
   }
 
   void draw_way(const Path& path) {
@@ -91,13 +91,13 @@ class CourseMap {
     const int steps = std::max(1, static_cast<int>(std::ceil(path.length() / 0.05)));
     for (int i = 0; i <= steps; ++i)
       points.push_back(at(path.at(path.length() * i / steps).position));
-    canvas_.polyline(points, {.color = look::kFlown, .width = 1.8});
+    canvas_.polyline(points, {.color = kLight.flown, .width = 1.8});
     const PathPoint middle = path.at(0.5 * path.length());
-    draw_arrow(middle.position, ahead(middle.heading), 11.0, look::kFlown);
+    draw_arrow(middle.position, ahead(middle.heading), 11.0, kLight.flown);
   }
 
   void draw_start() {
-    const Color color = look::kInk;
+    const Color color = kLight.ink;
     canvas_.disc(at(track_.start), 5.0, color);
     canvas_.circle(at(track_.start), 9.0, {.color = color, .width = 1.2});
     const Vector2d direction = ahead(track_.start_heading);
@@ -110,23 +110,23 @@ class CourseMap {
     const Vector2d center = gate.p_EG.head<2>(), direction = ahead(gate.yaw_EG),
                    right = right_of(direction);
     const double bar = std::max(0.5 * gate.side, 9.0 / scale_);
-    draw_arrow(center, direction, 16.0, look::kGate);
+    draw_arrow(center, direction, 16.0, kLight.gate_solid);
     canvas_.line(at(center - bar * right), at(center + bar * right),
-                 {.color = look::kGate, .width = 4.5});
+                 {.color = kLight.gate_solid, .width = 4.5});
     canvas_.text(at(center + (bar + 13.0 / scale_) * right) + Vector2d{0, 5},
                  std::to_string(index + 1),
-                 {.color = look::kGate, .size = 15, .align = Align::kCenter, .bold = true});
+                 {.color = kLight.gate_solid, .size = 15, .align = Align::kCenter, .bold = true});
   }
 
   void draw_scale() {
     double metres = 1.0;
     while (metres * scale_ < 25.0) metres *= 10.0;
     const Vector2d from{kMargin + 10.0, canvas_.height() - kMargin - 12.0};
-    const Stroke stroke{.color = look::kMuted, .width = 2.0};
+    const Stroke stroke{.color = kLight.muted, .width = 2.0};
     canvas_.line(from, from + Vector2d{metres * scale_, 0}, stroke);
     canvas_.text(from + Vector2d{metres * scale_ + 8, 4},
                  std::to_string(std::lround(metres)) + " m, north up",
-                 {.color = look::kMuted, .size = 12});
+                 {.color = kLight.muted, .size = 12});
   }
 
   const Track& track_;

@@ -36,7 +36,7 @@ void draw_mask(io::Canvas& canvas, const Image& image, const ColorRange& color,
   for (int v = 0; v < image.height(); ++v)
     for (int u = 0; u < image.width(); ++u)
       if (color.contains(image.at(u, v)))
-        canvas.fill({at.x() + scale * u, at.y() + scale * v, scale, scale}, io::look::kInk);
+        canvas.fill({at.x() + scale * u, at.y() + scale * v, scale, scale}, io::kDark.ink);
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
   canvas.text({kGap, 28.0}, "Detections of mode paper (σ_L 25 px, σ_cf 0.7) and their masks",
               {.size = 17.0, .bold = true});
   canvas.text({kGap, 52.0}, "green: label; blue: detected; orange: false positive",
-              {.color = io::look::kMuted});
+              {.color = io::kLight.muted});
   for (std::size_t k = 0; k < examples.size(); ++k) {
     const DetectionExample& example = examples[k];
     const Eigen::Vector2d caption{kGap + static_cast<double>(k) * (width + kGap), kTop + 14.0},
@@ -109,10 +109,10 @@ io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
     canvas.image(image, at, kScale);
     for (const Quad& gate : label.gates)
       io::draw_detection(canvas, {.corners_px = gate}, at, kScale,
-                         {.color = io::look::kFlown, .width = 1.5});
+                         {.color = io::kDark.flown, .width = 1.5});
     for (const GateDetection& gate : found[*example.picture])
       io::draw_detection(canvas, gate, at, kScale,
-                         {.color = fits(gate, label.gates) ? io::look::kDetection : io::look::kGate,
+                         {.color = fits(gate, label.gates) ? io::kDark.found : io::kDark.gate_solid,
                           .width = 2.0});
     canvas.unclip();
     draw_mask(canvas, image, color, at + Eigen::Vector2d{0.0, height + kGap}, kScale);

@@ -96,10 +96,10 @@ io::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& fa
     canvas.image(sets[f.set_number].picture(f.picture).image, at, kScale);
     if (f.label)
       io::draw_detection(canvas, {.corners_px = *f.label}, at, kScale,
-                         {.color = io::look::kFlown, .width = 1.0});
+                         {.color = io::kDark.flown, .width = 1.0});
     if (f.found)
       io::draw_detection(canvas, {.corners_px = *f.found}, at, kScale,
-                         {.color = io::look::kEstimate, .width = 1.0});
+                         {.color = io::kDark.estimate, .width = 1.0});
     canvas.text(at + Eigen::Vector2d{4, kHeight - 10.0},
                 std::to_string(i + 1) + " " + f.set + " " + f.image +
                     (f.miss ? " missed, " : " false, ") + fixed(f.score, 2) + " / " +

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/files/pictures.hpp"
 
 namespace gatefly::experiments {
@@ -55,6 +56,15 @@ std::span<const Experiment> all() {
        paper_vs_ours, false},
   }};
   return list;
+}
+
+Result run(const Experiment& experiment, const Options& options) {
+  Result result = experiment.run(options);
+  result.json["quick"] = options.quick;
+  if (!options.quick) return result;
+  io::stamp_quick(result.picture);
+  for (ExtraPicture& extra : result.extra) io::stamp_quick(extra.picture);
+  return result;
 }
 
 std::filesystem::path data_folder(const std::string& name, const Options& options) {

@@ -59,6 +59,10 @@ struct Experiment {
 /// All that there are, in the paper's order.
 [[nodiscard]] std::span<const Experiment> all();
 
+/// Runs one, and marks the results of a quick run: `"quick"` in the JSON, a stamp on each picture.
+/// @throws Stopped, and what the experiment throws.
+[[nodiscard]] Result run(const Experiment& experiment, const Options& options);
+
 /// A folder below the real data. @throws std::runtime_error saying how to name it when it is not
 /// there.
 [[nodiscard]] std::filesystem::path data_folder(const std::string& name, const Options& options);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kFullHeight = 2.2;  // obstacles as high as this are drawn strongest [m]
 constexpr double kRange = 4.0;       // of the camera's view as drawn [m]
-constexpr Color kSlow = color_of(0x1f6f5c), kQuick = look::kFlown, kFast = color_of(0xfff27a);
+constexpr Color kSlow = color_of(0x1f6f5c), kQuick = kDark.flown, kFast = color_of(0xfff27a);
 
 Eigen::Vector2d direction(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
@@ -51,7 +51,7 @@ Color FlightMap::color_of_speed(double speed) const {
 }
 
 void FlightMap::draw_obstacle(Canvas& canvas, const sim::WorldBox& box) const {
-  const Color color = look::kSolid.faded(0.35 + 0.65 * std::clamp(box.top / kFullHeight, 0.0, 1.0));
+  const Color color = kDark.solid.faded(0.35 + 0.65 * std::clamp(box.top / kFullHeight, 0.0, 1.0));
   if (box.pole) {
     canvas.disc(at(box.center), 0.5 * scale_ * box.size.x(), color);
     return;
@@ -59,7 +59,7 @@ void FlightMap::draw_obstacle(Canvas& canvas, const sim::WorldBox& box) const {
   auto shape = corners(box.center, 0.5 * box.size, box.heading);
   for (auto& corner : shape) corner = at(corner);
   canvas.polygon(shape, color);
-  canvas.outline(shape, {.color = look::kFaint.faded(0.7), .width = 1.0});
+  canvas.outline(shape, {.color = kDark.rule.faded(0.7), .width = 1.0});
 }
 
 void FlightMap::draw_gate(Canvas& canvas, std::size_t gate, const Color& color) const {
@@ -82,24 +82,24 @@ void FlightMap::draw_path(Canvas& canvas, const Path& path) const {
   const int steps = static_cast<int>(std::ceil(path.length() / 0.1));
   for (int i = 0; i <= steps; ++i)
     points.push_back(at(path.at(path.length() * i / std::max(steps, 1)).position));
-  canvas.polyline(points, {.color = look::kPlan, .width = 1.3, .dash = 5.0});
+  canvas.polyline(points, {.color = kDark.plan, .width = 1.3, .dash = 5.0});
 }
 
 void FlightMap::draw_course(Canvas& canvas, const RacePlan& plan) const {
   auto room = corners(world_.room_center, 0.5 * world_.room_size.head<2>(), 0.0);
   for (auto& corner : room) corner = at(corner);
-  canvas.polygon(room, look::kBackground);
+  canvas.polygon(room, kDark.page);
   for (const auto& box : world_.obstacles) draw_obstacle(canvas, box);
-  canvas.outline(room, {.color = look::kFaint, .width = 2.0});
+  canvas.outline(room, {.color = kDark.rule, .width = 2.0});
 
   draw_path(canvas, plan.start);
   for (const Path& leg : plan.legs) draw_path(canvas, leg);
-  canvas.circle(at(plan.start.at(0.0).position), 6.0, {.color = look::kMuted, .width = 1.5});
-  for (std::size_t i = 0; i < world_.gates.size(); ++i) draw_gate(canvas, i, look::kGate);
+  canvas.circle(at(plan.start.at(0.0).position), 6.0, {.color = kDark.muted, .width = 1.5});
+  for (std::size_t i = 0; i < world_.gates.size(); ++i) draw_gate(canvas, i, kDark.gate_solid);
 
   const Eigen::Vector2d scale = room[0] + Eigen::Vector2d{10, -10};  // one metre, at the lower left
-  canvas.line(scale, scale + Eigen::Vector2d{scale_, 0}, {.color = look::kMuted, .width = 2.0});
-  canvas.text(scale + Eigen::Vector2d{scale_ + 8, 4}, "1 m", {.color = look::kMuted, .size = 12});
+  canvas.line(scale, scale + Eigen::Vector2d{scale_, 0}, {.color = kDark.muted, .width = 2.0});
+  canvas.text(scale + Eigen::Vector2d{scale_ + 8, 4}, "1 m", {.color = kDark.muted, .size = 12});
 }
 
 void FlightMap::draw_flown(Canvas& canvas, const Moment& from, const Moment& to,
@@ -107,19 +107,19 @@ void FlightMap::draw_flown(Canvas& canvas, const Moment& from, const Moment& to,
   // Darker, not translucent: translucent pieces show their overlapping ends as beads.
   canvas.line(
       at(from.true_p_EB.head<2>()), at(to.true_p_EB.head<2>()),
-      {.color = between(look::kBackground, color_of_speed(to.true_speed), strength), .width = 3.0});
+      {.color = between(kDark.page, color_of_speed(to.true_speed), strength), .width = 3.0});
 }
 
 void FlightMap::draw_estimate(Canvas& canvas, const Moment& from, const Moment& to) const {
   canvas.line(at(from.est_p_EB.head<2>()), at(to.est_p_EB.head<2>()),
-              {.color = between(look::kBackground, look::kEstimate, 0.75), .width = 1.1});
+              {.color = between(kDark.page, kDark.estimate, 0.75), .width = 1.1});
 }
 
 void FlightMap::draw_target(Canvas& canvas, int gate) const {
   if (gate < 0 || static_cast<std::size_t>(gate) >= world_.gates.size()) return;
   const auto index = static_cast<std::size_t>(gate);
-  canvas.disc(at(world_.gates[index].p_EG.head<2>()), 26.0, look::kGate.faded(0.16));
-  draw_gate(canvas, index, between(look::kGate, {1, 1, 1}, 0.35));
+  canvas.disc(at(world_.gates[index].p_EG.head<2>()), 26.0, kDark.gate_solid.faded(0.16));
+  draw_gate(canvas, index, between(kDark.gate_solid, {1, 1, 1}, 0.35));
 }
 
 void FlightMap::draw_view(Canvas& canvas, const Eigen::Vector2d& p_E, const Eigen::Vector2d& left_E,
@@ -130,12 +130,12 @@ void FlightMap::draw_view(Canvas& canvas, const Eigen::Vector2d& p_E, const Eige
       const Eigen::Vector2d ray = left_E + (right_E - left_E) * (i / 12.0);
       if (ray.norm() > 1e-6) fan.push_back(at(p_E + part * kRange * ray.normalized()));
     }
-    canvas.polygon(fan, look::kDetection.faded(0.05));
+    canvas.polygon(fan, kDark.found.faded(0.05));
   }
 }
 
 void FlightMap::draw_drone(Canvas& canvas, const Moment& now, double yaw) const {
-  canvas.circle(at(now.est_p_EB.head<2>()), 6.0, {.color = look::kEstimate, .width = 1.5});
+  canvas.circle(at(now.est_p_EB.head<2>()), 6.0, {.color = kDark.estimate, .width = 1.5});
   const Eigen::Vector2d center = now.true_p_EB.head<2>(), ahead = direction(yaw),
                         right{-ahead.y(), ahead.x()};
   const auto point = [&](double along_px, double across_px) {
@@ -143,14 +143,14 @@ void FlightMap::draw_drone(Canvas& canvas, const Moment& now, double yaw) const 
   };
   const std::array<Eigen::Vector2d, 4> arrow{point(13, 0), point(-8, 8), point(-4, 0),
                                              point(-8, -8)};
-  canvas.outline(arrow, {.color = look::kBackground, .width = 4.0});
-  canvas.polygon(arrow, look::kInk);
+  canvas.outline(arrow, {.color = kDark.page, .width = 4.0});
+  canvas.polygon(arrow, kDark.ink);
 }
 
 void FlightMap::draw_legend(Canvas& canvas, const Eigen::Vector2d& at_px) const {
   Eigen::Vector2d pen = at_px;
   const auto name = [&](const std::string& text) {
-    const Lettering lettering{.color = look::kMuted, .size = 12};
+    const Lettering lettering{.color = kDark.muted, .size = 12};
     canvas.text(pen + Eigen::Vector2d{0, 4}, text, lettering);
     pen.x() += canvas.text_width(text, lettering) + 20;
   };
@@ -164,9 +164,9 @@ void FlightMap::draw_legend(Canvas& canvas, const Eigen::Vector2d& at_px) const 
                 color_of_speed(fast_ * i / 39.0));
   pen.x() += 48;
   name("flown, 0 to " + fixed(fast_, 1) + " m/s");
-  sample({.color = look::kEstimate, .width = 1.5}, "pilot's estimate");
-  sample({.color = look::kPlan, .width = 1.3, .dash = 5.0}, "plan");
-  sample({.color = look::kGate, .width = 4.5}, "gate");
+  sample({.color = kDark.estimate, .width = 1.5}, "pilot's estimate");
+  sample({.color = kDark.plan, .width = 1.3, .dash = 5.0}, "plan");
+  sample({.color = kDark.gate_solid, .width = 4.5}, "gate");
 }
 
 }  // namespace gatefly::io

@@ -71,28 +71,28 @@ class Strip {
   }
 
   void draw(Canvas& canvas, std::span<const double> passes) const {
-    canvas.fill(panel_, look::kPanel, 8.0);
-    canvas.text({panel_.x + 12, panel_.y + 20}, curve_.name, {.color = look::kMuted, .size = 13});
+    canvas.fill(panel_, kDark.panel, 8.0);
+    canvas.text({panel_.x + 12, panel_.y + 20}, curve_.name, {.color = kDark.muted, .size = 13});
     canvas.text({panel_.right() - 12, panel_.y + 20},
                 fixed(curve_.truth(moments_.back()), 2) + " " + curve_.unit,
-                {.color = look::kInk, .size = 14, .align = Align::kRight, .bold = true});
+                {.color = kDark.ink, .size = 14, .align = Align::kRight, .bold = true});
     for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
       const double y = at(end_, level).y();
       canvas.line({area_.x, y}, {area_.right(), y},
-                  {.color = look::kFaint.faded(0.6), .width = 1.0});
+                  {.color = kDark.grid, .width = 1.0});
       canvas.text({area_.x - 8, y + 4}, fixed(level, 0),
-                  {.color = look::kMuted, .size = 11, .align = Align::kRight});
+                  {.color = kDark.muted, .size = 11, .align = Align::kRight});
     }
     canvas.clip({.x = area_.x - 2,
                  .y = area_.y - 6,
                  .width = area_.width + 4,
                  .height = area_.height + 12});
     for (const double pass : passes)
-      canvas.line(at(pass, 0.0), at(pass, top_), {.color = look::kGate.faded(0.55), .width = 1.5});
-    trace(canvas, curve_.estimate, {.color = look::kEstimate, .width = 1.1});
-    trace(canvas, curve_.truth, {.color = look::kFlown, .width = 2.2});
+      canvas.line(at(pass, 0.0), at(pass, top_), {.color = kDark.gate_solid.faded(0.55), .width = 1.5});
+    trace(canvas, curve_.estimate, {.color = kDark.estimate, .width = 1.1});
+    trace(canvas, curve_.truth, {.color = kDark.flown, .width = 2.2});
     canvas.unclip();
-    canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 3.5, look::kInk);
+    canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 3.5, kDark.ink);
   }
 
  private:
@@ -146,9 +146,9 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
   for (const GateDetection& gate : sighting.detections) {
     const bool used = rank++ == sighting.used;
     draw_detection(canvas, gate, {0, 0}, scale,
-                   {.color = look::kDetection.faded(used ? 1.0 : 0.6), .width = used ? 2.5 : 1.2});
+                   {.color = kDark.found.faded(used ? 1.0 : 0.6), .width = used ? 2.5 : 1.2});
   }
-  const Stroke stroke{.color = look::kDetection, .width = 2.5};
+  const Stroke stroke{.color = kDark.found, .width = 2.5};
   if (sighting.lower_corners) {
     const Eigen::Vector2d left = at(sighting.lower_corners->bottom_left_px),
                           right = at(sighting.lower_corners->bottom_right_px);
@@ -174,17 +174,17 @@ FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::Ra
       file_{mp4, kWidth, kHeight, kPicturesPerSecond},
       backdrop_{kWidth, kHeight},
       frame_{kWidth, kHeight},
-      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), look::kPanel} {}
+      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), kDark.panel} {}
 
 void FlightVideo::start(const Tick& tick) {
-  backdrop_.text({kMargin + 2, 32}, "gatefly", {.color = look::kGate, .size = 20, .bold = true});
-  backdrop_.text({kMargin + 104, 32}, title_, {.color = look::kInk, .size = 20});
-  backdrop_.fill(map_box_, look::kPanel, 8.0);
+  backdrop_.text({kMargin + 2, 32}, "gatefly", {.color = kDark.gate_solid, .size = 20, .bold = true});
+  backdrop_.text({kMargin + 104, 32}, title_, {.color = kDark.ink, .size = 20});
+  backdrop_.fill(map_box_, kDark.panel, 8.0);
   map_.draw_course(backdrop_, tick.pilot.plan());
   map_.draw_legend(backdrop_, {map_box_.x + 20, map_box_.bottom() - 0.5 * kLegend - 2});
   const std::string waiting = pictures_ ? "no picture yet" : "ideal vision: there are no pictures";
   view_.text({0.5 * view_.width(), 0.5 * view_.height() + 5}, waiting,
-             {.color = look::kMuted, .size = 15, .align = Align::kCenter});
+             {.color = kDark.muted, .size = 15, .align = Align::kCenter});
 }
 
 void FlightVideo::look(const Tick& tick) {
@@ -199,7 +199,7 @@ void FlightVideo::look(const Tick& tick) {
   picture.image(image, {0, 0}, scale);
   draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
   view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()},
-             look::kPanel);
+             kDark.panel);
   view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())),
                         std::floor(0.5 * (view_.height() - size.y()))});
 }
@@ -245,40 +245,40 @@ void FlightVideo::draw_head(const Tick& tick) {
   const int passed = tick.pilot.estimate().gates_passed;
   const int lap = std::min(passed / std::max(gates, 1) + 1, race_.pilot.track.laps);
   frame_.text({kWidth - kMargin - 2, 33}, fixed(moments_.back().time, 1) + " s",
-              {.color = look::kInk, .size = 24, .align = Align::kRight, .bold = true});
+              {.color = kDark.ink, .size = 24, .align = Align::kRight, .bold = true});
   const std::string progress = "gates " + std::to_string(passed) + " of " + std::to_string(total) +
                                "     lap " + std::to_string(lap) + " of " +
                                std::to_string(race_.pilot.track.laps);
   frame_.text({kWidth - kMargin - 130, 32}, progress,
-              {.color = look::kMuted, .size = 16, .align = Align::kRight});
+              {.color = kDark.muted, .size = 16, .align = Align::kRight});
 
   // One mark for each gate of the race.
   const double width = (kWidth - 2.0 * kMargin + 4.0) / std::max(total, 1);
   for (int i = 0; i < total; ++i)
     frame_.fill(
         {.x = kMargin + i * width, .y = 46, .width = std::max(1.0, width - 4.0), .height = 4},
-        i < passed ? look::kGate : look::kSolid, 2.0);
+        i < passed ? kDark.gate_solid : kDark.solid, 2.0);
 }
 
 void FlightVideo::draw_status(const Tick& tick, const Box& box) {
-  frame_.fill(box, look::kPanel);
+  frame_.fill(box, kDark.panel);
   const double line = box.y + 26;
   const std::string phase = gatefly::name_of(tick.pilot.phase());
   const Lettering plate{
-      .color = look::kBackground, .size = 14, .align = Align::kCenter, .bold = true};
+      .color = kDark.page, .size = 14, .align = Align::kCenter, .bold = true};
   const double width = 92.0;
-  frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 25}, look::kInk, 5.0);
+  frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 25}, kDark.ink, 5.0);
   frame_.text({box.x + 10 + 0.5 * width, line}, phase, plate);
   const std::string next = "to gate " + std::to_string(tick.pilot.target_gate() + 1);
   frame_.text({box.x + width + 26, line}, tick.pilot.finished() ? "all gates passed" : next,
-              {.color = look::kGate, .size = 15, .bold = true});
+              {.color = kDark.gate_solid, .size = 15, .bold = true});
   if (!pictures_) return;
   frame_.text({box.x + 0.5 * box.width, line}, fixed(moments_.back().true_speed, 1) + " m/s",
-              {.color = look::kInk, .size = 15, .align = Align::kCenter});
+              {.color = kDark.ink, .size = 15, .align = Align::kCenter});
   const bool fix = source_ != Sighting::Source::kNone;
   const std::string source = name_of(source_);
   const Lettering lettering{
-      .color = fix ? look::kDetection : look::kMuted, .size = 14, .align = Align::kRight};
+      .color = fix ? kDark.found : kDark.muted, .size = 14, .align = Align::kRight};
   frame_.text({box.right() - 12, line}, source, lettering);
   frame_.disc({box.right() - 22 - frame_.text_width(source, lettering), line - 5}, 5.0,
               lettering.color);
@@ -310,15 +310,15 @@ void FlightVideo::draw_map(const Tick& tick) {
 }
 
 void FlightVideo::finish(const std::string& outcome) {
-  Lettering lettering{.color = look::kInk, .size = 18, .align = Align::kCenter, .bold = true};
+  Lettering lettering{.color = kDark.ink, .size = 18, .align = Align::kCenter, .bold = true};
   const double widest = map_box_.width - 80.0;
   lettering.size *= std::min(1.0, widest / frame_.text_width(outcome, lettering));
   const double width = frame_.text_width(outcome, lettering) + 48;
   const double middle = map_box_.x + 0.5 * map_box_.width;
   const Box plate{.x = middle - 0.5 * width, .y = map_box_.y + 8, .width = width, .height = 46};
-  frame_.fill(plate, look::kInk.faded(0.25), 8.0);
+  frame_.fill(plate, kDark.ink.faded(0.25), 8.0);
   frame_.fill({plate.x + 1.5, plate.y + 1.5, plate.width - 3, plate.height - 3},
-              look::kBackground.faded(0.92), 7.0);
+              kDark.page.faded(0.92), 7.0);
   frame_.text({middle, plate.y + 30}, outcome, lettering);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();
