@@ -63,8 +63,9 @@ class Canvas {
   void text(const Eigen::Vector2d& at, const std::string& line, const Lettering& lettering = {});
   [[nodiscard]] double text_width(const std::string& line, const Lettering& lettering = {});
 
-  /// The upright picture with its top-left corner at `at`: enlarged pixels stay squares.
-  void image(const Image& image, const Eigen::Vector2d& at, double scale);
+  /// The upright picture with its top-left corner at `at`: enlarged pixels stay squares, or are
+  /// interpolated (`smooth`).
+  void image(const Image& image, const Eigen::Vector2d& at, double scale, bool smooth = false);
   void paste(const Canvas& other, const Eigen::Vector2d& at);
 
   /// Whatever is drawn until unclip() shows inside `box` only.

@@ -95,7 +95,7 @@ void draw_axes(Canvas& canvas, const Plot& plot, const Axis& x, const Axis& y, c
     canvas.text({u, area.bottom() + style.px(28.0)}, tick.label, below);
     free = u + half + style.px(10.0);
   }
-  for (const Tick& tick : ticks_of(y, area.height / style.px(70.0))) {
+  for (const Tick& tick : ticks_of(y, area.height / style.px(45.0))) {
     const double v = y.place(tick.value);
     canvas.line({area.x, v}, {area.right(), v}, grid);
     canvas.text({area.x - style.px(12.0), v + style.px(7.0)}, tick.label, beside);
@@ -142,11 +142,13 @@ void draw_mark(Canvas& canvas, const PlotSeries& series, const Eigen::Vector2d& 
   }
 }
 
-/// Along a line closer marks would hide it.
+/// Along a line many marks, or close ones, would hide it.
 bool has_room(const std::vector<Eigen::Vector2d>& places, const Style& style) {
+  constexpr std::size_t kMost = 40;
   double length = 0.0;
   for (std::size_t i = 1; i < places.size(); ++i) length += (places[i] - places[i - 1]).norm();
-  return length > style.px(22.0) * static_cast<double>(places.size()) || places.size() < 3;
+  return places.size() < 3 ||
+         (places.size() <= kMost && length > style.px(22.0) * static_cast<double>(places.size()));
 }
 
 void draw_series(Canvas& canvas, const PlotSeries& series, const Axis& x, const Axis& y,

@@ -331,9 +331,9 @@ void add_flights(Report& report, const fs::path& folder, const Options& options)
     throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::sort(flights.begin(), flights.end());
   auto& json = report.result.json["flights"] = ordered_json::object();
-  io::Plot plot{.title = "Real flights: roll and pitch beside motion capture, RMS",
-                .x_label = "flight",
-                .y_label = "difference [°]"};
+  io::Plot plot{.title = "Real flights: roll and pitch, RMS",
+                .x_label = "number of the flight",
+                .y_label = "difference to motion capture [°]"};
   plot.series = {
       {.name = "Mahony, Kp 0.5", .color = io::kLight.gate_solid, .line = false},
       {.name = "ours, as flown", .line = false},

@@ -49,11 +49,17 @@ struct Result {
   std::vector<ExtraPicture> extra = {};  ///< What the plot has no room for.
 };
 
+/// A section of docs/paper/deviations.md that says why ours differs.
+struct Deviation {
+  std::string anchor, title;
+};
+
 struct Experiment {
   std::string name, what;
   /// @throws std::runtime_error one line: data that is missing or wrong.
   Result (*run)(const Options& options);
   bool needs_data = true;  ///< Else it is simulated, or says what it leaves out without.
+  std::vector<Deviation> deviations = {};
 };
 
 /// All that there are, in the paper's order.

@@ -167,7 +167,7 @@ io::Plot panel(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSe
       add("", edges.overshot), add("", mirrored(edges.overshot));
     }
   plot.series.push_back(
-      {.name = "if |y| < 0.5 m is enough", .color = io::kLight.muted, .marks = false, .dash = 4.0});
+      {.name = "if |y| < 0.5 m will do", .color = io::kLight.muted, .marks = false, .dash = 4.0});
   if (speed == kSpeeds[0])
     plot.series.push_back({.name = "paper: 2 m for 0.8 m",
                            .points = {{-2.0, 0.8}, {-2.0, -0.8}},

@@ -125,7 +125,9 @@ constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight
 /// Height over time of the flights shown.
 io::Plot height_plot(const std::string& name, const std::vector<const Flight*>& flights) {
   io::Plot plot{
-      .title = name + ": height (pale: estimated)", .x_label = "t [s]", .y_label = "height [m]"};
+      .title = name + (flights.empty() ? ": no flight to show" : ": height (pale: estimated)"),
+      .x_label = "t [s]",
+      .y_label = "height [m]"};
   for (std::size_t i = 0; i < flights.size(); ++i) {
     io::PlotSeries truth{
         .name = "seed " + std::to_string(flights[i]->seed), .color = kColors[i], .marks = false},
