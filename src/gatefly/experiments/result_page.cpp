@@ -17,6 +17,7 @@ constexpr const char* kStyle = R"css(
 html { scroll-behavior: smooth; }
 body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.5 system-ui, sans-serif; font-variant-numeric: tabular-nums; }
 body > * { max-width: 1240px; margin-inline: auto; padding-inline: 20px; }
+main { padding: 0; }
 h1 { margin: 4px auto; font-size: clamp(24px, 3vw, 34px); line-height: 1.2; }
 h2 { margin: 0; font-size: 21px; }
 a { color: var(--found); } a:focus-visible { outline: 2px solid var(--focus); outline-offset: 2px; }
@@ -53,6 +54,39 @@ footer { color: var(--muted); font-size: 13px; padding-bottom: 30px; }
 }
 @media print { section { break-inside: avoid; } nav { display: none; } }
 )css";
+
+constexpr const char* kHead = R"html(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="generator" content="gatefly reproduce">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>gatefly: paper and ours</title>
+<style>
+)html";
+
+constexpr const char* kTop = R"html(</style>
+</head>
+<body>
+<div class="brand">gatefly</div>
+<h1>Paper and ours</h1>
+<p class="lead">Li, Ozo, De Wagter, de Croon: <cite>Autonomous drone race: a computationally efficient vision-based navigation
+and control strategy</cite>. Each quantity beside the paper's, where the paper has one; the command that makes it; the sections of
+<code>docs/paper/deviations.md</code> that say why it differs.</p>
+)html";
+
+constexpr const char* kQuickNote =
+    R"html(<p class="note">Quick runs: fewer points and repeats than those of
+<code>docs/paper/results.md</code>. They show that everything runs, not how good it is.</p>
+)html";
+
+constexpr const char* kFoot = R"html(</main>
+<footer>Made by <code>gatefly reproduce</code>. The numbers, and more of them, are in each folder's <code>result.json</code> and
+<code>result.csv</code>.</footer>
+</body>
+</html>
+)html";
 
 /// Text as it may stand in an element or a quoted attribute.
 std::string escaped(const std::string& text) {
@@ -190,30 +224,14 @@ std::string result_page(std::span<const PageEntry> entries) {
     links += "<a href=\"#" + escaped(entry.name) + "\">" + escaped(entry.name) + "</a>\n";
     sections += section_of(entry, largest);
   }
-  return std::string{"<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"} +
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n" +
-         "<meta name=\"generator\" " + kPageMark + ">\n" +
-         "<meta name=\"color-scheme\" content=\"light dark\">\n" +
-         "<title>gatefly: paper and ours</title>\n<style>\n:root { color-scheme: light dark; " +
-         io::css_of(io::kLight) + " }\n@media (prefers-color-scheme: dark) { :root { " +
-         io::css_of(io::kDark) + " } }" + kStyle + "</style>\n</head>\n<body>\n" +
-         "<div class=\"brand\">gatefly</div>\n<h1>Paper and ours</h1>\n<p class=\"lead\">Li, Ozo, "
-         "De "
-         "Wagter, de Croon: <cite>Autonomous drone race: a computationally efficient vision-based "
-         "navigation and control strategy</cite>. Each quantity beside the paper's, where the "
-         "paper "
-         "has one; with the command that makes it, and the section of "
-         "<code>docs/paper/deviations.md"
-         "</code> that says why it differs.</p>\n" +
-         (quick ? "<p class=\"note\">Quick runs: fewer points and repeats than the results in "
-                  "docs/paper/results.md have. They show that all runs, not how good it is.</p>\n"
-                : "") +
-         "<nav aria-label=\"experiments\">\n" + links + "</nav>\n<main style=\"padding:0\">\n" +
-         sections +
-         "</main>\n<footer>Made by <code>gatefly reproduce</code>. Numbers and further columns are "
-         "in "
-         "each folder's <code>result.json</code> and <code>result.csv</code>.</footer>\n</body>\n"
-         "</html>\n";
+  std::string html = kHead;
+  html += ":root { color-scheme: light dark; " + io::css_of(io::kLight) + " }\n";
+  html += "@media (prefers-color-scheme: dark) { :root { " + io::css_of(io::kDark) + " } }";
+  html += kStyle;
+  html += kTop;
+  if (quick) html += kQuickNote;
+  html += "<nav aria-label=\"experiments\">\n" + links + "</nav>\n<main>\n";
+  return html + sections + kFoot;
 }
 
 }  // namespace gatefly::experiments

@@ -290,7 +290,7 @@ void FlightVideo::record(const Tick& tick) {
 void FlightVideo::draw(const Tick& tick) {
   if (moments_.size() > 1) {
     const Moment &from = moments_[moments_.size() - 2], &to = moments_.back();
-    map_.draw_flown(backdrop_, from, to, 0.4);
+    map_.draw_flown(backdrop_, from, to, 0.6);
     map_.draw_estimate(backdrop_, from, to);
   }
   frame_.paste(backdrop_, {0, 0});
@@ -401,7 +401,7 @@ void FlightVideo::draw_map(const Tick& tick) {
   const std::size_t first = moments_.size() > recent ? moments_.size() - recent : 1;
   for (std::size_t i = first; i < moments_.size(); ++i) {
     const double age = static_cast<double>(moments_.size() - i) / static_cast<double>(recent);
-    map_.draw_flown(frame_, moments_[i - 1], moments_[i], 1.0 - 0.6 * age);
+    map_.draw_flown(frame_, moments_[i - 1], moments_[i], 1.0 - 0.4 * age);
   }
   map_.draw_drone(frame_, moments_.back(), tick.truth.attitude.yaw);
   frame_.unclip();
