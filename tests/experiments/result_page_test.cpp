@@ -105,7 +105,10 @@ TEST(Experiments, AQuickRunIsMarkedInNumbersAndPicture) {
                                               .csv = "",
                                               .picture = io::Canvas(300, 100)};
                               }};
-  const Result whole = run(experiment, {.quick = false}), quick = run(experiment, {.quick = true});
+  Options options;
+  const Result whole = run(experiment, options);
+  options.quick = true;
+  const Result quick = run(experiment, options);
   EXPECT_EQ(whole.json["quick"], false);
   EXPECT_EQ(quick.json["quick"], true);
   EXPECT_EQ(whole.picture.rgb(), io::Canvas(300, 100).rgb());

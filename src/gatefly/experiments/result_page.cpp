@@ -27,11 +27,11 @@ code { font: 13px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; background: v
 .lead { max-width: 1240px; margin-inline: auto; }
 nav { display: flex; flex-wrap: wrap; gap: 8px; padding-block: 16px; }
 nav a { padding: 3px 12px; border: 1px solid var(--rule); border-radius: 99px; background: var(--panel); text-decoration: none; font-size: 14px; }
-section { background: var(--panel); border: 1px solid var(--rule); border-radius: 12px; padding: 20px; margin-block: 0 20px; width: calc(100% - 24px); max-width: 1216px; scroll-margin-top: 12px; }
+section { background: var(--panel); border: 1px solid var(--rule); border-radius: 12px; padding: 20px; margin: 0 auto 20px; width: calc(100% - 24px); max-width: 1216px; scroll-margin-top: 12px; }
 .quick { display: inline-block; margin-left: 10px; padding: 1px 10px; border: 1.5px solid var(--warn); border-radius: 6px; color: var(--warn); font-size: 13px; font-weight: 700; vertical-align: 3px; }
 .note { border: 1.5px solid var(--warn); border-radius: 8px; color: var(--warn); padding: 8px 14px; margin-block: 14px 0; width: calc(100% - 24px); max-width: 1216px; }
 table { border-collapse: collapse; width: 100%; margin: 14px 0 18px; font-size: 14.5px; }
-th { text-align: left; color: var(--muted); font-weight: 500; font-size: 13px; }
+th:nth-child(n+4) { padding-left: 16px; } th { text-align: left; color: var(--muted); font-weight: 500; font-size: 13px; }
 th, td { padding: 6px 16px 6px 0; border-bottom: 1px solid var(--rule); vertical-align: top; overflow-wrap: anywhere; }
 td:first-child { min-width: 12em; } td.ours { font-weight: 600; }
 td.indent { padding-left: 1.2em; }
