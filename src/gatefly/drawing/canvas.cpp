@@ -169,7 +169,7 @@ void Canvas::image(const Image& image, const Eigen::Vector2d& at, double scale, 
   cairo_scale(c, scale, scale);
   cairo_set_source_surface(c, source.get(), 0.0, 0.0);
   cairo_pattern_set_filter(cairo_get_source(c), scale < 1.0 ? CAIRO_FILTER_GOOD
-                                                : smooth    ? CAIRO_FILTER_BEST
+                                                : smooth    ? CAIRO_FILTER_GOOD
                                                             : CAIRO_FILTER_NEAREST);
   if (smooth) cairo_pattern_set_extend(cairo_get_source(c), CAIRO_EXTEND_PAD);
   cairo_rectangle(c, 0.0, 0.0, image.width(), image.height());

@@ -287,13 +287,17 @@ Canvas draw_sheet(std::span<const Plot> plots, int columns, int row_height) {
 }
 
 void stamp_quick(Canvas& canvas) {
+  const double unit = std::max(1.0, 1.0 * canvas.width() / kPlotWidth);
   const Lettering lettering{
-      .color = kLight.warn, .size = 15.0, .align = Align::kCenter, .bold = true};
-  const Box plate{canvas.width() - kStampWidth + 4.0, 8.0, kStampWidth - 12.0, 26.0};
-  canvas.fill(plate, kLight.warn, 6.0);
-  canvas.fill({plate.x + 1.5, plate.y + 1.5, plate.width - 3.0, plate.height - 3.0}, kLight.panel,
-              5.0);
-  canvas.text({plate.x + 0.5 * plate.width, plate.y + 18.5}, "quick run", lettering);
+      .color = kLight.warn, .size = 15.0 * unit, .align = Align::kCenter, .bold = true};
+  const Box plate{canvas.width() - (kStampWidth - 4.0) * unit, 8.0 * unit,
+                  (kStampWidth - 12.0) * unit, 26.0 * unit};
+  const double border = 1.5 * unit;
+  canvas.fill(plate, kLight.warn, 6.0 * unit);
+  canvas.fill(
+      {plate.x + border, plate.y + border, plate.width - 2.0 * border, plate.height - 2.0 * border},
+      kLight.panel, 5.0 * unit);
+  canvas.text({plate.x + 0.5 * plate.width, plate.y + 18.5 * unit}, "quick run", lettering);
 }
 
 }  // namespace gatefly::io

@@ -82,15 +82,15 @@ void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats,
 
 /// A row for each sequence, from far to near: pictures, labels thin, candidates thick.
 io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& moments) {
-  constexpr int kGap = 10, kCaption = 26, kTop = 64;
+  constexpr int kGap = 10, kCaption = 40, kTop = 84;
   const int width = set.picture(moments.front().picture).width(),
             height = set.picture(moments.front().picture).height();
   io::Canvas sheet(static_cast<int>(kLongest) * (width + kGap) + kGap,
                    kTop + static_cast<int>(kSequences.size()) * (height + kCaption + kGap));
-  sheet.text({kGap, 40.0},
+  sheet.text({kGap, 54.0},
              "The paper's detector while a gate is approached: label (dashed), found (cyan), found "
              "but no gate (pink)",
-             {.size = 24.0, .bold = true});
+             {.size = 36.0, .bold = true});
   for (const Moment& moment : moments) {
     const io::Box tile{
         .x = kGap + static_cast<double>(moment.place) * (width + kGap),
@@ -114,11 +114,11 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
     }
     sheet.unclip();
     sheet.text(
-        {tile.x, tile.bottom() + 18.0},
+        {tile.x, tile.bottom() + 28.0},
         labelled.image + "  " +
             (std::isfinite(moment.distance) ? fixed(moment.distance, 1) + " m" : "no label") +
             (moment.shown_hit ? "  found" : ""),
-        {.color = moment.shown_hit ? io::kLight.found : io::kLight.muted, .size = 15.0});
+        {.color = moment.shown_hit ? io::kLight.found : io::kLight.muted, .size = 24.0});
   }
   return sheet;
 }

@@ -80,7 +80,8 @@ std::array<DetectionExample, 3> detection_examples(
 io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
                           const std::array<DetectionExample, 3>& examples,
                           const ColorRange& color) {
-  constexpr int kGap = 12, kTop = 66, kCaption = 26, kScale = 2;
+  constexpr int kGap = 12, kTop = 92, kCaption = 40, kScale = 2;
+  constexpr double kLetters = 19.0;
   int width = 1, height = 1;
   for (const DetectionExample& example : examples)
     if (example.picture) {
@@ -89,22 +90,24 @@ io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
       height = std::max(height, kScale * image.height());
     }
   io::Canvas canvas(3 * (width + kGap) + kGap, kTop + kCaption + 2 * (height + kGap));
-  canvas.text({kGap, 28.0}, "Detections of mode paper (σ_L 25 px, σ_cf 0.7) and their masks",
-              {.size = 17.0, .bold = true});
-  canvas.text({kGap, 52.0}, "green: label; blue: detected; orange: false positive",
-              {.color = io::kLight.muted});
+  canvas.text({kGap, 38.0}, "Detections of mode paper (σ_L 25 px, σ_cf 0.7) and their masks",
+              {.size = 28.0, .bold = true});
+  canvas.text({kGap, 74.0}, "green: label; blue: detected; orange: false positive",
+              {.color = io::kLight.muted, .size = kLetters});
   for (std::size_t k = 0; k < examples.size(); ++k) {
     const DetectionExample& example = examples[k];
-    const Eigen::Vector2d caption{kGap + static_cast<double>(k) * (width + kGap), kTop + 14.0},
+    const Eigen::Vector2d caption{kGap + static_cast<double>(k) * (width + kGap), kTop + 26.0},
         at{caption.x(), kTop + kCaption};
     if (!example.picture) {
-      canvas.text(caption, example.kind + ": none");
+      canvas.text(caption, example.kind + ": none", {.size = kLetters});
       continue;
     }
     const Image image = set.picture(*example.picture);
     const io::LabelledPicture& label = set.labels.pictures[*example.picture];
-    canvas.text(caption, example.kind + ": " + example.rule + ", " + label.image +
-                             (example.found ? ", cf " + fixed(example.found->fitness, 2) : ""));
+    canvas.text(caption,
+                example.kind + ": " + example.rule + ", " + label.image +
+                    (example.found ? ", cf " + fixed(example.found->fitness, 2) : ""),
+                {.size = kLetters});
     canvas.clip({at.x(), at.y(), static_cast<double>(width), static_cast<double>(height)});
     canvas.image(image, at, kScale);
     for (const Quad& gate : label.gates)
