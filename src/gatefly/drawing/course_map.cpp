@@ -112,8 +112,17 @@ void CourseMap::draw_gate(Canvas& canvas, std::size_t index, const Color& color)
   canvas.text(beside, std::to_string(index + 1),
               {.color = color, .size = 16, .align = Align::kCenter, .bold = true});
   if (!tells_heights_) return;
-  canvas.text(beside + Vector2d{0, 15}, fixed(-gate.p_EG.z(), 1) + " m",
-              {.color = palette_.muted, .size = 13, .align = Align::kCenter});
+  // Away from the gate.
+  const Vector2d out = (at(center + right) - at(center)).normalized();
+  const bool aside = std::abs(out.x()) > 0.5;
+  const Vector2d more = aside ? Vector2d{out.x() > 0.0 ? 9.0 : -9.0, 0.0}
+                              : Vector2d{0.0, out.y() > 0.0 ? 16.0 : -16.0};
+  canvas.text(beside + more, fixed(-gate.p_EG.z(), 1) + " m",
+              {.color = palette_.muted,
+               .size = 13,
+               .align = !aside          ? Align::kCenter
+                        : out.x() > 0.0 ? Align::kLeft
+                                        : Align::kRight});
 }
 
 void CourseMap::draw_gates(Canvas& canvas) const {

@@ -221,8 +221,10 @@ void equalize(Axis& x, Axis& y) {
 void draw_title(Canvas& canvas, const std::string& title, const Eigen::Vector2d& at, double width,
                 const Style& style) {
   Lettering lettering{.color = kLight.ink, .size = style.px(26.0), .bold = true};
-  const double wide = canvas.text_width(title, lettering);
-  if (wide > width) lettering.size *= width / wide;
+  // Letters have whole pixels: their width does not follow their size exactly.
+  for (double wide = canvas.text_width(title, lettering); wide > width && lettering.size > 1.0;
+       wide = canvas.text_width(title, lettering))
+    lettering.size *= std::min(0.98, width / wide);
   canvas.text(at, title, lettering);
 }
 

@@ -175,8 +175,10 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
 /// In letters as large as fit.
 void draw_fitted(Canvas& canvas, const Eigen::Vector2d& at, const std::string& line,
                  Lettering lettering, double width) {
-  const double wide = canvas.text_width(line, lettering);
-  if (wide > width) lettering.size *= width / wide;
+  // Letters have whole pixels: their width does not follow their size exactly.
+  for (double wide = canvas.text_width(line, lettering); wide > width && lettering.size > 1.0;
+       wide = canvas.text_width(line, lettering))
+    lettering.size *= std::min(0.98, width / wide);
   canvas.text(at, line, lettering);
 }
 
@@ -290,8 +292,10 @@ void FlightVideo::record(const Tick& tick) {
 void FlightVideo::draw(const Tick& tick) {
   if (moments_.size() > 1) {
     const Moment &from = moments_[moments_.size() - 2], &to = moments_.back();
+    backdrop_.clip(inside(map_box_));
     map_.draw_flown(backdrop_, from, to, 0.6);
     map_.draw_estimate(backdrop_, from, to);
+    backdrop_.unclip();
   }
   frame_.paste(backdrop_, {0, 0});
   draw_head(tick);
