@@ -151,18 +151,30 @@ bool has_room(const std::vector<Eigen::Vector2d>& places, const Style& style) {
          (places.size() <= kMost && length > style.px(22.0) * static_cast<double>(places.size()));
 }
 
-void draw_series(Canvas& canvas, const PlotSeries& series, const Axis& x, const Axis& y,
-                 const Style& style) {
+std::vector<Eigen::Vector2d> places_of(const PlotSeries& series, const Axis& x, const Axis& y) {
   std::vector<Eigen::Vector2d> places;
   for (const Eigen::Vector2d& point : series.points)
     if (x.shows(point.x()) && y.shows(point.y()))
       places.emplace_back(x.place(point.x()), y.place(point.y()));
+  return places;
+}
+
+/// Of all lines or of none, so that curves of one plot look alike.
+bool lines_have_marks(const Plot& plot, const Axis& x, const Axis& y, const Style& style) {
+  return std::all_of(plot.series.begin(), plot.series.end(), [&](const PlotSeries& series) {
+    return !series.line || series.area || !series.marks || series.rings ||
+           has_room(places_of(series, x, y), style);
+  });
+}
+
+void draw_series(Canvas& canvas, const PlotSeries& series,
+                 const std::vector<Eigen::Vector2d>& places, bool marks, const Style& style) {
   if (series.area) {
     if (places.size() > 2) canvas.polygon(places, series.color);
     return;
   }
   if (series.line && places.size() > 1) canvas.polyline(places, stroke_of(series, style));
-  if (!series.marks || (series.line && !has_room(places, style))) return;
+  if (!series.marks || (series.line && !series.rings && !marks)) return;
   for (const Eigen::Vector2d& place : places) draw_mark(canvas, series, place, style);
 }
 
@@ -190,7 +202,8 @@ std::vector<LegendEntry> legend_of(Canvas& canvas, const Plot& plot, const Box& 
   return entries;
 }
 
-void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& entries, const Style& style) {
+void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& entries, bool marks,
+                 const Style& style) {
   const double sample = style.px(kSample);
   for (const auto& [series, at] : entries) {
     const double middle = at.y() - style.px(7.0);
@@ -198,7 +211,7 @@ void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& entries, const 
       canvas.fill({at.x(), middle - style.px(8.0), sample, style.px(16.0)}, series->color);
     else if (series->line)
       canvas.line({at.x(), middle}, {at.x() + sample, middle}, stroke_of(*series, style));
-    if (series->marks && !series->area)
+    if (series->marks && !series->area && (marks || series->rings || !series->line))
       draw_mark(canvas, *series, {at.x() + 0.5 * sample, middle}, style);
     canvas.text({at.x() + sample + style.px(10.0), at.y()}, series->name,
                 style.letters(kLight.ink));
@@ -266,11 +279,13 @@ Canvas draw(const Plot& plot, int width, int height) {
   // Beside the stamp, which every plot leaves room for.
   draw_title(canvas, plot.title, {area.x, style.px(44.0)}, area.right() - area.x - kStampWidth,
              style);
-  draw_legend(canvas, legend, style);
+  const bool marks = lines_have_marks(plot, x, y, style);
+  draw_legend(canvas, legend, marks, style);
   draw_axes(canvas, plot, x, y, area, style);
   canvas.clip({area.x - style.px(8.0), area.y - style.px(8.0), area.width + style.px(16.0),
                area.height + style.px(16.0)});
-  for (const PlotSeries& series : plot.series) draw_series(canvas, series, x, y, style);
+  for (const PlotSeries& series : plot.series)
+    draw_series(canvas, series, places_of(series, x, y), marks, style);
   canvas.unclip();
   return canvas;
 }

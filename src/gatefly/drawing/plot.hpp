@@ -20,7 +20,7 @@ struct PlotSeries {
   bool line = true;    ///< Joins the points.
   bool rings = false;  ///< Rings: somebody else's points beside ours.
   /// Something at each point, of a shape of its own for every colour, so that nobody has to tell
-  /// curves by colour alone. Along a line only where points are not too close.
+  /// curves by colour alone. On lines only where no line of the plot has too many points.
   bool marks = true;
   bool area = false;  ///< Filled as a polygon, without line or marks.
   double dash = 0.0;  ///< Of the line: length of dashes and gaps [px]; 0: one line.

@@ -91,7 +91,7 @@ io::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& fa
   canvas.text({10.0, 46.0}, "Where our detector is most wrong, colours fitted to the other half",
               {.size = 36.0, .bold = true});
   canvas.text({10.0, 84.0},
-              failures.empty() ? "no picture of these sets"
+              failures.empty() ? "in these sets no gate is missed, and nothing else is found"
                                : "green: label; pink: found; score and the least that counts",
               {.color = io::kLight.muted, .size = 26.0});
   for (std::size_t i = 0; i < failures.size(); ++i) {

@@ -92,7 +92,8 @@ nlohmann::ordered_json json_of(const AxisErrors& e) {
 
 io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points,
                         const io::Color& color, bool line) {
-  io::PlotSeries series{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
+  io::PlotSeries series{
+      .name = name, .points = {}, .color = color, .line = line, .rings = !line, .marks = !line};
   for (std::size_t i = 0; i < points.size(); i += line ? 60 : 1)
     series.points.emplace_back(points[i].x(), points[i].y());
   return series;
