@@ -123,7 +123,7 @@ int fly(const FlyOptions& options) {
     return kInterrupted;
   }
 
-  if (video) video->finish(verdict(result, last_p_EB));
+  if (video) video->finish(result, verdict(result, last_p_EB));
   const nlohmann::ordered_json told = io::summary(result, race.identity);
   const std::string summary = told.dump(2) + "\n";
   recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/experiments/result_page.hpp"
+#include "gatefly/files/output.hpp"
 #include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -129,12 +131,25 @@ std::vector<std::unique_ptr<io::PartialFolder>> taken_folders(const std::vector<
   return folders;
 }
 
+fs::path page_of(const ReproduceOptions& options) { return fs::path{options.out} / "report.html"; }
+
+/// What it told on one page; without anything none.
+void write_page(const std::vector<experiments::PageEntry>& entries,
+                const ReproduceOptions& options) {
+  if (entries.empty()) return;
+  io::write_file(page_of(options), experiments::result_page(entries));
+  if (!options.json) std::cout << "all of it on one page: " << page_of(options).string() << '\n';
+}
+
 /// gatefly reproduce: exit 0 done, 2 unusable arguments or no data, 130 Ctrl-C.
 int reproduce(const ReproduceOptions& options) {
   (void)load(options.common);  // a wrong --config or --set is an error here as everywhere
   if (options.list) return print_list(options.json);
   const std::vector<Experiment> list = chosen(options);
   auto folders = taken_folders(list, options);
+  const io::Output page{"--out", page_of(options), {"page of results", experiments::kPageMark}};
+  io::check_outputs({&page, 1}, {}, options.common.force);
+  std::vector<experiments::PageEntry> entries;
   catch_interrupt();
   nlohmann::ordered_json answer = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -150,11 +165,13 @@ int reproduce(const ReproduceOptions& options) {
                                     .stopped = interrupted};
     const auto start = std::chrono::steady_clock::now();
     try {
-      Result result = experiment.run(told);
+      Result result = experiments::run(experiment, told);
       const double seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      result.json["quick"] = options.quick;
       write(result, *folders[i]);
+      entries.push_back(experiments::entry_of(
+          experiment, result,
+          "gatefly reproduce " + experiment.name + (options.quick ? " --quick" : "")));
       progress.clear();
       if (!options.json) print_table(experiment, result, seconds, folder_of(experiment, options));
       answer[experiment.name] = std::move(result.json);
@@ -162,9 +179,11 @@ int reproduce(const ReproduceOptions& options) {
       progress.clear();
       std::cerr << "gatefly reproduce: interrupted in " << experiment.name
                 << ", nothing of it kept\n";
+      write_page(entries, options);
       return kInterrupted;
     }
   }
+  write_page(entries, options);
   if (options.json) std::cout << answer.dump(2) << '\n';
   return kDone;
 }
@@ -176,9 +195,11 @@ void declare_reproduce(Command& command) {
   command.footer(
       "Example:\n  gatefly reproduce roc-fitness --quick\n  gatefly reproduce --all --data ~/data "
       "--out out/reproduce\n\n"
-      "Each experiment writes result.json, result.csv and plot.png into DIR/<name>/. Exit code 0: "
-      "done; 2: unusable\n"
-      "arguments or no data; 130: Ctrl-C.");
+      "Each experiment writes result.json, result.csv and plot.png into DIR/<name>/; "
+      "DIR/report.html is "
+      "one page of all\n"
+      "that this call ran: paper, ours, command, deviation, plots. Exit code 0: done; 2: unusable "
+      "arguments or no data;\n130: Ctrl-C.");
   command.option("NAME", options->names, "experiments: see --list");
   command.flag("--list", options->list, "what there is");
   command.flag("--all", options->all, "every experiment");

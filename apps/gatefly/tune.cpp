@@ -180,10 +180,10 @@ std::string roc_text(const tuning::Roc& roc) {
 /// Without labels hits are of what was found: over false positives that is a flat line.
 io::Canvas estimate_plot(const Tuned& tuned) {
   io::PlotSeries hits{.name = "hit rate, estimated"},
-      wrong{.name = "false positives per picture, estimated", .color = io::look::kFlown},
+      wrong{.name = "false positives per picture, estimated", .color = io::kLight.flown},
       chosen{.name = "detector.min_score = " + io::text_of(tuned.chosen.min_score, 3),
              .points = {{tuned.chosen.min_score, 0.0}, {tuned.chosen.min_score, 1.0}},
-             .color = io::look::kGate,
+             .color = io::kLight.gate_solid,
              .marks = false};
   hits.marks = wrong.marks = false;
   for (const tuning::Operating& point : tuned.roc.points) {
@@ -202,7 +202,7 @@ io::Canvas roc_plot(const Tuned& tuned) {
     curve.points.emplace_back(point.false_per_image, point.true_positive_rate);
   io::PlotSeries chosen{.name = "min_score " + io::text_of(tuned.chosen.min_score, 3),
                         .points = {{tuned.chosen.false_per_image, tuned.chosen.true_positive_rate}},
-                        .color = io::look::kGate,
+                        .color = io::kLight.gate_solid,
                         .line = false,
                         .rings = true};
   return io::draw({.title = "Hits and false positives over detector.min_score",

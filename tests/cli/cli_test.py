@@ -6,6 +6,7 @@ usage: cli_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 Nothing here renders or flies but the few seconds of Video: every other case is refused before take-off, or
 only prints.
 """
+import html.parser
 import json
 import math
 import os
@@ -1723,6 +1724,35 @@ class RealPictures(Cli):
                          json.loads((self.folder / "out/reproduce/tpr-distance/result.json").read_text()))
 
 
+class Page(html.parser.HTMLParser):
+    """What is on a page: elements that are opened and closed in order, sections, addresses, cells."""
+    VOID = {"meta", "img", "br", "link", "input"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.sections, self.addresses, self.cells, self.broken = [], [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag == "section":
+            self.sections.append(attributes["id"])
+        self.addresses += [attributes[name] for name in ("src", "href") if name in attributes]
+        if tag == "td":
+            self.cells.append("")
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.broken.append(tag)
+
+    def handle_data(self, data):
+        if "td" in self.open:
+            self.cells[-1] += data
+
+
 class Reproduce(Cli):
     NAMES = ("roc-length", "roc-fitness", "tpr-distance", "approach-sequence", "own-detector", "detection-failures")
 
@@ -1733,6 +1763,28 @@ class Reproduce(Cli):
             self.assertIn(name, result.stdout)
         listed = json.loads(self.run_it("reproduce", "--list", "--json").stdout)
         self.assertEqual([entry["name"] for entry in listed][:6], list(self.NAMES))
+
+    def test_all_that_was_run_stands_on_one_page(self):
+        done = self.run_it("reproduce", "pose-bars", "feasible-set", "--quick")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        path = self.folder / "out/reproduce/report.html"
+        text = path.read_text(encoding="utf-8")
+        page = Page(text)
+        self.assertEqual((page.broken, page.open), ([], []))
+        self.assertEqual(page.sections, ["pose-bars", "feasible-set"])
+        self.assertLess(len(text), 5_000_000)
+        for address in page.addresses:
+            self.assertTrue(address.startswith(("data:image/", "#")), address[:60])
+        self.assertIn("gatefly reproduce pose-bars --quick", page.cells)
+        for cell in ("as run, 0° x", "as run, 0° y"):
+            self.assertIn(cell, page.cells)
+        self.assertEqual(text.count(">quick run<"), 2)
+        one = self.run_it("reproduce", "pose-bars", "--quick")
+        self.assertEqual(one.returncode, 0, one.stderr)
+        self.assertEqual(Page(path.read_text(encoding="utf-8")).sections, ["pose-bars"])
+        path.write_text("mine", encoding="utf-8")
+        self.assertIn("report.html", self.refused("reproduce", "pose-bars", "--quick"))
+        self.assertEqual(path.read_text(encoding="utf-8"), "mine")
 
     def test_unknown_names_and_none_at_all(self):
         self.assertIn("did you mean 'roc-length'", self.refused("reproduce", "roc-lenght"))

@@ -57,8 +57,8 @@ TEST(Plot, WhatCannotBeShownIsLeftOut) {
       .log_x = true};
   const Canvas canvas = draw(plot, 300, 200);
   EXPECT_EQ(canvas.width(), 300);
-  EXPECT_EQ(count(canvas, look::kDetection),
-            count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), look::kDetection));
+  EXPECT_EQ(count(canvas, kLight.found),
+            count(draw({.series = {{.name = "some"}}, .log_x = true}, 300, 200), kLight.found));
 }
 
 TEST(Plot, AnAreaIsFilledAndACurveWithoutMarksIsThinner) {
@@ -80,6 +80,55 @@ TEST(Plot, ALegendThatIsTooWideGoesOnInTheNextLine) {
     plot.series.push_back({.name = name, .color = color});
   const Canvas canvas = draw(plot, 500, 400);
   for (const PlotSeries& series : plot.series) EXPECT_GT(count(canvas, series.color), 20);
+}
+
+TEST(Plot, MarksAlongALineGoWhenThereAreTooMany) {
+  constexpr Color kRed = color_of(0xff0000);
+  const auto drawn = [&](int points, bool marks) {
+    PlotSeries series{.color = kRed, .marks = marks};
+    for (int i = 0; i < points; ++i) series.points.emplace_back(i, 0.5);
+    return count(draw({.series = {series}}), kRed);
+  };
+  EXPECT_GT(drawn(20, true), drawn(20, false));
+  EXPECT_EQ(drawn(200, true), drawn(200, false));
+}
+
+TEST(Plot, EveryColourHasAMarkOfItsOwn) {
+  std::vector<std::vector<bool>> shapes;
+  for (const Color& color :
+       {kLight.found, kLight.gate_solid, kLight.flown, kLight.estimate, kLight.muted}) {
+    const auto rgb =
+        draw({.series = {{.points = {{0, 0}, {1, 1}, {2, 2}}, .color = color, .line = false}}})
+            .rgb();
+    std::vector<bool> shape;
+    for (std::size_t i = 0; i < rgb.size(); i += 3)
+      shape.push_back(rgb[i] == std::lround(255 * color.r) &&
+                      rgb[i + 2] == std::lround(255 * color.b));
+    for (const auto& other : shapes) EXPECT_NE(shape, other);
+    shapes.push_back(shape);
+  }
+}
+
+TEST(Plot, ASheetHasPlotsInRowsAndTheLastRowIsFilled) {
+  constexpr Color kRed = color_of(0xff0000);
+  const std::vector<Plot> plots(
+      3,
+      Plot{.series = {{.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .color = kRed, .area = true}}});
+  const Canvas sheet = draw_sheet(plots, 2);
+  EXPECT_EQ(sheet.width(), kPlotWidth);
+  EXPECT_EQ(sheet.height(), 2 * kRowHeight);
+  const int small = count(draw(plots[0], kPlotWidth / 2, kRowHeight), kRed),
+            wide = count(draw(plots[0], kPlotWidth, kRowHeight), kRed);
+  EXPECT_EQ(count(sheet, kRed), 2 * small + wide);
+}
+
+TEST(Plot, AQuickRunIsStampedWhereNoTitleIs) {
+  const Plot plot{.title = std::string(200, 'T')};
+  Canvas stamped = draw(plot, 600, 400);
+  stamp_quick(stamped);
+  EXPECT_GT(count(stamped, kLight.warn), 100);
+  const int ink = count(draw(plot, 600, 400), kLight.ink);
+  EXPECT_EQ(count(stamped, kLight.ink), ink) << "the title is covered";
 }
 
 }  // namespace

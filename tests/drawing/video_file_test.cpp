@@ -26,7 +26,7 @@ class VideoFileTest : public ::testing::Test {
   [[nodiscard]] bool nothing_left() const { return std::filesystem::is_empty(folder_.path()); }
 
   test::TempFolder folder_;
-  Canvas picture_{64, 48, look::kGate};
+  Canvas picture_{64, 48, kDark.gate_solid};
 };
 
 TEST_F(VideoFileTest, AppearsUnderItsNameOnlyWhenWhole) {

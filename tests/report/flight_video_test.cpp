@@ -53,9 +53,25 @@ TEST_F(FlightVideoTest, AFinishedFlightIsAFilmWithOrWithoutPictures) {
     FlightVideo video(path, race, "one gate, seed 1", pictures);
     record_start(video, race, pictures);
     EXPECT_FALSE(std::filesystem::exists(path));
-    video.finish(std::string(300, 'x'));  // longer than any panel: it has to shrink, not to fail
+    // Longer than any panel: it has to shrink, not to fail.
+    closed_loop::RaceResult result;
+    result.lap_times = std::vector<double>(200, 10.0);
+    video.finish(result, std::string(300, 'x'));
     EXPECT_THAT(read_file(path).substr(0, 12), HasSubstr("ftyp"));
   }
+}
+
+TEST(FlightMap, ShowsTheCourseAsItStandsInColoursOfItsOwn) {
+  sim::World world;
+  world.gates = {sim::WorldGate{.p_EG = {3, 0, -1.5}, .color = {0.0, 0.0, 0.4}},
+                 sim::WorldGate{.p_EG = {5, 0, -2.5}, .color = {0.5, 0.5, 0.5}}};
+  world.obstacles = {sim::WorldBox{.center = {2, 2}, .top = 1.2, .pole = true}};
+  const Course course = course_of(world);
+  EXPECT_EQ(course.gates[0].gate.p_EG, world.gates[0].p_EG);
+  EXPECT_EQ(css_of(course.gates[0].color), "#0000ff") << "as bright as it can be";
+  EXPECT_EQ(css_of(course.gates[1].color), "#ffffff");
+  EXPECT_TRUE(course.solids[0].round);
+  EXPECT_EQ(course.solids[0].box.height, 1.2);
 }
 
 TEST_F(FlightVideoTest, AnInterruptedFlightLeavesNothing) {

@@ -25,9 +25,9 @@ io::Canvas residual_picture(const Calibration& answer) {
               name_of(best.fit.model) + ": residuals of " + std::to_string(answer.kept.size()) +
                   " pictures, RMS " + io::text_of(best.rms_px, 3) + " px; arrows are " +
                   io::text_of(stretch) + " times as long",
-              {.color = io::look::kInk, .size = 18.0});
+              {.color = io::kLight.ink, .size = 18.0});
   const io::Box frame{kBorder, kHead, kWidth, height};
-  canvas.fill(frame, io::look::kPanel);
+  canvas.fill(frame, io::kLight.panel);
   canvas.clip(frame);
   const Eigen::Vector2d origin{kBorder, kHead};
   const AnyCamera lens = best.fit.lens();
@@ -38,8 +38,8 @@ io::Canvas residual_picture(const Calibration& answer) {
       if (!residuals[j].allFinite()) continue;
       const Eigen::Vector2d at =
           origin + scale * (view.corners[j].px + Eigen::Vector2d::Constant(0.5));
-      canvas.disc(at, 1.2, io::look::kMuted);
-      canvas.line(at, at + stretch * residuals[j], {.color = io::look::kDetection, .width = 1.2});
+      canvas.disc(at, 1.2, io::kLight.muted);
+      canvas.line(at, at + stretch * residuals[j], {.color = io::kLight.found, .width = 1.2});
     }
   }
   canvas.unclip();

@@ -17,7 +17,7 @@ constexpr double kLargestScale = 3.0;
 /// Light letters on a dark plate, wholly inside the picture: readable on any background.
 void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d& above,
                 const Color& color) {
-  const Lettering lettering{.color = look::kBackground, .size = 13.0, .bold = true};
+  const Lettering lettering{.color = kDark.page, .size = 13.0, .bold = true};
   Box plate{.x = above.x(),
             .y = above.y() - 26.0,
             .width = canvas.text_width(label, lettering) + 12.0,
@@ -49,7 +49,7 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
   const bool is_part = gate.method == DetectionMethod::kBars;
   const auto in_view = [&](std::size_t i) { return !is_part || gate.corner_fitness[i] > 0.0; };
   for (const Stroke& each :
-       {Stroke{.color = look::kBackground.faded(0.6), .width = stroke.width + 2.0}, stroke}) {
+       {Stroke{.color = kDark.page.faded(0.6), .width = stroke.width + 2.0}, stroke}) {
     if (!is_part) canvas.outline(corners, each);
     // Of a part its side bars, and the level ones as far as they are known.
     if (is_part)
@@ -61,7 +61,7 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!in_view(i)) continue;
     canvas.circle(corners[i], 2.5 * stroke.width,
-                  {.color = look::kBackground.faded(0.6), .width = stroke.width + 1.5});
+                  {.color = kDark.page.faded(0.6), .width = stroke.width + 1.5});
     canvas.circle(corners[i], 2.5 * stroke.width, stroke);
   }
   if (in_view(0)) canvas.disc(corners[0], 1.2 * stroke.width, stroke.color);
@@ -79,12 +79,12 @@ Canvas annotated(const Image& image, std::span<const GateDetection> gates) {
   // The best last, on top of the others.
   for (std::size_t rank = gates.size(); rank-- > 0;) {
     const GateDetection& gate = gates[rank];
-    const Color color = look::kDetection.faded(rank == 0 ? 1.0 : 0.75);
+    const Color color = kDark.found.faded(rank == 0 ? 1.0 : 0.75);
     draw_detection(canvas, gate, {0, 0}, scale, {.color = color, .width = rank == 0 ? 2.0 : 1.2});
     const Eigen::Vector2d top_left = scale * gate.corners_px[0].cwiseMin(gate.corners_px[1]);
     draw_label(canvas, label_of(rank, gate), top_left, color);
   }
-  if (gates.empty()) draw_label(canvas, "no gate", {8.0, canvas.height() - 1.0}, look::kMuted);
+  if (gates.empty()) draw_label(canvas, "no gate", {8.0, canvas.height() - 1.0}, kDark.muted);
   return canvas;
 }
 

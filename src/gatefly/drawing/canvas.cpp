@@ -148,7 +148,7 @@ void Canvas::text(const Eigen::Vector2d& at, const std::string& line, const Lett
   cairo_show_text(context_.get(), line.c_str());
 }
 
-void Canvas::image(const Image& image, const Eigen::Vector2d& at, double scale) {
+void Canvas::image(const Image& image, const Eigen::Vector2d& at, double scale, bool smooth) {
   if (image.empty() || !(scale > 0.0)) return;
   const std::unique_ptr<cairo_surface_t, Free> source{
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width(), image.height())};
@@ -168,9 +168,12 @@ void Canvas::image(const Image& image, const Eigen::Vector2d& at, double scale) 
   cairo_translate(c, at.x(), at.y());
   cairo_scale(c, scale, scale);
   cairo_set_source_surface(c, source.get(), 0.0, 0.0);
-  cairo_pattern_set_filter(cairo_get_source(c),
-                           scale < 1.0 ? CAIRO_FILTER_GOOD : CAIRO_FILTER_NEAREST);
-  cairo_paint(c);
+  cairo_pattern_set_filter(cairo_get_source(c), scale < 1.0 ? CAIRO_FILTER_GOOD
+                                                : smooth    ? CAIRO_FILTER_GOOD
+                                                            : CAIRO_FILTER_NEAREST);
+  if (smooth) cairo_pattern_set_extend(cairo_get_source(c), CAIRO_EXTEND_PAD);
+  cairo_rectangle(c, 0.0, 0.0, image.width(), image.height());
+  cairo_fill(c);
   cairo_restore(c);
 }
 

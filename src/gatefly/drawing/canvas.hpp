@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/drawing/palette.hpp"
 #include "gatefly/sensing/image.hpp"
 
 struct _cairo;  // Cairo's own names; its header stays in canvas.cpp
@@ -17,31 +18,8 @@ struct _cairo_surface;
 
 namespace gatefly::io {
 
-/// Each part 0..1; a: 1 hides what is below, 0 is not there.
-struct Color {
-  double r = 0.0, g = 0.0, b = 0.0, a = 1.0;
-
-  [[nodiscard]] constexpr Color faded(double alpha) const { return {r, g, b, a * alpha}; }
-};
-
-/// From 0xRRGGBB.
-[[nodiscard]] constexpr Color color_of(unsigned rgb) {
-  return {((rgb >> 16) & 255) / 255.0, ((rgb >> 8) & 255) / 255.0, (rgb & 255) / 255.0};
-}
-
-/// The one look of every picture that gatefly draws.
-namespace look {
-inline constexpr Color kBackground = color_of(0x10141a), kPanel = color_of(0x171d26),
-                       kSolid = color_of(0x2b3542);
-inline constexpr Color kInk = color_of(0xe6edf3), kMuted = color_of(0x8b98a7),
-                       kFaint = color_of(0x3a4655);
-inline constexpr Color kGate = color_of(0xff8c1a), kDetection = color_of(0x22d3ee);
-inline constexpr Color kFlown = color_of(0x7ee787), kEstimate = color_of(0xf472b6),
-                       kPlan = color_of(0x64748b);
-}  // namespace look
-
 struct Stroke {
-  Color color = look::kInk;
+  Color color = kLight.ink;
   double width = 1.5;  ///< [px]
   double dash = 0.0;   ///< Length of dashes and gaps [px]; 0: one line.
 };
@@ -49,7 +27,7 @@ struct Stroke {
 enum class Align { kLeft, kCenter, kRight };
 
 struct Lettering {
-  Color color = look::kInk;
+  Color color = kLight.ink;
   double size = 13.0;  ///< [px]
   Align align = Align::kLeft;
   bool bold = false;
@@ -69,7 +47,7 @@ class Canvas {
   using Points = std::span<const Eigen::Vector2d>;
 
   /// @throws std::runtime_error when there is no such picture: a side not in 1..32767, no memory.
-  Canvas(int width, int height, const Color& background = look::kBackground);
+  Canvas(int width, int height, const Color& background = kLight.panel);
 
   [[nodiscard]] int width() const;
   [[nodiscard]] int height() const;
@@ -85,8 +63,9 @@ class Canvas {
   void text(const Eigen::Vector2d& at, const std::string& line, const Lettering& lettering = {});
   [[nodiscard]] double text_width(const std::string& line, const Lettering& lettering = {});
 
-  /// The upright picture with its top-left corner at `at`: enlarged pixels stay squares.
-  void image(const Image& image, const Eigen::Vector2d& at, double scale);
+  /// The upright picture with its top-left corner at `at`: enlarged pixels stay squares, or are
+  /// interpolated (`smooth`).
+  void image(const Image& image, const Eigen::Vector2d& at, double scale, bool smooth = false);
   void paste(const Canvas& other, const Eigen::Vector2d& at);
 
   /// Whatever is drawn until unclip() shows inside `box` only.

@@ -60,7 +60,7 @@ struct Trace {
       : plot{.title = std::move(title),
              .x_label = "time [s]",
              .y_label = std::move(y),
-             .series = {{.name = "Mahony, Kp 0.5", .color = io::look::kGate},
+             .series = {{.name = "Mahony, Kp 0.5", .color = io::kLight.gate_solid},
                         {.name = "ours, as flown"}},
              .y_from_0 = false} {}
 
@@ -331,13 +331,13 @@ void add_flights(Report& report, const fs::path& folder, const Options& options)
     throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::sort(flights.begin(), flights.end());
   auto& json = report.result.json["flights"] = ordered_json::object();
-  io::Plot plot{.title = "Real flights: roll and pitch beside motion capture, RMS",
-                .x_label = "flight",
-                .y_label = "difference [°]"};
+  io::Plot plot{.title = "Real flights: roll and pitch, RMS",
+                .x_label = "number of the flight",
+                .y_label = "difference to motion capture [°]"};
   plot.series = {
-      {.name = "Mahony, Kp 0.5", .color = io::look::kGate, .line = false},
+      {.name = "Mahony, Kp 0.5", .color = io::kLight.gate_solid, .line = false},
       {.name = "ours, as flown", .line = false},
-      {.name = "the autopilot's", .color = io::look::kFlown, .line = false, .rings = true}};
+      {.name = "the Bebop's autopilot", .color = io::kLight.flown, .line = false, .rings = true}};
   for (std::size_t i = 0; i < flights.size(); ++i) {
     if (options.stopped()) throw Stopped{};
     const std::string name = flights[i].filename().string();
@@ -367,15 +367,6 @@ void add_flights(Report& report, const fs::path& folder, const Options& options)
   report.plots.push_back(plot);
 }
 
-io::Canvas sheet(const std::vector<io::Plot>& plots) {
-  constexpr int kWidth = 760, kHeight = 400;
-  io::Canvas sheet(2 * kWidth, kHeight * static_cast<int>((plots.size() + 1) / 2));
-  for (std::size_t i = 0; i < plots.size(); ++i)
-    sheet.paste(io::draw(plots[i], kWidth, kHeight),
-                {static_cast<double>(i % 2) * kWidth, static_cast<double>(i / 2) * kHeight});
-  return sheet;
-}
-
 }  // namespace
 
 Result ahrs_real(const Options& options) {
@@ -385,7 +376,7 @@ Result ahrs_real(const Options& options) {
   add_held(report, held_folder, options);
   add_turns(report, options);
   add_flights(report, flights, options);
-  report.result.picture = sheet(report.plots);
+  report.result.picture = io::draw_sheet(report.plots, 2);
   return std::move(report.result);
 }
 

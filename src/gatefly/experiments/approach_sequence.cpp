@@ -82,15 +82,15 @@ void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats,
 
 /// A row for each sequence, from far to near: pictures, labels thin, candidates thick.
 io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& moments) {
-  constexpr int kGap = 10, kCaption = 22, kTop = 50;
+  constexpr int kGap = 10, kCaption = 40, kTop = 84;
   const int width = set.picture(moments.front().picture).width(),
             height = set.picture(moments.front().picture).height();
   io::Canvas sheet(static_cast<int>(kLongest) * (width + kGap) + kGap,
                    kTop + static_cast<int>(kSequences.size()) * (height + kCaption + kGap));
-  sheet.text({kGap, 32.0},
+  sheet.text({kGap, 54.0},
              "The paper's detector while a gate is approached: label (dashed), found (cyan), found "
              "but no gate (pink)",
-             {.size = 17.0, .bold = true});
+             {.size = 36.0, .bold = true});
   for (const Moment& moment : moments) {
     const io::Box tile{
         .x = kGap + static_cast<double>(moment.place) * (width + kGap),
@@ -103,23 +103,22 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
     const Eigen::Vector2d offset{tile.x + 0.5, tile.y + 0.5};
     for (const Quad& gate : labelled.gates) {
       const Quad at{offset + gate[0], offset + gate[1], offset + gate[2], offset + gate[3]};
-      sheet.outline(at, {.color = io::look::kInk, .width = 1.0, .dash = 3.0});
+      sheet.outline(at, {.color = io::kDark.ink, .width = 1.0, .dash = 3.0});
     }
     for (const Quad& quad : moment.shown) {
       const bool is_gate = std::any_of(
           labelled.gates.begin(), labelled.gates.end(),
           [&](const Quad& gate) { return io::matches(quad, gate, io::Rule::kOverlap70Authors); });
-      io::draw_detection(
-          sheet, {quad, 1.0}, {tile.x, tile.y}, 1.0,
-          {.color = is_gate ? io::look::kDetection : io::look::kEstimate, .width = 1.6});
+      io::draw_detection(sheet, {quad, 1.0}, {tile.x, tile.y}, 1.0,
+                         {.color = is_gate ? io::kDark.found : io::kDark.estimate, .width = 1.6});
     }
     sheet.unclip();
     sheet.text(
-        {tile.x, tile.bottom() + 15.0},
+        {tile.x, tile.bottom() + 28.0},
         labelled.image + "  " +
             (std::isfinite(moment.distance) ? fixed(moment.distance, 1) + " m" : "no label") +
             (moment.shown_hit ? "  found" : ""),
-        {.color = moment.shown_hit ? io::look::kDetection : io::look::kMuted, .size = 12.0});
+        {.color = moment.shown_hit ? io::kLight.found : io::kLight.muted, .size = 24.0});
   }
   return sheet;
 }

@@ -203,13 +203,13 @@ Result arc_accuracy(const Options& options) {
   };
   const SimulatedArcs none = flown("none"), race = flown("race");
   const std::vector<ArcSource> sources{
-      {.name = "recorded", .color = io::look::kDetection, .arcs = takes.arcs(), .told = {}},
-      {.name = "simulated none", .color = io::look::kFlown, .arcs = none.arcs, .told = {}},
-      {.name = "simulated race", .color = io::look::kEstimate, .arcs = race.arcs, .told = {}}};
+      {.name = "recorded", .color = io::kLight.found, .arcs = takes.arcs(), .told = {}},
+      {.name = "simulated none", .color = io::kLight.flown, .arcs = none.arcs, .told = {}},
+      {.name = "simulated race", .color = io::kLight.estimate, .arcs = race.arcs, .told = {}}};
   std::vector<ArcSource> drawn{sources.rbegin(), sources.rend()};  // the few above the many
   drawn.push_back(
       {.name = "paper (17 arcs: mean and σ)",
-       .color = io::look::kGate,
+       .color = io::kLight.gate_solid,
        .arcs = {},
        .told = Spread2{
            .count = paper.count, .mean = paper.mean, .covariance = paper.variance.asDiagonal()}});

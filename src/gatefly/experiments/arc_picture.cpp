@@ -2,6 +2,7 @@
 #include "gatefly/experiments/arc_picture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -15,7 +16,6 @@ namespace {
 
 using io::Box;
 using io::Canvas;
-namespace look = io::look;
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -42,19 +42,23 @@ class View {
   [[nodiscard]] const Box& box() const { return box_; }
 
   void draw_grid(Canvas& canvas, int count, double letters) const {
-    canvas.fill(box_, look::kPanel);
-    const io::Stroke grid{.color = look::kFaint.faded(0.6), .width = 1.0};
+    canvas.outline(std::array<Eigen::Vector2d, 4>{Eigen::Vector2d{box_.x, box_.y},
+                                                  {box_.right(), box_.y},
+                                                  {box_.right(), box_.bottom()},
+                                                  {box_.x, box_.bottom()}},
+                   {.color = io::kLight.rule, .width = 1.0});
+    const io::Stroke grid{.color = io::kLight.grid, .width = 1.0};
     for (const double y : io::ticks(low(1), high(1), count)) {
       const double u = place({0.0, y}).x();
       canvas.line({u, box_.y}, {u, box_.bottom()}, grid);
       canvas.text({u, box_.bottom() + letters + 4.0}, io::text_of(y, 3),
-                  {.color = look::kMuted, .size = letters, .align = io::Align::kCenter});
+                  {.color = io::kLight.muted, .size = letters, .align = io::Align::kCenter});
     }
     for (const double x : io::ticks(low(0), high(0), count)) {
       const double v = place({x, 0.0}).y();
       canvas.line({box_.x, v}, {box_.right(), v}, grid);
       canvas.text({box_.x - 6.0, v + 0.35 * letters}, io::text_of(x, 3),
-                  {.color = look::kMuted, .size = letters, .align = io::Align::kRight});
+                  {.color = io::kLight.muted, .size = letters, .align = io::Align::kRight});
     }
   }
 
@@ -105,7 +109,7 @@ void draw_ends(Canvas& canvas, const View& view, const std::vector<ArcSource>& s
                const PlannedArc& planned) {
   canvas.clip(view.box());
   canvas.polyline(view.place(planned_path(planned)),
-                  {.color = look::kMuted, .width = 1.5, .dash = 6.0});
+                  {.color = io::kLight.muted, .width = 1.5, .dash = 6.0});
   for (const ArcSource& source : sources)
     for (const BlindArc& arc : source.arcs)
       canvas.disc(view.place(arc.displacement()), source.arcs.size() > 30 ? 2.5 : 4.0,
@@ -117,7 +121,7 @@ void draw_ends(Canvas& canvas, const View& view, const std::vector<ArcSource>& s
     draw_cross(canvas, view.place(spread.mean), 7.0, {.color = source.color, .width = 2.0});
   }
   draw_cross(canvas, view.place({0.0, 2.0 * planned.radius}), 11.0,
-             {.color = look::kInk, .width = 2.0});
+             {.color = io::kLight.ink, .width = 2.0});
   canvas.unclip();
 }
 
@@ -130,15 +134,15 @@ void draw_paths(Canvas& canvas, const View& view, const std::vector<ArcSource>& 
           view.place(path_of(arc)),
           {.color = source.color.faded(source.arcs.size() > 30 ? 0.25 : 0.8), .width = 1.2});
   canvas.polyline(view.place(planned_path(planned)),
-                  {.color = look::kInk, .width = 1.5, .dash = 6.0});
-  canvas.disc(view.place({0.0, 0.0}), 4.0, look::kInk);
+                  {.color = io::kLight.ink, .width = 1.5, .dash = 6.0});
+  canvas.disc(view.place({0.0, 0.0}), 4.0, io::kLight.ink);
   canvas.unclip();
 }
 
 /// From each error of the estimate when the gate is seen again to that half a second later.
 void draw_jumps(Canvas& canvas, const View& view, const std::vector<ArcSource>& sources) {
   canvas.clip(view.box());
-  draw_cross(canvas, view.place({0.0, 0.0}), 11.0, {.color = look::kInk, .width = 2.0});
+  draw_cross(canvas, view.place({0.0, 0.0}), 11.0, {.color = io::kLight.ink, .width = 2.0});
   for (const ArcSource& source : sources)
     for (const BlindArc& arc : source.arcs) {
       if (!arc.detail) continue;
@@ -153,23 +157,23 @@ void draw_jumps(Canvas& canvas, const View& view, const std::vector<ArcSource>& 
 
 void draw_one(Canvas& canvas, const View& view, const BlindArc& arc, const io::Color& color,
               const PlannedArc& planned) {
-  constexpr double kLetters = 12.0;
-  view.draw_grid(canvas, 4, 10.0);
+  constexpr double kLetters = 14.0;
+  view.draw_grid(canvas, 4, 13.0);
   canvas.clip(view.box());
   canvas.polyline(view.place(planned_path(planned)),
-                  {.color = look::kMuted, .width = 1.3, .dash = 5.0});
+                  {.color = io::kLight.muted, .width = 1.3, .dash = 5.0});
   canvas.polyline(view.place(path_of(arc)), {.color = color, .width = 1.8});
-  canvas.disc(view.place({0.0, 0.0}), 4.0, look::kFlown);
-  canvas.disc(view.place(arc.displacement()), 4.0, look::kGate);
+  canvas.disc(view.place({0.0, 0.0}), 4.0, io::kLight.flown);
+  canvas.disc(view.place(arc.displacement()), 4.0, io::kLight.gate_solid);
   canvas.unclip();
   const Eigen::Vector2d d = arc.displacement();
   const Box& box = view.box();
-  canvas.text({box.x, box.y - 22.0}, arc.flight, {.size = kLetters, .bold = true});
+  canvas.text({box.x, box.y - 25.0}, arc.flight, {.size = kLetters, .bold = true});
   canvas.text({box.x, box.y - 7.0},
               "(" + io::fixed(d.x(), 2) + ", " + io::fixed(d.y(), 2) + ") m, " +
                   io::fixed(arc.duration(), 2) + " s, " + io::fixed(arc.entry_speed(), 2) + " to " +
                   io::fixed(arc.exit_speed(), 2) + " m/s",
-              {.color = look::kMuted, .size = kLetters});
+              {.color = io::kLight.muted, .size = kLetters});
 }
 
 /// What a panel must show.
@@ -184,8 +188,9 @@ struct Frame {
 void draw_legend(Canvas& canvas, Eigen::Vector2d at, const std::vector<ArcSource>& sources) {
   for (const ArcSource& source : sources) {
     canvas.disc({at.x() + 6.0, at.y() - 4.5}, 4.0, source.color);
-    canvas.text({at.x() + 18.0, at.y()}, source.name);
-    at.x() += 18.0 + canvas.text_width(source.name) + 26.0;
+    const io::Lettering letters{.size = 16.0};
+    canvas.text({at.x() + 18.0, at.y()}, source.name, letters);
+    at.x() += 18.0 + canvas.text_width(source.name, letters) + 26.0;
   }
 }
 
@@ -200,12 +205,12 @@ Spread2 ArcSource::displacement() const {
 
 io::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& each,
                       const PlannedArc& planned) {
-  constexpr int kWidth = 1500, kTop = 620, kColumns = 5, kTile = 300, kTileHeight = 230;
+  constexpr int kWidth = io::kPlotWidth, kTop = 500, kColumns = 3, kTileHeight = 260;
   const int rows = (static_cast<int>(each.arcs.size()) + kColumns - 1) / kColumns;
   Canvas canvas(kWidth, kTop + std::max(1, rows) * kTileHeight + 20);
-  canvas.text({60.0, 34.0}, "Blind half circles, seen from the entry: x ahead, y to the inside",
-              {.size = 18.0, .bold = true});
-  draw_legend(canvas, {60.0, 62.0}, sources);
+  canvas.text({60.0, 40.0}, "Blind half circles, seen from the entry: x ahead, y to the inside",
+              {.size = 22.0, .bold = true});
+  draw_legend(canvas, {60.0, 74.0}, sources);
 
   // Around every end point, the planned one and what is told of others.
   Frame ends{.low = {0.0, 2.0 * planned.radius}, .high = {0.0, 2.0 * planned.radius}},
@@ -222,29 +227,28 @@ io::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& ea
     }
   }
   const auto panel = [&](double x, const Frame& frame, const std::string& title) {
-    const Box box{.x = x, .y = 118.0, .width = 410.0, .height = 430.0};
+    const Box box{.x = x, .y = 124.0, .width = 330.0, .height = 310.0};
     const Eigen::Vector2d air = Eigen::Vector2d::Constant(0.2);
     const View view{box, frame.low - air, frame.high + air};
-    view.draw_grid(canvas, 6, 12.0);
-    canvas.text({box.x, box.y - 12.0}, title, {.color = look::kMuted});
-    canvas.text({box.x + 0.5 * box.width, box.bottom() + 38.0}, "y [m]",
-                {.align = io::Align::kCenter});
+    view.draw_grid(canvas, 6, 14.0);
+    canvas.text({box.x, box.y - 12.0}, title, {.size = 14.0});
+    canvas.text({box.x + 0.5 * box.width, box.bottom() + 40.0}, "y [m]",
+                {.size = 14.0, .align = io::Align::kCenter});
     return view;
   };
-  draw_ends(canvas, panel(70.0, ends, "x [m], end points; 1 σ about means; white: planned"),
-            sources, planned);
-  draw_paths(canvas, panel(565.0, paths, "x [m], paths, 0.5 s before to after; dashed: planned"),
-             sources, planned);
-  draw_jumps(canvas,
-             panel(1060.0, jumps, "x [m], estimate - truth: gate seen again (ring), 0.5 s on"),
+  draw_ends(canvas, panel(60.0, ends, "x [m]: ends, 1 σ about means; black: planned"), sources,
+            planned);
+  draw_paths(canvas, panel(450.0, paths, "x [m]: 0.5 s before to after; dashed: planned"), sources,
+             planned);
+  draw_jumps(canvas, panel(840.0, jumps, "x [m]: estimate - truth, seen again (ring), +0.5 s"),
              sources);
 
   for (std::size_t i = 0; i < each.arcs.size(); ++i) {
     const auto column = static_cast<double>(i % kColumns), row = static_cast<double>(i / kColumns);
-    const View view{{.x = 40.0 + column * (kWidth - 20.0) / kColumns,
+    const View view{{.x = 60.0 + column * 390.0,
                      .y = kTop + 40.0 + row * kTileHeight,
-                     .width = kTile - 50.0,
-                     .height = kTileHeight - 65.0},
+                     .width = 330.0,
+                     .height = kTileHeight - 75.0},
                     {-1.0, -0.5},
                     {2.4, 5.0}};
     draw_one(canvas, view, each.arcs[i], each.color, planned);

@@ -229,11 +229,11 @@ Result blind_real(const Options& options) {
        metres(drag.rms(kTwoSeconds)) + " (imu15 " + metres(imu15.rms(kTwoSeconds)) + ")"});
   const DragFit mean = identification::mean_of(fits);
   auto by_length = nlohmann::ordered_json::array();
-  io::Plot plot{.title = "Blind on real flights: horizontal error, pooled RMS",
-                .x_label = "seconds without a fix",
-                .y_label = "error [m]"};
+  io::Plot plot{.title = "Blind on real flights",
+                .x_label = "time without a fix [s]",
+                .y_label = "horizontal error, RMS [m]"};
   plot.series = {{.name = "drag filter, 7 states"},
-                 {.name = "inertial filter, 15 states", .color = io::look::kGate}};
+                 {.name = "inertial filter, 15 states", .color = io::kLight.gate_solid}};
   for (std::size_t k = 0; k < kLengths.size(); ++k) {
     by_length.push_back({{"blind_s", kLengths[k]},
                          {"windows", drag.count[k]},

@@ -209,15 +209,15 @@ void add_area(io::Plot& plot, const std::string& name, const Samples& samples,
 }
 
 io::Plot curves(const Pair& pair, const Crossover& cross) {
-  io::Plot plot{.title = "accelerometer bias found: error of x and y",
-                .x_label = "seconds since the first fix",
-                .y_label = "median, 90 % band [m/s²]"};
-  add_area(plot, "15 states", pair.imu15[kBias], io::look::kGate);
-  add_area(plot, "drag filter, 7 states", pair.drag[kBias], io::look::kDetection);
+  io::Plot plot{.title = "Accelerometer bias found: error of x and y",
+                .x_label = "time since the first fix [s]",
+                .y_label = "error [m/s²], median, 90 % band"};
+  add_area(plot, "15 states", pair.imu15[kBias], io::kLight.gate_solid);
+  add_area(plot, "drag filter, 7 states", pair.drag[kBias], io::kLight.found);
   if (std::isfinite(cross.t))
     plot.series.push_back({.name = "crossover at " + seconds(cross.t),
                            .points = {{cross.t, 0.0}, {cross.t, 0.5}},
-                           .color = io::look::kInk,
+                           .color = io::kLight.ink,
                            .marks = false,
                            .dash = 5.0});
   return plot;
@@ -226,31 +226,33 @@ io::Plot curves(const Pair& pair, const Crossover& cross) {
 /// A line for each condition: its crossover with its band.
 io::Canvas crossovers(const std::vector<Condition>& list, const std::vector<Crossover>& found,
                       int width, int height) {
-  constexpr double kLeft = 230.0, kTop = 88.0, kRight = 90.0, kBottom = 68.0;  // [px]
+  constexpr double kLeft = 330.0, kTop = 76.0, kRight = 150.0, kBottom = 66.0;  // [px]
+  constexpr double kLetters = 15.0;
   io::Canvas canvas(width, height);
   const io::Box area{kLeft, kTop, width - kLeft - kRight, height - kTop - kBottom};
   const auto place = [&](double t) { return area.x + area.width * std::min(t, kTo) / kTo; };
-  canvas.text({20.0, 34.0}, "from when on 15 states know the bias better",
-              {.size = 17.0, .bold = true});
-  canvas.text({20.0, 64.0}, "crossover of the medians, 90 % band", {.color = io::look::kMuted});
-  canvas.fill(area, io::look::kPanel);
+  canvas.text({67.0, 34.0}, "From when on 15 states know the bias better",
+              {.size = 18.5, .bold = true});
+  canvas.text({67.0, 60.0}, "crossover of the medians, 90 % band",
+              {.color = io::kLight.muted, .size = kLetters});
   for (const double t : io::ticks(0.0, kTo, 5)) {
     canvas.line({place(t), area.y}, {place(t), area.bottom()},
-                {.color = io::look::kFaint.faded(0.6), .width = 1.0});
+                {.color = io::kLight.grid, .width = 1.0});
     canvas.text({place(t), area.bottom() + 20.0}, io::text_of(t),
-                {.color = io::look::kMuted, .size = 12.0, .align = io::Align::kCenter});
+                {.color = io::kLight.muted, .size = kLetters, .align = io::Align::kCenter});
   }
-  canvas.text({area.x + 0.5 * area.width, area.bottom() + 44.0}, "seconds since the first fix",
-              {.align = io::Align::kCenter});
+  canvas.text({area.x + 0.5 * area.width, area.bottom() + 44.0}, "time since the first fix [s]",
+              {.size = kLetters, .align = io::Align::kCenter});
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double v =
         area.y + area.height * (static_cast<double>(i) + 0.5) / static_cast<double>(list.size());
     const Crossover& c = found[i];
-    canvas.text({area.x - 12.0, v + 4.5}, list[i].name, {.align = io::Align::kRight});
+    canvas.text({area.x - 12.0, v + 4.5}, list[i].name,
+                {.size = kLetters, .align = io::Align::kRight});
     canvas.line({place(c.low), v}, {place(c.high), v},
-                {.color = io::look::kDetection.faded(0.5), .width = 5.0});
-    if (std::isfinite(c.t)) canvas.disc({place(c.t), v}, 5.0, io::look::kDetection);
-    canvas.text({area.right() + 8.0, v + 4.5}, seconds(c.t), {.size = 12.0});
+                {.color = io::kLight.found.faded(0.5), .width = 5.0});
+    if (std::isfinite(c.t)) canvas.disc({place(c.t), v}, 5.0, io::kLight.found);
+    canvas.text({area.right() + 8.0, v + 4.5}, seconds(c.t), {.size = kLetters});
   }
   return canvas;
 }
@@ -403,10 +405,11 @@ Result convergence(const Options& options) {
   tell_when(pairs.front(), result);
   tell_how_much(pairs.front(), result);
   for (std::size_t c = 0; c < list.size(); ++c) tell_where_not(list[c], pairs[c], cross[c], result);
-  constexpr int kLeft = 760, kRight = 720, kHeight = 520;
-  result.picture = io::Canvas(kLeft + kRight, kHeight);
-  result.picture.paste(io::draw(curves(pairs.front(), cross.front()), kLeft, kHeight), {0.0, 0.0});
-  result.picture.paste(crossovers(list, cross, kRight, kHeight), {kLeft, 0.0});
+  result.picture = io::Canvas(io::kPlotWidth, io::kPlotHeight);
+  result.picture.paste(
+      io::draw(curves(pairs.front(), cross.front()), io::kPlotWidth, io::kRowHeight), {0.0, 0.0});
+  result.picture.paste(crossovers(list, cross, io::kPlotWidth, io::kRowHeight),
+                       {0.0, io::kRowHeight});
   return result;
 }
 

@@ -36,7 +36,7 @@ void draw_mask(io::Canvas& canvas, const Image& image, const ColorRange& color,
   for (int v = 0; v < image.height(); ++v)
     for (int u = 0; u < image.width(); ++u)
       if (color.contains(image.at(u, v)))
-        canvas.fill({at.x() + scale * u, at.y() + scale * v, scale, scale}, io::look::kInk);
+        canvas.fill({at.x() + scale * u, at.y() + scale * v, scale, scale}, io::kDark.ink);
 }
 
 }  // namespace
@@ -80,7 +80,8 @@ std::array<DetectionExample, 3> detection_examples(
 io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
                           const std::array<DetectionExample, 3>& examples,
                           const ColorRange& color) {
-  constexpr int kGap = 12, kTop = 66, kCaption = 26, kScale = 2;
+  constexpr int kGap = 12, kTop = 92, kCaption = 40, kScale = 2;
+  constexpr double kLetters = 19.0;
   int width = 1, height = 1;
   for (const DetectionExample& example : examples)
     if (example.picture) {
@@ -89,30 +90,32 @@ io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
       height = std::max(height, kScale * image.height());
     }
   io::Canvas canvas(3 * (width + kGap) + kGap, kTop + kCaption + 2 * (height + kGap));
-  canvas.text({kGap, 28.0}, "Detections of mode paper (σ_L 25 px, σ_cf 0.7) and their masks",
-              {.size = 17.0, .bold = true});
-  canvas.text({kGap, 52.0}, "green: label; blue: detected; orange: false positive",
-              {.color = io::look::kMuted});
+  canvas.text({kGap, 38.0}, "Detections of mode paper (σ_L 25 px, σ_cf 0.7) and their masks",
+              {.size = 28.0, .bold = true});
+  canvas.text({kGap, 74.0}, "green: label; blue: detected; orange: false positive",
+              {.color = io::kLight.muted, .size = kLetters});
   for (std::size_t k = 0; k < examples.size(); ++k) {
     const DetectionExample& example = examples[k];
-    const Eigen::Vector2d caption{kGap + static_cast<double>(k) * (width + kGap), kTop + 14.0},
+    const Eigen::Vector2d caption{kGap + static_cast<double>(k) * (width + kGap), kTop + 26.0},
         at{caption.x(), kTop + kCaption};
     if (!example.picture) {
-      canvas.text(caption, example.kind + ": none");
+      canvas.text(caption, example.kind + ": none", {.size = kLetters});
       continue;
     }
     const Image image = set.picture(*example.picture);
     const io::LabelledPicture& label = set.labels.pictures[*example.picture];
-    canvas.text(caption, example.kind + ": " + example.rule + ", " + label.image +
-                             (example.found ? ", cf " + fixed(example.found->fitness, 2) : ""));
+    canvas.text(caption,
+                example.kind + ": " + example.rule + ", " + label.image +
+                    (example.found ? ", cf " + fixed(example.found->fitness, 2) : ""),
+                {.size = kLetters});
     canvas.clip({at.x(), at.y(), static_cast<double>(width), static_cast<double>(height)});
     canvas.image(image, at, kScale);
     for (const Quad& gate : label.gates)
       io::draw_detection(canvas, {.corners_px = gate}, at, kScale,
-                         {.color = io::look::kFlown, .width = 1.5});
+                         {.color = io::kDark.flown, .width = 1.5});
     for (const GateDetection& gate : found[*example.picture])
       io::draw_detection(canvas, gate, at, kScale,
-                         {.color = fits(gate, label.gates) ? io::look::kDetection : io::look::kGate,
+                         {.color = fits(gate, label.gates) ? io::kDark.found : io::kDark.gate_solid,
                           .width = 2.0});
     canvas.unclip();
     draw_mask(canvas, image, color, at + Eigen::Vector2d{0.0, height + kGap}, kScale);

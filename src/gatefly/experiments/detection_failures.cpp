@@ -85,25 +85,32 @@ void add_failures(const OwnSet& set, std::size_t number, std::vector<Failure>& f
 }
 
 io::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& failures) {
-  constexpr int kColumns = 4, kScale = 2, kWidth = 640, kHeight = 350;
+  constexpr int kColumns = 4, kScale = 2, kWidth = 640, kHeight = 364, kTop = 100;
   const int rows = std::max(1, (static_cast<int>(failures.size()) + kColumns - 1) / kColumns);
-  io::Canvas canvas(kColumns * kWidth, rows * kHeight);
+  io::Canvas canvas(kColumns * kWidth, kTop + rows * kHeight);
+  canvas.text({10.0, 46.0}, "Where our detector is most wrong, colours fitted to the other half",
+              {.size = 36.0, .bold = true});
+  canvas.text({10.0, 84.0},
+              failures.empty() ? "in these sets no gate is missed, and nothing else is found"
+                               : "green: label; pink: found; score and the least that counts",
+              {.color = io::kLight.muted, .size = 26.0});
   for (std::size_t i = 0; i < failures.size(); ++i) {
     const Failure& f = failures[i];
     const Eigen::Vector2d at{static_cast<double>(static_cast<int>(i) % kColumns * kWidth),
-                             static_cast<double>(static_cast<int>(i) / kColumns * kHeight)};
+                             static_cast<double>(kTop + static_cast<int>(i) / kColumns * kHeight)};
     canvas.clip({at.x(), at.y(), kWidth, kHeight});
     canvas.image(sets[f.set_number].picture(f.picture).image, at, kScale);
     if (f.label)
       io::draw_detection(canvas, {.corners_px = *f.label}, at, kScale,
-                         {.color = io::look::kFlown, .width = 1.0});
+                         {.color = io::kDark.flown, .width = 2.0});
     if (f.found)
       io::draw_detection(canvas, {.corners_px = *f.found}, at, kScale,
-                         {.color = io::look::kEstimate, .width = 1.0});
-    canvas.text(at + Eigen::Vector2d{4, kHeight - 10.0},
+                         {.color = io::kDark.estimate, .width = 2.0});
+    canvas.text(at + Eigen::Vector2d{4, kHeight - 14.0},
                 std::to_string(i + 1) + " " + f.set + " " + f.image +
                     (f.miss ? " missed, " : " false, ") + fixed(f.score, 2) + " / " +
-                    fixed(f.threshold, 2));
+                    fixed(f.threshold, 2),
+                {.size = 22.0});
     canvas.unclip();
   }
   return canvas;

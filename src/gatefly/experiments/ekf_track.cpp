@@ -108,8 +108,11 @@ io::PlotSeries histogram(const std::string& name, const Spread& spread, const io
 }
 
 io::PlotSeries as_normal(const PaperAxis& paper) {
-  io::PlotSeries series{
-      .name = "paper, as a normal distribution", .points = {}, .color = io::look::kMuted};
+  io::PlotSeries series{.name = "paper (normal distribution)",
+                        .points = {},
+                        .color = io::kLight.ink,
+                        .marks = false,
+                        .dash = 6.0};
   for (double e = -kMost + 0.5 * kBin; e < kMost; e += kBin)
     series.points.emplace_back(e, 100.0 * kBin / (paper.std * std::sqrt(2.0 * kPi)) *
                                       std::exp(-0.5 * std::pow((e - paper.mean) / paper.std, 2)));
@@ -117,28 +120,28 @@ io::PlotSeries as_normal(const PaperAxis& paper) {
 }
 
 io::Canvas picture_of(const Flight& flight, const Spreads& drag, const Spreads& imu15) {
-  constexpr int kWidth = 640, kHeight = 420;
-  io::Canvas canvas(3 * kWidth, 2 * kHeight);
   const auto series = [](const char* name, const io::Color& color, bool line) {
     return io::PlotSeries{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
   };
-  const std::vector<io::PlotSeries> empty{series("truth", io::look::kInk, true),
-                                          series("fixes", io::look::kGate, false),
-                                          series("15 states", io::look::kEstimate, true),
-                                          series("drag filter", io::look::kDetection, true)};
-  std::array<io::Plot, 3> plots{
-      io::Plot{.title = "two gates, from above",
-               .x_label = "x [m]",
-               .y_label = "y [m]",
-               .series = empty,
-               .y_from_0 = false},
-      io::Plot{
-          .title = "x", .x_label = "t [s]", .y_label = "x [m]", .series = empty, .y_from_0 = false},
-      io::Plot{.title = "y",
-               .x_label = "t [s]",
-               .y_label = "y [m]",
-               .series = empty,
-               .y_from_0 = false}};
+  const std::vector<io::PlotSeries> empty{series("truth", io::kLight.ink, true),
+                                          series("fixes", io::kLight.muted, false),
+                                          series("15 states", io::kLight.gate_solid, true),
+                                          series("drag filter", io::kLight.found, true)};
+  std::array<io::Plot, 3> plots{io::Plot{.title = "Two gates, from above",
+                                         .x_label = "x [m]",
+                                         .y_label = "y [m]",
+                                         .series = empty,
+                                         .y_from_0 = false},
+                                io::Plot{.title = "Along x",
+                                         .x_label = "t [s]",
+                                         .y_label = "x [m]",
+                                         .series = empty,
+                                         .y_from_0 = false},
+                                io::Plot{.title = "Along y",
+                                         .x_label = "t [s]",
+                                         .y_label = "y [m]",
+                                         .series = empty,
+                                         .y_from_0 = false}};
   const auto point = [&](std::size_t which, double t, const Eigen::Vector3d& p) {
     plots[0].series[which].points.emplace_back(p.x(), p.y()),
         plots[1].series[which].points.emplace_back(t, p.x()),
@@ -150,17 +153,17 @@ io::Canvas picture_of(const Flight& flight, const Spreads& drag, const Spreads& 
   }
   for (std::size_t i = 0; i < flight.fixes.size(); i += 3)
     point(1, flight.fixes[i].first, flight.fixes[i].second);
+  std::array<io::Plot, 6> all;  // a row for each axis
   for (std::size_t i = 0; i < 3; ++i) {
-    canvas.paste(io::draw(plots[i], kWidth, kHeight), {static_cast<double>(i) * kWidth, 0.0});
-    io::Plot errors{.title = std::string{"error of "} + kAxes[i],
+    io::Plot errors{.title = std::string{"Error of "} + kAxes[i],
                     .x_label = "estimate - truth [m]",
-                    .y_label = "part of the samples [%]"};
+                    .y_label = "samples [%]"};
     if (i < kPaper.size()) errors.series.push_back(as_normal(kPaper[i]));
-    errors.series.push_back(histogram("15 states", imu15[i], io::look::kEstimate)),
-        errors.series.push_back(histogram("drag filter", drag[i], io::look::kDetection));
-    canvas.paste(io::draw(errors, kWidth, kHeight), {static_cast<double>(i) * kWidth, kHeight});
+    errors.series.push_back(histogram("15 states", imu15[i], io::kLight.gate_solid)),
+        errors.series.push_back(histogram("drag filter", drag[i], io::kLight.found));
+    all[2 * i] = plots[i], all[2 * i + 1] = errors;
   }
-  return canvas;
+  return io::draw_sheet(all, 2);
 }
 
 std::string text_of(const Spread& s) {
@@ -217,7 +220,7 @@ Result ekf_track(const Options& options) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string axis{kAxes[i]};
     result.table.push_back(
-        {"error of " + axis, paper[i], text_of(drag[i]) + " (imu15 " + text_of(imu15[i]) + ")"});
+        {"Error of " + axis, paper[i], text_of(drag[i]) + " (imu15 " + text_of(imu15[i]) + ")"});
     result.table.push_back(
         {"  1 and 99 %",
          i == 0   ? "-0.39, 0.17 m"

@@ -106,14 +106,6 @@ nlohmann::ordered_json curve_json(const Samples& drag, const Samples& imu15, dou
   return list;
 }
 
-io::Canvas side_by_side(const std::vector<io::Plot>& plots) {
-  constexpr int kWidth = 640, kHeight = 480;
-  io::Canvas canvas(kWidth * static_cast<int>(plots.size()), kHeight);
-  for (std::size_t i = 0; i < plots.size(); ++i)
-    canvas.paste(io::draw(plots[i], kWidth, kHeight), {static_cast<double>(i) * kWidth, 0.0});
-  return canvas;
-}
-
 }  // namespace
 
 Result ekf_vs_15(const Options& options) {
@@ -150,18 +142,18 @@ Result ekf_vs_15(const Options& options) {
                                   " s blind",
                               "", against((*d)[point], (*i)[point], "m")});
 
-  io::Plot bias{.title = "accelerometer bias found: error of x and y",
-                .x_label = "seconds since the first fix",
-                .y_label = "median, 90 % band [m/s²]"};
-  io::Plot first{.title = "first gap",
-                 .x_label = "seconds without a fix",
-                 .y_label = "horizontal error, median, 90 % band [m]"},
+  io::Plot bias{.title = "Accelerometer bias found: error of x and y",
+                .x_label = "time since the first fix [s]",
+                .y_label = "error [m/s²], median, 90 % band"};
+  io::Plot first{.title = "Drift in the first gap",
+                 .x_label = "time without a fix [s]",
+                 .y_label = "horizontal error [m], median, 90 % band"},
       later = first;
-  later.title = "later gaps";
+  later.title = "Drift in later gaps";
   const auto show = [&](const std::string& what, io::Plot& plot, const auto& d, const auto& i,
                         double step) {
-    add_band(plot, "15 states", i, 0.0, step, io::look::kGate),
-        add_band(plot, "drag filter, 7 states", d, 0.0, step, io::look::kDetection);
+    add_band(plot, "15 states", i, 0.0, step, io::kLight.gate_solid),
+        add_band(plot, "drag filter, 7 states", d, 0.0, step, io::kLight.found);
     result.json[what] = curve_json(d, i, step);
     for (std::size_t k = 0; k < d.size(); ++k) {
       result.csv += what + "," + io::text_of(static_cast<double>(k) * step, 4) + "," +
@@ -187,7 +179,9 @@ Result ekf_vs_15(const Options& options) {
                                               io::nearest_rank(drag.later_gaps[kTwoSeconds], 0.5));
   result.json["ratio_2s_first_gap"] = number(io::nearest_rank(imu15.first_gap[kTwoSeconds], 0.5) /
                                              io::nearest_rank(drag.first_gap[kTwoSeconds], 0.5));
-  result.picture = side_by_side({bias, first, later});
+  result.picture = io::Canvas(io::kPlotWidth, io::kPlotHeight);
+  result.picture.paste(io::draw(bias, io::kPlotWidth, io::kRowHeight), {0.0, 0.0});
+  result.picture.paste(io::draw_sheet(std::array{first, later}, 2), {0.0, io::kRowHeight});
   return result;
 }
 

@@ -49,15 +49,25 @@ struct Result {
   std::vector<ExtraPicture> extra = {};  ///< What the plot has no room for.
 };
 
+/// A section of docs/paper/deviations.md that says why ours differs.
+struct Deviation {
+  std::string anchor, title;
+};
+
 struct Experiment {
   std::string name, what;
   /// @throws std::runtime_error one line: data that is missing or wrong.
   Result (*run)(const Options& options);
   bool needs_data = true;  ///< Else it is simulated, or says what it leaves out without.
+  std::vector<Deviation> deviations = {};
 };
 
 /// All that there are, in the paper's order.
 [[nodiscard]] std::span<const Experiment> all();
+
+/// Runs one, and marks the results of a quick run: `"quick"` in the JSON, a stamp on each picture.
+/// @throws Stopped, and what the experiment throws.
+[[nodiscard]] Result run(const Experiment& experiment, const Options& options);
 
 /// A folder below the real data. @throws std::runtime_error saying how to name it when it is not
 /// there.

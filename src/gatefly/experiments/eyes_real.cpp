@@ -92,13 +92,12 @@ nlohmann::ordered_json json_of(const AxisErrors& e) {
 
 io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points,
                         const io::Color& color, bool line) {
-  io::PlotSeries series{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
+  io::PlotSeries series{
+      .name = name, .points = {}, .color = color, .line = line, .rings = !line, .marks = !line};
   for (std::size_t i = 0; i < points.size(); i += line ? 60 : 1)
     series.points.emplace_back(points[i].x(), points[i].y());
   return series;
 }
-
-constexpr int kPanelWidth = 450, kPanelHeight = 340, kColumns = 5;
 
 struct Shown {
   std::string name;
@@ -106,31 +105,31 @@ struct Shown {
 };
 
 io::Canvas panels_of(const std::vector<Shown>& shown) {
-  const int rows = (static_cast<int>(shown.size()) + kColumns - 1) / kColumns;
-  io::Canvas canvas(kColumns * kPanelWidth, std::max(1, rows) * kPanelHeight + 2 * kPanelHeight);
-  io::Plot errors_x{.title = "error of x, through the gate; each flight",
-                    .x_label = "seconds before the gate",
-                    .y_label = "[m]",
+  std::vector<io::Plot> plots;
+  io::Plot errors_x{.title = "Error of x, through the gate; each flight",
+                    .x_label = "time before the gate [s]",
+                    .y_label = "error [m]",
                     .y_from_0 = false};
   io::Plot errors_y = errors_x;
-  errors_y.title = "error of y, to the right";
+  errors_y.title = "Error of y, to the right; each flight";
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const Replayed& r = shown[i].drag;
-    const io::Plot plot{
+    plots.push_back(io::Plot{
         .title = shown[i].name + ": RMS " + x_and_y(r.errors.rms()) + " m",
         .x_label = "x before the gate [m]",
         .y_label = "y to the right [m]",
-        .series = {top_down("truth", r.truth, io::look::kInk, true),
-                   top_down("fixes", r.fixes, io::look::kGate, false),
-                   top_down("imu15", shown[i].imu15.estimate, io::look::kEstimate, true),
-                   top_down("ours", r.estimate, io::look::kDetection, true)},
-        .y_from_0 = false};
-    canvas.paste(io::draw(plot, kPanelWidth, kPanelHeight),
-                 {static_cast<double>(static_cast<int>(i) % kColumns * kPanelWidth),
-                  static_cast<double>(static_cast<int>(i) / kColumns * kPanelHeight)});
-    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, io::look::kEstimate},
-                                        std::pair{&shown[i].drag, io::look::kDetection}}) {
-      io::PlotSeries x{.name = i > 0 ? "" : replay == &r ? "ours" : "imu15", .color = color}, y = x;
+        .series = {top_down("truth", r.truth, io::kLight.ink, true),
+                   top_down("fixes", r.fixes, io::kLight.muted, false),
+                   top_down("15 states", shown[i].imu15.estimate, io::kLight.gate_solid, true),
+                   top_down("ours", r.estimate, io::kLight.found, true)},
+        .y_from_0 = false});
+    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, io::kLight.gate_solid},
+                                        std::pair{&shown[i].drag, io::kLight.found}}) {
+      io::PlotSeries x{.name = i > 0          ? ""
+                               : replay == &r ? "ours"
+                                              : "15 states",
+                       .color = color},
+          y = x;
       for (std::size_t k = 0; k < replay->t.size(); k += 100) {
         const Eigen::Vector3d error = replay->estimate[k] - replay->truth[k];
         x.points.emplace_back(replay->t[k] - replay->t.back(), error.x()),
@@ -139,10 +138,12 @@ io::Canvas panels_of(const std::vector<Shown>& shown) {
       errors_x.series.push_back(x), errors_y.series.push_back(y);
     }
   }
-  const double top = rows * kPanelHeight;
-  canvas.paste(io::draw(errors_x, kColumns * kPanelWidth / 2, 2 * kPanelHeight), {0.0, top});
-  canvas.paste(io::draw(errors_y, kColumns * kPanelWidth / 2, 2 * kPanelHeight),
-               {0.5 * kColumns * kPanelWidth, top});
+  // The errors in rows of their own, below.
+  const io::Canvas flights = io::draw_sheet(plots, 2, 320),
+                   errors = io::draw_sheet(std::array{errors_x, errors_y}, 1);
+  io::Canvas canvas(io::kPlotWidth, flights.height() + errors.height());
+  canvas.paste(flights, {0.0, 0.0});
+  canvas.paste(errors, {0.0, 1.0 * flights.height()});
   return canvas;
 }
 

@@ -125,9 +125,9 @@ Outline outline(const FeasibleSet& set, double speed, double opening) {
 // ---------------------------------------------------------------- report
 
 io::Color color_of(const LateralLaw& law) {
-  return law.key == "printed" ? io::look::kGate
-         : law.key == "ours"  ? io::look::kFlown
-                              : io::look::kDetection;
+  return law.key == "printed" ? io::kLight.gate_solid
+         : law.key == "ours"  ? io::kLight.flown
+                              : io::kLight.found;
 }
 
 std::vector<Eigen::Vector2d> mirrored(std::vector<Eigen::Vector2d> points) {
@@ -137,14 +137,14 @@ std::vector<Eigen::Vector2d> mirrored(std::vector<Eigen::Vector2d> points) {
 
 io::Plot panel(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSet>& sets,
                double speed) {
-  io::Plot plot{.title = "From where the gate can be passed at " + fixed(speed, 1) + " m/s",
-                .x_label = "x0 [m], gate at 0",
-                .y_label = "y0 [m]"};
+  io::Plot plot{.title = "From where a gate is passed, " + fixed(speed, 1) + " m/s",
+                .x_label = "x₀ [m], gate at 0",
+                .y_label = "y₀ [m]"};
   std::vector<Eigen::Vector2d> area = outline(sets.back(), speed, half_opening()).inner;
   const std::vector<Eigen::Vector2d> below = mirrored(area);
   area.insert(area.end(), below.rbegin(), below.rend());
   plot.series.push_back(
-      {.name = "ours passes", .points = area, .color = io::look::kFlown.faded(0.15), .area = true});
+      {.name = "ours passes", .points = area, .color = io::kLight.flown.faded(0.15), .area = true});
   for (const double opening : {half_opening(), kPaperOpening})
     for (std::size_t i = 0; i < laws.size(); ++i) {
       if (laws[i].key == "flown_no_lag") continue;  // in the CSV
@@ -167,29 +167,26 @@ io::Plot panel(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSe
       add("", edges.overshot), add("", mirrored(edges.overshot));
     }
   plot.series.push_back(
-      {.name = "if |y| < 0.5 m is enough", .color = io::look::kMuted, .marks = false, .dash = 4.0});
+      {.name = "if |y| < 0.5 m will do", .color = io::kLight.muted, .marks = false, .dash = 4.0});
   if (speed == kSpeeds[0])
     plot.series.push_back({.name = "paper: 2 m for 0.8 m",
                            .points = {{-2.0, 0.8}, {-2.0, -0.8}},
-                           .color = io::look::kInk,
+                           .color = io::kLight.ink,
                            .line = false,
                            .rings = true});
   const MapGate gate;
   const double middle = 0.5 * (gate.side - gate.bar);
   plot.series.push_back({.name = "bars",
                          .points = {{0.0, middle}, {0.0, -middle}},
-                         .color = io::look::kInk,
+                         .color = io::kLight.ink,
                          .line = false});
   return plot;
 }
 
 io::Canvas picture_of(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSet>& sets) {
-  constexpr int kWidth = 780, kHeight = 640;
-  io::Canvas canvas(kWidth * static_cast<int>(kSpeeds.size()), kHeight);
-  for (std::size_t i = 0; i < kSpeeds.size(); ++i)
-    canvas.paste(io::draw(panel(laws, sets, kSpeeds[i]), kWidth, kHeight),
-                 {static_cast<double>(i) * kWidth, 0.0});
-  return canvas;
+  std::vector<io::Plot> panels;
+  for (const double speed : kSpeeds) panels.push_back(panel(laws, sets, speed));
+  return io::draw_sheet(panels, 2, io::kPlotHeight);
 }
 
 std::string csv_of(const LateralLaw& law, const FeasibleSet& set, double speed, double opening) {

@@ -107,14 +107,17 @@ double rms(std::span<const double> values) {
 
 void add_band(io::Plot& plot, const std::string& name, const Samples& samples, double from,
               double step, const io::Color& color) {
-  for (const double part : {0.5, 0.05, 0.95}) {
-    io::PlotSeries series{.name = part == 0.5 ? name : "",
-                          .color = part == 0.5 ? color : color.faded(0.45)};
+  const auto curve = [&](double part) {
+    std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < samples.size(); ++i)
-      series.points.emplace_back(from + static_cast<double>(i) * step,
-                                 io::nearest_rank(samples[i], part));
-    plot.series.push_back(series);
-  }
+      points.emplace_back(from + static_cast<double>(i) * step, io::nearest_rank(samples[i], part));
+    return points;
+  };
+  io::PlotSeries band{.points = curve(0.05), .color = color.faded(0.2), .area = true};
+  const auto upper = curve(0.95);
+  band.points.insert(band.points.end(), upper.rbegin(), upper.rend());
+  plot.series.push_back(band);
+  plot.series.push_back({.name = name, .points = curve(0.5), .color = color});
 }
 
 nlohmann::ordered_json band_json(const std::vector<double>& values) {

@@ -120,13 +120,14 @@ std::string each_of(const std::vector<const Flight*>& flights, int digits, const
   return text.empty() ? "none" : text;
 }
 
-constexpr std::array kColors{io::look::kDetection, io::look::kFlown, io::look::kEstimate};
+constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.estimate};
 
 /// Height over time of the flights shown.
 io::Plot height_plot(const std::string& name, const std::vector<const Flight*>& flights) {
-  io::Plot plot{.title = name + ": height, true (estimated: thin)",
-                .x_label = "t [s]",
-                .y_label = "height [m]"};
+  io::Plot plot{
+      .title = name + (flights.empty() ? ": no flight to show" : ": height (pale: estimated)"),
+      .x_label = "t [s]",
+      .y_label = "height [m]"};
   for (std::size_t i = 0; i < flights.size(); ++i) {
     io::PlotSeries truth{
         .name = "seed " + std::to_string(flights[i]->seed), .color = kColors[i], .marks = false},
@@ -142,19 +143,20 @@ io::Plot height_plot(const std::string& name, const std::vector<const Flight*>& 
 
 io::Canvas picture_of(const std::vector<Contender>& who, const std::vector<Days>& days,
                       const Track& track) {
-  constexpr int kWidth = 640, kView = 500, kHeight = 360, kTitle = 44;
-  io::Canvas canvas(kWidth * static_cast<int>(who.size()), kView + kHeight);
+  constexpr int kView = 600;  // wide; the plot of heights beside it
+  io::Canvas canvas(io::kPlotWidth, io::kRowHeight * static_cast<int>(who.size()));
   for (std::size_t i = 0; i < who.size(); ++i) {
-    const double x = static_cast<double>(i) * kWidth;
+    const double y = static_cast<double>(i) * io::kRowHeight;
     const auto shown = days[i].shown();
     std::vector<Trajectory> ways;
     for (std::size_t k = 0; k < shown.size(); ++k) ways.push_back({shown[k]->estimate, kColors[k]});
     canvas.text(
-        {x + 16, 28},
+        {16, y + 31},
         who[i].name + ": as estimated, " + std::to_string(shown.size()) + " flights of 15 gates",
-        {.size = 16, .bold = true});
-    draw_track_3d(canvas, {x + 16, kTitle, kWidth - 32.0, kView - kTitle - 8.0}, track, ways);
-    canvas.paste(io::draw(height_plot(who[i].name, shown), kWidth, kHeight), {x, kView});
+        {.size = 18, .bold = true});
+    draw_track_3d(canvas, {16, y + 44, kView - 32.0, io::kRowHeight - 52.0}, track, ways);
+    canvas.paste(io::draw(height_plot(who[i].name, shown), io::kPlotWidth - kView, io::kRowHeight),
+                 {kView, y});
   }
   return canvas;
 }

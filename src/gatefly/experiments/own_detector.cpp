@@ -90,8 +90,8 @@ io::PlotSeries curve(const std::string& name, const tuning::Roc& roc, const io::
 }  // namespace
 
 Result own_detector(const Options& options) {
-  constexpr std::array kColors{io::look::kGate, io::look::kDetection, io::look::kFlown,
-                               io::look::kEstimate, io::look::kInk};
+  constexpr std::array kColors{io::kLight.gate_solid, io::kLight.found, io::kLight.flown,
+                               io::kLight.estimate, io::kLight.ink};
   Result result{.table = {},
                 .json = {{"rule", "overlap70; washington_obrace: iou50, nearest gate"}},
                 .csv = "set,colours,min_score,tpr,fp_per_image\n",
@@ -131,6 +131,11 @@ Result own_detector(const Options& options) {
         {{"set", set.name}, {"pictures", set.size()}, {"gates", set.gates()}, {"colours", models}});
   }
   result.json["sets"] = sets;
+  plot.series.push_back({.name = "paper (basement580)",
+                         .points = {{0.064, 0.46}},
+                         .color = io::kLight.ink,
+                         .line = false,
+                         .rings = true});
   result.picture = io::draw(plot);
   return result;
 }

@@ -122,25 +122,25 @@ struct Row {
 
 /// One line a mixture: part finished with its 95 % interval, gates, speed, error, causes.
 io::Canvas picture_of(const std::vector<Row>& rows) {
-  constexpr int kWidth = 1560, kLine = 30, kTop = 96;
-  constexpr double kBar = 300.0, kBarWidth = 330.0, kColumns = 670.0;
+  constexpr int kWidth = io::kPlotWidth, kLine = 32, kTop = 112;
+  constexpr double kBar = 250.0, kBarWidth = 220.0, kColumns = 490.0;
   io::Canvas canvas(kWidth, kTop + kLine * (static_cast<int>(rows.size()) + 3));
-  canvas.text({24, 34}, "paper and ours on the same days: showroom, 15 gates, level race",
-              {.size = 18, .bold = true});
-  const io::Lettering head{.color = io::look::kMuted, .size = 13};
-  canvas.text({kBar, 70}, "races finished, 95 % interval", head);
+  canvas.text({24, 40}, "Paper and ours on the same days: showroom, 15 gates, level race",
+              {.size = 22, .bold = true});
+  const io::Lettering head{.color = io::kLight.muted, .size = 14};
+  canvas.text({kBar, 84}, "races finished, 95 % interval", head);
   const std::array<std::pair<double, const char*>, 5> titles{{{kColumns, "finished"},
-                                                              {kColumns + 90, "gates"},
-                                                              {kColumns + 150, "m/s"},
-                                                              {kColumns + 205, "error [m]"},
-                                                              {kColumns + 290, "causes"}}};
-  for (const auto& [x, title] : titles) canvas.text({x, 70}, title, head);
+                                                              {kColumns + 85, "gates"},
+                                                              {kColumns + 140, "m/s"},
+                                                              {kColumns + 190, "error [m]"},
+                                                              {kColumns + 270, "the others"}}};
+  for (const auto& [x, title] : titles) canvas.text({x, 84}, title, head);
   double y = kTop;
   std::string vision;
   for (const Row& row : rows) {
     if (row.vision != vision) {
       vision = row.vision;
-      canvas.text({24, y + 8}, vision, {.color = io::look::kInk, .size = 15, .bold = true});
+      canvas.text({24, y + 8}, vision, {.color = io::kLight.ink, .size = 16, .bold = true});
       y += kLine;
     }
     const Campaign& c = row.campaign;
@@ -148,20 +148,23 @@ io::Canvas picture_of(const std::vector<Row>& rows) {
     const double part = static_cast<double>(c.finished()) / n;
     const auto interval = io::wilson95(c.finished(), n);
     const bool pure = row.mixture.name.rfind("all", 0) == 0;
-    const io::Color color = row.mixture.paper[3] ? io::look::kGate : io::look::kDetection;
-    canvas.text({24, y + 8}, row.mixture.name, {.size = 14, .bold = pure});
-    canvas.fill({kBar, y - 6, kBarWidth, 16}, io::look::kPanel, 3);
+    const io::Color color = row.mixture.paper[3] ? io::kLight.gate_solid : io::kLight.found;
+    canvas.text({24, y + 8}, row.mixture.name, {.size = 15, .bold = pure});
+    canvas.fill({kBar, y - 6, kBarWidth, 16}, io::kLight.well, 3);
     canvas.fill({kBar, y - 6, std::max(1.0, kBarWidth * part), 16}, color.faded(pure ? 1.0 : 0.6),
                 3);
     canvas.line({kBar + kBarWidth * interval.low, y + 2}, {kBar + kBarWidth * interval.high, y + 2},
-                {.color = io::look::kInk, .width = 2});
-    const io::Lettering small{.size = 13};
+                {.color = io::kLight.ink, .width = 2});
+    const io::Lettering small{.size = 14};
     canvas.text({kColumns, y + 8}, std::to_string(c.finished()) + " of " + std::to_string(n),
                 small);
-    canvas.text({kColumns + 90, y + 8}, fixed(c.gates(), 1), small);
-    canvas.text({kColumns + 150, y + 8}, fixed(c.speed(), 2), small);
-    canvas.text({kColumns + 205, y + 8}, fixed(c.error(), 2), small);
-    canvas.text({kColumns + 290, y + 8}, c.causes(), {.color = io::look::kMuted, .size = 12});
+    canvas.text({kColumns + 85, y + 8}, fixed(c.gates(), 1), small);
+    canvas.text({kColumns + 140, y + 8}, fixed(c.speed(), 2), small);
+    canvas.text({kColumns + 190, y + 8}, fixed(c.error(), 2), small);
+    io::Lettering causes{.color = io::kLight.muted, .size = 14};
+    const double wide = canvas.text_width(c.causes(), causes), most = kWidth - kColumns - 290;
+    if (wide > most) causes.size *= most / wide;
+    canvas.text({kColumns + 270, y + 8}, c.causes(), causes);
     y += kLine;
   }
   return canvas;

@@ -127,8 +127,8 @@ void report(const Line& line, const Row& row, Result& result) {
 }
 
 io::Plot panel(const std::array<Row, 4>& rows, int axis, const std::string& title) {
-  constexpr std::array<io::Color, 4> kColors{io::look::kDetection, io::look::kFlown,
-                                             io::look::kMuted, io::look::kGate};
+  constexpr std::array<io::Color, 4> kColors{io::kLight.found, io::kLight.flown, io::kLight.muted,
+                                             io::kLight.gate_solid};
   io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
   for (std::size_t l = 0; l < rows.size(); ++l) {
     if (l == 2) continue;  // -30° is the same as 30°
@@ -142,20 +142,15 @@ io::Plot panel(const std::array<Row, 4>& rows, int axis, const std::string& titl
     }
     plot.series.push_back(ours), plot.series.push_back(theirs);
   }
+  plot.series.push_back(paper_marks());
   return plot;
 }
 
 io::Canvas plotted(const std::array<Row, 4>& rows) {
-  constexpr int kWidth = 960, kHeight = 440;
-  io::Canvas sheet(kWidth, 2 * kHeight);
-  sheet.paste(io::draw(panel(rows, 0,
-                             "Position error from the two side bars, x, through the gate (rings: "
-                             "the authors' figure)"),
-                       kWidth, kHeight),
-              {0.0, 0.0});
-  sheet.paste(io::draw(panel(rows, 1, "y, to the right"), kWidth, kHeight),
-              {0.0, static_cast<double>(kHeight)});
-  return sheet;
+  return io::draw_sheet(
+      std::array{panel(rows, 0, "Position from the two side bars: x, through the gate"),
+                 panel(rows, 1, "Position from the two side bars: y, to the right")},
+      1);
 }
 
 }  // namespace

@@ -204,20 +204,18 @@ std::string csv_of(const std::vector<Cell>& cells) {
 }
 
 io::Canvas plotted(const std::vector<Cell>& cells) {
-  constexpr int kWidth = 960, kHeight = 440;
-  io::Canvas sheet(kWidth, 3 * kHeight);
-  int place = 0;
+  std::vector<io::Plot> plots;
   for (const double attitude_deg : {0.0, 5.0, 15.0}) {
     io::Plot plot{.title = "Position error, 3.5 px, attitude " + io::text_of(attitude_deg) +
                            "°, gate straight across",
                   .x_label = "distance [m]",
                   .y_label = "3-D RMSE [m]",
-                  .series = {{.name = "P3P", .color = io::look::kMuted},
-                             {.name = "IPPE", .color = io::look::kFlown},
-                             {.name = "SQPNP", .color = io::look::kEstimate},
-                             {.name = "MAP (ours)", .color = io::look::kDetection},
+                  .series = {{.name = "P3P", .color = io::kLight.muted},
+                             {.name = "IPPE", .color = io::kLight.flown},
+                             {.name = "SQPNP", .color = io::kLight.estimate},
+                             {.name = "MAP (ours)", .color = io::kLight.found},
                              {.name = "rays (paper)",
-                              .color = io::look::kGate,
+                              .color = io::kLight.gate_solid,
                               .line = false,
                               .rings = true}}};  // often the same points
     for (const Cell& c : cells) {
@@ -227,9 +225,9 @@ io::Canvas plotted(const std::vector<Cell>& cells) {
       for (std::size_t i = 0; i < values.size(); ++i)
         plot.series[i].points.emplace_back(c.distance, values[i]);
     }
-    sheet.paste(io::draw(plot, kWidth, kHeight), {0.0, static_cast<double>(kHeight * place++)});
+    plots.push_back(plot);
   }
-  return sheet;
+  return io::draw_sheet(plots, 1);
 }
 
 }  // namespace

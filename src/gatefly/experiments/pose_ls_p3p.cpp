@@ -203,8 +203,8 @@ void report(const std::vector<Variant>& list, Result& result) {
 
 /// One panel: the curves of one method.
 io::Plot panel(const Study& study, bool p3p, const std::string& title) {
-  constexpr std::array<io::Color, 4> kColors{io::look::kEstimate, io::look::kGate,
-                                             io::look::kDetection, io::look::kFlown};
+  constexpr std::array<io::Color, 4> kColors{io::kLight.estimate, io::kLight.gate_solid,
+                                             io::kLight.found, io::kLight.flown};
   io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
   for (std::size_t c = 0, shown = 0; c < study.curves.size(); ++c) {
     if (study.curves[c].p3p.has_value() != p3p) continue;
@@ -217,21 +217,15 @@ io::Plot panel(const Study& study, bool p3p, const std::string& title) {
     }
     plot.series.push_back(ours), plot.series.push_back(theirs);
   }
+  plot.series.push_back(paper_marks());
   return plot;
 }
 
 /// Above each other: P3P is ten times as far off.
 io::Canvas plotted(const Study& study) {
-  constexpr int kWidth = 960, kHeight = 460;
-  io::Canvas sheet(kWidth, 2 * kHeight);
-  sheet.paste(
-      io::draw(panel(study, true, "P3P, noise as the authors drew it (rings: their figure)"),
-               kWidth, kHeight),
-      {0.0, 0.0});
-  sheet.paste(
-      io::draw(panel(study, false, "Least squares (LS), the same corners"), kWidth, kHeight),
-      {0.0, static_cast<double>(kHeight)});
-  return sheet;
+  return io::draw_sheet(std::array{panel(study, true, "P3P, noise as the authors drew it"),
+                                   panel(study, false, "Least squares (LS), the same corners")},
+                        1);
 }
 
 }  // namespace

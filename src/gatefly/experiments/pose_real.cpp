@@ -42,15 +42,12 @@ Result pose_real(const Options& options) {
                 .csv = "from,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m\n",
                 .picture = io::Canvas(1, 1)};
   if (options.stopped()) throw Stopped{};
-  constexpr int kWidth = 960, kHeight = 500;
   const calibration::Calibration camera = calibrated(kCorners, 0, options);
   const io::Plot distances = report_distances(options, camera, result);
   options.progress(0.2, "flight_11");
   if (options.stopped()) throw Stopped{};
   const io::Plot flight = report_flight(options, camera, result);
-  result.picture = io::Canvas(kWidth, 2 * kHeight);
-  result.picture.paste(io::draw(distances, kWidth, kHeight), {0.0, 0.0});
-  result.picture.paste(io::draw(flight, kWidth, kHeight), {0.0, static_cast<double>(kHeight)});
+  result.picture = io::draw_sheet(std::array{distances, flight}, 1);
   return result;
 }
 

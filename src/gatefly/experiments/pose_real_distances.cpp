@@ -203,13 +203,13 @@ io::PlotSeries errors_over_distance(const std::string& name, const AllDistances&
 
 io::Plot plotted(const AllDistances& found) {
   constexpr double kAside = 0.06;
-  return {.title = "distance51: our distance minus the tape's, picture by picture",
+  return {.title = "Distance to a gate (distance51), picture by picture",
           .x_label = "distance by tape [m]",
-          .y_label = "[m]",
+          .y_label = "ours - tape [m]",
           .series = {errors_over_distance("from labels", found, &Distances::from_both_label,
-                                          io::look::kGate, -kAside),
+                                          io::kLight.gate_solid, -kAside),
                      errors_over_distance("from detections", found, &Distances::from_both_detection,
-                                          io::look::kDetection, kAside)},
+                                          io::kLight.found, kAside)},
           .y_from_0 = false};
 }
 

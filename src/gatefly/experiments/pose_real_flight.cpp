@@ -219,14 +219,13 @@ io::Plot report_flight(const Options& options, const calibration::Calibration& c
                                 {"rms_px", misfit}}},
                               {"best_side_m", side}};
   add_rows("labels", labels, result.csv), add_rows("detections", detections, result.csv);
-  return {
-      .title = "flight_11 before the gate: motion capture and our pose from single pictures",
-      .x_label = "x, through the gate [m]",
-      .y_label = "y, to the right [m]",
-      .series = {series("motion capture", labels.truth, io::look::kInk, true, false),
-                 series("from labels", labels.found, io::look::kGate, false, true),
-                 series("from detections", detections.found, io::look::kDetection, false, false)},
-      .y_from_0 = false};
+  return {.title = "flight_11 before the gate: pose from single pictures",
+          .x_label = "x, through the gate [m]",
+          .y_label = "y, to the right [m]",
+          .series = {series("motion capture", labels.truth, io::kLight.ink, true, false),
+                     series("from labels", labels.found, io::kLight.gate_solid, false, true),
+                     series("from detections", detections.found, io::kLight.found, false, false)},
+          .y_from_0 = false};
 }
 
 }  // namespace gatefly::experiments::pose_real_parts

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/kneip.hpp"
 #include "gatefly/experiments/pnp.hpp"
@@ -60,5 +61,10 @@ struct Rmse {
 /// told.
 void in_pieces(std::size_t count, const Options& options,
                const std::function<void(std::size_t)>& work);
+
+/// A legend's word for the rings of a plot, whose colours are those of our curves.
+[[nodiscard]] inline io::PlotSeries paper_marks() {
+  return {.name = "paper", .color = io::kLight.ink, .line = false, .rings = true};
+}
 
 }  // namespace gatefly::experiments

@@ -75,9 +75,9 @@ struct OneGate {
 std::vector<OneGate> one_gate_points(const LabelledSet& set, int repeats, const Options& options) {
   std::vector<OneGate> list{
       {"best_of_paper", "best gate of mode paper (2017)", as_paper_best({.min_color_fitness = 0.0}),
-       io::look::kEstimate, RocPoint{.tpr = 0.448, .fp_per_image = 0.074}},
-      {"best_of_paper_0.7", "best gate, σ_cf 0.7", as_paper_best(), io::look::kMuted},
-      {"flown", "mode flown (2018)", as_flown(), io::look::kInk}};
+       io::kLight.estimate, RocPoint{.tpr = 0.448, .fp_per_image = 0.074}},
+      {"best_of_paper_0.7", "best gate, σ_cf 0.7", as_paper_best(), io::kLight.muted},
+      {"flown", "mode flown (2018)", as_flown(), io::kLight.ink}};
   for (OneGate& point : list) {
     options.progress(1.0, point.name);
     point.ours = roc_point(set, point.detector, repeats, options);
@@ -179,7 +179,7 @@ void add(io::Plot& plot, const std::vector<OneGate>& points) {
                            .color = point.color,
                            .line = false});
     if (std::isfinite(point.paper.tpr))
-      plot.series.push_back({.name = "authors' best gate (2017)",
+      plot.series.push_back({.name = "paper, best gate (2017)",
                              .points = {{point.paper.fp_per_image, point.paper.tpr}},
                              .color = point.color,
                              .line = false,
@@ -212,9 +212,9 @@ Result roc_length(const Options& options) {
 
   const auto half = ours.begin() + static_cast<std::ptrdiff_t>(ours.size() / 2);
   io::Plot plot = roc_plot("ROC over σ_L, the paper's detector on its own 580 pictures");
-  plot.series = {series("authors' stored run", authors, io::look::kGate, true),
-                 series("ours, σ_cf 0", {ours.begin(), half}, io::look::kDetection, false),
-                 series("ours, σ_cf 0.7", {half, ours.end()}, io::look::kFlown, false)};
+  plot.series = {series("paper (its stored run)", authors, io::kLight.gate_solid, true),
+                 series("ours, σ_cf 0", {ours.begin(), half}, io::kLight.found, false),
+                 series("ours, σ_cf 0.7", {half, ours.end()}, io::kLight.flown, false)};
   const int repeats = options.quick ? 2 : 10;
   const std::vector<OneGate> one_gate = one_gate_points(set, repeats, options);
   add(plot, one_gate);
@@ -236,8 +236,8 @@ Result roc_fitness(const Options& options) {
 
   io::Plot plot =
       roc_plot("ROC over σ_cf at σ_L = 25 px, the paper's detector on its own 580 pictures");
-  plot.series = {series("authors' stored run", authors, io::look::kGate, true),
-                 series("ours", ours, io::look::kDetection, false)};
+  plot.series = {series("paper (its stored run)", authors, io::kLight.gate_solid, true),
+                 series("ours", ours, io::kLight.found, false)};
   const int repeats = options.quick ? 2 : 10;
   const std::vector<OneGate> one_gate = one_gate_points(set, repeats, options);
   add(plot, one_gate);

@@ -67,14 +67,14 @@ Found by_own_detector(const LabelledSet& set) {
 }
 
 io::Canvas plotted(const Bins& paper_mode, const Bins& own) {
-  io::PlotSeries paper{.name = "authors' stored run",
+  io::PlotSeries paper{.name = "paper (its stored run)",
                        .points = {},
-                       .color = io::look::kGate,
+                       .color = io::kLight.gate_solid,
                        .line = true,
                        .rings = true};
   io::PlotSeries rebuilt{
-      .name = "the paper's detector, rebuilt", .points = {}, .color = io::look::kDetection};
-  io::PlotSeries ours{.name = "our detector", .points = {}, .color = io::look::kFlown};
+      .name = "the paper's detector, rebuilt", .points = {}, .color = io::kLight.found};
+  io::PlotSeries ours{.name = "our detector", .points = {}, .color = io::kLight.flown};
   for (std::size_t i = 0; i < own.size(); ++i) {
     const double middle = 0.5 * (std::max(own[i].from, 1.0) + own[i].to);
     paper.points.emplace_back(middle, own[i].paper_tpr);

@@ -66,8 +66,8 @@ void draw_box(io::Canvas& canvas, const Projection& at, const MapObstacle& solid
     low[i] = at(floor[i]);
     high[i] = at(floor[i] - Vector3d{0, 0, solid.height});
   }
-  const io::Stroke stroke{.color = io::look::kFaint, .width = 1.0};
-  canvas.polygon(high, io::look::kSolid.faded(0.35));
+  const io::Stroke stroke{.color = io::kLight.solid, .width = 1.0};
+  canvas.polygon(high, io::kLight.solid.faded(0.35));
   canvas.outline(low, stroke), canvas.outline(high, stroke);
   for (std::size_t i = 0; i < 4; ++i) canvas.line(low[i], high[i], stroke);
 }
@@ -79,12 +79,12 @@ void draw_gate(io::Canvas& canvas, const Projection& at, const MapGate& gate, in
   constexpr std::array<double, 4> kY{-1, 1, 1, -1}, kZ{-1, -1, 1, 1};
   for (std::size_t i = 0; i < 4; ++i)
     frame[i] = at(gate.p_EG + R * Vector3d{0, kY[i] * h, kZ[i] * h});
-  canvas.outline(frame, {.color = io::look::kGate, .width = 3.0});
+  canvas.outline(frame, {.color = io::kLight.gate_solid, .width = 3.0});
   const Vector3d foot{gate.p_EG.x(), gate.p_EG.y(), 0.0};
   canvas.line(at(gate.p_EG + Vector3d{0, 0, h}), at(foot),
-              {.color = io::look::kGate, .width = 1.5});
+              {.color = io::kLight.gate_solid, .width = 1.5});
   canvas.text(at(gate.p_EG - Vector3d{0, 0, h}) + Vector2d{0, -6}, "G" + std::to_string(number),
-              {.color = io::look::kGate, .size = 13, .align = io::Align::kCenter, .bold = true});
+              {.color = io::kLight.gate, .size = 15, .align = io::Align::kCenter, .bold = true});
 }
 
 }  // namespace
@@ -95,8 +95,8 @@ void draw_track_3d(io::Canvas& canvas, const io::Box& box, const Track& track,
   std::array<Vector2d, 4> room;
   const auto corners = floor_corners(track.room_center, track.room_size, 0.0);
   for (std::size_t i = 0; i < 4; ++i) room[i] = at(corners[i]);
-  canvas.polygon(room, io::look::kPanel);
-  canvas.outline(room, {.color = io::look::kFaint, .width = 1.0});
+  canvas.polygon(room, io::kLight.well);
+  canvas.outline(room, {.color = io::kLight.rule, .width = 1.0});
   for (const MapObstacle& solid : track.obstacles) draw_box(canvas, at, solid);
   for (const Trajectory& way : flown) {
     std::vector<Vector2d> floor, air;
@@ -105,7 +105,7 @@ void draw_track_3d(io::Canvas& canvas, const io::Box& box, const Track& track,
       air.push_back(at(p));
     }
     canvas.polyline(floor, {.color = way.color.faded(0.15), .width = 1.0});
-    canvas.polyline(air, {.color = way.color.faded(0.85), .width = 1.3});
+    canvas.polyline(air, {.color = way.color.faded(0.85), .width = 1.8});
   }
   for (std::size_t i = 0; i < track.gates.size(); ++i)
     draw_gate(canvas, at, track.gates[i], static_cast<int>(i + 1));

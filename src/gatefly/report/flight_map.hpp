@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/closed_loop/race.hpp"
-#include "gatefly/drawing/canvas.hpp"
+#include "gatefly/drawing/course_map.hpp"
 
 namespace gatefly::io {
 
@@ -15,7 +15,12 @@ struct Moment {
   double true_speed = 0.0, est_speed = 0.0;  ///< [m/s]
 };
 
-/// The course seen from above, north up.
+/// The course as it really stands, gates in their colours.
+[[nodiscard]] Course course_of(const sim::World& world);
+/// A gate's colour on a dark ground: as bright as it can be.
+[[nodiscard]] Color color_of(const sim::WorldGate& gate);
+
+/// A flight on the map of its course.
 class FlightMap {
  public:
   /// @param area  where on the canvas; the room is fitted into it.
@@ -37,16 +42,11 @@ class FlightMap {
   void draw_legend(Canvas& canvas, const Eigen::Vector2d& at) const;
 
  private:
-  [[nodiscard]] Eigen::Vector2d at(const Eigen::Vector2d& p_E) const;
+  [[nodiscard]] Eigen::Vector2d at(const Eigen::Vector2d& p_E) const { return map_.at(p_E); }
   [[nodiscard]] Color color_of_speed(double speed) const;
-  void draw_obstacle(Canvas& canvas, const sim::WorldBox& box) const;
-  void draw_gate(Canvas& canvas, std::size_t gate, const Color& color) const;
-  void draw_path(Canvas& canvas, const Path& path) const;
 
-  sim::World world_;
-  double fast_ = 2.5;   ///< Speed of the brightest colour [m/s].
-  double scale_ = 1.0;  ///< [px/m]
-  Eigen::Vector2d middle_px_{0, 0};
+  CourseMap map_;
+  double fast_ = 2.5;  ///< Speed of the brightest colour [m/s].
 };
 
 }  // namespace gatefly::io

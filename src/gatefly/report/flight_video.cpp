@@ -13,23 +13,23 @@
 namespace gatefly::io {
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 720;  // [px]
+constexpr int kWidth = 1600, kHeight = 900;  // [px]
 constexpr int kPicturesPerSecond = 20;
-constexpr double kMargin = 16.0, kHead = 62.0, kLegend = 34.0;  // [px]
-constexpr double kStatusHeight = 40.0;                          // [px]
+constexpr double kMargin = 16.0, kHead = 70.0, kLegend = 34.0;  // [px]
+constexpr double kStatusHeight = 44.0;                          // [px]
 constexpr double kBright = 7.0;   // the way flown in these last seconds is drawn brightest
 constexpr double kWindow = 30.0;  // of the strips [s]
-constexpr double kHold = 2.0;     // of the last frame [s]
+constexpr double kHold = 5.0;     // of the last frame [s]
 
 Box left_column(bool pictures) {
   return {.x = kMargin,
           .y = kHead,
-          .width = pictures ? 632.0 : 360.0,
+          .width = pictures ? 945.0 : 470.0,
           .height = kHeight - kHead - kMargin};
 }
 
-/// The picture twice as large; without pictures, a line that says so.
-double view_height(bool pictures) { return pictures ? 320.0 : 56.0; }
+/// The picture three times as large; without pictures, a line that says so.
+double view_height(bool pictures) { return pictures ? 480.0 : 60.0; }
 
 Box right_of(const Box& left) {
   const double x = left.right() + kMargin;
@@ -49,6 +49,13 @@ struct Curve {
   std::string name, unit;
   std::function<double(const Moment&)> truth, estimate;
   double at_least;  ///< Upper end of the scale, when nothing is higher.
+  bool is_height = false;
+};
+
+/// A gate that was passed: when, and between which heights it is open.
+struct Pass {
+  double time, low, high;
+  Color color;
 };
 
 /// The last half minute of a curve, in a panel of its own.
@@ -59,10 +66,10 @@ class Strip {
       : panel_{panel},
         curve_{curve},
         moments_{moments},
-        area_{.x = panel.x + 34,
-              .y = panel.y + 30,
-              .width = panel.width - 46,
-              .height = panel.height - 42} {
+        area_{.x = panel.x + 38,
+              .y = panel.y + 44,
+              .width = panel.width - 60,
+              .height = panel.height - 60} {
     end_ = std::max(kWindow, moments.back().time);
     top_ = curve.at_least;
     for (const Moment& m : moments) top_ = std::max(top_, std::ceil(curve.truth(m)));
@@ -70,32 +77,47 @@ class Strip {
     if (moments.size() > kShown) moments_ = moments.last(kShown);
   }
 
-  void draw(Canvas& canvas, std::span<const double> passes) const {
-    canvas.fill(panel_, look::kPanel, 8.0);
-    canvas.text({panel_.x + 12, panel_.y + 20}, curve_.name, {.color = look::kMuted, .size = 13});
-    canvas.text({panel_.right() - 12, panel_.y + 20},
+  /// @param next  the gate that is flown to; its time is not known yet.
+  void draw(Canvas& canvas, std::span<const Pass> passes, const std::optional<Pass>& next) const {
+    canvas.fill(panel_, kDark.panel, 8.0);
+    canvas.text({panel_.x + 14, panel_.y + 27}, curve_.name, {.color = kDark.muted, .size = 16});
+    canvas.text({panel_.right() - 14, panel_.y + 28},
                 fixed(curve_.truth(moments_.back()), 2) + " " + curve_.unit,
-                {.color = look::kInk, .size = 14, .align = Align::kRight, .bold = true});
+                {.color = kDark.ink, .size = 20, .align = Align::kRight, .bold = true});
     for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
       const double y = at(end_, level).y();
-      canvas.line({area_.x, y}, {area_.right(), y},
-                  {.color = look::kFaint.faded(0.6), .width = 1.0});
-      canvas.text({area_.x - 8, y + 4}, fixed(level, 0),
-                  {.color = look::kMuted, .size = 11, .align = Align::kRight});
+      canvas.line({area_.x, y}, {area_.right(), y}, {.color = kDark.rule, .width = 1.0});
+      canvas.text({area_.x - 10, y + 5}, fixed(level, 0),
+                  {.color = kDark.muted, .size = 14, .align = Align::kRight});
     }
     canvas.clip({.x = area_.x - 2,
-                 .y = area_.y - 6,
-                 .width = area_.width + 4,
-                 .height = area_.height + 12});
-    for (const double pass : passes)
-      canvas.line(at(pass, 0.0), at(pass, top_), {.color = look::kGate.faded(0.55), .width = 1.5});
-    trace(canvas, curve_.estimate, {.color = look::kEstimate, .width = 1.1});
-    trace(canvas, curve_.truth, {.color = look::kFlown, .width = 2.2});
+                 .y = area_.y - 8,
+                 .width = area_.width + 16,
+                 .height = area_.height + 16});
+    for (const Pass& pass : passes) draw_pass(canvas, pass);
+    trace(canvas, curve_.estimate, {.color = kDark.estimate, .width = 1.4});
+    trace(canvas, curve_.truth, {.color = kDark.flown, .width = 2.6});
+    if (next && curve_.is_height) {
+      const double x = at(end_, 0.0).x() + 9.0;
+      canvas.line({x, at(end_, next->low).y()}, {x, at(end_, next->high).y()},
+                  {.color = next->color, .width = 5.0});
+    }
     canvas.unclip();
-    canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 3.5, look::kInk);
+    canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 4.5, kDark.ink);
   }
 
  private:
+  /// Over heights as wide as it is open.
+  void draw_pass(Canvas& canvas, const Pass& pass) const {
+    const double x = at(pass.time, 0.0).x();
+    canvas.line({x, at(0, 0.0).y()}, {x, at(0, top_).y()},
+                {.color = pass.color.faded(curve_.is_height ? 0.25 : 0.6), .width = 1.5});
+    if (!curve_.is_height) return;
+    const double low = at(0, pass.low).y(), high = at(0, pass.high).y();
+    canvas.line({x, low}, {x, high}, {.color = pass.color.faded(0.35), .width = 7.0});
+    for (const double y : {low, high})
+      canvas.line({x - 5, y}, {x + 5, y}, {.color = pass.color, .width = 3.0});
+  }
   [[nodiscard]] Eigen::Vector2d at(double time, double value) const {
     return {area_.right() - (end_ - time) / kWindow * area_.width,
             area_.bottom() - value / top_ * area_.height};
@@ -113,17 +135,6 @@ class Strip {
   Box area_;
   double end_ = kWindow, top_ = 1.0;
 };
-
-void draw_strips(Canvas& canvas, const Box& box, std::span<const Moment> moments,
-                 std::span<const double> passes) {
-  const Curve height{"height", "m", [](const Moment& m) { return -m.true_p_EB.z(); },
-                     [](const Moment& m) { return -m.est_p_EB.z(); }, 2.0};
-  const Curve speed{"speed", "m/s", [](const Moment& m) { return m.true_speed; },
-                    [](const Moment& m) { return m.est_speed; }, 2.0};
-  const double half = 0.5 * (box.height - 12.0);
-  Strip({box.x, box.y, box.width, half}, height, moments).draw(canvas, passes);
-  Strip({box.x, box.bottom() - half, box.width, half}, speed, moments).draw(canvas, passes);
-}
 
 const char* name_of(Sighting::Source source) {
   switch (source) {
@@ -146,9 +157,9 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
   for (const GateDetection& gate : sighting.detections) {
     const bool used = rank++ == sighting.used;
     draw_detection(canvas, gate, {0, 0}, scale,
-                   {.color = look::kDetection.faded(used ? 1.0 : 0.6), .width = used ? 2.5 : 1.2});
+                   {.color = kDark.found.faded(used ? 1.0 : 0.6), .width = used ? 3.5 : 1.8});
   }
-  const Stroke stroke{.color = look::kDetection, .width = 2.5};
+  const Stroke stroke{.color = kDark.found, .width = 3.5};
   if (sighting.lower_corners) {
     const Eigen::Vector2d left = at(sighting.lower_corners->bottom_left_px),
                           right = at(sighting.lower_corners->bottom_right_px);
@@ -159,6 +170,64 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
   if (!sighting.bars) return;
   for (const Eigen::Vector2d& bar : {at(sighting.bars->left_px), at(sighting.bars->right_px)})
     canvas.line({bar.x(), 0.06 * height}, {bar.x(), 0.94 * height}, stroke);
+}
+
+/// In letters as large as fit.
+void draw_fitted(Canvas& canvas, const Eigen::Vector2d& at, const std::string& line,
+                 Lettering lettering, double width) {
+  // Letters have whole pixels: their width does not follow their size exactly.
+  for (double wide = canvas.text_width(line, lettering); wide > width && lettering.size > 1.0;
+       wide = canvas.text_width(line, lettering))
+    lettering.size *= std::min(0.98, width / wide);
+  canvas.text(at, line, lettering);
+}
+
+struct CardLine {
+  std::string name, text;
+};
+
+std::vector<CardLine> card_lines(const closed_loop::RaceResult& r) {
+  std::string laps;
+  for (const double lap : r.lap_times) laps += (laps.empty() ? "" : ", ") + fixed(lap, 1) + " s";
+  std::vector<CardLine> lines{
+      {"gates", std::to_string(r.gates_passed) + " of " + std::to_string(r.gates_total)},
+      {"laps", laps.empty() ? "none" : laps}};
+  if (r.finished) lines.push_back({"race time", fixed(r.race_time, 1) + " s"});
+  if (r.gates_passed > 1)
+    lines.push_back(
+        {"mean speed", fixed(r.mean_speed, 2) + " m/s, at most " + fixed(r.max_speed, 2) + " m/s"});
+  if (r.gates_passed > 0)
+    lines.push_back({"estimation error",
+                     fixed(r.estimation_rmse.x(), 2) + ", " + fixed(r.estimation_rmse.y(), 2) +
+                         ", " + fixed(r.estimation_rmse.z(), 2) + " m RMS (north, east, down)"});
+  return lines;
+}
+
+/// How it went, over a dimmed frame.
+void draw_card(Canvas& canvas, const closed_loop::RaceResult& result, const std::string& verdict) {
+  constexpr double kCard = 860.0, kLine = 50.0, kInside = 48.0;  // [px]
+  const std::vector<CardLine> lines = card_lines(result);
+  const double height = 170.0 + kLine * static_cast<double>(lines.size());
+  const Box card{0.5 * (kWidth - kCard), 0.5 * (kHeight - height), kCard, height};
+  canvas.fill({0, 0, kWidth, kHeight}, kDark.well.faded(0.72));
+  const Color& color = result.finished ? kDark.good : kDark.bad;
+  canvas.fill({card.x - 2, card.y - 2, card.width + 4, card.height + 4}, kDark.rule, 14.0);
+  canvas.fill(card, kDark.panel, 12.0);
+  canvas.fill({card.x + kInside, card.y + 36, 8, 76}, color, 4.0);
+  const double text = card.x + kInside + 26, width = card.right() - kInside - text;
+  canvas.text({text, card.y + 66}, result.finished ? "Finished" : "Not finished",
+              {.color = color, .size = 36, .bold = true});
+  draw_fitted(canvas, {text, card.y + 104}, verdict, {.color = kDark.ink, .size = 20}, width);
+  double y = card.y + 122;
+  for (const CardLine& line : lines) {
+    y += kLine;
+    canvas.line({card.x + kInside, y - 34}, {card.right() - kInside, y - 34},
+                {.color = kDark.rule, .width = 1.0});
+    canvas.text({card.x + kInside, y}, line.name, {.color = kDark.muted, .size = 21});
+    draw_fitted(canvas, {card.x + 270, y}, line.text,
+                {.color = kDark.ink, .size = 23, .bold = true},
+                card.right() - kInside - card.x - 270);
+  }
 }
 
 }  // namespace
@@ -172,19 +241,19 @@ FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::Ra
       map_box_{right_of(left_)},
       map_{inside(map_box_), race},
       file_{mp4, kWidth, kHeight, kPicturesPerSecond},
-      backdrop_{kWidth, kHeight},
-      frame_{kWidth, kHeight},
-      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), look::kPanel} {}
+      backdrop_{kWidth, kHeight, kDark.page},
+      frame_{kWidth, kHeight, kDark.page},
+      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), kDark.panel} {}
 
 void FlightVideo::start(const Tick& tick) {
-  backdrop_.text({kMargin + 2, 32}, "gatefly", {.color = look::kGate, .size = 20, .bold = true});
-  backdrop_.text({kMargin + 104, 32}, title_, {.color = look::kInk, .size = 20});
-  backdrop_.fill(map_box_, look::kPanel, 8.0);
+  backdrop_.text({kMargin + 2, 38}, "gatefly", {.color = kDark.gate, .size = 25, .bold = true});
+  backdrop_.text({kMargin + 130, 38}, title_, {.color = kDark.ink, .size = 25});
+  backdrop_.fill(map_box_, kDark.panel, 8.0);
   map_.draw_course(backdrop_, tick.pilot.plan());
   map_.draw_legend(backdrop_, {map_box_.x + 20, map_box_.bottom() - 0.5 * kLegend - 2});
   const std::string waiting = pictures_ ? "no picture yet" : "ideal vision: there are no pictures";
   view_.text({0.5 * view_.width(), 0.5 * view_.height() + 5}, waiting,
-             {.color = look::kMuted, .size = 15, .align = Align::kCenter});
+             {.color = kDark.muted, .size = 18, .align = Align::kCenter});
 }
 
 void FlightVideo::look(const Tick& tick) {
@@ -196,10 +265,10 @@ void FlightVideo::look(const Tick& tick) {
   const Eigen::Vector2d size = scale * *picture_size_;
 
   Canvas picture(static_cast<int>(size.x()), static_cast<int>(size.y()));
-  picture.image(image, {0, 0}, scale);
+  picture.image(image, {0, 0}, scale, true);
   draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
   view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()},
-             look::kPanel);
+             kDark.panel);
   view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())),
                         std::floor(0.5 * (view_.height() - size.y()))});
 }
@@ -223,8 +292,10 @@ void FlightVideo::record(const Tick& tick) {
 void FlightVideo::draw(const Tick& tick) {
   if (moments_.size() > 1) {
     const Moment &from = moments_[moments_.size() - 2], &to = moments_.back();
-    map_.draw_flown(backdrop_, from, to, 0.4);
+    backdrop_.clip(inside(map_box_));
+    map_.draw_flown(backdrop_, from, to, 0.6);
     map_.draw_estimate(backdrop_, from, to);
+    backdrop_.unclip();
   }
   frame_.paste(backdrop_, {0, 0});
   draw_head(tick);
@@ -235,8 +306,38 @@ void FlightVideo::draw(const Tick& tick) {
                    .height = kStatusHeight};
   draw_status(tick, status);
   const double strips = status.bottom() + 12.0;
-  draw_strips(frame_, {left_.x, strips, left_.width, left_.bottom() - strips}, moments_, passes_);
+  draw_strips(tick, {left_.x, strips, left_.width, left_.bottom() - strips});
   draw_map(tick);
+}
+
+void FlightVideo::draw_strips(const Tick& tick, const Box& box) {
+  const Curve height{"height above the floor",
+                     "m",
+                     [](const Moment& m) { return -m.true_p_EB.z(); },
+                     [](const Moment& m) { return -m.est_p_EB.z(); },
+                     2.0,
+                     true};
+  const Curve speed{"speed", "m/s", [](const Moment& m) { return m.true_speed; },
+                    [](const Moment& m) { return m.est_speed; }, 2.0};
+  const auto& gates = race_.sim.world.gates;
+  const auto at = [&](double time, std::size_t index) -> Pass {
+    const sim::WorldGate& gate = gates[index % gates.size()];
+    const double half = 0.5 * gate.side - gate.bar;
+    return {time, -gate.p_EG.z() - half, -gate.p_EG.z() + half, color_of(gate)};
+  };
+  std::vector<Pass> passes;
+  std::optional<Pass> next;
+  if (!gates.empty()) {
+    for (std::size_t i = 0; i < passes_.size(); ++i) passes.push_back(at(passes_[i], i));
+    if (!tick.pilot.finished() && tick.pilot.target_gate() >= 0)
+      next = at(0.0, static_cast<std::size_t>(tick.pilot.target_gate()));
+  }
+  // Beside each other below a picture, else above each other.
+  const double width = pictures_ ? 0.5 * (box.width - 12.0) : box.width,
+               rows = pictures_ ? box.height : 0.5 * (box.height - 12.0);
+  Strip({box.x, box.y, width, rows}, height, moments_).draw(frame_, passes, next);
+  Strip({box.right() - width, box.bottom() - rows, width, rows}, speed, moments_)
+      .draw(frame_, passes, next);
 }
 
 void FlightVideo::draw_head(const Tick& tick) {
@@ -244,43 +345,44 @@ void FlightVideo::draw_head(const Tick& tick) {
             total = gates * race_.pilot.track.laps;
   const int passed = tick.pilot.estimate().gates_passed;
   const int lap = std::min(passed / std::max(gates, 1) + 1, race_.pilot.track.laps);
-  frame_.text({kWidth - kMargin - 2, 33}, fixed(moments_.back().time, 1) + " s",
-              {.color = look::kInk, .size = 24, .align = Align::kRight, .bold = true});
+  frame_.text({kWidth - kMargin - 2, 40}, fixed(moments_.back().time, 1) + " s",
+              {.color = kDark.ink, .size = 30, .align = Align::kRight, .bold = true});
   const std::string progress = "gates " + std::to_string(passed) + " of " + std::to_string(total) +
                                "     lap " + std::to_string(lap) + " of " +
                                std::to_string(race_.pilot.track.laps);
-  frame_.text({kWidth - kMargin - 130, 32}, progress,
-              {.color = look::kMuted, .size = 16, .align = Align::kRight});
+  frame_.text({kWidth - kMargin - 160, 38}, progress,
+              {.color = kDark.muted, .size = 20, .align = Align::kRight});
 
   // One mark for each gate of the race.
+  const auto& world = race_.sim.world.gates;
+  const auto gate_color = [&](int i) {
+    return world.empty() ? kDark.gate : color_of(world[static_cast<std::size_t>(i) % world.size()]);
+  };
   const double width = (kWidth - 2.0 * kMargin + 4.0) / std::max(total, 1);
   for (int i = 0; i < total; ++i)
     frame_.fill(
-        {.x = kMargin + i * width, .y = 46, .width = std::max(1.0, width - 4.0), .height = 4},
-        i < passed ? look::kGate : look::kSolid, 2.0);
+        {.x = kMargin + i * width, .y = 54, .width = std::max(1.0, width - 4.0), .height = 5},
+        i < passed ? gate_color(i) : kDark.rule, 2.0);
 }
 
 void FlightVideo::draw_status(const Tick& tick, const Box& box) {
-  frame_.fill(box, look::kPanel);
-  const double line = box.y + 26;
+  frame_.fill(box, kDark.panel);
+  const double line = box.y + 29;
   const std::string phase = gatefly::name_of(tick.pilot.phase());
-  const Lettering plate{
-      .color = look::kBackground, .size = 14, .align = Align::kCenter, .bold = true};
-  const double width = 92.0;
-  frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 25}, look::kInk, 5.0);
-  frame_.text({box.x + 10 + 0.5 * width, line}, phase, plate);
+  const double width = 116.0;
+  frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 29}, kDark.ink, 5.0);
+  frame_.text({box.x + 10 + 0.5 * width, line}, phase,
+              {.color = kDark.page, .size = 17, .align = Align::kCenter, .bold = true});
   const std::string next = "to gate " + std::to_string(tick.pilot.target_gate() + 1);
-  frame_.text({box.x + width + 26, line}, tick.pilot.finished() ? "all gates passed" : next,
-              {.color = look::kGate, .size = 15, .bold = true});
+  frame_.text({box.x + width + 28, line}, tick.pilot.finished() ? "all gates passed" : next,
+              {.color = kDark.gate, .size = 18, .bold = true});
   if (!pictures_) return;
-  frame_.text({box.x + 0.5 * box.width, line}, fixed(moments_.back().true_speed, 1) + " m/s",
-              {.color = look::kInk, .size = 15, .align = Align::kCenter});
   const bool fix = source_ != Sighting::Source::kNone;
   const std::string source = name_of(source_);
   const Lettering lettering{
-      .color = fix ? look::kDetection : look::kMuted, .size = 14, .align = Align::kRight};
-  frame_.text({box.right() - 12, line}, source, lettering);
-  frame_.disc({box.right() - 22 - frame_.text_width(source, lettering), line - 5}, 5.0,
+      .color = fix ? kDark.found : kDark.muted, .size = 18, .align = Align::kRight};
+  frame_.text({box.right() - 14, line}, source, lettering);
+  frame_.disc({box.right() - 26 - frame_.text_width(source, lettering), line - 6}, 6.0,
               lettering.color);
 }
 
@@ -303,23 +405,14 @@ void FlightVideo::draw_map(const Tick& tick) {
   const std::size_t first = moments_.size() > recent ? moments_.size() - recent : 1;
   for (std::size_t i = first; i < moments_.size(); ++i) {
     const double age = static_cast<double>(moments_.size() - i) / static_cast<double>(recent);
-    map_.draw_flown(frame_, moments_[i - 1], moments_[i], 1.0 - 0.6 * age);
+    map_.draw_flown(frame_, moments_[i - 1], moments_[i], 1.0 - 0.4 * age);
   }
   map_.draw_drone(frame_, moments_.back(), tick.truth.attitude.yaw);
   frame_.unclip();
 }
 
-void FlightVideo::finish(const std::string& outcome) {
-  Lettering lettering{.color = look::kInk, .size = 18, .align = Align::kCenter, .bold = true};
-  const double widest = map_box_.width - 80.0;
-  lettering.size *= std::min(1.0, widest / frame_.text_width(outcome, lettering));
-  const double width = frame_.text_width(outcome, lettering) + 48;
-  const double middle = map_box_.x + 0.5 * map_box_.width;
-  const Box plate{.x = middle - 0.5 * width, .y = map_box_.y + 8, .width = width, .height = 46};
-  frame_.fill(plate, look::kInk.faded(0.25), 8.0);
-  frame_.fill({plate.x + 1.5, plate.y + 1.5, plate.width - 3, plate.height - 3},
-              look::kBackground.faded(0.92), 7.0);
-  frame_.text({middle, plate.y + 30}, outcome, lettering);
+void FlightVideo::finish(const closed_loop::RaceResult& result, const std::string& verdict) {
+  if (!moments_.empty()) draw_card(frame_, result, verdict);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();
 }

@@ -14,7 +14,7 @@
 namespace gatefly::io {
 
 /// A flight as a film, drawn while it is flown, in real time: what the pilot saw, where it flew,
-/// how high and how fast. Draws only; the flight is the same without it.
+/// how high and how fast, and at the end how well. Draws only; the flight is the same without it.
 class FlightVideo {
  public:
   /// @param mp4       written as VideoFile says: whole or not at all.
@@ -26,8 +26,10 @@ class FlightVideo {
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
   void record(const Tick& tick);
-  /// Holds the last frame with the outcome over it, then completes the file.
-  void finish(const std::string& outcome);
+  /// Holds the last frame with a card over it: laps, times, speed, error, what went wrong. Then
+  /// completes the file.
+  /// @param verdict  in words: "crashed into a pole at ..."
+  void finish(const closed_loop::RaceResult& result, const std::string& verdict);
 
  private:
   void start(const Tick& tick);
@@ -35,6 +37,7 @@ class FlightVideo {
   void draw(const Tick& tick);
   void draw_head(const Tick& tick);
   void draw_status(const Tick& tick, const Box& box);
+  void draw_strips(const Tick& tick, const Box& box);
   void draw_view(const Tick& tick);
   void draw_map(const Tick& tick);
 
