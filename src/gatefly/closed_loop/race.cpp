@@ -46,8 +46,8 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Truth truth_of(const sim::BodyState& s) {
-  return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)})};
+Truth truth_of(const sim::BodyState& s, const Eigen::Vector2d& wind_E) {
+  return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)}), wind_E};
 }
 
 bool is_landing(const Pilot& pilot) {
@@ -145,7 +145,8 @@ class FlightIn final : public AnyFlight {
   [[nodiscard]] Tick tick() const override {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
-    return {sensors_, command_, pilot_, truth_of(arena_.simulator.body.state()), picture, exposed};
+    const auto& body = arena_.simulator.body;
+    return {sensors_, command_, pilot_, truth_of(body.state(), body.wind_E()), picture, exposed};
   }
 
   void stop() override { result_.stop_reason = "stopped"; }

@@ -40,7 +40,7 @@ void Forces::advance(const std::array<double, 4>& command, double time, double d
 
 Eigen::Vector3d Forces::force_B(const Eigen::Matrix3d& R_EB, const Eigen::Vector3d& v_E) const {
   // Drag: in the rotor plane proportional to rotor speed, and of the body with speed².
-  const Eigen::Vector2d wind = wind_.mean + gust_;
+  const Eigen::Vector2d wind = wind_E();
   const Eigen::Vector3d air_B = R_EB.transpose() * (v_E - Eigen::Vector3d{wind.x(), wind.y(), 0});
   const Eigen::Vector3d drag_B =
       vehicle_.mass * ((mean_speed_ / hover_speed_) * vehicle_.rotor_drag.cwiseProduct(air_B) -

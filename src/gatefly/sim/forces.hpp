@@ -24,6 +24,8 @@ class Forces {
   void advance(const std::array<double, 4>& command, double time, double dt);
 
   [[nodiscard]] const std::array<double, 4>& rotor_speed() const { return rotor_speed_; }
+  /// Mean and gusts, north and east, now [m/s].
+  [[nodiscard]] Eigen::Vector2d wind_E() const { return wind_.mean + gust_; }
   [[nodiscard]] const Eigen::Vector3d& torque_B() const { return torque_B_; }  ///< [N m]
   /// Thrust and drag on a body that flies so [N].
   [[nodiscard]] Eigen::Vector3d force_B(const Eigen::Matrix3d& R_EB,

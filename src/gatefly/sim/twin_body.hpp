@@ -25,6 +25,7 @@ class TwinBody {
   void step(const std::array<double, 4>& command, double dt);
 
   [[nodiscard]] const BodyState& state() const { return state_; }
+  [[nodiscard]] Eigen::Vector2d wind_E() const { return forces_.wind_E(); }
   [[nodiscard]] double time() const { return time_; }
 
   /// What the body touches now ("gate 3 left bar", "floor", "obstacle 7"), if anything.
