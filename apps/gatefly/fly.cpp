@@ -8,6 +8,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/pages/flight_page.hpp"
+#include "gatefly/pages/page.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
 

@@ -3,7 +3,7 @@ import type { Clock } from "./clock";
 import type { Flight, Pass } from "./flight";
 import { byId, element, seconds } from "./text";
 
-function head(table: HTMLElement, names: string[]): HTMLTableSectionElement {
+export function head(table: HTMLElement, names: string[]): HTMLTableSectionElement {
   const row = element("tr");
   for (const name of names) {
     const cell = element("th", name);

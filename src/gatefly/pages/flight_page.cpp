@@ -12,16 +12,15 @@
 
 #include "gatefly/files/jpeg_writer.hpp"
 #include "gatefly/files/json.hpp"
-#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/pages/page.hpp"
 
 namespace gatefly::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kPlaceOfData = "<!--gatefly:flight-->";
 constexpr std::size_t kMostRows = 6000;            // two minutes at 50 Hz
 constexpr std::size_t kMostLooks = 4000;           // three minutes at 20 Hz
 constexpr std::size_t kMostJpegBytes = 1'850'000;  // 2.5 MB as base64
@@ -153,14 +152,6 @@ Json phase_names() {
                       gatefly::name_of(Landed{})});
 }
 
-/// JSON that may stand inside a script element: nothing in it can end the element.
-std::string in_a_script(const Json& json) {
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
-    text.replace(at, 1, "\\u003c");
-  return text;
-}
-
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -178,14 +169,6 @@ std::string base64(std::string_view bytes) {
 
 }  // namespace
 
-std::string shipped_page() {
-  const std::filesystem::path path = shipped_dir() / "viewer" / "report.html";
-  std::string page = read_file(path);
-  if (page.find(kPlaceOfData) == std::string::npos)
-    throw std::runtime_error(path.string() + ": is not the page that a flight is put into");
-  return page;
-}
-
 PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim, bool pictures) {
   return {.world = sim.world,
           .map = pilot.track,
@@ -196,7 +179,10 @@ PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim, bool
 }
 
 PageCourse page_course(const PilotConfig& pilot) {
-  PageCourse course{.world = {}, .map = pilot.track, .speed = pilot.plan.speed, .is_truth = false};
+  PageCourse course;
+  course.map = pilot.track;
+  course.speed = pilot.plan.speed;
+  course.is_truth = false;
   const Track& map = pilot.track;
   for (const MapGate& gate : map.gates)
     course.world.gates.push_back(
@@ -376,6 +362,7 @@ void FlightPage::film(Look& look, const Image& image) try {
 
 /// By the way planned and the speed asked for; half as much again for the ground and for searches.
 double FlightPage::pictures_expected() const {
+  if (course_.pictures > 0) return static_cast<double>(course_.pictures);
   double lap = 0.0;
   for (const Path& leg : plan_->legs) lap += leg.length();
   const double way = plan_->start.length() + lap * course_.map.laps;
@@ -558,7 +545,6 @@ std::string FlightPage::html(const Json& summary, const std::string& verdict) {
               {"passes", gate_passes(summary)}};
   if (!film_bytes_.empty()) flight["film"] = {{"rate", OnboardFilm::kRate}, {"pictures", filmed_}};
   if (film_failed_) flight["film_failed"] = true;
-  const auto head = page_.find(kPlaceOfData);
   const std::string film = film_bytes_.empty() ? std::string{}
                                                : "<script type=\"text/plain\" id=\"film\">" +
                                                      base64(film_bytes_) + "</script>\n";
@@ -566,10 +552,11 @@ std::string FlightPage::html(const Json& summary, const std::string& verdict) {
     flight["looks"] = looks(step);
     std::string told = in_a_script(flight);
     told.pop_back();  // the brace: columns are the largest part, and written by hand
-    return page_.substr(0, head) + "<script type=\"application/json\" id=\"flight\">" + told +
-           ",\"columns\":" + columns(film.empty() ? 1 : step) +
-           "}</script>\n<script type=\"application/json\" id=\"pictures\">" + pictures(step) +
-           "</script>\n" + film + page_.substr(head + kPlaceOfData.size());
+    return with_elements(page_,
+                         "<script type=\"application/json\" id=\"flight\">" + told +
+                             ",\"columns\":" + columns(film.empty() ? 1 : step) +
+                             "}</script>\n<script type=\"application/json\" id=\"pictures\">" +
+                             pictures(step) + "</script>\n" + film);
   };
   std::string html = fill(1);
   for (std::size_t step = 2; html.size() > kMostBytes && step <= looks_.size(); step *= 2)

@@ -18,16 +18,13 @@
 
 namespace gatefly::io {
 
-/// The page of a flight without the flight: viewer/report.html of what gatefly comes with.
-/// @throws std::runtime_error when it is missing or no such page.
-[[nodiscard]] std::string shipped_page();
-
 /// Where a flight takes place, as a page shows it.
 struct PageCourse {
   sim::World world;                  ///< Where everything really stands.
   Track map;                         ///< As the pilot knows it.
   double speed = 1.5;                ///< That the pilot is to fly [m/s].
   double pictures_per_second = 0.0;  ///< 0: there are none.
+  std::size_t pictures = 0;          ///< How many there will be, where that is known.
   /// Systematic errors of the IMU in flight, where they are known [m/s²], [rad/s].
   std::optional<Eigen::Vector3d> accel_bias = std::nullopt, gyro_bias = std::nullopt;
   /// The world is the truth, and the referee goes by it; else it is the map, and the pilot counts.
