@@ -53,7 +53,7 @@ class ReplayPage {
   void write(const tasks::ReplayReport& report, const tasks::ReplayArguments& given,
              const flight_log::ReplayResult& result) {
     const Track& track = flight_.pilot.track;
-    const std::string name = fs::path{given.directory}.lexically_normal().string();
+    const std::string name = fs::weakly_canonical(flight_.folder.directory).filename().string();
     nlohmann::ordered_json told{{"kind", "replay"},
                                 {"flight", name},
                                 {"estimator", given.estimator},

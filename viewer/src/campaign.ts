@@ -21,6 +21,7 @@ interface List {
 }
 
 const SHOWN = 200;  // rows; more are behind a button
+const css = (part: number) => `${(100 * part).toFixed(2)}%`;
 const percent = (part: number) => `${(100 * part).toFixed(1)} %`;
 
 function outcome(row: Row): string {
@@ -33,9 +34,9 @@ function outcome(row: Row): string {
 function showRate(result: Result): void {
   const [low, high] = result.completion_wilson95;
   const bar = element("div", "", "rate"), interval = element("i", "", "interval"), value = element("i", "", "value");
-  value.style.width = percent(result.completion_rate);
-  interval.style.left = percent(low);
-  interval.style.width = percent(high - low);
+  value.style.width = css(result.completion_rate);
+  interval.style.left = css(low);
+  interval.style.width = css(high - low);
   bar.append(value, interval);
   bar.setAttribute("role", "img");
   bar.setAttribute("aria-label", `${percent(result.completion_rate)} finished, 95 % interval ${percent(low)} to ${percent(high)}`);

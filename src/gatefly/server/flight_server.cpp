@@ -137,6 +137,11 @@ FlightServer::FlightServer(const fs::path& folder) : parts_{std::make_unique<Par
   http.set_write_timeout(kPatience);
   http.set_keep_alive_timeout(kPatience);
   http.set_payload_max_length(0);
+  // Not SO_REUSEPORT, the library's own: two would share a port.
+  http.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   http.set_default_headers({{"X-Content-Type-Options", "nosniff"},
                             {"Cross-Origin-Resource-Policy", "same-origin"},
                             {"Referrer-Policy", "no-referrer"},
