@@ -21,6 +21,7 @@ interface List {
 }
 
 const SHOWN = 200;  // rows; more are behind a button
+const ENOUGH = 8;   // flights of a folder, for distributions
 const css = (part: number) => `${(100 * part).toFixed(2)}%`;
 const percent = (part: number) => `${(100 * part).toFixed(1)} %`;
 
@@ -65,6 +66,7 @@ function showHead(list: List): void {
 }
 
 function showHistograms(list: List): void {
+  if (!list.result && list.flights.filter((row) => row.finished).length < ENOUGH) return;
   const done = list.flights.filter((row) => row.finished), numbers = (values: (number | undefined)[]) => values.filter((value): value is number => value !== undefined);
   const host = byId("histograms"), gates = Math.max(1, ...numbers(list.flights.map((row) => row.gates_total)));
   const add = (title: string, unit: string, values: number[], whole?: number) => {
