@@ -12,7 +12,8 @@ export class Film {
 
   /** @param size of a picture in the film; its even sides may be one pixel longer [px] */
   constructor(base64: string, private readonly rate: number, size: [number, number], private readonly onPicture: () => void) {
-    const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+    const letters = atob(base64), bytes = new Uint8Array(letters.length);
+    for (let i = 0; i < bytes.length; ++i) bytes[i] = letters.charCodeAt(i);
     [this.canvas.width, this.canvas.height] = size;
     this.canvas.getContext("2d")!.imageSmoothingEnabled = false;
     this.video.muted = true;
