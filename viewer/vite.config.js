@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { defineConfig } from "vite";
 
-/** Puts script and style into the page: one file, which needs no server and no network. */
+/** Puts script and style into the page: one file, which needs no server and no network. PAGE: which one. */
 function onePage() {
   return {
     name: "one-page",
@@ -33,6 +33,6 @@ export default defineConfig({
     emptyOutDir: false,
     modulePreload: false,
     target: "es2022",
-    rollupOptions: { input: "report.html" },
+    rollupOptions: { input: `${process.env.PAGE ?? "report"}.html` },
   },
 });

@@ -7,6 +7,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/pages/campaign_page.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -143,6 +144,7 @@ nlohmann::ordered_json CampaignFolder::finish(const std::vector<io::RunRow>& row
   }
   io::write_file(path_ / "runs.csv", io::runs_csv(rows));
   io::write_file(path_ / "campaign.json", json.dump(2) + "\n");
+  io::write_file(path_ / "report.html", io::campaign_page(path_));
   return json;
 }
 

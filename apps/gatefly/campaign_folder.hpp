@@ -14,7 +14,8 @@
 namespace gatefly::cli {
 
 /// A campaign on disk: campaign.json (arguments, then the result), run_000017.json a seed,
-/// runs.csv.
+/// runs.csv,
+/// report.html.
 ///
 /// Every file is written under another name and renamed: what is there is whole, so that a campaign
 /// that was killed can go on. Everything that is computed, is computed from these files.
@@ -42,7 +43,7 @@ class CampaignFolder {
   [[nodiscard]] std::vector<io::RunRow> rows() const;
   [[nodiscard]] std::filesystem::path file_of(std::uint64_t seed) const;
 
-  /// Writes runs.csv and campaign.json; answers the latter.
+  /// Writes runs.csv, campaign.json and report.html; answers the second.
   nlohmann::ordered_json finish(const std::vector<io::RunRow>& rows) const;
 
  private:

@@ -45,6 +45,7 @@ void declare_tune(Command& command);
 void declare_new(Command& command);
 void declare_track(Command& command);
 void declare_doctor(Command& command);
+void declare_view(Command& command);
 
 /// A subcommand that is compiled into this program.
 struct CommandHere {

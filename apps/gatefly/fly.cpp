@@ -7,7 +7,8 @@
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
-#include "gatefly/report/flight_page.hpp"
+#include "gatefly/pages/flight_page.hpp"
+#include "gatefly/pages/page.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
 
@@ -89,8 +90,11 @@ int fly(const FlyOptions& options) {
   const bool quiet = options.race.common.quiet;
   if (options.video) io::require_ffmpeg();
   const bool pictures = options.race.vision != "ideal";
-  io::FlightPage page(io::shipped_page(), race.config, pictures);
+  std::string empty_page = io::shipped_page();
   io::FlightRecorder recorder(out);
+  io::FlightPage page(
+      std::move(empty_page), io::page_course(race.config.pilot, race.config.sim, pictures),
+      pictures && io::OnboardFilm::possible() ? recorder.place_for("onboard.webm") : fs::path{});
   for (const auto& [name, content] : maker.inputs()) recorder.add_file(name, content);
   std::optional<io::FlightVideo> video;
   if (options.video)

@@ -74,6 +74,7 @@ constexpr std::array kCommands{
     Listed{"bench", "the stage-by-stage cost, each beside its baseline"},
     Listed{"new", "a commented track, camera or configuration to start from"},
     Listed{"track", "checks and draws a course: can it be flown, how long, how fast"},
+    Listed{"view", "shows a flight, a folder of flights or a campaign to the browser"},
     Listed{"doctor", "what is installed, which data is found, what to do about the rest"},
     Listed{"config", "every configuration key with value, unit and source"},
 };

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/pictures.hpp"
+#include "gatefly/pages/flight_page.hpp"
+#include "gatefly/pages/page.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
 #include "gatefly/tasks/replay_report.hpp"
 
@@ -17,8 +21,74 @@ namespace {
 struct ReplayOptions {
   CommonOptions common;
   tasks::ReplayArguments replay;
-  std::string csv;
+  std::string csv, out;
   bool json = false;
+};
+
+namespace fs = std::filesystem;
+
+/// The page of a flight that is flown again: report.html and summary.json in a folder of its own.
+class ReplayPage {
+ public:
+  ReplayPage(const fs::path& out, const tasks::RecordedFlight& flight)
+      : out_{out},
+        flight_{flight},
+        page_{io::shipped_page(), course(flight),
+              io::OnboardFilm::possible() ? out / (std::string{io::kAside} + "-onboard.webm")
+                                          : fs::path{}} {
+    fs::create_directories(out);
+  }
+
+  void record(const flight_log::ReplayedTick& tick, bool other_filter) {
+    const io::FlightSample& truth = flight_.folder.samples[tick.index];
+    page_.record({.sensors = tick.sensors,
+                  .command = tick.command,
+                  .pilot = tick.pilot,
+                  .estimate = other_filter ? &tick.estimate : nullptr,
+                  .p_EB = truth.true_p_EB,
+                  .v_E = truth.true_v_E,
+                  .attitude = truth.true_attitude});
+  }
+
+  void write(const tasks::ReplayReport& report, const tasks::ReplayArguments& given,
+             const flight_log::ReplayResult& result) {
+    const Track& track = flight_.pilot.track;
+    const std::string name = fs::weakly_canonical(flight_.folder.directory).filename().string();
+    nlohmann::ordered_json told{{"kind", "replay"},
+                                {"flight", name},
+                                {"estimator", given.estimator},
+                                {"track", track.name},
+                                {"version", GATEFLY_VERSION},
+                                {"gates_passed", result.gates_passed},
+                                {"gates_total", track.laps * static_cast<int>(track.gates.size())},
+                                {"fixes", report.fixes},
+                                {"detection", {{"frames", result.pictures.size()}}},
+                                {"timings", nlohmann::json::object()},
+                                {"replay", tasks::as_json(report, given, result)},
+                                {"config", io::as_json(flight_.config)}};
+    if (result.rmse_samples > 0)
+      told["position_rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
+    if (report.comparison) told["recorded"] = tasks::text_of(*report.comparison, flight_);
+    const std::string verdict = name + ", flown again by its sensors";
+    io::write_files(
+        std::vector<io::FileContent>{{out_ / "summary.json", told.dump(2) + "\n"},
+                                     {out_ / "report.html", page_.html(told, verdict)}});
+  }
+
+ private:
+  static io::PageCourse course(const tasks::RecordedFlight& flight) {
+    io::PageCourse course = io::page_course(flight.pilot);
+    const auto& samples = flight.folder.samples;
+    const double seconds =
+        1e-9 * static_cast<double>((samples.back().time - samples.front().time).count());
+    course.pictures = flight.folder.images.size();
+    course.pictures_per_second = static_cast<double>(course.pictures) / std::max(1.0, seconds);
+    return course;
+  }
+
+  fs::path out_;
+  const tasks::RecordedFlight& flight_;
+  io::FlightPage page_;
 };
 
 int replay(const ReplayOptions& options) {
@@ -29,13 +99,24 @@ int replay(const ReplayOptions& options) {
       {{"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}}},
       {io::find_data(options.replay.directory, options.replay.data), options.replay.track},
       options.common);
+  if (!options.out.empty()) {
+    io::check_output_folder("--out", options.out);
+    io::refuse_foreign_folder(options.out, "summary.json", {"replay", "\"kind\": \"replay\""},
+                              "choose another --out");
+  }
   const tasks::ReplayArguments& given = options.replay;
   const tasks::RecordedFlight flight = tasks::read_flight(given);
   say_notes(flight.notes);
-  const flight_log::ReplayResult result = tasks::replayed(flight, given);
+  std::optional<ReplayPage> page;
+  if (!options.out.empty()) page.emplace(options.out, flight);
+  const flight_log::ReplayResult result =
+      tasks::replayed(flight, given, {}, [&](const flight_log::ReplayedTick& tick) {
+        if (page) page->record(tick, given.estimator != "drag");
+      });
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
 
   const tasks::ReplayReport report = tasks::report_of(flight, given, result);
+  if (page) page->write(report, given, result);
   if (!report.why_no_fix.empty()) std::cerr << "gatefly replay: " << report.why_no_fix << '\n';
   if (options.json) {
     std::cout << tasks::as_json(report, given, result).dump(2) << '\n';
@@ -95,6 +176,10 @@ void declare_replay(Command& command) {
               "where a DIR is looked for that is not here [$GATEFLY_DATA]")
       .path("DIR");
   command.option("--csv", options->csv, "write estimates.csv (- for stdout)").path("FILE");
+  command
+      .option("--out", options->out,
+              "folder for report.html, the flight as a page for a browser, and summary.json")
+      .path("DIR");
   command.flag("--json", options->json, "print JSON");
   add_force(command, options->common);
   add_common(command, options->common);

@@ -69,6 +69,7 @@ function blindness(flight: Flight): Moment[] {
 
 function ending(flight: Flight): Moment {
   const s = flight.summary;
+  if (s.kind === "replay") return { t: flight.end, kind: "plain", text: "end of the log" };
   if (s.crash) return { t: s.crash.t_s, kind: "bad", text: `crashed into ${s.crash.object}` };
   if (s.finished) {
     const last = flight.passes.filter((pass) => pass.t !== undefined).pop();

@@ -7,13 +7,16 @@ export interface Gate { position: Vec3; heading: number; side: number; bar: numb
 export interface Box { center: [number, number]; size: [number, number]; heading: number; bottom: number; top: number; pole: boolean }
 export interface Look {
   t: number; exposed: number; target: number; picture?: number; offered?: boolean; source?: "corners" | "bars"; used?: number;
-  nis?: number; dof?: number; gates?: { px: number[]; fitness: number }[]; bars?: number[]; lower?: number[];
+  nis?: number; dof?: number; fix?: Vec3; gates?: { px: number[]; fitness: number }[]; bars?: number[]; lower?: number[];
 }
 export interface Pass { gate: number; lap: number; t?: number; speed?: number; offset?: [number, number]; seen?: number; seen_from?: number }
 export interface Course {
   room_center: [number, number]; room_size: Vec3; laps: number; speed_mps: number; gates: Gate[]; obstacles: Box[]; decoys: Box[]; plan: Vec3[][];
+  accel_bias_mps2?: Vec3; gyro_bias_radps?: Vec3;
 }
+/** Of a race; a replay has less to tell. */
 export interface Summary {
+  kind?: "replay"; flight?: string; estimator?: string; fixes?: number; position_rmse_m?: Vec3 | null; recorded?: string;
   finished: boolean; gates_passed: number; gates_total: number; race_time_s: number; lap_times_s: number[]; mean_speed_mps: number;
   max_speed_mps: number; crash: null | { t_s: number; object: string }; stop_reason: string; abort_reason: string; landing_contact: string | null;
   estimation_rmse_m: Vec3; searches: number; flight_time_s: number; seed: number; track: string; vision: string; version: string;
@@ -30,6 +33,8 @@ export class Flight {
   readonly passes: Pass[];
   readonly looks: Look[];
   readonly pictures: string[];
+  readonly film: null | { rate: number; pictures: number };
+  readonly filmFailed: boolean;
   readonly t: Float64Array;
   private readonly columns = new Map<string, Float64Array>();
 
@@ -43,23 +48,36 @@ export class Flight {
     this.passes = data.passes;
     this.looks = data.looks;
     this.pictures = JSON.parse(pictures);
-    for (const [name, { unit, steps }] of Object.entries<{ unit: number; steps: number[] }>(data.columns)) {
+    this.film = data.film ?? null;
+    this.filmFailed = data.film_failed === true;
+    for (const [name, { unit, steps }] of Object.entries<{ unit: number; steps: (number | null)[] }>(data.columns)) {
       let sum = 0;
       const scale = Math.round(1 / unit);
-      this.columns.set(name, Float64Array.from(steps, (step) => (sum += step) / scale));
+      this.columns.set(name, Float64Array.from(steps, (step) => (step === null ? NaN : (sum += step) / scale)));
     }
-    this.t = this.column("t_s");
+    this.t = this.columns.get("t_s") ?? new Float64Array();
   }
 
   get end(): number { return this.t.length ? this.t[this.t.length - 1] : 0; }
 
+  has(name: string): boolean { return this.columns.get(name)?.some((value) => !Number.isNaN(value)) ?? false; }
+  /** Whether anybody knows where the drone really was. */
+  get hasTruth(): boolean { return this.has("x_m"); }
+
+  /** NaN where nobody knows. */
   column(name: string): Float64Array {
-    const column = this.columns.get(name);
-    if (!column) throw new Error(`no column ${name}`);
+    let column = this.columns.get(name);
+    if (!column) this.columns.set(name, (column = new Float64Array(this.t.length).fill(NaN)));
     return column;
   }
 
   vector(names: string[], row: number): Vec3 { return names.map((name) => this.column(name)[row]) as Vec3; }
+
+  /** Where to draw the drone: where it was, else where the pilot believed it to be. */
+  known(truth: string[], estimate: string[], row: number): Vec3 {
+    const there = this.vector(truth, row);
+    return there.some(Number.isNaN) ? this.vector(estimate, row) : there;
+  }
 
   /** Column by column: f of every row. */
   each(f: (row: number) => number): Float64Array { return Float64Array.from(this.t, (_, row) => f(row)); }
@@ -84,4 +102,5 @@ export function lastUpTo(count: number, at: (i: number) => number, time: number)
 }
 
 export const POSITION = ["x_m", "y_m", "z_m"], ESTIMATE = ["est_x_m", "est_y_m", "est_z_m"];
-export const ATTITUDE = ["roll_rad", "pitch_rad", "yaw_rad"];
+export const VELOCITY = ["vx_mps", "vy_mps", "vz_mps"], EST_VELOCITY = ["est_vx_mps", "est_vy_mps", "est_vz_mps"];
+export const ATTITUDE = ["roll_rad", "pitch_rad", "yaw_rad"], EST_ATTITUDE = ["est_roll_rad", "est_pitch_rad", "est_yaw_rad"];

@@ -12,8 +12,9 @@ import { showGates, showStages } from "./tables";
 import { startTheme } from "./theme";
 import { byId, element } from "./text";
 
-function legend(): void {
-  for (const [name, text] of [["flown", "flown, coloured by speed"], ["estimate", "estimate, ±3σ"], ["plan", "plan and map"], ["gate", "gate"]]) {
+function legend(flight: Flight): void {
+  const flown = flight.hasTruth ? "flown, coloured by speed" : "estimated path, coloured by speed";
+  for (const [name, text] of [["flown", flown], ["estimate", "estimate, ±3σ"], ["plan", "plan and map"], ["gate", "gate"]]) {
     const entry = element("span", text);
     entry.style.setProperty("--line", `var(--${name})`);
     byId("legend").append(entry);
@@ -24,7 +25,7 @@ function start(): void {
   const flight = new Flight(byId("flight").textContent!, byId("pictures").textContent!);
   const clock = new Clock(flight.end), found = moments(flight);
   startTheme(byId("theme"));
-  legend();
+  legend(flight);
   showHeader(flight, found, clock);
   showGates(flight, clock);
   showStages(flight);
@@ -43,7 +44,7 @@ function start(): void {
   // For tests: what each part shows.
   Object.assign(window, {
     __report: {
-      flight, clock,
+      flight, clock, film: onboard.film,
       state: () => ({ time: clock.time, playing: clock.playing, scene: scene?.stamp ?? null, frames: scene?.frames ?? 0, plots: plots.stamp, onboard: onboard.shown }),
     },
   });

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Clock } from "./clock";
-import { lastUpTo, type Flight, type Look } from "./flight";
+import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, lastUpTo, POSITION, VELOCITY, type Flight, type Look } from "./flight";
 import { color, onTheme } from "./theme";
+import { Film } from "./film";
 import { byId, degrees, element } from "./text";
 
-const AHEAD = 8;  // pictures decoded before they are needed
+const AHEAD = 8;      // pictures decoded before they are needed
+const IN_FILM = 320;  // largest side of a picture in the film [px]
 
 /** What the camera showed and what was found in it. */
 export class Onboard {
@@ -15,10 +17,13 @@ export class Onboard {
   private readonly cells: HTMLElement[];
   private readonly withPicture: Look[];
   private readonly decoded = new Map<number, HTMLImageElement>();
+  private readonly byPicture: Map<number, Look>;
+  readonly film: Film | null;
   private readonly size: [number, number];
 
   constructor(private readonly flight: Flight, private readonly clock: Clock) {
     this.withPicture = flight.looks.filter((look) => look.picture !== undefined);
+    this.byPicture = new Map(this.withPicture.map((look) => [look.picture!, look]));
     this.size = flight.camera[0] > 0 ? flight.camera : this.extent();
     const scale = Math.max(1, Math.round(640 / this.size[0]));
     this.canvas.width = this.size[0] * scale;
@@ -29,6 +34,9 @@ export class Onboard {
       byId("now").append(box);
       return value;
     });
+    const base64 = flight.film ? document.getElementById("film")?.textContent ?? "" : "";
+    const smaller = Math.ceil(Math.max(...this.size) / IN_FILM), inFilm = this.size.map((side) => Math.ceil(side / smaller)) as [number, number];
+    this.film = base64 ? new Film(base64, flight.film!.rate, inFilm, () => this.draw()) : null;
     clock.onTime(() => this.draw());
     onTheme(() => this.draw());
   }
@@ -54,37 +62,51 @@ export class Onboard {
     return image;
   }
 
+  /** The look whose picture is there, and the pixels; null: wait, it comes back when they are decoded. */
+  private pixels(at: number): null | { look: Look; pixels: CanvasImageSource; stamp: number } {
+    const look = this.withPicture[at];
+    if (!this.film) {
+      for (let i = at + 1; i <= Math.min(at + AHEAD, this.withPicture.length - 1); ++i) this.picture(this.withPicture[i].picture!);
+      const image = this.picture(look.picture!);
+      return image.complete ? { look, pixels: image, stamp: look.t } : null;
+    }
+    this.film.want(look.picture!);
+    const shown = this.byPicture.get(this.film.shown);
+    return shown ? { look: shown, pixels: this.film.canvas, stamp: shown.t } : null;
+  }
+
   draw(): void {
     const time = this.clock.time;
     this.numbers(this.flight.row(time));
     const context = this.canvas.getContext("2d")!, { width, height } = this.canvas;
+    const at = lastUpTo(this.withPicture.length, (i) => this.withPicture[i].t, time);
+    const index = this.flight.look(time), filmed = !this.film?.failed && at >= 0;
+    const there = filmed ? this.pixels(at) : null;
+    if (filmed && !there) return;
     context.fillStyle = color("well");
     context.fillRect(0, 0, width, height);
-    const index = this.flight.look(time);
     if (index < 0) {
       this.shown = null;
       this.say("no picture yet", context);
       return;
     }
-    const at = lastUpTo(this.withPicture.length, (i) => this.withPicture[i].t, time);
     // What was found belongs to the picture it was found in.
-    const look = at >= 0 ? this.withPicture[at] : this.flight.looks[index];
-    if (at >= 0) {
-      for (let i = at + 1; i <= Math.min(at + AHEAD, this.withPicture.length - 1); ++i) this.picture(this.withPicture[i].picture!);
-      const image = this.picture(look.picture!);
-      if (!image.complete) return;  // comes back when it is decoded
-      context.drawImage(image, 0, 0, width, height);
-      this.shown = { look: look.t, picture: look.t };
-    } else {
-      this.shown = { look: look.t, picture: NaN };
-      if (!look.gates?.length && !look.bars && !look.lower) this.say("ideal vision: no pictures, nothing found", context);
-    }
+    const look = there?.look ?? this.flight.looks[index];
+    if (there) context.drawImage(there.pixels, 0, 0, width, height);
+    this.shown = { look: look.t, picture: there?.stamp ?? NaN };
+    if (!there && !look.gates?.length && !look.bars && !look.lower) this.say(this.whyNone(), context);
     this.outline(look, context, width / this.size[0]);
     const found = look.gates?.length ?? 0;
     this.note.textContent =
-      `${look.t.toFixed(2)} s, exposed ${(1000 * (look.t - look.exposed)).toFixed(0)} ms before: ` +
+      `${look.t.toFixed(2)} s` + (look.exposed < look.t ? `, exposed ${(1000 * (look.t - look.exposed)).toFixed(0)} ms before: ` : ": ") +
       (look.source ? `position from ${look.source}` + (look.dof ? `, NIS ${look.nis?.toFixed(1)} (${look.dof} dof)` : "")
         : look.offered ? "fix refused by the filter" : found ? `${found} found, none used` : "no gate found");
+  }
+
+  private whyNone(): string {
+    if (this.film?.failed) return "this browser cannot show the onboard film";
+    if (this.flight.filmFailed) return "ffmpeg failed: no onboard film";
+    return "ideal vision: no pictures, nothing found";
   }
 
   private say(text: string, context: CanvasRenderingContext2D): void {
@@ -129,13 +151,15 @@ export class Onboard {
   private numbers(row: number): void {
     const f = this.flight, c = (name: string) => f.column(name)[row];
     const sigma = Math.hypot(c("l_xx_m"), c("l_yx_m"), c("l_yy_m"), c("l_zx_m"), c("l_zy_m"), c("l_zz_m"));
+    const error = Math.hypot(c("error_x_m"), c("error_y_m"), c("error_z_m"));
     const done = c("gates_passed") >= f.summary.gates_total;
     const values = [
-      f.phase(row), done ? "none" : String(c("target_gate") + 1), `${(-c("z_m")).toFixed(2)} m`,
-      `${Math.hypot(c("vx_mps"), c("vy_mps"), c("vz_mps")).toFixed(2)} m/s`,
-      `${Math.hypot(c("error_x_m"), c("error_y_m"), c("error_z_m")).toFixed(2)} m`, `${(3 * sigma).toFixed(2)} m`,
+      f.phase(row), done ? "none" : String(c("target_gate") + 1), `${(-f.known(POSITION, ESTIMATE, row)[2]).toFixed(2)} m`,
+      `${Math.hypot(...f.known(VELOCITY, EST_VELOCITY, row)).toFixed(2)} m/s`,
+      Number.isNaN(error) ? "not known" : `${error.toFixed(2)} m`, `${(3 * sigma).toFixed(2)} m`,
     ];
     values.forEach((value, i) => (this.cells[i].textContent = value));
-    this.cells[3].title = `roll ${degrees(c("roll_rad")).toFixed(0)}°, pitch ${degrees(c("pitch_rad")).toFixed(0)}°`;
+    const [roll, pitch] = f.known(ATTITUDE, EST_ATTITUDE, row);
+    this.cells[3].title = `roll ${degrees(roll).toFixed(0)}°, pitch ${degrees(pitch).toFixed(0)}°`;
   }
 }

@@ -9,7 +9,7 @@ import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import type { Clock } from "./clock";
-import { ATTITUDE, ESTIMATE, POSITION, type Box, type Flight, type Gate, type Vec3 } from "./flight";
+import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, POSITION, VELOCITY, type Box, type Flight, type Gate, type Vec3 } from "./flight";
 import { color, onTheme } from "./theme";
 
 // The flight's axes are north, east, down; WebGL's y is up.
@@ -133,9 +133,9 @@ export class SceneView {
     const truth: number[] = [], belief: number[] = [], colors: number[] = [];
     const slow = new Color(color("slow")), quick = new Color(color("flown")), fastest = new Color(color("fast")), now = new Color();
     for (let row = 0; row < rows; ++row) {
-      truth.push(...f.vector(POSITION, row));
+      truth.push(...f.known(POSITION, ESTIMATE, row));
       belief.push(...f.vector(ESTIMATE, row));
-      const part = Math.min(1, Math.hypot(...f.vector(["vx_mps", "vy_mps", "vz_mps"], row)) / fast);
+      const part = Math.min(1, Math.hypot(...f.known(VELOCITY, EST_VELOCITY, row)) / fast);
       now.lerpColors(part < 0.6 ? slow : quick, part < 0.6 ? quick : fastest, part < 0.6 ? part / 0.6 : (part - 0.6) / 0.4);
       colors.push(now.r, now.g, now.b);
     }
@@ -150,8 +150,10 @@ export class SceneView {
       if (strong) this.flown.push({ line, segments: rows - 1 });
     };
     add(truth, 1.5, 0.3, false);
-    add(belief, 1.2, 0.3, false, color("estimate"));
-    add(belief, 1.6, 1, true, color("estimate"));
+    if (f.hasTruth) {
+      add(belief, 1.2, 0.3, false, color("estimate"));
+      add(belief, 1.6, 1, true, color("estimate"));
+    }
     add(truth, 3.5, 1, true);
   }
 
@@ -177,7 +179,7 @@ export class SceneView {
 
   private move(): void {
     const f = this.flight, row = f.row(this.clock.time);
-    const [roll, pitch, yaw] = f.vector(ATTITUDE, row), place = f.vector(POSITION, row), believed = f.vector(ESTIMATE, row);
+    const [roll, pitch, yaw] = f.known(ATTITUDE, EST_ATTITUDE, row), place = f.known(POSITION, ESTIMATE, row), believed = f.vector(ESTIMATE, row);
     this.drone.position.set(...place);
     this.drone.rotation.copy(new Euler(roll, pitch, yaw, "ZYX"));
     this.estimate.position.set(...believed);
@@ -223,7 +225,7 @@ export class SceneView {
   private extent(): { middle: [number, number]; north: number; east: number } {
     const f = this.flight, gates = f.course.gates.map((gate) => gate.position);
     const range = (axis: 0 | 1): [number, number] => {
-      const flown = f.column(POSITION[axis]);
+      const flown = f.each((i) => f.known(POSITION, ESTIMATE, i)[axis]);
       const places = gates.map((place) => place[axis]);
       return [flown.reduce((a, b) => Math.min(a, b), Math.min(...places, flown[0] ?? 0)) - 1,
               flown.reduce((a, b) => Math.max(a, b), Math.max(...places, flown[0] ?? 0)) + 1];
@@ -234,8 +236,8 @@ export class SceneView {
 
   /** Behind and above the drone; then along with it, as the user has turned the view. */
   private follow(first = false): void {
-    const row = this.flight.row(this.clock.time), yaw = this.flight.vector(ATTITUDE, row)[2];
-    const at = new Vector3(...this.flight.vector(POSITION, row)).applyMatrix4(NED);
+    const row = this.flight.row(this.clock.time), yaw = this.flight.known(ATTITUDE, EST_ATTITUDE, row)[2];
+    const at = new Vector3(...this.flight.known(POSITION, ESTIMATE, row)).applyMatrix4(NED);
     if (first) {
       const back = new Vector3(-2.6 * Math.cos(yaw), -2.6 * Math.sin(yaw), -1.2).applyMatrix4(NED);
       this.camera.position.copy(at).add(back);

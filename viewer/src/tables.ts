@@ -3,7 +3,7 @@ import type { Clock } from "./clock";
 import type { Flight, Pass } from "./flight";
 import { byId, element, seconds } from "./text";
 
-function head(table: HTMLElement, names: string[]): HTMLTableSectionElement {
+export function head(table: HTMLElement, names: string[]): HTMLTableSectionElement {
   const row = element("tr");
   for (const name of names) {
     const cell = element("th", name);
@@ -20,10 +20,10 @@ const side = (value: number, positive: string, negative: string) =>
   `${(100 * Math.abs(value)).toFixed(0)} cm ${value >= 0 ? positive : negative}`;
 
 function cells(pass: Pass): string[] {
-  const seen = pass.seen === undefined ? "never" : `${seconds(pass.seen)}, ${pass.seen_from?.toFixed(1) ?? "?"} m before`;
+  const seen = pass.seen === undefined ? "never" : seconds(pass.seen) + (pass.seen_from === undefined ? "" : `, ${pass.seen_from.toFixed(1)} m before`);
   if (pass.t === undefined) return ["not passed", "–", "–", "–", seen];
   const [right, down] = pass.offset ?? [NaN, NaN];
-  return [seconds(pass.t), `${pass.speed?.toFixed(2)} m/s`, pass.offset ? side(right, "right", "left") : "–",
+  return [seconds(pass.t), pass.speed === undefined ? "–" : `${pass.speed.toFixed(2)} m/s`, pass.offset ? side(right, "right", "left") : "–",
           pass.offset ? side(down, "low", "high") : "–", seen];
 }
 

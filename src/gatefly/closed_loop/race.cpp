@@ -47,7 +47,7 @@ double cpu_seconds() {
 }
 
 Truth truth_of(const sim::BodyState& s) {
-  return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)})};
+  return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)}), s.wind_E.head<2>()};
 }
 
 bool is_landing(const Pilot& pilot) {
@@ -145,7 +145,8 @@ class FlightIn final : public AnyFlight {
   [[nodiscard]] Tick tick() const override {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
-    return {sensors_, command_, pilot_, truth_of(arena_.simulator.body.state()), picture, exposed};
+    const auto& body = arena_.simulator.body;
+    return {sensors_, command_, pilot_, truth_of(body.state()), picture, exposed};
   }
 
   void stop() override { result_.stop_reason = "stopped"; }

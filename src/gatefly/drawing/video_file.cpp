@@ -19,45 +19,20 @@
 namespace gatefly::io {
 namespace {
 
-std::vector<std::string> encoder(int width, int height, int pictures_per_second,
-                                 const std::string& file) {
-  return {"ffmpeg",
-          "-nostdin",
-          "-hide_banner",
-          "-loglevel",
-          "error",
-          "-y",
-          "-f",
-          "rawvideo",
-          "-pix_fmt",
-          "rgb24",
-          "-s",
-          std::to_string(width) + "x" + std::to_string(height),
-          "-r",
-          std::to_string(pictures_per_second),
-          "-i",
-          "pipe:0",
-          "-vf",
-          "scale=out_color_matrix=bt709:out_range=tv",
-          "-c:v",
-          "libx264",
-          "-preset",
-          "veryfast",
-          "-crf",
-          "21",
-          "-pix_fmt",
-          "yuv420p",
-          "-colorspace",
-          "bt709",
-          "-color_primaries",
-          "bt709",
-          "-color_trc",
-          "bt709",
-          "-movflags",
-          "+faststart",
-          "-f",
-          "mp4",
-          "file:" + file};
+std::vector<std::string> command(int width, int height, int pictures_per_second,
+                                 const VideoFormat& format, const std::string& file) {
+  std::vector<std::string> words{
+      "ffmpeg",       "-nostdin",
+      "-hide_banner", "-loglevel",
+      "error",        "-y",
+      "-f",           "rawvideo",
+      "-pix_fmt",     format.pixels,
+      "-s",           std::to_string(width) + "x" + std::to_string(height),
+      "-r",           std::to_string(pictures_per_second),
+      "-i",           "pipe:0"};
+  words.insert(words.end(), format.encoder.begin(), format.encoder.end());
+  words.push_back("file:" + file);
+  return words;
 }
 
 }  // namespace
@@ -71,14 +46,39 @@ void require_ffmpeg() {
         "; a video needs it (apt-get install ffmpeg)");
 }
 
-VideoFile::VideoFile(std::filesystem::path path, int width, int height, int pictures_per_second)
+VideoFormat h264() {
+  return {"rgb24",
+          {"-vf",
+           "scale=out_color_matrix=bt709:out_range=tv",
+           "-c:v",
+           "libx264",
+           "-preset",
+           "veryfast",
+           "-crf",
+           "21",
+           "-pix_fmt",
+           "yuv420p",
+           "-colorspace",
+           "bt709",
+           "-color_primaries",
+           "bt709",
+           "-color_trc",
+           "bt709",
+           "-movflags",
+           "+faststart",
+           "-f",
+           "mp4"}};
+}
+
+VideoFile::VideoFile(std::filesystem::path path, int width, int height, int pictures_per_second,
+                     const VideoFormat& format)
     : path_{std::move(path)}, partial_{path_.string() + ".partial"}, messages_{std::tmpfile()} {
   // A pair of sockets, because writing to a pipe that ffmpeg has left would end the whole program
   // (SIGPIPE).
   int ends[2] = {-1, -1};
   if (!messages_ || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::runtime_error(path_.string() + ": cannot be written: " + std::strerror(errno));
-  const int error = start(encoder(width, height, pictures_per_second, partial_.string()),
+  const int error = start(command(width, height, pictures_per_second, format, partial_.string()),
                           {.input = ends[1], .errors = fileno(messages_.get())}, ffmpeg_);
   ::close(ends[1]);
   pipe_ = ends[0];
@@ -95,9 +95,10 @@ VideoFile::~VideoFile() {
   std::filesystem::remove(partial_, ignored);
 }
 
-void VideoFile::add(const Canvas& picture) {
-  const std::vector<std::uint8_t> bytes = picture.rgb();
-  for (std::span<const std::uint8_t> rest{bytes}; !rest.empty();) {
+void VideoFile::add(const Canvas& picture) { add(picture.rgb()); }
+
+void VideoFile::add(std::span<const std::uint8_t> picture) {
+  for (std::span<const std::uint8_t> rest = picture; !rest.empty();) {
     const ssize_t sent = send(pipe_, rest.data(), rest.size(), MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
     if (sent < 0) fail();

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -16,8 +19,15 @@ namespace gatefly::io {
 /// is none.
 void require_ffmpeg();
 
-/// A film written picture by picture: H.264 in MP4 (yuv420p, BT.709) as browsers play it, by ffmpeg
-/// at the other end of a pipe.
+/// How a film is encoded.
+struct VideoFormat {
+  std::string pixels;                ///< Of the pictures, in ffmpeg's words.
+  std::vector<std::string> encoder;  ///< What is said to ffmpeg between its input and the file.
+};
+/// H.264 in MP4 (yuv420p, BT.709) as browsers play it.
+[[nodiscard]] VideoFormat h264();
+
+/// A film written picture by picture, by ffmpeg at the other end of a pipe.
 ///
 /// It grows under `<path>.partial`; finish() gives it its name, the destructor removes what is not
 /// whole.
@@ -25,13 +35,15 @@ class VideoFile {
  public:
   /// @param width,height  of every picture, even [px]
   /// @throws std::runtime_error when ffmpeg cannot be started.
-  VideoFile(std::filesystem::path path, int width, int height, int pictures_per_second);
+  VideoFile(std::filesystem::path path, int width, int height, int pictures_per_second,
+            const VideoFormat& format = h264());
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
   /// The next picture. @throws std::runtime_error with ffmpeg's own words when it has given up.
   void add(const Canvas& picture);
+  void add(std::span<const std::uint8_t> picture);
   /// Waits until the film is whole, then names it. @throws std::runtime_error as add().
   void finish();
 

@@ -39,7 +39,8 @@ bool is_of_a_flight(const std::string& name) {
   static const std::regex kNames{
       "log_si\\.csv(\\.gz)?|images\\.csv|detections\\.csv|summary\\.json|report\\.html|flight\\."
       "mcap|"
-      "flight\\.mp4(\\.partial)?|track\\.toml|config-[0-9]+\\.toml|settings\\.txt|frame_[0-9]+\\."
+      "(flight\\.mp4|onboard\\.webm)(\\.partial)?|track\\.toml|config-[0-9]+\\.toml|settings\\.txt|"
+      "frame_[0-9]+\\."
       "uyvy"};
   return std::regex_match(name, kNames);
 }

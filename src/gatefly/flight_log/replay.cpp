@@ -25,7 +25,8 @@ bool is_finite(const Estimate& e) {
 }  // namespace
 
 ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
-                    const std::function<Image(std::size_t)>& load_picture, Estimator estimator) {
+                    const std::function<Image(std::size_t)>& load_picture, Estimator estimator,
+                    const std::function<void(const ReplayedTick&)>& on_tick) {
   Pilot pilot{config};
   InertialFollower inertial;
   ReplayResult result;
@@ -41,6 +42,7 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     if (estimator == Estimator::kImu15) inertial.update(sensors, pilot);
     EstimateRow row{t,
                     estimator == Estimator::kImu15 ? inertial.estimate(pilot) : pilot.estimate()};
+    if (on_tick) on_tick({result.estimates.size(), sensors, command, pilot, row.estimate});
     if (tick.picture) {
       row.source = pilot.sighting().source;
       result.pictures.push_back({*tick.picture, t, pilot.sighting()});

@@ -46,11 +46,22 @@ enum class Estimator {
   kImu15,
 };
 
+/// What somebody may look at after each tick.
+struct ReplayedTick {
+  std::size_t index = 0;  ///< Of the recorded one.
+  const Sensors& sensors;
+  const Command& command;
+  const Pilot& pilot;
+  const Estimate& estimate;  ///< Of the estimator that was asked for.
+};
+
 /// Feeds a recorded flight to the very Pilot::step that flies the simulator.
 ///
 /// @param load_picture  answers the view of picture i; it must stay valid until the next call.
+/// @param on_tick  called after every step; may be empty.
 [[nodiscard]] ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
                                   const std::function<Image(std::size_t)>& load_picture,
-                                  Estimator estimator = Estimator::kDrag);
+                                  Estimator estimator = Estimator::kDrag,
+                                  const std::function<void(const ReplayedTick&)>& on_tick = {});
 
 }  // namespace gatefly::flight_log

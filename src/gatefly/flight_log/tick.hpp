@@ -15,6 +15,7 @@ namespace gatefly {
 struct Truth {
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
   Attitude attitude;
+  Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();  ///< Of the air, north and east [m/s].
 };
 
 /// One IMU tick of a race, for recording: what went in, what came out, what was.

@@ -27,6 +27,8 @@ class Pilot {
   Command step(const Sensors& sensors);
 
   [[nodiscard]] Estimate estimate() const;
+  /// All that estimate() is taken from, for who wants to know how sure it is.
+  [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
   [[nodiscard]] const Sighting& sighting() const;

@@ -48,8 +48,10 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
   return flight;
 }
 
-flight_log::ReplayResult replayed(const RecordedFlight& flight, const ReplayArguments& arguments,
-                                  const std::function<void()>& on_picture) {
+flight_log::ReplayResult replayed(
+    const RecordedFlight& flight, const ReplayArguments& arguments,
+    const std::function<void()>& on_picture,
+    const std::function<void(const flight_log::ReplayedTick&)>& on_tick) {
   const auto load_picture = flight_log::picture_loader(
       flight.folder, flight.config.camera.stored_width(), flight.config.camera.stored_height(),
       flight.config.camera.stored_rotation_deg);
@@ -60,7 +62,8 @@ flight_log::ReplayResult replayed(const RecordedFlight& flight, const ReplayArgu
   try {
     return flight_log::replay(flight.pilot, flight.ticks, watched,
                               arguments.estimator == "drag" ? flight_log::Estimator::kDrag
-                                                            : flight_log::Estimator::kImu15);
+                                                            : flight_log::Estimator::kImu15,
+                              on_tick);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(std::string("the track cannot be flown: ") + error.what());
   }

@@ -39,9 +39,11 @@ struct RecordedFlight {
 
 /// Flies it again, by the pilot or the filter that was asked for.
 /// @param on_picture  called before each picture is read; may throw to stop; may be empty.
+/// @param on_tick  called after every step; may be empty.
 /// @throws std::runtime_error one line: a picture cannot be read, the track cannot be flown.
-[[nodiscard]] flight_log::ReplayResult replayed(const RecordedFlight& flight,
-                                                const ReplayArguments& arguments,
-                                                const std::function<void()>& on_picture = {});
+[[nodiscard]] flight_log::ReplayResult replayed(
+    const RecordedFlight& flight, const ReplayArguments& arguments,
+    const std::function<void()>& on_picture = {},
+    const std::function<void(const flight_log::ReplayedTick&)>& on_tick = {});
 
 }  // namespace gatefly::tasks

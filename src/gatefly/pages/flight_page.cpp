@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/report/flight_page.hpp"
+#include "gatefly/pages/flight_page.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -10,16 +12,15 @@
 
 #include "gatefly/files/jpeg_writer.hpp"
 #include "gatefly/files/json.hpp"
-#include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/pages/page.hpp"
 
 namespace gatefly::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kPlaceOfData = "<!--gatefly:flight-->";
 constexpr std::size_t kMostRows = 6000;            // two minutes at 50 Hz
 constexpr std::size_t kMostLooks = 4000;           // three minutes at 20 Hz
 constexpr std::size_t kMostJpegBytes = 1'850'000;  // 2.5 MB as base64
@@ -30,8 +31,9 @@ struct Column {
   const char* name;
   double unit;  ///< What one step of the whole numbers is.
 };
+constexpr std::int64_t kMissing = std::numeric_limits<std::int64_t>::min();
 constexpr double kMilli = 1e-3, kTenth = 1e-4, kHundredth = 1e-5;
-constexpr std::array<Column, 41> kNames{{
+constexpr std::array<Column, 54> kNames{{
     {"t_s", kTenth},
     {"x_m", kMilli},
     {"y_m", kMilli},
@@ -68,6 +70,20 @@ constexpr std::array<Column, 41> kNames{{
     {"l_zx_m", kTenth},
     {"l_zy_m", kTenth},
     {"l_zz_m", kTenth},
+    // Truth less estimate along the body's axes, and how sure the filter is.
+    {"error_vx_mps", kMilli},
+    {"error_vy_mps", kMilli},
+    {"error_vz_mps", kMilli},
+    {"sigma_vx_mps", kMilli},
+    {"sigma_vy_mps", kMilli},
+    {"sigma_vz_mps", kMilli},
+    {"sigma_bax_mps2", kTenth},
+    {"sigma_bay_mps2", kTenth},
+    {"sigma_baz_mps2", kTenth},
+    {"sigma_tilt_rad", kTenth},
+    {"sigma_yaw_rad", kTenth},
+    {"wind_north_mps", kMilli},
+    {"wind_east_mps", kMilli},
     {"cmd_roll_rad", kTenth},
     {"cmd_pitch_rad", kTenth},
     {"cmd_yaw_rad", kTenth},
@@ -136,14 +152,6 @@ Json phase_names() {
                       gatefly::name_of(Landed{})});
 }
 
-/// JSON that may stand inside a script element: nothing in it can end the element.
-std::string in_a_script(const Json& json) {
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
-    text.replace(at, 1, "\\u003c");
-  return text;
-}
-
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -159,70 +167,126 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-double speed_of(const Eigen::Vector3d& v) { return v.norm(); }
-
 }  // namespace
 
-std::string shipped_page() {
-  const std::filesystem::path path = shipped_dir() / "viewer" / "report.html";
-  std::string page = read_file(path);
-  if (page.find(kPlaceOfData) == std::string::npos)
-    throw std::runtime_error(path.string() + ": is not the page that a flight is put into");
-  return page;
+PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim, bool pictures) {
+  return {.world = sim.world,
+          .map = pilot.track,
+          .speed = pilot.plan.speed,
+          .pictures_per_second = pictures ? sim.sensors.camera_hz : 0.0,
+          .accel_bias = sim.sensors.accel_bias + sim.sensors.flight_bias,
+          .gyro_bias = sim.sensors.gyro_bias + sim.sensors.gyro_drift};
 }
 
-FlightPage::FlightPage(std::string page, const closed_loop::RaceConfig& race, bool pictures)
-    : page_{std::move(page)}, race_{race}, pictures_wanted_{pictures} {
+PageCourse page_course(const PilotConfig& pilot) {
+  PageCourse course;
+  course.map = pilot.track;
+  course.speed = pilot.plan.speed;
+  course.is_truth = false;
+  const Track& map = pilot.track;
+  for (const MapGate& gate : map.gates)
+    course.world.gates.push_back(
+        {.p_EG = gate.p_EG, .yaw_EG = gate.yaw_EG, .side = gate.side, .bar = gate.bar});
+  for (const MapObstacle& box : map.obstacles)
+    course.world.obstacles.push_back(
+        {.center = box.center, .size = box.size, .heading = box.heading, .top = box.height});
+  course.world.room_center = map.room_center;
+  course.world.room_size = {map.room_size.x(), map.room_size.y(), map.ceiling};
+  return course;
+}
+
+FlightPage::FlightPage(std::string page, PageCourse course, std::filesystem::path film)
+    : page_{std::move(page)}, course_{std::move(course)}, film_path_{std::move(film)} {
   rows_.reserve(kMostRows);
+  for (const sim::WorldGate& gate : course_.world.gates)
+    to_gate_.push_back(rotation_z(-gate.yaw_EG));
 }
 
 void FlightPage::record(const Tick& tick) {
+  record(PageTick{.sensors = tick.sensors,
+                  .command = tick.command,
+                  .pilot = tick.pilot,
+                  .p_EB = tick.truth.p_EB,
+                  .v_E = tick.truth.v_E,
+                  .attitude = tick.truth.attitude,
+                  .wind_E = tick.truth.wind_E,
+                  .exposed = tick.exposed});
+}
+
+void FlightPage::record(const PageTick& tick) {
   const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
   if (!plan_) plan_ = tick.pilot.plan();
-  follow_truth(tick.truth, now);
+  if (!course_.is_truth)
+    count_gates(tick, now);
+  else if (tick.p_EB)
+    follow_truth(*tick.p_EB, tick, now);
   if (tick.sensors.image || tick.sensors.seen) look(tick, now);
-  last_ = row_of(tick, now);
   if (now < next_row_) return;
   next_row_ = std::max(next_row_ + row_period_, now);
-  rows_.push_back(last_);
+  rows_.push_back(row_of(tick, now));
   if (rows_.size() < kMostRows) return;
   for (std::size_t i = 0; 2 * i < rows_.size(); ++i) rows_[i] = rows_[2 * i];
   rows_.resize((rows_.size() + 1) / 2);
   row_period_ *= 2.0;
 }
 
-FlightPage::Row FlightPage::row_of(const Tick& tick, double now) const {
-  const Estimate e = tick.pilot.estimate();
-  Eigen::Vector3d error = Eigen::Vector3d::Zero();
+std::optional<Eigen::Vector3d> FlightPage::in_target_gate(const PageTick& tick,
+                                                          const Eigen::Vector3d& p_EB) const {
   const auto target = static_cast<std::size_t>(tick.pilot.target_gate());
-  if (target < race_.sim.world.gates.size()) {
-    const sim::WorldGate& gate = race_.sim.world.gates[target];
-    error = rotation_z(-gate.yaw_EG) * (tick.truth.p_EB - gate.p_EG) - e.p_GB;
-  }
+  if (target >= to_gate_.size()) return std::nullopt;
+  return Eigen::Vector3d{to_gate_[target] * (p_EB - course_.world.gates[target].p_EG)};
+}
+
+FlightPage::Row FlightPage::row_of(const PageTick& tick, double now) const {
+  const Estimate own = tick.pilot.estimate();
+  const Estimate& e = tick.estimate ? *tick.estimate : own;
+  const Navigator& navigator = tick.pilot.navigator();
+  const DragFilter& filter = navigator.filter();
   const Eigen::Matrix3d l = e.covariance_GB.llt().matrixL();
+  const auto nothing = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
 
   Row row{};
   std::size_t next = 0;
   const auto put = [&](double value) {
     const double steps = value / kNames[next].unit;
-    row[next++] = std::isfinite(steps) ? std::llround(std::clamp(steps, -1e12, 1e12)) : 0;
+    row[next++] = std::isfinite(steps) ? std::llround(std::clamp(steps, -1e12, 1e12)) : kMissing;
   };
   const auto put_vector = [&](const Eigen::Vector3d& v) {
     for (const double value : v) put(value);
   };
   const auto put_attitude = [&](const Attitude& a) { put_vector({a.roll, a.pitch, a.yaw}); };
   put(now);
-  put_vector(tick.truth.p_EB);
+  put_vector(tick.p_EB.value_or(nothing));
   put_vector(e.p_EB);
-  put_vector(tick.truth.v_E);
+  put_vector(tick.v_E.value_or(nothing));
   put_vector(e.v_E);
-  put_attitude(tick.truth.attitude);
+  if (tick.attitude)
+    put_attitude(*tick.attitude);
+  else
+    put_vector(nothing);
   put_attitude(e.attitude);
   put_vector(e.accel_bias);
   put_vector(e.gyro_bias);
-  put_vector(error);
+  const auto truth = tick.p_EB ? in_target_gate(tick, *tick.p_EB) : std::nullopt;
+  put_vector(truth ? Eigen::Vector3d{*truth - e.p_GB} : Eigen::Vector3d{nothing});
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c <= r; ++c) put(l(r, c));
+  put_vector(tick.v_E
+                 ? Eigen::Vector3d{rotation_EB(e.attitude).matrix.transpose() * (*tick.v_E - e.v_E)}
+                 : Eigen::Vector3d{nothing});
+  if (tick.estimate) {  // the pilot's filter does not know how sure another one is
+    for (int i = 0; i < 8; ++i) put(nothing.x());
+  } else {
+    const auto sigma = [&](int state) { return std::sqrt(filter.covariance()(state, state)); };
+    const Eigen::Vector2d drag = filter.params().model.drag.cwiseAbs();
+    put_vector({sigma(drag_model::kBiasX) / drag.x(), sigma(drag_model::kBiasY) / drag.y(),
+                sigma(drag_model::kVz)});  // Eq. (14): what the bias does to drag's velocity
+    put_vector({sigma(drag_model::kBiasX), sigma(drag_model::kBiasY), sigma(drag_model::kBiasZ)});
+    put(navigator.ahrs().tilt_sigma());
+    put(navigator.ahrs().heading_sigma());
+  }
+  const Eigen::Vector2d calm = nothing.head<2>();
+  for (const double wind : tick.wind_E.value_or(calm)) put(wind);
   const AttitudeCommand& command = tick.command.attitude;
   put_vector({command.roll, command.pitch, command.yaw});
   put(command.thrust);
@@ -232,33 +296,53 @@ FlightPage::Row FlightPage::row_of(const Tick& tick, double now) const {
   return row;
 }
 
-void FlightPage::follow_truth(const Truth& truth, double now) {
-  const auto& gates = race_.sim.world.gates;
+void FlightPage::follow_truth(const Eigen::Vector3d& p_EB, const PageTick& tick, double now) {
+  const auto& gates = course_.world.gates;
   if (before_ && !gates.empty()) {
-    const sim::WorldGate& gate = gates[passes_.size() % gates.size()];
-    const Eigen::Matrix3d to_gate = rotation_z(-gate.yaw_EG);
-    const Eigen::Vector3d from = to_gate * (before_->p_EB - gate.p_EG),
-                          to = to_gate * (truth.p_EB - gate.p_EG);
+    const std::size_t next = passes_.size() % gates.size();
+    const sim::WorldGate& gate = gates[next];
+    const Eigen::Matrix3d& to_gate = to_gate_[next];
+    const Eigen::Vector3d from = to_gate * (*before_ - gate.p_EG),
+                          to = to_gate * (p_EB - gate.p_EG);
     if (from.x() < 0.0 && to.x() >= 0.0 && to.tail<2>().cwiseAbs().maxCoeff() < 0.5 * gate.side) {
       const double part = from.x() / (from.x() - to.x());
-      passes_.push_back({before_time_ + part * (now - before_time_), speed_of(truth.v_E)});
+      passes_.push_back(
+          {before_time_ + part * (now - before_time_), tick.v_E ? tick.v_E->norm() : 0.0});
     }
   }
-  before_ = truth;
+  before_ = p_EB;
   before_time_ = now;
 }
 
-void FlightPage::look(const Tick& tick, double now) {
-  if (looks_seen_++ % look_step_ != 0) return;
+void FlightPage::count_gates(const PageTick& tick, double now) {
+  const Estimate e = tick.pilot.estimate();
+  for (; passed_ < e.gates_passed; ++passed_) passes_.push_back({now, e.v_E.norm()});
+}
+
+void FlightPage::look(const PageTick& tick, double now) {
+  const bool taken = looks_seen_++ % look_step_ == 0;
+  if (!taken) return;
   Look look{.time = now,
             .exposed = tick.exposed.value_or(now),
             .target = tick.pilot.target_gate(),
             .sighting = tick.pilot.sighting(),
-            .jpeg = {}};
+            .jpeg = {},
+            .filmed = {},
+            .fix_error = {}};
   const auto target = static_cast<std::size_t>(look.target);
-  if (target < race_.sim.world.gates.size())
-    look.distance = (race_.sim.world.gates[target].p_EG - tick.truth.p_EB).norm();
-  if (pictures_wanted_ && tick.sensors.image) take_picture(look, *tick.sensors.image);
+  if (tick.p_EB && target < course_.world.gates.size())
+    look.distance = (course_.world.gates[target].p_EG - *tick.p_EB).norm();
+  if (tick.p_EB && look.sighting.fix)
+    if (const auto truth = in_target_gate(tick, *tick.p_EB))
+      look.fix_error = *truth - *in_target_gate(tick, look.sighting.fix->p_EB);
+  if (tick.sensors.image && !tick.sensors.image->empty()) {
+    picture_width_ = tick.sensors.image->width();
+    picture_height_ = tick.sensors.image->height();
+    if (film_path_.empty())
+      take_picture(look, *tick.sensors.image);
+    else
+      film(look, *tick.sensors.image);
+  }
   looks_.push_back(std::move(look));
   if (looks_.size() < kMostLooks) return;
   for (std::size_t i = 0; 2 * i < looks_.size(); ++i) looks_[i] = looks_[2 * i];
@@ -266,10 +350,27 @@ void FlightPage::look(const Tick& tick, double now) {
   look_step_ *= 2;
 }
 
+/// A page without its film is better than no flight: what fails here is said in the page.
+void FlightPage::film(Look& look, const Image& image) try {
+  if (film_failed_) return;
+  if (!film_) film_.emplace(film_path_, image, pictures_expected());
+  film_->add(image);
+  look.filmed = filmed_++;
+} catch (const std::runtime_error&) {
+  film_failed_ = true;
+}
+
+/// By the way planned and the speed asked for; half as much again for the ground and for searches.
+double FlightPage::pictures_expected() const {
+  if (course_.pictures > 0) return static_cast<double>(course_.pictures);
+  double lap = 0.0;
+  for (const Path& leg : plan_->legs) lap += leg.length();
+  const double way = plan_->start.length() + lap * course_.map.laps;
+  return course_.pictures_per_second * (10.0 + 1.2 * way / std::max(0.1, course_.speed));
+}
+
 void FlightPage::take_picture(Look& look, const Image& image) {
-  picture_width_ = image.width();
-  picture_height_ = image.height();
-  if (image.empty() || jpegs_seen_++ % jpeg_step_ != 0) return;
+  if (jpegs_seen_++ % jpeg_step_ != 0) return;
   const int largest = std::max(image.width(), image.height());
   look.jpeg = small_jpeg(image, kJpegQuality, (largest + kLargestSide - 1) / kLargestSide);
   jpeg_bytes_ += look.jpeg.size();
@@ -286,7 +387,7 @@ void FlightPage::take_picture(Look& look, const Image& image) {
 }
 
 Json FlightPage::course() const {
-  const sim::World& world = race_.sim.world;
+  const sim::World& world = course_.world;
   Json gates = Json::array(), obstacles = Json::array(), decoys = Json::array();
   for (std::size_t i = 0; i < world.gates.size(); ++i) {
     const sim::WorldGate& gate = world.gates[i];
@@ -294,8 +395,8 @@ Json FlightPage::course() const {
               {"heading", rounded(gate.yaw_EG)},
               {"side", rounded(gate.side)},
               {"bar", rounded(gate.bar)}};
-    if (i < race_.pilot.track.gates.size()) {
-      const MapGate& map = race_.pilot.track.gates[i];
+    if (course_.is_truth && i < course_.map.gates.size()) {
+      const MapGate& map = course_.map.gates[i];
       json["map"] = {{"position", place(map.p_EG)}, {"heading", rounded(map.yaw_EG)}};
     }
     gates.push_back(std::move(json));
@@ -307,31 +408,50 @@ Json FlightPage::course() const {
     plan.push_back(way(plan_->start));
     for (const Path& leg : plan_->legs) plan.push_back(way(leg));
   }
-  return {{"room_center", {rounded(world.room_center.x()), rounded(world.room_center.y())}},
-          {"room_size", place(world.room_size)},
-          {"laps", race_.pilot.track.laps},
-          {"speed_mps", rounded(race_.pilot.plan.speed)},
-          {"gates", std::move(gates)},
-          {"obstacles", std::move(obstacles)},
-          {"decoys", std::move(decoys)},
-          {"plan", std::move(plan)}};
-}
-
-Json FlightPage::columns() const {
-  std::vector<Row> rows = rows_;
-  if (!rows.empty() && rows.back() != last_) rows.push_back(last_);
-  Json json = Json::object();
-  for (std::size_t c = 0; c < kColumns; ++c) {
-    std::vector<std::int64_t> steps;
-    steps.reserve(rows.size());
-    std::int64_t before = 0;
-    for (const Row& row : rows) {
-      steps.push_back(row[c] - before);
-      before = row[c];
-    }
-    json[kNames[c].name] = {{"unit", kNames[c].unit}, {"steps", std::move(steps)}};
+  Json json{{"room_center", {rounded(world.room_center.x()), rounded(world.room_center.y())}},
+            {"room_size", place(world.room_size)},
+            {"laps", course_.map.laps},
+            {"speed_mps", rounded(course_.speed)},
+            {"gates", std::move(gates)},
+            {"obstacles", std::move(obstacles)},
+            {"decoys", std::move(decoys)},
+            {"plan", std::move(plan)}};
+  if (course_.accel_bias) json["accel_bias_mps2"] = place(*course_.accel_bias);
+  if (course_.gyro_bias) {
+    json["gyro_bias_radps"] = Json::array();
+    for (const double bias : *course_.gyro_bias)
+      json["gyro_bias_radps"].push_back(rounded(bias, kHundredth));
   }
   return json;
+}
+
+/// {"t_s":{"unit":0.0001,"steps":[..]}, ..}: each number is what is added to the one before; null
+/// where there is none. A column in which there is nothing at all is left out.
+std::string FlightPage::columns(std::size_t row_step) const {
+  std::string text = "{";
+  for (std::size_t c = 0; c < kColumns; ++c) {
+    if (!rows_.empty() &&
+        std::all_of(rows_.begin(), rows_.end(), [&](const Row& row) { return row[c] == kMissing; }))
+      continue;
+    if (text.size() > 1) text += ',';
+    text += '"' + std::string{kNames[c].name} + "\":{\"unit\":" + text_of(kNames[c].unit) +
+            ",\"steps\":[";
+    std::int64_t before = 0;
+    std::array<char, 24> digits{};
+    for (std::size_t i = 0; i < rows_.size(); i += row_step) {
+      if (i > 0) text += ',';
+      if (rows_[i][c] == kMissing) {
+        text += "null";
+        continue;
+      }
+      const auto end =
+          std::to_chars(digits.data(), digits.data() + digits.size(), rows_[i][c] - before);
+      text.append(digits.data(), end.ptr);
+      before = rows_[i][c];
+    }
+    text += "]}";
+  }
+  return text + "}";
 }
 
 Json FlightPage::looks(std::size_t picture_step) const {
@@ -344,6 +464,7 @@ Json FlightPage::looks(std::size_t picture_step) const {
               {"target", look.target}};
     if (!look.jpeg.empty() && pictures++ % picture_step == 0)
       json["picture"] = (pictures - 1) / picture_step;
+    if (look.filmed) json["picture"] = *look.filmed;
     if (s.offered) json["offered"] = true;
     if (s.source != Sighting::Source::kNone) {
       json["source"] = name_of(s.source);
@@ -351,6 +472,7 @@ Json FlightPage::looks(std::size_t picture_step) const {
       json["nis"] = rounded(s.nis);
       json["dof"] = s.nis_dof;
     }
+    if (look.fix_error) json["fix"] = place(*look.fix_error);
     if (!s.detections.empty()) {
       Json gates = Json::array();
       for (const GateDetection& gate : s.detections)
@@ -369,7 +491,7 @@ Json FlightPage::looks(std::size_t picture_step) const {
 
 Json FlightPage::gate_passes(const Json& summary) const {
   Json list = Json::array();
-  const std::size_t gates = race_.sim.world.gates.size();
+  const std::size_t gates = course_.world.gates.size();
   if (gates == 0) return list;
   const auto passed = summary.value("gates_passed", std::size_t{0}),
              total = summary.value("gates_total", std::size_t{0});
@@ -385,11 +507,11 @@ Json FlightPage::gate_passes(const Json& summary) const {
     });
     if (seen != looks_.end()) {
       json["seen"] = rounded(seen->time, kTenth);
-      json["seen_from"] = rounded(seen->distance);
+      if (seen->distance > 0.0) json["seen_from"] = rounded(seen->distance);
     }
     if (through) {
       json["t"] = rounded(passes_[i].time, kTenth);
-      json["speed"] = rounded(passes_[i].speed);
+      if (passes_[i].speed > 0.0) json["speed"] = rounded(passes_[i].speed);
       if (i < offsets.size()) json["offset"] = offsets[i];
       from = until;
     }
@@ -407,21 +529,34 @@ std::string FlightPage::pictures(std::size_t picture_step) const {
   return text + "]";
 }
 
-std::string FlightPage::html(const Json& summary, const std::string& verdict) const {
-  Json flight{{"format", 1},
+std::string FlightPage::html(const Json& summary, const std::string& verdict) {
+  if (film_ && !film_failed_) try {
+      film_bytes_ = film_->finish();
+    } catch (const std::runtime_error&) {
+      film_failed_ = true;
+    }
+  film_.reset();
+  Json flight{{"format", 2},
               {"verdict", verdict},
               {"summary", summary},
               {"phases", phase_names()},
               {"camera", {picture_width_, picture_height_}},
               {"course", course()},
-              {"passes", gate_passes(summary)},
-              {"columns", columns()}};
-  const auto head = page_.find(kPlaceOfData);
-  const auto fill = [&](std::size_t picture_step) {
-    flight["looks"] = looks(picture_step);
-    return page_.substr(0, head) + "<script type=\"application/json\" id=\"flight\">" +
-           in_a_script(flight) + "</script>\n<script type=\"application/json\" id=\"pictures\">" +
-           pictures(picture_step) + "</script>" + page_.substr(head + kPlaceOfData.size());
+              {"passes", gate_passes(summary)}};
+  if (!film_bytes_.empty()) flight["film"] = {{"rate", OnboardFilm::kRate}, {"pictures", filmed_}};
+  if (film_failed_) flight["film_failed"] = true;
+  const std::string film = film_bytes_.empty() ? std::string{}
+                                               : "<script type=\"text/plain\" id=\"film\">" +
+                                                     base64(film_bytes_) + "</script>\n";
+  const auto fill = [&](std::size_t step) {
+    flight["looks"] = looks(step);
+    std::string told = in_a_script(flight);
+    told.pop_back();  // the brace: columns are the largest part, and written by hand
+    return with_elements(page_,
+                         "<script type=\"application/json\" id=\"flight\">" + told +
+                             ",\"columns\":" + columns(film.empty() ? 1 : step) +
+                             "}</script>\n<script type=\"application/json\" id=\"pictures\">" +
+                             pictures(step) + "</script>\n" + film);
   };
   std::string html = fill(1);
   for (std::size_t step = 2; html.size() > kMostBytes && step <= looks_.size(); step *= 2)
