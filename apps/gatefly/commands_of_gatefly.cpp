@@ -11,7 +11,7 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"detect", declare_detect},     CommandHere{"score", declare_score},
       CommandHere{"campaign", declare_campaign}, CommandHere{"config", declare_config},
       CommandHere{"new", declare_new},           CommandHere{"track", declare_track},
-      CommandHere{"doctor", declare_doctor},
+      CommandHere{"doctor", declare_doctor},     CommandHere{"completion", declare_completion},
   };
   return kHere;
 }

@@ -7,13 +7,21 @@ namespace gatefly::cli {
 
 std::span<const CommandHere> commands_here() {
   static constexpr std::array kHere{
-      CommandHere{"replay", declare_replay}, CommandHere{"detect", declare_detect},
-      CommandHere{"score", declare_score},   CommandHere{"calibrate", declare_calibrate},
-      CommandHere{"tune", declare_tune},     CommandHere{"identify", declare_identify},
-      CommandHere{"config", declare_config}, CommandHere{"new", declare_new},
-      CommandHere{"track", declare_track},   CommandHere{"doctor", declare_doctor},
-      CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
-      CommandHere{"reproduce", nullptr},     CommandHere{"bench", nullptr},
+      CommandHere{"replay", declare_replay},
+      CommandHere{"detect", declare_detect},
+      CommandHere{"score", declare_score},
+      CommandHere{"calibrate", declare_calibrate},
+      CommandHere{"tune", declare_tune},
+      CommandHere{"identify", declare_identify},
+      CommandHere{"config", declare_config},
+      CommandHere{"new", declare_new},
+      CommandHere{"track", declare_track},
+      CommandHere{"doctor", declare_doctor},
+      CommandHere{"completion", declare_completion},
+      CommandHere{"fly", nullptr},
+      CommandHere{"campaign", nullptr},
+      CommandHere{"reproduce", nullptr},
+      CommandHere{"bench", nullptr},
   };
   return kHere;
 }
