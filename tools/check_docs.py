@@ -473,6 +473,7 @@ def violations():
         yield "neither experiments, keys nor commands were found where they are listed"
 
 
-errors = list(violations())
-print("\n".join(errors) or "docs: ok")
-sys.exit(bool(errors))
+if __name__ == "__main__":
+    errors = list(violations())
+    print("\n".join(errors) or "docs: ok")
+    sys.exit(bool(errors))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What holds for each key of the configuration, whichever they are.
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -198,6 +199,47 @@ TEST_F(EveryKey, IsShownOnceInItsSectionAndStandsOnceInTheJson) {
   EXPECT_EQ(lines["randomize.level"], 1);
   EXPECT_EQ(lines.size(), every_rule().size() + 1);
   EXPECT_EQ(json_values.size(), config_keys().size());
+}
+
+template <class Part>
+bool same_bits(const Part& a, const Part& b) {
+  return std::memcmp(static_cast<const void*>(&a), static_cast<const void*>(&b), sizeof(Part)) == 0;
+}
+
+/// A default that is 0.06 rad inside is 3.437746770784939 degrees in a file, not some digits fewer.
+TEST_F(EveryKey, OfTheDefaultsReadsBackToTheBit) {
+  const Config config;
+  Config again = config;  // with the same padding
+  for (const auto& key : config_keys()) key.set(again, key.get(config));
+  EXPECT_TRUE(same_bits(again.vehicle, config.vehicle));
+  EXPECT_TRUE(same_bits(again.rates, config.rates));
+  EXPECT_TRUE(same_bits(again.sim.vehicle, config.sim.vehicle));
+  EXPECT_TRUE(same_bits(again.sim.sensors, config.sim.sensors));
+  EXPECT_TRUE(same_bits(again.sim.ideal_vision, config.sim.ideal_vision));
+  EXPECT_EQ(again.camera.tilt_down, config.camera.tilt_down);
+  EXPECT_EQ(again.camera.latency, config.camera.latency);
+  EXPECT_EQ(again.camera.readout, config.camera.readout);
+  EXPECT_EQ(again.camera.exposure, config.camera.exposure);
+  const PilotConfig &a = again.pilot, &b = config.pilot;
+  EXPECT_TRUE(same_bits(a.detector, b.detector));
+  EXPECT_TRUE(same_bits(a.pose, b.pose));
+  EXPECT_TRUE(same_bits(a.sight, b.sight));
+  EXPECT_TRUE(same_bits(a.ahrs, b.ahrs));
+  EXPECT_TRUE(same_bits(a.filter, b.filter));
+  EXPECT_TRUE(same_bits(a.paper_filter, b.paper_filter));
+  EXPECT_TRUE(same_bits(a.velocity, b.velocity));
+  EXPECT_TRUE(same_bits(a.altimeter, b.altimeter));
+  EXPECT_TRUE(same_bits(a.lateral, b.lateral));
+  EXPECT_TRUE(same_bits(a.altitude, b.altitude));
+  EXPECT_TRUE(same_bits(a.speed, b.speed));
+  EXPECT_TRUE(same_bits(a.paper_control, b.paper_control));
+  EXPECT_TRUE(same_bits(a.indi, b.indi));
+  EXPECT_TRUE(same_bits(a.plan, b.plan));
+  EXPECT_TRUE(same_bits(a.phase, b.phase));
+  EXPECT_EQ(a.filter_memory, b.filter_memory);
+  EXPECT_EQ(a.map_sigma, b.map_sigma);
+  EXPECT_EQ(a.gate_height_sigma, b.gate_height_sigma);
+  EXPECT_EQ(a.gate_yaw_sigma, b.gate_yaw_sigma);
 }
 
 /// What show() prints is a configuration file; the track's own values are comments in it.
