@@ -6,6 +6,7 @@ usage: console_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import fcntl
 import json
+import math
 import os
 import pathlib
 import pty
@@ -22,6 +23,22 @@ GATEFLY, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).r
 FRAMES = ROOT / "tests" / "replay" / "oval_flight"
 COMMANDS = ("fly", "replay", "detect", "score", "calibrate", "tune", "campaign", "reproduce", "identify", "bench", "new", "track",
             "doctor", "config", "completion")
+
+
+def corners():
+    """Nine views of a 5x4 board through a pinhole of 200 px."""
+    rows = ["image,X_m,Y_m,u_px,v_px"]
+    for k in range(9):
+        tilt, turn = 0.3 + 0.03 * k, 0.8 * k
+        for i in range(20):
+            x, y = 0.03 * (i % 5) - 0.06, 0.03 * (i // 5) - 0.045
+            # turned about the axis (cos, sin, 0) by `tilt`
+            along, across = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
+            px = along * math.cos(turn) - across * math.cos(tilt) * math.sin(turn)
+            py = along * math.sin(turn) + across * math.cos(tilt) * math.cos(turn)
+            z = 0.3 + across * math.sin(tilt)
+            rows.append(f"{k}.png,{x},{y},{160 + 200 * px / z:.4f},{120 + 200 * py / z:.4f}")
+    return "\n".join(rows) + "\n"
 
 
 class Console(unittest.TestCase):
@@ -81,11 +98,9 @@ class Json(Console):
         self.run_it("detect", FRAMES, "--config", "cameras/bebop.toml", "--csv", "found.csv")
         (self.folder / "labels.csv").write_text("image,has_gate,tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\nimg_00016.jpg,1,1,1,50,1,50,50,1,50\n")
         self.assertEqual(self.document("score", "--detections", "found.csv", "--labels", "labels.csv")["labelled_gates"], 1)
-        self.document("tune", "--describe", "orange", FRAMES, "--rotate", "90", codes=(0, 1))
-        (self.folder / "camera.yaml").write_text(
-            "cam0:\n  camera_model: pinhole\n  intrinsics: [200.0, 200.0, 118.0, 91.0]\n  distortion_model: equidistant\n"
-            "  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  resolution: [240, 180]\n")
-        self.document("calibrate", "--from", "camera.yaml")
+        self.document("tune", "--describe", "orange", FRAMES, "--rotate", "90", "--out", "gates.toml", codes=(0, 1))
+        (self.folder / "corners.csv").write_text(corners())
+        self.assertEqual(len(self.document("calibrate", "corners.csv", "--size", "320x240")["models"]), 4)
         self.document("bench", "--quick", "--stage", "snakes", "--pictures", "gate")
 
     def test_the_rest(self):

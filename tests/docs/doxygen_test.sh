@@ -8,7 +8,7 @@ out="$(mktemp -d)"
 trap 'rm -rf "$out"' EXIT
 { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = $out/all"; } | "$doxygen" -
 mkdir "$out/wrong"
-printf '/// Adds.\n/// @param c  is not there\nint add(int a, int b);\n' >"$out/wrong/add.hpp"
+printf '/// A sum.\nstruct Sum {\n  /// Adds.\n  /// @param c  is not there\n  int add(int a, int b);\n};\n' >"$out/wrong/add.hpp"
 if { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = $out/one"; echo "INPUT = $out/wrong"; } | "$doxygen" - 2>"$out/said"; then
   echo "a parameter that is not there was not noticed" >&2
   exit 1
