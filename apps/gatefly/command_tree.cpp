@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
@@ -100,6 +101,7 @@ Words words_for_shells() {
   for (const auto& key : io::config_keys()) words.keys.push_back(key.rule.name);
   words.keys.push_back(io::randomize_level_rule().name);
   for (const auto& key : io::randomize_keys()) words.keys.push_back(key.rule.name);
+  for (const auto& key : io::fault_keys()) words.keys.push_back(key.rule.name);
   const auto listed =
       ordered_json::parse(said_by_laboratory("reproduce --list --json"), nullptr, false);
   if (listed.is_array())

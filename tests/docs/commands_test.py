@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every command that README.md and docs/*.md show does what they say: exit 0, page by page, in their order.
 
-usage: commands_test.py GATEFLY REPOSITORY_ROOT [--full]
+usage: commands_test.py GATEFLY REPOSITORY_ROOT [--full] [unittest arguments]
 
 A page's commands run in an empty folder with what a reader would have there (photo.jpg, boards/, ...). Slow ones are run
 reduced, as REDUCED says; with --full whole. A command that is neither quick by its kind nor in REDUCED fails here: whoever
@@ -39,6 +39,7 @@ REDUCED = {
     "fly oval --vision ideal": "",
     "fly mine.toml --vision ideal": "",
     "fly mine.toml": IDEAL,
+    'fly oval --vision ideal --set "faults.camera_out_s=[10, 2]"': "",
     "fly oval --set control.speed_mps=1.3": IDEAL,
     "fly oval --set randomize.level=none": IDEAL,
     "fly --set control.speed_mps=1.4 --config my.toml": IDEAL,
@@ -255,7 +256,7 @@ class Table(unittest.TestCase):
 
 if __name__ == "__main__":
     add_tests()
-    result = unittest.main(argv=sys.argv[:1], exit=False, verbosity=1).result
+    result = unittest.main(argv=[sys.argv[0], *(each for each in sys.argv[3:] if each != "--full")], exit=False).result
     times = os.times()
     print(f"{times.children_user + times.children_system + times.user + times.system:.0f} s of CPU")
     sys.exit(not result.wasSuccessful())

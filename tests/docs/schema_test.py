@@ -21,6 +21,7 @@ except ImportError:
     jsonschema = None
 
 GATEFLY, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+DRAWN = {"randomize", "faults"}  # shown when they are set
 TYPES = {"object": dict, "array": list, "string": str}
 
 
@@ -77,7 +78,7 @@ class Tracks(Schema):
             "obstacles": [{"box_m": [0.4, 0.4, 2.0], "position_m": [2.0, 1.5], "heading_deg": 0.0},
                           {"pole_m": [0.1, 2.0], "position_m": [1.0, 1.0]}],
             "room": {"size_m": [14.0, 12.0, 3.5], "center_m": [2.0, 1.5], "look": "hall"},
-            "randomize": {"level": "hard", "drag_percent": 5.0}}
+            "randomize": {"level": "hard", "drag_percent": 5.0}, "faults": {"camera_out_s": [3.0, 4.0], "false_gates": 2}}
 
     @classmethod
     def setUpClass(cls):
@@ -130,13 +131,13 @@ class Tracks(Schema):
                 if isinstance(path[-1], str) and path[-1] != "name":
                     with self.subTest(path=path, wrong=wrong):
                         track = self.changed(path, lambda place, key, wrong=wrong: place.__setitem__(key, wrong))
-                        if wrong == {} and path[-1] in {"randomize", "room"}:
+                        if wrong == {} and path[-1] in {"randomize", "room", "faults"}:
                             continue  # an empty table says nothing
                         if wrong == [] and path[-1] == "obstacles":
                             continue
                         self.assertFalse(self.judge(self.schema, track))
                         self.assertIsNone(self.answer(track))
-        for path in ((), ("start",), ("gates", 0), ("gates", 0, "exit"), ("obstacles", 0), ("room",), ("randomize",)):
+        for path in ((), ("start",), ("gates", 0), ("gates", 0, "exit"), ("obstacles", 0), ("room",), ("randomize",), ("faults",)):
             with self.subTest(path):
                 track = self.changed((*path, "colour"), lambda place, key: place.__setitem__(key, 1))
                 self.assertFalse(self.judge(self.schema, track))
@@ -185,8 +186,8 @@ class Configurations(Schema):
         self.assertTrue(self.judge(self.schema, json.loads(run("config", "--json").stdout)))
 
     def test_it_has_every_key_and_no_other(self):
-        keys = {f"{section}.{key}" for section, table in json.loads(run("config", "--json").stdout).items() if section != "randomize" for key in table}
-        told = {f"{section}.{key}" for section, table in self.schema["properties"].items() if section != "randomize" for key in table["properties"]}
+        keys = {f"{section}.{key}" for section, table in json.loads(run("config", "--json").stdout).items() if section not in DRAWN for key in table}
+        told = {f"{section}.{key}" for section, table in self.schema["properties"].items() if section not in DRAWN for key in table["properties"]}
         self.assertEqual(told, keys)
 
     def test_a_wrong_value_is_refused_by_both(self):

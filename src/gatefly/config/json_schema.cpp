@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/config/track_keys.hpp"
 #include "gatefly/files/toml_file.hpp"
@@ -74,6 +75,14 @@ ordered_json randomize_table() {
   return result;
 }
 
+ordered_json faults_table() {
+  ordered_json keys = ordered_json::object();
+  for (const auto& key : fault_keys()) add(keys, key.rule);
+  ordered_json result = table(keys);
+  result["description"] = "what breaks in flight, when and by how much";
+  return result;
+}
+
 /// As its example shows: a text, a number, or a list of so many numbers.
 ordered_json allowed(const TrackKey& key) {
   const nlohmann::json example = parse_toml_value(key.example);
@@ -121,6 +130,7 @@ ordered_json track_schema() {
   keys["obstacles"]["description"] = "boxes and poles that stand on the floor";
   keys["room"] = track_table("room", "walls, ceiling, light");
   keys["randomize"] = randomize_table();
+  keys["faults"] = faults_table();
   top["required"] = ordered_json::array({"gates"});
   return document("A track file of gatefly", top);
 }
@@ -133,6 +143,7 @@ ordered_json config_schema() {
     add(sections[section]["properties"], key.rule);
   }
   sections["randomize"] = randomize_table();
+  sections["faults"] = faults_table();
   return document("A configuration of gatefly", table(sections));
 }
 

@@ -7,10 +7,11 @@
 // the tables that the readers use, so that the two cannot differ.
 namespace gatefly::io {
 
-/// Of a track file: track_keys() and randomize_keys().
+/// Of a track file: track_keys(), randomize_keys() and fault_keys().
 [[nodiscard]] nlohmann::ordered_json track_schema();
 
-/// Of a configuration, camera or vehicle file: config_keys() and randomize_keys().
+/// Of a configuration, camera or vehicle file: config_keys(), randomize_keys() and
+/// fault_keys().
 [[nodiscard]] nlohmann::ordered_json config_schema();
 
 }  // namespace gatefly::io

@@ -6,10 +6,13 @@
 #include <utility>
 
 #include "gatefly/config/derived.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/fingerprint.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/sim/randomize.hpp"
+#include "gatefly/simulated_race/built_from.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
 namespace gatefly::tasks {
@@ -38,6 +41,17 @@ void refuse_unflyable(const io::Config& config) {
     fail("vehicle.min_rotor_radps", v.min_speed, "must be less than its mass to come down");
 }
 
+std::string fingerprint_of(const io::RaceIdentity& race,
+                           const std::map<std::string, std::string>& inputs) {
+  nlohmann::json all{
+      {"vision", race.vision}, {"config", race.config}, {"track", inputs.at("track.toml")}};
+  if (const auto table = inputs.find("colors.toml"); table != inputs.end()) {
+    all["colors"] = table->second;  // its content counts, not where it lies
+    all["config"]["color"].erase("table");
+  }
+  return io::fingerprint(all.dump());
+}
+
 }  // namespace
 
 RaceMaker::RaceMaker(const RaceArguments& given) {
@@ -60,18 +74,32 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   nominal_.pilot.track = file.track;
   nominal_.sim = io::simulator_config(config, file);
   nominal_.sim.cache_dir = io::cache_dir();
+  nominal_.sim.faults = io::with_faults(file.faults, config.faults, "[faults]");
+  const int gates = static_cast<int>(file.track.gates.size());
+  for (const auto& [name, number] : {std::pair{"moved_gate", nominal_.sim.faults.moved_gate},
+                                     {"missing_gate", nominal_.sim.faults.missing_gate},
+                                     {"hidden_gate", nominal_.sim.faults.hidden_gate}})
+    if (number > gates)
+      throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
+                               ", but " + path.string() + " has " + std::to_string(gates) +
+                               " gates");
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
   identity_ = {.track = file.track.name,
                .seed = 0,
                .vision = given.vision,
                .version = GATEFLY_VERSION,
+               .commit = built_from(),
+               .configuration = {},
                .config = io::as_json(config)};
   for (const auto& key : io::randomize_keys())
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
+  for (const auto& key : io::fault_keys())
+    identity_.config["faults"][key.rule.name.substr(7)] = key.get(nominal_.sim.faults);
   identity_.config["laps"] = file.track.laps;
 
   inputs_ = flight_inputs(arguments, config, path, file.track.laps);
+  identity_.configuration = fingerprint_of(identity_, inputs_);
 
   // Whether there is a way at all, before anything is written or rendered.
   try {
