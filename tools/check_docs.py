@@ -208,7 +208,7 @@ def commands():
     for name in names:
         flags[name] |= shared
     script = text_of(pathlib.PurePosixPath("gatefly")) if "gatefly" in PATHS else ""
-    flags |= {"help": set(), "version": set(), "package": set(), "test": set(re.findall(r"--[a-z-]+", script))}
+    flags |= {"help": {"--man"}, "version": set(), "package": set(), "test": set(re.findall(r"--[a-z-]+", script))}
     return flags
 
 
@@ -473,6 +473,7 @@ def violations():
         yield "neither experiments, keys nor commands were found where they are listed"
 
 
-errors = list(violations())
-print("\n".join(errors) or "docs: ok")
-sys.exit(bool(errors))
+if __name__ == "__main__":
+    errors = list(violations())
+    print("\n".join(errors) or "docs: ok")
+    sys.exit(bool(errors))

@@ -257,7 +257,7 @@ int bench_all(const BenchOptions& options) {
   Pictures usual = named;
   if (!named->empty()) {
     const auto stages = chosen(detection_stages(named, config.pilot), options.stages);
-    report.stages("detection, " + std::to_string(named->size()) + " pictures", "detection", stages,
+    report.stages("detection, " + io::amount(named->size(), "picture"), "detection", stages,
                   measure(stages, rounds, interrupted));
   } else {
     say(0.0, "flying, for pictures");

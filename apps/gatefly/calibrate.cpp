@@ -204,8 +204,8 @@ Boards find_boards(const CalibrateOptions& options) {
     ++done;
     if (progress.due(done))
       progress.update(done / static_cast<double>(files.size()),
-                      std::to_string(boards.views.size()) + " boards in " +
-                          std::to_string(boards.pictures) + " pictures");
+                      io::amount(boards.views.size(), "board") + " in " +
+                          io::amount(boards.pictures, "picture"));
   }
   progress.clear();
   if (!interrupted() && boards.pictures > 0) refuse_without_boards(boards, options);
@@ -290,10 +290,11 @@ void print(const Calibration& answer, const Boards& boards, const CalibrateOptio
     corners += view.corners;
     dropped += view.dropped;
   }
-  std::cout << boards.pictures << " pictures of " << answer.size_px.x() << "x" << answer.size_px.y()
-            << ", a board in " << answer.views.size() << ", " << answer.kept.size()
-            << " of them used; " << corners << " corners, " << dropped << " dropped; they reach "
-            << fixed(100.0 * answer.coverage, 0) << " % of the way to the picture's corners\n\n";
+  std::cout << io::amount(boards.pictures, "picture") << " of " << answer.size_px.x() << "x"
+            << answer.size_px.y() << ", a board in " << answer.views.size() << ", "
+            << answer.kept.size() << " of them used; " << corners << " corners, " << dropped
+            << " dropped; they reach " << fixed(100.0 * answer.coverage, 0)
+            << " % of the way to the picture's corners\n\n";
   print_models(answer);
   print_views(answer, boards);
   std::cout << "\n* recommended: the fewest parameters within one standard error of the best "
@@ -366,7 +367,7 @@ AnyCamera short_lens(const LensFit& fit) {
 std::vector<std::string> provenance(const Calibration& answer) {
   const ModelResult& best = answer.best();
   std::vector<std::string> lines{"Made by gatefly calibrate from " +
-                                 std::to_string(answer.kept.size()) + " pictures of a board: RMS " +
+                                 io::amount(answer.kept.size(), "picture") + " of a board: RMS " +
                                  fixed(best.rms_px, 3) + " px, " + fixed(best.held_out_px, 3) +
                                  " px in pictures held out."};
   std::string sigmas;
@@ -453,7 +454,7 @@ void add_tilt(CameraFile& camera, const CalibrateOptions& options,
   comments.push_back(
       "Tilt " + with_sigma(mount.tilt_down / kDegree, mount.tilt_sigma / kDegree) +
       " deg down, roll " + with_sigma(mount.roll / kDegree, mount.roll_sigma / kDegree) +
-      " deg, from " + std::to_string(mount.pictures) + " pictures of a gate (" +
+      " deg, from " + io::amount(mount.pictures, "picture") + " of a gate (" +
       path.filename().string() + "), RMS " + fixed(mount.rms_px, 2) + " px" +
       (flight ? "; fitted with it: heading offset " + fixed(mount.heading_offset / kDegree, 1) +
                     " deg, pictures " + fixed(1e3 * mount.time_offset, 0) + " ms, gate at (" +
@@ -526,7 +527,7 @@ int run_calibrate(const CalibrateOptions& options) {
   else if (!options.common.quiet && !options.writes_to_stdout())
     print(answer, boards, options, warning);
   if (boards.unusable == 0) return kDone;
-  complain(std::to_string(boards.unusable) + " pictures could not be used, the rest was");
+  complain(io::amount(boards.unusable, "picture") + " could not be used, the rest was");
   return kUnusable;
 }
 

@@ -52,12 +52,6 @@ Shard shard_of(const std::string& text) {
   return shard;
 }
 
-std::string clock_text(double seconds) {
-  const int whole = static_cast<int>(seconds + 0.5);
-  const std::string rest = std::to_string(whole % 60);
-  return std::to_string(whole / 60) + ":" + (rest.size() < 2 ? "0" : "") + rest;
-}
-
 /// Flies seeds on several threads and keeps each summary in a file of its own.
 class Fleet {
  public:
@@ -85,7 +79,7 @@ class Fleet {
         changed_.wait_for(lock, std::chrono::milliseconds{200});
         const double elapsed =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (progress.due(elapsed)) progress.update(part(), text(elapsed));
+        if (progress.due(elapsed)) progress.update(part(), text());
       }
     }
     for (std::thread& worker : workers) worker.join();
@@ -120,11 +114,9 @@ class Fleet {
   [[nodiscard]] double part() const {
     return static_cast<double>(done_) / static_cast<double>(seeds_.size());
   }
-  [[nodiscard]] std::string text(double elapsed) const {
-    std::string words = std::to_string(done_) + " of " + std::to_string(seeds_.size()) + " runs, " +
-                        std::to_string(finished_) + " finished";
-    if (done_ > 0) words += ", " + clock_text(elapsed * (1.0 / part() - 1.0)) + " left";
-    return words;
+  [[nodiscard]] std::string text() const {
+    return std::to_string(done_) + " of " + io::amount(seeds_.size(), "run") + ", " +
+           std::to_string(finished_) + " finished";
   }
 
   const tasks::RaceMaker& maker_;

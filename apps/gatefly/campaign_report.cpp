@@ -34,7 +34,8 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
   const auto& arguments = campaign.at("arguments");
   const auto& result = campaign.at("result");
   const auto& interval = result.at("completion_wilson95");
-  std::cout << arguments.at("track").get<std::string>() << ", " << result.at("runs") << " runs, "
+  std::cout << arguments.at("track").get<std::string>() << ", "
+            << io::amount(result.at("runs").get<int>(), "run") << ", "
             << arguments.at("vision").get<std::string>() << " vision: " << result.at("finished")
             << " finished, " << percent(result.at("completion_rate")) << " (95 % interval "
             << percent(interval.at(0)) << " to " << percent(interval.at(1)) << ")\n";

@@ -34,7 +34,38 @@ CLI::Option* number(CLI::App* app, const char* name, Value& value, const char* h
   return app->add_option(name, value, help)->check(check_number<Number>);
 }
 
+/// "TEXT:{rendered,ideal}" is a TEXT that is one of two words.
+FlagInfo info_of(const CLI::Option& option) {
+  FlagInfo info;
+  info.help = option.get_description();
+  info.required = option.get_required();
+  info.repeated = option.get_items_expected_max() > 1;
+  for (const std::string& name : option.get_snames()) info.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) info.names.push_back("--" + name);
+  if (option.get_items_expected_max() == 0) return info;  // without a value
+  const std::string type = option.get_type_name();
+  info.value = option.get_positional() ? option.get_name() : type.substr(0, type.find(':'));
+  const std::size_t open = type.find(":{"), close = type.find('}', open);
+  if (open == std::string::npos || close == std::string::npos) return info;
+  std::string word;
+  for (const char c : type.substr(open + 2, close - open - 2) + ",") {
+    if (c == ',') info.choices.push_back(std::exchange(word, ""));
+    if (c != ',') word += c;
+  }
+  return info;
+}
+
 }  // namespace
+
+std::vector<CommandInfo> commands_of(const CLI::App& program) {
+  std::vector<CommandInfo> all;
+  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
+    CommandInfo info{command->get_name(), command->get_description(), command->get_footer(), {}};
+    for (const CLI::Option* option : command->get_options()) info.flags.push_back(info_of(*option));
+    all.push_back(std::move(info));
+  }
+  return all;
+}
 
 Flag& Flag::required() {
   option_->required();
@@ -115,6 +146,8 @@ Flag Command::flag(const char* name, bool& value, const char* help) {
 }
 
 void Command::footer(const std::string& text) { app_->footer(text); }
+
+std::vector<CommandInfo> Command::all() const { return commands_of(*app_->get_parent()); }
 
 void Command::runs(Run work) {
   app_->callback([&run = run_, work = std::move(work)] { run = work; });

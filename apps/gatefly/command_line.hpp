@@ -43,6 +43,22 @@ class Flag {
   CLI::Option* option_;
 };
 
+/// An argument or flag as --help tells it.
+struct FlagInfo {
+  std::vector<std::string> names;  ///< "-q", "--quiet"; none: an argument.
+  std::string value;               ///< What stands for its value: FILE; "" when it takes none.
+  std::string help;
+  std::vector<std::string> choices;  ///< When the value is one of a few words.
+  bool required = false, repeated = false;
+};
+
+/// A subcommand as --help tells it.
+struct CommandInfo {
+  std::string name, help, footer;
+  std::vector<FlagInfo> flags;
+};
+[[nodiscard]] std::vector<CommandInfo> commands_of(const CLI::App& program);
+
 /// A subcommand, while it is declared. Values are written when its line is parsed: they must live
 /// as long as what runs() is given.
 class Command {
@@ -62,6 +78,8 @@ class Command {
 
   void footer(const std::string& text);  ///< At the end of --help: an example, exit codes.
   void runs(Run work);                   ///< When this is the chosen command.
+  /// All commands of the program, to be asked when they are declared.
+  [[nodiscard]] std::vector<CommandInfo> all() const;
 
  private:
   CLI::App* app_;

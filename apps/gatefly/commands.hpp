@@ -46,6 +46,7 @@ void declare_new(Command& command);
 void declare_track(Command& command);
 void declare_doctor(Command& command);
 void declare_view(Command& command);
+void declare_completion(Command& command);
 
 /// A subcommand that is compiled into this program.
 struct CommandHere {
@@ -57,6 +58,8 @@ struct CommandHere {
 /// `gatefly` calls, so that the first flight need not wait for it to be built. Without the simulator
 /// all that is left is in `gatefly`: commands_without_simulator.cpp.
 [[nodiscard]] std::span<const CommandHere> commands_here();
+/// Where the other program is, if it is there.
+[[nodiscard]] std::filesystem::path laboratory_program();
 
 /// Flags that every subcommand has.
 struct CommonOptions : tasks::ConfigArguments {  // --config and --set
@@ -84,6 +87,9 @@ void catch_interrupt();
 /// Which of them it was.
 [[nodiscard]] int interrupting_signal();
 
+/// `text` in green or red where standard output is a terminal and $NO_COLOR is not set.
+[[nodiscard]] std::string coloured(bool good, const std::string& text);
+
 /// How far a long piece of work is, on stderr: a bar on a terminal, else a line now and then.
 class Progress {
  public:
@@ -95,13 +101,15 @@ class Progress {
 
   /// True when it is time for update(): cheap, to be asked often.
   [[nodiscard]] bool due(double at);
-  /// @param part  0..1 of the work; @param text  what to say beside it.
+  /// Says how long the rest takes, too, if it goes on as it has; fits the terminal's width.
+  /// @param part  0..1 of the work
+  /// @param text  what to say beside it
   void update(double part, const std::string& text);
   void clear();
 
  private:
   bool quiet_ = false;
-  double every_ = 10.0, next_ = 0.0;
+  double every_ = 10.0, next_ = 0.0, start_ = 0.0;
   bool shown_ = false;
 };
 

@@ -12,9 +12,9 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"tune", declare_tune},     CommandHere{"identify", declare_identify},
       CommandHere{"config", declare_config}, CommandHere{"new", declare_new},
       CommandHere{"track", declare_track},   CommandHere{"doctor", declare_doctor},
-      CommandHere{"view", declare_view},     CommandHere{"fly", nullptr},
-      CommandHere{"campaign", nullptr},      CommandHere{"reproduce", nullptr},
-      CommandHere{"bench", nullptr},
+      CommandHere{"view", declare_view},     CommandHere{"completion", declare_completion},
+      CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
+      CommandHere{"reproduce", nullptr},     CommandHere{"bench", nullptr},
   };
   return kHere;
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
+#include <string_view>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -26,10 +29,27 @@ bool on_terminal() {
   return terminal;
 }
 
-/// Of stderr; 80 where it does not say.
+/// Of stderr; where it does not say, $COLUMNS, else 80.
 std::size_t terminal_columns() {
   winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  const char* const told = std::getenv("COLUMNS");
+  const int columns = told == nullptr ? 0 : std::atoi(told);
+  return columns > 0 ? static_cast<std::size_t>(columns) : 80;
+}
+
+/// Of text in UTF-8.
+std::size_t letters(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+/// "40 s", "12 min", "3.5 h".
+std::string duration_text(double seconds) {
+  if (seconds < 90.0) return io::fixed(std::ceil(seconds), 0) + " s";
+  if (seconds < 90.0 * 60.0) return io::fixed(seconds / 60.0, 0) + " min";
+  return io::fixed(seconds / 3600.0, 1) + " h";
 }
 
 double wall_seconds() {
@@ -83,8 +103,19 @@ io::Config load(const CommonOptions& options) {
   return config;
 }
 
+std::string coloured(bool good, const std::string& text) {
+  const auto set = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return std::string_view{value == nullptr ? "" : value};
+  };
+  static const bool wanted =
+      isatty(STDOUT_FILENO) == 1 && set("NO_COLOR").empty() && set("TERM") != "dumb";
+  return wanted ? (good ? "\033[32m" : "\033[31m") + text + "\033[0m" : text;
+}
+
 bool Progress::due(double at) {
   if (quiet_) return false;
+  if (start_ == 0.0) start_ = wall_seconds();
   const double now = on_terminal() ? wall_seconds() : at;
   if (now < next_) return false;
   const bool first = next_ == 0.0;
@@ -93,19 +124,28 @@ bool Progress::due(double at) {
 }
 
 void Progress::update(double part, const std::string& text) {
+  part = std::clamp(part, 0.0, 1.0);
+  const double so_far = wall_seconds() - start_;
+  const std::string left =
+      part > 0.0 ? duration_text(so_far * (1.0 - part) / part) + " left" : std::string{};
+  const std::string between = left.empty() ? "" : ", ";
   if (!on_terminal()) {
-    std::cerr << text << '\n';
+    std::cerr << text << between << left << '\n';
     return;
   }
-  // What is wider than the terminal would begin a line of its own with every update.
-  constexpr std::size_t kWidth = 24, kLeast = 10;
-  const std::size_t columns = terminal_columns() - 1;
-  const bool has_room = columns >= kWidth + 2 + text.size();
-  const auto full = static_cast<std::size_t>(std::clamp(part, 0.0, 1.0) * kWidth);
+  // What is wider than the terminal would begin a line of its own with every update: the bar goes
+  // first, then the words.
+  constexpr std::size_t kWidth = 24, kNarrow = 6, kLeast = 10;
+  const std::size_t columns = std::max(terminal_columns(), kLeast + 1) - 1;
+  std::string words = text + between + left;
+  if (letters(words) > columns) words = io::fixed(100.0 * part, 0) + " %" + between + left;
+  const std::size_t taken = letters(words) + 2;
+  const std::size_t width = columns < taken + kNarrow ? 0 : std::min(kWidth, columns - taken);
+  const auto full = static_cast<std::size_t>(part * static_cast<double>(width));
   std::string bar;
-  for (std::size_t i = 0; i < kWidth && has_room; ++i) bar += i < full ? "█" : "░";
-  std::cerr << "\r\033[K" << bar << (has_room ? "  " : "")
-            << io::one_line(text, std::max(columns, kLeast)) << std::flush;
+  for (std::size_t i = 0; i < width; ++i) bar += i < full ? "█" : "░";
+  std::cerr << "\r\033[K" << bar << (width > 0 ? "  " : "")
+            << io::one_line(words, letters(words) > columns ? columns : words.size()) << std::flush;
   shown_ = true;
 }
 

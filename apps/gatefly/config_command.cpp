@@ -2,6 +2,8 @@
 #include <iostream>
 #include <memory>
 
+#include "gatefly/config/json_schema.hpp"
+
 #include "commands.hpp"
 
 namespace gatefly::cli {
@@ -9,11 +11,15 @@ namespace {
 
 struct ConfigOptions {
   CommonOptions common;
-  bool show = false, json = false;
+  bool show = false, json = false, schema = false;
 };
 
 /// gatefly config: every key, its value, unit, and who set it.
 int config(const ConfigOptions& options) {
+  if (options.schema) {
+    std::cout << io::config_schema().dump(2) << '\n';
+    return kDone;
+  }
   const io::Config config = load(options.common);
   if (options.json) {
     std::cout << io::as_json(config).dump(2) << '\n';
@@ -31,6 +37,8 @@ void declare_config(Command& command) {
       "Example:\n  gatefly config --show --config cameras/bebop.toml --set control.speed_mps=1.5");
   command.flag("--show", options->show, "print the effective configuration (what it does anyway)");
   command.flag("--json", options->json, "the values as JSON");
+  command.flag("--schema", options->schema,
+               "print a JSON schema of configuration files, for editors");
   add_common(command, options->common);
   command.runs([options] { return config(*options); });
 }

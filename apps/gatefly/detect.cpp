@@ -51,6 +51,8 @@ struct Findings {
   /// with_part: with no more than a part of a gate.
   int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
   std::string first_grey;                       ///< Its name.
+  int other_size = 0;                           ///< Not of the size of the camera that was named.
+  std::string first_other_size;                 ///< What is wrong with it.
   double seconds = 0.0;                         ///< Spent on detection alone.
   std::unique_ptr<io::PartialFolder> drawings;  ///< With --annotate.
 };
@@ -95,6 +97,20 @@ void look_at(const Image& image, const std::string& name, const DetectOptions& o
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back(io::row_of(name, static_cast<int>(i), gates[i]));
   if (findings.drawings) draw(image, name, gates, options, findings);
+}
+
+/// Counts a picture that the camera of a --config does not make: its lens is then not that one's.
+void compare_size(const io::ImageFile& file, const std::string& name, const io::Config& config,
+                  Findings& findings) {
+  const auto told = config.set_by.find("camera.size_px");
+  const int width = config.camera.stored_width(), height = config.camera.stored_height();
+  if (told == config.set_by.end() || (file.stored_width == width && file.stored_height == height))
+    return;
+  if (findings.other_size++ > 0) return;
+  findings.first_other_size = name + " has " + std::to_string(file.stored_width) + "x" +
+                              std::to_string(file.stored_height) + " px, the camera of " +
+                              told->second + " stores " + std::to_string(width) + "x" +
+                              std::to_string(height) + ": its lens does not fit";
 }
 
 using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
@@ -164,10 +180,11 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
     try {
       each_picture(path, config, upright.told(),
                    [&](const io::ImageFile& file, const std::string& name) {
+                     compare_size(file, name, config, findings);
                      look_at(upright.view(file, path), name, options, config, detector, findings);
                      if (progress.due(findings.pictures))
                        progress.update(done / static_cast<double>(files.size()),
-                                       std::to_string(findings.pictures) + " pictures, " +
+                                       io::amount(findings.pictures, "picture") + ", " +
                                            std::to_string(findings.with_gate) + " with a gate");
                    });
     } catch (const io::CannotWrite&) {  // not the picture's fault: the next would end so, too
@@ -181,10 +198,15 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   }
   progress.clear();
   if (findings.pictures > 0 && !options.common.quiet) complain(upright.said());
+  if (findings.other_size > 0 && !options.common.quiet)
+    complain(findings.first_other_size +
+             (findings.other_size > 1 ? " (" + std::to_string(findings.other_size) + " of " +
+                                            io::amount(findings.pictures, "picture") + ")"
+                                      : ""));
   if (findings.grey > 0 && !options.common.quiet)
-    complain(std::to_string(findings.grey) + " of " + std::to_string(findings.pictures) +
-             " pictures have no colour, by which gates are found: " + findings.first_grey +
-             (findings.grey > 1 ? ", ..." : ""));
+    complain(std::to_string(findings.grey) + " of " + io::amount(findings.pictures, "picture") +
+             (findings.grey == 1 ? " has" : " have") + " no colour, by which gates are found: " +
+             findings.first_grey + (findings.grey > 1 ? ", ..." : ""));
   return findings;
 }
 
@@ -209,8 +231,10 @@ nlohmann::ordered_json as_json(const Findings& findings) {
 
 void print_summary(const Findings& findings, const std::string& csv) {
   std::cout << std::fixed << std::setprecision(2) << findings.with_gate << " of "
-            << findings.pictures << " pictures show a gate, " << findings.with_part
-            << " more a part of one, " << 1e3 * findings.seconds / std::max(findings.pictures, 1)
+            << io::amount(findings.pictures, "picture")
+            << (findings.with_gate == 1 ? " shows a gate, " : " show a gate, ")
+            << findings.with_part << " more a part of one, "
+            << 1e3 * findings.seconds / std::max(findings.pictures, 1)
             << " ms each to detect: " << csv << '\n';
 }
 
@@ -239,7 +263,8 @@ int detect(const DetectOptions& options) {
   if (findings.pictures == 0) return kUnusable;
   if (findings.unusable > 0)
     complain(std::to_string(findings.unusable) + " could not be used, " +
-             std::to_string(findings.pictures) + " pictures were done");
+             io::amount(findings.pictures, "picture") +
+             (findings.pictures == 1 ? " was done" : " were done"));
 
   if (!csv.empty()) io::write_file(csv, io::detections_csv(findings.rows));
   if (findings.drawings) findings.drawings->pour();

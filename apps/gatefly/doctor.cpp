@@ -155,8 +155,8 @@ std::vector<Check> examined(const CommonOptions& options) {
 
 void print(const std::vector<Check>& checks) {
   for (const auto& [name, needed, ok, found, advice] : checks) {
-    std::cout << "  " << std::left << std::setw(9) << (ok ? "ok" : "missing") << std::setw(15)
-              << name << found << '\n';
+    std::cout << "  " << coloured(ok, ok ? "ok     " : "missing") << "  " << std::left
+              << std::setw(15) << name << found << '\n';
     if (!ok) std::cout << std::string(11 + 15, ' ') << "-> " << advice << '\n';
   }
 }

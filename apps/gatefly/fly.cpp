@@ -48,14 +48,14 @@ std::string outcome(const closed_loop::RaceResult& result, const Eigen::Vector3d
 /// "finished, 5 of 5 gates in 24.8 s".
 std::string verdict(const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB) {
   return outcome(r, last_p_EB) + ", " + std::to_string(r.gates_passed) + " of " +
-         std::to_string(r.gates_total) + " gates" +
+         io::amount(r.gates_total, "gate") +
          (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
 }
 
 void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
                   const Eigen::Vector3d& last_p_EB, const fs::path& out, bool quiet) {
   std::cout << race.identity.track << ", seed " << race.identity.seed << ": "
-            << verdict(r, last_p_EB) << '\n';
+            << coloured(r.finished, verdict(r, last_p_EB)) << '\n';
   if (quiet) return;
 
   const auto line = [](const char* name, const std::string& text) {
@@ -68,7 +68,7 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
   line("estimate", "rmse x " + fixed(r.estimation_rmse.x(), 2) + ", y " +
                        fixed(r.estimation_rmse.y(), 2) + ", z " + fixed(r.estimation_rmse.z(), 2) +
                        " m");
-  line("detection", std::to_string(r.frames) + " pictures, " + std::to_string(r.frames_with_gate) +
+  line("detection", io::amount(r.frames, "picture") + ", " + std::to_string(r.frames_with_gate) +
                         " show the next gate whole: in " + std::to_string(r.true_positives) +
                         " found, " + std::to_string(r.false_positives) + " false detections");
   line("searches", std::to_string(r.searches));

@@ -20,6 +20,7 @@
 
 #include "gatefly/files/text.hpp"
 
+#include "command_tree.hpp"
 #include "commands.hpp"
 
 namespace gatefly::cli {
@@ -77,6 +78,7 @@ constexpr std::array kCommands{
     Listed{"view", "shows a flight, a folder of flights or a campaign to the browser"},
     Listed{"doctor", "what is installed, which data is found, what to do about the rest"},
     Listed{"config", "every configuration key with value, unit and source"},
+    Listed{"completion", "completes commands in your shell: bash, zsh, fish"},
 };
 
 constexpr const char* kNoSimulator = "this program was built without the simulator";
@@ -90,8 +92,7 @@ const CommandHere* find_here(std::string_view name) {
 
 /// Becomes the sibling program that has this command. Returns only when there is none.
 int call_sibling(const std::string& name, char** argv) {
-  const auto self = std::filesystem::read_symlink("/proc/self/exe");
-  const auto sibling = self.parent_path() / "gatefly-lab";
+  const auto self = std::filesystem::read_symlink("/proc/self/exe"), sibling = laboratory_program();
   if (self != sibling && std::filesystem::exists(sibling)) execv(sibling.c_str(), argv);
   std::cerr << "gatefly " << name << ": " << sibling.string()
             << (std::filesystem::exists(sibling)
@@ -100,16 +101,33 @@ int call_sibling(const std::string& name, char** argv) {
   return kUnusable;
 }
 
-/// "help fly" is "fly --help", "version" is "--version"; ends with a nullptr, as execv wants it.
+/// "help fly" is "fly --help", "version" is "--version", "help --man" the manual page; ends with a
+/// nullptr, as execv wants it.
 std::vector<char*> spelled_out(std::span<char*> arguments) {
-  static char help[] = "--help", version[] = "--version";
+  static char help[] = "--help", version[] = "--version", completion[] = "completion",
+              man[] = "man";
   std::vector<char*> words(arguments.begin(), arguments.end());
   const std::string_view first = words.size() > 1 ? words[1] : "";
+  const std::string_view second = words.size() > 2 ? words[2] : "";
   if (first == "help" && words.size() == 2) words[1] = help;
-  if (first == "help" && words.size() > 2) words = {words[0], words[2], help};
+  if (first == "help" && words.size() > 2) {
+    if (second == "--man")
+      words = {words[0], completion, man};
+    else
+      words = {words[0], words[2], help};
+  }
   if (first == "version" && words.size() == 2) words[1] = version;
   words.push_back(nullptr);
   return words;
+}
+
+/// What the other program asks of this one.
+void print_commands(const CLI::App& app) {
+  std::vector<CommandInfo> here;
+  for (CommandInfo& command : commands_of(app))
+    if (const CommandHere* found = find_here(command.name); found && found->declare)
+      here.push_back(std::move(command));
+  std::cout << as_json(here).dump(1) << '\n';
 }
 
 int run_main(std::span<char*> given) {
@@ -119,7 +137,7 @@ int run_main(std::span<char*> given) {
   app.require_subcommand(1);
   app.footer(
       "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help (or: gatefly help "
-      "COMMAND) says more about a command.");
+      "COMMAND) says more about a command;\ngatefly help --man prints the manual page.");
   Run run;
   for (const auto& [name, help] : kCommands) {
     const CommandHere* here = find_here(name);
@@ -130,6 +148,10 @@ int run_main(std::span<char*> given) {
 
   std::vector<char*> words = spelled_out(given);
   const std::span<char*> arguments{words.data(), words.size() - 1};
+  if (arguments.size() == 2 && std::string_view{arguments[1]} == kPrintCommands) {
+    print_commands(app);
+    return kDone;
+  }
   if (arguments.size() > 1 && arguments[1][0] != '-') {
     const std::string name = arguments[1];
     const auto names = command_names(app);
@@ -208,6 +230,11 @@ int standard_output_failed(int reason) {
 }
 
 }  // namespace
+
+std::filesystem::path laboratory_program() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "gatefly-lab";
+}
+
 }  // namespace gatefly::cli
 
 /// gatefly COMMAND ...: exit 0 done, 1 the answer is no, 2 unusable arguments or input, 130 Ctrl-C.

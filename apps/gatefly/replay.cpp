@@ -8,6 +8,7 @@
 
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/pages/flight_page.hpp"
 #include "gatefly/pages/page.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
@@ -122,8 +123,9 @@ int replay(const ReplayOptions& options) {
     std::cout << tasks::as_json(report, given, result).dump(2) << '\n';
   } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << given.directory << ": "
-              << result.estimates.size() << " samples, " << result.pictures.size()
-              << " pictures, all numbers " << (result.finite ? "finite" : "NOT finite") << '\n';
+              << io::amount(result.estimates.size(), "sample") << ", "
+              << io::amount(result.pictures.size(), "picture") << ", all numbers "
+              << (result.finite ? "finite" : "NOT finite") << '\n';
     if (report.visible)
       std::cout
           << "  gate found      in " << report.visible->found << " of " << report.visible->shown
@@ -131,8 +133,9 @@ int replay(const ReplayOptions& options) {
     if (report.labelled)
       std::cout << "  labelled        in " << report.labelled->found << " of "
                 << report.labelled->shown << " (overlap70)\n";
-    std::cout << "  fixes           " << report.fixes << " pictures corrected the filter, "
-              << result.gates_passed << " gates passed\n";
+    std::cout << "  fixes           " << io::amount(report.fixes, "picture")
+              << " corrected the filter, " << io::amount(result.gates_passed, "gate")
+              << " passed\n";
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";

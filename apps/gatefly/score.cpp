@@ -105,8 +105,9 @@ void print_screen(const ScoreOptions& options, const io::ScoreInput& input,
   const auto line = [](const char* name, const std::string& text) {
     if (!text.empty()) std::cout << "  " << std::left << std::setw(17) << name << text << '\n';
   };
-  std::cout << options.labels << ": " << score.pictures << " pictures, " << score.gates
-            << " labelled gates, " << options.rule << (options.nearest ? ", nearest" : "") << '\n';
+  std::cout << options.labels << ": " << io::amount(score.pictures, "picture") << ", "
+            << io::amount(score.gates, "labelled gate") << ", " << options.rule
+            << (options.nearest ? ", nearest" : "") << '\n';
   line("true positives",
        std::to_string(score.hits) + " of " + std::to_string(score.gates) +
            (score.gates > 0 ? " (rate " + fixed(score.true_positive_rate(), 3) + ")" : ""));

@@ -3,9 +3,11 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/config/json_schema.hpp"
 #include "gatefly/drawing/course_map.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/tasks/course_report.hpp"
@@ -21,7 +23,7 @@ using tasks::LegReport;
 struct TrackOptions {
   CommonOptions common;
   std::string track, draw;
-  bool json = false;
+  bool json = false, schema = false;
 };
 
 std::string verdict(const tasks::CourseReport& course) {
@@ -72,6 +74,12 @@ void print_way(const tasks::CourseReport& course) {
 
 /// gatefly track: what a course asks for. Exit 0 it can be flown, 1 it cannot, 2 unusable input.
 int track(const TrackOptions& options) {
+  if (options.schema) {
+    std::cout << io::track_schema().dump(2) << '\n';
+    return kDone;
+  }
+  if (options.track.empty())
+    throw std::runtime_error("track: TRACK is required (--help shows what there is)");
   const tasks::CourseReport course = tasks::checked_course(options.track, options.common);
   check_outputs({{"--draw", options.draw, io::kOurPng}}, {course.path}, options.common);
   say_notes(course.notes);
@@ -82,7 +90,7 @@ int track(const TrackOptions& options) {
   if (options.json) {
     std::cout << as_json(course).dump(2) << '\n';
   } else {
-    std::cout << verdict(course) << '\n';
+    std::cout << coloured(course.plan.has_value(), verdict(course)) << '\n';
     if (!options.common.quiet) {
       print_course(course);
       if (course.plan) print_way(course);
@@ -104,10 +112,11 @@ void declare_track(Command& command) {
       "Clearance is from the drone's outline.\n"
       "Exit code 0: the course can be flown; 1: it cannot, and why; 2: unusable arguments or "
       "file.");
-  command.option("TRACK", options->track, "a name in tracks/ or a file").required();
+  command.option("TRACK", options->track, "a name in tracks/ or a file");
   command.option("--draw", options->draw, "draw the course and the planned way from above")
       .path("FILE.png");
   command.flag("--json", options->json, "print the answer, leg by leg, as JSON");
+  command.flag("--schema", options->schema, "print a JSON schema of track files, for editors");
   add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return track(*options); });

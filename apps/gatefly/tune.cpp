@@ -113,7 +113,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
     const auto done = static_cast<double>(names.size());
     if (progress.due(done))
       progress.update(0.5 * done / static_cast<double>(files.size()),
-                      std::to_string(names.size()) + " pictures read");
+                      io::amount(names.size(), "picture") + " read");
   }
   progress.clear();
   if (!material.files.empty() && !options.common.quiet) complain(upright.said());
@@ -122,7 +122,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
         static_cast<int>(gates.size()) - static_cast<int>(names.size());
   if (labelled && names.empty() && !files.empty())
     throw std::runtime_error(options.labels + ": names none of the " +
-                             std::to_string(files.size()) + " pictures, e.g. " +
+                             io::amount(files.size(), "picture") + ", e.g. " +
                              files.front().filename().string());
   return material;
 }
@@ -135,11 +135,11 @@ fs::path beside(const fs::path& out, const char* ending) {
 }
 
 std::string summary_of(const TuneOptions& options, const Material& material, const Tuned& tuned) {
-  const std::string pictures = std::to_string(material.pictures.size()) + " pictures, ";
+  const std::string pictures = io::amount(material.pictures.size(), "picture") + ", ";
   return options.labels.empty()
              ? pictures + std::to_string(tuned.gates) + " detections of fitness " +
                    io::text_of(tuned.confident) + " and more"
-             : pictures + std::to_string(tuned.gates) + " labelled gates";
+             : pictures + io::amount(tuned.gates, "labelled gate");
 }
 
 std::string rates_of(const tuning::Operating& point) {

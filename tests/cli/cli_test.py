@@ -1135,7 +1135,7 @@ class Pictures(Cli):
         for name, size in (("none.ppm", {"gate": False}), ("one.ppm", {"width": 1, "height": 1}), ("line.ppm", {"height": 1})):
             result = self.run_it("detect", self.picture(name, **size))
             self.assertEqual((result.returncode, result.stdout), (1, self.HEADER + "\n"))
-            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\ngatefly detect: 1 of 1 pictures have "
+            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\ngatefly detect: 1 of 1 picture has "
                              f"no colour, by which gates are found: {name}\n")
 
     def test_json_holds_the_same_rows(self):

@@ -322,5 +322,10 @@ TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {
   EXPECT_EQ(as_json(bebop), as_json(Config{}));
 }
 
+TEST(Config, AKeyWithoutItsUnitIsSuggestedWithIt) {
+  EXPECT_THAT(error_with("control.speed=1"), HasSubstr("did you mean 'control.speed_mps'?"));
+  EXPECT_THAT(error_with("camera.tilt=1"), HasSubstr("did you mean 'camera.tilt_deg'?"));
+}
+
 }  // namespace
 }  // namespace gatefly::io

@@ -206,6 +206,43 @@ TEST_F(EveryKey, IsShownOnceInItsSectionAndStandsOnceInTheJson) {
   EXPECT_EQ(json_values.size(), config_keys().size());
 }
 
+/// The members behind the keys that have another unit than SI.
+std::vector<double> converted(const Config& c) {
+  const PilotConfig& p = c.pilot;
+  return {c.camera.tilt_down,
+          c.camera.latency,
+          c.camera.readout,
+          c.camera.exposure,
+          p.gate_yaw_sigma,
+          p.pose.attitude_sigma,
+          p.pose.heading_sigma,
+          p.ahrs.start_heading_sigma,
+          p.filter_memory,
+          p.paper_control.pitch,
+          p.lateral.max_roll,
+          p.speed.max_pitch,
+          p.speed.min_pitch,
+          p.speed.roll_lead,
+          p.speed.brake_lead,
+          p.phase.max_tilt,
+          p.phase.imu_timeout,
+          c.vehicle.rotor_time_constant,
+          c.sim.ideal_vision.outliers,
+          c.sim.vehicle.rotor_time_constant,
+          c.sim.sensors.imu_jitter};
+}
+
+/// 0.06 rad is 3.437746770784939 degrees in a file, not some digits fewer.
+TEST_F(EveryKey, ReadsBackToTheSameBits) {
+  for (const Settings& each :
+       {Settings{}, Settings{"camera.tilt_deg=16.1", "camera.latency_ms=9.7"}}) {
+    const Config config = load_config(Files{}, each);
+    const Config again = load_config(Files{folder_.file("shown.toml", show(config))});
+    EXPECT_EQ(converted(again), converted(config));
+    EXPECT_EQ(as_json(again), as_json(config));
+  }
+}
+
 /// What show() prints is a configuration file; the track's own values are comments in it.
 TEST_F(EveryKey, AsShownReadsBackAsItself) {
   const Values before = loaded({});

@@ -84,6 +84,12 @@ class Installed(unittest.TestCase):
             self.assertTrue((elsewhere / "out" / "oval-1" / "report.html").exists())
             self.assertIn("eyes-real", run(program, "reproduce", "--list", cwd=elsewhere, env=env))
 
+    def test_what_man_shells_and_editors_read_is_there(self):
+        for path in ("man/man1/gatefly.1", "bash-completion/completions/gatefly", "fish/vendor_completions.d/gatefly.fish",
+                     "gatefly/schemas/track.schema.json", "gatefly/schemas/config.schema.json"):
+            self.assertGreater(len((self.prefix / "share" / path).read_text()), 1000, path)
+        self.assertEqual(len(list((self.prefix / "share" / "zsh").rglob("_gatefly"))), 1)
+
     def test_without_its_files_the_program_says_where_it_looked(self):
         lone = self.folder / "lone"
         lone.mkdir()

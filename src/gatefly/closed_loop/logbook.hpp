@@ -22,8 +22,9 @@ class Logbook {
   /// A step of the body. @param racing  the last gate is still ahead.
   void moved(const sim::BodyState& state, double dt, bool racing);
   void passed(const sim::GatePass& pass);
-  /// A tick of the pilot. @param looked  a picture arrived, exposed around `pose`.
+  /// A tick of the pilot.
   void flown(const Pilot& pilot, const sim::BodyState& truth, double now, bool racing);
+  /// One in which a picture arrived, exposed around `pose`.
   void looked(const Pilot& pilot, const sim::BodyPose& pose, const sim::Sight& sight);
   void motors(const Command& command, double now);
 

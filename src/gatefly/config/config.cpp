@@ -53,6 +53,11 @@ std::string key_suggestion(const std::string& name) {
     if (!section.empty() && key.starts_with(section)) beside.push_back(key.substr(section.size()));
   }
   if (!same.empty()) return ", did you mean '" + nearest(name, same) + "'?";
+  // speed for speed_mps: the beginning, without the unit
+  std::vector<std::string> longer;
+  for (const std::string& key : beside)
+    if (!last.empty() && key.starts_with(last + "_")) longer.push_back(key);
+  if (!longer.empty()) return ", did you mean '" + section + nearest(last, longer) + "'?";
   if (!suggestion(last, beside).empty())
     return ", did you mean '" + section + nearest(last, beside) + "'?";
   const std::string any = beside.empty() ? suggestion(name, key_names()) : "";
@@ -229,8 +234,14 @@ void check(const Config& c) {
                              ", must be 0, 90, 180 or 270");
 }
 
-/// As a configuration file has it: whole, where a message would cut it.
+/// As a configuration file has it: whole, with every digit, where a message would cut it.
 std::string written(const json& value) {
+  if (value.is_number_float()) return text_of(value.get<double>());
+  if (value.is_array()) {
+    std::vector<std::string> items;
+    for (const json& item : value) items.push_back(written(item));
+    return "[" + joined(items) + "]";
+  }
   return value.is_string() ? value.dump(-1, ' ', false, json::error_handler_t::replace)
                            : shown(value);
 }

@@ -111,7 +111,15 @@ std::string unit_of(const std::string& key) {
 }
 
 double in_unit(double si, double unit) {
-  return unit == 1.0 ? si : std::stod(text_of(si / unit, 12));
+  if (unit == 1.0) return si;
+  constexpr int kAllDigits = 17;
+  const double quotient = si / unit;
+  for (int digits = 1; digits <= kAllDigits; ++digits)
+    if (const double value = std::stod(text_of(quotient, digits)); value * unit == si) return value;
+  // The quotient is rounded: what multiplies back may be its neighbour, if anything does.
+  for (const double towards : {-HUGE_VAL, HUGE_VAL})
+    if (const double value = std::nextafter(quotient, towards); value * unit == si) return value;
+  return quotient;
 }
 
 }  // namespace gatefly::io

@@ -42,7 +42,8 @@ struct Key {
   std::function<void(Target&, const nlohmann::json&)> set;  ///< With a value that was checked.
 };
 
-/// Divides and multiplies so that 5 degrees come back as 5: 12 significant digits are kept.
+/// The number with the fewest digits that times `unit` is `si` again: 5 degrees come back as 5, and
+/// what was written and read again is the same to the bit.
 [[nodiscard]] double in_unit(double si, double unit);
 
 /// A key whose member `member(target)` yields by reference: a number, a vector or a text.

@@ -22,7 +22,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kLowestBar = 0.05;  // [m] above the floor: a gate stands on a foot plate.
-constexpr int kMaxGates = 200, kMaxObstacles = 1000;
 
 /// Linear-light albedos of painted wood and cloth. [ours]
 const std::vector<std::pair<std::string, Eigen::Vector3d>>& colors() {
@@ -90,12 +89,9 @@ Eigen::Vector3d read_color(Section& gate, const GateDescription& defaults) {
     const auto rgb = gate.table().numbers("color", 3, 0, 1);
     return {rgb[0], rgb[1], rgb[2]};
   }
-  std::vector<std::string> names;
-  for (const auto& [name, color] : colors()) {
+  for (const auto& [name, color] : colors())
     if (value.is_string() && value.get<std::string>() == name) return color;
-    names.push_back(name);
-  }
-  gate.fail("color", "[r, g, b] in 0..1 or one of " + joined(names));
+  gate.fail("color", "[r, g, b] in 0..1 or one of " + joined(track_colors()));
 }
 
 std::optional<GateExit> read_exit(Table& gate) {
@@ -266,6 +262,12 @@ TrackFile read_track(const std::filesystem::path& path, const GateDescription& d
   table.refuse_others();
   check_inside_room(track.track, file);
   return track;
+}
+
+std::vector<std::string> track_colors() {
+  std::vector<std::string> names;
+  for (const auto& [name, color] : colors()) names.push_back(name);
+  return names;
 }
 
 std::filesystem::path find_track(const std::string& name) { return find_toml(name, "tracks"); }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "gatefly/config/descriptions.hpp"
 #include "gatefly/race/track.hpp"
@@ -27,6 +28,9 @@ struct TrackFile {
 /// @throws std::runtime_error one line: file, line, key, value, what is allowed.
 [[nodiscard]] TrackFile read_track(const std::filesystem::path& path,
                                    const GateDescription& gates = {});
+
+/// What a gate's `color` may be called.
+[[nodiscard]] std::vector<std::string> track_colors();
 
 /// A track file by path or by its name in tracks/.
 /// @throws std::runtime_error listing the tracks there are.

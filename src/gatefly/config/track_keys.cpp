@@ -9,6 +9,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/config/track_file.hpp"
 #include "gatefly/files/toml_file.hpp"
 
 namespace gatefly::io {
@@ -29,7 +30,11 @@ std::string section_lines(std::string_view section) {
   const bool left_out = section == "exit";
   for (const TrackKey& key : track_keys())
     if (key.section == section)
-      text += line(key.name, key.example, key.what, key.left_out || left_out);
+      text +=
+          line(key.name, key.example,
+               key.what + (*key.otherwise == '\0' ? std::string{}
+                                                  : "; without it " + std::string{key.otherwise}),
+               key.left_out || left_out);
   return text;
 }
 
@@ -54,29 +59,46 @@ std::string fault_lines() {
 
 const std::vector<TrackKey>& track_keys() {
   static const std::vector<TrackKey> keys{
-      {"", "name", "\"my course\"", "as it is called in results"},
-      {"", "laps", "2", "1..100", 1, 100},
-      {"start", "position_m", "[0.0, 0.0]", "north, east; on the floor", -kFarthest, kFarthest},
-      {"start", "heading_deg", "0.0", "clockwise from north", -720, 720},
-      {"gates", "position_m", "[4.0, 0.0, -1.5]", "centre of the opening: north, east, down",
+      {"", "name", "\"my course\"", "as it is called in results", "the file's name"},
+      {"", "laps", "2", "how often round, 1..100", "1", 1, 100},
+      {"start", "position_m", "[0.0, 0.0]", "north, east; on the floor", "", -kFarthest, kFarthest},
+      {"start", "heading_deg", "0.0", "clockwise from north", "0", -720, 720},
+      {"gates", "position_m", "[4.0, 0.0, -1.5]", "centre of the opening: north, east, down", "",
        -kFarthest, kFarthest},
-      {"gates", "heading_deg", "0.0", "direction of flight through it, clockwise from north", -720,
+      {"gates", "heading_deg", "0.0", "direction of flight through it, clockwise from north", "0",
+       -720, 720},
+      {"gates", "side_m", "1.0", "outer side", "gate.side_m of the configuration", 0.3, 5},
+      {"gates", "bar_m", "0.05", "width of its bars", "gate.bar_m of the configuration", 0.005, 1},
+      {"gates", "color", "\"orange\"", "a name or [r, g, b], 0..1",
+       "color.rgb of the configuration", 0, 1, track_colors()},
+      {"exit", "run_m", "0.5", "straight on behind the gate", "", 0, 100},
+      {"exit", "turn", "\"right\"", "left or right", "left", 0, 0, {"left", "right"}},
+      {"exit", "angle_deg", "180.0", "by how much it turns", "", 0, 360},
+      {"exit", "radius_m", "1.5", "of the turn", "", 0.3, 100},
+      {"obstacles", "box_m", "[0.4, 0.4, 2.0]", "along its own axes, height", "pole_m", 0.01, 100},
+      {"obstacles",
+       "pole_m",
+       "[0.1, 2.0]",
+       "in place of box_m: radius, height",
+       "box_m",
+       0.005,
+       100,
+       {},
+       true},
+      {"obstacles", "position_m", "[2.0, 1.5]", "its middle on the floor: north, east", "",
+       -kFarthest, kFarthest},
+      {"obstacles", "heading_deg", "0.0", "of its first axis, clockwise from north", "0", -720,
        720},
-      {"gates", "side_m", "1.0", "outer side; without it gate.side_m of the configuration", 0.3, 5},
-      {"gates", "bar_m", "0.05", "width of its bars; without it gate.bar_m", 0.005, 1},
-      {"gates", "color", "\"orange\"", "a name or [r, g, b], 0..1; without it color.rgb"},
-      {"exit", "run_m", "0.5", "straight on behind the gate", 0, 100},
-      {"exit", "turn", "\"right\"", "left or right"},
-      {"exit", "angle_deg", "180.0", "by how much it turns", 0, 360},
-      {"exit", "radius_m", "1.5", "of the turn", 0.3, 100},
-      {"obstacles", "box_m", "[0.4, 0.4, 2.0]", "along its own axes, height", 0.01, 100},
-      {"obstacles", "pole_m", "[0.1, 2.0]", "in place of box_m: radius, height", 0.005, 100, true},
-      {"obstacles", "position_m", "[2.0, 1.5]", "its middle on the floor: north, east", -kFarthest,
-       kFarthest},
-      {"obstacles", "heading_deg", "0.0", "of its first axis, clockwise from north", -720, 720},
-      {"room", "size_m", "[14.0, 12.0, 3.5]", "north, east, height", 1, kFarthest},
-      {"room", "center_m", "[2.0, 1.5]", "north, east", -kFarthest, kFarthest},
-      {"room", "look", "\"hall\"", "textures and lights: hall or showroom"},
+      {"room", "size_m", "[14.0, 12.0, 3.5]", "north, east, height", "[14, 16, 3.2]", 1, kFarthest},
+      {"room", "center_m", "[2.0, 1.5]", "north, east", "[0, 0]", -kFarthest, kFarthest},
+      {"room",
+       "look",
+       "\"hall\"",
+       "textures and lights: hall or showroom",
+       "hall",
+       0,
+       0,
+       {"hall", "showroom"}},
   };
   return keys;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +14,13 @@ struct TrackKey {
   const char* name;
   const char* example;  ///< As it stands in a new file.
   const char* what;
+  const char* otherwise;         ///< What holds when it is left out; "" when it may not be.
   double low = 0.0, high = 0.0;  ///< Of every number.
-  bool left_out = false;  ///< A comment in a new file: it has a default, or excludes another.
+  std::vector<std::string> choices = {};  ///< Of a text that is one of a few words.
+  bool left_out = false;                  ///< A comment in a new file: it excludes another.
 };
+
+inline constexpr std::size_t kMaxGates = 200, kMaxObstacles = 1000;
 
 /// The one table of all keys of a track file but [randomize]'s, in the order of a new file.
 [[nodiscard]] const std::vector<TrackKey>& track_keys();

@@ -34,6 +34,12 @@ namespace gatefly::io {
 [[nodiscard]] std::string joined(std::span<const std::string> words,
                                  std::string_view between = ", ");
 
+/// "1 picture", "2 pictures".
+template <class Whole>
+[[nodiscard]] std::string amount(Whole count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
 /// `text` on one line, cut after about `most` bytes: control characters become spaces, whole UTF-8
 /// letters stay.
 [[nodiscard]] std::string one_line(std::string text, std::size_t most = 60);
