@@ -4,9 +4,11 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
+#include "gatefly/report/flight_mcap.hpp"
 #include "gatefly/report/flight_page.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
@@ -24,7 +26,7 @@ struct FlyOptions {
   RaceOptions race;
   std::string out;
   std::uint64_t seed = 1;
-  bool json = false, video = false;
+  bool json = false, video = false, frames = false;
 };
 
 std::string place(const Eigen::Vector3d& p) {
@@ -89,8 +91,16 @@ int fly(const FlyOptions& options) {
   const bool quiet = options.race.common.quiet;
   if (options.video) io::require_ffmpeg();
   const bool pictures = options.race.vision != "ideal";
+  if (options.frames && !pictures)
+    throw std::runtime_error("--frames: a flight with --vision ideal has none");
+  if (options.frames) io::require_ffmpeg_for("--frames");
   io::FlightPage page(io::shipped_page(), race.config, pictures);
-  io::FlightRecorder recorder(out);
+  io::FlightRecorder recorder(out, {.packed_log = pictures,
+                                    .frames = options.frames,
+                                    .stored_width = race.config.sim.camera.stored_width,
+                                    .stored_height = race.config.sim.camera.stored_height,
+                                    .frames_per_second = race.config.sim.sensors.camera_hz});
+  io::FlightMcap mcap(recorder.place_for("flight.mcap"), race.config);
   for (const auto& [name, content] : maker.inputs()) recorder.add_file(name, content);
   std::optional<io::FlightVideo> video;
   if (options.video)
@@ -105,6 +115,7 @@ int fly(const FlyOptions& options) {
   const auto on_tick = [&](const Tick& tick) {
     recorder.record(tick);
     page.record(tick);
+    mcap.record(tick);
     if (video) video->record(tick);
     last_p_EB = tick.truth.p_EB;
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
@@ -123,6 +134,7 @@ int fly(const FlyOptions& options) {
     return kInterrupted;
   }
 
+  mcap.finish();
   if (video) video->finish(verdict(result, last_p_EB));
   const nlohmann::ordered_json told = io::summary(result, race.identity);
   const std::string summary = told.dump(2) + "\n";
@@ -153,6 +165,8 @@ void declare_fly(Command& command) {
   command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").path("DIR");
   command.flag("--video", options->video,
                "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
+  command.flag("--frames", options->frames,
+               "also keep every picture without loss: frames.mkv (needs ffmpeg)");
   command.flag("--json", options->json, "print summary.json instead of a screen");
   add_race_options(command, options->race);
   command.runs([options] { return fly(*options); });

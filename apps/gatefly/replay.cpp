@@ -10,6 +10,7 @@
 #include "gatefly/tasks/replay_report.hpp"
 
 #include "commands.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -32,11 +33,13 @@ int replay(const ReplayOptions& options) {
   const tasks::ReplayArguments& given = options.replay;
   const tasks::RecordedFlight flight = tasks::read_flight(given);
   say_notes(flight.notes);
-  const flight_log::ReplayResult result = tasks::replayed(flight, given);
+  const flight_log::ReplayResult result = tasks::replayed(flight, given, {}, render_again());
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
 
   const tasks::ReplayReport report = tasks::report_of(flight, given, result);
   if (!report.why_no_fix.empty()) std::cerr << "gatefly replay: " << report.why_no_fix << '\n';
+  if (!report.other_pictures.empty())
+    std::cerr << "gatefly replay: " << report.other_pictures << '\n';
   if (options.json) {
     std::cout << tasks::as_json(report, given, result).dump(2) << '\n';
   } else if (!rows_on_stdout) {
@@ -76,7 +79,8 @@ void declare_replay(Command& command) {
       "fly came out "
       "otherwise; 2: unusable input.");
   command
-      .option("DIR", options->replay.directory, "flight folder: log_si.csv, images.csv, pictures")
+      .option("DIR", options->replay.directory,
+              "flight folder: log_si.csv or log_si.csv.gz, images.csv, pictures")
       .required()
       .path();
   command.option("--track", options->replay.track,

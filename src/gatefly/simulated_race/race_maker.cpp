@@ -53,8 +53,32 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   config = io::on_course(std::move(config), file);
   if (given.laps) file.track.laps = *given.laps;
 
+  const int laps = file.track.laps;
+  nominal(config, std::move(file), given.vision);
+  inputs_ = flight_inputs(arguments, config, path, laps);
+
+  // Whether there is a way at all, before anything is written or rendered.
+  try {
+    const Pilot plans{nominal_.pilot};
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
+  }
+  notes_ = config.notes;
+}
+
+RaceMaker RaceMaker::of_flight(const fs::path& directory) {
+  io::Config config = config_of_flight(directory, {});
+  io::TrackFile file = io::read_track(directory / "track.toml", config.gate);
+  config = io::on_course(std::move(config), file);
+  if (const auto laps = laps_of_flight(directory)) file.track.laps = *laps;
+  RaceMaker maker;
+  maker.nominal(std::move(config), std::move(file), "rendered");
+  return maker;
+}
+
+void RaceMaker::nominal(io::Config config, io::TrackFile file, const std::string& vision) {
   nominal_.vision =
-      given.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
+      vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
   nominal_.timeout = config.sim.timeout;
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
@@ -64,22 +88,12 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
 
   identity_ = {.track = file.track.name,
                .seed = 0,
-               .vision = given.vision,
+               .vision = vision,
                .version = GATEFLY_VERSION,
                .config = io::as_json(config)};
   for (const auto& key : io::randomize_keys())
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
   identity_.config["laps"] = file.track.laps;
-
-  inputs_ = flight_inputs(arguments, config, path, file.track.laps);
-
-  // Whether there is a way at all, before anything is written or rendered.
-  try {
-    const Pilot plans{nominal_.pilot};
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
-  }
-  notes_ = config.notes;
 }
 
 Race RaceMaker::race(std::uint64_t seed) const {
