@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a flight folder of `gatefly fly` as one picture: what the drone saw, and where it flew.
 
-    ./gatefly fly showroom --seed 1
+    ./gatefly fly showroom --seed 1 --frames
     ./tools/flight_picture.py out/showroom-1 docs/showroom.png
 
-Needs python3-numpy and python3-matplotlib. The green outlines are what the pilot detected in flight.
+Needs ffmpeg, python3-numpy and python3-matplotlib. The green outlines are what the pilot detected in flight.
 """
 import csv
 import math
@@ -19,11 +19,13 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from frames_of import frames_of
+
 INK, TRUE, GUESS, GATE = "#22303c", "#0b7285", "#e8590c", "#f08c00"
 
 
-def upright_rgb(path, stored_width=160, stored_height=315):
-    raw = np.fromfile(path, np.uint8).reshape(stored_height, stored_width // 2, 4).astype(float)
+def upright_rgb(frame, stored_width=160, stored_height=315):
+    raw = np.frombuffer(frame, np.uint8).reshape(stored_height, stored_width // 2, 4).astype(float)
     y = raw[:, :, [1, 3]].reshape(stored_height, stored_width)
     u, v = np.repeat(raw[:, :, 0], 2, 1) - 128, np.repeat(raw[:, :, 2], 2, 1) - 128
     rgb = np.stack([y + 1.402 * v, y - 0.344136 * u - 0.714136 * v, y + 1.772 * u], -1)
@@ -41,19 +43,22 @@ def detections(folder):
 def main(folder, picture):
     folder = pathlib.Path(folder)
     track = tomllib.loads((folder / "track.toml").read_text())
-    log = np.genfromtxt(folder / "log_si.csv", delimiter=",", names=True)
+    log = np.genfromtxt(folder / "log_si.csv.gz", delimiter=",", names=True)
     images = list(csv.DictReader((folder / "images.csv").open()))
     air = [i for i in images if log["ot_z_m"][int(i["log_row"])] < -1.0]
     found = detections(folder)
     lap = [i for i in air[: len(air) // 3] if i["image"] in found]
     shown = [lap[int(k)] for k in np.linspace(0.0, 0.95, 8) * len(lap)]
 
+    wanted = {image["image"] for image in shown}
+    frames = {name: frame for name, frame in frames_of(folder) if name in wanted}
+
     figure = plt.figure(figsize=(12, 5.2), dpi=100)
     grid = figure.add_gridspec(4, 4, width_ratios=[2.4, 2.4, 0.35, 6.2], wspace=0.02, hspace=0.04,
                                left=0.005, right=0.99, top=0.985, bottom=0.10)
     for k, image in enumerate(shown):
         ax = figure.add_subplot(grid[k // 2, k % 2])
-        ax.imshow(upright_rgb(folder / image["image"]))
+        ax.imshow(upright_rgb(frames[image["image"]]))
         for quad in found.get(image["image"], []):
             ax.plot(*zip(*quad, quad[0]), color="#51ff8f", lw=1.6)
         ax.text(6, 18, f"{float(image['t_s']):.1f} s", color="white", fontsize=8)

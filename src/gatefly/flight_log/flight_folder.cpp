@@ -178,15 +178,19 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
 
 }  // namespace
 
+std::optional<std::filesystem::path> log_in(const std::filesystem::path& directory) {
+  std::error_code error;
+  for (const char* name : {"log_si.csv", "log_si.csv.gz"})
+    if (std::filesystem::exists(directory / name, error)) return directory / name;
+  return std::nullopt;
+}
+
 FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   std::error_code error;
   if (!std::filesystem::is_directory(directory, error))
     throw std::runtime_error(directory.string() + ": is no folder");
-  // Who unpacks it may edit it.
-  const bool packed = !std::filesystem::exists(directory / "log_si.csv", error) &&
-                      std::filesystem::exists(directory / "log_si.csv.gz", error);
   FlightFolder flight{.directory = directory,
-                      .log = directory / (packed ? "log_si.csv.gz" : "log_si.csv"),
+                      .log = log_in(directory).value_or(directory / "log_si.csv"),
                       .samples = {},
                       .images = {}};
   flight.samples = read_log(flight.log);

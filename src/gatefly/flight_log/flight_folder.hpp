@@ -53,6 +53,10 @@ struct FlightFolder {
 /// The frames of a flight in one film without loss.
 inline constexpr const char* kFrameFilm = "frames.mkv";
 
+/// The log in a folder: log_si.csv, or log_si.csv.gz where only that is there (who unpacks it may edit
+/// it); nullopt when it has neither.
+[[nodiscard]] std::optional<std::filesystem::path> log_in(const std::filesystem::path& directory);
+
 /// Reads log_si.csv, or log_si.csv.gz where that is not there, and images.csv, if there is one; real
 /// logs' columns or ours. Pictures stay on disk.
 /// @throws std::runtime_error one line with file and line: unreadable, damaged, time runs

@@ -22,7 +22,7 @@ constexpr double kStatePeriod = 0.04;  // of poses, estimate, control [s]
 constexpr std::size_t kImuEvery = 8;   // of 512 samples a second: 64
 constexpr std::size_t kPictureEvery = 2;
 constexpr int kJpegQuality = 40;
-constexpr int kMetre = 4, kRadian = 5, kPixel = 2;  // digits after the point
+constexpr int kMetre = 3, kRadian = 4, kPixel = 1;  // digits after the point
 constexpr std::uint64_t kSecond = 1'000'000'000;
 
 /// A JSON text that grows: ten times as fast as a tree of values, for ten thousand messages.
@@ -310,7 +310,7 @@ void FlightMcap::write_state(const Tick& tick, std::uint64_t time) {
     text.xyz(e.v_E, kMetre) << R"(,"attitude_rad":)";
     text.attitude(e.attitude) << R"(,"accel_bias_mps2":)";
     text.xyz(e.accel_bias, kMetre) << R"(,"gyro_bias_radps":)";
-    text.xyz(e.gyro_bias, kRadian) << R"(,"sigma_m":)";
+    text.xyz(e.gyro_bias, 5) << R"(,"sigma_m":)";
     text.xyz(e.covariance_GB.diagonal().cwiseMax(0.0).cwiseSqrt(), kMetre)
         << R"(,"target_gate":)" << tick.pilot.target_gate() << R"(,"gates_passed":)"
         << e.gates_passed << "}";
@@ -331,7 +331,7 @@ void FlightMcap::write_imu(const Imu& imu, std::uint64_t time) {
   Text text{text_};
   text << R"({"gyro_radps":)";
   text.xyz(imu.gyro_B, kRadian) << R"(,"accel_mps2":)";
-  text.xyz(imu.accel_B, kMetre) << "}";
+  text.xyz(imu.accel_B, 4) << "}";
   writer_.write(imu_, time, text_);
 }
 

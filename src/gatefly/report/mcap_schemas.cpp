@@ -172,10 +172,11 @@ Json estimate() {
 }
 
 Json imu() {
-  return object("gatefly.Imu",
-                {{"gyro_radps", or_null(xyz("Front, right, down [rad/s], every eighth sample as it "
-                                            "is; null: a lost one"))},
-                 {"accel_mps2", or_null(xyz("Specific force: front, right, down [m/s²]"))}});
+  return object(
+      "gatefly.Imu",
+      {{"gyro_radps", or_null(xyz("Front, right, down [rad/s], every eighth sample, not averaged, "
+                                  "rounded to 1e-4; null: a lost one"))},
+       {"accel_mps2", or_null(xyz("Specific force: front, right, down [m/s²]"))}});
 }
 
 Json detections() {
