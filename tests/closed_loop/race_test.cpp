@@ -88,8 +88,9 @@ TEST(FramesAgain, AreTheFlightsOwnToTheBitFromItsRotorSpeedsAlone) {
     const auto picture = again.picture_of(tick);
     EXPECT_EQ(again.ticks(), tick + 1);
     ASSERT_EQ(!picture.empty(), trace.sensors[tick].image.has_value()) << tick;
-    if (!picture.empty())
+    if (!picture.empty()) {
       ASSERT_EQ(std::vector(picture.begin(), picture.end()), trace.frames[frame++]) << tick;
+    }
   }
   EXPECT_EQ(frame, trace.frames.size());
   // Those between need not be asked for.

@@ -13,7 +13,7 @@ std::uint64_t of(std::string_view text) {
   return xxh64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-// By xxhsum -H1 of the xxhash package.
+// As xxhsum -H1 prints them.
 TEST(Xxh64, IsTheKnownOne) {
   EXPECT_EQ(of(""), 0xef46db3751d8e999);
   EXPECT_EQ(of("a"), 0xd24ec4f1a98c6e5b);

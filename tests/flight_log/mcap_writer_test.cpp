@@ -105,9 +105,10 @@ struct Mcap {
         statistics.bytes(2 + 4 + 4 + 4 + 4);
         first = statistics.number<std::uint64_t>(), last = statistics.number<std::uint64_t>();
       }
-      if (record.op == 0x0F)
+      if (record.op == 0x0F) {
         EXPECT_EQ(Cursor{record.content}.number<std::uint32_t>(),
                   crc(std::string_view{file}.substr(0, 8 + record.at)));
+      }
       if (record.op == 0x02) {
         Cursor footer{record.content};
         const auto start = footer.number<std::uint64_t>();
@@ -139,7 +140,8 @@ struct Mcap {
         channels[id] = cursor.string();
         EXPECT_EQ(cursor.string(), "json");
       } else if (inner.op == 0x05) {
-        Message message{.channel = cursor.number<std::uint16_t>()};
+        Message message;
+        message.channel = cursor.number<std::uint16_t>();
         EXPECT_EQ(cursor.number<std::uint32_t>(), sequence[message.channel]++);
         message.time = cursor.number<std::uint64_t>();
         EXPECT_EQ(cursor.number<std::uint64_t>(), message.time);
