@@ -89,7 +89,8 @@ struct Mcap {
         const auto start = index.number<std::uint64_t>(), length = index.number<std::uint64_t>();
         EXPECT_EQ(file[start], 0x06);
         EXPECT_EQ(records_of(std::string_view{file}.substr(start, length)).size(), 1u);
-        Cursor offsets{index.string()};
+        const std::string map = index.string();
+        Cursor offsets{map};
         while (!offsets.rest().empty()) {
           const auto channel = offsets.number<std::uint16_t>();
           const auto offset = offsets.number<std::uint64_t>();
