@@ -332,6 +332,16 @@ class Replay(Cli):
                             (self.flight / "flight.mcap", "flight.mcap: is no folder"), (self.flight.parent / "cache", "log_si.csv: cannot be read")):
             self.assertIn(said, self.refused("replay", given))
 
+    def test_what_a_killed_flight_left_is_one_line(self):
+        with subprocess.Popen([GATEFLY, "fly", "oval", "--quiet", "--out", "X"], cwd=self.folder, stderr=subprocess.DEVNULL,
+                              env=dict(os.environ, XDG_CACHE_HOME=str(self.cache))) as process:
+            deadline = time.monotonic() + 60
+            while not (self.folder / "X.partial" / "settings.txt").exists() and time.monotonic() < deadline:
+                time.sleep(0.01)
+            time.sleep(1.0)
+            process.kill()
+        self.assertIn("X.partial/log_si.csv.gz: is cut off", self.refused("replay", "X.partial"))
+
     @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg here")
     def test_kept_frames_are_replayed_to_the_bit(self):
         kept = self.folder / "kept"
@@ -1623,6 +1633,7 @@ class NothingIsLost(Cli):
     def test_after_a_kill_the_next_flight_clears_up(self):
         self.interrupted(signal.SIGKILL, "X.partial/log_si.csv", *self.FOREVER)
         self.assertTrue((self.folder / "X.partial").is_dir())
+        self.assertIn("X.partial", self.refused("replay", "X.partial"))
         self.assertEqual(self.run_it(*self.FLIGHT, "--out", "X").returncode, 0)
         self.assertFalse((self.folder / "X.partial").exists())
 
