@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "gatefly/files/text.hpp"
+#include "gatefly/report/campaign_comparison.hpp"
 #include "gatefly/sim/camera.hpp"
 
 #include "campaign_folder.hpp"
@@ -31,7 +32,7 @@ struct CampaignOptions {
   int runs = 0, jobs = 0;
   std::uint64_t first_seed = 1;
   std::string shard, out;
-  std::vector<std::string> merge;
+  std::vector<std::string> merge, compare;
   bool json = false;
 };
 
@@ -138,16 +139,47 @@ class Fleet {
   std::exception_ptr error_;
 };
 
+/// Pairs two campaigns; prints and answers that.
+nlohmann::ordered_json compared(const CampaignFolder& first, const CampaignFolder& second) {
+  const auto track = [](const CampaignFolder& folder) {
+    return folder.arguments().value("track", "");
+  };
+  if (track(first) != track(second))
+    throw std::runtime_error("--compare " + first.path().string() + ": is of " + track(first) +
+                             ", " + second.path().string() + " of " + track(second));
+  nlohmann::ordered_json json{{"first", first.path().string()}, {"second", second.path().string()}};
+  json["differences"] = io::argument_differences(first.arguments(), second.arguments());
+  json.update(io::campaign_comparison(first.rows(), second.rows()));
+  if (json.at("pairs") == 0)
+    throw std::runtime_error("--compare " + first.path().string() +
+                             ": has no seed in common with " + second.path().string());
+  return json;
+}
+
+/// Two campaigns that are there; flies nothing.
+int compare(const CampaignOptions& options) {
+  const auto json = compared(CampaignFolder::existing(options.compare[0]),
+                             CampaignFolder::existing(options.compare[1]));
+  if (options.json)
+    std::cout << json.dump(2) << '\n';
+  else
+    print_comparison(json);
+  return kDone;
+}
+
 /// Statistics of all runs of a whole folder; prints and writes them.
 void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds,
               const CampaignOptions& options) {
   std::vector<io::RunRow> rows;
   for (const std::uint64_t seed : seeds) rows.push_back(folder.row(seed).value());
-  const nlohmann::ordered_json campaign = folder.finish(rows);
+  nlohmann::ordered_json campaign = folder.finish(rows);
+  if (!options.compare.empty())
+    campaign["comparison"] = compared(CampaignFolder::existing(options.compare[0]), folder);
   if (options.json)
     std::cout << campaign.dump(2) << '\n';
   else
     print_campaign(campaign, folder.path(), options.race.common.quiet);
+  if (!options.compare.empty() && !options.json) print_comparison(campaign.at("comparison"));
 }
 
 int merge(const CampaignOptions& options) {
@@ -158,6 +190,10 @@ int merge(const CampaignOptions& options) {
 }
 
 int campaign(const CampaignOptions& options) {
+  if (options.compare.size() > 2)
+    throw std::runtime_error("--compare: one campaign to compare with, or two that are there");
+  if (options.compare.size() == 2) return compare(options);
+  if (!options.compare.empty()) (void)CampaignFolder::existing(options.compare[0]);
   if (!options.merge.empty()) return merge(options);
   const Shard shard = shard_of(options.shard);
   if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
@@ -174,6 +210,7 @@ int campaign(const CampaignOptions& options) {
                            {"runs", options.runs},
                            {"shard", {shard.index, shard.count}},
                            {"version", race.identity.version},
+                           {"commit", race.identity.commit},
                            {"config", race.identity.config}};
   if (const auto table = maker.inputs().find("colors.toml"); table != maker.inputs().end()) {
     arguments["color_table"] = table->second;  // its content counts, not where it lies
@@ -216,7 +253,8 @@ void declare_campaign(Command& command) {
   command.footer(
       "Example:\n  gatefly campaign oval --runs 40 --vision ideal\n"
       "  gatefly campaign showroom --runs 300 --shard 1/2 --out out/half-1\n"
-      "  gatefly campaign --merge out/half-1 out/half-2 --out out/whole\n\n"
+      "  gatefly campaign --merge out/half-1 out/half-2 --out out/whole\n"
+      "  gatefly campaign --compare out/before out/after\n\n"
       "Started again with the same arguments it flies only the seeds that are missing.\n"
       "Exit code 0: all were flown; 2: unusable arguments or track; 130: Ctrl-C, finished runs are "
       "kept.");
@@ -229,6 +267,10 @@ void declare_campaign(Command& command) {
               "only every n-th seed, from the i-th on: for several machines")
       .type_name("i/n");
   command.option("--merge", options->merge, "instead of flying: the shards' folders").path("DIR");
+  command
+      .option("--compare", options->compare,
+              "pair it seed by seed with another campaign; with two folders nothing is flown")
+      .path("DIR");
   command.option("--out", options->out, "folder for the campaign [out/campaign-TRACK]").path("DIR");
   command.flag("--json", options->json, "print campaign.json instead of a screen");
   add_race_options(command, options->race);

@@ -75,6 +75,11 @@ CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::str
   }
 }
 
+CampaignFolder CampaignFolder::existing(const fs::path& path) {
+  const nlohmann::json campaign = read_campaign(path);
+  return {path, campaign.at("arguments"), campaign.value("fly", "")};
+}
+
 nlohmann::ordered_json CampaignFolder::as_json() const {
   nlohmann::ordered_json json;
   json["arguments"] = arguments_;
@@ -105,12 +110,24 @@ void CampaignFolder::keep(std::uint64_t seed, const std::string& summary_json) c
 
 std::optional<io::RunRow> CampaignFolder::row(std::uint64_t seed) const {
   if (!fs::exists(file_of(seed))) return std::nullopt;
+  io::RunRow row;
   try {
-    const io::RunRow row = io::row_of(nlohmann::json::parse(io::read_file(file_of(seed))));
-    if (row.seed == seed) return row;
+    row = io::row_of(nlohmann::json::parse(io::read_file(file_of(seed))));
+    if (row.seed != seed) return std::nullopt;
   } catch (const nlohmann::json::exception&) {  // damaged by somebody else: as if it were not there
+    return std::nullopt;
   }
-  return std::nullopt;
+  if (const std::string commit = arguments_.value("commit", ""); row.commit != commit)
+    throw std::runtime_error(file_of(seed).string() + ": flown by commit \"" + row.commit +
+                             "\", the campaign by \"" + commit + "\", take it away");
+  return row;
+}
+
+std::vector<io::RunRow> CampaignFolder::rows() const {
+  std::vector<io::RunRow> rows;
+  for (const std::uint64_t seed : seeds())
+    if (auto there = row(seed)) rows.push_back(*std::move(there));
+  return rows;
 }
 
 nlohmann::ordered_json CampaignFolder::finish(const std::vector<io::RunRow>& rows) const {
@@ -134,11 +151,10 @@ CampaignFolder merged(const fs::path& out, const std::vector<fs::path>& shards) 
   std::string fly;
   std::vector<CampaignFolder> parts;
   for (const fs::path& shard : shards) {
-    const nlohmann::json campaign = read_campaign(shard);
-    nlohmann::json arguments = campaign.at("arguments");
-    parts.emplace_back(shard, arguments, campaign.value("fly", ""));
+    parts.push_back(CampaignFolder::existing(shard));
+    nlohmann::json arguments = parts.back().arguments_;
     arguments["shard"] = {1, 1};
-    if (whole.is_null()) whole = arguments, fly = campaign.value("fly", "");
+    if (whole.is_null()) whole = arguments, fly = parts.back().fly_;
     if (const std::string other = difference(whole, arguments); !other.empty())
       throw std::runtime_error(shard.string() + ": does not belong to " + shards.front().string() +
                                " (" + other + ")");

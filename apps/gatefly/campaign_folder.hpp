@@ -26,19 +26,28 @@ class CampaignFolder {
   /// @throws std::runtime_error when it belongs to other arguments or to something else.
   CampaignFolder(std::filesystem::path path, nlohmann::json arguments, std::string fly);
 
+  /// An existing one, as it is. @throws std::runtime_error when it is none or damaged.
+  [[nodiscard]] static CampaignFolder existing(const std::filesystem::path& path);
+
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const nlohmann::json& arguments() const { return arguments_; }
   [[nodiscard]] std::vector<std::uint64_t> seeds() const;
 
   /// Stores a run; from any thread.
   void keep(std::uint64_t seed, const std::string& summary_json) const;
   /// A stored run; nullopt when there is none that can be read.
+  /// @throws std::runtime_error when another commit flew it: no two are mixed.
   [[nodiscard]] std::optional<io::RunRow> row(std::uint64_t seed) const;
+  /// All runs that are there, by seed.
+  [[nodiscard]] std::vector<io::RunRow> rows() const;
   [[nodiscard]] std::filesystem::path file_of(std::uint64_t seed) const;
 
   /// Writes runs.csv and campaign.json; answers the latter.
   nlohmann::ordered_json finish(const std::vector<io::RunRow>& rows) const;
 
  private:
+  friend CampaignFolder merged(const std::filesystem::path&,
+                               const std::vector<std::filesystem::path>&);
   [[nodiscard]] nlohmann::ordered_json as_json() const;
 
   std::filesystem::path path_;

@@ -13,6 +13,18 @@ namespace {
 
 using io::fixed;
 
+/// "3, 8, 11, ...": the first six.
+std::string first_of(const nlohmann::ordered_json& seeds) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(6, seeds.size()); ++k)
+    text += (k > 0 ? ", " : "") + seeds[k].dump();
+  return text + (seeds.size() > 6 ? ", ..." : "");
+}
+
+void print_line(const char* name, const std::string& text) {
+  std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
+}
+
 std::string percent(double part) { return fixed(100.0 * part, 1) + " %"; }
 
 }  // namespace
@@ -27,9 +39,7 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
             << " finished, " << percent(result.at("completion_rate")) << " (95 % interval "
             << percent(interval.at(0)) << " to " << percent(interval.at(1)) << ")\n";
   if (quiet) return;
-  const auto line = [](const char* name, const std::string& text) {
-    std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
-  };
+  const auto& line = print_line;
   line("seeds", arguments.at("first_seed").dump() + " on");
   line("gates",
        result.at("gates_passed").dump() + " of " + result.at("gates_total").dump() + " passed");
@@ -57,19 +67,49 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
   constexpr std::size_t kShown = 8;
   const auto& causes = result.at("causes");
   for (std::size_t i = 0; i < std::min(kShown, causes.size()); ++i) {
-    std::string seeds;
-    const auto& list = causes[i].at("seeds");
-    for (std::size_t k = 0; k < std::min<std::size_t>(6, list.size()); ++k)
-      seeds += (k > 0 ? ", " : "") + list[k].dump();
-    if (list.size() > 6) seeds += ", ...";
     line(i == 0 ? "not finished" : "", causes[i].at("count").dump() + " x " +
                                            causes[i].at("cause").get<std::string>() + " (seed " +
-                                           seeds + ")");
+                                           first_of(causes[i].at("seeds")) + ")");
   }
   if (causes.size() > kShown)
     line("", std::to_string(causes.size() - kShown) + " more causes in campaign.json");
   if (campaign.contains("replay")) line("fly one again", campaign.at("replay").get<std::string>());
   line("files", (out / "").string());
+}
+
+void print_comparison(const nlohmann::ordered_json& comparison) {
+  const auto& only_first = comparison.at("only_first");
+  const auto& only_second = comparison.at("only_second");
+  std::cout << comparison.at("first").get<std::string>() << " | "
+            << comparison.at("second").get<std::string>() << ", " << comparison.at("pairs")
+            << " seeds in common: " << comparison.at("both_finished") << " finished by both, "
+            << only_first.size() << " | " << only_second.size() << " by one alone, "
+            << comparison.at("neither_finished")
+            << " by none (McNemar's p = " << fixed(comparison.at("mcnemar_p"), 3) << ")\n";
+  if (!only_first.empty()) print_line("only the first", "seed " + first_of(only_first));
+  if (!only_second.empty()) print_line("only the second", "seed " + first_of(only_second));
+  const auto gain = [&](const char* name, const char* key, const char* unit, int digits) {
+    const auto& q = comparison.at("second_minus_first").at(key);
+    if (q.is_null()) return;
+    const auto at = [&](const char* which) {
+      const double value = q.at(which);
+      return (value < 0 ? "" : "+") + fixed(value, digits);
+    };
+    print_line(name, at("p50") + unit + " median, " + at("p25") + " to " + at("p75") + unit +
+                         " (quartiles), second - first");
+  };
+  gain("race time", "race_time_s", " s", 2);
+  gain("speed", "mean_speed_mps", " m/s", 3);
+  gain("gates", "gates_passed", "", 1);
+  constexpr std::size_t kShown = 12;
+  const auto& differences = comparison.at("differences");
+  for (std::size_t i = 0; i < std::min(kShown, differences.size()); ++i)
+    print_line(i == 0 ? "they differ in" : "", differences[i].get<std::string>());
+  if (differences.size() > kShown)
+    print_line("", std::to_string(differences.size() - kShown) + " more, see --json");
+  if (differences.empty()) print_line("they differ in", "nothing");
+  if (comparison.at("unpaired") != 0)
+    print_line("left out", comparison.at("unpaired").dump() + " runs of one alone");
 }
 
 }  // namespace gatefly::cli

@@ -11,4 +11,7 @@ namespace gatefly::cli {
 void print_campaign(const nlohmann::ordered_json& campaign, const std::filesystem::path& out,
                     bool quiet);
 
+/// Prints campaign_comparison() of two campaigns.
+void print_comparison(const nlohmann::ordered_json& comparison);
+
 }  // namespace gatefly::cli

@@ -488,6 +488,28 @@ class Replay(Cli):
         self.assertIn("the colour table has changed", self.refused(*moved))
 
 
+class Faults(Cli):
+    def test_they_are_said_in_a_track_file_a_configuration_or_on_the_command_line(self):
+        oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")
+        track = self.file("broken.toml", oval + "\n[faults]\nmissing_gate = 1\ncamera_out_s = [3, 1]\n")
+        config = self.file("mended.toml", "[faults]\ncamera_out_s = [0, 0]\n")
+        fly = ("fly", track, "--vision", "ideal", "--laps", "1", "--json", "--out")
+        summary = json.loads(self.run_it(*fly, "a").stdout)
+        self.assertEqual(summary["gates_passed"], 0)
+        self.assertEqual((summary["config"]["faults"]["missing_gate"], summary["config"]["faults"]["camera_out_s"]), (1, [3, 1]))
+        over = json.loads(self.run_it(*fly, "b", "--config", config, "--set", "faults.missing_gate=0").stdout)
+        self.assertEqual((over["config"]["faults"]["missing_gate"], over["config"]["faults"]["camera_out_s"]), (0, [0, 0]))
+        self.assertEqual(over["gates_passed"], 2)
+
+    def test_wrong_ones_are_refused(self):
+        fly = ("fly", "oval", "--vision", "ideal", "--set")
+        self.assertIn("did you mean 'camera_out_s'", self.refused(*fly, "faults.camera_ot_s=[1, 2]"))
+        self.assertIn("2 numbers", self.refused(*fly, "faults.camera_out_s=1"))
+        self.assertIn("has 2 gates", self.refused(*fly, "faults.missing_gate=3"))
+        track = self.file("t.toml", (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8") + "\n[faults]\nweak_rotor = 5\n")
+        self.assertRegex(self.refused("fly", track, "--vision", "ideal"), r"t\.toml:\d+: faults\.weak_rotor = 5, must be a whole number in 0\.\.4")
+
+
 class Campaign(Cli):
     FLIGHT = ("--vision", "ideal", "--laps", "1")
 
@@ -503,7 +525,7 @@ class Campaign(Cli):
         header, *rows = (self.folder / "all" / "runs.csv").read_text().splitlines()
         self.assertEqual(header, "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
                                  "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences")
+                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration")
         cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
         self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
         answer = json.loads(result.stdout)
@@ -590,6 +612,46 @@ class Campaign(Cli):
         error = self.refused("campaign", "--merge", "one", "two", "--out", "merged")
         self.assertIn("two", error)
         self.assertIn("config.control.speed_mps", error)
+
+    def test_what_another_commit_flew_is_not_mixed_in(self):
+        self.assertEqual(self.campaign("mine", runs=2).returncode, 0)
+        written = self.folder / "mine" / "campaign.json"
+        mine = json.loads(written.read_text(encoding="utf-8"))
+        commit = mine["arguments"]["commit"]
+        rows = (self.folder / "mine" / "runs.csv").read_text().splitlines()[1:]
+        self.assertEqual({row.split(",")[-2] for row in rows}, {commit})
+        self.assertEqual(len({row.split(",")[-1] for row in rows}), 1)  # all of one configuration
+        run = self.folder / "mine" / "run_000002.json"
+        whole = run.read_text(encoding="utf-8")
+        run.write_text(whole.replace(f'"commit": "{commit}"', '"commit": "0123456789ab"'), encoding="utf-8")
+        self.assertIn('run_000002.json: flown by commit "0123456789ab"', self.refused("campaign", "oval", "--runs", "2", *self.FLIGHT, "--out", "mine"))
+        run.write_text(whole, encoding="utf-8")
+        mine["arguments"]["commit"] = "0123456789ab"
+        written.write_text(json.dumps(mine), encoding="utf-8")
+        error = self.refused("campaign", "oval", "--runs", "2", *self.FLIGHT, "--out", "mine")
+        self.assertIn(f'commit was "0123456789ab", is "{commit}"', error)
+        self.assertEqual(self.campaign("part", "--shard", "2/2", runs=2).returncode, 0)
+        self.assertIn("commit", self.refused("campaign", "--merge", "part", "mine", "--out", "merged"))
+
+    def test_two_campaigns_are_compared_seed_by_seed(self):
+        self.assertEqual(self.campaign("early", "--set", "sim.timeout_s=5", runs=3).returncode, 0)
+        result = self.campaign("late", "--first-seed", "2", "--compare", "early", "--json", runs=3)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        comparison = json.loads(result.stdout)["comparison"]
+        self.assertEqual(comparison["pairs"], 2)  # seeds 2 and 3
+        self.assertEqual(comparison["unpaired"], 2)
+        self.assertEqual((comparison["only_first"], comparison["only_second"]), ([], [2, 3]))
+        self.assertAlmostEqual(comparison["mcnemar_p"], 0.5)
+        self.assertEqual(comparison["differences"], ["sim.timeout_s: 5.0 | 240.0"])
+        stored = json.loads((self.folder / "late" / "campaign.json").read_text())
+        self.assertNotIn("comparison", stored)
+        again = self.run_it("campaign", "--compare", "early", "late")
+        self.assertIn("0 | 2 by one alone", again.stdout)
+        self.assertIn("only the second seed 2, 3", again.stdout)
+        self.assertEqual(self.campaign("other", "--first-seed", "900", runs=1).returncode, 0)
+        self.assertIn("no seed in common", self.refused("campaign", "--compare", "early", "other"))
+        self.assertIn("nowhere/campaign.json", self.refused("campaign", "oval", "--runs", "1", "--compare", "nowhere"))
+        self.assertIn("--compare", self.refused("campaign", "--compare", "early", "late", "other"))
 
     def test_a_folder_with_other_arguments_is_refused(self):
         self.assertEqual(self.campaign("mine", runs=1).returncode, 0)
@@ -840,9 +902,10 @@ class New(Cli):
             track = self.file("full.toml", "\n".join(line for line in full if not line.startswith(without)))
             self.assertEqual(self.run_it("track", track).returncode, 0, self.run_it("track", track).stderr)
         keys = tomllib.loads("\n".join(full))
-        self.assertEqual(set(keys), {"name", "laps", "start", "gates", "obstacles", "room", "randomize"})
+        self.assertEqual(set(keys), {"name", "laps", "start", "gates", "obstacles", "room", "randomize", "faults"})
         self.assertEqual(set(keys["gates"][0]), {"position_m", "heading_deg", "side_m", "bar_m", "color", "exit"})
         self.assertIn("gate_position_m", keys["randomize"])
+        self.assertIn("camera_out_s", keys["faults"])
         for line in lines:
             if re.match(r"(# )?\w+ = ", line):
                 self.assertRegex(line, r"  # \w|^(position_m|heading_deg) =")

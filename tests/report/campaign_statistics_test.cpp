@@ -85,16 +85,16 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
                         {.samples = 2, .sum_per_dof = 1.0, .inside = 2},
                         2};
   result.frames = 100, result.true_positives = 40, result.false_positives = 3, result.searches = 1;
-  const RunRow row = row_of(summary(result, {"oval", 17, "ideal", "1.2.3", {}}));
+  const RunRow row = row_of(summary(result, {"oval", 17, "ideal", "1.2.3", "c0", "f0", {}}));
   EXPECT_EQ(row.seed, 17u);
   EXPECT_FALSE(row.finished);
   EXPECT_EQ(row.cause, "crash: gate 2 left bar");
-  EXPECT_EQ(
-      runs_csv({row}),
-      "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
-      "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-      "nees_mean,nees_inside,nis_mean,nis_inside,divergences\n"
-      "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2\n");
+  EXPECT_EQ(runs_csv({row}),
+            "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
+            "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
+            "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration\n"
+            "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left "
+            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,c0,f0\n");
 
   result.crash_time.reset();
   result.stop_reason = "abort", result.abort_reason = "lost, twice";

@@ -44,25 +44,26 @@ void put_color(Numbers& numbers, const std::string& name, const Eigen::Vector3d&
 /// then a draw may change it, and this list has to know.
 Numbers numbers_of(const SimConfig& config) {
   Numbers n;
-  const auto& [world, vehicle, sensors, camera, light, ideal_vision, start, wind, seed, cache_dir,
-               bake_threads] = config;
+  const auto& [world, vehicle, sensors, camera, light, ideal_vision, start, wind, faults, seed,
+               cache_dir, bake_threads] = config;
   put(n, "seed", static_cast<double>(seed));
   put(n, "bake_threads", bake_threads);
   put(n, "ideal_vision.outliers", ideal_vision.outliers);
   {
-    const auto& [look, room_size, room_center, gates, obstacles, decoys] = world;
+    const auto& [look, room_size, room_center, gates, false_gates, obstacles, decoys] = world;
+    put(n, "false_gates", static_cast<double>(false_gates.size()));
     put(n, "room_size", room_size);
     put(n, "room_center", room_center);
     put(n, "decoys", static_cast<double>(decoys.size()));
     for (std::size_t i = 0; i < gates.size(); ++i) {
-      const auto& [p_EG, yaw_EG, side, bar, color, sought] = gates[i];
+      const auto& [p_EG, yaw_EG, side, bar, color, sought, missing, hidden_beyond] = gates[i];
       const std::string name = "gate" + std::to_string(i);
       put(n, name + ".p_EG", p_EG);
       put(n, name + ".yaw_EG", yaw_EG);
       put(n, name + ".side", side);
       put(n, name + ".bar", bar);
       put_color(n, name, color);
-      put(n, name + ".sought", sought ? 1.0 : 0.0);
+      put(n, name + ".there", std::array{sought ? 1.0 : 0.0, missing ? 1.0 : 0.0, hidden_beyond});
     }
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       const auto& [center, size, heading, bottom, top, pole] = obstacles[i];
@@ -75,7 +76,7 @@ Numbers numbers_of(const SimConfig& config) {
   {
     const auto& [mass, inertia, size, arm_x, arm_y, propeller_radius, thrust_coefficient,
                  torque_coefficient, rotor_time_constant, min_speed, max_speed, rotor_drag,
-                 body_drag, sag, sag_time] = vehicle;
+                 body_drag, sag, sag_time, battery] = vehicle;
     put(n, "mass", mass);
     put(n, "inertia", inertia);
     put(n, "size", size);
@@ -87,12 +88,15 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "body_drag", body_drag);
     put(n, "sag", sag);
     put(n, "sag_time", sag_time);
+    const auto& [capacity, full, empty, resistance, hover_power, electronics] = battery;
+    put(n, "battery", std::array{capacity, full, empty, resistance, hover_power, electronics});
   }
   {
     const auto& [accel_bias, flight_bias, gyro_bias, gyro_drift, accel_scale, gyro_scale,
-                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, noise_scale, imu_hz,
-                 sonar_hz, baro_hz, imu_jitter, sonar_noise, sonar_max, baro_noise, baro_drift,
-                 camera_hz, camera_latency, latency_jitter, frame_loss] = sensors;
+                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, imbalance, accel_warming,
+                 gyro_warming, warming_time, noise_scale, imu_hz, sonar_hz, baro_hz, imu_jitter,
+                 sonar_noise, sonar_max, sonar_loss, sonar_double, baro_noise, baro_drift,
+                 baro_airspeed, camera_hz, camera_latency, latency_jitter, frame_loss] = sensors;
     put(n, "accel_bias", accel_bias);
     put(n, "flight_bias", flight_bias);
     put(n, "gyro_bias", gyro_bias);
@@ -107,7 +111,13 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "rates", std::array{imu_hz, sonar_hz, baro_hz});
     put(n, "imu_jitter", imu_jitter);
     put(n, "sonar", std::array{sonar_noise, sonar_max});
-    put(n, "baro", std::array{baro_noise, baro_drift});
+    put(n, "baro", std::array{baro_noise, baro_drift, baro_airspeed});
+    put(n, "imbalance", imbalance);
+    put(n, "accel_warming", accel_warming);
+    put(n, "gyro_warming", gyro_warming);
+    put(n, "warming_time", warming_time);
+    put(n, "sonar_loss", sonar_loss);
+    put(n, "sonar_double", sonar_double);
     put(n, "camera_hz", camera_hz);
     put(n, "camera_latency", camera_latency);
     put(n, "latency_jitter", latency_jitter);
@@ -125,7 +135,8 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "shutter", std::array{exposure, readout});
   }
   {
-    const auto& [group_gain, exposure_target, white_balance, noise_scale] = light;
+    const auto& [group_gain, exposure_target, white_balance, noise_scale, out] = light;
+    put(n, "light.out", out);
     put(n, "group_gain", group_gain);
     put(n, "exposure_target", exposure_target);
     put(n, "white_balance", white_balance);
@@ -135,6 +146,7 @@ Numbers numbers_of(const SimConfig& config) {
   put(n, "start.heading", start.heading);
   put(n, "wind.mean", wind.mean);
   put(n, "wind.gust", wind.gust);
+  put(n, "wind.shape", std::array{wind.gust_length, wind.gust_vertical});
   return n;
 }
 
@@ -152,7 +164,10 @@ SimConfig nominal_day() {
   config.sensors.noise_scale = 1.5;
   config.sensors.latency_jitter = 0.002;
   config.sensors.frame_loss = 0.01;
-  config.light = {{0.9, 1.1, 0.8}, 1.2, {1.05, 0.95, 0.9}, 1.5};
+  config.light = {{0.9, 1.1, 0.8}, 1.2, {1.05, 0.95, 0.9}, 1.5, {0, 0}};
+  config.sensors.accel_warming = {0.02, 0.01, 0.03};
+  config.sensors.gyro_warming = {0.001, 0.003, 0.002};
+  config.sensors.sonar_loss = 0.01, config.sensors.sonar_double = 0.002;
   return config;
 }
 
@@ -255,7 +270,24 @@ const std::vector<Draw>& draws() {
       {"frame_loss", &Randomize::frame_loss, 0.02, kAddsItself, {{"frame_loss"}}},
       {"latency_jitter", &Randomize::latency_jitter, 0.01, kAddsItself, {{"latency_jitter"}}},
       {"wind", &Randomize::wind, 0.5, kAdds, {{"wind.mean.0"}, {"wind.mean.1"}}},
-      {"gust", &Randomize::gust, 1.0, kAddsItself, {{"wind.gust"}}}};
+      {"gust", &Randomize::gust, 1.0, kAddsItself, {{"wind.gust"}}},
+      {"imbalance",
+       &Randomize::imbalance,
+       0.3,
+       kScales,
+       {{"imbalance.0"}, {"imbalance.1"}, {"imbalance.2"}, {"imbalance.3"}}},
+      {"accel_warming",
+       &Randomize::accel_warming,
+       0.05,
+       kAdds,
+       {{"accel_warming.0"}, {"accel_warming.1"}, {"accel_warming.2"}}},
+      {"gyro_warming",
+       &Randomize::gyro_warming,
+       0.01,
+       kAdds,
+       {{"gyro_warming.0"}, {"gyro_warming.1"}, {"gyro_warming.2"}}},
+      {"sonar_loss", &Randomize::sonar_loss, 0.05, kAddsItself, {{"sonar_loss"}}},
+      {"sonar_double", &Randomize::sonar_double, 0.01, kAddsItself, {{"sonar_double"}}}};
   return list;
 }
 
@@ -302,10 +334,10 @@ TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
   Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
-         m20, m21, m22, m23, m24, m25, m26, m27, decoys] = sigma;
-  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,
-                                  &m10, &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19,
-                                  &m20, &m21, &m22, &m23, &m24, &m25, &m26, &m27};
+         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, decoys] = sigma;
+  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,  &m10,
+                                  &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19, &m20, &m21,
+                                  &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29, &m30, &m31, &m32};
   static_assert(std::is_same_v<decltype(decoys), int>);  // has tests of its own below
   std::set<double*> rows;
   for (const Draw& draw : draws()) rows.insert(&(sigma.*draw.member));

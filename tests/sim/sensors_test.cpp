@@ -199,6 +199,37 @@ TEST(ImuModel, VibrationIsAtTheRotorsFrequency) {
   }
 }
 
+TEST(ImuModel, AnUnbalancedRotorShakesMoreAndAtItsOwnFrequency) {
+  SensorTruth truth = perfect();
+  truth.accel_vibration = {2, 0, 0};
+  truth.imbalance = {0, 0, 2, 0};
+  BodyState state = at_rotor_speed(600.0);
+  state.rotor_speed[2] = kReference;
+  ImuModel model{truth, 5};
+  double sum = 0.0, sum2 = 0.0, last = 0.0;
+  for (int i = 0; i < 40'000; ++i) {
+    const double now = model.measure(state, kDt).accel_B.x();
+    sum += now * last, sum2 += now * now;
+    last = now;
+  }
+  EXPECT_NEAR(std::sqrt(sum2 / 40'000), 2.0, 0.1);  // twice a quarter of the power, four times
+  EXPECT_NEAR(sum / sum2, std::cos(kReference * kDt) * std::exp(-0.5 * 0.3 * 0.3), 0.02);
+}
+
+TEST(ImuModel, BiasesMoveAsItWarmsUp) {
+  SensorTruth truth = perfect();
+  truth.accel_warming = {0.5, -0.25, 1.0}, truth.gyro_warming = {0.1, 0.2, -0.3};
+  truth.warming_time = 2.0;
+  BodyState state = at_rotor_speed(0.0);
+  state.specific_force_B.setZero();
+  ImuModel model{truth, 1};
+  Imu imu;
+  for (int i = 0; i < 1024; ++i) imu = model.measure(state, kDt);
+  const double part = 1.0 - std::exp(-1.0);
+  EXPECT_THAT(imu.accel_B, IsNear(part * truth.accel_warming, kAccelStep));
+  EXPECT_THAT(imu.gyro_B, IsNear(part * truth.gyro_warming, kGyroStep));
+}
+
 TEST(ImuModel, NoiseScaleScalesNoiseAndVibration) {
   SensorTruth truth;
   const auto one = measured(truth, at_rotor_speed(kReference), kSamples);
@@ -331,6 +362,33 @@ TEST(SonarModel, BeyondItsRangeHearsNothing) {
   EXPECT_NEAR(sonar.measure(hovering(4.99), nullptr).value(), 4.99, kSonarStep);
   EXPECT_FALSE(sonar.measure(hovering(5.01), nullptr));
   EXPECT_FALSE(sonar.measure(hovering(0.01), nullptr)) << "nor so near";
+}
+
+TEST(SonarModel, SomeEchoesAreLostAndSomeShowTwiceTheHeight) {
+  SensorTruth truth;
+  truth.sonar_loss = 0.2, truth.sonar_double = 0.1;
+  SonarModel sonar{truth, 3};
+  int lost = 0, twice = 0;
+  constexpr int kReadings = 10'000;
+  for (int i = 0; i < kReadings; ++i) {
+    const auto range = sonar.measure(hovering(1.5), nullptr);
+    lost += !range;
+    if (!range) continue;
+    const bool is_twice = *range > 2.0;
+    twice += is_twice;
+    EXPECT_NEAR(*range, is_twice ? 3.0 : 1.5, 0.1);
+  }
+  EXPECT_NEAR(lost, 0.2 * kReadings, 4 * std::sqrt(0.16 * kReadings));
+  EXPECT_NEAR(twice, 0.1 * kReadings, 4 * std::sqrt(0.09 * kReadings));
+}
+
+TEST(BaroModel, TakesPartOfTheAirspeedsPressureForHeight) {
+  SensorTruth truth;
+  truth.baro_noise = truth.baro_drift = 0.0, truth.baro_airspeed = 0.5;
+  BodyState state = hovering(1.0);
+  state.v_E = {3.0, 0.0, 0.0}, state.wind_E = {-1.0, 0.0, 0.0};
+  BaroModel baro{truth, 1};
+  EXPECT_NEAR(baro.measure(state, 0.04), 1.0 + 0.5 * 16.0 / (2.0 * kGravity), 1e-9);
 }
 
 TEST(BaroModel, NoiseIsWhiteAboutTheHeight) {

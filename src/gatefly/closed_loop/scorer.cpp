@@ -13,6 +13,9 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
   const Eigen::Vector3d eye_E = pose.p_EB + R_EB * camera_.p_BC;
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
+  const double distance = (gate.p_EG - eye_E).norm();
+  if (gate.missing || (gate.hidden_beyond > 0.0 && distance > gate.hidden_beyond))
+    return std::nullopt;
   // from behind it is not to be flown
   if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;
   const auto corners_G = gate_corners_G(gate.side);
@@ -35,7 +38,8 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
 void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target,
                    const sim::Sight& scene) {
   ++frames_;
-  const auto wanted = visible_gate(pose, world_.gates[static_cast<std::size_t>(target)], &scene);
+  const sim::WorldGate& gate_to_fly = world_.gates[static_cast<std::size_t>(target)];
+  const auto wanted = visible_gate(pose, gate_to_fly, &scene);
   with_gate_ += wanted.has_value();
   bool hit = false;
   for (const auto& detection : sighting.detections) {
@@ -44,10 +48,11 @@ void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int targ
       continue;
     }
     bool is_gate = false;
-    for (const auto& gate : world_.gates) {
-      const auto other = visible_gate(pose, gate, nullptr);
-      is_gate = is_gate || (other && overlaps(detection.corners_px, *other, 0.5));
-    }
+    for (const auto* gates : {&world_.gates, &world_.false_gates})
+      for (const auto& gate : *gates) {
+        const auto other = visible_gate(pose, gate, nullptr);
+        is_gate = is_gate || (other && overlaps(detection.corners_px, *other, 0.5));
+      }
     false_ += !is_gate;
   }
   true_ += hit;

@@ -14,6 +14,7 @@
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/random.hpp"
+#include "gatefly/sim/sensor_faults.hpp"
 #include "gatefly/sim/sensors.hpp"
 #include "gatefly/world/sim_config.hpp"
 
@@ -30,6 +31,7 @@ class CameraFeed {
  public:
   CameraFeed(const sim::SimConfig& config)
       : truth_{config.sensors},
+        faults_{config.faults},
         span_{config.camera.readout + config.camera.exposure},
         schedule_{config.seed, "camera schedule"} {
     history_.reserve(2048);
@@ -45,10 +47,13 @@ class CameraFeed {
   bool advance(double t, Simulator& simulator, Stopwatch& watch) {
     if (t >= next_start_ + span_ && !pending_) {
       const double jitter = std::abs(schedule_.normal_cut(truth_.latency_jitter));
-      const bool lost = schedule_.uniform() < truth_.frame_loss;
+      const bool lost =
+          schedule_.uniform() < truth_.frame_loss || sim::within(faults_.camera_out, next_start_);
+      const bool stuck = exposed_ && sim::within(faults_.camera_stuck, next_start_);
       ++frame_;
       if (!lost) {
-        watch.time([&] { simulator.expose(frame_, next_start_, history_); });
+        if (!stuck) watch.time([&] { simulator.expose(frame_, next_start_, history_); });
+        exposed_ = true;
         start_ = next_start_;
         arrival_ = next_start_ + span_ + truth_.camera_latency + jitter;
         pending_ = true;
@@ -71,19 +76,21 @@ class CameraFeed {
 
  private:
   sim::SensorTruth truth_;
+  sim::Faults faults_;
   double span_;
   sim::Stream schedule_;
   std::vector<sim::BodyPose> history_;
   double next_start_ = 0.2, arrival_ = 0.0, start_ = 0.0;
   std::uint32_t frame_ = 0;
-  bool pending_ = false;
+  bool pending_ = false, exposed_ = false;
 };
 
 /// Everything that looks at the world for the pilot, each at its own rate.
 class SensorSuite {
  public:
   explicit SensorSuite(const sim::SimConfig& config)
-      : imu_{config.sensors, config.seed},
+      : faults_{config.faults},
+        imu_{config.sensors, config.seed},
         sonar_{config.sensors, config.seed},
         baro_{config.sensors, config.seed},
         camera_{config},
@@ -102,9 +109,10 @@ class SensorSuite {
     const sim::BodyState& state = simulator.body.state();
     const double now = simulator.body.time();
     Sensors sensors;
-    sensors.time = std::chrono::nanoseconds{std::llround(now * 1e9)};
-    sensors.imu = imu_.measure(state, dt);
-    if (tick % sonar_every_ == 0) sensors.sonar = sonar_.measure(state, &simulator.sight());
+    sensors.time = faults_.stamp(now);
+    sensors.imu = faults_.broken(imu_.measure(state, dt), now);
+    if (tick % sonar_every_ == 0)
+      sensors.sonar = faults_.broken(sonar_.measure(state, &simulator.sight()), now);
     if (tick % baro_every_ == 0)
       sensors.baro = baro_.measure(state, static_cast<double>(baro_every_) / imu_hz_);
     if (camera_.advance(now, simulator, camera_watch)) simulator.deliver(sensors);
@@ -118,6 +126,7 @@ class SensorSuite {
     return std::max<std::int64_t>(1, std::llround(imu_hz_ / hz));
   }
 
+  sim::SensorFaults faults_;
   sim::ImuModel imu_;
   sim::SonarModel sonar_;
   sim::BaroModel baro_;

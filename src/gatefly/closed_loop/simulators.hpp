@@ -46,7 +46,8 @@ struct IdealSimulator {
   explicit IdealSimulator(const sim::SimConfig& config)
       : body{config},
         vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
-        width{config.camera.stored_height} {}  // the upright picture's
+        width{config.camera.stored_height},  // the upright picture's
+        lamps_out{config.light.out} {}
   IdealSimulator(const IdealSimulator&) = delete;
   IdealSimulator& operator=(const IdealSimulator&) = delete;
 
@@ -54,6 +55,7 @@ struct IdealSimulator {
   [[nodiscard]] double bake_seconds() const { return 0.0; }
   void expose(std::uint32_t, double t_start, std::span<const sim::BodyPose> history) {
     seen = vision.look(t_start, history);
+    if (sim::within(lamps_out, t_start)) seen = {};
   }
   void deliver(Sensors& sensors) const {
     SeenGates& gates = sensors.seen.emplace();
@@ -69,6 +71,7 @@ struct IdealSimulator {
   sim::TwinBody body;
   sim::IdealVision vision;
   int width;
+  sim::During lamps_out;
   sim::SeenPicture seen;
 };
 

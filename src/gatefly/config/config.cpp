@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "gatefly/config/derived.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/shipped_files.hpp"
@@ -25,6 +26,7 @@ std::vector<std::string> key_names() {
   std::vector<std::string> names{"randomize.level"};
   for (const auto& key : config_keys()) names.push_back(key.rule.name);
   for (const auto& key : randomize_keys()) names.push_back(key.rule.name);
+  for (const auto& key : fault_keys()) names.push_back(key.rule.name);
   return names;
 }
 
@@ -108,6 +110,9 @@ void set_key(Config& config, const std::string& given, const json& value, const 
   if (name.starts_with("randomize.")) {
     check_randomize(name.substr(10), value, where);
     config.randomize[name.substr(10)] = value;
+  } else if (name.starts_with("faults.")) {
+    check_fault(name.substr(7), value, where);
+    config.faults[name.substr(7)] = value;
   } else {
     const auto& keys = config_keys();
     const auto found = std::find_if(keys.begin(), keys.end(),
@@ -210,6 +215,8 @@ void check(const Config& c) {
           c.pilot.pose.max_bars_distance);
   ordered(c, "vehicle.min_rotor_radps", c.vehicle.min_speed, "vehicle.max_rotor_radps",
           c.vehicle.max_speed);
+  ordered(c, "sim.battery_empty_v", c.sim.vehicle.battery.empty, "sim.battery_full_v",
+          c.sim.vehicle.battery.full);
   const auto who = [&](const char* key) {
     return c.set_by.contains(key) ? c.set_by.at(key) : std::string{"default"};
   };
@@ -282,9 +289,10 @@ std::string show(const Config& config) {
          << '\n';
   };
   for (const auto& key : config_keys()) line(key.rule, written(key.get(config)), key.rule.source);
-  const json& over = config.randomize;
   const auto line_or_track = [&](const KeyRule& rule) {
-    const std::string key = rule.name.substr(10);
+    const bool is_fault = rule.name.starts_with("faults.");
+    const json& over = is_fault ? config.faults : config.randomize;
+    const std::string key = rule.name.substr(rule.name.find('.') + 1);
     if (over.contains(key))
       line(rule, written(over[key]), "");
     else
@@ -292,6 +300,7 @@ std::string show(const Config& config) {
   };
   line_or_track(randomize_level_rule());
   for (const auto& key : randomize_keys()) line_or_track(key.rule);
+  for (const auto& key : fault_keys()) line_or_track(key.rule);
   return text.str();
 }
 
@@ -302,6 +311,7 @@ json as_json(const Config& config) {
     result[key.rule.name.substr(0, dot)][key.rule.name.substr(dot + 1)] = key.get(config);
   }
   result["randomize"] = config.randomize;
+  result["faults"] = config.faults;
   return result;
 }
 

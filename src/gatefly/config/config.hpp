@@ -20,6 +20,7 @@ namespace gatefly::io {
 struct SimulatorSettings {
   sim::VehicleTruth vehicle;
   sim::SensorTruth sensors;
+  sim::Wind wind;
   sim::IdealVisionParams ideal_vision;
   int bake_threads = 2;
   double timeout = 240.0;  ///< Of one flight [s].
@@ -41,6 +42,7 @@ struct Config {
   std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
               indi_effectiveness = "fixed";
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
+  nlohmann::json faults = nlohmann::json::object();     ///< Put over the track's [faults].
   std::vector<std::string>
       notes;  ///< Lines about keys that were renamed or have no effect any more.
   /// Key -> "file:line" or "--set"; others have their default.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/sim_keys.hpp"
 #include "gatefly/geometry/math.hpp"
 
 // The member behind a key, for const and mutable configurations alike.
@@ -13,7 +14,7 @@ namespace gatefly::io {
 namespace {
 
 using Keys = std::vector<Key<Config>>;
-constexpr double kMilli = 1e-3, kMicro = 1e-6;
+constexpr double kMilli = 1e-3;
 
 template <class Member>
 Key<Config> k(const char* name, double low, double high, Member member, const char* what,
@@ -345,52 +346,6 @@ Keys vehicle_keys() {
       k("vehicle.imu_hz", 50, 4000, AT(rates.imu_hz), "IMU samples a second", "Li18 flight code"),
       k("vehicle.sonar_hz", 1, 200, AT(rates.sonar_hz), "sonar readings a second", "Bebop"),
       k("vehicle.baro_hz", 1, 200, AT(rates.baro_hz), "barometer readings a second", "Bebop"),
-  };
-}
-
-Keys sim_keys() {
-  const char* logs = "real logs";
-  return {
-      choice<Config>("sim.ideal_detector", {"ours", "paper"}, AT(sim.ideal_vision.detector),
-                     "ideal vision: whose detection statistics", "simulation.md"),
-      k("sim.outliers_percent", 0, 100, AT(sim.ideal_vision.outliers),
-        "ideal vision: gates detected displaced, as if seen from up to 3 m away", "none", 0.01),
-      k("sim.false_alarms_factor", 0, 100, AT(sim.ideal_vision.false_alarms),
-        "ideal vision: false alarms / the detector's own", "measured"),
-      k("sim.timeout_s", 1, 3600, AT(sim.timeout), "longest flight", "ours"),
-      k("sim.bake_threads", 1, 64, AT(sim.bake_threads),
-        "threads that compute the light map; it does not depend on them", "ours"),
-      k("sim.size_m", 0.02, 2, AT(sim.vehicle.size), "size of the body along x, y, z",
-        "with guards: simulation.md"),
-      k("sim.propeller_radius_m", 0.01, 1, AT(sim.vehicle.propeller_radius),
-        "radius of a propeller", "Bebop"),
-      k("sim.rotor_time_constant_ms", 1, 500, AT(sim.vehicle.rotor_time_constant),
-        "true lag of the rotors", "Bebop", kMilli),
-      k("sim.rotor_drag_per_s", -5, 0, AT(sim.vehicle.rotor_drag), "drag of the rotors at hover",
-        "recorded flights"),
-      k("sim.body_drag_per_m", 0, 2, AT(sim.vehicle.body_drag),
-        "drag of the body, grows with speed²", "ours"),
-      k("sim.sag_time_s", 1, 3600, AT(sim.vehicle.sag_time),
-        "time after which battery sag is complete", "ours"),
-      k("sim.accel_bias_mps2", -5, 5, AT(sim.sensors.accel_bias), "bias of the accelerometer",
-        logs),
-      k("sim.gyro_bias_radps", -1, 1, AT(sim.sensors.gyro_bias), "bias of the gyro", logs),
-      k("sim.accel_noise_mps2", 0, 20, AT(sim.sensors.accel_noise),
-        "white noise of the accelerometer at 512 Hz", logs),
-      k("sim.accel_vibration_mps2", 0, 50, AT(sim.sensors.accel_vibration),
-        "vibration of the rotors in the accelerometer, RMS", logs),
-      k("sim.gyro_noise_radps", 0, 5, AT(sim.sensors.gyro_noise),
-        "white noise of the gyro at 512 Hz", logs),
-      k("sim.gyro_vibration_radps", 0, 5, AT(sim.sensors.gyro_vibration),
-        "vibration of the rotors in the gyro, RMS", logs),
-      k("sim.imu_jitter_us", 0, 1000, AT(sim.sensors.imu_jitter), "jitter of the sampling interval",
-        "ours", kMicro),
-      k("sim.sonar_noise_m", 0, 1, AT(sim.sensors.sonar_noise), "noise of the sonar", "ours"),
-      k("sim.sonar_max_m", 0.5, 20, AT(sim.sensors.sonar_max), "range of the sonar",
-        "Li18 code: 5"),
-      k("sim.baro_noise_m", 0, 5, AT(sim.sensors.baro_noise), "noise of the barometer", "ours"),
-      k("sim.baro_drift_m", 0, 5, AT(sim.sensors.baro_drift),
-        "random walk of the barometer in 10 s", "ours"),
   };
 }
 

@@ -146,6 +146,7 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .exposure = camera.exposure,
                     .readout = camera.readout};
   nominal.sensors = config.sim.sensors;
+  nominal.wind = config.sim.wind;
   nominal.sensors.camera_hz = camera.rate_hz;
   nominal.sensors.camera_latency = camera.latency;
   nominal.sensors.imu_hz = config.rates.imu_hz;

@@ -100,6 +100,21 @@ std::vector<Key<sim::Randomize>> make_keys() {
       sigma(
           "gust_mps", "gusts", 5, [](auto& r) -> auto& { return r.gust; }),
       sigma(
+          "imbalance_percent", "vibration of each rotor", 100,
+          [](auto& r) -> auto& { return r.imbalance; }, kPercent),
+      sigma(
+          "accel_warming_mps2", "accelerometer bias that comes as the IMU warms up", 5,
+          [](auto& r) -> auto& { return r.accel_warming; }),
+      sigma(
+          "gyro_warming_degps", "gyro bias that comes as the IMU warms up", 20,
+          [](auto& r) -> auto& { return r.gyro_warming; }, kDegree),
+      sigma(
+          "sonar_loss_percent", "sonar echoes that never come back (not drawn)", 100,
+          [](auto& r) -> auto& { return r.sonar_loss; }, kPercent),
+      sigma(
+          "sonar_double_percent", "sonar echoes that show twice the height (not drawn)", 100,
+          [](auto& r) -> auto& { return r.sonar_double; }, kPercent),
+      sigma(
           "decoys", "things of the gate's colour (number)", 50,
           [](auto& r) -> auto& { return r.decoys; }),
   };

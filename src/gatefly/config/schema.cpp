@@ -79,7 +79,7 @@ nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value, const s
 }
 
 std::string unit_of(const std::string& key) {
-  static const std::array<std::pair<const char*, const char*>, 21> units{
+  static const std::array<std::pair<const char*, const char*>, 25> units{
       {{"_rad_per_m", "rad/m"},
        {"_rad_s_per_m", "rad s/m"},
        {"_per_s2", "1/s²"},
@@ -100,7 +100,11 @@ std::string unit_of(const std::string& key) {
        {"_m", "m"},
        {"_s", "s"},
        {"_m2", "m²"},
-       {"_rad", "rad"}}};
+       {"_rad", "rad"},
+       {"_ah", "Ah"},
+       {"_v", "V"},
+       {"_ohm", "Ω"},
+       {"_w", "W"}}};
   for (const auto& [ending, unit] : units)
     if (key.ends_with(ending)) return unit;
   return "";

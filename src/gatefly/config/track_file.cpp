@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/config/track_keys.hpp"
 #include "gatefly/files/shipped_files.hpp"
@@ -255,6 +256,13 @@ TrackFile read_track(const std::filesystem::path& path, const GateDescription& d
     check_randomize(key, value, file.place("/randomize/" + key));
   if (!randomize.contains("level")) randomize["level"] = "race";
   track.randomize = randomized({}, randomize, path.string());
+
+  json faults = table.raw("faults");
+  if (faults.is_null()) faults = json::object();
+  if (!faults.is_object()) table.fail("faults", "a table");
+  for (const auto& [key, value] : faults.items())
+    check_fault(key, value, file.place("/faults/" + key));
+  track.faults = with_faults({}, faults, path.string());
   table.refuse_others();
   check_inside_room(track.track, file);
   return track;

@@ -18,6 +18,7 @@ struct TrackFile {
   sim::World world;  ///< The same as nominal truth; `sim::drawn` moves it.
   sim::StartTruth start;
   sim::Randomize randomize;  ///< Level of the file with its overrides.
+  sim::Faults faults;
 };
 
 /// Reads tracks/*.toml. Format: see tracks/oval.toml.

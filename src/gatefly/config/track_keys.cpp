@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/toml_file.hpp"
 
@@ -37,6 +38,14 @@ std::string randomize_lines() {
   std::string text = line("level", "\"race\"", "none, race or hard", false);
   for (const auto& key : randomize_keys())
     text += line(key.rule.name.substr(key.rule.name.find('.') + 1), shown(key.get(race)),
+                 key.rule.what, true);
+  return text;
+}
+
+std::string fault_lines() {
+  std::string text;
+  for (const auto& key : fault_keys())
+    text += line(key.rule.name.substr(key.rule.name.find('.') + 1), shown(key.get({})),
                  key.rule.what, true);
   return text;
 }
@@ -96,7 +105,10 @@ std::string new_track() {
          "\n# What the simulator changes with every seed: one standard deviation each, of the "
          "level "
          "if not said.\n[randomize]\n" +
-         randomize_lines();
+         randomize_lines() +
+         "\n# What breaks, for a test: nothing if not said. Gates and rotors count from 1.\n"
+         "[faults]\n" +
+         fault_lines();
 }
 
 std::string new_config(const std::string& section) {

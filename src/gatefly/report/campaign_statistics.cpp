@@ -83,6 +83,8 @@ RunRow row_of(const nlohmann::json& summary) {
   row.true_positives = summary.at("detection").at("true_positives").get<int>();
   row.false_positives = summary.at("detection").at("false_positives").get<int>();
   row.searches = summary.at("searches").get<int>();
+  row.commit = summary.value("commit", "");
+  row.configuration = summary.value("configuration", "");
   if (summary.contains("consistency")) {
     const auto& consistency = summary.at("consistency");
     row.consistency = {count_of(consistency.at("nees")), count_of(consistency.at("nis")),
@@ -104,7 +106,7 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
   std::string csv =
       "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
       "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-      "nees_mean,nees_inside,nis_mean,nis_inside,divergences\n";
+      "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration\n";
   for (const RunRow& r : rows) {
     csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
            "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," +
@@ -114,7 +116,8 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
       csv += "," + std::to_string(count);
     for (const auto& count : {r.consistency.nees, r.consistency.nis})
       csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
-    csv += "," + std::to_string(r.consistency.divergences) + "\n";
+    csv += "," + std::to_string(r.consistency.divergences) + "," + r.commit + "," +
+           r.configuration + "\n";
   }
   return csv;
 }

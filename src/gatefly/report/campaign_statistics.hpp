@@ -22,6 +22,7 @@ struct RunRow {
   std::string cause;
   std::vector<double> rmse;  ///< Of the estimate, x y z [m].
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
+  std::string commit, configuration;     ///< "" when an older summary does not say.
   closed_loop::Consistency consistency;  ///< Nothing in it when an older summary has none.
 };
 

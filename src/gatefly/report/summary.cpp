@@ -55,6 +55,8 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["track"] = race.track;
   json["vision"] = race.vision;
   json["version"] = race.version;
+  json["commit"] = race.commit;
+  json["configuration"] = race.configuration;
   json["config"] = race.config;
   return json;
 }

@@ -16,7 +16,11 @@ struct RaceIdentity {
   std::uint64_t seed = 1;
   std::string vision = "rendered";  ///< Or "ideal".
   std::string version;              ///< Of gatefly.
-  nlohmann::json config;            ///< Effective configuration: as_json(config).
+  std::string commit;               ///< It was built from: built_from().
+  /// Fingerprint of configuration, track and kind of vision: races that have the same differ in
+  /// their seed only.
+  std::string configuration;
+  nlohmann::json config;  ///< Effective configuration: as_json(config).
 };
 
 /// summary.json with the keys people and scripts rely on. Only "timings" may differ between two

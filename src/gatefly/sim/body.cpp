@@ -110,8 +110,9 @@ void Body::read_state() {
 void Body::step(const std::array<double, 4>& command, double dt) {
   mjModel* m = mujoco_->model;
   mjData* d = mujoco_->data;
-  forces_.advance(command, time_, dt);
+  forces_.advance(command, state_, time_, dt);
   state_.rotor_speed = forces_.rotor_speed();
+  state_.wind_E = forces_.wind_E();
   const Eigen::Matrix3d R_EB = R_EB_of(state_.q_EB);
   const Eigen::Vector3d force_B = forces_.force_B(R_EB, state_.v_E);
   const Eigen::Vector3d& torque_B = forces_.torque_B();

@@ -18,6 +18,7 @@ struct BodyState {
   Eigen::Vector3d rate_B = Eigen::Vector3d::Zero();
   Eigen::Vector3d specific_force_B{0, 0, -kGravity};  ///< What an ideal accelerometer reads [m/s²].
   std::array<double, 4> rotor_speed{};                ///< [rad/s]
+  Eigen::Vector3d wind_E{0, 0, 0};                    ///< The air around it [m/s].
 };
 
 /// Orientation from a quaternion w, x, y, z, and back.

@@ -27,8 +27,9 @@ constexpr float kNear = 0.01f;  // the camera sees nothing nearer [m]
 constexpr float kFar = 1e3f;
 constexpr double kFootprint =
     1.6;  // side of the square that a pixel's samples cover [px]: a soft lens
-constexpr double kJitter = 0.5;  // of a sample in its cell, 0..1
-constexpr int kMeterStep = 6;    // one pixel in so many, both ways, meters the first frame
+constexpr double kJitter = 0.5;     // of a sample in its cell, 0..1
+constexpr float kLampsOut = 0.02f;  // what is left of the light: windows, exit signs
+constexpr int kMeterStep = 6;       // one pixel in so many, both ways, meters the first frame
 
 /// Where a sample looks from, single precision.
 struct Eye {
@@ -69,6 +70,7 @@ struct CameraRenderer::Impl {
       : camera{truth},
         scene{make_scene(world)},
         visible{{&scene.fixed, &scene.moved}},
+        lamps_out{light.out},
         solid{{&scene.solid}},
         shader{lit(light, cache_dir, bake_threads)},
         sensor{truth, light, seed},
@@ -76,6 +78,24 @@ struct CameraRenderer::Impl {
         picture(static_cast<std::size_t>(truth.stored_width) *
                 static_cast<std::size_t>(truth.stored_height)) {
     make_directions();
+    for (std::size_t i = 0; i < world.gates.size(); ++i)
+      if (world.gates[i].hidden_beyond > 0.0) hide(static_cast<int>(i), world.gates[i]);
+  }
+
+  /// The scene without a gate, for as long as it is far away. Its rectangles stay in the list, of
+  /// no size: hits keep their numbers.
+  void hide(int gate, const WorldGate& where) {
+    std::vector<Rectangle> moved = scene.moved;
+    for (Rectangle& r : moved)
+      if (r.gate == gate) r.edge_u.setZero(), r.edge_v.setZero();
+    hidden_gate = where;
+    without_gate = std::make_unique<RayScene>(
+        std::vector<const std::vector<Rectangle>*>{&scene.fixed, &moved});
+  }
+  /// What there is to be seen from there.
+  [[nodiscard]] const RayScene& seen_from(const Eigen::Vector3d& p_E) const {
+    const bool hidden = without_gate && (hidden_gate.p_EG - p_E).norm() > hidden_gate.hidden_beyond;
+    return hidden ? *without_gate : visible;
   }
 
   Shader lit(const LightConditions& light, const std::filesystem::path& cache_dir, int threads);
@@ -87,7 +107,13 @@ struct CameraRenderer::Impl {
 
   CameraTruth camera;
   Scene scene;
-  RayScene visible, solid;
+  RayScene visible;
+  During lamps_out;
+  WorldGate hidden_gate;
+  std::unique_ptr<RayScene> without_gate;
+  const RayScene* now_visible = &visible;
+  float brightness = 1.0f;  ///< Of all lamps, in this frame.
+  RayScene solid;
   double bake_seconds = 0.0;
   Shader shader;
   Sensor sensor;
@@ -159,7 +185,7 @@ void CameraRenderer::Impl::cast(const Eyes& eyes, const Directions& d, RTCRayHit
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
   }
-  visible.intersect(d.valid, packet, RayScene::Rays::kCoherent);
+  now_visible->intersect(d.valid, packet, RayScene::Rays::kCoherent);
   std::fill_n(pixels, kColumns, Float4{});
   for (int i = 0; i < kPacket; ++i) {
     if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -169,7 +195,7 @@ void CameraRenderer::Impl::cast(const Eyes& eyes, const Directions& d, RTCRayHit
         n.x() * packet.ray.dir_x[i] + n.y() * packet.ray.dir_y[i] + n.z() * packet.ray.dir_z[i];
     if (facing < 0.0f)
       pixels[i % kColumns] +=
-          (1.0f / kSamples) * shader.radiance(hit, packet.hit.u[i], packet.hit.v[i]);
+          (brightness / kSamples) * shader.radiance(hit, packet.hit.u[i], packet.hit.v[i]);
   }
 }
 
@@ -217,6 +243,8 @@ CameraRenderer::~CameraRenderer() = default;
 
 void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
                             std::vector<std::uint8_t>& uyvy) {
+  impl_->now_visible = &impl_->seen_from(interpolated(history, t_start).p_EB);
+  impl_->brightness = within(impl_->lamps_out, t_start) ? kLampsOut : 1.0f;
   if (!impl_->metered) impl_->meter(t_start, history);
   impl_->metered = true;
   for (int line = 0; line < impl_->camera.stored_height; ++line)

@@ -162,8 +162,9 @@ std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camer
   Exposure exposure{camera, t_start, history};
   std::vector<GateView> views;
   for (std::size_t i = 0; i < world.gates.size(); ++i) {
-    auto view = view_of(world.gates[i], sight, exposure);
-    if (!view) continue;
+    const WorldGate& gate = world.gates[i];
+    auto view = gate.missing ? std::nullopt : view_of(gate, sight, exposure);
+    if (!view || (gate.hidden_beyond > 0.0 && view->distance > gate.hidden_beyond)) continue;
     view->gate = static_cast<int>(i);
     views.push_back(*view);
   }
@@ -190,6 +191,7 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
       sight_{sight},
       stream_{seed, "ideal vision"} {
   statistics_.false_alarms *= params.false_alarms;
+  world_.gates.insert(world_.gates.end(), world.false_gates.begin(), world.false_gates.end());
 }
 
 SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history) {

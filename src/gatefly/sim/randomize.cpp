@@ -60,6 +60,45 @@ void add_decoys(World& world, int count, Stream& stream) {
   }
 }
 
+/// Gates like the course's own, off its lanes and inside the room, each turned as it likes.
+void add_false_gates(World& world, int count, Stream& stream) {
+  if (world.gates.empty()) return;
+  for (int placed = 0, tries = 0; placed < count && tries < 1000; ++tries) {
+    WorldGate gate = world.gates[static_cast<std::size_t>(placed) % world.gates.size()];
+    gate.missing = false, gate.hidden_beyond = 0.0;
+    const Eigen::Vector2d half =
+        0.5 * world.room_size.head<2>() - Eigen::Vector2d::Constant(0.5 * gate.side + 0.2);
+    const Eigen::Vector2d p{stream.uniform(-half.x(), half.x()),
+                            stream.uniform(-half.y(), half.y())};
+    gate.p_EG.head<2>() = world.room_center + p;
+    gate.yaw_EG = stream.uniform(-kPi, kPi);
+    if (to_lanes(world, gate.p_EG.head<2>()) < 0.5 * gate.side + 0.8) continue;
+    world.false_gates.push_back(gate);
+    ++placed;
+  }
+}
+
+/// The faults that last: they change the truth. Those with a time are left to whom they happen.
+void break_it(SimConfig& real) {
+  const Faults& faults = real.faults;
+  const auto gate = [&](int number) {
+    const bool there = number > 0 && number <= static_cast<int>(real.world.gates.size());
+    return there ? &real.world.gates[static_cast<std::size_t>(number - 1)] : nullptr;
+  };
+  if (WorldGate* moved = gate(faults.moved_gate))
+    moved->p_EG += faults.gate_moved, moved->yaw_EG += faults.gate_turned;
+  if (WorldGate* missing = gate(faults.missing_gate)) missing->missing = true;
+  if (WorldGate* hidden = gate(faults.hidden_gate)) hidden->hidden_beyond = faults.gate_hidden;
+  for (WorldGate& each : real.world.gates) each.color = hue_turned(each.color, faults.hue);
+  Stream stream{real.seed, "false gates"};
+  add_false_gates(real.world, faults.false_gates, stream);
+  real.light.out = faults.light_out;
+  real.vehicle.sag += faults.battery_sag;
+  real.sensors.camera_latency += faults.camera_delay;
+  real.sensors.frame_loss += faults.camera_drop;
+  real.sensors.sonar_loss += faults.sonar_drop;
+}
+
 /// What `camera_k` is to each model: Dhane's k is off by it; of the polynomials the first
 /// coefficient, by that part of itself: a fixed amount would fold a strong barrel back inside the
 /// picture.
@@ -141,9 +180,19 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.sensors.gyro_scale += normal3(bias, sigma.scale);
   real.sensors.noise_scale *= sigma.noise_scale;
 
+  Stream rotors{seed, "imbalance"};
+  for (double& share : real.sensors.imbalance)
+    share *= std::max(0.0, 1.0 + rotors.normal_cut(sigma.imbalance));
+  Stream warming{seed, "warming"};
+  real.sensors.accel_warming += normal3(warming, sigma.accel_warming);
+  real.sensors.gyro_warming += normal3(warming, sigma.gyro_warming);
+  real.sensors.sonar_loss += sigma.sonar_loss;
+  real.sensors.sonar_double += sigma.sonar_double;
+
   Stream wind{seed, "wind level"};
   real.wind.mean += Eigen::Vector2d{wind.normal_cut(sigma.wind), wind.normal_cut(sigma.wind)};
   real.wind.gust += sigma.gust;
+  break_it(real);
   return real;
 }
 

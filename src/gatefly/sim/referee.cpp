@@ -27,6 +27,7 @@ void Referee::forget() {
 std::optional<GatePass> Referee::update(const BodyState& state, double time) {
   if (finished() || world_.gates.empty()) return std::nullopt;
   const WorldGate& gate = world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
+  if (gate.missing) return std::nullopt;
   const double half_opening = 0.5 * gate.side - gate.bar;
   const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);
 

@@ -143,6 +143,7 @@ void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3
   r.cells_u = cells(first.norm());
   r.cells_v = cells(second.norm());
   r.flat = std::max(first.norm(), second.norm()) < kFlatBelow;
+  r.gate = gate_;
   list.push_back(r);
 }
 
@@ -196,8 +197,15 @@ Scene make_scene(const World& world) {
   const int pole = builder.matt(kPoleColor), foot = builder.matt(kFootColor);
   const auto movable = [&](SceneBuilder::Layer layer) {
     builder.layer(layer);
-    for (const WorldGate& gate : world.gates)
+    const auto add = [&](const WorldGate& gate) {
       add_gate(builder, gate, builder.matt(to_color(gate.color)), pole, foot);
+    };
+    for (std::size_t i = 0; i < world.gates.size(); ++i) {
+      builder.gate(static_cast<int>(i));
+      if (!world.gates[i].missing) add(world.gates[i]);
+    }
+    builder.gate(-1);
+    for (const WorldGate& gate : world.false_gates) add(gate);
     for (const Decoy& decoy : world.decoys)
       builder.solid_box(decoy.shape, builder.matt(to_color(decoy.color)));
   };

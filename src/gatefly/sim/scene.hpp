@@ -44,6 +44,7 @@ struct Rectangle {
   int first_node = 0;  ///< Its slot in the light map: (cells_u + 1)(cells_v + 1) nodes, u fastest.
   int cells_u = 1, cells_v = 1;
   bool flat = false;  ///< So small that one value of light does for all nodes.
+  int gate = -1;      ///< Of World::gates that it belongs to; -1: of none.
 
   [[nodiscard]] int nodes() const { return (cells_u + 1) * (cells_v + 1); }
 };
@@ -92,6 +93,8 @@ class SceneBuilder {
 
   /// Where the following rectangles go.
   void layer(Layer layer) { layer_ = layer; }
+  /// Which gate the following rectangles belong to; -1: none.
+  void gate(int gate) { gate_ = gate; }
   /// A parallelogram seen from the side of `towards` (a point or direction relative to its centre).
   void rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
                  const Eigen::Vector3d& towards, int material);
@@ -106,6 +109,7 @@ class SceneBuilder {
  private:
   Scene& scene_;
   Layer layer_ = Layer::kFixed;
+  int gate_ = -1;
 };
 
 /// Draws the looks. The builder's layer is kFixed.

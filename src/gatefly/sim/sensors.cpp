@@ -26,12 +26,21 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
   const bool flying = strength > 0.3;
   // Density of white noise and of the phase's wandering are the same at any rate.
   const double density = std::sqrt(truth_.imu_hz / kNoiseHz);
-  phase_ = wrap_angle(phase_ + mean_speed * dt + 0.3 / density * noise_.normal());
+  time_ += dt;
+  const double warm = 1.0 - std::exp(-time_ / truth_.warming_time);
 
-  // Three axes of one shaking body: the same frequency, different phases.
-  const Eigen::Vector3d shake =
-      strength * truth_.noise_scale * std::sqrt(2.0) *
-      Eigen::Vector3d{gatefly::sin(phase_), gatefly::sin(phase_ + 2.1), gatefly::sin(phase_ + 4.0)};
+  // Three axes of one shaking body: the same frequencies, different phases.
+  Eigen::Vector3d shake{0, 0, 0};
+  for (int i = 0; i < 4; ++i) {
+    const double speed = state.rotor_speed[static_cast<std::size_t>(i)];
+    double& phase = phase_(i);
+    phase = wrap_angle(phase + speed * dt + 0.3 / density * noise_.normal());
+    shake +=
+        std::min(1.5, (speed / 750.0) * (speed / 750.0)) * truth_.imbalance(i) *
+        Eigen::Vector3d{gatefly::sin(phase), gatefly::sin(phase + 2.1), gatefly::sin(phase + 4.0)};
+  }
+  // Four of them with an RMS of 1 together.
+  shake *= truth_.noise_scale * std::sqrt(2.0) / 2.0;
   const auto white = [&] {
     return Eigen::Vector3d{noise_.normal(), noise_.normal(), noise_.normal()};
   };
@@ -39,10 +48,11 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
 
   Imu imu;
   imu.accel_B = truth_.accel_scale.cwiseProduct(state.specific_force_B) + truth_.accel_bias +
-                std::min(1.0, strength) * truth_.flight_bias +
+                std::min(1.0, strength) * truth_.flight_bias + warm * truth_.accel_warming +
                 truth_.accel_vibration.cwiseProduct(shake) +
                 quiet * truth_.noise_scale * truth_.accel_noise.cwiseProduct(white());
   imu.gyro_B = truth_.gyro_scale.cwiseProduct(state.rate_B) + truth_.gyro_bias +
+               warm * truth_.gyro_warming +
                (flying ? truth_.gyro_drift : Eigen::Vector3d::Zero().eval()) +
                truth_.gyro_vibration.cwiseProduct(shake) +
                quiet * truth_.noise_scale * truth_.gyro_noise.cwiseProduct(white());
@@ -54,8 +64,8 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
 
 std::optional<double> SonarModel::measure(const BodyState& state, const Sight* scene) {
   const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);
-  const double jitter = truth_.sonar_noise * noise_.normal();
-  if (R_EB(2, 2) < 0.7) return std::nullopt;
+  const double jitter = truth_.sonar_noise * noise_.normal(), luck = noise_.uniform();
+  if (R_EB(2, 2) < 0.7 || luck < truth_.sonar_loss) return std::nullopt;
   double nearest = truth_.sonar_max + 1.0;
   // A cone of ±15°: rings of 1, 6 and 12 rays.
   for (int ring = 0; ring < 3; ++ring) {
@@ -72,14 +82,17 @@ std::optional<double> SonarModel::measure(const BodyState& state, const Sight* s
       nearest = std::min(nearest, range);
     }
   }
-  const double measured = nearest + jitter;
+  const bool twice = luck > 1.0 - truth_.sonar_double;  // to the floor, the belly, and again
+  const double measured = (twice ? 2.0 : 1.0) * nearest + jitter;
   if (measured > truth_.sonar_max || measured < 0.02) return std::nullopt;
   return std::round(measured * 1000.0) / 1000.0;
 }
 
 double BaroModel::measure(const BodyState& state, double dt) {
   drift_ += truth_.baro_drift * std::sqrt(dt / 10.0) * noise_.normal();
-  return -state.p_EB.z() + drift_ + truth_.baro_noise * noise_.normal();
+  const double head = (state.v_E - state.wind_E).squaredNorm() / (2.0 * kGravity);
+  return -state.p_EB.z() + drift_ + truth_.baro_airspeed * head +
+         truth_.baro_noise * noise_.normal();
 }
 
 }  // namespace gatefly::sim

@@ -13,8 +13,9 @@ namespace gatefly::sim {
 
 /// IMU with bias, scale, white noise and the rotors' vibration, as measured in the real logs.
 ///
-/// Vibration is a sine at the mean rotor frequency (sampled at 512 Hz it aliases, as it does in
-/// reality) whose phase wanders; its strength goes with rotor speed².
+/// Vibration is a sine at each rotor's frequency (sampled at 512 Hz it aliases, as it does in
+/// reality) whose phase wanders; its strength goes with that rotor's speed² and imbalance. Biases
+/// move as the IMU warms up.
 class ImuModel {
  public:
   ImuModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "imu"} {}
@@ -25,7 +26,8 @@ class ImuModel {
  private:
   SensorTruth truth_;
   Stream noise_;
-  double phase_ = 0.0;
+  Eigen::Vector4d phase_{0.0, 1.6, 3.1, 4.7};
+  double time_ = 0.0;  ///< Since it was switched on [s].
 };
 
 /// Ultrasound: the nearest thing in a cone below; nothing above its range or when tilted too far.

@@ -89,7 +89,9 @@ std::vector<Solid> solids_of(const World& world) {
   std::vector<Solid> solids;
   add_room(solids, world);
   for (std::size_t i = 0; i < world.gates.size(); ++i)
-    add_gate(solids, "gate " + std::to_string(i + 1), world.gates[i]);
+    if (!world.gates[i].missing) add_gate(solids, "gate " + std::to_string(i + 1), world.gates[i]);
+  for (std::size_t i = 0; i < world.false_gates.size(); ++i)
+    add_gate(solids, "false gate " + std::to_string(i + 1), world.false_gates[i]);
   for (std::size_t i = 0; i < world.obstacles.size(); ++i)
     solids.push_back(solid_of("obstacle " + std::to_string(i + 1), world.obstacles[i]));
   for (std::size_t i = 0; i < world.decoys.size(); ++i)

@@ -49,7 +49,7 @@ TwinBody::TwinBody(const SimConfig& config)
 }
 
 void TwinBody::step(const std::array<double, 4>& command, double dt) {
-  forces_.advance(command, time_, dt);
+  forces_.advance(command, state_, time_, dt);
   const Motion now{state_.p_EB, state_.v_E, state_.q_EB, state_.rate_B};
   const auto slope = [&](const Motion& m) { return rate_of(m, forces_, vehicle_); };
   const Motion k1 = slope(now), k2 = slope(now + 0.5 * dt * k1), k3 = slope(now + 0.5 * dt * k2),
@@ -58,6 +58,7 @@ void TwinBody::step(const std::array<double, 4>& command, double dt) {
   state_.p_EB = next.p_E, state_.v_E = next.v_E, state_.q_EB = next.q_EB.normalized(),
   state_.rate_B = next.rate_B;
   state_.rotor_speed = forces_.rotor_speed();
+  state_.wind_E = forces_.wind_E();
   stand_on_floor();
   time_ += dt;
   // Specific force from what the body really did, the floor included.

@@ -6,10 +6,13 @@
 #include <utility>
 
 #include "gatefly/config/derived.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/files/fingerprint.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/sim/randomize.hpp"
+#include "gatefly/simulated_race/built_from.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
 namespace gatefly::tasks {
@@ -38,6 +41,17 @@ void refuse_unflyable(const io::Config& config) {
     fail("vehicle.min_rotor_radps", v.min_speed, "must be less than its mass to come down");
 }
 
+std::string fingerprint_of(const io::RaceIdentity& race,
+                           const std::map<std::string, std::string>& inputs) {
+  nlohmann::json all{
+      {"vision", race.vision}, {"config", race.config}, {"track", inputs.at("track.toml")}};
+  if (const auto table = inputs.find("colors.toml"); table != inputs.end()) {
+    all["colors"] = table->second;  // its content counts, not where it lies
+    all["config"]["color"].erase("table");
+  }
+  return io::fingerprint(all.dump());
+}
+
 }  // namespace
 
 RaceMaker::RaceMaker(const RaceArguments& given) {
@@ -54,8 +68,9 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   if (given.laps) file.track.laps = *given.laps;
 
   const int laps = file.track.laps;
-  nominal(config, std::move(file), given.vision);
+  nominal(config, path, std::move(file), given.vision);
   inputs_ = flight_inputs(arguments, config, path, laps);
+  identity_.configuration = fingerprint_of(identity_, inputs_);
 
   // Whether there is a way at all, before anything is written or rendered.
   try {
@@ -72,11 +87,12 @@ RaceMaker RaceMaker::of_flight(const fs::path& directory) {
   config = io::on_course(std::move(config), file);
   if (const auto laps = laps_of_flight(directory)) file.track.laps = *laps;
   RaceMaker maker;
-  maker.nominal(std::move(config), std::move(file), "rendered");
+  maker.nominal(config, directory / "track.toml", std::move(file), "rendered");
   return maker;
 }
 
-void RaceMaker::nominal(io::Config config, io::TrackFile file, const std::string& vision) {
+void RaceMaker::nominal(const io::Config& config, const fs::path& path, io::TrackFile file,
+                        const std::string& vision) {
   nominal_.vision =
       vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
   nominal_.timeout = config.sim.timeout;
@@ -84,15 +100,28 @@ void RaceMaker::nominal(io::Config config, io::TrackFile file, const std::string
   nominal_.pilot.track = file.track;
   nominal_.sim = io::simulator_config(config, file);
   nominal_.sim.cache_dir = io::cache_dir();
+  nominal_.sim.faults = io::with_faults(file.faults, config.faults, "[faults]");
+  const int gates = static_cast<int>(file.track.gates.size());
+  for (const auto& [name, number] : {std::pair{"moved_gate", nominal_.sim.faults.moved_gate},
+                                     {"missing_gate", nominal_.sim.faults.missing_gate},
+                                     {"hidden_gate", nominal_.sim.faults.hidden_gate}})
+    if (number > gates)
+      throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
+                               ", but " + path.string() + " has " + std::to_string(gates) +
+                               " gates");
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
   identity_ = {.track = file.track.name,
                .seed = 0,
                .vision = vision,
                .version = GATEFLY_VERSION,
+               .commit = built_from(),
+               .configuration = {},
                .config = io::as_json(config)};
   for (const auto& key : io::randomize_keys())
     identity_.config["randomize"][key.rule.name.substr(10)] = key.get(randomize_);
+  for (const auto& key : io::fault_keys())
+    identity_.config["faults"][key.rule.name.substr(7)] = key.get(nominal_.sim.faults);
   identity_.config["laps"] = file.track.laps;
 }
 

@@ -48,7 +48,8 @@ class RaceMaker {
 
  private:
   RaceMaker() = default;
-  void nominal(io::Config config, io::TrackFile file, const std::string& vision);
+  void nominal(const io::Config& config, const std::filesystem::path& path, io::TrackFile file,
+               const std::string& vision);
 
   closed_loop::RaceConfig nominal_;
   sim::Randomize randomize_;

@@ -21,6 +21,8 @@ Randomize randomize_level(const std::string& level) {
   race.flight_bias = 0.05;
   race.light = 0.40, race.exposure = 0.30, race.hue = 6 * kDegree, race.white_balance = 0.08;
   race.frame_loss = 0.02, race.latency_jitter = 0.010;
+  race.imbalance = 0.3, race.accel_warming = 0.05, race.gyro_warming = 0.05 * kDegree;
+  race.sonar_loss = 0.03, race.sonar_double = 0.002;
   race.decoys = 2;
   if (level == "race") return race;
   if (level != "hard")
@@ -38,6 +40,8 @@ Randomize randomize_level(const std::string& level) {
   hard.light = 0.70, hard.exposure = 0.50, hard.hue = 12 * kDegree, hard.white_balance = 0.15;
   hard.frame_loss = 0.10, hard.latency_jitter = 0.030;
   hard.wind = 0.5, hard.gust = 1.0;
+  hard.imbalance = 0.6, hard.accel_warming = 0.15, hard.gyro_warming = 0.15 * kDegree;
+  hard.sonar_loss = 0.15, hard.sonar_double = 0.01;
   hard.decoys = 6;
   return hard;
 }

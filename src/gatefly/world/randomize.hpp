@@ -20,7 +20,10 @@ struct Randomize {
   double noise_scale = 1.0;
   double light = 0.0, exposure = 0.0, hue = 0.0, white_balance = 0.0;  ///< Relative; hue [rad].
   double frame_loss = 0.0, latency_jitter = 0.0;
-  double wind = 0.0, gust = 0.0;  ///< [m/s]
+  double wind = 0.0, gust = 0.0;                   ///< [m/s]
+  double imbalance = 0.0;                          ///< Of each rotor; relative.
+  double accel_warming = 0.0, gyro_warming = 0.0;  ///< [m/s²], [rad/s]
+  double sonar_loss = 0.0, sonar_double = 0.0;     ///< Not random.
   int decoys = 0;
 };
 

@@ -9,9 +9,19 @@
 #include <Eigen/Core>
 
 #include "gatefly/sensing/camera.hpp"
+#include "gatefly/world/faults.hpp"
 #include "gatefly/world/world.hpp"
 
 namespace gatefly::sim {
+
+/// The battery as a circuit: its voltage falls with its charge and with the current drawn.
+struct Battery {
+  double capacity = 4320.0;         ///< [C]; 1.2 Ah: Bebop 1.
+  double full = 12.6, empty = 9.9;  ///< Open-circuit voltage, three cells [V].
+  double resistance = 0.06;         ///< [Ohm; ours: 20 mOhm a cell]
+  double hover_power = 70.0;        ///< [W; 11 minutes of hovering]
+  double electronics = 5.0;         ///< [W]
+};
 
 /// The drone as it really is. The pilot's VehicleParams and drag are a team's idea of it.
 struct VehicleTruth {
@@ -29,9 +39,10 @@ struct VehicleTruth {
   Eigen::Vector3d rotor_drag{-0.50, -0.44, -0.15};
   /// Quadratic part [1/m]. [ours: makes k speed-dependent]
   double body_drag = 0.022;
-  /// Thrust lost to the battery by `sag_time` (0..1).
+  /// Thrust lost to the battery when it has hovered for `sag_time` (0..1); more under load.
   double sag = 0.0;
   double sag_time = 120.0;  ///< [s]
+  Battery battery;
 };
 
 /// What the sensors really do. Standard deviations [SI]; from recorded flights.
@@ -46,13 +57,21 @@ struct SensorTruth {
   Eigen::Vector3d accel_vibration{1.7, 0.6, 3.4};
   Eigen::Vector3d gyro_noise{0.06, 0.06, 0.05};
   Eigen::Vector3d gyro_vibration{0.12, 0.11, 0.18};
+  /// Strength of each rotor's share of the vibration, 1 when all are balanced alike.
+  Eigen::Vector4d imbalance{1, 1, 1, 1};
+  /// What the biases change by while the IMU warms up [m/s²], [rad/s], [s].
+  Eigen::Vector3d accel_warming{0, 0, 0}, gyro_warming{0, 0, 0};
+  double warming_time = 90.0;
   double noise_scale = 1.0;
   double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
   double imu_jitter = 3.0e-4;  ///< Of the sampling interval [s].
   double sonar_noise = 0.015;  ///< [m]
   double sonar_max = 5.0;      ///< [m]
-  double baro_noise = 0.15;    ///< [m]
-  double baro_drift = 0.10;    ///< Random walk [m/√(10 s)].
+  double sonar_loss = 0.0;     ///< Part of the echoes that never come back.
+  double sonar_double = 0.0;  ///< Part of them that come by way of the drone's belly: twice as far.
+  double baro_noise = 0.15;   ///< [m]
+  double baro_drift = 0.10;   ///< Random walk [m/√(10 s)].
+  double baro_airspeed = 0.3;  ///< Part of the dynamic pressure that it takes for height.
   double camera_hz = 15.0;
   double camera_latency = 0.030;  ///< From the end of read-out to arrival [s].
   double latency_jitter = 0.0;    ///< [s]
@@ -79,6 +98,7 @@ struct LightConditions {
   double exposure_target = 1.0;
   std::array<double, 3> white_balance{1, 1, 1};  ///< Gains r, g, b.
   double noise_scale = 1.0;
+  During out{0, 0};  ///< When all lamps are down to a fiftieth.
 };
 
 /// How detections are drawn when no pictures are rendered.
@@ -95,9 +115,12 @@ struct StartTruth {
   double heading = 0.0;            ///< [rad]
 };
 
+/// Moving air: a mean and Dryden's gusts (MIL-F-8785C).
 struct Wind {
-  Eigen::Vector2d mean{0, 0};  ///< [m/s]
-  double gust = 0.0;           ///< Standard deviation, 1 s correlation [m/s].
+  Eigen::Vector2d mean{0, 0};  ///< Towards north, east [m/s].
+  double gust = 0.0;           ///< Standard deviation of each horizontal axis [m/s].
+  double gust_length = 1.7;    ///< Of the gusts along the wind and across [m; ours: a hall].
+  double gust_vertical = 0.5;  ///< Vertical / horizontal standard deviation [ours].
 };
 
 /// Everything the simulator needs, already drawn for one seed.
@@ -110,6 +133,7 @@ struct SimConfig {
   IdealVisionParams ideal_vision;  ///< Used when no pictures are rendered.
   StartTruth start;
   Wind wind;
+  Faults faults;  ///< Those with a time; the others have changed the truth above.
   std::uint64_t seed = 1;
   std::filesystem::path cache_dir = ".cache/gatefly";
   int bake_threads = 2;

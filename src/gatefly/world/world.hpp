@@ -15,7 +15,9 @@ struct WorldGate {
   double side = 1.0;                        ///< Outer side of the coloured frame [m].
   double bar = 0.05;                        ///< Width of its bars, and their depth [m].
   Eigen::Vector3d color{0.95, 0.40, 0.12};  ///< Linear-light albedo, r g b, 0..1.
-  bool sought = true;  ///< The pilot looks for this colour; else ideal vision is blind to it.
+  bool sought = true;    ///< The pilot looks for this colour; else ideal vision is blind to it.
+  bool missing = false;  ///< Not there: neither seen nor touched nor passed.
+  double hidden_beyond = 0.0;  ///< Not seen from farther away than this [m]; 0: always seen.
 };
 
 /// A solid thing standing on the floor (or hanging, if `bottom` > 0).
@@ -40,7 +42,8 @@ struct World {
   std::string look = "hall";               ///< Texture and light set: "hall" or "showroom".
   Eigen::Vector3d room_size{14, 16, 3.2};  ///< North, east, height [m].
   Eigen::Vector2d room_center{0, 0};       ///< [m]
-  std::vector<WorldGate> gates;
+  std::vector<WorldGate> gates;            ///< In the order of flight.
+  std::vector<WorldGate> false_gates;      ///< Like gates, but not in the map; they do not count.
   std::vector<WorldBox> obstacles;
   std::vector<Decoy> decoys;
 };

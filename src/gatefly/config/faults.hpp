@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gatefly/config/schema.hpp"
+#include "gatefly/world/faults.hpp"
+
+namespace gatefly::io {
+
+/// The keys of [faults], in track files, configurations and --set alike.
+[[nodiscard]] const std::vector<Key<sim::Faults>>& fault_keys();
+
+/// Whether `value` may stand at `key` of [faults].
+/// @throws std::runtime_error "where: faults.key ..." when not, or when there is no such key.
+void check_fault(const std::string& key, const nlohmann::json& value, const std::string& where);
+
+/// `base` with a [faults] table put over it. @throws std::runtime_error as check_fault.
+[[nodiscard]] sim::Faults with_faults(const sim::Faults& base, const nlohmann::json& table,
+                                      const std::string& where);
+
+}  // namespace gatefly::io

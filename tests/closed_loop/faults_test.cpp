@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Faults of the camera and of the world, as they reach the pilot's sensors in a flight.
+#include "gatefly/world/faults.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/closed_loop/race.hpp"
+
+#include "support/race_setup.hpp"
+
+namespace gatefly::closed_loop {
+namespace {
+
+using test::race_on;
+
+/// What arrived at the pilot until `until` [s].
+struct Arrived {
+  std::vector<double> pictures;          ///< When [s].
+  std::vector<std::size_t> whole_gates;  ///< In each of them, where they were drawn, not rendered.
+  std::vector<std::vector<std::uint8_t>> bytes;
+  std::vector<double> stamps;  ///< Of every tick [s].
+  int sonar = 0, not_numbers = 0;
+};
+
+Arrived flown_until(const RaceConfig& race, double until) {
+  Arrived arrived;
+  (void)fly(race, [&](const Tick& tick) {
+    const Sensors& sensors = tick.sensors;
+    const double t = 1e-9 * static_cast<double>(sensors.time.count());
+    arrived.stamps.push_back(t);
+    arrived.sonar += sensors.sonar.has_value();
+    arrived.not_numbers += !sensors.imu.accel_B.allFinite();
+    if (sensors.image || sensors.seen) arrived.pictures.push_back(t);
+    if (sensors.seen) arrived.whole_gates.push_back(sensors.seen->gates.size());
+    if (sensors.image) arrived.bytes.emplace_back(tick.frame.begin(), tick.frame.end());
+    return static_cast<double>(arrived.stamps.size()) < until * 512;
+  });
+  return arrived;
+}
+
+RaceConfig ideal(const sim::Faults& faults) {
+  RaceConfig race = race_on("oval", 1003, 1, {}, "", faults);
+  race.vision = Vision::kIdeal;
+  return race;
+}
+
+/// How many pictures arrived between two times [s].
+std::ptrdiff_t pictures(const Arrived& arrived, double from, double to) {
+  return std::count_if(arrived.pictures.begin(), arrived.pictures.end(),
+                       [&](double t) { return t >= from && t < to; });
+}
+
+TEST(CameraFaults, ABurstIsAGapAndNothingElse) {
+  const Arrived arrived = flown_until(ideal({.camera_out = {2.0, 1.0}}), 5.0);
+  EXPECT_GT(pictures(arrived, 1.0, 2.0), 12);
+  EXPECT_EQ(pictures(arrived, 2.15, 3.0), 0);  // what was exposed before has arrived by then
+  EXPECT_GT(pictures(arrived, 3.2, 4.2), 12);
+}
+
+TEST(CameraFaults, StuckItShowsTheSamePixelsWithNewStamps) {
+  const RaceConfig race = race_on("oval", 1003, 1, {}, "", {.camera_stuck = {1.0, 1.0}});
+  const Arrived arrived = flown_until(race, 2.6);
+  int same = 0, different = 0;
+  for (std::size_t i = 1; i < arrived.bytes.size(); ++i) {
+    const bool stuck = arrived.pictures[i] > 1.15 && arrived.pictures[i] < 2.0;
+    const bool repeated = arrived.bytes[i] == arrived.bytes[i - 1];
+    EXPECT_GT(arrived.pictures[i], arrived.pictures[i - 1]);
+    const bool healthy = arrived.pictures[i] < 1.0 || arrived.pictures[i] > 2.2;
+    EXPECT_TRUE(repeated || !stuck) << arrived.pictures[i];
+    EXPECT_FALSE(repeated && healthy) << arrived.pictures[i];
+    ++(repeated ? same : different);
+  }
+  EXPECT_GT(same, 8);
+  EXPECT_GT(different, 12);
+}
+
+TEST(CameraFaults, WithTheLampsOutPicturesAreDarkOrShowNothing) {
+  const RaceConfig race = race_on("oval", 1003, 1, {}, "", {.light_out = {1.0, 0.3}});
+  const Arrived rendered = flown_until(race, 1.3);
+  const auto mean = [](const std::vector<std::uint8_t>& uyvy) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < uyvy.size(); i += 2) sum += uyvy[i];
+    return 2.0 * sum / static_cast<double>(uyvy.size());
+  };
+  double light = 0.0, dark = 255.0;
+  for (std::size_t i = 0; i < rendered.bytes.size(); ++i)
+    (rendered.pictures[i] < 1.0 ? light : dark) = mean(rendered.bytes[i]);
+  EXPECT_LT(dark, light - 20.0);
+
+  for (const std::size_t gates : flown_until(ideal({.light_out = {0.0, 100.0}}), 4.0).whole_gates)
+    EXPECT_EQ(gates, 0u);
+}
+
+TEST(SensorFaultsInFlight, ReachTheirSensors) {
+  const Arrived healthy = flown_until(ideal({}), 3.0);
+  EXPECT_EQ(healthy.not_numbers, 0);
+  EXPECT_GT(healthy.sonar, 50);
+  const Arrived broken = flown_until(
+      ideal({.imu_nan = {1.0, 0.05}, .time_jump = {2.0, 10.0}, .sonar_out = {0.0, 100.0}}), 3.0);
+  EXPECT_NEAR(broken.not_numbers, 0.05 * 512, 2);
+  EXPECT_EQ(broken.sonar, 0);
+  const double last = broken.stamps.back();
+  EXPECT_NEAR(last - healthy.stamps.back(), 10.0, 0.1);
+}
+
+TEST(GateFaultsInFlight, AMissingGateIsNeverPassed) {
+  const RaceResult result = fly(ideal({.missing_gate = 1}), {});
+  EXPECT_EQ(result.gates_passed, 0);
+  EXPECT_FALSE(result.finished);
+}
+
+}  // namespace
+}  // namespace gatefly::closed_loop

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/derived.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/sim/randomize.hpp"
+
+namespace gatefly::test {
+
+/// A race as `gatefly fly` sets it up.
+/// @param level  of randomization; "": the track's own.
+inline closed_loop::RaceConfig race_on(const std::string& track, std::uint64_t seed, int laps,
+                                       const std::vector<std::string>& configs = {},
+                                       const std::string& level = "",
+                                       const sim::Faults& faults = {}) {
+  const io::Config config = io::load_config(io::config_files(configs));
+  io::TrackFile file = io::read_track(io::find_track(track));
+  closed_loop::RaceConfig race;
+  race.pilot = config.pilot;
+  race.pilot.track = file.track;
+  race.pilot.track.laps = laps;
+  sim::SimConfig nominal = io::simulator_config(config, file);
+  nominal.cache_dir = std::filesystem::temp_directory_path() / "gatefly-test-cache";
+  nominal.faults = faults;
+  race.sim =
+      sim::drawn(nominal, level.empty() ? file.randomize : sim::randomize_level(level), seed);
+  return race;
+}
+
+}  // namespace gatefly::test
