@@ -12,12 +12,14 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/seconds.hpp"
 #include "gatefly/simulated_race/race_maker.hpp"
+#include "gatefly/simulated_race/rendered_again.hpp"
 
 #include "arguments.hpp"
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "json.hpp"
 #include "picture.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::python {
 namespace {
@@ -140,6 +142,8 @@ void bind_pictures(py::module_& m) {
 }
 
 }  // namespace
+
+tasks::RenderAgain render_again() { return tasks::rendered_again; }
 
 void bind_race(py::module_& m) {
   bind_pictures(m);

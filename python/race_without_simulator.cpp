@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "bindings.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::python {
 namespace {
@@ -10,6 +11,8 @@ struct Race {};
 struct Pictures {};
 
 }  // namespace
+
+tasks::RenderAgain render_again() { return {}; }
 
 void bind_race(py::module_& m) {
   py::class_<Pictures>(m, "Pictures", "The pictures of a race: this gatefly has none.");

@@ -13,6 +13,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "json.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::python {
 namespace {
@@ -43,10 +44,11 @@ Replay replay(const py::object& folder, const py::object& config, const py::obje
   warn(replay.flight.notes);
   {
     const py::gil_scoped_release others_may_run;
-    replay.result = tasks::replayed(replay.flight, arguments, check_signals);
+    replay.result = tasks::replayed(replay.flight, arguments, check_signals, render_again());
     replay.report = tasks::report_of(replay.flight, arguments, replay.result);
   }
   if (!replay.report.why_no_fix.empty()) warn({replay.report.why_no_fix});
+  if (!replay.report.other_pictures.empty()) warn({replay.report.other_pictures});
   return replay;
 }
 

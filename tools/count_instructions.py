@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Instructions of each call of a detector, counted by callgrind (valgrind): the same at any load.
 
-usage: count_instructions.py STAGE PICTURE...   e.g. count_instructions.py careful out/oval-1/frame_00100.uyvy checker:8:0.5
+usage: count_instructions.py STAGE PICTURE...   e.g. count_instructions.py careful out/frames/frame_00100.uyvy checker:8:0.5
 Pictures, folders and patterns as for `gatefly bench --pictures`. Prints instructions and name, most first, and the median."""
 import pathlib
 import re

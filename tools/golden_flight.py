@@ -3,15 +3,18 @@
 """Makes the small flight that tests/replay ships out of one that `gatefly fly` recorded: the first seconds, IMU and heights
 as they are, the true position now and then, every third picture as a JPEG (needs ffmpeg).
 
-    ./gatefly fly oval --laps 1 --seed 1
+    ./gatefly fly oval --laps 1 --seed 1 --frames
     tools/golden_flight.py out/oval-1 tests/replay/oval_flight
     GATEFLY_RENEW_TRACES=1 ctest --preset release -R replay      # then look at what changed
 """
 import csv
+import gzip
 import pathlib
 import shutil
 import subprocess
 import sys
+
+from frames_of import frames_of
 
 SECONDS, EVERY_PICTURE, TRUTH_EVERY = 8.0, 3, 26
 GYRO = ["gyro_p_radps", "gyro_q_radps", "gyro_r_radps"]
@@ -29,7 +32,7 @@ def make(source, target):
         old.unlink()
     for name in ("track.toml", "config-0.toml", "settings.txt"):
         shutil.copy(source / name, target / name)
-    rows = [row for row in csv.DictReader((source / "log_si.csv").open()) if float(row["t_s"]) < SECONDS]
+    rows = [row for row in csv.DictReader(gzip.open(source / "log_si.csv.gz", "rt")) if float(row["t_s"]) < SECONDS]
     with (target / "log_si.csv").open("w") as log:
         log.write(",".join(["t_ns", *GYRO, *ACCEL, "sonar_m", "baro_m", *TRUTH]) + "\n")
         for i, row in enumerate(rows):
@@ -39,13 +42,14 @@ def make(source, target):
                      *(short(row[k], 4) if i % TRUTH_EVERY == 0 else "" for k in TRUTH)]
             log.write(",".join(cells) + "\n")
     pictures = [row for row in csv.DictReader((source / "images.csv").open()) if int(row["log_row"]) < len(rows)][::EVERY_PICTURE]
+    frames = dict(frames_of(source))
     with (target / "images.csv").open("w") as images:
         images.write("image,log_row,t_ns\n")
         for i, picture in enumerate(pictures):
             name = f"img_{i:05}.jpg"
             # Full range in and out: the values stay as the camera has them.
             subprocess.run(["ffmpeg", "-v", "error", "-y", "-f", "rawvideo", "-color_range", "pc", "-pixel_format", "uyvy422", "-video_size", "160x315",
-                            "-i", source / picture["image"], "-pix_fmt", "yuvj422p", "-q:v", "3", target / name], check=True)
+                            "-i", "-", "-pix_fmt", "yuvj422p", "-q:v", "3", target / name], input=frames[picture["image"]], check=True)
             images.write(f"{name},{picture['log_row']},{picture['t_ns']}\n")
 
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
+#include "gatefly/simulated_race/rendered_again.hpp"
+
 #include "commands.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::cli {
 
@@ -21,5 +24,7 @@ std::span<const CommandHere> commands_here() {
   };
   return kHere;
 }
+
+tasks::RenderAgain render_again() { return tasks::rendered_again; }
 
 }  // namespace gatefly::cli

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "commands.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::cli {
 
@@ -18,5 +19,7 @@ std::span<const CommandHere> commands_here() {
   };
   return kHere;
 }
+
+tasks::RenderAgain render_again() { return {}; }
 
 }  // namespace gatefly::cli

@@ -125,7 +125,8 @@ void each_picture(const fs::path& path, const io::Config& config, bool as_stored
   if (io::is_picture(path))
     return look(io::read_image(path, config.camera.stored_width(), config.camera.stored_height()),
                 name);
-  io::VideoReader video(path, as_stored);
+  io::VideoReader video(path,
+                        as_stored ? io::VideoReader::As::kStored : io::VideoReader::As::kUpright);
   for (int frame = 0; !interrupted(); ++frame) {
     const auto picture = video.next();
     if (!picture) return;

@@ -4,11 +4,13 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/pages/flight_page.hpp"
 #include "gatefly/pages/page.hpp"
+#include "gatefly/report/flight_mcap.hpp"
 #include "gatefly/report/flight_video.hpp"
 #include "gatefly/report/summary.hpp"
 
@@ -25,7 +27,7 @@ struct FlyOptions {
   RaceOptions race;
   std::string out;
   std::uint64_t seed = 1;
-  bool json = false, video = false;
+  bool json = false, video = false, frames = false;
 };
 
 std::string place(const Eigen::Vector3d& p) {
@@ -90,11 +92,19 @@ int fly(const FlyOptions& options) {
   const bool quiet = options.race.common.quiet;
   if (options.video) io::require_ffmpeg();
   const bool pictures = options.race.vision != "ideal";
+  if (options.frames && !pictures)
+    throw std::runtime_error("--frames: a flight with --vision ideal has none");
+  if (options.frames) io::require_ffmpeg_for("--frames");
   std::string empty_page = io::shipped_page();
-  io::FlightRecorder recorder(out);
+  io::FlightRecorder recorder(out, {.packed_log = pictures,
+                                    .frames = options.frames,
+                                    .stored_width = race.config.sim.camera.stored_width,
+                                    .stored_height = race.config.sim.camera.stored_height,
+                                    .frames_per_second = race.config.sim.sensors.camera_hz});
   io::FlightPage page(
       std::move(empty_page), io::page_course(race.config.pilot, race.config.sim, pictures),
       pictures && io::OnboardFilm::possible() ? recorder.place_for("onboard.webm") : fs::path{});
+  io::FlightMcap mcap(recorder.place_for("flight.mcap"), race.config);
   for (const auto& [name, content] : maker.inputs()) recorder.add_file(name, content);
   std::optional<io::FlightVideo> video;
   if (options.video)
@@ -109,6 +119,7 @@ int fly(const FlyOptions& options) {
   const auto on_tick = [&](const Tick& tick) {
     recorder.record(tick);
     page.record(tick);
+    mcap.record(tick);
     if (video) video->record(tick);
     last_p_EB = tick.truth.p_EB;
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
@@ -127,6 +138,7 @@ int fly(const FlyOptions& options) {
     return kInterrupted;
   }
 
+  mcap.finish();
   if (video) video->finish(result, verdict(result, last_p_EB));
   const nlohmann::ordered_json told = io::summary(result, race.identity);
   const std::string summary = told.dump(2) + "\n";
@@ -157,6 +169,8 @@ void declare_fly(Command& command) {
   command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").path("DIR");
   command.flag("--video", options->video,
                "also draw the flight: flight.mp4 in its folder (needs ffmpeg)");
+  command.flag("--frames", options->frames,
+               "also keep every picture without loss: frames.mkv (needs ffmpeg)");
   command.flag("--json", options->json, "print summary.json instead of a screen");
   add_race_options(command, options->race);
   command.runs([options] { return fly(*options); });

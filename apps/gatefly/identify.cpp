@@ -49,13 +49,13 @@ std::vector<fs::path> flight_folders(const IdentifyOptions& options) {
   for (const std::string& given : options.flights) {
     const fs::path path = io::find_data(given, options.data);
     if (!fs::is_directory(path)) throw std::runtime_error(given + ": there is no such folder");
-    if (fs::exists(path / "log_si.csv")) {
+    if (io::log_in(path)) {
       folders.push_back(path);
       continue;
     }
     const std::size_t before = folders.size();
     for (const auto& entry : fs::directory_iterator(path))
-      if (fs::exists(entry.path() / "log_si.csv")) folders.push_back(entry.path());
+      if (io::log_in(entry.path())) folders.push_back(entry.path());
     if (folders.size() == before)
       throw std::runtime_error(given + ": there is no log_si.csv in it, nor in its folders");
     std::sort(folders.begin() + static_cast<std::ptrdiff_t>(before), folders.end());

@@ -15,6 +15,7 @@
 #include "gatefly/tasks/replay_report.hpp"
 
 #include "commands.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -111,7 +112,7 @@ int replay(const ReplayOptions& options) {
   std::optional<ReplayPage> page;
   if (!options.out.empty()) page.emplace(options.out, flight);
   const flight_log::ReplayResult result =
-      tasks::replayed(flight, given, {}, [&](const flight_log::ReplayedTick& tick) {
+      tasks::replayed(flight, given, {}, render_again(), [&](const flight_log::ReplayedTick& tick) {
         if (page) page->record(tick, given.estimator != "drag");
       });
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
@@ -119,6 +120,8 @@ int replay(const ReplayOptions& options) {
   const tasks::ReplayReport report = tasks::report_of(flight, given, result);
   if (page) page->write(report, given, result);
   if (!report.why_no_fix.empty()) std::cerr << "gatefly replay: " << report.why_no_fix << '\n';
+  if (!report.other_pictures.empty())
+    std::cerr << "gatefly replay: " << report.other_pictures << '\n';
   if (options.json) {
     std::cout << tasks::as_json(report, given, result).dump(2) << '\n';
   } else if (!rows_on_stdout) {
@@ -160,7 +163,8 @@ void declare_replay(Command& command) {
       "fly came out "
       "otherwise; 2: unusable input.");
   command
-      .option("DIR", options->replay.directory, "flight folder: log_si.csv, images.csv, pictures")
+      .option("DIR", options->replay.directory,
+              "flight folder: log_si.csv or log_si.csv.gz, images.csv, pictures")
       .required()
       .path();
   command.option("--track", options->replay.track,

@@ -6,6 +6,7 @@ usage: cli_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 Nothing here renders or flies but the few seconds of Video: every other case is refused before take-off, or
 only prints.
 """
+import gzip
 import html.parser
 import json
 import math
@@ -35,9 +36,10 @@ class Cli(unittest.TestCase):
         folder = tempfile.TemporaryDirectory(prefix="gatefly-cli-")
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+        self.cache = self.folder / "cache"
 
     def run_it(self, *arguments, preexec_fn=None, **variables):
-        environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), **variables)
+        environment = dict(os.environ, XDG_CACHE_HOME=str(self.cache), **variables)
         return subprocess.run([GATEFLY, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder,
                               env=environment, timeout=120, check=False, preexec_fn=preexec_fn)
 
@@ -210,7 +212,11 @@ class IdealVision(Cli):
         self.assertGreater(flights[0]["detection"]["true_positives"], 0)
         logs = [(self.folder / name / "log_si.csv").read_bytes() for name in ("one", "two")]
         self.assertEqual(logs[0], logs[1])
-        self.assertEqual(list((self.folder / "one").glob("*.uyvy")), [])
+        self.assertEqual(sorted(path.name for path in (self.folder / "one").iterdir()),
+                         ["config-0.toml", "detections.csv", "flight.mcap", "images.csv", "log_si.csv", "report.html", "settings.txt",
+                          "summary.json", "track.toml"])
+        self.assertEqual(*((self.folder / name / "flight.mcap").read_bytes() for name in ("one", "two")))
+        self.assertIn("--frames: a flight with --vision ideal has none", self.refused("fly", "oval", "--vision", "ideal", "--frames"))
 
     def test_a_flight_without_pictures_is_not_replayed(self):
         self.assertEqual(self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--out", "blind").returncode, 0)
@@ -245,35 +251,154 @@ class IdealVision(Cli):
 
 
 class Replay(Cli):
-    """One short rendered flight, damaged in many ways."""
+    """One short rendered flight, which keeps no pictures, damaged in many ways."""
     @classmethod
     def setUpClass(cls):
         folder = tempfile.TemporaryDirectory(prefix="gatefly-flight-")
         cls.addClassCleanup(folder.cleanup)
+        cls.common_cache = pathlib.Path(folder.name) / "cache"
         cls.flight = pathlib.Path(folder.name) / "flight"
-        environment = dict(os.environ, XDG_CACHE_HOME=folder.name)
-        subprocess.run([GATEFLY, "fly", "oval", "--laps", "1", "--quiet", "--set", "sim.timeout_s=5", "--out", cls.flight],
+        cls.fly("--out", cls.flight)
+
+    @classmethod
+    def fly(cls, *arguments):
+        environment = dict(os.environ, XDG_CACHE_HOME=str(cls.common_cache))
+        subprocess.run([GATEFLY, "fly", "oval", "--laps", "1", "--quiet", "--set", "sim.timeout_s=5", *arguments],
                        env=environment, capture_output=True, timeout=120, check=False)
 
-    def copy(self):
+    def setUp(self):
+        super().setUp()
+        self.cache = self.common_cache  # replay renders the room, whose light is baked once
+
+    def copy(self, flight=None):
+        """Of the flight, its log as a text to be edited."""
         shutil.rmtree(self.folder / "flight", ignore_errors=True)
-        return shutil.copytree(self.flight, self.folder / "flight")
+        copy = pathlib.Path(shutil.copytree(flight or self.flight, self.folder / "flight"))
+        packed = copy / "log_si.csv.gz"
+        (copy / "log_si.csv").write_bytes(gzip.decompress(packed.read_bytes()))
+        packed.unlink()
+        return copy
 
     def edited(self, name, edit):
         path = self.copy() / name
         path.write_text(edit(path.read_text(encoding="utf-8")), encoding="utf-8")
         return path.parent
 
+    def to_the_bit(self, *arguments, **variables):
+        result = self.run_it("replay", *arguments, **variables)
+        self.assertEqual((result.returncode, "to the bit" in result.stdout, result.stderr), (0, True, ""), result.stdout + result.stderr)
+
     def test_as_it_is_it_comes_out_to_the_bit(self):
-        result = self.run_it("replay", self.flight)
-        self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stdout + result.stderr)
+        self.assertEqual(sorted(path.name for path in self.flight.iterdir()),
+                         ["config-0.toml", "detections.csv", "flight.mcap", "images.csv", "log_si.csv.gz", "report.html", "settings.txt",
+                          "summary.json", "track.toml"])
+        self.to_the_bit(self.flight)
+        self.to_the_bit(self.copy())  # unpacked
+        answer = json.loads(self.run_it("replay", self.flight, "--json").stdout)
+        self.assertEqual((answer["pictures_from"], answer["pictures_other"]), ("rendered", 0))
+        self.assertEqual(answer["pictures_checked"], answer["pictures"])
+
+    def test_another_pilot_sees_the_same_pictures(self):
+        answer = json.loads(self.run_it("replay", self.flight, "--json", "--set", "control.speed_mps=1.1", "--set",
+                                        "camera.latency_ms=35").stdout)
+        self.assertEqual((answer["pictures_other"], answer["same_as_recorded"]), (0, False))
+
+    def test_pictures_that_come_out_otherwise_are_said_once(self):
+        other = self.edited("images.csv", lambda text: re.sub(r"(frame_0000[34].*),\w{16}", r"\1,0123456789abcdef", text))
+        result = self.run_it("replay", other)
+        self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stderr)
+        self.assertRegex(result.stderr, r"^gatefly replay: 2 of \d+ pictures are not those of the flight, by their hashes, from "
+                                        r"frame_00003.uyvy on: another version than .* or another kind of processor renders them otherwise"
+                                        r", or the folder was changed\n$")
+        other = self.edited("summary.json", lambda text: text.replace('"seed": 1', '"seed": 2'))
+        result = self.run_it("replay", other)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(result.stderr.count("are not those of the flight"), 1)
+        self.assertIn("images.csv:2:5: 'abc', must be 16 hexadecimal digits", self.refused("replay", self.edited(
+            "images.csv", lambda text: re.sub(r",\w{16}", ",abc", text, count=1))))
+
+    def test_a_packed_log_that_is_damaged_is_one_line(self):
+        packed = (self.flight / "log_si.csv.gz").read_bytes()
+        middle = len(packed) // 2
+        for content, said in ((b"", "is cut off"), (packed[:middle], "is cut off"), (b"t_ns,t_s\n1,1\n", "is no gzip file"),
+                              (packed[:middle] + bytes(200) + packed[middle + 200:], "is damaged")):
+            shutil.rmtree(self.folder / "flight", ignore_errors=True)
+            shutil.copytree(self.flight, self.folder / "flight")
+            (self.folder / "flight" / "log_si.csv.gz").write_bytes(content)
+            self.assertIn(f"log_si.csv.gz: {said}", self.refused("replay", "flight"))
+
+    def test_what_is_no_flight_is_one_line(self):
+        (self.folder / "empty").mkdir()
+        for given, said in (("empty", "empty/log_si.csv: cannot be read"), ("nowhere", "nowhere"), (self.file("a.txt", "hello"), "is no folder"),
+                            (self.flight / "flight.mcap", "flight.mcap: is no folder"), (self.flight.parent / "cache", "log_si.csv: cannot be read")):
+            self.assertIn(said, self.refused("replay", given))
+
+    def test_what_a_killed_flight_left_is_one_line(self):
+        with subprocess.Popen([GATEFLY, "fly", "oval", "--quiet", "--out", "X"], cwd=self.folder, stderr=subprocess.DEVNULL,
+                              env=dict(os.environ, XDG_CACHE_HOME=str(self.cache))) as process:
+            deadline = time.monotonic() + 60
+            while not (self.folder / "X.partial" / "settings.txt").exists() and time.monotonic() < deadline:
+                time.sleep(0.01)
+            time.sleep(1.0)
+            process.kill()
+        self.assertIn("X.partial/log_si.csv.gz: is cut off", self.refused("replay", "X.partial"))
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg here")
+    def test_kept_frames_are_replayed_to_the_bit(self):
+        kept = self.folder / "kept"
+        self.fly("--frames", "--out", kept)
+        self.assertEqual((kept / "images.csv").read_bytes(), (self.flight / "images.csv").read_bytes())
+        self.to_the_bit(kept)
+        answer = json.loads(self.run_it("replay", kept, "--json").stdout)
+        self.assertEqual((answer["pictures_from"], answer["pictures_other"]), ("film", 0))
+        self.assertEqual(answer["pictures_checked"], answer["pictures"])
+        # Without what renders them: the film is enough.
+        for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x"}'):
+            (kept / "summary.json").write_text(nonsense, encoding="utf-8")
+            self.to_the_bit(kept)
+
+        # As flights were before: each frame in its file, no hashes.
+        raw = subprocess.run(["ffmpeg", "-v", "error", "-i", kept / "frames.mkv", "-f", "rawvideo", "-pix_fmt", "yuv422p", "-"],
+                             capture_output=True, check=True, timeout=120).stdout
+        size = 160 * 315 * 2
+        old = self.copy(kept)
+        images = (old / "images.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(len(raw), size * (len(images) - 1))
+        for i, row in enumerate(images[1:]):
+            planes, frame = raw[i * size:(i + 1) * size], bytearray(size)
+            frame[1::2], frame[0::4], frame[2::4] = planes[:size // 2], planes[size // 2:3 * size // 4], planes[3 * size // 4:]
+            (old / row.split(",")[0]).write_bytes(frame)
+        (old / "images.csv").write_text("".join(",".join(row.split(",")[:4]) + "\n" for row in images), encoding="utf-8")
+        (old / "frames.mkv").unlink()
+        self.to_the_bit(old)
+        answer = json.loads(self.run_it("replay", old, "--json").stdout)
+        self.assertEqual((answer["pictures_from"], answer["pictures_checked"]), ("files", 0))
+        (old / "frame_00003.uyvy").unlink()
+        self.assertIn("frame_00003.uyvy: cannot be read", self.refused("replay", "flight"))
+
+        # A film that is damaged, cut off, foreign, empty.
+        film = (kept / "frames.mkv").read_bytes()
+        for content in (b"", b"hello", film[:len(film) // 2]):
+            (kept / "frames.mkv").write_bytes(content)
+            self.assertIn("kept/frames.mkv: ", self.refused("replay", "kept"))
+        subprocess.run(["ffmpeg", "-v", "error", "-y", "-f", "lavfi", "-i", "testsrc=size=64x48", "-frames:v", "99", "-c:v", "ffv1",
+                        kept / "frames.mkv"], check=True, timeout=60)
+        self.assertIn("frames.mkv: its pictures are 64 x 48, the camera's as stored 160 x 315", self.refused("replay", "kept"))
+
+    def test_without_ffmpeg_frames_are_refused_before_the_flight(self):
+        self.assertIn("ffmpeg: No such file or directory; --frames needs it (apt-get install ffmpeg)",
+                      self.refused("fly", "oval", "--frames", PATH="/nowhere"))
 
     def test_what_fly_wrote_must_be_there(self):
         for name in ("images.csv", "track.toml", "settings.txt", "config-0.toml"):
             (self.copy() / name).unlink()
             self.assertIn(f"{name}: is missing, gatefly fly has put it there", self.refused("replay", "flight"))
-        (self.copy() / "frame_00003.uyvy").unlink()
-        self.assertIn("frame_00003.uyvy: cannot be read", self.refused("replay", "flight"))
+        for name, content in (("track.toml", "name = 3"), ("config-0.toml", "[camera]\nfoo = 3\n")):
+            (self.copy() / name).write_text(content, encoding="utf-8")
+            self.assertIn(f"flight/{name}", self.refused("replay", "flight"))
+        log = self.copy() / "log_si.csv"
+        log.write_text(re.sub("motor_lb_radps", "motor_x_radps", log.read_text(encoding="utf-8")), encoding="utf-8")
+        self.assertIn("log_si.csv:2: has no rotor speeds", self.refused("replay", "flight"))
 
     def test_rows_that_were_deleted_are_named(self):
         def without(row):
@@ -292,7 +417,7 @@ class Replay(Cli):
         result = self.run_it("replay", self.edited("log_si.csv", without_a_gyro))
         self.assertEqual(result.returncode, 1)
         self.assertIn("other estimates from log_si.csv:1201 on", result.stdout)
-        first = self.flight.joinpath("log_si.csv").read_text().splitlines()[1].split(",")[2]
+        first = self.copy().joinpath("log_si.csv").read_text().splitlines()[1].split(",")[2]
         for wrong in ("x", "nan", "1e999"):
             self.assertIn(f"log_si.csv:2:3: gyro_p_radps = '{wrong}'", self.refused("replay", self.edited(
                 "log_si.csv", lambda text: text.replace(f",{first},", f",{wrong},", 1))))
@@ -317,9 +442,10 @@ class Replay(Cli):
         path.write_text(settings + "pose.white_px=0.5\n", encoding="utf-8")
         self.assertIn("pose.random_sigma_px is 0.5, was 0.35 in flight", self.run_it("replay", "flight").stdout)
 
-    def test_a_summary_that_is_nonsense_is_ignored(self):
-        for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x"}'):
-            self.assertEqual(self.run_it("replay", self.edited("summary.json", lambda text: nonsense)).returncode, 0, nonsense)
+    def test_a_summary_that_is_nonsense_does_not_say_the_seed(self):
+        for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x", "seed": -1}'):
+            self.assertIn("summary.json: does not say the flight's seed, without which its pictures cannot be rendered again",
+                          self.refused("replay", self.edited("summary.json", lambda text: nonsense)))
 
     def test_a_wrong_setting_of_the_folder_is_not_blamed_on_set(self):
         for wrong, said in (("nonsense", "settings.txt nonsense: must be section.key=value"), ("camera.foo=3", "settings.txt: camera.foo is not a known key")):
@@ -1571,6 +1697,7 @@ class NothingIsLost(Cli):
     def test_after_a_kill_the_next_flight_clears_up(self):
         self.interrupted(signal.SIGKILL, "X.partial/log_si.csv", *self.FOREVER)
         self.assertTrue((self.folder / "X.partial").is_dir())
+        self.assertIn("X.partial", self.refused("replay", "X.partial"))
         self.assertEqual(self.run_it(*self.FLIGHT, "--out", "X").returncode, 0)
         self.assertFalse((self.folder / "X.partial").exists())
 

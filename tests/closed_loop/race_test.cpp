@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gatefly/closed_loop/frames_again.hpp"
+
 #include "support/allocation_counter.hpp"
 #include "support/race_setup.hpp"
 
@@ -53,6 +55,36 @@ TEST(Race, FinishesALapOfTheOval) {
   EXPECT_EQ(trace.result.gates_passed, 2);
   EXPECT_GT(trace.result.mean_speed, 1.3);
   EXPECT_GT(trace.result.true_positives, 20);
+}
+
+TEST(FramesAgain, AreTheFlightsOwnToTheBitFromItsRotorSpeedsAlone) {
+  RaceConfig race = race_on("oval", 1003, 1);
+  race.timeout = 4.0;
+  const Trace trace = flown(race);
+  ASSERT_GT(trace.frames.size(), 40u);
+  FramesAgain again(race.sim, [&](std::size_t tick) {
+    const auto& answer = trace.answers.at(tick);
+    return std::array<double, 4>{answer[4], answer[5], answer[6], answer[7]};
+  });
+  std::size_t frame = 0;
+  for (std::size_t tick = 0; tick < trace.sensors.size(); ++tick) {
+    const auto picture = again.picture_of(tick);
+    EXPECT_EQ(again.ticks(), tick + 1);
+    ASSERT_EQ(!picture.empty(), trace.sensors[tick].image.has_value()) << tick;
+    if (!picture.empty()) {
+      ASSERT_EQ(std::vector(picture.begin(), picture.end()), trace.frames[frame++]) << tick;
+    }
+  }
+  EXPECT_EQ(frame, trace.frames.size());
+  // Those between need not be asked for.
+  FramesAgain some(race.sim, [&](std::size_t tick) {
+    const auto& answer = trace.answers.at(tick);
+    return std::array<double, 4>{answer[4], answer[5], answer[6], answer[7]};
+  });
+  std::size_t last = trace.sensors.size() - 1;
+  while (!trace.sensors[last].image) --last;
+  const auto picture = some.picture_of(last);
+  EXPECT_EQ(std::vector(picture.begin(), picture.end()), trace.frames.back());
 }
 
 TEST(Race, FinishesALapOfTheShowroom) {

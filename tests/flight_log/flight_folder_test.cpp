@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/flight_folder.hpp"
 
+#include <array>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/film_pipe.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/files/xxh64.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
+#include "gatefly/flight_log/recording.hpp"
 
 #include "support/temp_folder.hpp"
 
@@ -48,15 +51,19 @@ class Recording : public ::testing::Test {
   Pilot pilot_ = any_pilot();
 };
 
-TEST_F(Recording, ReadsBackExactly) {
+class RecordingInEitherLog : public Recording, public ::testing::WithParamInterface<bool> {};
+
+TEST_P(RecordingInEitherLog, ReadsBackExactly) {
   const std::vector<std::uint8_t> frame{1, 2, 3, 4, 5, 6, 7, 8};
-  FlightRecorder recorder(folder_.path() / "a" / "flight");
+  const bool packed = GetParam();
+  FlightRecorder recorder(folder_.path() / "a" / "flight", {.packed_log = packed});
   for (int row = 0; row < 100; ++row)
     record(recorder, row, row == 42 ? std::span{frame} : std::span<const std::uint8_t>{});
   recorder.add_file("report.html", "<p>");
   recorder.finish("{}");
 
   const FlightFolder flight = read_flight_folder(folder_.path() / "a" / "flight");
+  EXPECT_EQ(flight.log.filename(), packed ? "log_si.csv.gz" : "log_si.csv");
   ASSERT_EQ(flight.samples.size(), 100u);
   const FlightSample& sample = flight.samples[42];
   EXPECT_EQ(sample.time.count(), 1'953'125LL * 42 + 7);
@@ -71,7 +78,66 @@ TEST_F(Recording, ReadsBackExactly) {
   ASSERT_EQ(flight.images.size(), 1u);
   EXPECT_EQ(flight.images[0].log_row, 42u);
   EXPECT_EQ(flight.images[0].time, sample.time);
-  EXPECT_EQ(read_image(flight.images[0].path, 2, 2).bytes, frame);
+  EXPECT_EQ(flight.images[0].xxh64, xxh64(frame));
+  EXPECT_EQ(sample.motors, (std::array<double, 4>{1, 2, 3, 4}));
+  EXPECT_FALSE(std::filesystem::exists(flight.images[0].path));
+  EXPECT_EQ(flight_log::where_pictures_are(flight), flight_log::Pictures::kHashes);
+}
+INSTANTIATE_TEST_SUITE_P(Log, RecordingInEitherLog, ::testing::Bool());
+
+TEST_F(Recording, FramesAreKeptInOneFilmToTheBit) {
+  if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
+  constexpr int kWidth = 32, kHeight = 18, kFrames = 30;
+  const auto frame_of = [](int row) {
+    std::vector<std::uint8_t> frame(2 * kWidth * kHeight);
+    std::uint32_t state = 1U + static_cast<std::uint32_t>(row);
+    for (auto& byte : frame)
+      byte = static_cast<std::uint8_t>((state = 1664525 * state + 1013904223) >> 24);
+    return frame;
+  };
+  const auto out = folder_.path() / "flight";
+  FlightRecorder recorder(out, {.frames = true, .stored_width = kWidth, .stored_height = kHeight});
+  for (int row = 0; row < kFrames; ++row) record(recorder, row, frame_of(row));
+  recorder.finish("{}");
+
+  const FlightFolder flight = read_flight_folder(out);
+  EXPECT_EQ(flight_log::where_pictures_are(flight), flight_log::Pictures::kFilm);
+  flight_log::HashCheck hashes;
+  const auto pictures =
+      flight_log::checked(flight_log::pictures_in_film(flight, kWidth, kHeight), flight, hashes);
+  for (const int row : {0, 1, 2, 7, kFrames - 1, kFrames - 1, 3})  // also back again
+    EXPECT_EQ(pictures(static_cast<std::size_t>(row)).bytes, frame_of(row)) << row;
+  EXPECT_EQ(hashes.checked, 7u);
+  EXPECT_EQ(hashes.others, 0u);
+  EXPECT_THAT(
+      test::error_of([&] { (void)flight_log::pictures_in_film(flight, kHeight, kWidth)(0); }),
+      HasSubstr("frames.mkv: its pictures are 32 x 18, the camera's as stored 18 x 32"));
+  FlightFolder more = flight;
+  more.images.push_back(more.images.back());
+  EXPECT_THAT(
+      test::error_of([&] { (void)flight_log::pictures_in_film(more, kWidth, kHeight)(kFrames); }),
+      HasSubstr("frames.mkv: ends after 30 pictures, images.csv has 31"));
+}
+
+TEST_F(Recording, APictureWithAnotherHashIsCounted) {
+  const std::vector<std::uint8_t> frame{1, 2, 3, 4, 5, 6, 7, 8};
+  const auto out = folder_.path() / "flight";
+  {
+    FlightRecorder recorder(out);
+    for (int row = 0; row < 3; ++row) record(recorder, row, frame);
+    recorder.finish("{}");
+  }
+  for (const char* name : {"frame_00000.uyvy", "frame_00001.uyvy", "frame_00002.uyvy"})
+    write_file(out / name, std::string{"\1\2\3\4\5\6\7", 7} + (name[10] == '1' ? 'x' : '\10'));
+  const FlightFolder flight = read_flight_folder(out);
+  EXPECT_EQ(flight_log::where_pictures_are(flight), flight_log::Pictures::kFiles);
+  flight_log::HashCheck hashes;
+  const auto pictures =
+      flight_log::checked(flight_log::pictures_in_files(flight, 2, 2), flight, hashes);
+  for (std::size_t i = 0; i < 3; ++i) (void)pictures(i);
+  EXPECT_EQ(hashes.checked, 3u);
+  EXPECT_EQ(hashes.others, 1u);
+  EXPECT_EQ(hashes.first_other, 1u);
 }
 
 TEST_F(Recording, ALostSampleIsAnEmptyCell) {

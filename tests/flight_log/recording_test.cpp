@@ -167,12 +167,12 @@ TEST(TicksOf, AGapInTimeStaysAGap) {
   EXPECT_THAT(rows_with_sonar(ticks), ElementsAre(0, 5, 10, 15));
 }
 
-TEST(PictureLoader, LoadsPicturesUprightAndReplaysThemInTheirTicks) {
+TEST(PicturesInFiles, AreLoadedUprightAndReplayedInTheirTicks) {
   const test::TempFolder directory;
   io::FlightFolder folder = hovering(4);
   folder.images = {{.path = directory.file("a.ppm", "P6 2 1 255\nRRRGGG"), .log_row = 1},
                    {.path = directory.file("b.ppm", "P6 3 1 255\nRRRGGGBBB"), .log_row = 3}};
-  const auto load = picture_loader(folder, 0, 0, 90);
+  const auto load = upright(pictures_in_files(folder, 0, 0), 90);
   const Image first = load(0);
   EXPECT_EQ(first.width(), 1);
   EXPECT_EQ(first.height(), 2);
@@ -191,10 +191,10 @@ TEST(PictureLoader, LoadsPicturesUprightAndReplaysThemInTheirTicks) {
   EXPECT_EQ(result.estimates.size(), 4u);
 }
 
-TEST(PictureLoader, APictureThatIsNotThereSaysItsName) {
+TEST(PicturesInFiles, APictureThatIsNotThereSaysItsName) {
   io::FlightFolder folder = hovering(1);
   folder.images = {{.path = "nowhere.jpg", .log_row = 0}};
-  EXPECT_THAT(test::error_of([&] { (void)picture_loader(folder, 0, 0, 0)(0); }),
+  EXPECT_THAT(test::error_of([&] { (void)pictures_in_files(folder, 0, 0)(0); }),
               HasSubstr("nowhere.jpg"));
 }
 

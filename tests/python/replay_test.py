@@ -40,6 +40,12 @@ class Replay(Case):
         (self.folder / "log_si.csv").write_text("t_s\n1\n", encoding="utf-8")
         self.refused(gatefly.Error, gatefly.replay, self.folder)
 
+    @support.needs_simulator
+    def test_a_flight_that_kept_no_pictures(self):
+        self.program("fly", "oval", "--set", "sim.timeout_s=4", "--out", "flight", codes=(0, 1))
+        summary = gatefly.replay(self.folder / "flight").summary
+        self.assertEqual((summary["pictures_from"], summary["pictures_other"], summary["same_as_recorded"]), ("rendered", 0, True))
+
     def test_control_c_stops_it(self):
         timer = threading.Timer(0.03, os.kill, (os.getpid(), signal.SIGINT))
         with self.assertRaises(KeyboardInterrupt):

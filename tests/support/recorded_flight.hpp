@@ -23,8 +23,9 @@ inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::Fli
                                          const io::Config& config,
                                          flight_log::Estimator estimator) {
   const auto load =
-      flight_log::picture_loader(folder, config.camera.stored_width(),
-                                 config.camera.stored_height(), config.camera.stored_rotation_deg);
+      flight_log::upright(flight_log::pictures_in_files(folder, config.camera.stored_width(),
+                                                        config.camera.stored_height()),
+                          config.camera.stored_rotation_deg);
   return flight_log::replay(pilot, flight_log::ticks_of(folder), load, estimator);
 }
 

@@ -35,9 +35,8 @@ class AnyFlight {
 
 namespace {
 
-constexpr double kPhysicsHz = 1024.0;  // the body takes at least so many steps a second
-constexpr double kAirborne = 0.15;     // from here on, a contact is a crash [m]
-constexpr double kRunOut = 8.0;        // after the last gate the race is over, landed or not [s]
+constexpr double kAirborne = 0.15;  // from here on, a contact is a crash [m]
+constexpr double kRunOut = 8.0;     // after the last gate the race is over, landed or not [s]
 
 /// Of this thread: a campaign flies several races at once, each in a thread of its own.
 double cpu_seconds() {
@@ -61,7 +60,7 @@ class Arena {
   explicit Arena(const RaceConfig& config)
       : simulator{config.sim},
         referee{config.sim.world, config.sim.vehicle, config.pilot.track.laps},
-        steps_{static_cast<int>(std::ceil(kPhysicsHz / config.sim.sensors.imu_hz))},
+        steps_{physics_steps(config.sim.sensors.imu_hz)},
         timeout_{config.timeout} {}
 
   /// `dt` seconds with these rotor speeds.

@@ -12,12 +12,19 @@
 #include "gatefly/closed_loop/stopwatch.hpp"
 #include "gatefly/race/messages.hpp"
 #include "gatefly/sim/body_state.hpp"
+#include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/random.hpp"
 #include "gatefly/sim/sensor_faults.hpp"
 #include "gatefly/sim/sensors.hpp"
 #include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::closed_loop {
+
+/// How often the body is stepped in an interval of the IMU: a thousand times a second at least.
+[[nodiscard]] inline int physics_steps(double imu_hz) {
+  constexpr double kPhysicsHz = 1024.0;
+  return static_cast<int>(std::ceil(kPhysicsHz / imu_hz));
+}
 
 /// The camera's schedule: frames are exposed at its rate, some are lost, the others arrive later.
 class CameraFeed {

@@ -53,8 +53,9 @@ struct Replayed {
 Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe& airframe,
                   const io::Config& config, Estimator estimator) {
   const auto load =
-      flight_log::picture_loader(flight.folder, config.camera.stored_width(),
-                                 config.camera.stored_height(), config.camera.stored_rotation_deg);
+      flight_log::upright(flight_log::pictures_in_files(flight.folder, config.camera.stored_width(),
+                                                        config.camera.stored_height()),
+                          config.camera.stored_rotation_deg);
   const ReplayResult result = flight_log::replay(pilot, flight.ticks, load, estimator);
   if (!result.finite)
     throw std::runtime_error(flight.folder.directory.string() +

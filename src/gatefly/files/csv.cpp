@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "gatefly/files/text.hpp"
 
@@ -48,7 +49,10 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-Csv::Csv(const std::filesystem::path& path) : file_{path.string()}, content_{read_file(path)} {
+Csv::Csv(const std::filesystem::path& path) : Csv{path, read_file(path)} {}
+
+Csv::Csv(const std::filesystem::path& path, std::string content)
+    : file_{path.string()}, content_{std::move(content)} {
   std::string_view rest{content_};
   constexpr std::string_view kByteOrderMark{"\xEF\xBB\xBF"};
   if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());

@@ -16,6 +16,8 @@ class Csv {
   /// newline (or CR LF) and a byte-order mark allowed.
   /// @throws std::runtime_error "file:line: what is wrong".
   explicit Csv(const std::filesystem::path& path);
+  /// Of a file whose content is known.
+  Csv(const std::filesystem::path& path, std::string content);
 
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }

@@ -25,15 +25,28 @@ constexpr const char* kContainers =
     "yuv4mpegpipe,nut,mxf,"
     "dv,rm,bmp_pipe,tiff_pipe,webp_pipe";
 
-std::vector<std::string> decoder(const std::string& file, bool as_stored) {
+std::vector<std::string> decoder(const std::string& file, VideoReader::As as) {
+  const bool uyvy = as == VideoReader::As::kUyvy;
   std::vector<std::string> words{
-      "ffmpeg",      "-nostdin",     "-hide_banner",
-      "-loglevel",   "error",        "-format_whitelist",
-      kContainers,   "-i",           "file:" + file,
-      "-map",        "0:v:0",        "-fps_mode",
-      "passthrough", "-vf",          "scale=out_range=full:out_color_matrix=bt601,format=yuv444p",
-      "-f",          "yuv4mpegpipe", "pipe:1"};
-  if (as_stored) words.insert(words.begin() + 1, "-noautorotate");
+      "ffmpeg",
+      "-nostdin",
+      "-hide_banner",
+      "-loglevel",
+      "error",
+      "-format_whitelist",
+      kContainers,
+      "-i",
+      "file:" + file,
+      "-map",
+      "0:v:0",
+      "-fps_mode",
+      "passthrough",
+      "-vf",
+      uyvy ? "format=yuv422p" : "scale=out_range=full:out_color_matrix=bt601,format=yuv444p",
+      "-f",
+      "yuv4mpegpipe",
+      "pipe:1"};
+  if (as != VideoReader::As::kUpright) words.insert(words.begin() + 1, "-noautorotate");
   return words;
 }
 
@@ -47,16 +60,29 @@ std::vector<std::uint8_t> interleaved(const std::vector<std::uint8_t>& planes) {
   return pixels;
 }
 
+/// Planes Y, Cb, Cr, of which the last two have every second column, become U Y0 V Y1.
+std::vector<std::uint8_t> interleaved_uyvy(const std::vector<std::uint8_t>& planes) {
+  std::vector<std::uint8_t> pixels(planes.size());
+  const std::uint8_t* y = planes.data();
+  const std::uint8_t* u = y + planes.size() / 2;
+  const std::uint8_t* v = u + planes.size() / 4;
+  for (std::uint8_t* to = pixels.data(); to < pixels.data() + pixels.size(); to += 4) {
+    to[0] = *u++, to[1] = *y++;
+    to[2] = *v++, to[3] = *y++;
+  }
+  return pixels;
+}
+
 }  // namespace
 
-VideoReader::VideoReader(std::filesystem::path path, bool as_stored)
-    : path_{std::move(path)}, messages_{std::tmpfile()} {
+VideoReader::VideoReader(std::filesystem::path path, As as)
+    : path_{std::move(path)}, as_{as}, messages_{std::tmpfile()} {
   if (!std::ifstream(path_))
     throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
   int ends[2] = {-1, -1};
   if (!messages_ || pipe2(ends, O_CLOEXEC) != 0)
     throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
-  const int error = start(decoder(path_.string(), as_stored),
+  const int error = start(decoder(path_.string(), as_),
                           {.output = ends[1], .errors = fileno(messages_.get())}, ffmpeg_);
   ::close(ends[1]);
   stream_.reset(fdopen(ends[0], "rb"));
@@ -90,15 +116,20 @@ std::optional<ImageFile> VideoReader::next() {
       if (word[0] == 'H') height_ = std::atoi(word.c_str() + 1);
     }
   }
-  const std::size_t size = image_bytes(PixelFormat::kYuv444, width_, height_);
+  const bool uyvy = as_ == As::kUyvy;
+  if (uyvy && width_ % 2 != 0)
+    throw std::runtime_error(path_.string() + ": its pictures are " + std::to_string(width_) +
+                             " wide, must be even");
+  const PixelFormat format = uyvy ? PixelFormat::kUyvy : PixelFormat::kYuv444;
+  const std::size_t size = image_bytes(format, width_, height_);
   std::vector<std::uint8_t> planes(size);
   if (size == 0 || !read_line(line) || std::fread(planes.data(), 1, size, stream_.get()) != size) {
     end();
     return std::nullopt;
   }
   ++pictures_;
-  return ImageFile{.bytes = interleaved(planes),
-                   .format = PixelFormat::kYuv444,
+  return ImageFile{.bytes = uyvy ? interleaved_uyvy(planes) : interleaved(planes),
+                   .format = format,
                    .stored_width = width_,
                    .stored_height = height_};
 }

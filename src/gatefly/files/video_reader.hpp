@@ -20,9 +20,13 @@ namespace gatefly::io {
 /// dropped or doubled.
 class VideoReader {
  public:
-  /// @param as_stored  else turned as the film itself says.
+  enum class As {
+    kUpright,  ///< Turned as the film itself says.
+    kStored,   ///< Not turned.
+    kUyvy,     ///< Not turned, 4:2:2 as our own lossless films have it, to the bit.
+  };
   /// @throws std::runtime_error one line: the file cannot be read, or there is no ffmpeg.
-  explicit VideoReader(std::filesystem::path path, bool as_stored = false);
+  explicit VideoReader(std::filesystem::path path, As as = As::kUpright);
   ~VideoReader();
   VideoReader(const VideoReader&) = delete;
   VideoReader& operator=(const VideoReader&) = delete;
@@ -40,6 +44,7 @@ class VideoReader {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   std::filesystem::path path_;
+  As as_;
   std::unique_ptr<std::FILE, Close> messages_;  ///< What ffmpeg says; a file without a name.
   std::unique_ptr<std::FILE, Close> stream_;    ///< YUV4MPEG2: a line of sizes, then planes.
   pid_t ffmpeg_ = -1;

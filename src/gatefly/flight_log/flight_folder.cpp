@@ -9,6 +9,8 @@
 
 #include "gatefly/files/csv.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/files/xxh64.hpp"
+#include "gatefly/flight_log/gzip.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -65,8 +67,28 @@ std::vector<nanoseconds> times_of(const Csv& csv) {
   return times;
 }
 
+/// All four or none.
+class Motors {
+ public:
+  explicit Motors(const Csv& csv)
+      : columns_{Column{csv, "motor_lf_radps"}, Column{csv, "motor_rf_radps"},
+                 Column{csv, "motor_rb_radps"}, Column{csv, "motor_lb_radps"}} {}
+  [[nodiscard]] std::optional<std::array<double, 4>> at(std::size_t row) const {
+    std::array<double, 4> speeds{};
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+      const auto speed = columns_[i].at(row);
+      if (!speed) return std::nullopt;
+      speeds[i] = *speed;
+    }
+    return speeds;
+  }
+
+ private:
+  std::array<Column, 4> columns_;
+};
+
 std::vector<FlightSample> read_log(const std::filesystem::path& path) {
-  const Csv csv(path);
+  const Csv csv(path, path.extension() == ".gz" ? read_gzip(path) : read_file(path));
   if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
   const std::vector<nanoseconds> times = times_of(csv);
   // A flight without its IMU is none: these must be there. An empty cell stays NaN, as a lost
@@ -83,6 +105,7 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   const Triple est_p(csv, "est_", {"x_m", "y_m", "z_m"}),
       est_v(csv, "est_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple est_angles(csv, "est_", {"roll_rad", "pitch_rad", "yaw_rad"});
+  const Motors motors(csv);
 
   std::vector<FlightSample> samples(csv.rows());
   for (std::size_t row = 0; row < samples.size(); ++row) {
@@ -98,7 +121,8 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
         .thrust = thrust.at(row),
         .est_p_EB = est_p.at(row),
         .est_v_E = est_v.at(row),
-        .est_attitude = est_angles.attitude(row)};
+        .est_attitude = est_angles.attitude(row),
+        .motors = motors.at(row)};
   }
   return samples;
 }
@@ -121,6 +145,8 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
   const auto names = csv.texts("image");
   const auto rows = csv.numbers("log_row");
   const std::vector<nanoseconds> times = times_of(csv);
+  const auto hashes =
+      csv.has("xxh64") ? csv.texts("xxh64") : std::vector<std::string>(names.size());
 
   std::vector<FlightImage> images;
   std::set<std::string> known;
@@ -135,8 +161,14 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
                                std::to_string(log_rows - 1) + ", the rows of log_si.csv");
-    images.push_back(
-        {.path = directory / name, .time = times[i], .log_row = static_cast<std::size_t>(row)});
+    const auto hash = xxh64_of_text(hashes[i]);
+    if (!hash && !hashes[i].empty())
+      throw std::runtime_error(csv.place(i, "xxh64") + ": '" + one_line(hashes[i]) +
+                               "', must be 16 hexadecimal digits");
+    images.push_back({.path = directory / name,
+                      .time = times[i],
+                      .log_row = static_cast<std::size_t>(row),
+                      .xxh64 = hash});
     if (i > 0 && images[i].log_row < images[i - 1].log_row)
       throw std::runtime_error(csv.place(i) + ": log_row runs backwards");
     expect_at_its_row(csv, i, times[i], samples[images[i].log_row].time);
@@ -146,12 +178,22 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
 
 }  // namespace
 
+std::optional<std::filesystem::path> log_in(const std::filesystem::path& directory) {
+  std::error_code error;
+  for (const char* name : {"log_si.csv", "log_si.csv.gz"})
+    if (std::filesystem::exists(directory / name, error)) return directory / name;
+  return std::nullopt;
+}
+
 FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   std::error_code error;
   if (!std::filesystem::is_directory(directory, error))
     throw std::runtime_error(directory.string() + ": is no folder");
-  FlightFolder flight{
-      .directory = directory, .samples = read_log(directory / "log_si.csv"), .images = {}};
+  FlightFolder flight{.directory = directory,
+                      .log = log_in(directory).value_or(directory / "log_si.csv"),
+                      .samples = {},
+                      .images = {}};
+  flight.samples = read_log(flight.log);
   if (std::filesystem::exists(directory / "images.csv", error))
     flight.images = read_images(directory, flight.samples);
   return flight;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -29,6 +31,8 @@ struct FlightSample {
   std::optional<Eigen::Vector3d> est_p_EB = std::nullopt;  ///< The recorded pilot's [m].
   std::optional<Eigen::Vector3d> est_v_E = std::nullopt;   ///< [m/s]
   std::optional<Attitude> est_attitude = std::nullopt;
+  /// Commanded rotor speeds [rad/s]: left front, right front, right back, left back.
+  std::optional<std::array<double, 4>> motors = std::nullopt;
 };
 
 /// One row of images.csv.
@@ -36,16 +40,25 @@ struct FlightImage {
   std::filesystem::path path;
   std::chrono::nanoseconds time{0};  ///< Of arrival: the time of its log row in our own flights.
   std::size_t log_row = 0;           ///< From 0: the sample in whose tick it arrives.
+  std::optional<std::uint64_t> xxh64 = std::nullopt;  ///< Of its bytes as stored; our own flights.
 };
 
 struct FlightFolder {
   std::filesystem::path directory;
+  std::filesystem::path log;          ///< log_si.csv or log_si.csv.gz.
   std::vector<FlightSample> samples;  ///< Ascending in time.
   std::vector<FlightImage> images;    ///< Ascending in log_row.
 };
 
-/// Reads log_si.csv and, if there is one, images.csv; real logs' columns or ours. Pictures stay on
-/// disk.
+/// The frames of a flight in one film without loss.
+inline constexpr const char* kFrameFilm = "frames.mkv";
+
+/// The log in a folder: log_si.csv, or log_si.csv.gz where only that is there (who unpacks it may edit
+/// it); nullopt when it has neither.
+[[nodiscard]] std::optional<std::filesystem::path> log_in(const std::filesystem::path& directory);
+
+/// Reads log_si.csv, or log_si.csv.gz where that is not there, and images.csv, if there is one; real
+/// logs' columns or ours. Pictures stay on disk.
 /// @throws std::runtime_error one line with file and line: unreadable, damaged, time runs
 ///     backwards.
 [[nodiscard]] FlightFolder read_flight_folder(const std::filesystem::path& directory);

@@ -9,9 +9,12 @@
 #include <regex>
 #include <stdexcept>
 #include <system_error>
+#include <vector>
 
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/files/xxh64.hpp"
+#include "gatefly/flight_log/flight_folder.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -40,9 +43,37 @@ bool is_of_a_flight(const std::string& name) {
       "log_si\\.csv(\\.gz)?|images\\.csv|detections\\.csv|summary\\.json|report\\.html|flight\\."
       "mcap|"
       "(flight\\.mp4|onboard\\.webm)(\\.partial)?|track\\.toml|config-[0-9]+\\.toml|settings\\.txt|"
-      "frame_[0-9]+\\."
-      "uyvy"};
+      "frame_[0-9]+\\.uyvy|frames\\.mkv(\\.partial)?"};
   return std::regex_match(name, kNames);
+}
+
+/// Full-range JFIF, said of what goes in and of what comes out: ffmpeg converts nothing.
+const std::vector<std::string>& jfif() {
+  static const std::vector<std::string> kWords{"-color_range", "pc", "-colorspace", "smpte170m"};
+  return kWords;
+}
+
+/// FFV1, each picture a key picture with its own checksum; the same film for the same frames.
+std::vector<std::string> lossless() {
+  std::vector<std::string> words{"-c:v",    "ffv1", "-level",    "3", "-g",       "1",
+                                 "-slices", "4",    "-slicecrc", "1", "-pix_fmt", "yuv422p"};
+  words.insert(words.end(), jfif().begin(), jfif().end());
+  for (const char* word : {"-fflags", "+bitexact", "-flags:v", "+bitexact", "-f", "matroska"})
+    words.emplace_back(word);
+  return words;
+}
+
+/// U Y0 V Y1 as planes Y, U, V: FFV1's own order, so that ffmpeg has nothing to convert.
+std::vector<std::uint8_t> planes_of(std::span<const std::uint8_t> uyvy) {
+  std::vector<std::uint8_t> planes(uyvy.size());
+  std::uint8_t* y = planes.data();
+  std::uint8_t* u = y + uyvy.size() / 2;
+  std::uint8_t* v = u + uyvy.size() / 4;
+  for (std::size_t i = 0; i + 3 < uyvy.size(); i += 4) {
+    *u++ = uyvy[i], *y++ = uyvy[i + 1];
+    *v++ = uyvy[i + 2], *y++ = uyvy[i + 3];
+  }
+  return planes;
 }
 
 /// A folder that may be replaced: not where we are, and not somebody else's.
@@ -71,22 +102,36 @@ fs::path free_name(const fs::path& folder) {
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(fs::path out)
-    : out_{checked(std::move(out))}, folder_{out_, PartialFolder::Grows::kBeside, is_of_a_flight} {
-  log_.open(folder_.path() / "log_si.csv", std::ios::binary);
+FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
+    : out_{checked(std::move(out))},
+      folder_{out_, PartialFolder::Grows::kBeside, is_of_a_flight},
+      keep_{keep} {
+  if (keep.packed_log)
+    packed_log_.open(folder_.path() / "log_si.csv.gz");
+  else
+    log_.open(folder_.path() / "log_si.csv", std::ios::binary);
   images_.open(folder_.path() / "images.csv", std::ios::binary);
   detections_.open(folder_.path() / "detections.csv", std::ios::binary);
   buffer_.reserve(kPiece + 4096);
   buffer_ = kHeader;
-  images_ << "image,t_s,log_row,t_ns\n";
-  check(log_, "log_si.csv");
+  images_ << "image,t_s,log_row,t_ns,xxh64\n";
   detections_ << detections_header();
-  check(images_, "images.csv");
-  check(detections_, "detections.csv");
+  check(keep.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
+  check(images_.good(), "images.csv");
+  check(detections_.good(), "detections.csv");
+  if (keep.frames)
+    film_.emplace(folder_.path() / kFrameFilm,
+                  FilmPipe::Pictures{
+                      .pixels = "yuv422p",
+                      .width = keep.stored_width,
+                      .height = keep.stored_height,
+                      .per_second = std::max(1, static_cast<int>(keep.frames_per_second + 0.5)),
+                      .colors = jfif()},
+                  lossless());
 }
 
-void FlightRecorder::check(const std::ofstream& file, const fs::path& path) const {
-  if (!file) throw std::runtime_error((out_ / path).string() + ": cannot be written (disk full?)");
+void FlightRecorder::check(bool good, const fs::path& path) const {
+  if (!good) throw std::runtime_error((out_ / path).string() + ": cannot be written (disk full?)");
 }
 
 void FlightRecorder::append(double value) {
@@ -95,9 +140,8 @@ void FlightRecorder::append(double value) {
     buffer_ += ',';
     return;
   }
-  // 17 significant digits: any double reads back as itself.
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 17);
+  // The shortest that reads back as the same number.
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
   buffer_.append(text.data(), end.ptr);
   buffer_ += ',';
 }
@@ -112,9 +156,12 @@ void FlightRecorder::append(const Attitude& attitude) {
 
 void FlightRecorder::flush(bool all) {
   if (buffer_.size() < kPiece && !all) return;
-  log_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+  if (keep_.packed_log)
+    packed_log_.write(buffer_);
+  else
+    log_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   buffer_.clear();
-  check(log_, "log_si.csv");
+  check(keep_.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
 }
 
 void FlightRecorder::record(const Tick& tick) {
@@ -155,19 +202,15 @@ void FlightRecorder::record_frame(const Tick& tick) {
   const std::chrono::nanoseconds time = tick.sensors.time;
   std::array<char, 32> name{};
   std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
-  std::ofstream file(folder_.path() / name.data(), std::ios::binary);
-  file.write(reinterpret_cast<const char*>(tick.frame.data()),
-             static_cast<std::streamsize>(tick.frame.size()));
-  file.flush();
-  check(file, name.data());
+  if (film_) film_->add(planes_of(tick.frame));
   images_ << name.data() << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count()
-          << '\n';
-  check(images_, "images.csv");
+          << ',' << text_of_xxh64(xxh64(tick.frame)) << '\n';
+  check(images_.good(), "images.csv");
 
   int rank = 0;
   for (const GateDetection& gate : tick.pilot.sighting().detections)
     detections_ << line_of(row_of(name.data(), rank++, gate));
-  check(detections_, "detections.csv");
+  check(detections_.good(), "detections.csv");
 }
 
 void FlightRecorder::add_file(const std::string& name, const std::string& content) {
@@ -176,12 +219,16 @@ void FlightRecorder::add_file(const std::string& name, const std::string& conten
 
 std::string FlightRecorder::finish(const std::string& summary_json) {
   flush(true);
-  log_.close();
+  if (keep_.packed_log)
+    packed_log_.close();
+  else
+    log_.close();
   images_.close();
   detections_.close();
-  check(log_, "log_si.csv");
-  check(images_, "images.csv");
-  check(detections_, "detections.csv");
+  check(keep_.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
+  check(images_.good(), "images.csv");
+  check(detections_.good(), "detections.csv");
+  if (film_) film_->finish();
   add_file("summary.json", summary_json);
 
   const bool replaces = fs::exists(out_ / "summary.json");

@@ -4,25 +4,41 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include <Eigen/Core>
 
+#include "gatefly/files/film_pipe.hpp"
 #include "gatefly/files/partial_folder.hpp"
+#include "gatefly/flight_log/gzip.hpp"
 #include "gatefly/flight_log/tick.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::io {
 
-/// Writes a flight while it is flown: log_si.csv, images.csv, frame_00000.uyvy ..., and what the
+/// What a flight keeps of itself.
+struct Keep {
+  /// log_si.csv.gz in place of log_si.csv: less than half, for a few per cent of a rendered flight's
+  /// time. Of an ideal flight, which takes a second, it would be half as much again.
+  bool packed_log = false;
+  /// The frames, too: without loss in frames.mkv, by ffmpeg. Else a hash of each, which tells whether
+  /// one that is rendered again is the same.
+  bool frames = false;
+  int stored_width = 0, stored_height = 0;  ///< Of a frame [px].
+  double frames_per_second = 25.0;  ///< Of the film, about; when each came is in images.csv.
+};
+
+/// Writes a flight while it is flown: log_si.csv, images.csv, frames or hashes of them, and what the
 /// pilot saw in each frame: detections.csv.
 ///
 /// A folder that is there is whole: everything goes to a PartialFolder, to which finish() gives its
-/// name. Numbers have 17 digits: they read back exactly.
+/// name. Numbers have as many digits as they need to read back exactly.
 class FlightRecorder {
  public:
-  /// @throws std::runtime_error when `out` cannot be written, or is there and is no earlier flight.
-  explicit FlightRecorder(std::filesystem::path out);
+  /// @throws std::runtime_error when `out` cannot be written, or is there and is no earlier flight;
+  ///     or ffmpeg cannot be started.
+  explicit FlightRecorder(std::filesystem::path out, const Keep& keep = {});
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
@@ -48,12 +64,15 @@ class FlightRecorder {
   void append(const Attitude& attitude);
   void record_frame(const Tick& tick);
   void flush(bool all);
-  void check(const std::ofstream& file, const std::filesystem::path& path) const;
+  void check(bool good, const std::filesystem::path& path) const;
 
   std::filesystem::path out_;
   PartialFolder folder_;
+  Keep keep_;
   std::ofstream log_, images_, detections_;
-  std::string buffer_;  ///< Of log_, written in large pieces.
+  GzipFile packed_log_;
+  std::optional<FilmPipe> film_;
+  std::string buffer_;  ///< Of the log, written in large pieces.
   std::size_t row_ = 0, frame_ = 0;
 };
 

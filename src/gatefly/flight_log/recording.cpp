@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
-#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/video_reader.hpp"
+#include "gatefly/files/xxh64.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
 namespace gatefly::flight_log {
@@ -80,12 +85,76 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarSt
   return ticks;
 }
 
-std::function<Image(std::size_t)> picture_loader(const io::FlightFolder& folder, int stored_width,
-                                                 int stored_height, int rotation_deg) {
-  return [&folder, stored_width, stored_height, rotation_deg,
-          file = io::ImageFile{}](std::size_t i) mutable {
-    file = io::read_image(folder.images.at(i).path, stored_width, stored_height);
-    return file.view(rotation_deg);
+PictureSource pictures_in_files(const io::FlightFolder& folder, int stored_width,
+                                int stored_height) {
+  return [&folder, stored_width, stored_height,
+          file = io::ImageFile{}](std::size_t i) mutable -> const io::ImageFile& {
+    return file = io::read_image(folder.images.at(i).path, stored_width, stored_height);
+  };
+}
+
+PictureSource pictures_in_film(const io::FlightFolder& folder, int stored_width,
+                               int stored_height) {
+  struct Film {
+    std::filesystem::path path;
+    std::unique_ptr<io::VideoReader> reader;
+    std::size_t next = 0;
+    io::ImageFile picture;
+  };
+  const auto film = std::make_shared<Film>();
+  film->path = folder.directory / io::kFrameFilm;
+  return [&folder, film, stored_width, stored_height](std::size_t i) -> const io::ImageFile& {
+    if (!film->reader || i + 1 < film->next) {
+      film->reader = std::make_unique<io::VideoReader>(film->path, io::VideoReader::As::kUyvy);
+      film->next = 0;
+    }
+    for (; film->next <= i; ++film->next) {
+      auto picture = film->reader->next();
+      if (!picture)
+        throw std::runtime_error(film->path.string() + ": ends after " +
+                                 std::to_string(film->next) + " pictures, images.csv has " +
+                                 std::to_string(folder.images.size()));
+      if (picture->stored_width != stored_width || picture->stored_height != stored_height)
+        throw std::runtime_error(film->path.string() + ": its pictures are " +
+                                 std::to_string(picture->stored_width) + " x " +
+                                 std::to_string(picture->stored_height) +
+                                 ", the camera's as stored " + std::to_string(stored_width) +
+                                 " x " + std::to_string(stored_height) + " (camera.size_px)");
+      film->picture = std::move(*picture);
+    }
+    return film->picture;
+  };
+}
+
+Pictures where_pictures_are(const io::FlightFolder& folder) {
+  if (folder.images.empty()) return Pictures::kNone;
+  if (std::filesystem::exists(folder.directory / io::kFrameFilm)) return Pictures::kFilm;
+  const auto has_hash = [](const io::FlightImage& image) { return image.xxh64.has_value(); };
+  const auto is_there = [](const io::FlightImage& image) {
+    return std::filesystem::exists(image.path);
+  };
+  const bool hashed = std::all_of(folder.images.begin(), folder.images.end(), has_hash);
+  const bool kept = !hashed || std::any_of(folder.images.begin(), folder.images.end(), is_there);
+  return kept ? Pictures::kFiles : Pictures::kHashes;
+}
+
+PictureSource checked(PictureSource source, const io::FlightFolder& folder, HashCheck& check) {
+  return [source = std::move(source), &folder, &check](std::size_t i) -> const io::ImageFile& {
+    const io::ImageFile& picture = source(i);
+    const auto& expected = folder.images.at(i).xxh64;
+    if (!expected) return picture;
+    ++check.checked;
+    if (io::xxh64(picture.bytes) != *expected) {
+      ++check.others;
+      if (!check.first_other) check.first_other = i;
+    }
+    return picture;
+  };
+}
+
+std::function<Image(std::size_t)> upright(PictureSource source, int rotation_deg) {
+  return [source = std::move(source), rotation_deg](std::size_t i) {
+    return source(i).view(rotation_deg);
   };
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/files/image_file.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/sensing/image.hpp"
@@ -36,12 +37,42 @@ struct SonarStandIn {
 [[nodiscard]] std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder,
                                                  const SonarStandIn& sonar = {});
 
-/// Reads the recording's pictures, upright, for replay(): each view is valid until the next.
-///
+/// Answers the stored picture `i` of a recording, valid until the next.
+using PictureSource = std::function<const io::ImageFile&(std::size_t i)>;
+
+/// Reads each picture from its file.
 /// @param folder  must live as long.
 /// @param stored_width,stored_height  of raw pictures, which do not know their size [px].
-[[nodiscard]] std::function<Image(std::size_t)> picture_loader(const io::FlightFolder& folder,
-                                                               int stored_width, int stored_height,
-                                                               int rotation_deg);
+[[nodiscard]] PictureSource pictures_in_files(const io::FlightFolder& folder, int stored_width,
+                                              int stored_height);
+
+/// Reads them from frames.mkv, in order; one before the last one is found from the start again.
+/// @throws std::runtime_error one line: no ffmpeg, damaged, fewer or other pictures than images.csv
+///     says.
+[[nodiscard]] PictureSource pictures_in_film(const io::FlightFolder& folder, int stored_width,
+                                             int stored_height);
+
+/// Where the pictures of a recording are.
+enum class Pictures {
+  kNone,   ///< It has none.
+  kFiles,  ///< Each in its own.
+  kFilm,   ///< In frames.mkv.
+  kHashes  ///< Not kept: to be rendered again, and compared with their hashes.
+};
+[[nodiscard]] Pictures where_pictures_are(const io::FlightFolder& folder);
+
+/// Pictures that are not those of the flight, by their hashes.
+struct HashCheck {
+  std::size_t checked = 0, others = 0;
+  std::optional<std::size_t> first_other;
+};
+
+/// Compares each picture with the hash that images.csv has, if it has one.
+/// @param folder,check  must live as long.
+[[nodiscard]] PictureSource checked(PictureSource source, const io::FlightFolder& folder,
+                                    HashCheck& check);
+
+/// The pictures upright, for replay(): each view is valid until the next.
+[[nodiscard]] std::function<Image(std::size_t)> upright(PictureSource source, int rotation_deg);
 
 }  // namespace gatefly::flight_log

@@ -37,6 +37,7 @@ struct ReplayResult {
   std::optional<double> last_gate;  ///< When the pilot thought it passed the last gate [s].
   Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
   int rmse_samples = 0;                            ///< 0: the log has no truth there.
+  HashCheck hashes;  ///< Of the pictures, where the recording has hashes; for who loads them.
 };
 
 /// Whose estimates a replay reports.

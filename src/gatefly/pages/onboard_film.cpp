@@ -55,11 +55,11 @@ double rate_for(double pictures) {
   return std::min(kBest, kAimed * 8.0 * OnboardFilm::kMostBytes / seconds);
 }
 
-VideoFormat format_of(double bits_per_second) {
-  VideoFormat format{"yuv444p", {"-vf", "scale=in_range=pc:out_range=tv"}};
+std::vector<std::string> coding_of(double bits_per_second) {
+  std::vector<std::string> coding{"-vf", "scale=in_range=pc:out_range=tv"};
   const std::vector<std::string> encoder = vp8(bits_per_second);
-  format.encoder.insert(format.encoder.end(), encoder.begin(), encoder.end());
-  return format;
+  coding.insert(coding.end(), encoder.begin(), encoder.end());
+  return coding;
 }
 
 /// Runs ffmpeg to its end. @return 0 when it went well
@@ -85,7 +85,9 @@ OnboardFilm::OnboardFilm(std::filesystem::path path, const Image& first, double 
       from_width_{first.width()},
       from_height_{first.height()},
       bits_per_second_{rate_for(pictures)},
-      file_{path_, width_, height_, kRate, format_of(bits_per_second_)},
+      file_{path_,
+            {.pixels = "yuv444p", .width = width_, .height = height_, .per_second = kRate},
+            coding_of(bits_per_second_)},
       bytes_(3 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
 void OnboardFilm::add(const Image& picture) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/drawing/video_file.hpp"
+#include "gatefly/files/film_pipe.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly::io {
@@ -45,7 +45,7 @@ class OnboardFilm {
   int width_, height_, step_;  ///< Of the film, even [px]; every step_-th pixel is taken.
   int from_width_, from_height_;
   double bits_per_second_;
-  VideoFile file_;
+  FilmPipe file_;
   std::vector<std::uint8_t> bytes_;  ///< Of one picture: Y, then U, then V.
 };
 

@@ -67,8 +67,34 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   config = io::on_course(std::move(config), file);
   if (given.laps) file.track.laps = *given.laps;
 
+  const int laps = file.track.laps;
+  nominal(config, path, std::move(file), given.vision);
+  inputs_ = flight_inputs(arguments, config, path, laps);
+  identity_.configuration = fingerprint_of(identity_, inputs_);
+
+  // Whether there is a way at all, before anything is written or rendered.
+  try {
+    const Pilot plans{nominal_.pilot};
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
+  }
+  notes_ = config.notes;
+}
+
+RaceMaker RaceMaker::of_flight(const fs::path& directory) {
+  io::Config config = config_of_flight(directory, {});
+  io::TrackFile file = io::read_track(directory / "track.toml", config.gate);
+  config = io::on_course(std::move(config), file);
+  if (const auto laps = laps_of_flight(directory)) file.track.laps = *laps;
+  RaceMaker maker;
+  maker.nominal(config, directory / "track.toml", std::move(file), "rendered");
+  return maker;
+}
+
+void RaceMaker::nominal(const io::Config& config, const fs::path& path, io::TrackFile file,
+                        const std::string& vision) {
   nominal_.vision =
-      given.vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
+      vision == "ideal" ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
   nominal_.timeout = config.sim.timeout;
   nominal_.pilot = config.pilot;
   nominal_.pilot.track = file.track;
@@ -87,7 +113,7 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
 
   identity_ = {.track = file.track.name,
                .seed = 0,
-               .vision = given.vision,
+               .vision = vision,
                .version = GATEFLY_VERSION,
                .commit = built_from(),
                .configuration = {},
@@ -97,17 +123,6 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
   for (const auto& key : io::fault_keys())
     identity_.config["faults"][key.rule.name.substr(7)] = key.get(nominal_.sim.faults);
   identity_.config["laps"] = file.track.laps;
-
-  inputs_ = flight_inputs(arguments, config, path, file.track.laps);
-  identity_.configuration = fingerprint_of(identity_, inputs_);
-
-  // Whether there is a way at all, before anything is written or rendered.
-  try {
-    const Pilot plans{nominal_.pilot};
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(path.string() + ": cannot be flown: " + error.what());
-  }
-  notes_ = config.notes;
 }
 
 Race RaceMaker::race(std::uint64_t seed) const {

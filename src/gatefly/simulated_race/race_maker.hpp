@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -35,6 +36,8 @@ class RaceMaker {
   /// @throws std::runtime_error one line: unreadable, not allowed, or a course that cannot be
   ///     flown.
   explicit RaceMaker(const RaceArguments& given);
+  /// Of the track and configuration that lie in a flight's folder.
+  [[nodiscard]] static RaceMaker of_flight(const std::filesystem::path& directory);
 
   [[nodiscard]] Race race(std::uint64_t seed) const;
 
@@ -44,6 +47,10 @@ class RaceMaker {
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  RaceMaker() = default;
+  void nominal(const io::Config& config, const std::filesystem::path& path, io::TrackFile file,
+               const std::string& vision);
+
   closed_loop::RaceConfig nominal_;
   sim::Randomize randomize_;
   io::RaceIdentity identity_;

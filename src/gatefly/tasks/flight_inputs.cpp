@@ -117,9 +117,8 @@ void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
                              io::text_of(*frames) + " pictures (summary.json)");
   const double last = std::chrono::duration<double>(folder.samples.back().time).count();
   if (seconds && std::abs(*seconds - last) > 1e-6)
-    throw std::runtime_error((directory / "log_si.csv").string() + ": ends at " +
-                             io::text_of(last, 6) + " s, the flight at " +
-                             io::text_of(*seconds, 6) + " s (summary.json)");
+    throw std::runtime_error(folder.log.string() + ": ends at " + io::text_of(last, 6) +
+                             " s, the flight at " + io::text_of(*seconds, 6) + " s (summary.json)");
 }
 
 io::Config config_of_flight(const fs::path& directory, const ConfigArguments& user) {
@@ -142,6 +141,20 @@ io::Config config_of_flight(const fs::path& directory, const ConfigArguments& us
 
 std::optional<int> laps_of_flight(const fs::path& directory) {
   return read_settings(directory).laps;
+}
+
+std::uint64_t seed_of_flight(const fs::path& directory) {
+  const nlohmann::json seed = FlightSummary{directory}.at("/seed");
+  if (!seed.is_number_unsigned())
+    throw std::runtime_error((directory / kSummary).string() +
+                             ": does not say the flight's seed, without which its pictures cannot "
+                             "be rendered again");
+  return seed.get<std::uint64_t>();
+}
+
+std::string version_of_flight(const fs::path& directory) {
+  const nlohmann::json version = FlightSummary{directory}.at("/version");
+  return version.is_string() ? version.get<std::string>() : "";
 }
 
 std::string difference_in(const io::Config& config, const fs::path& directory) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -33,6 +34,12 @@ void expect_whole(const std::filesystem::path& directory, const io::FlightFolder
 
 /// nullopt where its settings do not say.
 [[nodiscard]] std::optional<int> laps_of_flight(const std::filesystem::path& directory);
+
+/// The day it was flown on. @throws std::runtime_error one line, when summary.json does not say it.
+[[nodiscard]] std::uint64_t seed_of_flight(const std::filesystem::path& directory);
+
+/// Of the gatefly that flew it; "" where its summary does not say.
+[[nodiscard]] std::string version_of_flight(const std::filesystem::path& directory);
 
 /// "control.speed_mps is 1.2, was 1.5 in flight" for the first key that summary.json has otherwise;
 /// "" when none.

@@ -15,6 +15,29 @@ namespace gatefly::tasks {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAgain& render_again) {
+  const int width = flight.config.camera.stored_width(),
+            height = flight.config.camera.stored_height();
+  switch (flight.pictures) {
+    case flight_log::Pictures::kFilm:
+      return flight_log::pictures_in_film(flight.folder, width, height);
+    case flight_log::Pictures::kHashes:
+      if (render_again) return render_again(flight);
+      throw std::runtime_error(
+          flight.folder.directory.string() +
+          ": keeps no pictures; to render them again takes a gatefly with the simulator (or fly it "
+          "with --frames)");
+    case flight_log::Pictures::kNone:
+    case flight_log::Pictures::kFiles:
+      break;
+  }
+  return flight_log::pictures_in_files(flight.folder, width, height);
+}
+
+}  // namespace
+
 RecordedFlight read_flight(const ReplayArguments& arguments) {
   RecordedFlight flight;
   const fs::path directory = io::find_data(arguments.directory, arguments.data);
@@ -45,25 +68,31 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
     flight.pilot.track.start_heading =
         wrap_angle(samples.front().ahrs->yaw + arguments.heading_offset_deg * kDegree);
   flight.ticks = flight_log::ticks_of(flight.folder);
+  flight.pictures = flight_log::where_pictures_are(flight.folder);
+  if (!flight.simulated && flight.pictures == flight_log::Pictures::kHashes)
+    flight.pictures = flight_log::Pictures::kFiles;  // nobody can render what was no simulation
   return flight;
 }
 
 flight_log::ReplayResult replayed(
     const RecordedFlight& flight, const ReplayArguments& arguments,
-    const std::function<void()>& on_picture,
+    const std::function<void()>& on_picture, const RenderAgain& render_again,
     const std::function<void(const flight_log::ReplayedTick&)>& on_tick) {
-  const auto load_picture = flight_log::picture_loader(
-      flight.folder, flight.config.camera.stored_width(), flight.config.camera.stored_height(),
+  flight_log::HashCheck hashes;
+  const auto load_picture = flight_log::upright(
+      flight_log::checked(source_of(flight, render_again), flight.folder, hashes),
       flight.config.camera.stored_rotation_deg);
   const auto watched = [&](std::size_t picture) {
     if (on_picture) on_picture();
     return load_picture(picture);
   };
   try {
-    return flight_log::replay(flight.pilot, flight.ticks, watched,
-                              arguments.estimator == "drag" ? flight_log::Estimator::kDrag
-                                                            : flight_log::Estimator::kImu15,
-                              on_tick);
+    auto result = flight_log::replay(flight.pilot, flight.ticks, watched,
+                                     arguments.estimator == "drag" ? flight_log::Estimator::kDrag
+                                                                   : flight_log::Estimator::kImu15,
+                                     on_tick);
+    result.hashes = hashes;
+    return result;
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(std::string("the track cannot be flown: ") + error.what());
   }

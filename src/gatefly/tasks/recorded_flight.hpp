@@ -30,6 +30,7 @@ struct RecordedFlight {
   PilotConfig pilot;
   io::FlightFolder folder;
   std::vector<flight_log::RecordedTick> ticks;
+  flight_log::Pictures pictures = flight_log::Pictures::kNone;  ///< Where they are.
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
   std::vector<std::string> notes;  ///< What the configuration has to say to its user.
 };
@@ -37,13 +38,17 @@ struct RecordedFlight {
 /// @throws std::runtime_error one line: unreadable, damaged, not whole.
 [[nodiscard]] RecordedFlight read_flight(const ReplayArguments& arguments);
 
+/// How pictures that were not kept are rendered again: simulated_race/rendered_again.hpp. A gatefly
+/// without the simulator has nobody for it.
+using RenderAgain = std::function<flight_log::PictureSource(const RecordedFlight&)>;
+
 /// Flies it again, by the pilot or the filter that was asked for.
 /// @param on_picture  called before each picture is read; may throw to stop; may be empty.
 /// @param on_tick  called after every step; may be empty.
 /// @throws std::runtime_error one line: a picture cannot be read, the track cannot be flown.
 [[nodiscard]] flight_log::ReplayResult replayed(
     const RecordedFlight& flight, const ReplayArguments& arguments,
-    const std::function<void()>& on_picture = {},
+    const std::function<void()>& on_picture = {}, const RenderAgain& render_again = {},
     const std::function<void(const flight_log::ReplayedTick&)>& on_tick = {});
 
 }  // namespace gatefly::tasks

@@ -110,6 +110,23 @@ std::string why_no_fix(const flight_log::ReplayResult& result) {
   return "gates in " + std::to_string(with_gate) + " pictures and no fix: " + reason;
 }
 
+std::string other_pictures(const RecordedFlight& flight, const flight_log::HashCheck& hashes) {
+  if (!hashes.first_other) return "";
+  const std::string first = flight.folder.images[*hashes.first_other].path.filename().string();
+  std::string said = std::to_string(hashes.others) + " of " + std::to_string(hashes.checked) +
+                     " pictures are not those of the flight, by their hashes, from " + first +
+                     " on: ";
+  if (flight.pictures != flight_log::Pictures::kHashes) return said + "they were changed";
+  const std::string version = version_of_flight(flight.folder.directory);
+  return said + "another version" + (version.empty() ? "" : " than " + version) +
+         " or another kind of processor renders them otherwise, or the folder was changed";
+}
+
+const char* name_of(flight_log::Pictures pictures) {
+  constexpr std::array<const char*, 4> kNames{"none", "files", "film", "rendered"};
+  return kNames[static_cast<std::size_t>(pictures)];
+}
+
 }  // namespace
 
 ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& arguments,
@@ -119,6 +136,8 @@ ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& argu
   report.visible = against_geometry(flight, result, arguments.heading_offset_deg * kDegree);
   report.comparison = compared(flight, arguments, result);
   report.why_no_fix = why_no_fix(result);
+  report.other_pictures = other_pictures(flight, result.hashes);
+  report.pictures_from = name_of(flight.pictures);
   for (const auto& row : result.pictures)
     report.fixes += row.sighting.source != Sighting::Source::kNone;
   return report;
@@ -129,6 +148,9 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
   nlohmann::json json{{"flight", arguments.directory},
                       {"samples", result.estimates.size()},
                       {"pictures", result.pictures.size()},
+                      {"pictures_from", report.pictures_from},
+                      {"pictures_checked", result.hashes.checked},
+                      {"pictures_other", result.hashes.others},
                       {"fixes", report.fixes},
                       {"finite", result.finite},
                       {"gates_passed", result.gates_passed},
@@ -150,8 +172,8 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
 
 std::string text_of(const Comparison& comparison, const RecordedFlight& flight) {
   if (!comparison.first_other) return "the same estimates, to the bit";
-  const std::string from =
-      "other estimates from log_si.csv:" + std::to_string(*comparison.first_other + 2) + " on";
+  const std::string from = "other estimates from " + flight.folder.log.filename().string() + ":" +
+                           std::to_string(*comparison.first_other + 2) + " on";
   if (comparison.told) return from + ", as --config, --set or --track want it";
   const std::string why = difference_in(flight.config, flight.folder.directory);
   return from + (why.empty() ? ": a file of the folder or the program has changed" : ": " + why);

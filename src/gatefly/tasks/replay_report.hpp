@@ -33,6 +33,8 @@ struct ReplayReport {
   std::optional<Rate> visible;
   std::optional<Comparison> comparison;  ///< Where the log has the recorded pilot's estimates.
   std::string why_no_fix;                ///< Many gates and no fix: why; "" where all is well.
+  std::string pictures_from;             ///< "files", "film", "rendered", "none".
+  std::string other_pictures;  ///< Whose hashes are not the flight's: how many; "" when none.
 };
 
 [[nodiscard]] ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& arguments,

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/flight_log/gzip.hpp"
+
+#include <array>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+#include <zlib.h>
+
+#include "gatefly/files/text.hpp"
+
+namespace gatefly::io {
+namespace {
+
+constexpr int kGzip = 15 + 16;  // the largest window, with gzip's header
+// Of a log of 28 MB: level 1 makes 12.8 MB in 0.40 s, 4 makes 11.9 in 0.75, 6 makes 11.6 in 2.0.
+constexpr int kLevel = 4;
+
+Bytef* bytes_of(std::string_view text) {
+  return const_cast<Bytef*>(reinterpret_cast<const Bytef*>(text.data()));  // zlib only reads
+}
+
+}  // namespace
+
+struct GzipFile::Stream {
+  Stream() {
+    if (deflateInit2(&z, kLevel, Z_DEFLATED, kGzip, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::bad_alloc{};
+  }
+  ~Stream() { deflateEnd(&z); }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+  z_stream z{};
+};
+
+GzipFile::GzipFile() = default;
+GzipFile::~GzipFile() = default;
+
+void GzipFile::open(const std::filesystem::path& path) {
+  stream_ = std::make_unique<Stream>();
+  file_.open(path, std::ios::binary);
+}
+
+void GzipFile::write(std::string_view piece) { deflate(piece, false); }
+
+void GzipFile::close() {
+  deflate("", true);
+  file_.close();
+}
+
+void GzipFile::deflate(std::string_view piece, bool last) {
+  z_stream& z = stream_->z;
+  z.next_in = bytes_of(piece);
+  z.avail_in = static_cast<uInt>(piece.size());
+  std::array<char, 1 << 16> packed;
+  do {
+    z.next_out = reinterpret_cast<Bytef*>(packed.data());
+    z.avail_out = packed.size();
+    ::deflate(&z, last ? Z_FINISH : Z_NO_FLUSH);
+    file_.write(packed.data(), static_cast<std::streamsize>(packed.size() - z.avail_out));
+  } while (z.avail_out == 0);
+}
+
+std::string read_gzip(const std::filesystem::path& path, std::size_t most) {
+  const std::string packed = read_file(path);
+  const auto fail = [&](const char* what) { throw std::runtime_error(path.string() + what); };
+  z_stream z{};
+  if (inflateInit2(&z, kGzip) != Z_OK) throw std::bad_alloc{};
+  struct AtEnd {
+    z_stream* z;
+    ~AtEnd() { inflateEnd(z); }
+  } at_end{&z};
+  z.next_in = bytes_of(packed);
+  z.avail_in = static_cast<uInt>(packed.size());  // read_file() reads no more than 1 GiB
+  std::string content;
+  std::vector<char> piece(1 << 18);
+  for (int state = Z_OK; state != Z_STREAM_END;) {
+    z.next_out = reinterpret_cast<Bytef*>(piece.data());
+    z.avail_out = static_cast<uInt>(piece.size());
+    state = inflate(&z, Z_NO_FLUSH);
+    content.append(piece.data(), piece.size() - z.avail_out);
+    if (state == Z_BUF_ERROR || (state == Z_OK && z.avail_in == 0 && z.avail_out > 0))
+      fail(": is cut off, the end of the gzip file is missing");
+    if (state != Z_OK && state != Z_STREAM_END)
+      fail(z.total_out == 0 ? ": is no gzip file" : ": is damaged, no whole gzip file");
+    if (content.size() > most) fail(": is longer than any log, unpacked");
+  }
+  return content;
+}
+
+}  // namespace gatefly::io

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/simulated_race/rendered_again.hpp"
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "gatefly/closed_loop/frames_again.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/simulated_race/race_maker.hpp"
+#include "gatefly/tasks/flight_inputs.hpp"
+
+namespace gatefly::tasks {
+namespace {
+
+struct Renderer {
+  explicit Renderer(const RecordedFlight& f)
+      : flight{f},
+        config{RaceMaker::of_flight(f.folder.directory)
+                   .race(seed_of_flight(f.folder.directory))
+                   .config.sim},
+        picture{.bytes = {},
+                .format = PixelFormat::kUyvy,
+                .stored_width = config.camera.stored_width,
+                .stored_height = config.camera.stored_height} {
+    picture.bytes.assign(image_bytes(picture.format, picture.stored_width, picture.stored_height),
+                         128);
+  }
+
+  const io::ImageFile& operator()(std::size_t i) {
+    const std::size_t row = flight.folder.images.at(i).log_row;
+    if (!frames || row < frames->ticks())
+      frames = std::make_unique<closed_loop::FramesAgain>(
+          config, [this](std::size_t tick) { return motors(tick); });
+    const auto bytes = frames->picture_of(row);
+    // Without one, as another version's camera may have it, the last stays: its hash is another.
+    if (!bytes.empty()) picture.bytes.assign(bytes.begin(), bytes.end());
+    return picture;
+  }
+
+  [[nodiscard]] std::array<double, 4> motors(std::size_t tick) const {
+    const auto& speeds = flight.folder.samples.at(tick).motors;
+    if (!speeds)
+      throw std::runtime_error(flight.folder.log.string() + ":" + std::to_string(tick + 2) +
+                               ": has no rotor speeds (motor_lf_radps ...), without which the "
+                               "flight's pictures cannot be rendered again");
+    return *speeds;
+  }
+
+  const RecordedFlight& flight;
+  sim::SimConfig config;
+  io::ImageFile picture;
+  std::unique_ptr<closed_loop::FramesAgain> frames;
+};
+
+}  // namespace
+
+flight_log::PictureSource rendered_again(const RecordedFlight& flight) {
+  const auto renderer = std::make_shared<Renderer>(flight);
+  return [renderer](std::size_t i) -> const io::ImageFile& { return (*renderer)(i); };
+}
+
+}  // namespace gatefly::tasks

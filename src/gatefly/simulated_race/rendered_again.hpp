@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gatefly/flight_log/recording.hpp"
+#include "gatefly/tasks/recorded_flight.hpp"
+
+namespace gatefly::tasks {
+
+/// The pictures of a flight that did not keep them, rendered from what lies in its folder: track,
+/// configuration, seed, and the rotor speeds of its log.
+///
+/// The flight's own configuration counts, not the user's: another pilot looks at the same pictures.
+/// Asked in order; one before the last one is rendered from the start again.
+/// @param flight  must live as long.
+/// @throws std::runtime_error one line: the folder does not say enough.
+[[nodiscard]] flight_log::PictureSource rendered_again(const RecordedFlight& flight);
+
+}  // namespace gatefly::tasks
