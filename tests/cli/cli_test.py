@@ -990,7 +990,7 @@ class Video(Cli):
         answer = json.loads(probe.stdout)
         (stream,) = answer["streams"]
         self.assertEqual((stream["codec_name"], stream["pix_fmt"]), ("h264", "yuv420p"))
-        self.assertEqual((stream["width"], stream["height"]), (1280, 720))
+        self.assertEqual((stream["width"], stream["height"]), (1600, 900))
         seconds = float(answer["format"]["duration"])
         self.assertGreaterEqual(seconds, flown)
         self.assertLessEqual(seconds, flown + 2.5)  # the last frame is held for a while

@@ -15,10 +15,12 @@ import pathlib
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.request
 
 GATEFLY, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 FULL = "--full" in sys.argv
@@ -46,6 +48,10 @@ REDUCED = {
     "campaign showroom --runs 100 --vision ideal --out out/days": ("--runs 100", "--runs 2"),
     "campaign oval --runs 40 --vision ideal": ("--runs 40", "--runs 2"),
     "campaign mine.toml --runs 100 --vision ideal --out out/mine": ("--runs 100", "--runs 2"),
+    "fly showroom --frames": "--laps 1 " + SHORT,
+    "fly showroom": SHORT,
+    "replay out/showroom-1": "",
+    "view out": "",
     "replay out/oval-7": "",
     "replay out/mine": "",
     "replay my_flight --track mine.toml --config camera.toml": "",
@@ -66,6 +72,7 @@ REDUCED = {
 # Of the script ./gatefly alone; CI itself runs the first, tests/install what the second makes.
 SCRIPTS_OWN = {"test", "package"}
 NEEDS_DATA = re.compile(r"tudelft_bebop|washington|my_flights")
+SERVES = {"view"}  # until Ctrl-C
 # An ideal flight may crash on a day, a cut one does not finish; all others end with 0.
 MAY_END_WITH_1 = {"fly"}
 
@@ -209,6 +216,18 @@ class Commands(unittest.TestCase):
         cls.addClassCleanup(temporary.cleanup)
         cls.reader = Reader(pathlib.Path(temporary.name))
 
+    def check_server(self, words, folder, environment):
+        """It says where it is, answers there, and ends with Ctrl-C."""
+        with subprocess.Popen([GATEFLY, *words], cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as server:
+            address = re.search(r"http://127\.0\.0\.1:\d+/", server.stdout.readline())
+            if address:
+                with urllib.request.urlopen(address[0], timeout=20) as answer:
+                    self.assertEqual(answer.status, 200)
+            server.send_signal(signal.SIGINT)
+            server.communicate(timeout=20)
+        self.assertTrue(address, "no address on its first line")
+        self.assertEqual(server.returncode, 130)
+
     def run_page(self, page):
         folder = self.reader.folder(page)
         environment = dict(os.environ, PATH=f"{folder}:{os.environ['PATH']}", XDG_CACHE_HOME=str(self.reader.top / "cache"))
@@ -227,6 +246,9 @@ class Commands(unittest.TestCase):
                     continue
                 if not self.reader.has_video and ("clip.mp4" in command or "--video" in command):
                     print(f"left out, no ffmpeg: {where}")
+                    continue
+                if name in SERVES:
+                    self.check_server(shlex.split(run), folder, environment)
                     continue
                 done = subprocess.run(["bash", "-c", "gatefly " + run], cwd=folder, env=environment, capture_output=True, text=True,
                                       timeout=3600, check=False)
