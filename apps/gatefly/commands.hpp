@@ -46,6 +46,7 @@ void declare_new(Command& command);
 void declare_track(Command& command);
 void declare_doctor(Command& command);
 void declare_view(Command& command);
+void declare_render(Command& command);
 void declare_completion(Command& command);
 
 /// A subcommand that is compiled into this program.

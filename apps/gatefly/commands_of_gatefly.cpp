@@ -10,17 +10,12 @@ namespace gatefly::cli {
 
 std::span<const CommandHere> commands_here() {
   static constexpr std::array kHere{
-      CommandHere{"fly", declare_fly},
-      CommandHere{"replay", declare_replay},
-      CommandHere{"detect", declare_detect},
-      CommandHere{"score", declare_score},
-      CommandHere{"campaign", declare_campaign},
-      CommandHere{"config", declare_config},
-      CommandHere{"new", declare_new},
-      CommandHere{"track", declare_track},
-      CommandHere{"doctor", declare_doctor},
-      CommandHere{"view", declare_view},
-      CommandHere{"completion", declare_completion},
+      CommandHere{"fly", declare_fly},           CommandHere{"replay", declare_replay},
+      CommandHere{"detect", declare_detect},     CommandHere{"score", declare_score},
+      CommandHere{"campaign", declare_campaign}, CommandHere{"config", declare_config},
+      CommandHere{"new", declare_new},           CommandHere{"track", declare_track},
+      CommandHere{"doctor", declare_doctor},     CommandHere{"view", declare_view},
+      CommandHere{"render", declare_render},     CommandHere{"completion", declare_completion},
   };
   return kHere;
 }

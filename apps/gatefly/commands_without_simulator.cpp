@@ -15,7 +15,8 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"track", declare_track},   CommandHere{"doctor", declare_doctor},
       CommandHere{"view", declare_view},     CommandHere{"completion", declare_completion},
       CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
-      CommandHere{"reproduce", nullptr},     CommandHere{"bench", nullptr},
+      CommandHere{"render", nullptr},        CommandHere{"reproduce", nullptr},
+      CommandHere{"bench", nullptr},
   };
   return kHere;
 }

@@ -64,6 +64,7 @@ struct Listed {
 /// All commands there are, in the order of --help.
 constexpr std::array kCommands{
     Listed{"fly", "one closed-loop race in the simulator"},
+    Listed{"render", "labelled pictures of a course, from races and from all around"},
     Listed{"replay", "a recorded flight through the pilot that flies the simulator"},
     Listed{"detect", "gates in images, folders, or a video"},
     Listed{"score", "detections against labels"},

@@ -489,6 +489,50 @@ class Replay(Cli):
         self.assertIn("the colour table has changed", self.refused(*moved))
 
 
+class Render(Cli):
+    ORDER = ("render", "oval", "--frames", "6", "--per-day", "3", "--quiet")
+
+    def table(self, name):
+        header, *rows = (self.folder / name).read_text().splitlines()
+        return [dict(zip(header.split(","), row.split(","))) for row in rows]
+
+    def test_pictures_have_labels_poses_and_masks_that_detect_and_score_read(self):
+        result = self.run_it(*self.ORDER, "--masks", "--around", "50", "--out", "p")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        images = [f"img_{i:05}.jpg" for i in range(6)]
+        self.assertEqual(sorted(path.name for path in (self.folder / "p").glob("img_*")), images)
+        self.assertEqual(len(list((self.folder / "p").glob("mask_*.pgm"))), 6)
+        labels, poses, gates = self.table("p/labels.csv"), self.table("p/poses.csv"), self.table("p/gates.csv")
+        self.assertEqual(list(dict.fromkeys(row["image"] for row in labels)), images)
+        self.assertEqual([row["image"] for row in poses], images)
+        self.assertEqual([row["seed"] for row in poses], ["1"] * 3 + ["2"] * 3)
+        self.assertEqual({row["pose"] for row in poses}, {"race", "around"})
+        whole = [row for row in gates if row["whole"] == "1"]
+        self.assertEqual(len(whole), sum(row["has_gate"] == "1" for row in labels))
+        for row in gates:
+            self.assertEqual(row["whole"] == "1", all(row[f"{corner}_seen"] == "1" for corner in ("tl", "tr", "br", "bl")))
+        self.assertIn("(EXIF)", self.run_it("detect", "p", "--csv", "found.csv").stderr)
+        scored = self.run_it("score", "--detections", "found.csv", "--labels", "p/labels.csv", "--json")
+        self.assertEqual(scored.returncode, 0, scored.stderr)
+
+    def test_the_same_pictures_whatever_the_threads_and_other_ones_from_another_seed(self):
+        for name, more in (("a", ("--jobs", "1")), ("b", ("--jobs", "2")), ("c", ("--seed", "5"))):
+            self.assertEqual(self.run_it(*self.ORDER, *more, "--recording", "mjpeg-low", "--out", name).returncode, 0)
+        content = {name: [(path.name, path.read_bytes()) for path in sorted((self.folder / name).glob("*.[jc]*"))] for name in "abc"}
+        pictures = {name: [each for each in content[name] if each[0] != "render.json"] for name in "abc"}
+        self.assertEqual(pictures["a"], pictures["b"])
+        self.assertNotEqual(pictures["a"], pictures["c"])
+
+    def test_unusable_arguments(self):
+        self.assertIn("--frames", self.refused("render", "oval"))
+        self.assertIn("--frames", self.refused("render", "oval", "--frames", "0"))
+        self.assertIn("--recording", self.refused("render", "oval", "--frames", "1", "--recording", "mp4"))
+        thesis = self.folder / "thesis"
+        thesis.mkdir()
+        (thesis / "chapter1.tex").write_text("years of work", encoding="utf-8")
+        self.assertIn("thesis", self.refused("render", "oval", "--frames", "1", "--out", thesis))
+
+
 class Faults(Cli):
     def test_they_are_said_in_a_track_file_a_configuration_or_on_the_command_line(self):
         oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")

@@ -22,7 +22,7 @@ import unittest
 GATEFLY, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 FRAMES = ROOT / "tests" / "replay" / "oval_flight"
 COMMANDS = ("fly", "replay", "detect", "score", "calibrate", "tune", "campaign", "reproduce", "identify", "bench", "new", "track",
-            "doctor", "config", "completion")
+            "doctor", "config", "completion", "render", "view")
 
 
 def corners():
@@ -83,7 +83,7 @@ class Json(Console):
 
     def test_every_command_with_results_has_it(self):
         for command in COMMANDS:
-            if command not in {"new", "completion"}:
+            if command not in {"new", "completion", "view"}:
                 self.assertIn("--json", self.run_it(command, "--help").stdout, command)
 
     def test_flights(self):

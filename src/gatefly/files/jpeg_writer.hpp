@@ -13,4 +13,16 @@ namespace gatefly::io {
 /// @throws std::invalid_argument when the picture is empty or larger than a JPEG can be.
 [[nodiscard]] std::string small_jpeg(const Image& image, int quality, int step = 1);
 
+/// How pictures were kept.
+enum class Recording {
+  kJpeg,     ///< Quality 98, 4:2:2: as the authors' hand-picked ones (basement32_hq, cyberzoo).
+  kMjpegLow  ///< MPEG-1's matrix times 25/8, 4:2:2: as their basement580.
+};
+
+/// A stored picture as the bytes of such a JPEG.
+/// @param exif_orientation  1..8, which a reader turns it by; 0: says nothing.
+/// @throws std::invalid_argument when the picture is empty or larger than a JPEG can be.
+[[nodiscard]] std::string recorded_jpeg(const Image& image, Recording recording,
+                                        int exif_orientation = 0);
+
 }  // namespace gatefly::io

@@ -252,6 +252,40 @@ void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const
   impl_->sensor.develop(frame, t_start, impl_->picture, uyvy);
 }
 
+void CameraRenderer::meter_anew() { impl_->metered = false; }
+
+std::vector<std::uint8_t> CameraRenderer::gate_mask(double t_start,
+                                                    std::span<const BodyPose> history) const {
+  const CameraTruth& camera = impl_->camera;
+  const int width = camera.stored_height, height = camera.stored_width;  // upright
+  const RayScene& visible = impl_->seen_from(interpolated(history, t_start).p_EB);
+  const Eigen::Matrix3f R_BC = camera_mount(camera.tilt_down).matrix.cast<float>();
+  const std::size_t fixed = impl_->scene.fixed.size();
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
+  for (int u = 0; u < width; ++u) {
+    const double share = width > 1 ? static_cast<double>(u) / (width - 1) : 0.0;
+    const double t = t_start + camera.readout * share + 0.5 * impl_->sensor.exposure();
+    const Eye eye = eye_of(interpolated(history, t), camera.p_BC);
+    for (int v = 0; v < height; ++v) {
+      const auto bearing_C = camera.lens.bearing({u, v});
+      if (!bearing_C) continue;
+      const Eigen::Vector3f d = eye.R_EB * (R_BC * bearing_C->cast<float>());
+      RTCRayHit ray{};
+      ray.ray.org_x = eye.p_EC.x(), ray.ray.org_y = eye.p_EC.y(), ray.ray.org_z = eye.p_EC.z();
+      ray.ray.dir_x = d.x(), ray.ray.dir_y = d.y(), ray.ray.dir_z = d.z();
+      ray.ray.tnear = kNear, ray.ray.tfar = kFar;
+      ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      visible.intersect(ray);
+      if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID || ray.hit.primID < fixed) continue;
+      const Rectangle& hit = impl_->scene.moved[ray.hit.primID - fixed];
+      if (hit.bar)
+        mask[static_cast<std::size_t>(v * width + u)] =
+            static_cast<std::uint8_t>(hit.gate < 0 ? 255 : std::min(hit.gate + 1, 254));
+    }
+  }
+  return mask;
+}
+
 bool CameraRenderer::occluded(const Eigen::Vector3d& from_E, const Eigen::Vector3d& to_E) const {
   const Eigen::Vector3f from = from_E.cast<float>(), d = (to_E - from_E).cast<float>();
   RTCRay ray{};

@@ -47,6 +47,15 @@ class CameraRenderer final : public Sight {
   void render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
               std::vector<std::uint8_t>& uyvy);
 
+  /// The next picture meters its own light, as the first does: for pictures that do not follow each
+  /// other.
+  void meter_anew();
+
+  /// Which gate's coloured frame is in the middle of each pixel of such a frame, upright, line by
+  /// line: 1 for the world's first gate, 255 for a false one, 0 for everything else.
+  [[nodiscard]] std::vector<std::uint8_t> gate_mask(double t_start,
+                                                    std::span<const BodyPose> history) const;
+
   [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E,
                               const Eigen::Vector3d& to_E) const override;
   [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,

@@ -114,6 +114,7 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
     above[i] = px->y() < 0.0;
     seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E);
   }
+  view.seen = seen;
   view.whole = seen[0] && seen[1] && seen[2] && seen[3];
   view.only_lower_corners = above[0] && above[1] && seen[2] && seen[3];
   const Eigen::Vector3d aside = (gate.side - gate.bar) * right * R_EG.col(1);

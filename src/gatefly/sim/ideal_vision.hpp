@@ -23,6 +23,7 @@ struct GateView {
   bool whole = false;               ///< All four corners are in the picture and in sight.
   bool only_lower_corners = false;  ///< The lower two are, the upper two are above the picture.
   std::array<Eigen::Vector2d, 4> corners_px{};  ///< Outer ones, clockwise from top-left as seen.
+  std::array<bool, 4> seen{};                   ///< In the picture, and nothing before it.
   /// Middle of the left and right bar's part in view.
   std::optional<std::array<Eigen::Vector2d, 2>> bars_px;
 };

@@ -50,10 +50,12 @@ void add_gate(SceneBuilder& builder, const WorldGate& gate, int bars, int pole, 
   const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
   const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - gate.bar,
                d = gate.bar / 2;
+  builder.bars(true);
   builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, bars);
   builder.box(frame, {-d, -half, height - half}, {d, half, height - in}, bars);
   builder.box(frame, {-d, -half, height - in}, {d, -in, height + in}, bars);
   builder.box(frame, {-d, in, height - in}, {d, half, height + in}, bars);
+  builder.bars(false);
   const double lower = height - half;
   if (lower < 0.05) return;
   builder.box(frame, {-0.012, -0.012, 0.0}, {0.012, 0.012, lower}, pole);
@@ -144,6 +146,7 @@ void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3
   r.cells_v = cells(second.norm());
   r.flat = std::max(first.norm(), second.norm()) < kFlatBelow;
   r.gate = gate_;
+  r.bar = bars_;
   list.push_back(r);
 }
 

@@ -45,6 +45,7 @@ struct Rectangle {
   int cells_u = 1, cells_v = 1;
   bool flat = false;  ///< So small that one value of light does for all nodes.
   int gate = -1;      ///< Of World::gates that it belongs to; -1: of none.
+  bool bar = false;   ///< Of a gate's coloured frame.
 
   [[nodiscard]] int nodes() const { return (cells_u + 1) * (cells_v + 1); }
 };
@@ -95,6 +96,8 @@ class SceneBuilder {
   void layer(Layer layer) { layer_ = layer; }
   /// Which gate the following rectangles belong to; -1: none.
   void gate(int gate) { gate_ = gate; }
+  /// Whether they are of a gate's coloured frame.
+  void bars(bool bars) { bars_ = bars; }
   /// A parallelogram seen from the side of `towards` (a point or direction relative to its centre).
   void rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
                  const Eigen::Vector3d& towards, int material);
@@ -110,6 +113,7 @@ class SceneBuilder {
   Scene& scene_;
   Layer layer_ = Layer::kFixed;
   int gate_ = -1;
+  bool bars_ = false;
 };
 
 /// Draws the looks. The builder's layer is kFixed.

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <regex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/files/image_file.hpp"
+#include "gatefly/files/jpeg_writer.hpp"
+#include "gatefly/files/partial_folder.hpp"
+#include "gatefly/files/png_writer.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/body_state.hpp"
+#include "gatefly/simulated_race/labelled_pictures.hpp"
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderOptions {
+  CommonOptions common;
+  std::string track = "showroom", recording = "jpeg", out;
+  int frames = 0, per_day = 40, jobs = 0;
+  double around = 30.0;
+  std::uint64_t seed = 1;
+  bool masks = false, varied = false, json = false;
+};
+
+bool is_ours(const std::string& name) {
+  static const std::regex kNames{
+      "img_[0-9]+\\.(jpg|png)|mask_[0-9]+\\.pgm|labels\\.csv|gates\\.csv|poses\\.csv|render\\."
+      "json"};
+  return std::regex_match(name, kNames);
+}
+
+/// How a picture is turned and written so that `detect` finds it upright.
+struct Storing {
+  int rotation_deg = 90;  ///< Of the stored picture, counter-clockwise, to make it upright.
+  bool said_by_exif = true;
+};
+
+Storing storing_of(const CommonOptions& options, const std::string& recording) {
+  const io::Config config = tasks::load(options);
+  const bool named = config.set_by.contains("camera.stored_rotation_deg");
+  if (!named && recording == "raw") return {0, false};  // a PNG says nothing
+  return {config.camera.stored_rotation_deg, !named};
+}
+
+int exif_of(int rotation_deg) {
+  for (int orientation = 1; orientation <= 8; ++orientation)
+    if (io::exif_rotation_deg(orientation) == rotation_deg) return orientation;
+  return 0;
+}
+
+std::string padded(std::size_t number) {
+  const std::string text = std::to_string(number);
+  return std::string(text.size() < 5 ? 5 - text.size() : 0, '0') + text;
+}
+
+/// A grey picture that `detect` takes for none of its own.
+std::string pgm_of(const std::vector<std::uint8_t>& pixels, int width, int height) {
+  return "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
+         std::string(pixels.begin(), pixels.end());
+}
+
+std::string corners_text(const sim::GateView& gate) {
+  std::string text;
+  for (const Eigen::Vector2d& corner : gate.corners_px)
+    text += "," + io::fixed(corner.x(), 2) + "," + io::fixed(corner.y(), 2);
+  return text;
+}
+
+/// Rows of the tables, picture by picture.
+struct Rows {
+  std::string labels, gates, poses;
+};
+
+Rows rows_of(const tasks::Picture& picture, const std::string& name) {
+  Rows rows;
+  for (const sim::GateView& gate : picture.gates) {
+    if (gate.whole) rows.labels += name + ",1" + corners_text(gate) + "\n";
+    rows.gates += name + "," + std::to_string(gate.gate + 1) + "," + io::fixed(gate.distance, 3) +
+                  (gate.whole ? ",1" : ",0");
+    for (const bool seen : gate.seen) rows.gates += seen ? ",1" : ",0";
+    rows.gates += corners_text(gate) + "\n";
+  }
+  if (rows.labels.empty()) rows.labels = name + ",0,,,,,,,,\n";
+  const Attitude a = attitude_of({sim::R_EB_of(picture.pose.q_EB.normalized())});
+  const Eigen::Vector3d& p = picture.pose.p_EB;
+  rows.poses = name + "," + std::to_string(picture.seed) + (picture.around ? ",around" : ",race");
+  for (const double x : {p.x(), p.y(), p.z()}) rows.poses += "," + io::fixed(x, 4);
+  for (const double x : {a.roll, a.pitch, a.yaw}) rows.poses += "," + io::fixed(x / kDegree, 3);
+  rows.poses += "\n";
+  return rows;
+}
+
+/// Renders days on several threads into a folder.
+class Studio {
+ public:
+  Studio(const tasks::RaceMaker& maker, const tasks::PictureOrder& order,
+         const io::PartialFolder& folder, const RenderOptions& options)
+      : maker_{maker},
+        order_{order},
+        folder_{folder},
+        recording_{options.recording},
+        storing_{storing_of(options.common, options.recording)},
+        rows_(order.pictures) {}
+
+  /// @throws whatever a worker threw. Returns early after Ctrl-C.
+  void work(int jobs, bool quiet) {
+    std::vector<std::thread> workers;
+    for (int i = 0; i < jobs; ++i) workers.emplace_back([this] { days(); });
+    Progress progress(quiet, 200.0);
+    while (running_ < jobs || done_ < order_.pictures) {
+      std::this_thread::sleep_for(std::chrono::milliseconds{100});
+      const auto done = static_cast<double>(done_);
+      if (progress.due(done))
+        progress.update(
+            done / static_cast<double>(order_.pictures),
+            std::to_string(done_) + " of " + std::to_string(order_.pictures) + " pictures");
+      if (ended_ == jobs) break;
+    }
+    for (std::thread& worker : workers) worker.join();
+    progress.clear();
+    if (error_) std::rethrow_exception(error_);
+  }
+
+  [[nodiscard]] Rows rows() const {
+    constexpr const char* kCorners = "tl_u,tl_v,tr_u,tr_v,br_u,br_v,bl_u,bl_v\n";
+    Rows all{std::string{"image,has_gate,"} + kCorners,
+             std::string{"image,gate,distance_m,whole,tl_seen,tr_seen,br_seen,bl_seen,"} + kCorners,
+             "image,seed,pose,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg\n"};
+    for (const Rows& each : rows_)
+      all.labels += each.labels, all.gates += each.gates, all.poses += each.poses;
+    return all;
+  }
+
+ private:
+  void days() {
+    ++running_;
+    try {
+      const std::size_t count = tasks::days_of(order_);
+      for (std::size_t day = next_++; day < count && !stop_ && !interrupted(); day = next_++)
+        tasks::render_day(maker_, order_, day, [&](tasks::Picture&& picture) {
+          keep(picture);
+          return !stop_ && !interrupted();
+        });
+    } catch (...) {
+      const std::lock_guard lock{mutex_};
+      if (!error_) error_ = std::current_exception();
+      stop_ = true;
+    }
+    ++ended_;
+  }
+
+  void keep(const tasks::Picture& picture) {
+    const tasks::Race& race = nominal_;
+    const int width = race.config.sim.camera.stored_width,
+              height = race.config.sim.camera.stored_height;
+    const int turn = (90 - storing_.rotation_deg + 360) % 360;
+    const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, width, height, turn};
+    const std::string number = padded(picture.number);
+    const std::string name = "img_" + number + (recording_ == "raw" ? ".png" : ".jpg");
+    if (recording_ == "raw") {
+      folder_.write(name, io::png_of(stored));
+    } else {
+      const auto how = recording_ == "jpeg" ? io::Recording::kJpeg : io::Recording::kMjpegLow;
+      const int exif = storing_.said_by_exif ? exif_of(storing_.rotation_deg) : 0;
+      folder_.write(name, io::recorded_jpeg(stored, how, exif));
+    }
+    if (!picture.mask.empty())
+      folder_.write("mask_" + number + ".pgm", pgm_of(picture.mask, height, width));
+    rows_[picture.number] = rows_of(picture, name);
+    ++done_;
+  }
+
+  const tasks::RaceMaker& maker_;
+  tasks::PictureOrder order_;
+  const io::PartialFolder& folder_;
+  std::string recording_;
+  Storing storing_;
+  tasks::Race nominal_ = maker_.race(order_.first_seed);
+  std::vector<Rows> rows_;
+  std::atomic<std::size_t> next_{0}, done_{0};
+  std::atomic<int> running_{0}, ended_{0};
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+int render(const RenderOptions& options) {
+  if (options.frames < 1)
+    throw std::runtime_error("--frames: how many? (a whole number, 1 or more)");
+  const fs::path out =
+      options.out.empty()
+          ? fs::path{"out"} / ("pictures-" + fs::path{options.track}.stem().string())
+          : fs::path{options.out};
+  io::check_output_folder("--out", out);
+  io::refuse_foreign_folder(out, "render.json", {"pictures", "\"recording\""},
+                            "choose another --out");
+  tasks::ConfigArguments config = options.common;
+  if (options.varied) config.settings.insert(config.settings.begin(), "randomize.level=hard");
+  const tasks::RaceMaker maker(
+      {.config = config, .track = options.track, .vision = "rendered", .laps = std::nullopt});
+  say_notes(maker.notes());
+  const tasks::PictureOrder order{.pictures = static_cast<std::size_t>(options.frames),
+                                  .per_day = static_cast<std::size_t>(options.per_day),
+                                  .first_seed = options.seed,
+                                  .around = 0.01 * options.around,
+                                  .varied = options.varied,
+                                  .masks = options.masks};
+  catch_interrupt();
+  io::PartialFolder folder(out, io::PartialFolder::Grows::kBeside, is_ours);
+  Studio studio(maker, order, folder, options);
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  studio.work(options.jobs > 0 ? options.jobs : cores, options.common.quiet);
+  if (interrupted()) {
+    std::cerr << "gatefly render: interrupted, nothing written\n";
+    return kInterrupted;
+  }
+  const Rows rows = studio.rows();
+  folder.write("labels.csv", rows.labels);
+  folder.write("gates.csv", rows.gates);
+  folder.write("poses.csv", rows.poses);
+  const tasks::Race race = maker.race(options.seed);
+  const nlohmann::ordered_json said{
+      {"track", race.identity.track},     {"frames", options.frames},
+      {"recording", options.recording},   {"seed", options.seed},
+      {"per_day", options.per_day},       {"around_percent", options.around},
+      {"varied", options.varied},         {"masks", options.masks},
+      {"version", race.identity.version}, {"commit", race.identity.commit},
+      {"config", race.identity.config}};
+  folder.write("render.json", said.dump(2) + "\n");
+  folder.replace([](const std::string&) { return false; });
+  if (options.json) {
+    std::cout << said.dump(2) << '\n';
+    return kDone;
+  }
+  std::cout << io::amount(order.pictures, "picture") << " of " << race.identity.track << ", "
+            << io::amount(tasks::days_of(order), "day") << ": " << (out / "").string() << '\n';
+  return kDone;
+}
+
+}  // namespace
+
+void declare_render(Command& command) {
+  auto options = std::make_shared<RenderOptions>();
+  command.footer(
+      "Example:\n  gatefly render showroom --frames 200 --out out/pictures\n"
+      "  gatefly detect out/pictures --csv found.csv\n"
+      "  gatefly score --detections found.csv --labels out/pictures/labels.csv\n\n"
+      "labels.csv: the whole gates in view, upright, nearest first; gates.csv: all in view, which "
+      "corners are seen;\nposes.csv: where the drone was; mask_*.pgm: which gate's frame a pixel "
+      "shows.");
+  command.option("TRACK", options->track, "a name in tracks/ or a file").show_default();
+  command.option("--frames", options->frames, "how many pictures").between(1, 1000000);
+  command.option("--seed", options->seed, "the first day; each day has its own world and light")
+      .show_default();
+  command.option("--per-day", options->per_day, "pictures of one day")
+      .between(1, 100000)
+      .show_default();
+  command
+      .option("--around", options->around,
+              "percent from anywhere in the room, the others from races")
+      .between(0.0, 100.0)
+      .show_default();
+  command
+      .option("--recording", options->recording,
+              "raw: PNG; jpeg: as careful as the authors' picked ones; mjpeg-low: as their video")
+      .one_of({"raw", "jpeg", "mjpeg-low"})
+      .show_default();
+  command.flag("--masks", options->masks, "a mask beside each picture");
+  command.flag("--varied", options->varied, "level hard, and rooms take turns: for training");
+  command.option("--jobs", options->jobs, "threads [one a core]").between(1, 1024);
+  command.flag("--json", options->json, "print render.json");
+  command.option("--out", options->out, "folder [out/pictures-TRACK]").path("DIR");
+  add_common(command, options->common);
+  command.runs([options] { return render(*options); });
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/simulated_race/labelled_pictures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/body_state.hpp"
+#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/random.hpp"
+#include "gatefly/sim/solids.hpp"
+
+namespace gatefly::tasks {
+namespace {
+
+/// A moment to take a picture at, and the motion about it.
+struct Moment {
+  double start = 0.0;  ///< Of the exposure [s].
+  std::vector<sim::BodyPose> history;
+  bool around = false;
+};
+
+sim::BodyPose pose_of(double t, const Eigen::Vector3d& p_EB, const Attitude& attitude) {
+  return {t, p_EB, sim::q_EB_of(attitude)};
+}
+
+/// Every exposure of an ideal race, with the motion during it.
+std::vector<Moment> moments_of_race(closed_loop::RaceConfig race) {
+  constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
+  race.vision = closed_loop::Vision::kIdeal;
+  std::vector<sim::BodyPose> poses;
+  std::vector<double> starts;
+  (void)closed_loop::fly(race, [&](const Tick& tick) {
+    const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
+    poses.push_back(pose_of(t, tick.truth.p_EB, tick.truth.attitude));
+    if (tick.exposed && tick.truth.p_EB.z() < -kFlying) starts.push_back(*tick.exposed);
+    return true;
+  });
+  const double span = race.sim.camera.exposure + race.sim.camera.readout;
+  std::vector<Moment> moments;
+  for (const double start : starts) {
+    const auto before = [](const sim::BodyPose& pose, double t) { return pose.t < t; };
+    auto from = std::lower_bound(poses.begin(), poses.end(), start, before);
+    auto to = std::lower_bound(poses.begin(), poses.end(), start + span, before);
+    if (from == poses.begin() || to == poses.end()) continue;
+    moments.push_back({start, {from - 1, to + 1}, false});
+  }
+  return moments;
+}
+
+/// Whether a drone could be there.
+bool is_free(const sim::Sight& sight, const Eigen::Vector3d& p_E) {
+  constexpr double kRoom = 0.3;  // [m]
+  for (const double x : {-1.0, 0.0, 1.0})
+    for (const double y : {-1.0, 0.0, 1.0})
+      for (const double z : {-0.5, 0.0, 0.5}) {
+        const Eigen::Vector3d way{x, y, z};
+        if (!way.isZero() && sight.range(p_E, way.normalized(), kRoom) < kRoom) return false;
+      }
+  return true;
+}
+
+class AroundTheRoom {
+ public:
+  AroundTheRoom(const sim::SimConfig& day, std::uint64_t seed)
+      : day_{day}, sight_{day.world}, stream_{seed, "poses"} {}
+
+  Moment next() {
+    const Eigen::Vector2d half = 0.5 * day_.world.room_size.head<2>();
+    for (;;) {
+      const auto index = static_cast<std::size_t>(
+          stream_.uniform(0.0, static_cast<double>(day_.world.gates.size())));
+      const sim::WorldGate& gate = day_.world.gates[index];
+      const double distance = stream_.uniform(0.8, 7.0);
+      const double aside =
+          stream_.uniform(-60.0, 60.0) * kDegree + (stream_.uniform() < 0.15 ? kPi : 0.0);
+      const double bearing = gate.yaw_EG + aside;
+      const Eigen::Vector3d p{
+          gate.p_EG.x() - distance * gatefly::cos(bearing),
+          gate.p_EG.y() - distance * gatefly::sin(bearing),
+          std::clamp(gate.p_EG.z() + 0.3 * stream_.normal(), 0.4 - day_.world.room_size.z(), -0.4)};
+      const bool anywhere = stream_.uniform() < 0.2;
+      const Attitude attitude{.roll = 8.0 * kDegree * stream_.normal(),
+                              .pitch = (-3.0 + 5.0 * stream_.normal()) * kDegree,
+                              .yaw = anywhere ? stream_.uniform(-kPi, kPi)
+                                              : bearing + 12.0 * kDegree * stream_.normal()};
+      const double speed = stream_.uniform(0.0, 2.5);
+      const Eigen::Vector3d v{speed * gatefly::cos(attitude.yaw),
+                              speed * gatefly::sin(attitude.yaw), 0.2 * stream_.normal()};
+      const Eigen::Vector3d turn{0.5 * stream_.normal(), 0.3 * stream_.normal(),
+                                 0.4 * stream_.normal()};
+      const Eigen::Vector2d off = (p.head<2>() - day_.world.room_center).cwiseAbs();
+      if ((off.array() > half.array() - 0.3).any() || !is_free(sight_, p)) continue;
+      Moment moment{0.0, {}, true};
+      for (const double t : {-0.02, 0.0, 0.02, 0.04, 0.06})
+        moment.history.push_back(pose_of(t, p + t * v,
+                                         {.roll = attitude.roll + t * turn.x(),
+                                          .pitch = attitude.pitch + t * turn.y(),
+                                          .yaw = attitude.yaw + t * turn.z()}));
+      return moment;
+    }
+  }
+
+ private:
+  const sim::SimConfig& day_;
+  sim::SolidSight sight_;
+  sim::Stream stream_;
+};
+
+/// So many of them, evenly spread over the race.
+std::vector<Moment> chosen(std::vector<Moment> moments, std::size_t count, sim::Stream& stream) {
+  if (moments.size() <= count) return moments;
+  const double step = static_cast<double>(moments.size()) / static_cast<double>(count);
+  const double phase = stream.uniform();
+  std::vector<Moment> kept;
+  for (std::size_t i = 0; i < count; ++i)
+    kept.push_back(
+        std::move(moments[static_cast<std::size_t>((static_cast<double>(i) + phase) * step)]));
+  return kept;
+}
+
+std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, std::size_t count) {
+  sim::Stream stream{race.identity.seed, "pictures"};
+  const auto from_race =
+      count - static_cast<std::size_t>(std::lround(order.around * static_cast<double>(count)));
+  std::vector<Moment> moments;
+  if (from_race > 0) moments = chosen(moments_of_race(race.config), from_race, stream);
+  AroundTheRoom around{race.config.sim, race.identity.seed};
+  while (moments.size() < count) moments.push_back(around.next());
+  return moments;
+}
+
+}  // namespace
+
+std::size_t days_of(const PictureOrder& order) {
+  return (order.pictures + order.per_day - 1) / order.per_day;
+}
+
+void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t day,
+                const std::function<bool(Picture&&)>& each) {
+  Race race = maker.race(order.first_seed + day);
+  if (order.varied && day % 2 == 1)
+    race.config.sim.world.look = race.config.sim.world.look == "hall" ? "showroom" : "hall";
+  const sim::SimConfig& s = race.config.sim;
+  const std::size_t first = day * order.per_day;
+  const std::size_t count = std::min(order.per_day, order.pictures - first);
+  const std::vector<Moment> moments = moments_of_day(race, order, count);
+  sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1};
+  const double middle = 0.5 * (s.camera.exposure + s.camera.readout);
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const Moment& moment = moments[i];
+    Picture picture{.number = first + i, .seed = race.identity.seed, .around = moment.around};
+    renderer.meter_anew();
+    renderer.render(static_cast<std::uint32_t>(i + 1), moment.start, moment.history, picture.uyvy);
+    picture.pose = sim::interpolated(moment.history, moment.start + middle);
+    picture.gates = sim::gates_in_view(s.world, s.camera, renderer, moment.start, moment.history);
+    if (order.masks) picture.mask = renderer.gate_mask(moment.start, moment.history);
+    if (!each(std::move(picture))) return;
+  }
+}
+
+}  // namespace gatefly::tasks

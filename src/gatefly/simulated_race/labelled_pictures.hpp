@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/sim/ideal_vision.hpp"
+#include "gatefly/simulated_race/race_maker.hpp"
+
+namespace gatefly::tasks {
+
+/// Which pictures of a course.
+struct PictureOrder {
+  std::size_t pictures = 100;
+  std::size_t per_day = 40;  ///< Of one seed's world and light.
+  std::uint64_t first_seed = 1;
+  double around = 0.3;  ///< Part of them from anywhere in the room instead of the racing line.
+  bool varied = false;  ///< Rooms take turns, too.
+  bool masks = false;
+};
+
+/// What a camera saw at one moment, and what was to be seen.
+struct Picture {
+  std::size_t number = 0;
+  std::uint64_t seed = 0;              ///< The day.
+  bool around = false;                 ///< Not from a race.
+  std::vector<std::uint8_t> uyvy{};    ///< As stored, turned by 90°.
+  sim::BodyPose pose{};                ///< In the middle of the exposure.
+  std::vector<sim::GateView> gates{};  ///< In view, nearest first; whole or not.
+  std::vector<std::uint8_t> mask{};    ///< CameraRenderer::gate_mask(); empty when not asked for.
+};
+
+/// Renders the pictures of one day, in order; days are independent of each other.
+///
+/// On the racing line: the moments at which the camera exposed in an ideal race of that day, evenly
+/// chosen. Around: at 0.8 to 7 m from a gate, seen from up to 60° aside or from behind, one in five
+/// looking anywhere, moving at up to 2.5 m/s. Each meters its own light.
+/// @param day  from 0; the last one may have fewer pictures.
+/// @param each  takes a picture; false stops.
+void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t day,
+                const std::function<bool(Picture&&)>& each);
+
+/// How many days an order takes.
+[[nodiscard]] std::size_t days_of(const PictureOrder& order);
+
+}  // namespace gatefly::tasks
