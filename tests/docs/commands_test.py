@@ -51,6 +51,7 @@ REDUCED = {
     "fly showroom --frames": "--laps 1 " + SHORT,
     "fly showroom": SHORT,
     "replay out/showroom-1": "",
+    "render showroom --frames 200 --out out/pictures": ("--frames 200", "--frames 4"),
     "view out": "",
     "replay out/oval-7": "",
     "replay out/mine": "",
