@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "gatefly/files/base64.hpp"
 #include "gatefly/files/jpeg_writer.hpp"
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/text.hpp"
@@ -150,21 +151,6 @@ Json phase_names() {
                       gatefly::name_of(Straight{}), gatefly::name_of(Turn{}),
                       gatefly::name_of(Search{}), gatefly::name_of(Land{}),
                       gatefly::name_of(Landed{})});
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63U];
-  }
-  return text;
 }
 
 }  // namespace
