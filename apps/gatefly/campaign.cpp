@@ -131,7 +131,7 @@ class Fleet {
   std::exception_ptr error_;
 };
 
-/// Pairs two campaigns; prints and answers that.
+/// Two campaigns paired seed by seed. @throws std::runtime_error when they have nothing in common.
 nlohmann::ordered_json compared(const CampaignFolder& first, const CampaignFolder& second) {
   const auto track = [](const CampaignFolder& folder) {
     return folder.arguments().value("track", "");

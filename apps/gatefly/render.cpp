@@ -122,14 +122,13 @@ class Studio {
     std::vector<std::thread> workers;
     for (int i = 0; i < jobs; ++i) workers.emplace_back([this] { days(); });
     Progress progress(quiet, 200.0);
-    while (running_ < jobs || done_ < order_.pictures) {
+    while (ended_ < jobs) {
       std::this_thread::sleep_for(std::chrono::milliseconds{100});
       const auto done = static_cast<double>(done_);
       if (progress.due(done))
         progress.update(
             done / static_cast<double>(order_.pictures),
             std::to_string(done_) + " of " + std::to_string(order_.pictures) + " pictures");
-      if (ended_ == jobs) break;
     }
     for (std::thread& worker : workers) worker.join();
     progress.clear();
@@ -148,7 +147,6 @@ class Studio {
 
  private:
   void days() {
-    ++running_;
     try {
       const std::size_t count = tasks::days_of(order_);
       for (std::size_t day = next_++; day < count && !stop_ && !interrupted(); day = next_++)
@@ -193,7 +191,7 @@ class Studio {
   tasks::Race nominal_ = maker_.race(order_.first_seed);
   std::vector<Rows> rows_;
   std::atomic<std::size_t> next_{0}, done_{0};
-  std::atomic<int> running_{0}, ended_{0};
+  std::atomic<int> ended_{0};  ///< Threads that have nothing left to do.
   std::atomic<bool> stop_{false};
   std::mutex mutex_;
   std::exception_ptr error_;

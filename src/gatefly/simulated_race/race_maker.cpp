@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/simulated_race/race_maker.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -8,9 +9,9 @@
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
-#include "gatefly/files/fingerprint.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/files/xxh64.hpp"
 #include "gatefly/sim/randomize.hpp"
 #include "gatefly/simulated_race/built_from.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
@@ -49,7 +50,9 @@ std::string fingerprint_of(const io::RaceIdentity& race,
     all["colors"] = table->second;  // its content counts, not where it lies
     all["config"]["color"].erase("table");
   }
-  return io::fingerprint(all.dump());
+  const std::string text = all.dump();
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+  return io::text_of_xxh64(io::xxh64({bytes, text.size()}));
 }
 
 }  // namespace
