@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -180,6 +181,49 @@ void SceneBuilder::pole(const FloorFrame& frame, double diameter, double bottom,
   const double in = 0.35 * diameter;
   rectangle(frame.at(-in, -in, top), frame.at(in, -in, top) - frame.at(-in, -in, top),
             frame.at(-in, in, top) - frame.at(-in, -in, top), up, material);
+}
+
+void SceneBuilder::block(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                         const Eigen::Vector3d& v, const Eigen::Vector3d& w, int material) {
+  const auto pair = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                        const Eigen::Vector3d& out) {
+    rectangle(corner, a, b, -out, material);
+    rectangle(corner + out, a, b, out, material);
+  };
+  pair(u, v, w);
+  pair(v, w, u);
+  pair(w, u, v);
+}
+
+void SceneBuilder::bar(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double width,
+                       int material) {
+  const Eigen::Vector3d along = to - from;
+  const Eigen::Vector3d a = 0.5 * width * along.unitOrthogonal();
+  const Eigen::Vector3d b = 0.5 * width * along.cross(a).normalized();
+  for (const auto& [side, out] : {std::pair{a, b}, std::pair{b, a}}) {
+    rectangle(from + out - side, along, 2 * side, out, material);
+    rectangle(from - out - side, along, 2 * side, -out, material);
+  }
+}
+
+void SceneBuilder::tube(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double diameter,
+                        int material) {
+  constexpr int kSides = 8;
+  const Eigen::Vector3d along = to - from, a = along.unitOrthogonal(),
+                        b = along.cross(a).normalized();
+  const double radius = diameter / 2;
+  const auto rim = [&](int i) -> Eigen::Vector3d {
+    const SinCos s = sincos(2 * kPi * i / kSides);
+    return radius * (s.cos * a + s.sin * b);
+  };
+  for (int i = 0; i < kSides; ++i)
+    rectangle(from + rim(i), rim(i + 1) - rim(i), along, rim(i) + rim(i + 1), material);
+  // Two squares make the star of eight corners that the rim has.
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector3d corner = rim(i), u = rim(i + 2) - corner, v = rim(i + 6) - corner;
+    rectangle(from + corner, u, v, -along, material);
+    rectangle(to + corner, u, v, along, material);
+  }
 }
 
 void SceneBuilder::solid_box(const WorldBox& shape, int material) {

@@ -106,6 +106,13 @@ class SceneBuilder {
            int material);
   /// An upright prism of eight sides.
   void pole(const FloorFrame& frame, double diameter, double bottom, double top, int material);
+  /// A parallelepiped anywhere in the earth frame: a corner and three edges.
+  void block(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
+             const Eigen::Vector3d& w, int material);
+  /// A thin square bar between two points of the earth frame, open at its ends.
+  void bar(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double width, int material);
+  /// A prism of eight sides about the line between two points of the earth frame, with lids.
+  void tube(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double diameter, int material);
   /// A world's box or pole as it is.
   void solid_box(const WorldBox& shape, int material);
 
