@@ -21,6 +21,8 @@ struct SimulatorSettings {
   sim::VehicleTruth vehicle;
   sim::SensorTruth sensors;
   sim::Wind wind;
+  sim::Imaging imaging;
+  sim::GatePaint paint;
   sim::IdealVisionParams ideal_vision;
   int bake_threads = 2;
   double timeout = 240.0;  ///< Of one flight [s].

@@ -131,6 +131,7 @@ PilotConfig pilot_config(const Config& config) {
 sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   sim::SimConfig nominal;
   nominal.world = track.world;
+  nominal.world.paint = config.sim.paint;
   for (auto& gate : nominal.world.gates)
     gate.sought = speaks_for_gate(looked_for(config), gate.color);
   nominal.start = track.start;
@@ -144,7 +145,8 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .stored_width = camera.stored_width(),
                     .stored_height = camera.stored_height(),
                     .exposure = camera.exposure,
-                    .readout = camera.readout};
+                    .readout = camera.readout,
+                    .imaging = config.sim.imaging};
   nominal.sensors = config.sim.sensors;
   nominal.wind = config.sim.wind;
   nominal.sensors.camera_hz = camera.rate_hz;

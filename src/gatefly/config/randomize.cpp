@@ -90,6 +90,9 @@ std::vector<Key<sim::Randomize>> make_keys() {
           "white_balance_percent", "white balance gains", 50,
           [](auto& r) -> auto& { return r.white_balance; }, kPercent),
       sigma(
+          "saturation_percent", "how colourful pictures are", 100,
+          [](auto& r) -> auto& { return r.saturation; }, kPercent),
+      sigma(
           "frame_loss_percent", "pictures that never arrive (not drawn)", 100,
           [](auto& r) -> auto& { return r.frame_loss; }, kPercent),
       sigma(

@@ -35,7 +35,7 @@ std::span<const Experiment> all() {
   static const Deviation kSnakeSearch{"snake-search", "snakes in strides"};
   static const Deviation kSpeed{"speed", "speed held by pitch"};
   static const Deviation kTable2{"table-2", "Table 2 holds variances"};
-  static const std::array<Experiment, 20> list{{
+  static const std::array<Experiment, 21> list{{
       {"roc-length",
        "hits against false positives over the minimum length σ_L",
        roc_length,
@@ -66,6 +66,11 @@ std::span<const Experiment> all() {
        detection_failures,
        true,
        {kCarefulSearch}},
+      {"twin-hardness",
+       "are rendered pictures as hard as real ones? The same detectors on both, by apparent size",
+       twin_hardness,
+       true,
+       {kPaperMode}},
       {"ekf-track",
        "laps through two gates: the filter beside the truth, its errors as histograms",
        ekf_track,

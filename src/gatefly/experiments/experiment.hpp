@@ -76,6 +76,7 @@ struct Experiment {
 Result roc_length(const Options& options);
 Result roc_fitness(const Options& options);
 Result tpr_distance(const Options& options);
+Result twin_hardness(const Options& options);
 Result approach_sequence(const Options& options);
 Result blind_real(const Options& options);
 Result ahrs_real(const Options& options);

@@ -121,34 +121,6 @@ std::vector<std::uint8_t> with_neutral_chroma(const std::vector<std::uint8_t>& g
   return yuv;
 }
 
-ImageFile decode_jpeg(const std::string& path, const std::string& file) {
-  Decoder decoder;
-  struct Closer {
-    Decoder& decoder;
-    ~Closer() { jpeg_destroy_decompress(&decoder.jpeg); }
-  } closer{decoder};
-  const auto fail = [&](const std::string& why) {
-    throw std::runtime_error(path + ": not a usable JPEG: " + why);
-  };
-
-  if (!read_header(decoder, file)) fail(decoder.message.data());
-  const bool grey = decoder.jpeg.num_components == 1;
-  if (!grey && decoder.jpeg.num_components != 3) fail("it has neither 1 nor 3 colour channels");
-  ImageFile image;
-  image.exif_orientation = exif_orientation(decoder.jpeg);
-  if (decoder.jpeg.jpeg_color_space == JCS_RGB) image.format = PixelFormat::kRgb;
-  image.stored_width = static_cast<int>(decoder.jpeg.output_width);
-  image.stored_height = static_cast<int>(decoder.jpeg.output_height);
-  if (image.stored_width > kLargestSide || image.stored_height > kLargestSide)
-    fail("it is larger than 16384 px");
-  image.bytes.resize(static_cast<std::size_t>(image.stored_width) *
-                     static_cast<std::size_t>(image.stored_height) * (grey ? 1 : 3));
-  decoder.bytes = image.bytes.data();
-  if (!read_lines(decoder)) fail(decoder.message.data());
-  if (grey) image.bytes = with_neutral_chroma(image.bytes);
-  return image;
-}
-
 ImageFile decode_png(const std::string& path, const std::string& file) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -258,6 +230,34 @@ bool is_picture(const std::filesystem::path& path) {
 
 bool is_raw(const std::filesystem::path& path) { return kind_of(path) == ".uyvy"; }
 
+ImageFile decoded_jpeg(const std::string& name, const std::string& bytes) {
+  Decoder decoder;
+  struct Closer {
+    Decoder& decoder;
+    ~Closer() { jpeg_destroy_decompress(&decoder.jpeg); }
+  } closer{decoder};
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(name + ": not a usable JPEG: " + why);
+  };
+
+  if (!read_header(decoder, bytes)) fail(decoder.message.data());
+  const bool grey = decoder.jpeg.num_components == 1;
+  if (!grey && decoder.jpeg.num_components != 3) fail("it has neither 1 nor 3 colour channels");
+  ImageFile image;
+  image.exif_orientation = exif_orientation(decoder.jpeg);
+  if (decoder.jpeg.jpeg_color_space == JCS_RGB) image.format = PixelFormat::kRgb;
+  image.stored_width = static_cast<int>(decoder.jpeg.output_width);
+  image.stored_height = static_cast<int>(decoder.jpeg.output_height);
+  if (image.stored_width > kLargestSide || image.stored_height > kLargestSide)
+    fail("it is larger than 16384 px");
+  image.bytes.resize(static_cast<std::size_t>(image.stored_width) *
+                     static_cast<std::size_t>(image.stored_height) * (grey ? 1 : 3));
+  decoder.bytes = image.bytes.data();
+  if (!read_lines(decoder)) fail(decoder.message.data());
+  if (grey) image.bytes = with_neutral_chroma(image.bytes);
+  return image;
+}
+
 ImageFile read_image(const std::filesystem::path& path, int uyvy_width, int uyvy_height) {
   if (!is_picture(path))
     throw std::runtime_error(
@@ -267,7 +267,7 @@ ImageFile read_image(const std::filesystem::path& path, int uyvy_width, int uyvy
   if (kind == ".png") return decode_png(path.string(), file);
   if (kind == ".ppm") return decode_ppm(path.string(), file);
   if (kind == ".uyvy") return decode_uyvy(path.string(), file, uyvy_width, uyvy_height);
-  return decode_jpeg(path.string(), file);
+  return decoded_jpeg(path.string(), file);
 }
 
 }  // namespace gatefly::io

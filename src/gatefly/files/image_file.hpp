@@ -45,4 +45,9 @@ struct ImageFile {
 [[nodiscard]] ImageFile read_image(const std::filesystem::path& path, int uyvy_width = 0,
                                    int uyvy_height = 0);
 
+/// The picture in a JPEG's bytes, straight to full-range Y'CbCr.
+/// @param name  of the file, for its error.
+/// @throws std::runtime_error one line: not a usable JPEG, and why.
+[[nodiscard]] ImageFile decoded_jpeg(const std::string& name, const std::string& bytes);
+
 }  // namespace gatefly::io

@@ -25,8 +25,6 @@ static_assert(kSamples == 2 * 2, "a grid of them per pixel");
 static_assert(kSamples * kColumns == kPacket && sizeof(RayScene::Valid) == kPacket * sizeof(int));
 constexpr float kNear = 0.01f;  // the camera sees nothing nearer [m]
 constexpr float kFar = 1e3f;
-constexpr double kFootprint =
-    1.6;  // side of the square that a pixel's samples cover [px]: a soft lens
 constexpr double kJitter = 0.5;     // of a sample in its cell, 0..1
 constexpr float kLampsOut = 0.02f;  // what is left of the light: windows, exit signs
 constexpr int kMeterStep = 6;       // one pixel in so many, both ways, meters the first frame
@@ -141,7 +139,7 @@ void CameraRenderer::Impl::make_directions() {
         const auto pixel = static_cast<std::uint32_t>(line * camera.stored_width + x);
         const auto place = [&](int cell, int key) {
           const double jitter = kJitter * (hashed(pixel, static_cast<std::uint32_t>(key)) - 0.5);
-          return ((cell + 0.5 + jitter) / 2 - 0.5) * kFootprint;
+          return ((cell + 0.5 + jitter) / 2 - 0.5) * camera.imaging.footprint_px;
         };
         const double du = place(sample % 2, 2 * sample), dv = place(sample / 2, 2 * sample + 1);
         const auto bearing_C = camera.lens.bearing({line + du, camera.stored_width - 1 - x + dv});

@@ -140,6 +140,8 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.light.exposure_target *= std::max(0.3, 1.0 + light.normal_cut(sigma.exposure));
   for (double& gain : real.light.white_balance) gain *= 1.0 + light.normal_cut(sigma.white_balance);
   real.light.noise_scale *= sigma.noise_scale;
+  Stream colors{seed, "colors"};
+  real.camera.imaging.saturation *= std::max(0.2, 1.0 + colors.normal_cut(sigma.saturation));
   Stream decoys{seed, "decoys"};
   add_decoys(real.world, sigma.decoys, decoys);
 

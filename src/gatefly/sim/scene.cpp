@@ -46,10 +46,20 @@ int cells(double length) {
   return std::max(1, static_cast<int>(std::lround(length / kNodeSpacing)));
 }
 
-/// Four bars, pole and foot plate.
-void add_gate(SceneBuilder& builder, const WorldGate& gate, int bars, int pole, int foot) {
+/// The bars' colour: worn unevenly along them.
+int painted(SceneBuilder& builder, const WorldGate& gate, const GatePaint& paint) {
+  constexpr double kCells = 12.0;  // of wear on a metre
+  Color fresh = to_color(gate.color), worn = fresh;
+  fresh[2] *= static_cast<float>(paint.blue);
+  for (std::size_t c = 0; c < 3; ++c) worn[c] = static_cast<float>(1.0 - paint.wear) * fresh[c];
+  return builder.matt(fresh, Pattern::kGrain, worn, kCells);
+}
+
+/// Four bars, of which that part of their width is coloured; pole and foot plate.
+void add_gate(SceneBuilder& builder, const WorldGate& gate, double width, int bars, int pole,
+              int foot) {
   const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
-  const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - gate.bar,
+  const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - width * gate.bar,
                d = gate.bar / 2;
   builder.bars(true);
   builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, bars);
@@ -245,7 +255,7 @@ Scene make_scene(const World& world) {
   const auto movable = [&](SceneBuilder::Layer layer) {
     builder.layer(layer);
     const auto add = [&](const WorldGate& gate) {
-      add_gate(builder, gate, builder.matt(to_color(gate.color)), pole, foot);
+      add_gate(builder, gate, world.paint.width, painted(builder, gate, world.paint), pole, foot);
     };
     for (std::size_t i = 0; i < world.gates.size(); ++i) {
       builder.gate(static_cast<int>(i));

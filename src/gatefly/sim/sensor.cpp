@@ -17,7 +17,7 @@ constexpr double kShortestExposure = 5e-4, kMaxGain = 12.0;
 constexpr double kLag = 0.4;                               // of the auto-exposure [s]
 constexpr float kFullWell = 12000.0f, kReadNoise = 12.0f;  // [electrons]
 // Blacks of the real pictures lie near 70, whites near 235.
-constexpr float kBlack = 66.0f, kToe = 0.004f, kSaturation = 1.10f;
+constexpr float kBlack = 66.0f, kToe = 0.004f;
 constexpr Float4 kFull{1.30f, 0.91f, 0.85f, 0.0f};  // where a channel clips: lamps come out pink
 constexpr Float4 kTint{0.56f, 1.0f, 0.98f, 0.0f};   // grey comes out cyan
 // Colour matrix, by columns; its rows sum to 1.
@@ -28,10 +28,6 @@ constexpr float kBrightest = 25.0f;  // signal beyond which a lamp adds no more 
 constexpr float kBloomShare = 0.05f, kBloomKeep = 0.62f;
 constexpr int kGlareCell = 8;  // stored pixels
 constexpr float kGlareShare = 0.05f, kGlareKeep = 0.55f;
-// Softness of the optics; red is softer and a little displaced: fringes.
-constexpr Float4 kBefore{0.32f, 0.20f, 0.20f, 0.0f}, kHere{0.46f, 0.60f, 0.60f, 0.0f},
-    kAfter{0.22f, 0.20f, 0.20f, 0.0f};
-
 std::uint64_t mixed(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
@@ -74,6 +70,9 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
           std::clamp(kBlack + (kTargetMean - kBlack) * std::pow(light.exposure_target, 1.0 / 2.2),
                      kBlack + 8.0, kMeterCap - 8.0)},
       noise_scale_{light.noise_scale},
+      saturation_{static_cast<float>(camera.imaging.saturation)},
+      red_shift_{static_cast<float>(camera.imaging.red_shift_px)},
+      chroma_smoothing_{camera.imaging.chroma_smoothing},
       seed_{mixed(seed + 0x9E3779B97F4A7C15ull)},
       exposure_{camera.exposure} {
   const auto& balance = light.white_balance;
@@ -133,29 +132,19 @@ void Sensor::meter(std::span<const Float4> radiances) {
   set_exposure(low);
 }
 
-void Sensor::soften(std::vector<Float4>& picture) {
-  const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_);
-  // Along lines in place, then across with the line above kept aside.
-  Float4* above = line_.data();
-  Float4* current = above + width;
-  for (std::size_t y = 0; y < height; ++y) {
+void Sensor::displace_red(std::vector<Float4>& picture) const {
+  // Upright up is along a stored line: towards greater x.
+  const float share = std::abs(red_shift_);
+  const auto width = static_cast<std::size_t>(width_);
+  const auto shift = [&](Float4& here, const Float4& source) {
+    here[0] += share * (source[0] - here[0]);
+  };
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height_); ++y) {
     Float4* line = picture.data() + y * width;
-    Float4 before = line[0];
-    for (std::size_t x = 0; x + 1 < width; ++x) {
-      const Float4 here = line[x];
-      line[x] = kBefore * before + kHere * here + kAfter * line[x + 1];
-      before = here;
-    }
-  }
-  std::copy_n(picture.data(), width, above);
-  for (std::size_t y = 0; y < height; ++y) {
-    Float4* line = picture.data() + y * width;
-    const Float4* below = y + 1 < height ? line + width : line;
-    for (std::size_t x = 0; x < width; ++x) {
-      current[x] = line[x];
-      line[x] = kBefore * above[x] + kHere * line[x] + kAfter * below[x];
-    }
-    std::swap(above, current);
+    if (red_shift_ > 0.0f)
+      for (std::size_t x = width - 1; x > 0; --x) shift(line[x], line[x - 1]);
+    else
+      for (std::size_t x = 0; x + 1 < width; ++x) shift(line[x], line[x + 1]);
   }
 }
 
@@ -204,6 +193,22 @@ Float4 Sensor::noise(std::uint32_t frame, std::uint32_t pixel) const {
   return Float4{sum(0), sum(21), sum(42), 0.0f} * (1.0f / 64.0f);
 }
 
+void Sensor::smooth_chroma() {
+  // Across stored lines, each with the unsmoothed one above it kept aside.
+  const auto width = static_cast<std::size_t>(width_ / 2),
+             height = static_cast<std::size_t>(height_);
+  std::copy_n(chroma_.begin(), width, line_.begin());
+  for (std::size_t y = 0; y < height; ++y) {
+    Float4* line = chroma_.data() + y * width;
+    const Float4* below = y + 1 < height ? line + width : line;
+    for (std::size_t x = 0; x < width; ++x) {
+      const Float4 here = line[x];
+      line[x] = 0.25f * (line_[x] + below[x]) + 0.5f * here;
+      line_[x] = here;
+    }
+  }
+}
+
 void Sensor::adapt(double t, double mean) {
   const double dt = running_ ? std::clamp(t - last_t_, 0.0, 1.0) : 0.0;
   last_t_ = t;
@@ -221,7 +226,7 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
     pixel = lesser(scale * pixel, Float4{most, most, most, most});
   }
   bloom(picture);
-  soften(picture);
+  displace_red(picture);
   gather_glare(picture);
 
   const auto gain = static_cast<float>(gain_), noisiness = static_cast<float>(noise_scale_);
@@ -229,7 +234,7 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
   const float read = noisiness * kReadNoise * gain / kFullWell, read2 = read * read;
   uyvy.resize(picture.size() * 2);
   double sum = 0.0;
-  float last_cb = 0.0f, last_cr = 0.0f;
+  chroma_.resize(picture.size() / 2);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
       const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
@@ -241,18 +246,16 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
       signal += sigma * noise(frame, static_cast<std::uint32_t>(pixel));
       const Float4 rgb = developed(signal);
       const float level = luma(rgb), r = rgb[0], b = rgb[2];
-      const float cb = kSaturation * 0.564334f * (b - level),
-                  cr = kSaturation * 0.713267f * (r - level);
-      std::uint8_t* pair = uyvy.data() + 2 * (pixel & ~std::size_t{1});
-      pair[(pixel & 1) != 0 ? 3 : 1] = byte(level);
-      if ((pixel & 1) != 0) {
-        pair[0] = byte(128.0f + 0.5f * (cb + last_cb));
-        pair[2] = byte(128.0f + 0.5f * (cr + last_cr));
-      }
-      last_cb = cb;
-      last_cr = cr;
+      uyvy[2 * pixel + 1] = byte(level);
+      const Float4 chroma{0.564334f * (b - level), 0.713267f * (r - level), 0.0f, 0.0f};
+      chroma_[pixel / 2] = (pixel & 1) != 0 ? 0.5f * (chroma_[pixel / 2] + chroma) : chroma;
       sum += static_cast<double>(std::min(level, kMeterCap));
     }
+  }
+  for (int pass = 0; pass < chroma_smoothing_; ++pass) smooth_chroma();
+  for (std::size_t i = 0; i < chroma_.size(); ++i) {
+    uyvy[4 * i] = byte(128.0f + saturation_ * chroma_[i][0]);
+    uyvy[4 * i + 2] = byte(128.0f + saturation_ * chroma_[i][1]);
   }
   adapt(t, sum / static_cast<double>(picture.size()));
 }

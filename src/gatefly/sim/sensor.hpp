@@ -34,7 +34,8 @@ class Sensor {
 
  private:
   void set_exposure(double brightness);
-  void soften(std::vector<Float4>& picture);
+  void displace_red(std::vector<Float4>& picture) const;
+  void smooth_chroma();
   void bloom(std::vector<Float4>& picture);
   void gather_glare(const std::vector<Float4>& picture);
   [[nodiscard]] Float4 glare(int x, int y) const;
@@ -45,13 +46,15 @@ class Sensor {
   int width_, height_;  // stored
   int glare_width_, glare_height_;
   double longest_exposure_, target_, noise_scale_;
+  float saturation_, red_shift_;
+  int chroma_smoothing_;
   Float4 tint_{};
   std::uint64_t seed_;
   double brightness_ = 1.0, exposure_, gain_ = 1.0;
   double last_t_ = 0.0;
   bool running_ = false;
   std::vector<float> vignette_;
-  std::vector<Float4> line_, glare_, scratch_;
+  std::vector<Float4> line_, glare_, scratch_, chroma_;
   std::array<float, 4097> tone_{};
 };
 

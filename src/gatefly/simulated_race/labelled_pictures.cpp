@@ -109,6 +109,18 @@ class AroundTheRoom {
   sim::Stream stream_;
 };
 
+/// The same motion seen by a camera that is held otherwise.
+void shake(Moment& moment, double sigma, sim::Stream& stream) {
+  const Attitude off{.roll = sigma * stream.normal(),
+                     .pitch = 0.5 * sigma * stream.normal(),
+                     .yaw = 0.8 * sigma * stream.normal()};
+  for (sim::BodyPose& pose : moment.history) {
+    Attitude a = attitude_of({sim::R_EB_of(pose.q_EB.normalized())});
+    a.roll += off.roll, a.pitch += off.pitch, a.yaw += off.yaw;
+    pose.q_EB = sim::q_EB_of(a);
+  }
+}
+
 /// So many of them, evenly spread over the race.
 std::vector<Moment> chosen(std::vector<Moment> moments, std::size_t count, sim::Stream& stream) {
   if (moments.size() <= count) return moments;
@@ -127,6 +139,8 @@ std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, 
       count - static_cast<std::size_t>(std::lround(order.around * static_cast<double>(count)));
   std::vector<Moment> moments;
   if (from_race > 0) moments = chosen(moments_of_race(race.config), from_race, stream);
+  if (order.shake > 0.0)
+    for (Moment& moment : moments) shake(moment, order.shake, stream);
   AroundTheRoom around{race.config.sim, race.identity.seed};
   while (moments.size() < count) moments.push_back(around.next());
   return moments;

@@ -18,6 +18,9 @@ struct PictureOrder {
   std::size_t per_day = 40;  ///< Of one seed's world and light.
   std::uint64_t first_seed = 1;
   double around = 0.3;  ///< Part of them from anywhere in the room instead of the racing line.
+  /// 1 σ by which pictures of a race are turned away from its attitudes, roll; yaw 0.8, pitch 0.5
+  /// times as much: as a camera held by hand is [rad].
+  double shake = 0.0;
   bool varied = false;  ///< Rooms take turns, too.
   bool masks = false;
 };

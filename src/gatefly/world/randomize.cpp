@@ -19,7 +19,8 @@ Randomize randomize_level(const std::string& level) {
   race.drag = 0.08, race.mass = 0.03, race.thrust = 0.03, race.sag = 0.05;
   race.accel_bias = 0.25, race.gyro_bias = 0.2 * kDegree, race.scale = 0.01,
   race.flight_bias = 0.05;
-  race.light = 0.40, race.exposure = 0.30, race.hue = 6 * kDegree, race.white_balance = 0.08;
+  race.light = 0.40, race.exposure = 0.30, race.hue = 6 * kDegree, race.white_balance = 0.08,
+  race.saturation = 0.20;
   race.frame_loss = 0.02, race.latency_jitter = 0.010;
   race.imbalance = 0.3, race.accel_warming = 0.05, race.gyro_warming = 0.05 * kDegree;
   race.sonar_loss = 0.03, race.sonar_double = 0.002;
@@ -37,7 +38,8 @@ Randomize randomize_level(const std::string& level) {
   hard.drag = 0.15, hard.mass = 0.06, hard.thrust = 0.06, hard.sag = 0.15;
   hard.accel_bias = 0.5, hard.gyro_bias = 0.5 * kDegree, hard.scale = 0.02, hard.flight_bias = 0.10;
   hard.noise_scale = 2.0;
-  hard.light = 0.70, hard.exposure = 0.50, hard.hue = 12 * kDegree, hard.white_balance = 0.15;
+  hard.light = 0.70, hard.exposure = 0.50, hard.hue = 12 * kDegree, hard.white_balance = 0.15,
+  hard.saturation = 0.35;
   hard.frame_loss = 0.10, hard.latency_jitter = 0.030;
   hard.wind = 0.5, hard.gust = 1.0;
   hard.imbalance = 0.6, hard.accel_warming = 0.15, hard.gyro_warming = 0.15 * kDegree;

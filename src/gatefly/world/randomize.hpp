@@ -18,7 +18,8 @@ struct Randomize {
   /// [m/s²] [ours: rectified vibration]
   double flight_bias = 0.0;
   double noise_scale = 1.0;
-  double light = 0.0, exposure = 0.0, hue = 0.0, white_balance = 0.0;  ///< Relative; hue [rad].
+  double light = 0.0, exposure = 0.0, hue = 0.0, white_balance = 0.0,
+         saturation = 0.0;  ///< Relative; hue [rad].
   double frame_loss = 0.0, latency_jitter = 0.0;
   double wind = 0.0, gust = 0.0;                   ///< [m/s]
   double imbalance = 0.0;                          ///< Of each rotor; relative.

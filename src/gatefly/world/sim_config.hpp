@@ -78,6 +78,15 @@ struct SensorTruth {
   double frame_loss = 0.0;        ///< Part of the frames that never arrives.
 };
 
+/// What optics and image processing make of colour and sharpness. [real pictures;
+/// docs/simulation.md]
+struct Imaging {
+  double footprint_px = 0.8;  ///< Side of the square of light that a pixel gathers.
+  double red_shift_px = 0.6;  ///< How far red lies above green and blue: fringes.
+  int chroma_smoothing = 1;   ///< Passes of [1 2 1]/4 along upright lines.
+  double saturation = 1.1;    ///< Of colours, after the colour matrix.
+};
+
 /// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
 struct CameraTruth {
   AnyCamera lens;                        ///< Upright picture, 315 x 160.
@@ -87,6 +96,7 @@ struct CameraTruth {
   int stored_width = 160, stored_height = 315;
   double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
   double readout = 0.020;   ///< From the first to the last stored line [s].
+  Imaging imaging;
 };
 
 /// What a day varies in the light and the sensor's handling of it.

@@ -20,6 +20,14 @@ struct WorldGate {
   double hidden_beyond = 0.0;  ///< Not seen from farther away than this [m]; 0: always seen.
 };
 
+/// How gates are painted. [real pictures; docs/simulation.md]
+struct GatePaint {
+  double width = 0.85;  ///< Part of a bar's width that shows colour.
+  double blue = 0.8;    ///< Times the named colour's blue: more orange than its name.
+  /// How much of its colour is gone where it is thinnest or dirtiest, 0..1; 0: even.
+  double wear = 0.8;
+};
+
 /// A solid thing standing on the floor (or hanging, if `bottom` > 0).
 struct WorldBox {
   Eigen::Vector2d center{0, 0};  ///< Earth frame, north, east [m].
@@ -44,6 +52,7 @@ struct World {
   Eigen::Vector2d room_center{0, 0};       ///< [m]
   std::vector<WorldGate> gates;            ///< In the order of flight.
   std::vector<WorldGate> false_gates;      ///< Like gates, but not in the map; they do not count.
+  GatePaint paint;                         ///< Of all of them.
   std::vector<WorldBox> obstacles;
   std::vector<Decoy> decoys;
 };
