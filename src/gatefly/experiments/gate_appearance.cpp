@@ -41,7 +41,7 @@ double median(std::vector<double> values) {
 /// The colour across a side at one place, every half pixel, out to a fifth of the gate.
 struct Across {
   std::vector<double> excess;  ///< Cr - Cb.
-  double beside_cb = 0.0, beside_cr = 0.0, bar_cb = 0.0, bar_cr = 0.0, bar_y = 0.0, beside_y = 0.0;
+  double beside_cb = 0.0, beside_cr = 0.0, bar_cb = 0.0, bar_cr = 0.0;
 };
 
 Across across(const Image& image, const Eigen::Vector2d& on, const Eigen::Vector2d& out,
@@ -60,10 +60,6 @@ Across across(const Image& image, const Eigen::Vector2d& on, const Eigen::Vector
   // The label is a pixel or two off: the bar is where the colour is strongest near it.
   const auto begin = a.excess.begin() + half / 2, end = a.excess.begin() + 3 * half / 2 + 1;
   const auto best = static_cast<std::size_t>(std::max_element(begin, end) - a.excess.begin());
-  a.bar_y = profile[best].y;
-  std::vector<double> ys;
-  for (const auto& c : profile) ys.push_back(c.y);
-  a.beside_y = median(ys);
   a.bar_cb = profile[best].cb, a.bar_cr = profile[best].cr;
   return a;
 }
@@ -94,19 +90,7 @@ void look_along_bars(const Image& image, const Quad& gate, GateAppearance& to) {
       if (const double w = width_at_half(a); w > 0.0) widths.push_back(w);
       cb.push_back(a.bar_cb - a.beside_cb), cr.push_back(a.bar_cr - a.beside_cr);
       excess.push_back(is);
-      to.bar_y += a.bar_y / (4 * kAlong);
-      to.beside_y += a.beside_y / (4 * kAlong);
     }
-    const Eigen::Vector2d mid = from + 0.5 * along,
-                          centre = 0.25 * (gate[0] + gate[1] + gate[2] + gate[3]);
-    const bool level = std::abs(mid.y() - centre.y()) > std::abs(mid.x() - centre.x());
-    const double cover = static_cast<double>(colored) / kAlong;
-    if (!level)
-      to.side_bars += 0.5 * sum, to.side_cover += 0.5 * cover;
-    else if (mid.y() < centre.y())
-      to.top = sum, to.top_cover = cover;
-    else
-      to.bottom = sum, to.bottom_cover = cover;
     to.uneven += 0.25 * std::sqrt(std::max(0.0, squares - sum * sum));
     to.worst_side = std::min(to.worst_side, static_cast<double>(colored) / kAlong);
   }
@@ -145,9 +129,6 @@ GateAppearance appearance_of(const TwinPicture& picture) {
   a.chroma_edge_px = edge_width(image, kStrongCr, [](Yuv c) { return static_cast<double>(c.v); });
   int edges = 0;
   for (int v = 1; v < image.height(); ++v)
-    for (int u = 1; u < image.width(); ++u)
-      a.mean_y += image.at(u, v).y / (image.height() * image.width() * 1.0);
-  for (int v = 1; v < image.height(); ++v)
     for (int u = 1; u < image.width(); ++u) {
       const int y = image.at(u, v).y;
       edges += std::max(std::abs(y - image.at(u - 1, v).y), std::abs(y - image.at(u, v - 1).y)) >
@@ -179,16 +160,7 @@ std::span<const Feature> features() {
       Feature{"worst_side", "coloured part of the worst side", &A::worst_side},
       Feature{"luma_edge_px", "width of luma edges [px]", &A::luma_edge_px},
       Feature{"chroma_edge_px", "width of chroma edges [px]", &A::chroma_edge_px},
-      Feature{"edges", "pixels on luma edges", &A::edges},
-      Feature{"top", "", &A::top},
-      Feature{"side_bars", "", &A::side_bars},
-      Feature{"bottom", "", &A::bottom},
-      Feature{"top_cover", "", &A::top_cover},
-      Feature{"side_cover", "", &A::side_cover},
-      Feature{"bottom_cover", "", &A::bottom_cover},
-      Feature{"bar_y", "", &A::bar_y},
-      Feature{"beside_y", "", &A::beside_y},
-      Feature{"mean_y", "", &A::mean_y}};
+      Feature{"edges", "pixels on luma edges", &A::edges}};
   return kFeatures;
 }
 

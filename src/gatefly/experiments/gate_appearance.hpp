@@ -22,8 +22,6 @@ struct GateAppearance {
   double chroma_edge_px = 0.0;
   double edges = 0.0;        ///< Part of the picture's pixels on a luma edge.
   double cr_minus_cb = 0.0;  ///< On the bar.
-  double top = 0, side_bars = 0, bottom = 0, top_cover = 0, side_cover = 0, bottom_cover = 0,
-         bar_y = 0, beside_y = 0, mean_y = 0;
 };
 
 [[nodiscard]] GateAppearance appearance_of(const TwinPicture& picture);

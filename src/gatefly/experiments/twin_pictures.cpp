@@ -40,50 +40,44 @@ void label(TwinPicture& to, const tasks::Picture& picture, double bar_share, sim
 }  // namespace
 
 std::vector<TwinPicture> real_pictures(const TwinRoom& room, const Options& options) {
+  const auto folder = data_folder("tudelft_bebop_gates", options) / room.set;
+  LabelledSet set(folder);
+  const auto list = folder / "unlabelled_gates.csv";
+  const auto unlabelled = std::filesystem::exists(list)
+                              ? unlabelled_gates(set, list)
+                              : std::vector<std::vector<Quad>>(set.size());
   std::vector<TwinPicture> pictures;
-  for (const char* name : room.real) {
-    const auto folder = data_folder("tudelft_bebop_gates", options) / name;
-    LabelledSet set(folder);
-    const auto unlabelled_file = folder / "unlabelled_gates.csv";
-    const bool has_unlabelled = std::filesystem::exists(unlabelled_file);
-    const auto unlabelled = has_unlabelled ? unlabelled_gates(set, unlabelled_file)
-                                           : std::vector<std::vector<Quad>>(set.size());
-    for (std::size_t i = 0; i < set.size(); ++i) {
-      const io::LabelledPicture& l = set.labels.pictures[i];
-      if (!l.first_identical.empty() && l.first_identical != l.image) continue;
-      if (!l.gates.empty() && io::polygon_area(l.gates.front()) < 1.0) continue;
-      TwinPicture picture{.name = std::string{name} + "/" + l.image,
-                          .file = std::move(set.files[i]),
-                          .gate = {},
-                          .others = unlabelled[i],
-                          .day = i / 50};
-      if (!l.gates.empty()) picture.gate = l.gates.front();
-      pictures.push_back(std::move(picture));
-    }
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const io::LabelledPicture& row = set.labels.pictures[i];
+    if (!row.first_identical.empty() && row.first_identical != row.image) continue;
+    pictures.push_back({.name = row.image,
+                        .file = std::move(set.files[i]),
+                        .gate = {},
+                        .others = unlabelled[i],
+                        .day = i / 50});
+    if (!row.gates.empty()) pictures.back().gate = row.gates.front();
   }
   return pictures;
 }
 
-std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, std::uint64_t first_seed,
-                                           std::size_t days, std::size_t per_day,
-                                           const std::vector<std::string>& settings,
+std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder& twin_order,
                                            const Options& options) {
-  const tasks::RaceMaker maker({.config = {.configs = {}, .settings = settings},
+  const tasks::RaceMaker maker({.config = {.configs = {}, .settings = room.settings},
                                 .track = room.track,
                                 .vision = "rendered",
                                 .laps = 1});
-  const tasks::PictureOrder order{.pictures = days * per_day,
-                                  .per_day = per_day,
-                                  .first_seed = first_seed,
+  const tasks::PictureOrder order{.pictures = twin_order.days * twin_order.per_day,
+                                  .per_day = twin_order.per_day,
+                                  .first_seed = twin_order.first_seed,
                                   .around = 0.0,
                                   .shake = room.shake_deg * kDegree};
-  const tasks::Race race = maker.race(first_seed);
+  const tasks::Race race = maker.race(order.first_seed);
   const sim::CameraTruth& camera = race.config.sim.camera;
   const sim::WorldGate& gate = race.config.sim.world.gates.front();
   std::vector<TwinPicture> pictures(order.pictures);
-  in_parallel(days, [&](std::size_t day) {
+  in_parallel(twin_order.days, [&](std::size_t day) {
     if (options.stopped()) return;
-    sim::Stream noise{first_seed + day, "labels"};
+    sim::Stream noise{order.first_seed + day, "labels"};
     tasks::render_day(maker, order, day, [&](tasks::Picture&& picture) {
       TwinPicture& to = pictures[picture.number];
       to.name = "seed " + std::to_string(picture.seed);
