@@ -50,11 +50,13 @@ Numbers numbers_of(const SimConfig& config) {
   put(n, "bake_threads", bake_threads);
   put(n, "ideal_vision.outliers", ideal_vision.outliers);
   {
-    const auto& [look, room_size, room_center, gates, false_gates, obstacles, decoys] = world;
+    const auto& [look, room_size, room_center, gates, false_gates, obstacles, decoys, people] =
+        world;
     put(n, "false_gates", static_cast<double>(false_gates.size()));
     put(n, "room_size", room_size);
     put(n, "room_center", room_center);
     put(n, "decoys", static_cast<double>(decoys.size()));
+    put(n, "people", static_cast<double>(people.size()));
     for (std::size_t i = 0; i < gates.size(); ++i) {
       const auto& [p_EG, yaw_EG, side, bar, color, sought, missing, hidden_beyond] = gates[i];
       const std::string name = "gate" + std::to_string(i);
@@ -334,11 +336,13 @@ TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
   Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
-         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, decoys] = sigma;
+         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, decoys, people] = sigma;
   const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,  &m10,
                                   &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19, &m20, &m21,
                                   &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29, &m30, &m31, &m32};
-  static_assert(std::is_same_v<decltype(decoys), int>);  // has tests of its own below
+  // These have tests of their own below.
+  static_assert(std::is_same_v<decltype(decoys), int>);
+  static_assert(std::is_same_v<decltype(people), int>);
   std::set<double*> rows;
   for (const Draw& draw : draws()) rows.insert(&(sigma.*draw.member));
   EXPECT_EQ(rows, members);
@@ -506,6 +510,58 @@ TEST(Decoys, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
                more = drawn(nominal_day(), many, seed).world.decoys;
     for (std::size_t i = 0; i < first.size(); ++i)
       EXPECT_EQ(first[i].shape.center, more[i].shape.center);
+  }
+}
+
+/// How far a point of the floor is from an obstacle's footprint; a pole's is its square.
+double to_obstacle(const WorldBox& box, const Eigen::Vector2d& p) {
+  const Eigen::Vector3d away{p.x() - box.center.x(), p.y() - box.center.y(), 0.0};
+  const Eigen::Vector2d own = (rotation_z(-box.heading) * away).head<2>();
+  return (own.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm();
+}
+
+TEST(People, WalkAlongTheWallsOffTheLanesAndRoundNoObstacle) {
+  SimConfig nominal = nominal_day();
+  nominal.world.room_size = {16.0, 18.0, 3.2};
+  nominal.world.room_center = {1.0, -2.0};
+  nominal.world.obstacles = {{{1.0, 6.2}, {0.6, 0.6}, 0.4, 0.0, 1.5, false}};
+  Randomize sigma = all_draws();
+  sigma.people = 4;
+  int warm = 0, people = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const World real = drawn(nominal, sigma, seed).world;
+    EXPECT_EQ(real.people.size(), 4u) << "seed " << seed;
+    for (const Person& person : real.people) {
+      const double length = (person.to - person.from).norm();
+      EXPECT_GE(length, 2.0 - 1e-9);
+      EXPECT_GE(person.speed, 0.3);
+      EXPECT_LE(person.speed, 1.2);
+      for (double s = 0.0; s <= 1.0; s += 0.01) {
+        const Eigen::Vector2d p = person.from + s * (person.to - person.from);
+        const Eigen::Vector2d from_wall =
+            0.5 * real.room_size.head<2>() - (p - real.room_center).cwiseAbs();
+        EXPECT_NEAR(from_wall.minCoeff(), 0.7, 1e-9);
+        EXPECT_GE(to_obstacle(real.obstacles[0], p), 0.3);
+        for (const WorldGate& gate : real.gates) EXPECT_GT(to_lane(gate, p), 1.17);
+      }
+      ++people, warm += person.shirt.x() > 0.3 && person.shirt.y() < 0.26 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(warm, people / 12) << "some wear what looks like a gate";
+  EXPECT_LT(warm, people / 3);
+}
+
+TEST(People, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
+  Randomize few = all_draws(), many = all_draws();
+  few.people = 1, many.people = 3;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const SimConfig one = drawn(nominal_day(), few, seed), two = drawn(nominal_day(), many, seed);
+    ASSERT_EQ(one.world.people.size(), 1u);
+    EXPECT_EQ(one.world.people[0].from, two.world.people[0].from);
+    EXPECT_EQ(one.world.people[0].shirt, two.world.people[0].shirt);
+    Numbers other = numbers_of(two);
+    other.at("people") = 1;
+    for (const auto& [name, value] : numbers_of(one)) EXPECT_EQ(other.at(name), value) << name;
   }
 }
 

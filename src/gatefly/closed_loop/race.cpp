@@ -6,14 +6,17 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "gatefly/closed_loop/logbook.hpp"
 #include "gatefly/closed_loop/sensor_suite.hpp"
 #include "gatefly/closed_loop/simulators.hpp"
 #include "gatefly/closed_loop/stopwatch.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sim/people.hpp"
 #include "gatefly/sim/referee.hpp"
 
 namespace gatefly::closed_loop {
@@ -61,6 +64,8 @@ class Arena {
       : simulator{config.sim},
         referee{config.sim.world, config.sim.vehicle, config.pilot.track.laps},
         steps_{physics_steps(config.sim.sensors.imu_hz)},
+        people_{config.sim.world.people},
+        drone_radius_{0.5 * config.sim.vehicle.size.head<2>().minCoeff()},
         timeout_{config.timeout} {}
 
   /// `dt` seconds with these rotor speeds.
@@ -76,9 +81,18 @@ class Arena {
         if (referee.finished()) finished_at_ = pass->time;
       }
       airborne_ = airborne_ || -body.state().p_EB.z() > kAirborne;
-      const auto touched = body.contact();
+      auto touched = body.contact();
+      if (!touched) touched = touched_by_person();
       if (touched && airborne_ && result.stop_reason.empty()) stop_at(*touched, pilot, result);
     }
+  }
+
+  /// Bodies know what stands still only.
+  [[nodiscard]] std::optional<std::string> touched_by_person() const {
+    const auto& body = simulator.body;
+    const auto who = sim::touched_person(people_, body.state().p_EB, drone_radius_, body.time());
+    if (!who) return std::nullopt;
+    return "person " + std::to_string(*who + 1);
   }
 
   /// Why the race is over now; empty while it goes on.
@@ -107,6 +121,8 @@ class Arena {
   }
 
   int steps_;
+  std::vector<sim::Person> people_;
+  double drone_radius_;
   double timeout_;
   bool airborne_ = false;
   double finished_at_ = -1.0;

@@ -120,6 +120,9 @@ std::vector<Key<sim::Randomize>> make_keys() {
       sigma(
           "decoys", "things of the gate's colour (number)", 50,
           [](auto& r) -> auto& { return r.decoys; }),
+      sigma(
+          "people", "people who walk along the walls (number)", 50,
+          [](auto& r) -> auto& { return r.people; }),
   };
 }
 

@@ -163,8 +163,9 @@ void read_room(Table& file_table, TrackFile& track) {
     }
     if (room.has("center_m")) world.room_center = room.floor_point("center_m");
     world.look = room.text("look", world.look);
-    if (world.look != "hall" && world.look != "showroom")
-      room.fail("look", "\"hall\" or \"showroom\"");
+    const auto& looks = track_key("room", "look").choices;
+    if (std::find(looks.begin(), looks.end(), world.look) == looks.end())
+      room.fail("look", "one of " + joined(looks));
     room.refuse_others();
   }
   track.track.room_center = world.room_center;

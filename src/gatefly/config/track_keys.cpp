@@ -94,11 +94,11 @@ const std::vector<TrackKey>& track_keys() {
       {"room",
        "look",
        "\"hall\"",
-       "textures and lights: hall or showroom",
+       "textures and lights: hall, showroom, dark_hall or exhibition",
        "hall",
        0,
        0,
-       {"hall", "showroom"}},
+       {"hall", "showroom", "dark_hall", "exhibition"}},
   };
   return keys;
 }

@@ -67,9 +67,9 @@ struct CameraRenderer::Impl {
        std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads)
       : camera{truth},
         scene{make_scene(world)},
-        visible{{&scene.fixed, &scene.moved}},
+        visible{{&scene.fixed, &scene.moved}, scene.walkers_at(0.0).size()},
         lamps_out{light.out},
-        solid{{&scene.solid}},
+        solid{{&scene.solid}, scene.walkers_at(0.0).size()},
         shader{lit(light, cache_dir, bake_threads)},
         sensor{truth, light, seed},
         packets{(truth.stored_width + kColumns - 1) / kColumns},
@@ -87,8 +87,17 @@ struct CameraRenderer::Impl {
     for (Rectangle& r : moved)
       if (r.gate == gate) r.edge_u.setZero(), r.edge_v.setZero();
     hidden_gate = where;
-    without_gate = std::make_unique<RayScene>(
-        std::vector<const std::vector<Rectangle>*>{&scene.fixed, &moved});
+    without_gate =
+        std::make_unique<RayScene>(std::vector<const std::vector<Rectangle>*>{&scene.fixed, &moved},
+                                   scene.walkers_at(0.0).size());
+  }
+  /// Puts people where they are at that time.
+  void walk(double t) {
+    if (scene.walkers.empty()) return;
+    const std::vector<Rectangle> people = scene.walkers_at(t);
+    visible.move(people);
+    solid.move(people);
+    if (without_gate) without_gate->move(people);
   }
   /// What there is to be seen from there.
   [[nodiscard]] const RayScene& seen_from(const Eigen::Vector3d& p_E) const {
@@ -242,6 +251,7 @@ CameraRenderer::~CameraRenderer() = default;
 void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
                             std::vector<std::uint8_t>& uyvy) {
   impl_->now_visible = &impl_->seen_from(interpolated(history, t_start).p_EB);
+  impl_->walk(t_start);
   impl_->brightness = within(impl_->lamps_out, t_start) ? kLampsOut : 1.0f;
   if (!impl_->metered) impl_->meter(t_start, history);
   impl_->metered = true;

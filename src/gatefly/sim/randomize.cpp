@@ -60,6 +60,56 @@ void add_decoys(World& world, int count, Stream& stream) {
   }
 }
 
+/// Whether a point of the floor is that far from every obstacle's footprint.
+bool clear_of_obstacles(const World& world, const Eigen::Vector2d& p, double distance) {
+  return std::none_of(world.obstacles.begin(), world.obstacles.end(), [&](const WorldBox& box) {
+    const auto [s, c] = sincos(box.heading);
+    const Eigen::Vector2d away = p - box.center;
+    const Eigen::Vector2d own{c * away.x() + s * away.y(), c * away.y() - s * away.x()};
+    return (own.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm() < distance;
+  });
+}
+
+/// A colour of clothes: mostly dark and dull, now and then red or orange.
+Eigen::Vector3d clothes(Stream& stream) {
+  const bool warm = stream.uniform() < 0.2;
+  const double grey = stream.uniform(0.03, 0.30);
+  const Eigen::Vector3d dull{grey * stream.uniform(0.5, 1.3), grey * stream.uniform(0.5, 1.3),
+                             grey * stream.uniform(0.5, 1.3)};
+  const Eigen::Vector3d red{stream.uniform(0.35, 0.65), stream.uniform(0.05, 0.25), 0.06};
+  return warm ? red : dull;
+}
+
+/// People walk along the walls, in front of what stands there, off the lanes and the start.
+void add_people(World& world, int count, Stream& stream) {
+  constexpr double kFromWall = 0.7, kFromLanes = 1.2, kFromThings = 0.35;
+  for (int placed = 0, tries = 0; placed < count && tries < 400; ++tries) {
+    const int wall = static_cast<int>(stream.uniform(0, 4)), along = wall % 2, across = 1 - along;
+    const Eigen::Vector2d half =
+        0.5 * world.room_size.head<2>() - Eigen::Vector2d::Constant(kFromWall);
+    Person person;
+    const double length = stream.uniform(2.0, 6.0), middle = stream.uniform(-1.0, 1.0);
+    person.speed = stream.uniform(0.3, 1.2);
+    person.start = stream.uniform(0.0, 2 * length);
+    person.height = stream.uniform(1.55, 1.95);
+    person.shirt = clothes(stream), person.trousers = clothes(stream);
+    const double room = half[along] - 0.5 * length;
+    if (room < 0.0) continue;
+    person.from[across] = person.to[across] = wall < 2 ? half[across] : -half[across];
+    person.from[along] = middle * room - 0.5 * length;
+    person.to[along] = middle * room + 0.5 * length;
+    person.from += world.room_center, person.to += world.room_center;
+    bool free = true;
+    for (double s = 0.0; s <= 1.0 && free; s += 0.1 / length) {
+      const Eigen::Vector2d p = person.from + s * (person.to - person.from);
+      free = to_lanes(world, p) >= kFromLanes && clear_of_obstacles(world, p, kFromThings);
+    }
+    if (!free) continue;
+    world.people.push_back(person);
+    ++placed;
+  }
+}
+
 /// Gates like the course's own, off its lanes and inside the room, each turned as it likes.
 void add_false_gates(World& world, int count, Stream& stream) {
   if (world.gates.empty()) return;
@@ -144,6 +194,8 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   real.camera.imaging.saturation *= std::max(0.2, 1.0 + colors.normal_cut(sigma.saturation));
   Stream decoys{seed, "decoys"};
   add_decoys(real.world, sigma.decoys, decoys);
+  Stream people{seed, "people"};
+  add_people(real.world, sigma.people, people);
 
   Stream start{seed, "start"};
   real.start.position += Eigen::Vector2d{start.normal_cut(sigma.start_position),

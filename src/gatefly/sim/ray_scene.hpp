@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #if __has_include(<embree4/rtcore.h>)
@@ -26,11 +28,16 @@ class RayScene {
     int lane[16];
   };
 
+  /// @param moving  how many of the last rectangles `move` may put elsewhere.
   /// @throws std::runtime_error when Embree cannot start.
-  explicit RayScene(const std::vector<const std::vector<Rectangle>*>& lists);
+  explicit RayScene(const std::vector<const std::vector<Rectangle>*>& lists,
+                    std::size_t moving = 0);
   ~RayScene();
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
+
+  /// The moving ones' new places; a tree of their own, so that the rest stays as it is.
+  void move(std::span<const Rectangle> rectangles);
 
   /// The nearest hit of each ray; Embree's own conventions, but that masks need not be set.
   void intersect(const Valid& valid, RTCRayHit16& rays, Rays kind) const;
@@ -42,6 +49,9 @@ class RayScene {
  private:
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
+  RTCScene moving_ = nullptr;  ///< Null where nothing moves.
+  RTCGeometry moving_quads_ = nullptr;
+  unsigned still_ = 0;  ///< Rectangles before the moving ones.
 };
 
 }  // namespace gatefly::sim

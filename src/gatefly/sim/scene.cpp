@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/people.hpp"
+#include "gatefly/sim/scene_figure.hpp"
 
 namespace gatefly::sim {
 namespace {
@@ -17,6 +22,8 @@ constexpr double kNodeSpacing = 0.25;  // of the light map [m]
 constexpr double kFlatBelow = 0.35;    // longest edge that one value of light serves [m]
 constexpr Color kPoleColor{0.34f, 0.13f, 0.09f};
 constexpr Color kFootColor{0.06f, 0.06f, 0.065f};
+constexpr Color kSkinColor{0.42f, 0.26f, 0.19f};
+constexpr Color kHairColor{0.05f, 0.04f, 0.035f};
 
 /// FNV-1a over 32-bit words.
 class Hash {
@@ -73,6 +80,34 @@ void add_gate(SceneBuilder& builder, const WorldGate& gate, double width, int ba
   builder.box(frame, {-0.15, -0.15, 0.0}, {0.15, 0.15, 0.05}, foot);
 }
 
+using Dresser = void (*)(SceneBuilder&, const World&);
+
+Dresser dresser(const std::string& look) {
+  static const std::map<std::string, Dresser> all{{"hall", dress_hall},
+                                                  {"showroom", dress_showroom},
+                                                  {"dark_hall", dress_dark_hall},
+                                                  {"exhibition", dress_exhibition}};
+  const auto found = all.find(look);
+  if (found == all.end()) throw std::invalid_argument("no look is called \"" + look + "\"");
+  return found->second;
+}
+
+/// People, in the middle of their stretches.
+void add_walkers(SceneBuilder& builder, const World& world) {
+  for (const Person& person : world.people) {
+    const Eigen::Vector2d way = person.to - person.from;
+    const FloorFrame at{.origin = 0.5 * (person.from + person.to),
+                        .heading = atan2(way.y(), way.x())};
+    add_figure(builder, at,
+               {.height = person.height,
+                .skin = builder.matt(kSkinColor),
+                .hair = builder.matt(kHairColor),
+                .shirt = builder.matt(to_color(person.shirt)),
+                .trousers = builder.matt(to_color(person.trousers))},
+               0.15);
+  }
+}
+
 void add_solids(SceneBuilder& builder, const World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double a = world.room_size.x() / 2, b = world.room_size.y() / 2, top = world.room_size.z();
@@ -94,6 +129,19 @@ void add_solids(SceneBuilder& builder, const World& world) {
 
 int Scene::nodes(const std::vector<Rectangle>& rectangles) {
   return rectangles.empty() ? 0 : rectangles.back().first_node + rectangles.back().nodes();
+}
+
+std::vector<Rectangle> Scene::walkers_at(double t) const {
+  std::size_t count = 0;
+  for (const Walker& walker : walkers) count += walker.rectangles;
+  std::vector<Rectangle> all{moved.end() - static_cast<std::ptrdiff_t>(count), moved.end()};
+  auto next = all.begin();
+  for (const auto& [person, rectangles] : walkers) {
+    const Eigen::Vector2d shift = place_of(person, t) - 0.5 * (person.from + person.to);
+    for (std::size_t i = 0; i < rectangles; ++i, ++next)
+      next->corner.head<2>() += shift.cast<float>();
+  }
+  return all;
 }
 
 std::uint64_t Scene::fixed_hash() const {
@@ -246,10 +294,7 @@ void SceneBuilder::solid_box(const WorldBox& shape, int material) {
 Scene make_scene(const World& world) {
   Scene scene;
   SceneBuilder builder{scene};
-  if (world.look == "showroom")
-    dress_showroom(builder, world);
-  else
-    dress_hall(builder, world);
+  dresser(world.look)(builder, world);
 
   const int pole = builder.matt(kPoleColor), foot = builder.matt(kFootColor);
   const auto movable = [&](SceneBuilder::Layer layer) {
@@ -267,8 +312,14 @@ Scene make_scene(const World& world) {
       builder.solid_box(decoy.shape, builder.matt(to_color(decoy.color)));
   };
   movable(SceneBuilder::Layer::kMoved);
+  const std::size_t before = scene.moved.size();
+  builder.layer(SceneBuilder::Layer::kMoved);
+  add_walkers(builder, world);
+  for (const Person& person : world.people)
+    scene.walkers.push_back({person, (scene.moved.size() - before) / world.people.size()});
   movable(SceneBuilder::Layer::kSolid);
   add_solids(builder, world);
+  add_walkers(builder, world);
   return scene;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -50,14 +51,24 @@ struct Rectangle {
   [[nodiscard]] int nodes() const { return (cells_u + 1) * (cells_v + 1); }
 };
 
+/// Somebody's rectangles in Scene::moved, drawn in the middle of the stretch.
+struct Walker {
+  Person person;
+  std::size_t rectangles = 0;
+};
+
 /// A world as the camera sees it.
 struct Scene {
   std::vector<Material> materials;
   std::vector<Rectangle> fixed;  ///< What no seed moves; its light is baked.
-  std::vector<Rectangle> moved;  ///< Gates and decoys; nodes counted from 0 again.
+  std::vector<Rectangle> moved;  ///< Gates, decoys, people; nodes counted from 0 again.
   std::vector<Rectangle>
       solid;  ///< Room, whole obstacles, gates, decoys: what stops a body or a sonar.
 
+  std::vector<Walker> walkers;  ///< Theirs are the last rectangles of `moved` and of `solid`.
+
+  /// The walkers' rectangles as they are at time t [s]: shifted, never turned.
+  [[nodiscard]] std::vector<Rectangle> walkers_at(double t) const;
   /// Light-map nodes that a list of rectangles takes.
   [[nodiscard]] static int nodes(const std::vector<Rectangle>& rectangles);
   /// Hash of fixed geometry and all its materials: names the light map's cache file.
@@ -68,6 +79,7 @@ struct Scene {
 ///
 /// Clutter is generated from fixed random numbers: a room looks the same in every race. It
 /// stays inside obstacle footprints, within 0.4 m of the walls, flat on the floor or above 2.6 m.
+/// @throws std::invalid_argument for a look that there is not.
 [[nodiscard]] Scene make_scene(const World& world);
 
 /// An upright frame on the floor: local a, b horizontal, h height above the floor [m].
@@ -77,7 +89,7 @@ struct FloorFrame {
   [[nodiscard]] Eigen::Vector3d at(double a, double b, double h) const;
 };
 
-/// Collects rectangles; the looks (showroom, hall) draw with it.
+/// Collects rectangles; the looks draw with it.
 class SceneBuilder {
  public:
   enum class Layer { kFixed, kMoved, kSolid };
@@ -126,5 +138,7 @@ class SceneBuilder {
 /// Draws the looks. The builder's layer is kFixed.
 void dress_showroom(SceneBuilder& builder, const World& world);
 void dress_hall(SceneBuilder& builder, const World& world);
+void dress_dark_hall(SceneBuilder& builder, const World& world);
+void dress_exhibition(SceneBuilder& builder, const World& world);
 
 }  // namespace gatefly::sim

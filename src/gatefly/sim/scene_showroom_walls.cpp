@@ -82,7 +82,7 @@ void add_wall_case(SceneBuilder& b, Palette& p, const FloorFrame& wall, double a
 /// Somebody who stands and looks at the exhibits.
 void add_visitor(SceneBuilder& b, Palette& p, const FloorFrame& wall, double a) {
   const FloorFrame at{.origin = wall.at(a + 0.4, 0.22, 0).head<2>(),
-                      .heading = wall.heading + (p.chance(0.5) ? 0.0 : kPi)};
+                      .heading = wall.heading + (p.chance(0.5) ? 0.5 : -0.5) * kPi};
   add_figure(b, at,
              {.height = p.random.uniform(1.6, 1.9),
               .skin = p.warm[2],

@@ -24,7 +24,7 @@ Randomize randomize_level(const std::string& level) {
   race.frame_loss = 0.02, race.latency_jitter = 0.010;
   race.imbalance = 0.3, race.accel_warming = 0.05, race.gyro_warming = 0.05 * kDegree;
   race.sonar_loss = 0.03, race.sonar_double = 0.002;
-  race.decoys = 2;
+  race.decoys = 2, race.people = 2;
   if (level == "race") return race;
   if (level != "hard")
     throw std::invalid_argument("level = \"" + level + "\", must be none, race or hard");
@@ -44,7 +44,7 @@ Randomize randomize_level(const std::string& level) {
   hard.wind = 0.5, hard.gust = 1.0;
   hard.imbalance = 0.6, hard.accel_warming = 0.15, hard.gyro_warming = 0.15 * kDegree;
   hard.sonar_loss = 0.15, hard.sonar_double = 0.01;
-  hard.decoys = 6;
+  hard.decoys = 6, hard.people = 6;
   return hard;
 }
 

@@ -26,6 +26,7 @@ struct Randomize {
   double accel_warming = 0.0, gyro_warming = 0.0;  ///< [m/s²], [rad/s]
   double sonar_loss = 0.0, sonar_double = 0.0;     ///< Not random.
   int decoys = 0;
+  int people = 0;
 };
 
 /// The levels "none", "race" and "hard" of simulation.md. @throws std::invalid_argument for others.

@@ -44,10 +44,20 @@ struct Decoy {
   Eigen::Vector3d color{0.95, 0.40, 0.12};
 };
 
+/// Somebody who walks to and fro on a straight stretch of the floor.
+struct Person {
+  Eigen::Vector2d from{0, 0}, to{1, 0};     ///< Ends of the stretch, earth frame [m].
+  double speed = 0.8;                       ///< [m/s]
+  double start = 0.0;                       ///< Way walked at t = 0: there and back again [m].
+  double height = 1.75;                     ///< [m]
+  Eigen::Vector3d shirt{0.05, 0.06, 0.10};  ///< Linear-light albedos, r g b, 0..1.
+  Eigen::Vector3d trousers{0.04, 0.05, 0.08};
+};
+
 /// Everything solid that one seed's race happens in: the truth that physics, camera and referee
 /// share.
 struct World {
-  std::string look = "hall";               ///< Texture and light set: "hall" or "showroom".
+  std::string look = "hall";               ///< Textures, lights, clutter. [docs/simulation.md]
   Eigen::Vector3d room_size{14, 16, 3.2};  ///< North, east, height [m].
   Eigen::Vector2d room_center{0, 0};       ///< [m]
   std::vector<WorldGate> gates;            ///< In the order of flight.
@@ -55,6 +65,7 @@ struct World {
   GatePaint paint;                         ///< Of all of them.
   std::vector<WorldBox> obstacles;
   std::vector<Decoy> decoys;
+  std::vector<Person> people;
 };
 
 }  // namespace gatefly::sim

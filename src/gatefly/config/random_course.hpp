@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace gatefly::io {
+
+/// A track file of a course drawn at random: the same seed, the same text.
+///
+/// Three to eight gates round a loop in a room of drawn size and look, up to six obstacles, a start
+/// before the first gate. course_problems() finds nothing in it. Whether there is a way round is not
+/// asked: `gatefly track` answers that, with the reason.
+[[nodiscard]] std::string random_course(std::uint64_t seed);
+
+}  // namespace gatefly::io
