@@ -13,7 +13,9 @@
 namespace gatefly::experiments {
 namespace {
 
-PaperDetector detector_of(TwinMode mode, const char* config_name) {
+constexpr double kTwoSided = 1.96;  // σ of a 95 % interval
+
+PaperDetector detector_of(TwinMode mode, const std::string& config_name) {
   if (mode == TwinMode::kPaper) return as_paper();
   if (mode == TwinMode::kFlown) return as_flown();
   const std::vector<std::string> names{config_name};
@@ -35,7 +37,8 @@ TwinRate mean_of(const std::vector<double>& values) {
   double squares = 0.0;
   for (const double v : values) rate.mean += v / n, squares += v * v / n;
   const double sigma = std::sqrt(std::max(0.0, squares - rate.mean * rate.mean) / n);
-  rate.low = std::max(0.0, rate.mean - 1.96 * sigma), rate.high = rate.mean + 1.96 * sigma;
+  rate.low = std::max(0.0, rate.mean - kTwoSided * sigma),
+  rate.high = rate.mean + kTwoSided * sigma;
   return rate;
 }
 
@@ -62,7 +65,7 @@ int bin_of(const Quad& gate) {
 }
 
 std::vector<TwinOutcome> outcomes(std::span<const TwinPicture> pictures, TwinMode mode,
-                                  const char* config, int repeats) {
+                                  const std::string& config, int repeats) {
   const PaperDetector detector = detector_of(mode, config);
   const io::Rule rule =
       mode == TwinMode::kPaper ? io::Rule::kOverlap70Authors : io::Rule::kOverlap70;
@@ -81,6 +84,44 @@ std::vector<TwinOutcome> outcomes(std::span<const TwinPicture> pictures, TwinMod
       if (repeat == 0) all[i].corner_errors = score.best_order_px;
     }
   });
+  return all;
+}
+
+TwinRates pooled(std::span<const TwinRates> sets) {
+  TwinRates all = weighted(sets, sets);
+  for (TwinRate& bin : all.bins) {
+    const auto interval =
+        io::wilson95(static_cast<int>(std::lround(bin.mean * bin.count)), bin.count);
+    bin.low = interval.low, bin.high = interval.high;
+  }
+  return all;
+}
+
+TwinRates weighted(std::span<const TwinRates> rendered, std::span<const TwinRates> real) {
+  const auto joined = [&](const auto& part) {
+    TwinRate all;
+    double weight = 0.0, variance = 0.0;
+    for (std::size_t i = 0; i < real.size(); ++i) {
+      const TwinRate &of = part(rendered[i]), &by = part(real[i]);
+      all.count += of.count;
+      if (of.count == 0) continue;
+      const double sigma = (of.high - of.mean) / kTwoSided;
+      all.mean += by.count * of.mean, weight += by.count;
+      variance += by.count * by.count * sigma * sigma;
+    }
+    if (weight <= 0.0) return all;
+    all.mean /= weight;
+    const double sigma = std::sqrt(variance) / weight;
+    all.low = std::max(0.0, all.mean - kTwoSided * sigma), all.high = all.mean + kTwoSided * sigma;
+    return all;
+  };
+  TwinRates all;
+  for (std::size_t i = 0; i < kTwinBinCount; ++i)
+    all.bins[i] = joined([i](const TwinRates& r) -> const TwinRate& { return r.bins[i]; });
+  all.false_positives_with_gate =
+      joined([](const TwinRates& r) -> const TwinRate& { return r.false_positives_with_gate; });
+  all.false_positives_without =
+      joined([](const TwinRates& r) -> const TwinRate& { return r.false_positives_without; });
   return all;
 }
 

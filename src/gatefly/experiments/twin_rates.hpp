@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gatefly/experiments/labelled_set.hpp"
@@ -30,9 +31,10 @@ struct TwinOutcome {
 
 /// On all cores. Rule overlap70; the paper's offline detector is counted as its authors did.
 [[nodiscard]] std::vector<TwinOutcome> outcomes(std::span<const TwinPicture> pictures,
-                                                TwinMode mode, const char* config, int repeats);
+                                                TwinMode mode, const std::string& config,
+                                                int repeats);
 
-/// Mean with its 95 % interval (a rate: Wilson).
+/// Mean of so many with its 95 % interval; a rate's is Wilson's.
 struct TwinRate {
   int count = 0;
   double mean = 0.0, low = 0.0, high = 0.0;
@@ -45,5 +47,12 @@ struct TwinRates {
 };
 [[nodiscard]] TwinRates rates(std::span<const TwinPicture> pictures,
                               std::span<const TwinOutcome> outcomes);
+
+/// Several sets as one.
+[[nodiscard]] TwinRates pooled(std::span<const TwinRates> sets);
+
+/// Means of rendered sets as if each had as many gates and pictures of a kind as its real one.
+[[nodiscard]] TwinRates weighted(std::span<const TwinRates> rendered,
+                                 std::span<const TwinRates> real);
 
 }  // namespace gatefly::experiments
