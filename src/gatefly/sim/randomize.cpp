@@ -70,12 +70,17 @@ bool clear_of_obstacles(const World& world, const Eigen::Vector2d& p, double dis
   });
 }
 
-/// A colour of clothes: mostly dark and dull, now and then red or orange.
-Eigen::Vector3d clothes(Stream& stream) {
-  const bool warm = stream.uniform() < 0.2;
+/// The colour of dark, dull clothes.
+Eigen::Vector3d dull_clothes(Stream& stream) {
   const double grey = stream.uniform(0.03, 0.30);
-  const Eigen::Vector3d dull{grey * stream.uniform(0.5, 1.3), grey * stream.uniform(0.5, 1.3),
-                             grey * stream.uniform(0.5, 1.3)};
+  return {grey * stream.uniform(0.5, 1.3), grey * stream.uniform(0.5, 1.3),
+          grey * stream.uniform(0.5, 1.3)};
+}
+
+/// Now and then a shirt is red or orange.
+Eigen::Vector3d shirt(Stream& stream) {
+  const bool warm = stream.uniform() < 0.2;
+  const Eigen::Vector3d dull = dull_clothes(stream);
   const Eigen::Vector3d red{stream.uniform(0.35, 0.65), stream.uniform(0.05, 0.25), 0.06};
   return warm ? red : dull;
 }
@@ -92,7 +97,7 @@ void add_people(World& world, int count, Stream& stream) {
     person.speed = stream.uniform(0.3, 1.2);
     person.start = stream.uniform(0.0, 2 * length);
     person.height = stream.uniform(1.55, 1.95);
-    person.shirt = clothes(stream), person.trousers = clothes(stream);
+    person.shirt = shirt(stream), person.trousers = dull_clothes(stream);
     const double room = half[along] - 0.5 * length;
     if (room < 0.0) continue;
     person.from[across] = person.to[across] = wall < 2 ? half[across] : -half[across];

@@ -30,7 +30,7 @@ struct Palette {
                             .second = {0.2f, 0.2f, 0.2f},
                             .pattern = Pattern::kBlocks,
                             .scale = 0.9f,
-                            .emission = {2.2f, 3.1f, 3.8f},
+                            .emission = {0.85f, 1.2f, 1.45f},
                             .group = kDaylight})},
         neon{b.light({0.5f, 1.8f, 6.0f}, kStandLight)},
         warm_strip{b.light({5.0f, 3.6f, 1.6f}, kStandLight)} {
@@ -140,7 +140,8 @@ void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double leng
     for (double a = 1.0; a < length - 2.6; a += 2.4) {
       pane(a, a + 2.2, 0.05, std::min(6.0, top - 0.3), 0.02, p.glazing);
       b.box(wall, {a + 1.08, 0.03, 0.0}, {a + 1.12, 0.08, std::min(6.0, top - 0.3)}, p.frame);
-      b.box(wall, {a, 0.03, 2.3}, {a + 2.2, 0.08, 2.36}, p.frame);
+      for (double h = 1.1; h < std::min(6.0, top - 0.4); h += 1.2)
+        b.box(wall, {a, 0.03, h}, {a + 2.2, 0.08, h + 0.06}, p.frame);
     }
   }
   for (double a = 0.8; a < length - 4.0;) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "gatefly/config/track_keys.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/body_state.hpp"
@@ -146,6 +148,13 @@ std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, 
   return moments;
 }
 
+/// Looks take turns, the track's own first.
+std::string look_of_day(const std::string& own, std::size_t day) {
+  const auto& looks = io::track_key("room", "look").choices;
+  const auto first = std::find(looks.begin(), looks.end(), own) - looks.begin();
+  return looks[(static_cast<std::size_t>(first) + day) % looks.size()];
+}
+
 }  // namespace
 
 std::size_t days_of(const PictureOrder& order) {
@@ -155,8 +164,7 @@ std::size_t days_of(const PictureOrder& order) {
 void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t day,
                 const std::function<bool(Picture&&)>& each) {
   Race race = maker.race(order.first_seed + day);
-  if (order.varied && day % 2 == 1)
-    race.config.sim.world.look = race.config.sim.world.look == "hall" ? "showroom" : "hall";
+  if (order.varied) race.config.sim.world.look = look_of_day(race.config.sim.world.look, day);
   const sim::SimConfig& s = race.config.sim;
   const std::size_t first = day * order.per_day;
   const std::size_t count = std::min(order.per_day, order.pictures - first);
