@@ -84,7 +84,7 @@ struct Imaging {
   double footprint_px = 0.8;  ///< Side of the square of light that a pixel gathers.
   double red_shift_px = 0.6;  ///< How far red lies above green and blue: fringes.
   int chroma_smoothing = 1;   ///< Passes of [1 2 1]/4 along upright lines.
-  double saturation = 1.1;    ///< Of colours, after the colour matrix.
+  double saturation = 1.25;   ///< Of colours, after the colour matrix.
 };
 
 /// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
