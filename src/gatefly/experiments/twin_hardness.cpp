@@ -30,7 +30,8 @@ std::vector<std::string> as_real(std::vector<std::string> settings = {}) {
   settings.insert(settings.end(),
                   {"camera.model=\"kannala-brandt\"", "camera.focal_px=[169.229,169.453]",
                    "camera.center_px=[149.328,124.1]",
-                   "camera.distortion=[-0.016054,-0.026981,0.0,0.0]", "randomize.decoys=0"});
+                   "camera.distortion=[-0.016054,-0.026981,0.0,0.0]", "randomize.decoys=0",
+       "randomize.light_percent=20", "randomize.saturation_percent=8", "randomize.hue_deg=3"});
   return settings;
 }
 

@@ -109,7 +109,7 @@ Float4 Sensor::developed(Float4 signal) const {
   const auto tone = [&](float x) { return tone_[static_cast<std::size_t>(x)]; };
   const Float4 level{tone(entry[0]), tone(entry[1]), tone(entry[2]), 0.0f};
   const Float4 dark = (1.0f - level) * (1.0f - level);
-  return kBlack + (255.0f - kBlack) * level + dark * dark * kPurple;
+  return kBlack + (255.0f - kBlack) * level + dark * dark * dark * kPurple;
 }
 
 void Sensor::set_exposure(double brightness) {

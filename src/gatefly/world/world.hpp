@@ -23,7 +23,7 @@ struct WorldGate {
 /// How gates are painted. [real pictures; docs/simulation.md]
 struct GatePaint {
   double width = 0.85;  ///< Part of a bar's width that shows colour.
-  double blue = 0.8;    ///< Times the named colour's blue: more orange than its name.
+  double blue = 0.45;   ///< Times the named colour's blue: more orange than its name.
   /// How much of its colour is gone where it is thinnest or dirtiest, 0..1; 0: even.
   double wear = 0.8;
 };
