@@ -939,6 +939,13 @@ class New(Cli):
         flown = self.run_it("fly", "mine.toml", "--vision", "ideal", "--json")
         self.assertEqual(json.loads(flown.stdout)["gates_passed"], 4, flown.stderr)
 
+    def test_a_track_drawn_at_random_is_the_seeds_own(self):
+        one, again, other = (self.run_it("new", "track", "--random", seed, "-").stdout for seed in ("7", "7", "8"))
+        self.assertEqual(one, again)
+        self.assertNotEqual(one, other)
+        self.assertIn('name = "random 7"', one)
+        self.assertIn("new: --random = 7 is for KIND = track, not camera", self.refused("new", "camera", "--random", "7", "-"))
+
     def test_every_key_of_a_new_track_is_one_that_the_reader_knows(self):
         # What may be left out is a comment "# key = value  # what"; box_m and pole_m exclude each other.
         lines = self.new("track", "-").splitlines()

@@ -46,7 +46,8 @@ bool in_footprint(const WorldBox& box, const Eigen::Vector3d& p_E, double margin
 }
 
 class Looks : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Scene, Looks, testing::Values("hall", "showroom", "dark_hall", "exhibition"));
+INSTANTIATE_TEST_SUITE_P(Scene, Looks,
+                         testing::Values("hall", "showroom", "dark_hall", "exhibition"));
 
 TEST_P(Looks, RectanglesAreFlatUprightAndCountTheirNodes) {
   const Scene scene = make_scene(furnished(GetParam()));
