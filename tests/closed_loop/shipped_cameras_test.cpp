@@ -27,7 +27,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kGrey = 0.25, kBrighter = 1.45, kDarker = 0.55;  // albedo; of it, the two gates'
-constexpr int kReach = 9, kPlateau = 3;  // of an edge's profile, of its level ends [px]
+constexpr int kReach = 10, kPlateau = 4;  // of an edge's profile, where it is straight again [px]
 
 std::vector<fs::path> shipped_cameras() {
   std::vector<fs::path> files;
@@ -74,7 +74,7 @@ Target target_before(const CameraTruth& camera, const BodyPose& pose) {
   const Vector3d middle_C{kDistance * 0.5 * (low.x() + high.x()),
                           kDistance * 0.5 * (low.y() + high.y()), kDistance};
   const Vector3d face = eyes.p_EC + eyes.R_EC * middle_C;
-  target.gate.p_EG = face + Vector3d{0.5 * target.gate.bar, 0, 0};
+  target.gate.p_EG = face + Vector3d{0.5 * target.gate.depth(), 0, 0};
   const double h = 0.5 * target.gate.side;
   target.corners_E = {face + Vector3d{0, -h, -h}, face + Vector3d{0, h, -h},
                       face + Vector3d{0, h, h}, face + Vector3d{0, -h, h}};
@@ -149,6 +149,34 @@ Line line_through(const std::vector<Vector2d>& points) {
   return {xy / xx, mean.y() - xy / xx * mean.x()};
 }
 
+/// Where a profile steps from one straight line to another, blurred alike to both sides [px].
+/// @param sample  the profile from -kReach to kReach; the step lies within 3 px of 0.
+template <class Sample>
+double edge_of(const Sample& sample) {
+  std::vector<Vector2d> outside, inside;
+  double sum = 0.0;
+  for (int step = -kReach; step <= kReach; ++step) {
+    const Vector2d point{static_cast<double>(step), sample(step)};
+    sum += point.y();
+    if (step <= -kPlateau) outside.push_back(point);
+    if (step >= kPlateau) inside.push_back(point);
+  }
+  const Line out = line_through(outside), in = line_through(inside);
+  // The area below both lines is that below the profile; its pixels are as wide as 1.
+  const auto area = [](const Line& line, double from, double to) {
+    return (to - from) * line.at(0.5 * (from + to));
+  };
+  constexpr double kEnd = kReach + 0.5;
+  double low = -3.0, high = 3.0;
+  const bool rises = in.at(0.0) > out.at(0.0);
+  for (int i = 0; i < 40; ++i) {
+    const double edge = 0.5 * (low + high);
+    const bool too_much = area(out, -kEnd, edge) + area(in, edge, kEnd) > sum;
+    (too_much == rises ? low : high) = edge;
+  }
+  return low;
+}
+
 /// How far an edge is drawn from where the lens puts it, as a line over the way along it [px].
 /// @param across  0: the edge is upright, and u is measured; 1: level, v.
 /// @param inside  +1 where the gate lies at larger u or v.
@@ -173,11 +201,7 @@ Line offsets(const Added& added, const CameraTruth& camera, const BodyPose& pose
       const int x = middle + inside * step;
       return across == 0 ? added.at(x, along) : added.at(along, x);
     };
-    double base = 0.0, top = 0.0, sum = 0.0;
-    for (int i = 0; i < kPlateau; ++i)
-      base += sample(-kReach + i) / kPlateau, top += sample(kReach - i) / kPlateau;
-    for (int step = -kReach; step <= kReach; ++step) sum += (sample(step) - base) / (top - base);
-    const double edge = middle + inside * (kReach + 0.5 - sum);
+    const double edge = middle + inside * edge_of(sample);
     errors.push_back({static_cast<double>(along), edge - expected});
   }
   EXPECT_GT(errors.size(), 20u);
