@@ -95,9 +95,8 @@ class Race {
     const Tick now = tick();
     if (!now.sensors.image) return py::none();
     const sim::CameraTruth& camera = race_.config.sim.camera;
-    constexpr int kRotation = 90;  // the simulated sensor is always mounted turned
     return py::cast(copied_picture(now.frame.data(), PixelFormat::kUyvy, camera.stored_width,
-                                   camera.stored_height, kRotation));
+                                   camera.stored_height, camera.stored_rotation));
   }
   [[nodiscard]] py::object result() const {
     if (!over()) return py::none();

@@ -164,10 +164,10 @@ class Studio {
 
   void keep(const tasks::Picture& picture) {
     const tasks::Race& race = nominal_;
-    const int width = race.config.sim.camera.stored_width,
-              height = race.config.sim.camera.stored_height;
-    const int turn = (90 - storing_.rotation_deg + 360) % 360;
-    const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, width, height, turn};
+    const sim::CameraTruth& camera = race.config.sim.camera;
+    const int turn = (camera.stored_rotation - storing_.rotation_deg + 360) % 360;
+    const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, camera.stored_width,
+                       camera.stored_height, turn};
     const std::string number = padded(picture.number);
     const std::string name = "img_" + number + (recording_ == "raw" ? ".png" : ".jpg");
     if (recording_ == "raw") {
@@ -178,7 +178,8 @@ class Studio {
       folder_.write(name, io::recorded_jpeg(stored, how, exif));
     }
     if (!picture.mask.empty())
-      folder_.write("mask_" + number + ".pgm", pgm_of(picture.mask, height, width));
+      folder_.write("mask_" + number + ".pgm",
+                    pgm_of(picture.mask, camera.width(), camera.height()));
     rows_[picture.number] = rows_of(picture, name);
     ++done_;
   }

@@ -300,8 +300,10 @@ TEST(Config, ShowsEveryKeyWithItsSource) {
 }
 
 TEST(Config, ShippedFilesLoad) {
-  for (const char* name : {"configs/default.toml", "configs/flights.toml", "configs/li18.toml",
-                           "cameras/bebop.toml", "cameras/bebop-brown.toml", "vehicles/bebop.toml"})
+  for (const char* name :
+       {"configs/default.toml", "configs/flights.toml", "configs/li18.toml", "cameras/bebop.toml",
+        "cameras/bebop-brown.toml", "cameras/wide-usb.toml", "cameras/grandprix.toml",
+        "cameras/global-shutter.toml", "vehicles/bebop.toml", "vehicles/racer.toml"})
     EXPECT_NO_THROW((void)load_config(Files{shipped_dir() / name})) << name;
 }
 

@@ -116,10 +116,34 @@ TEST(Derived, CornersOfAnotherKindScaleTheDetectorsFrame) {
   EXPECT_DOUBLE_EQ(wide.pilot.detector.bar_ratio, 0.05) << "the bar, as a part of the side";
 }
 
+// What a team does not know of its drone: the pilot is told the file's inertia, the body has another.
+TEST(Derived, TheTrueInertiaIsTheSimulatorsAlone) {
+  const Told told{{"vehicle.inertia_kgm2=[0.001, 0.002, 0.004]", "sim.inertia_ratio=[1, 3, 0.5]",
+                   "sim.air_moment_nms_per_m=[0.01, 0.02]"}};
+  EXPECT_EQ(told.pilot.vehicle.inertia, Eigen::Vector3d(0.001, 0.002, 0.004));
+  EXPECT_EQ(told.simulator.vehicle.inertia, Eigen::Vector3d(0.001, 0.006, 0.002));
+  EXPECT_EQ(told.simulator.vehicle.air_moment, Eigen::Vector2d(0.01, 0.02));
+}
+
+// Stored upright, a line is a row; the pilot knows columns only, so it is told of no read-out.
+TEST(Derived, ACameraThatStoresRowsTellsThePilotTheMiddleOnesTime) {
+  const Told told{{"camera.stored_rotation_deg=0", "camera.size_px=[640, 480]",
+                   "camera.readout_ms=20", "camera.exposure_ms=8", "camera.latency_ms=30",
+                   "camera.jpeg_quality=80"}};
+  EXPECT_EQ(told.simulator.camera.stored_width, 640);
+  EXPECT_EQ(told.simulator.camera.stored_height, 480);
+  EXPECT_EQ(told.simulator.camera.stored_rotation, 0);
+  EXPECT_EQ(told.simulator.camera.jpeg_quality, 80);
+  EXPECT_DOUBLE_EQ(told.simulator.camera.readout, 0.020);
+  EXPECT_DOUBLE_EQ(told.pilot.camera_timing.readout, 0.0);
+  EXPECT_DOUBLE_EQ(told.pilot.camera_timing.latency, 0.044);
+}
+
 TEST(Derived, TheVehicleIsThePilotsAndTheSimulators) {
   const Told told{{"vehicle.mass_kg=0.5", "vehicle.inertia_kgm2=[0.001, 0.002, 0.003]",
                    "vehicle.arm_m=[0.2, 0.3]", "vehicle.thrust_coefficient=2e-6",
-                   "vehicle.torque_coefficient_m=0.02", "vehicle.max_rotor_radps=1300"}};
+                   "vehicle.torque_coefficient_m=0.02", "vehicle.max_rotor_radps=1300",
+                   "sim.inertia_ratio=[1, 1, 1]"}};
   const auto expect = [](const auto& vehicle) {
     EXPECT_EQ(vehicle.mass, 0.5);
     EXPECT_EQ(vehicle.inertia, Eigen::Vector3d(0.001, 0.002, 0.003));

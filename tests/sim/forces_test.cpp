@@ -28,6 +28,27 @@ TEST(GroundEffect, GrowsTowardsTheFloorAndIsNothingHighAbove) {
   EXPECT_EQ(ground_effect(0.0, 0.065, 0.19), ground_effect(0.01, 0.065, 0.19));  // on its feet
 }
 
+// Flown forward the air pitches the nose up, flown to the right it rolls left; standing air, no moment.
+TEST(AirMoment, TurnsTheBodyBackFromWhereItGoes) {
+  SimConfig config;
+  config.vehicle.air_moment = {0.01, 0.03};
+  const double hover =
+      std::sqrt(config.vehicle.mass * kGravity / 4 / config.vehicle.thrust_coefficient);
+  const auto torque = [&](const Eigen::Vector3d& v_E, const Eigen::Vector2d& wind) {
+    config.wind.mean = wind;
+    Forces forces{config};
+    BodyState state;
+    state.p_EB.z() = -5.0;
+    state.v_E = v_E;
+    for (int i = 0; i < 1024; ++i)  // until the rotors turn as fast as they should
+      forces.advance({hover, hover, hover, hover}, state, i * kStep, kStep);
+    return Eigen::Vector3d{forces.torque_B()};
+  };
+  EXPECT_LT((torque({2, 0, 0}, {0, 0}) - Eigen::Vector3d{0, 0.06, 0}).norm(), 1e-9);
+  EXPECT_LT((torque({0, 2, 0}, {0, 0}) - Eigen::Vector3d{-0.02, 0, 0}).norm(), 1e-9);
+  EXPECT_LT(torque({2, 1, 0}, {2, 1}).norm(), 1e-9);
+}
+
 /// Gusts of one axis, sampled every `every` steps, for so many seconds.
 std::vector<Eigen::Vector3d> recorded(const Wind& wind, double airspeed, double seconds,
                                       int every) {

@@ -78,7 +78,7 @@ Numbers numbers_of(const SimConfig& config) {
   {
     const auto& [mass, inertia, size, arm_x, arm_y, propeller_radius, thrust_coefficient,
                  torque_coefficient, rotor_time_constant, min_speed, max_speed, rotor_drag,
-                 body_drag, sag, sag_time, battery] = vehicle;
+                 body_drag, air_moment, sag, sag_time, battery] = vehicle;
     put(n, "mass", mass);
     put(n, "inertia", inertia);
     put(n, "size", size);
@@ -88,6 +88,7 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "rotors", std::array{rotor_time_constant, min_speed, max_speed});
     put(n, "rotor_drag", rotor_drag);
     put(n, "body_drag", body_drag);
+    put(n, "air_moment", air_moment);
     put(n, "sag", sag);
     put(n, "sag_time", sag_time);
     const auto& [capacity, full, empty, resistance, hover_power, electronics] = battery;
@@ -95,10 +96,11 @@ Numbers numbers_of(const SimConfig& config) {
   }
   {
     const auto& [accel_bias, flight_bias, gyro_bias, gyro_drift, accel_scale, gyro_scale,
-                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, imbalance, accel_warming,
-                 gyro_warming, warming_time, noise_scale, imu_hz, sonar_hz, baro_hz, imu_jitter,
-                 sonar_noise, sonar_max, sonar_loss, sonar_double, baro_noise, baro_drift,
-                 baro_airspeed, camera_hz, camera_latency, latency_jitter, frame_loss] = sensors;
+                 accel_noise, accel_vibration, gyro_noise, gyro_vibration, gyro_rumble, imbalance,
+                 accel_warming, gyro_warming, warming_time, noise_scale, imu_hz, sonar_hz, baro_hz,
+                 imu_jitter, sonar_noise, sonar_max, sonar_loss, sonar_double, baro_noise,
+                 baro_drift, baro_airspeed, camera_hz, camera_latency, latency_jitter, frame_loss] =
+        sensors;
     put(n, "accel_bias", accel_bias);
     put(n, "flight_bias", flight_bias);
     put(n, "gyro_bias", gyro_bias);
@@ -109,6 +111,7 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "accel_vibration", accel_vibration);
     put(n, "gyro_noise", gyro_noise);
     put(n, "gyro_vibration", gyro_vibration);
+    put(n, "gyro_rumble", gyro_rumble);
     put(n, "noise_scale", noise_scale);
     put(n, "rates", std::array{imu_hz, sonar_hz, baro_hz});
     put(n, "imu_jitter", imu_jitter);
@@ -126,14 +129,17 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "frame_loss", frame_loss);
   }
   {
-    const auto& [lens, p_BC, tilt_down, stored_width, stored_height, exposure, readout] = camera;
+    const auto& [lens, p_BC, tilt_down, stored_width, stored_height, stored_rotation, jpeg_quality,
+                 exposure, readout] = camera;
     const auto& [focal_px, center_px, k] = std::get<DhaneFisheye>(lens.model);
     put(n, "focal_px", focal_px);
     put(n, "center_px", center_px);
     put(n, "lens_k", k);
     put(n, "p_BC", p_BC);
     put(n, "tilt_down", tilt_down);
-    put(n, "stored", std::array{double(stored_width), double(stored_height)});
+    put(n, "stored",
+        std::array{double(stored_width), double(stored_height), double(stored_rotation),
+                   double(jpeg_quality)});
     put(n, "shutter", std::array{exposure, readout});
   }
   {

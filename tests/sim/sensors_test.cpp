@@ -33,7 +33,7 @@ SensorTruth perfect() {
   truth.accel_bias.setZero(), truth.flight_bias.setZero();
   truth.gyro_bias.setZero(), truth.gyro_drift.setZero();
   truth.accel_noise.setZero(), truth.accel_vibration.setZero();
-  truth.gyro_noise.setZero(), truth.gyro_vibration.setZero();
+  truth.gyro_noise.setZero(), truth.gyro_vibration.setZero(), truth.gyro_rumble.setZero();
   return truth;
 }
 
@@ -110,7 +110,7 @@ TEST(ImuModel, AtRestHasItsBiasesLittleNoiseAndNoVibration) {
 
 TEST(ImuModel, InFlightTheNoiseIsWholeAndWhatAppearsAfterTakeOffIsThere) {
   SensorTruth truth;
-  truth.accel_vibration.setZero(), truth.gyro_vibration.setZero();
+  truth.accel_vibration.setZero(), truth.gyro_vibration.setZero(), truth.gyro_rumble.setZero();
   truth.flight_bias = {0.05, -0.02, 0.1}, truth.gyro_drift = {0.003, 0.002, -0.004};
   const BodyState state = at_rotor_speed(kReference);
   const auto [accel, gyro] = measured(truth, state, kSamples);
@@ -178,6 +178,21 @@ TEST(ImuModel, VibrationGoesWithTheSquareOfRotorSpeed) {
       EXPECT_NEAR(accel.rms[i] / truth.accel_vibration[i], strength, 0.05 * strength) << speed;
       EXPECT_NEAR(gyro.rms[i] / truth.gyro_vibration[i], strength, 0.05 * strength) << speed;
     }
+  }
+}
+
+// White noise of unit variance through a low-pass at 12 Hz and a high-pass at 3 Hz has a variance of
+// 12 / (12 + 3). Without a mean: an angle that is summed up from it stays where it is.
+TEST(ImuModel, RumbleShakesTheGyroInFlightAndDoesNotTurnIt) {
+  SensorTruth truth = perfect();
+  truth.gyro_rumble = {0.16, 0.05, 0.15};
+  const ImuStatistics flying = measured(truth, at_rotor_speed(kReference), 40'000),
+                      resting = measured(truth, at_rotor_speed(0), 1000);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(flying.gyro.rms[i], std::sqrt(0.8) * truth.gyro_rumble[i],
+                0.07 * truth.gyro_rumble[i]);
+    EXPECT_NEAR(flying.gyro.mean[i], 0.0, 2e-3 * truth.gyro_rumble[i]);
+    EXPECT_NEAR(resting.gyro.rms[i], 0.0, kGyroStep);
   }
 }
 

@@ -30,8 +30,8 @@ struct RenderedSimulator {
     renderer.render(frame, t_start, history, bytes);
   }
   void deliver(Sensors& sensors) const {
-    sensors.image =
-        Image{bytes.data(), PixelFormat::kUyvy, truth.stored_width, truth.stored_height, 90};
+    sensors.image = Image{bytes.data(), PixelFormat::kUyvy, truth.stored_width, truth.stored_height,
+                          truth.stored_rotation};
   }
   [[nodiscard]] std::span<const std::uint8_t> picture() const { return bytes; }
 
@@ -46,7 +46,7 @@ struct IdealSimulator {
   explicit IdealSimulator(const sim::SimConfig& config)
       : body{config},
         vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
-        width{config.camera.stored_height},  // the upright picture's
+        width{config.camera.width()},
         lamps_out{config.light.out} {}
   IdealSimulator(const IdealSimulator&) = delete;
   IdealSimulator& operator=(const IdealSimulator&) = delete;

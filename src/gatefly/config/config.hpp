@@ -19,6 +19,8 @@ namespace gatefly::io {
 /// [sim]: the simulator's own. What it shares with the pilot: simulator_config in derived.hpp.
 struct SimulatorSettings {
   sim::VehicleTruth vehicle;
+  /// True moments of inertia / the vehicle file's. [recorded flights: docs/simulation.md]
+  Eigen::Vector3d inertia_ratio{1.0, 2.8, 1.0};
   sim::SensorTruth sensors;
   sim::Wind wind;
   sim::Imaging imaging;

@@ -103,6 +103,8 @@ Keys camera_keys() {
       k("camera.exposure_ms", 0.01, 100, AT(camera.exposure), "longest exposure of a line",
         "simulation.md", kMilli),
       k("camera.rate_hz", 1, 120, AT(camera.rate_hz), "pictures a second", "MT9F002_TARGET_FPS 15"),
+      k("camera.jpeg_quality", 0, 100, AT(camera.jpeg_quality),
+        "simulated pictures go through a JPEG, 4:2:0, of this quality; 0: none", "none on board"),
   };
 }
 

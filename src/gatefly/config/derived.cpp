@@ -115,7 +115,9 @@ PilotConfig pilot_config(const Config& config) {
   pilot.camera = {lens_of(camera), camera_mount(camera.tilt_down), camera.p_BC};
   // From the middle of the exposure of the middle line: half of both, then the way to the pilot.
   pilot.camera_timing = {.latency = camera.latency + 0.5 * (camera.exposure + camera.readout),
-                         .readout = camera.readout};
+                         // The pilot knows lines that are upright columns. Where they are rows, the
+                         // middle one's time stands for all.
+                         .readout = camera.stored_rotation_deg == 90 ? camera.readout : 0.0};
 
   const GateDescription& gate = config.gate;
   pilot.detector.bar_ratio = gate.bar / gate.side;
@@ -144,6 +146,8 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .tilt_down = camera.tilt_down,
                     .stored_width = camera.stored_width(),
                     .stored_height = camera.stored_height(),
+                    .stored_rotation = camera.stored_rotation_deg,
+                    .jpeg_quality = camera.jpeg_quality,
                     .exposure = camera.exposure,
                     .readout = camera.readout,
                     .imaging = config.sim.imaging};
@@ -158,7 +162,7 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   const VehicleDescription& known = config.vehicle;
   nominal.vehicle = config.sim.vehicle;
   nominal.vehicle.mass = known.mass;
-  nominal.vehicle.inertia = known.inertia;
+  nominal.vehicle.inertia = known.inertia.cwiseProduct(config.sim.inertia_ratio);
   nominal.vehicle.arm_x = known.arm_x;
   nominal.vehicle.arm_y = known.arm_y;
   nominal.vehicle.thrust_coefficient = known.thrust_coefficient;

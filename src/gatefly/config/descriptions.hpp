@@ -29,6 +29,7 @@ struct CameraDescription {
   double readout = 0.020;                ///< First to last stored line [s].
   double exposure = 0.008;               ///< Longest, of each line [s].
   double rate_hz = 15.0;
+  int jpeg_quality = 0;  ///< Of the simulated camera's JPEG, 4:2:0; 0: it has none.
 
   [[nodiscard]] int stored_width() const { return stored_rotation_deg % 180 == 0 ? width : height; }
   [[nodiscard]] int stored_height() const {

@@ -141,6 +141,9 @@ std::span<const Experiment> all() {
        paper_vs_ours,
        false,
        {kLi18}},
+      {"twin-liveliness",
+       "real flights beside simulated ones with the same set points: vibration, drag, responses",
+       twin_liveliness, true},
   }};
   return list;
 }

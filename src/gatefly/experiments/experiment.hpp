@@ -94,5 +94,6 @@ Result pose_real(const Options& options);
 Result feasible_set(const Options& options);
 Result full_track(const Options& options);
 Result paper_vs_ours(const Options& options);
+Result twin_liveliness(const Options& options);
 
 }  // namespace gatefly::experiments

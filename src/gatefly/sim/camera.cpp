@@ -8,6 +8,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sim/body_state.hpp"
+#include "gatefly/sim/jpeg_chain.hpp"
 #include "gatefly/sim/light_map.hpp"
 #include "gatefly/sim/ray_scene.hpp"
 #include "gatefly/sim/scene.hpp"
@@ -151,7 +152,8 @@ void CameraRenderer::Impl::make_directions() {
           return ((cell + 0.5 + jitter) / 2 - 0.5) * camera.imaging.footprint_px;
         };
         const double du = place(sample % 2, 2 * sample), dv = place(sample / 2, 2 * sample + 1);
-        const auto bearing_C = camera.lens.bearing({line + du, camera.stored_width - 1 - x + dv});
+        const auto bearing_C =
+            camera.lens.bearing(camera.upright(x, line) + Eigen::Vector2d{du, dv});
         if (!bearing_C) continue;
         const Eigen::Vector3f bearing_B = (R_BC * *bearing_C).cast<float>();
         Directions& d = table[static_cast<std::size_t>(line * packets + x / kColumns)];
@@ -258,6 +260,9 @@ void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const
   for (int line = 0; line < impl_->camera.stored_height; ++line)
     impl_->render_line(t_start, history, line);
   impl_->sensor.develop(frame, t_start, impl_->picture, uyvy);
+  if (impl_->camera.jpeg_quality > 0)
+    through_jpeg(uyvy, impl_->camera.stored_width, impl_->camera.stored_height,
+                 impl_->camera.jpeg_quality);
 }
 
 void CameraRenderer::meter_anew() { impl_->metered = false; }
@@ -265,17 +270,19 @@ void CameraRenderer::meter_anew() { impl_->metered = false; }
 std::vector<std::uint8_t> CameraRenderer::gate_mask(double t_start,
                                                     std::span<const BodyPose> history) const {
   const CameraTruth& camera = impl_->camera;
-  const int width = camera.stored_height, height = camera.stored_width;  // upright
+  const int width = camera.width(), height = camera.height();
   const RayScene& visible = impl_->seen_from(interpolated(history, t_start).p_EB);
   const Eigen::Matrix3f R_BC = camera_mount(camera.tilt_down).matrix.cast<float>();
   const std::size_t fixed = impl_->scene.fixed.size();
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
-  for (int u = 0; u < width; ++u) {
-    const double share = width > 1 ? static_cast<double>(u) / (width - 1) : 0.0;
+  for (int line = 0; line < camera.stored_height; ++line) {
+    const double share =
+        camera.stored_height > 1 ? static_cast<double>(line) / (camera.stored_height - 1) : 0.0;
     const double t = t_start + camera.readout * share + 0.5 * impl_->sensor.exposure();
     const Eye eye = eye_of(interpolated(history, t), camera.p_BC);
-    for (int v = 0; v < height; ++v) {
-      const auto bearing_C = camera.lens.bearing({u, v});
+    for (int x = 0; x < camera.stored_width; ++x) {
+      const Eigen::Vector2d px = camera.upright(x, line);
+      const auto bearing_C = camera.lens.bearing(px);
       if (!bearing_C) continue;
       const Eigen::Vector3f d = eye.R_EB * (R_BC * bearing_C->cast<float>());
       RTCRayHit ray{};
@@ -287,7 +294,7 @@ std::vector<std::uint8_t> CameraRenderer::gate_mask(double t_start,
       if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID || ray.hit.primID < fixed) continue;
       const Rectangle& hit = impl_->scene.moved[ray.hit.primID - fixed];
       if (hit.bar)
-        mask[static_cast<std::size_t>(v * width + u)] =
+        mask[static_cast<std::size_t>(std::lround(px.y()) * width + std::lround(px.x()))] =
             static_cast<std::uint8_t>(hit.gate < 0 ? 255 : std::min(hit.gate + 1, 254));
     }
   }

@@ -88,6 +88,10 @@ void Forces::advance(const std::array<double, 4>& command, const BodyState& stat
   if (within(faults_.wind_during, time)) mean += faults_.wind;
   gusts_.advance((state.v_E.head<2>() - mean).norm(), dt);
   wind_E_ = Eigen::Vector3d{mean.x(), mean.y(), 0.0} + gusts_.velocity_E();
+  // The air pushes on rotors and frame away from where the body goes.
+  const Eigen::Vector3d air_B = R_EB_of(state.q_EB).transpose() * (state.v_E - wind_E_);
+  torque_B_ += mean_speed_ / hover_speed_ *
+               Eigen::Vector3d{-v.air_moment.x() * air_B.y(), v.air_moment.y() * air_B.x(), 0.0};
 }
 
 Eigen::Vector3d Forces::force_B(const Eigen::Matrix3d& R_EB, const Eigen::Vector3d& v_E) const {

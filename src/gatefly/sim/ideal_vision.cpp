@@ -37,21 +37,20 @@ class Exposure {
     at(start_ + 0.5 * camera.readout);
   }
 
-  // upright: the stored picture is turned
-  [[nodiscard]] int width() const { return camera_.stored_height; }
-  [[nodiscard]] int height() const { return camera_.stored_width; }
+  [[nodiscard]] int width() const { return camera_.width(); }
+  [[nodiscard]] int height() const { return camera_.height(); }
   [[nodiscard]] const Eigen::Vector3d& eye_E() const { return eye_E_; }
 
   [[nodiscard]] bool inside(const Eigen::Vector2d& px) const {
     return px.x() >= 0 && px.y() >= 0 && px.x() <= width() - 1 && px.y() <= height() - 1;
   }
 
-  /// Where a point is drawn, by the pose at the time its column is exposed.
+  /// Where a point is drawn, by the pose at the time its stored line is exposed.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_E) {
     at(start_ + 0.5 * camera_.readout);
     auto px = projected(p_E);
     if (!px) return px;
-    at(start_ + camera_.readout * std::clamp(px->x() / (width() - 1), 0.0, 1.0));
+    at(start_ + camera_.readout * camera_.part_of_readout(*px));
     return projected(p_E);
   }
 
@@ -274,8 +273,8 @@ void IdealVision::add_parts(const std::vector<GateView>& views, SeenPicture& see
 void IdealVision::add_false_alarm(SeenPicture& seen) {
   if (stream_.uniform() >= statistics_.false_alarms) return;
   const double half = stream_.uniform(0.5 * kMinSide, 2.0 * kMinSide);
-  const Eigen::Vector2d middle{stream_.uniform(half, camera_.stored_height - 1 - half),
-                               stream_.uniform(half, camera_.stored_width - 1 - half)};
+  const Eigen::Vector2d middle{stream_.uniform(half, camera_.width() - 1 - half),
+                               stream_.uniform(half, camera_.height() - 1 - half)};
   SeenPicture::Gate gate{.corners_px = {}, .fitness = 0.7};
   constexpr std::array<double, 4> kRight{-1, 1, 1, -1}, kDown{-1, -1, 1, 1};
   for (std::size_t i = 0; i < 4; ++i)

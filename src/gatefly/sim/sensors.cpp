@@ -19,6 +19,15 @@ double ImuModel::next_interval() {
   return 1.0 / truth_.imu_hz + std::clamp(truth_.imu_jitter * noise_.normal(), -most, most);
 }
 
+Eigen::Vector3d ImuModel::rumble(double dt) {
+  constexpr double kFast = 2.0 * kPi * 12.0, kSlow = 2.0 * kPi * 3.0;  // corners [rad/s]
+  const double part = std::min(1.0, kFast * dt), keep = 1.0 - part;
+  const Eigen::Vector3d push{rumbling_.normal(), rumbling_.normal(), rumbling_.normal()};
+  rumble_ = keep * rumble_ + std::sqrt(1.0 - keep * keep) * truth_.gyro_rumble.cwiseProduct(push);
+  slow_ += std::min(1.0, kSlow * dt) * (rumble_ - slow_);
+  return rumble_ - slow_;
+}
+
 Imu ImuModel::measure(const BodyState& state, double dt) {
   double mean_speed = 0.0;
   for (const double speed : state.rotor_speed) mean_speed += 0.25 * speed;
@@ -51,11 +60,11 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
                 std::min(1.0, strength) * truth_.flight_bias + warm * truth_.accel_warming +
                 truth_.accel_vibration.cwiseProduct(shake) +
                 quiet * truth_.noise_scale * truth_.accel_noise.cwiseProduct(white());
-  imu.gyro_B = truth_.gyro_scale.cwiseProduct(state.rate_B) + truth_.gyro_bias +
-               warm * truth_.gyro_warming +
-               (flying ? truth_.gyro_drift : Eigen::Vector3d::Zero().eval()) +
-               truth_.gyro_vibration.cwiseProduct(shake) +
-               quiet * truth_.noise_scale * truth_.gyro_noise.cwiseProduct(white());
+  imu.gyro_B =
+      truth_.gyro_scale.cwiseProduct(state.rate_B) + truth_.gyro_bias + warm * truth_.gyro_warming +
+      (flying ? truth_.gyro_drift : Eigen::Vector3d::Zero().eval()) +
+      truth_.gyro_vibration.cwiseProduct(shake) + (flying ? truth_.noise_scale : 0.0) * rumble(dt) +
+      quiet * truth_.noise_scale * truth_.gyro_noise.cwiseProduct(white());
   // Range and resolution of the MPU-6050 at ±8 g, ±1000 °/s, as logged: 1/1024 m/s², 1/4096 rad/s.
   imu.accel_B = (imu.accel_B.cwiseMax(-78.0).cwiseMin(78.0) * 1024.0).array().round() / 1024.0;
   imu.gyro_B = (imu.gyro_B.cwiseMax(-17.4).cwiseMin(17.4) * 4096.0).array().round() / 4096.0;

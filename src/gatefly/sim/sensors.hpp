@@ -18,15 +18,21 @@ namespace gatefly::sim {
 /// move as the IMU warms up.
 class ImuModel {
  public:
-  ImuModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "imu"} {}
+  ImuModel(const SensorTruth& truth, std::uint64_t seed)
+      : truth_{truth}, noise_{seed, "imu"}, rumbling_{seed, "imu rumble"} {}
   /// The next interval between two samples [s].
   [[nodiscard]] double next_interval();
   [[nodiscard]] Imu measure(const BodyState& state, double dt);
 
  private:
+  /// The gyro's rumble after another `dt` [rad/s]; it has no mean, so that angles do not drift.
+  [[nodiscard]] Eigen::Vector3d rumble(double dt);
+
   SensorTruth truth_;
   Stream noise_;
+  Stream rumbling_;
   Eigen::Vector4d phase_{0.0, 1.6, 3.1, 4.7};
+  Eigen::Vector3d rumble_ = Eigen::Vector3d::Zero(), slow_ = Eigen::Vector3d::Zero();
   double time_ = 0.0;  ///< Since it was switched on [s].
 };
 

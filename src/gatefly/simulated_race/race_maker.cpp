@@ -25,6 +25,12 @@ void refuse_unflyable(const io::Config& config) {
   if (config.gate.corners != "outer")
     throw std::runtime_error("gate.corners = \"" + config.gate.corners +
                              "\", must be \"outer\" to fly");
+  if (config.camera.stored_width() % 2 != 0)
+    throw std::runtime_error(
+        "camera.size_px = [" + std::to_string(config.camera.width) + ", " +
+        std::to_string(config.camera.height) + "], but pictures are stored " +
+        std::to_string(config.camera.stored_width()) +
+        " px wide (camera.stored_rotation_deg): must be even to fly, for UYVY");
   constexpr double kGravity = 9.81, kToSpare = 1.1;  // [with less no seed finishes the oval]
   const io::VehicleDescription& v = config.vehicle;
   const auto lifts = [&](double speed) {
@@ -59,10 +65,6 @@ std::string fingerprint_of(const io::RaceIdentity& race,
 
 RaceMaker::RaceMaker(const RaceArguments& given) {
   ConfigArguments arguments = given.config;
-  // The simulated sensor is always mounted turned, whichever way the camera's own is.
-  constexpr int kSimulated = 90;
-  if (load(arguments).camera.stored_rotation_deg != kSimulated)
-    arguments.settings.push_back("camera.stored_rotation_deg=" + std::to_string(kSimulated));
   io::Config config = load(arguments);
   refuse_unflyable(config);
   const fs::path path = io::find_track(given.track);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -26,7 +27,7 @@ struct Battery {
 /// The drone as it really is. The pilot's VehicleParams and drag are a team's idea of it.
 struct VehicleTruth {
   double mass = 0.42;                               ///< [kg]
-  Eigen::Vector3d inertia{0.0021, 0.0020, 0.0035};  ///< [kg m²]
+  Eigen::Vector3d inertia{0.0021, 0.0056, 0.0035};  ///< [kg m²]
   /// With propeller guards [m]. [docs/simulation.md]
   Eigen::Vector3d size{0.38, 0.33, 0.09};
   double arm_x = 0.112, arm_y = 0.095;         ///< Rotor distance from the centre [m].
@@ -39,6 +40,9 @@ struct VehicleTruth {
   Eigen::Vector3d rotor_drag{-0.50, -0.44, -0.15};
   /// Quadratic part [1/m]. [ours: makes k speed-dependent]
   double body_drag = 0.022;
+  /// Moment of the air on rotors and frame per speed: a body that moves to the right is rolled left,
+  /// one that moves forward is pitched up [N m/(m/s)]. [recorded flights]
+  Eigen::Vector2d air_moment{0.002, 0.023};
   /// Thrust lost to the battery when it has hovered for `sag_time` (0..1); more under load.
   double sag = 0.0;
   double sag_time = 120.0;  ///< [s]
@@ -52,11 +56,14 @@ struct SensorTruth {
   Eigen::Vector3d gyro_bias{0.01, -0.008, 0.006};  ///< Constant, also at rest [rad/s].
   Eigen::Vector3d gyro_drift{0, 0, 0};             ///< What appears after take-off [rad/s].
   Eigen::Vector3d accel_scale{1, 1, 1}, gyro_scale{1, 1, 1};
-  Eigen::Vector3d accel_noise{0.50, 0.45, 0.90};  ///< White, of a sample at 512 Hz.
+  Eigen::Vector3d accel_noise{0.38, 0.53, 0.90};  ///< White, of a sample at 512 Hz.
   /// RMS of the rotor-frequency part in flight.
-  Eigen::Vector3d accel_vibration{1.7, 0.6, 3.4};
+  Eigen::Vector3d accel_vibration{1.55, 0.35, 3.4};
   Eigen::Vector3d gyro_noise{0.06, 0.06, 0.05};
   Eigen::Vector3d gyro_vibration{0.12, 0.11, 0.18};
+  /// What shakes the gyro at 3 to 20 Hz and is no answer to a command: standard deviation of white
+  /// noise through a band from 3 to 12 Hz, first order each [rad/s].
+  Eigen::Vector3d gyro_rumble{0.160, 0.045, 0.146};
   /// Strength of each rotor's share of the vibration, 1 when all are balanced alike.
   Eigen::Vector4d imbalance{1, 1, 1, 1};
   /// What the biases change by while the IMU warms up [m/s²], [rad/s], [s].
@@ -94,9 +101,51 @@ struct CameraTruth {
   double tilt_down = 0.349066;           ///< [rad]
   /// Turned by 90°: a stored line is an upright column.
   int stored_width = 160, stored_height = 315;
+  int stored_rotation = 90;  ///< Counter-clockwise turn that makes it upright [deg].
+  /// Of the JPEG, 4:2:0, that a picture goes through before it is delivered; 0: none does.
+  int jpeg_quality = 0;
   double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
   double readout = 0.020;   ///< From the first to the last stored line [s].
   Imaging imaging;
+
+  /// Of the upright picture.
+  [[nodiscard]] int width() const {
+    return stored_rotation % 180 == 0 ? stored_width : stored_height;
+  }
+  [[nodiscard]] int height() const {
+    return stored_rotation % 180 == 0 ? stored_height : stored_width;
+  }
+  /// Where a place of the stored picture is in the upright one.
+  [[nodiscard]] Eigen::Vector2d upright(double x, double line) const {
+    switch (stored_rotation) {
+      case 90:
+        return {line, stored_width - 1 - x};
+      case 180:
+        return {stored_width - 1 - x, stored_height - 1 - line};
+      case 270:
+        return {stored_height - 1 - line, x};
+      default:
+        return {x, line};
+    }
+  }
+  /// The stored line of an upright place: lines are exposed one after the other.
+  [[nodiscard]] double line_of(const Eigen::Vector2d& px) const {
+    switch (stored_rotation) {
+      case 90:
+        return px.x();
+      case 180:
+        return stored_height - 1 - px.y();
+      case 270:
+        return stored_height - 1 - px.x();
+      default:
+        return px.y();
+    }
+  }
+  /// Part of the read-out after which that line begins, 0..1.
+  [[nodiscard]] double part_of_readout(const Eigen::Vector2d& px) const {
+    const double last = stored_height - 1;
+    return last > 0.0 ? std::clamp(line_of(px) / last, 0.0, 1.0) : 0.0;
+  }
 };
 
 /// What a day varies in the light and the sensor's handling of it.

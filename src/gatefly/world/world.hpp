@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,14 @@ struct WorldGate {
   Eigen::Vector3d p_EG{0, 0, -1.5};         ///< Centre of the opening, earth frame [m].
   double yaw_EG = 0.0;                      ///< Direction of flight through it [rad].
   double side = 1.0;                        ///< Outer side of the coloured frame [m].
-  double bar = 0.05;                        ///< Width of its bars, and their depth [m].
+  double bar = 0.05;                        ///< Width of its bars [m].
   Eigen::Vector3d color{0.95, 0.40, 0.12};  ///< Linear-light albedo, r g b, 0..1.
   bool sought = true;    ///< The pilot looks for this colour; else ideal vision is blind to it.
   bool missing = false;  ///< Not there: neither seen nor touched nor passed.
   double hidden_beyond = 0.0;  ///< Not seen from farther away than this [m]; 0: always seen.
+
+  /// Of its bars, along the way through it [m]: square ones, but wide ones are boards.
+  [[nodiscard]] double depth() const { return std::min(bar, 0.10); }
 };
 
 /// How gates are painted. [real pictures; docs/simulation.md]

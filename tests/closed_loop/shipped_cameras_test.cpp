@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+// Each camera that is shipped draws a gate where its lens model says.
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "gatefly/config/config.hpp"
+#include "gatefly/config/derived.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/files/shipped_files.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/sensing/image.hpp"
+#include "gatefly/sim/body_state.hpp"
+#include "gatefly/sim/camera.hpp"
+
+namespace gatefly::sim {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kGrey = 0.25, kBrighter = 1.45, kDarker = 0.55;  // albedo; of it, the two gates'
+constexpr int kReach = 10, kPlateau = 4;  // of an edge's profile, where it is straight again [px]
+
+std::vector<fs::path> shipped_cameras() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(io::shipped_dir() / "cameras"))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  return files;
+}
+
+CameraTruth camera_of(const fs::path& file) {
+  const std::vector<fs::path> files{file};
+  const io::Config config = io::load_config(files);
+  return io::simulator_config(config, io::read_track(io::find_track("oval"), config.gate)).camera;
+}
+
+/// A pose whose optical axis is level, towards north.
+BodyPose level_pose(const CameraTruth& camera, double t = 0.0, double yaw = 0.0) {
+  return {t, {0, 0, -3.0}, q_EB_of({0.0, camera.tilt_down, yaw})};
+}
+
+struct Eyes {
+  Eigen::Matrix3d R_EC;
+  Vector3d p_EC;
+};
+Eyes eyes_of(const CameraTruth& camera, const BodyPose& pose) {
+  const Eigen::Matrix3d R_EB = R_EB_of(pose.q_EB);
+  return {R_EB * camera_mount(camera.tilt_down).matrix, pose.p_EB + R_EB * camera.p_BC};
+}
+
+/// Straight ahead of the camera, half as large as the picture is high; outer corners of the face
+/// that is seen.
+struct Target {
+  WorldGate gate;
+  std::array<Vector3d, 4> corners_E;  // TL, TR, BR, BL
+};
+Target target_before(const CameraTruth& camera, const BodyPose& pose) {
+  const Eyes eyes = eyes_of(camera, pose);
+  const double v0 = 0.25 * camera.height(), v1 = 0.72 * camera.height(), u = 0.5 * camera.width();
+  const auto up = camera.lens.bearing({u, v0}), down = camera.lens.bearing({u, v1});
+  constexpr double kDistance = 2.5;
+  const Vector3d high = *up / up->z(), low = *down / down->z();
+  Target target;
+  target.gate.side = kDistance * (low.y() - high.y());
+  target.gate.bar = 0.2 * target.gate.side;
+  const Vector3d middle_C{kDistance * 0.5 * (low.x() + high.x()),
+                          kDistance * 0.5 * (low.y() + high.y()), kDistance};
+  const Vector3d face = eyes.p_EC + eyes.R_EC * middle_C;
+  target.gate.p_EG = face + Vector3d{0.5 * target.gate.depth(), 0, 0};
+  const double h = 0.5 * target.gate.side;
+  target.corners_E = {face + Vector3d{0, -h, -h}, face + Vector3d{0, h, -h},
+                      face + Vector3d{0, h, h}, face + Vector3d{0, -h, h}};
+  return target;
+}
+
+/// A grey room's end with a gate of that brightness before it, or none.
+World wall_with(const std::optional<WorldGate>& gate, double brightness) {
+  World world;
+  world.room_size = {16, 16, 6};
+  world.decoys = {
+      {{.center = {3.6, 0}, .size = {0.1, 14.0}, .top = 5.9}, Vector3d::Constant(kGrey)}};
+  if (!gate) return world;
+  world.gates = {*gate};
+  world.gates[0].color = Vector3d::Constant(kGrey * brightness);
+  return world;
+}
+
+class ShippedCameras : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    cache = fs::temp_directory_path() / ("gatefly-cameras-test-" + std::to_string(getpid()));
+  }
+  static void TearDownTestSuite() {
+    std::error_code ignored;
+    fs::remove_all(cache, ignored);
+  }
+
+  static CameraRenderer renderer_of(const World& world, const CameraTruth& camera) {
+    LightConditions light;
+    light.noise_scale = 0.0;
+    return {world, camera, light, 1, cache, 1};
+  }
+  static std::vector<std::uint8_t> picture(const World& world, const CameraTruth& camera,
+                                           const BodyPose& pose) {
+    CameraRenderer renderer = renderer_of(world, camera);
+    std::vector<std::uint8_t> bytes;
+    renderer.render(1, 0.0, std::vector<BodyPose>{pose}, bytes);
+    return bytes;
+  }
+  static fs::path cache;
+};
+fs::path ShippedCameras::cache;
+
+/// Luma that the gate adds to the picture.
+class Added {
+ public:
+  Added(const CameraTruth& camera, const std::vector<std::uint8_t>& with,
+        const std::vector<std::uint8_t>& without)
+      : with_{view(camera, with)}, without_{view(camera, without)} {}
+  [[nodiscard]] double at(int u, int v) const { return with_.at(u, v).y - without_.at(u, v).y; }
+
+ private:
+  static Image view(const CameraTruth& camera, const std::vector<std::uint8_t>& bytes) {
+    return {bytes.data(), PixelFormat::kUyvy, camera.stored_width, camera.stored_height,
+            camera.stored_rotation};
+  }
+  Image with_, without_;
+};
+
+/// Straight line through points, by least squares.
+struct Line {
+  double slope = 0.0, offset = 0.0;
+  [[nodiscard]] double at(double x) const { return offset + slope * x; }
+};
+Line line_through(const std::vector<Vector2d>& points) {
+  Vector2d mean{0, 0};
+  for (const auto& p : points) mean += p / static_cast<double>(points.size());
+  double xx = 0, xy = 0;
+  for (const auto& p : points)
+    xx += (p.x() - mean.x()) * (p.x() - mean.x()), xy += (p.x() - mean.x()) * (p.y() - mean.y());
+  return {xy / xx, mean.y() - xy / xx * mean.x()};
+}
+
+/// Where a profile steps from one straight line to another, blurred alike to both sides [px].
+/// @param sample  the profile from -kReach to kReach; the step lies within 3 px of 0.
+template <class Sample>
+double edge_of(const Sample& sample) {
+  std::vector<Vector2d> outside, inside;
+  double sum = 0.0;
+  for (int step = -kReach; step <= kReach; ++step) {
+    const Vector2d point{static_cast<double>(step), sample(step)};
+    sum += point.y();
+    if (step <= -kPlateau) outside.push_back(point);
+    if (step >= kPlateau) inside.push_back(point);
+  }
+  const Line out = line_through(outside), in = line_through(inside);
+  // The area below both lines is that below the profile; its pixels are as wide as 1.
+  const auto area = [](const Line& line, double from, double to) {
+    return (to - from) * line.at(0.5 * (from + to));
+  };
+  constexpr double kEnd = kReach + 0.5;
+  double low = -3.0, high = 3.0;
+  const bool rises = in.at(0.0) > out.at(0.0);
+  for (int i = 0; i < 40; ++i) {
+    const double edge = 0.5 * (low + high);
+    const bool too_much = area(out, -kEnd, edge) + area(in, edge, kEnd) > sum;
+    (too_much == rises ? low : high) = edge;
+  }
+  return low;
+}
+
+/// How far an edge is drawn from where the lens puts it, as a line over the way along it [px].
+/// @param across  0: the edge is upright, and u is measured; 1: level, v.
+/// @param inside  +1 where the gate lies at larger u or v.
+Line offsets(const Added& added, const CameraTruth& camera, const BodyPose& pose,
+             const Vector3d& from_E, const Vector3d& to_E, int across, int inside) {
+  const Eyes eyes = eyes_of(camera, pose);
+  const auto drawn = [&](double part) {
+    return *camera.lens.project(eyes.R_EC.transpose() *
+                                (from_E + part * (to_E - from_E) - eyes.p_EC));
+  };
+  std::vector<Vector2d> errors;
+  const double first = drawn(0.0)[1 - across], last = drawn(1.0)[1 - across];
+  for (int along = static_cast<int>(first) + 2 * kReach; along < last - 2 * kReach; ++along) {
+    // The gate's pole meets the lower edge in the middle.
+    if (std::abs(along - 0.5 * (first + last)) < 3.0 + 0.05 * (last - first)) continue;
+    double low = 0.0, high = 1.0;  // of the edge, where it crosses this line of pixels
+    for (int i = 0; i < 40; ++i)
+      (drawn(0.5 * (low + high))[1 - across] < along ? low : high) = 0.5 * (low + high);
+    const double expected = drawn(low)[across];
+    const int middle = static_cast<int>(std::lround(expected));
+    const auto sample = [&](int step) {  // step < 0: outside
+      const int x = middle + inside * step;
+      return across == 0 ? added.at(x, along) : added.at(along, x);
+    };
+    const double edge = middle + inside * edge_of(sample);
+    errors.push_back({static_cast<double>(along), edge - expected});
+  }
+  EXPECT_GT(errors.size(), 20u);
+  return line_through(errors);
+}
+
+// The four outer edges of a gate, sub-pixel, line by line; a corner is where two of them meet. The
+// tone curve moves the edges of a brighter and of a darker gate to opposite sides: their mean counts.
+TEST_F(ShippedCameras, DrawAGatesCornersWithinATenthOfAPixelOfTheirLens) {
+  for (const fs::path& file : shipped_cameras()) {
+    CameraTruth camera = camera_of(file);
+    camera.jpeg_quality = 0;  // the lens is meant
+    const BodyPose pose = level_pose(camera);
+    const Target target = target_before(camera, pose);
+    const auto without = picture(wall_with({}, 1.0), camera, pose);
+    std::array<Vector2d, 4> off;
+    off.fill({0, 0});
+    for (const double brightness : {kBrighter, kDarker}) {
+      const auto with = picture(wall_with(target.gate, brightness), camera, pose);
+      const Added added{camera, with, without};
+      const auto& c = target.corners_E;
+      const Eyes eyes = eyes_of(camera, pose);
+      const auto px = [&](std::size_t i) {
+        return *camera.lens.project(eyes.R_EC.transpose() * (c[i] - eyes.p_EC));
+      };
+      const Line left = offsets(added, camera, pose, c[0], c[3], 0, 1),
+                 right = offsets(added, camera, pose, c[1], c[2], 0, -1),
+                 top = offsets(added, camera, pose, c[0], c[1], 1, 1),
+                 bottom = offsets(added, camera, pose, c[3], c[2], 1, -1);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Line& upright = i == 0 || i == 3 ? left : right;
+        const Line& level = i < 2 ? top : bottom;
+        off[i] += 0.5 * Vector2d{upright.at(px(i).y()), level.at(px(i).x())};
+      }
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_LT(off[i].norm(), 0.1)
+          << file.filename() << ", corner " << i << ": " << off[i].transpose();
+  }
+}
+
+// The mask, whose rays go through the pixels' centres, ends where the lens says, too.
+TEST_F(ShippedCameras, MaskAGateWhereTheirLensPutsIt) {
+  for (const fs::path& file : shipped_cameras()) {
+    const CameraTruth camera = camera_of(file);
+    const BodyPose pose = level_pose(camera);
+    const Target target = target_before(camera, pose);
+    CameraRenderer renderer = renderer_of(wall_with(target.gate, 1.0), camera);
+    const auto mask = renderer.gate_mask(0.0, std::vector<BodyPose>{pose});
+    ASSERT_EQ(mask.size(), static_cast<std::size_t>(camera.width() * camera.height()));
+    const Eyes eyes = eyes_of(camera, pose);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vector2d px =
+          *camera.lens.project(eyes.R_EC.transpose() * (target.corners_E[i] - eyes.p_EC));
+      const Vector2d in{i == 0 || i == 3 ? 1.0 : -1.0, i < 2 ? 1.0 : -1.0};
+      const auto at = [&](const Vector2d& p) {
+        return mask[static_cast<std::size_t>(std::lround(p.y()) * camera.width() +
+                                             std::lround(p.x()))];
+      };
+      EXPECT_EQ(at(px + 3.0 * in), 1) << file.filename() << ", corner " << i;
+      EXPECT_EQ(at(px - 3.0 * in), 0) << file.filename() << ", corner " << i;
+    }
+  }
+}
+
+// Upright rows are exposed one after the other where pictures are stored upright: a bar leans while
+// the drone yaws, and with a global shutter it does not.
+TEST_F(ShippedCameras, ReadRowsOneAfterTheOtherWhereTheyAreStoredUpright) {
+  constexpr double kRate = 2.0;  // [rad/s]
+  const auto lean = [&](const char* name) {
+    const CameraTruth camera = camera_of(io::shipped_dir() / "cameras" / name);
+    const Target target = target_before(camera, level_pose(camera));
+    CameraRenderer renderer = renderer_of(wall_with(target.gate, 1.0), camera);
+    std::vector<BodyPose> history;
+    for (int i = -20; i <= 80; ++i)
+      history.push_back(level_pose(camera, 1e-3 * i, kRate * (1e-3 * i - 0.5 * camera.readout)));
+    const auto mask = renderer.gate_mask(0.0, history);
+    const auto left_end = [&](int v) {
+      int u = 0;
+      while (mask[static_cast<std::size_t>(v * camera.width() + u)] == 0) ++u;
+      return u;
+    };
+    const int top = static_cast<int>(0.30 * camera.height()),
+              bottom = static_cast<int>(0.66 * camera.height());
+    return left_end(bottom) - left_end(top);
+  };
+  // 0.36 of 25 ms at 2 rad/s and about 220 px a radian there: 4 px; nose right moves things left.
+  EXPECT_LE(lean("wide-usb.toml"), -3);
+  EXPECT_NEAR(lean("grandprix.toml"), 0, 1);
+}
+
+}  // namespace
+}  // namespace gatefly::sim
