@@ -67,7 +67,7 @@ std::vector<double> column(const std::vector<sim::Fields>& rows, std::size_t fie
 TEST(IdealVisionInFlight, NoFieldOfADetectionTellsMoreThanWithTheRealDetectorOnPictures) {
   for (const char* detector : {"ours", "paper"}) {
     Read read;
-    for (const std::uint64_t seed : {1001, 1002, 1003, 1004})
+    for (const std::uint64_t seed : {1001u, 1002u, 1003u, 1004u})
       for (const char* track : {"oval", "showroom"})
         read_flight(test::race_on(track, seed, 1), detector, read);
     ASSERT_GT(read.of_gates.size(), 500u);

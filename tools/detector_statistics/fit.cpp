@@ -222,7 +222,8 @@ sim::Staying staying_of(const std::vector<Look>& looks, Share share) {
 }
 
 sim::Staying staying_of(const std::vector<Alarm>& alarms, double rate) {
-  if (static_cast<int>(alarms.size()) < kFew || rate <= 0.0) return {0.0, 0.9, 0.2};
+  constexpr sim::Staying kLamps{0.5, 0.45, 0.5};  // too few to tell: they stay where they are
+  if (static_cast<int>(alarms.size()) < kFew || rate <= 0.0) return kLamps;
   const double threshold = sim::normal_quantile(rate);
   std::vector<Point> points;
   for (std::size_t lag = 1; lag <= std::tuple_size_v<decltype(Alarm::again)>; ++lag) {
@@ -234,7 +235,7 @@ sim::Staying staying_of(const std::vector<Alarm>& alarms, double rate) {
     while (r < 0.98 && both_below(threshold, threshold, r) < rate * again / asked) r += 0.01;
     points.push_back({static_cast<double>(lag) * kPeriod, r});
   }
-  return points.size() < 3 ? sim::Staying{0.0, 0.9, 0.2} : nearest_curve(points, std::nullopt);
+  return points.size() < 3 ? kLamps : nearest_curve(points, std::nullopt);
 }
 
 sim::Quantiles quantiles_of(std::vector<double> values) {

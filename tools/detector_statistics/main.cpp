@@ -61,7 +61,8 @@ void run(const Arguments& given) {
   for (const auto& [track, days] : {std::pair{"oval", given.days},
                                     {"showroom", given.days},
                                     {"figure8", less},
-                                    {"lanes", less}})
+                                    {"lanes", less},
+                                    {"tests/courses/slalom_hall.toml", less}})
     m::look_at({.track = track, .first_seed = 1001, .days = days, .ideal = given.ideal}, rendered);
   std::fprintf(stderr, "\n");
   m::RealLooks real;

@@ -203,7 +203,8 @@ sim::DetectorStatistics fitted(const Looks& rendered, const Looks& real) {
   s.aslant = finds_of(rendered[Kind::kAslant], of_gates);
   s.hidden = finds_of(rendered[Kind::kHidden], of_gates);
   s.crooked = finds_of(rendered[Kind::kCrooked], of_alarms);
-  if (real[Kind::kCrooked].size() >= kEnough) s.crooked.rate = rate_of(real[Kind::kCrooked]);
+  // real labels are of whole gates only: the others' wrong frames are rendered
+  s.crooked.rate = std::max(s.crooked.rate, rate_of(real[Kind::kCrooked]));
   const auto moves = quantiles_of(off);
   s.crooked_low = moves[1], s.crooked_high = moves[9];
   s.two_gates = finds_of(rendered[Kind::kTwoGates], of_alarms);
