@@ -140,7 +140,7 @@ const std::map<std::string, Effect>& effects() {
       {"randomize.gate_heading_deg", {10, {kSeen, kPictures}}},
       {"randomize.gate_height_m", {0.2, {kSeen, kPictures}}},
       {"randomize.gate_side_percent", {5, {kSeen, kPictures}}},
-      {"randomize.decoys", {6, {kPictures}, {kSeen, kSonar}}},
+      {"randomize.decoys", {40, {kPictures}, {kSeen, kSonar}}},
       {"randomize.start_position_m", {0.2, {kSeen, kPictures}, kMotion}},
       {"randomize.start_heading_deg", {6, {kSeen, kPictures}, kMotion}},
       // camera
