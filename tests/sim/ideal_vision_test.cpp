@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/sim/ideal_vision.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -91,53 +93,204 @@ TEST(GatesInView, ATurningCameraDrawsEachColumnAtItsOwnTime) {
   EXPECT_NEAR(still_width - width, 2.0 * between * 168.0, 0.3);
 }
 
-struct Counts {
-  int hits = 0, alarms = 0;
-  double error2 = 0.0;
-};
+constexpr double kPicture = 1.0 / 15.0;  // [s]
 
-Counts look_often(const Hall& hall, const std::string& detector, int times) {
-  const SolidSight sight{hall.world};
-  IdealVision vision{hall.world, hall.camera, {detector}, 5, sight};
-  const auto truth = hall.views()[0].corners_px;
-  Counts counts;
-  for (int i = 0; i < times; ++i)
-    for (const auto& gate : vision.look(0.0, Hall::history()).gates) {
-      double error2 = 0.0;
-      for (std::size_t k = 0; k < 4; ++k)
-        error2 = std::max(error2, (gate.corners_px[k] - truth[k]).squaredNorm());
-      if (gate.fitness < 0.8)
-        ++counts.alarms;
-      else
-        ++counts.hits, counts.error2 += error2;
-    }
-  return counts;
+double side_of(const GateView& view) {
+  const Eigen::Vector2d a = view.corners_px[2] - view.corners_px[0],
+                        b = view.corners_px[3] - view.corners_px[1];
+  return std::sqrt(0.5 * std::abs(a.x() * b.y() - a.y() * b.x()));
 }
 
-TEST(IdealVision, FindsGatesAsOftenAsItsTableSays) {
-  constexpr int kTimes = 4000;
-  for (const char* detector : {"ours", "paper"}) {
-    const DetectorStatistics statistics = statistics_of(detector);
-    for (const double distance : {1.9, 2.8, 3.7, 4.7, 7.4}) {
-      double expected = 0.0, below = 0.0;
-      for (const HitRate& bin : statistics.hits) {
-        if (distance >= below && distance < bin.below) expected = bin.rate;
-        below = bin.below;
-      }
-      const Counts counts = look_often(Hall{distance, 1.3}, detector, kTimes);
-      // Five standard deviations of a binomial count.
-      EXPECT_NEAR(counts.hits / double{kTimes}, expected,
-                  5.0 * std::sqrt(expected * (1.0 - expected) / kTimes) + 1e-9)
-          << detector << ' ' << distance;
-      EXPECT_NEAR(counts.alarms / double{kTimes}, statistics.false_alarms,
-                  5.0 * std::sqrt(statistics.false_alarms / kTimes));
+const SizeBin& bin_of(const DetectorStatistics& statistics, double side_px) {
+  for (const SizeBin& bin : statistics.gates)
+    if (side_px < bin.below_px) return bin;
+  return statistics.gates.back();
+}
+
+/// The same camera looks at the same gate on many days: pictures that follow each other.
+struct Looking {
+  Hall hall;
+  const char* detector;
+  int days = 2000, pictures = 2;
+  double false_alarms = 0.0;
+
+  /// each(day, picture, what was seen)
+  template <class Each>
+  void operator()(const Each& each) const {
+    const SolidSight sight{hall.world};
+    const auto history = Hall::history();
+    for (int day = 0; day < days; ++day) {
+      IdealVision vision{hall.world,
+                         hall.camera,
+                         {.detector = detector, .false_alarms = false_alarms},
+                         static_cast<std::uint64_t>(1000 + day),
+                         sight};
+      for (int i = 0; i < pictures; ++i) each(day, i, vision.look(1.0 + i * kPicture, history));
     }
+  }
+};
+
+TEST(IdealVision, FindsGatesAsOftenAsItsTableSaysWithTheFitnessOfItsTable) {
+  for (const char* detector : {"ours", "paper"})
+    for (const double distance : {1.9, 2.8, 3.7, 5.5}) {
+      const Looking looking{.hall = Hall{distance, 1.3}, .detector = detector, .pictures = 1};
+      const SizeBin& bin = bin_of(statistics_of(detector), side_of(looking.hall.views()[0]));
+      int hits = 0, below = 0, above = 0;
+      looking([&](int, int, const SeenPicture& seen) {
+        hits += static_cast<int>(seen.gates.size());
+        if (seen.gates.empty()) return;
+        below += seen.gates[0].fitness <= bin.fitness[5];
+        above += seen.gates[0].fitness >= bin.fitness[5];
+      });
+      // Five standard deviations of a binomial count.
+      EXPECT_NEAR(hits / double{2000}, bin.rate,
+                  5.0 * std::sqrt(bin.rate * (1.0 - bin.rate) / 2000) + 1e-9)
+          << detector << ' ' << distance;
+      if (hits > 50) {
+        const double least = 0.5 - 5.0 * 0.5 / std::sqrt(hits);
+        EXPECT_GE(below / double(hits), least) << detector << ' ' << distance;
+        EXPECT_GE(above / double(hits), least) << detector << ' ' << distance;
+      }
+    }
+}
+
+TEST(IdealVision, MissesComeInRows) {
+  const Looking looking{.hall = Hall{3.0, 1.3}, .detector = "paper"};
+  int misses = 0, again = 0, looks = 0;
+  bool missed = false;
+  looking([&](int, int picture, const SeenPicture& seen) {
+    const bool miss = seen.gates.empty();
+    ++looks, misses += miss;
+    if (picture == 1 && missed) again += miss;
+    missed = miss;
+  });
+  const double rate = misses / double(looks);
+  EXPECT_GT(again / (0.5 * misses), rate + 0.5 * (1.0 - rate)) << rate;
+}
+
+TEST(IdealVision, WhatCornersShareStaysForAWhile) {
+  const Looking looking{.hall = Hall{3.0, 1.3}, .detector = "ours"};
+  const auto truth = looking.hall.views()[0].corners_px;
+  std::vector<double> last;
+  double product = 0.0, square = 0.0;
+  looking([&](int, int picture, const SeenPicture& seen) {
+    if (picture == 0) last.clear();
+    if (seen.gates.empty()) return;
+    double off = 0.0;
+    for (std::size_t i = 0; i < 4; ++i)
+      off += 0.25 * (seen.gates[0].corners_px[i].x() - truth[i].x());
+    if (!last.empty()) product += off * last[0], square += 0.5 * (off * off + last[0] * last[0]);
+    last = {off};
+  });
+  const CornerErrors& errors = statistics_of("ours").corners;
+  const double own = errors.own * errors.own / 4 / (errors.together * errors.together);
+  const double expected = errors.stays * std::exp(-kPicture / errors.time) / (1.0 + own);
+  EXPECT_NEAR(product / square, expected, 0.25);
+}
+
+/// Alarms in a hall without gates, with many times the detector's rate.
+TEST(IdealVision, FalseAlarmsStayWhereTheyAre) {
+  Looking looking{.hall = Hall{3.0}, .detector = "ours", .false_alarms = 5.0};
+  looking.hall.world.gates.clear();
+  looking.hall.world.room_size = {9, 9, 3};
+  int alarms = 0, stayed = 0, asked = 0;
+  std::vector<Eigen::Vector2d> last;
+  looking([&](int, int picture, const SeenPicture& seen) {
+    std::vector<Eigen::Vector2d> now;
+    for (const auto& gate : seen.gates)
+      now.push_back(0.5 * (gate.corners_px[0] + gate.corners_px[2]));
+    alarms += static_cast<int>(now.size());
+    for (const auto& place : last) {
+      if (picture == 0) break;
+      ++asked;
+      stayed += std::any_of(now.begin(), now.end(),
+                            [&](const auto& other) { return (other - place).norm() < 10.0; });
+    }
+    last = now;
+  });
+  ASSERT_GT(alarms, 50);
+  EXPECT_GT(stayed / double(asked), 0.3);
+}
+
+TEST(IdealVision, DecoysAreTakenForGatesAsOftenAsTheTableSays) {
+  Looking looking{.hall = Hall{3.0}, .detector = "ours", .pictures = 1, .false_alarms = 1.0};
+  looking.hall.world.gates.clear();
+  const auto alarms = [&] {
+    int count = 0;
+    looking(
+        [&](int, int, const SeenPicture& seen) { count += static_cast<int>(seen.gates.size()); });
+    return count / double(looking.days);
+  };
+  const double without = alarms();
+  looking.hall.world.decoys = {{.shape = {{4.0, 0.5}, {0.3, 0.3}, 0.0, 0.0, 1.5, false}},
+                               {.shape = {{4.0, -0.5}, {0.2, 0.2}, 0.0, 0.0, 1.5, true}}};
+  const double rate = statistics_of("ours").decoys.rate;
+  EXPECT_NEAR(alarms() - without, 2 * rate, 5.0 * std::sqrt(2 * rate / looking.days) + 1e-9);
+}
+
+TEST(IdealVision, AFalseGateIsSeenAsAGate) {
+  Hall hall{3.0};
+  hall.world.gates.swap(hall.world.false_gates);
+  const SolidSight sight{hall.world};
+  IdealVision vision{hall.world, hall.camera, {.false_alarms = 0.0}, 1, sight};
+  int seen = 0;
+  for (int i = 0; i < 50; ++i)
+    seen += static_cast<int>(vision.look(i * kPicture, Hall::history()).gates.size());
+  EXPECT_GT(seen, 25);
+}
+
+TEST(LookAlikes, TwoGatesSideBySideMakeAFrameOfTheirNearBars) {
+  Hall hall{4.0};
+  hall.world.gates = {{.p_EG = {4.0, -1.0, -1.0}}, {.p_EG = {4.0, 1.0, -1.0}}};
+  const auto views = hall.views();
+  ASSERT_EQ(views.size(), 2u);
+  const auto frames = frames_of_two(views);
+  // Left gate's right bar and right gate's left bar; the others are wider than high.
+  ASSERT_EQ(frames.size(), 1u);
+  const CameraTruth camera;
+  EXPECT_LT((frames[0].corners_px[0] - *camera.lens.project({-0.5, -0.5, 4.0})).norm(), 1e-9);
+  EXPECT_LT((frames[0].corners_px[2] - *camera.lens.project({0.5, 0.5, 4.0})).norm(), 1e-9);
+  hall.world.gates.pop_back();
+  EXPECT_TRUE(frames_of_two(hall.views()).empty());
+}
+
+TEST(LookAlikes, DecoysAndPlacesBehindSomethingAreNotInView) {
+  Hall hall{4.0};
+  hall.world.decoys = {{.shape = {{4.0, 0.0}, {0.3, 0.3}, 0.0, 0.0, 1.5, false}}};
+  const auto history = Hall::history();
+  const auto in_view = [&] {
+    const SolidSight sight{hall.world};
+    Exposure exposure{hall.camera, 0.0, history};
+    return decoys_in_view(hall.world, sight, exposure).size();
+  };
+  EXPECT_EQ(in_view(), 1u);
+  hall.world.obstacles = {{{2.0, 0.0}, {0.1, 2.0}, 0.0, 0.0, 2.5, false}};
+  EXPECT_EQ(in_view(), 0u);
+}
+
+// Another thing in view, another picture lost: what is drawn for this gate stays.
+TEST(IdealVision, WhatIsDrawnForOneGateDoesNotDependOnAnother) {
+  Hall one{3.0, 1.2};
+  Hall two = one;
+  two.world.gates.push_back({.p_EG = {5.0, -2.2, -1.2}});
+  ASSERT_TRUE(two.views()[1].whole);
+  const SolidSight sight_one{one.world}, sight_two{two.world};
+  IdealVision alone{one.world, one.camera, {.false_alarms = 0.0}, 3, sight_one},
+      beside{two.world, two.camera, {.false_alarms = 0.0}, 3, sight_two};
+  for (int i = 0; i < 60; ++i) {
+    const auto a = alone.look(i * kPicture, Hall::history()).gates;
+    if (i % 5 == 4) continue;  // a picture that the other does not take
+    const auto b = beside.look(i * kPicture, Hall::history()).gates;
+    for (const auto& gate : a)
+      EXPECT_TRUE(std::any_of(b.begin(), b.end(), [&](const auto& other) {
+        return other.corners_px == gate.corners_px && other.fitness == gate.fitness;
+      })) << i;
   }
 }
 
 TEST(IdealVision, SeesNothingWithItsBackToTheGate) {
-  const Counts counts = look_often(Hall{-4.0}, "ours", 1);
-  EXPECT_EQ(counts.hits, 0);
+  const Looking looking{.hall = Hall{-4.0}, .detector = "ours", .days = 20};
+  looking([](int, int, const SeenPicture& seen) { EXPECT_TRUE(seen.gates.empty()); });
 }
 
 TEST(IdealVision, TheSameSeedDrawsTheSameErrors) {
@@ -147,8 +300,9 @@ TEST(IdealVision, TheSameSeedDrawsTheSameErrors) {
       two{hall.world, hall.camera, {}, 5, sight}, other{hall.world, hall.camera, {}, 6, sight};
   bool differs = false;
   for (int i = 0; i < 20; ++i) {
-    const auto a = one.look(0.0, Hall::history()).gates, b = two.look(0.0, Hall::history()).gates,
-               c = other.look(0.0, Hall::history()).gates;
+    const double t = i * kPicture;
+    const auto a = one.look(t, Hall::history()).gates, b = two.look(t, Hall::history()).gates,
+               c = other.look(t, Hall::history()).gates;
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].corners_px, b[k].corners_px);
     differs = differs || a.size() != c.size() || (!a.empty() && a[0].corners_px != c[0].corners_px);
@@ -166,7 +320,7 @@ TEST(IdealVision, IsBlindToAGateOfAnotherColour) {
   const SolidSight sight{hall.world};
   IdealVision vision{hall.world, hall.camera, {.false_alarms = 0.0}, 1, sight};
   for (int i = 0; i < 50; ++i) {
-    const SeenPicture seen = vision.look(0.0, Hall::history());
+    const SeenPicture seen = vision.look(i * kPicture, Hall::history());
     EXPECT_TRUE(seen.gates.empty() && !seen.lower && !seen.bars);
   }
 }

@@ -1,32 +1,82 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
-#include <vector>
+
+#include "gatefly/sim/told_apart.hpp"
 
 namespace gatefly::sim {
 
-/// How often a detector finds a whole gate that is nearer than `below`.
-struct HitRate {
-  double below = 0.0;  ///< From the camera to the gate's centre [m].
-  double rate = 0.0;
+/// What a day's light, and what does not change from picture to picture, have to say in whether
+/// something is found: parts of the variance of a standard normal number. The rest is each
+/// picture's own.
+struct Staying {
+  double day = 0.0;   ///< The same all day, for all things of a kind.
+  double row = 0.0;   ///< Stays with one thing, for about `time`.
+  double time = 0.1;  ///< Its correlation falls to 1/e in that time [s].
+};
+
+/// Of a quantity: its least value, ten, twenty ... per cent of its values, its greatest.
+using Quantiles = std::array<double, 11>;
+
+/// Whole gates smaller than `below_px` in the picture, by the square root of their area.
+struct SizeBin {
+  double below_px = 0.0;
+  double rate = 0.0;    ///< Part of them that is found.
+  Quantiles fitness{};  ///< Of those.
+};
+
+/// Things of a kind that are taken for gates now and then.
+struct Finds {
+  double rate = 0.0;  ///< Part of the things in a picture that is taken for a gate.
+  Staying staying;
+  Quantiles fitness{};
+};
+
+/// Where corners are against where they should be. Standard deviations [px].
+struct CornerErrors {
+  double together = 0.0;  ///< Of all four, each axis.
+  double size = 0.0;      ///< Of the frame's half side.
+  double own = 0.0;       ///< Of each corner, each axis.
+  /// Part of the variance of the first two that stays for about `time`.
+  double stays = 0.0, time = 0.1;
+  double outlier_rate = 0.0;                     ///< Part of the corners that are off by more ...
+  double outlier_low = 0.0, outlier_high = 0.0;  ///< ... by this much.
+};
+
+/// Pairs of corners or bars of a gate that does not fit into the picture.
+struct Parts {
+  double rate = 0.0;  ///< Part of the pairs in view that is found.
+  Staying staying;
+  double sigma_px = 0.0;
+  double false_rate = 0.0;  ///< Part of the pictures with one that is none.
+  Staying false_staying;
 };
 
 /// What a detector does, in numbers: all that ideal vision knows about it.
 struct DetectorStatistics {
-  /// By distance, ascending; beyond the last one nothing is found.
-  std::vector<HitRate> hits;
-  double corner_sigma_px = 0.0;  ///< Each coordinate of each corner.
-  double outlier_rate = 0.0;     ///< Of a corner: a normal error is joined by a big one ...
-  double outlier_low_px = 0.0, outlier_high_px = 0.0;  ///< ... of this length.
-  double false_alarms = 0.0;                           ///< Per picture: quads that are no gate.
-  double lower_corners_rate = 0.0;                     ///< Of gates cut off above, within reach.
-  double lower_corners_sigma_px = 0.0;  ///< Each coordinate of its two lower corners.
-  double bars_rate = 0.0;               ///< Of pairs of side bars, within reach.
-  double bars_sigma_px = 0.0;           ///< Of the middle of a bar, across.
+  std::array<SizeBin, 5> gates;   ///< The largest whole one of a picture, by its size, ascending.
+  std::array<SizeBin, 5> others;  ///< Smaller whole ones beside it.
+  Finds aslant;                   ///< Whole ones, too small or seen too much from the side.
+  Finds hidden;                   ///< Those with two or three corners in view.
+  Staying staying;
+  CornerErrors corners;
+  Finds crooked;                                 ///< Gates of which a wrong frame is found ...
+  double crooked_low = 0.0, crooked_high = 0.0;  ///< ... one side off by this part of it.
+  Finds two_gates;                               ///< Frames made of the bars of two gates.
+  Finds decoys;                                  ///< Things of the gate's colour.
+  Finds places;                                  ///< Spots of the room.
+  Quantiles alarm_side_px{};                     ///< Of false alarms at decoys and places.
+  Parts lower;  ///< The lower corners of gates cut off above, within reach.
+  Parts bars;   ///< Side bars, within reach; the error is that across.
+  /// How well each field of a detection tells gates from what is none: the real detector's on
+  /// rendered pictures. Ideal vision may tell no more.
+  Fields told{};
 };
 
+/// Measured: tools/detector_statistics, which writes detector_tables.hpp.
 /// @throws std::invalid_argument for another name than "ours" and "paper".
-[[nodiscard]] DetectorStatistics statistics_of(const std::string& detector);
+[[nodiscard]] const DetectorStatistics& statistics_of(const std::string& detector);
 
 }  // namespace gatefly::sim

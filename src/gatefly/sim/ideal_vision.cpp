@@ -3,195 +3,78 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
-#include "gatefly/geometry/attitude.hpp"
-#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/sim/body_state.hpp"
 
 namespace gatefly::sim {
 namespace {
 
-constexpr double kEdgeOn = 0.2;  // seen at less than this much depth its frame is a line [m]
-// a gate of 1 m at pose.max_distance_m: farther ones are not used [px]
-constexpr double kMinSide = 20.0;
-constexpr double kMaxAspect = 1.8;  // seen more from the side no statistics were taken
 // nearer than this the upper bar may be cut off: race/sight.cpp [m]
 constexpr double kLowerCornersReach = 3.5;
 constexpr double kBarsReach = 1.8;  // [Li18 flight code]
-// part of the picture's height that shows a bar [Li18 flight code: 0.28]
-constexpr double kMinBar = 0.35;
-constexpr double kMinGap = 40.0;  // between two bars: the same [px]
-constexpr int kBarSamples = 12;
+// a false pair of bars or lower corners: at least so far apart [Li18 flight code] [px]
+constexpr double kMinGap = 40.0;
 
-/// The camera during one exposure.
-class Exposure {
- public:
-  Exposure(const CameraTruth& camera, double t_start, std::span<const BodyPose> history)
-      : camera_{camera},
-        start_{t_start + 0.5 * camera.exposure},
-        history_{history},
-        R_BC_{camera_mount(camera.tilt_down).matrix} {
-    at(start_ + 0.5 * camera.readout);
-  }
-
-  [[nodiscard]] int width() const { return camera_.width(); }
-  [[nodiscard]] int height() const { return camera_.height(); }
-  [[nodiscard]] const Eigen::Vector3d& eye_E() const { return eye_E_; }
-
-  [[nodiscard]] bool inside(const Eigen::Vector2d& px) const {
-    return px.x() >= 0 && px.y() >= 0 && px.x() <= width() - 1 && px.y() <= height() - 1;
-  }
-
-  /// Where a point is drawn, by the pose at the time its stored line is exposed.
-  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_E) {
-    at(start_ + 0.5 * camera_.readout);
-    auto px = projected(p_E);
-    if (!px) return px;
-    at(start_ + camera_.readout * camera_.part_of_readout(*px));
-    return projected(p_E);
-  }
-
- private:
-  void at(double t) {
-    const BodyPose pose = interpolated(history_, t);
-    const Eigen::Matrix3d R_EB = R_EB_of(pose.q_EB.normalized());
-    eye_E_ = pose.p_EB + R_EB * camera_.p_BC;
-    R_CE_ = (R_EB * R_BC_).transpose();
-  }
-  [[nodiscard]] std::optional<Eigen::Vector2d> projected(const Eigen::Vector3d& p_E) const {
-    return camera_.lens.project(R_CE_ * (p_E - eye_E_));
-  }
-
-  const CameraTruth& camera_;
-  double start_;
-  std::span<const BodyPose> history_;
-  Eigen::Matrix3d R_BC_, R_CE_;
-  Eigen::Vector3d eye_E_;
-};
-
-/// Middle of the part of an upright bar that is in the picture; nullopt when that is short.
-std::optional<Eigen::Vector2d> bar_in_view(Exposure& exposure, const Eigen::Vector3d& middle_E,
-                                           double side) {
-  Eigen::Vector2d sum{0, 0};
-  double low = 1e9, high = -1e9;
-  int count = 0;
-  for (int i = 0; i < kBarSamples; ++i) {
-    const double z = side * ((i + 0.5) / kBarSamples - 0.5);
-    const auto px = exposure.project(middle_E + Eigen::Vector3d{0, 0, z});
-    if (!px || !exposure.inside(*px)) continue;
-    sum += *px, ++count;
-    low = std::min(low, px->y()), high = std::max(high, px->y());
-  }
-  if (count == 0 || high - low < kMinBar * exposure.height()) return std::nullopt;
-  return Eigen::Vector2d{sum / count};
+double at(const Quantiles& quantiles, double part) {
+  const double x = std::clamp(part, 0.0, 1.0) * static_cast<double>(quantiles.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(x), quantiles.size() - 2);
+  return quantiles[i] + (x - static_cast<double>(i)) * (quantiles[i + 1] - quantiles[i]);
 }
 
-/// Nothing solid between camera and a corner, but the gate's own bars around it.
-bool in_sight(const Sight& sight, const Eigen::Vector3d& eye_E, const Eigen::Vector3d& corner_E) {
-  return !sight.occluded(eye_E, corner_E + 0.12 * (eye_E - corner_E).normalized());
+double side_of(const std::array<Eigen::Vector2d, 4>& quad) {
+  const Eigen::Vector2d a = quad[2] - quad[0], b = quad[3] - quad[1];
+  return std::sqrt(0.5 * std::abs(a.x() * b.y() - a.y() * b.x()));
 }
 
-std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Exposure& exposure) {
-  GateView view;
-  const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
-  const Eigen::Vector3d eye_E = exposure.eye_E(), to_gate = gate.p_EG - eye_E;
-  view.distance = to_gate.norm();
-  const double depth = R_EG.col(0).dot(to_gate);
-  if (std::abs(depth) < kEdgeOn) return std::nullopt;
-  const double right = depth > 0.0 ? 0.5 : -0.5;  // from behind left is right
-  auto corners_G = gate_corners_G(1.0);
-  if (depth < 0.0) std::swap(corners_G[0], corners_G[1]), std::swap(corners_G[2], corners_G[3]);
-  std::array<bool, 4> seen{}, above{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = gate.p_EG + gate.side * (R_EG * corners_G[i]);
-    const auto px = exposure.project(corner_E);
-    if (!px) continue;
-    view.corners_px[i] = *px;
-    above[i] = px->y() < 0.0;
-    seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E);
-  }
-  view.seen = seen;
-  view.whole = seen[0] && seen[1] && seen[2] && seen[3];
-  view.only_lower_corners = above[0] && above[1] && seen[2] && seen[3];
-  const Eigen::Vector3d aside = (gate.side - gate.bar) * right * R_EG.col(1);
-  const auto left_bar = bar_in_view(exposure, gate.p_EG - aside, gate.side),
-             right_bar = bar_in_view(exposure, gate.p_EG + aside, gate.side);
-  if (left_bar && right_bar && right_bar->x() - left_bar->x() > kMinGap)
-    view.bars_px = {*left_bar, *right_bar};
-  return view;
+const SizeBin& bin_of(const std::array<SizeBin, 5>& bins, double side_px) {
+  for (const SizeBin& bin : bins)
+    if (side_px < bin.below_px) return bin;
+  return bins.back();
+}
+
+DetectorStatistics with_false_alarms(DetectorStatistics statistics, double factor) {
+  for (Finds* each :
+       {&statistics.crooked, &statistics.two_gates, &statistics.decoys, &statistics.places})
+    each->rate *= factor;
+  statistics.lower.false_rate *= factor, statistics.bars.false_rate *= factor;
+  return statistics;
 }
 
 }  // namespace
-
-DetectorStatistics statistics_of(const std::string& detector) {
-  // [ours: tools/detector_statistics oval 1001 8, showroom 1001 4: 12 rendered races, 8,154
-  // pictures]
-  if (detector == "ours")
-    return {.hits = {{7.0, 0.997}, {11.0, 0.85}},
-            .corner_sigma_px = 0.4,  // u 0.32, v 0.44
-            .outlier_rate = 0.01,    // 0.9 % of the u are off by more than 5 px
-            .outlier_low_px = 3.0,
-            .outlier_high_px = 10.0,
-            .false_alarms = 0.016,
-            .lower_corners_rate = 0.92,
-            .lower_corners_sigma_px = 1.0,  // u 1.3, v 0.6
-            .bars_rate = 0.98,
-            .bars_sigma_px = 2.1};
-  // Li18, table of true positives by distance; 3 px and 5-8 % outliers: the authors' recorded
-  // detections.
-  if (detector == "paper")
-    return {.hits = {{2.0, 0.70}, {3.0, 0.57}, {4.0, 0.29}, {5.0, 0.10}},
-            .corner_sigma_px = 3.0,
-            .outlier_rate = 0.065,
-            .outlier_low_px = 10.0,
-            .outlier_high_px = 40.0,
-            .false_alarms = 0.03,
-            .lower_corners_rate = 0.0,  // the paper knows no such gates
-            .lower_corners_sigma_px = 0.0,
-            .bars_rate = 0.70,
-            .bars_sigma_px = 3.0};
-  throw std::invalid_argument("detector \"" + detector + "\", must be ours or paper");
-}
-
-std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camera,
-                                    const Sight& sight, double t_start,
-                                    std::span<const BodyPose> history) {
-  Exposure exposure{camera, t_start, history};
-  std::vector<GateView> views;
-  for (std::size_t i = 0; i < world.gates.size(); ++i) {
-    const WorldGate& gate = world.gates[i];
-    auto view = gate.missing ? std::nullopt : view_of(gate, sight, exposure);
-    if (!view || (gate.hidden_beyond > 0.0 && view->distance > gate.hidden_beyond)) continue;
-    view->gate = static_cast<int>(i);
-    views.push_back(*view);
-  }
-  std::sort(views.begin(), views.end(),
-            [](const GateView& a, const GateView& b) { return a.distance < b.distance; });
-  return views;
-}
-
-bool detectable(const std::array<Eigen::Vector2d, 4>& corners) {
-  double shortest = 1e9, longest = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double side = (corners[(i + 1) % 4] - corners[i]).norm();
-    shortest = std::min(shortest, side), longest = std::max(longest, side);
-  }
-  return shortest >= kMinSide && longest <= kMaxAspect * shortest;
-}
 
 IdealVision::IdealVision(const World& world, const CameraTruth& camera,
                          const IdealVisionParams& params, std::uint64_t seed, const Sight& sight)
     : world_{world},
       camera_{camera},
-      statistics_{statistics_of(params.detector)},
+      statistics_{with_false_alarms(statistics_of(params.detector), params.false_alarms)},
       outliers_{params.outliers},
       sight_{sight},
-      stream_{seed, "ideal vision"} {
-  statistics_.false_alarms *= params.false_alarms;
+      seed_{seed},
+      places_{places_of(world, seed)},
+      gates_{seed, "ideal gate", statistics_.staying, true},
+      aslant_{seed, "ideal aslant", statistics_.aslant.staying, false},
+      hidden_{seed, "ideal hidden", statistics_.hidden.staying, false},
+      crooked_{seed, "ideal crooked", statistics_.crooked.staying, false},
+      two_gates_{seed, "ideal two gates", statistics_.two_gates.staying, false},
+      decoys_{seed, "ideal decoy", statistics_.decoys.staying, false},
+      at_places_{seed, "ideal place", statistics_.places.staying, false},
+      lower_{seed, "ideal lower", statistics_.lower.staying, true},
+      bars_{seed, "ideal bars", statistics_.bars.staying, true},
+      right_{seed, "ideal right", {0.0, statistics_.corners.stays, statistics_.corners.time}, true},
+      down_{seed, "ideal down", {0.0, statistics_.corners.stays, statistics_.corners.time}, true},
+      size_{seed, "ideal size", {0.0, statistics_.corners.stays, statistics_.corners.time}, true},
+      false_lower_{"ideal false lower where",
+                   {seed, "ideal false lower", statistics_.lower.false_staying, false},
+                   {}},
+      false_bars_{"ideal false bars where",
+                  {seed, "ideal false bars", statistics_.bars.false_staying, false},
+                  {}} {
   world_.gates.insert(world_.gates.end(), world.false_gates.begin(), world.false_gates.end());
+}
+
+Draws IdealVision::draws(const char* purpose, int which, double t) const {
+  return {Stream{seed_, std::string{purpose} + " " + std::to_string(which)}, moment_of(t)};
 }
 
 SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history) {
@@ -200,21 +83,13 @@ SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history)
   std::erase_if(views, [&](const GateView& view) {
     return !world_.gates[static_cast<std::size_t>(view.gate)].sought;
   });
-  add_whole_gates(outliers_ > 0.0 ? with_outliers(views, t_start, history) : views, seen);
-  add_parts(views, seen);
-  add_false_alarm(seen);
+  add_gates(outliers_ > 0.0 ? with_outliers(views, t_start, history) : views, t_start, seen);
+  add_frames_of_gates(views, t_start, seen);
+  add_alarms(t_start, history, seen);
+  add_parts(views, t_start, seen);
+  std::stable_sort(seen.gates.begin(), seen.gates.end(),
+                   [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return seen;
-}
-
-Eigen::Vector2d IdealVision::noisy(const Eigen::Vector2d& px, double sigma_px) {
-  return px + sigma_px * Eigen::Vector2d{stream_.normal(), stream_.normal()};
-}
-
-Eigen::Vector2d IdealVision::outlier() {
-  const DetectorStatistics& s = statistics_;
-  if (stream_.uniform() >= s.outlier_rate) return {0.0, 0.0};
-  const auto [sine, cosine] = sincos(2 * kPi * stream_.uniform());
-  return stream_.uniform(s.outlier_low_px, s.outlier_high_px) * Eigen::Vector2d{cosine, sine};
 }
 
 // Some of the gates in view, seen as if the drone were elsewhere.
@@ -222,13 +97,14 @@ std::vector<GateView> IdealVision::with_outliers(std::vector<GateView> views, do
                                                  std::span<const BodyPose> history) {
   constexpr double kFarthest = 3.0;  // [m]
   World moved = world_;
+  Draws draw = draws("ideal outliers", 0, t_start);
   for (WorldGate& gate : moved.gates) {
-    const Eigen::Vector3d direction{stream_.normal(), stream_.normal(), 0.3 * stream_.normal()};
-    gate.p_EG += kFarthest * stream_.uniform() * direction.normalized();
+    const Eigen::Vector3d direction{draw.normal(), draw.normal(), 0.3 * draw.normal()};
+    gate.p_EG += kFarthest * draw.uniform() * direction.normalized();
   }
   const auto displaced = gates_in_view(moved, camera_, sight_, t_start, history);
   for (GateView& view : views) {
-    if (stream_.uniform() >= outliers_) continue;
+    if (draw.uniform() >= outliers_) continue;
     const auto elsewhere =
         std::find_if(displaced.begin(), displaced.end(),
                      [&](const GateView& other) { return other.gate == view.gate; });
@@ -238,49 +114,147 @@ std::vector<GateView> IdealVision::with_outliers(std::vector<GateView> views, do
   return views;
 }
 
-void IdealVision::add_whole_gates(const std::vector<GateView>& views, SeenPicture& seen) {
-  const auto& hits = statistics_.hits;
+// Shared by the corners and each its own; some are far off.
+IdealVision::Corners IdealVision::with_errors(const GateView& view, double t) {
+  const CornerErrors& errors = statistics_.corners;
+  Draws draw = draws("ideal corners", view.gate, t);
+  const double right = right_.of(view.gate).normal(t), down = down_.of(view.gate).normal(t);
+  const Eigen::Vector2d together = errors.together * Eigen::Vector2d{right, down};
+  const double growth = errors.size * size_.of(view.gate).normal(t);
+  const Eigen::Vector2d middle =
+      0.25 * (view.corners_px[0] + view.corners_px[1] + view.corners_px[2] + view.corners_px[3]);
+  Corners corners = view.corners_px;
+  for (Eigen::Vector2d& corner : corners) {
+    const Eigen::Vector2d own{draw.normal(), draw.normal()};
+    corner += together + growth * (corner - middle).normalized() + errors.own * own;
+    if (draw.uniform() >= errors.outlier_rate) continue;
+    const auto [sine, cosine] = sincos(2 * kPi * draw.uniform());
+    corner += draw.uniform(errors.outlier_low, errors.outlier_high) * Eigen::Vector2d{cosine, sine};
+  }
+  return corners;
+}
+
+// One of its sides is something else.
+IdealVision::Corners IdealVision::crooked(const GateView& view, double t) {
+  Draws draw = draws("ideal crooked side", view.gate, t);
+  Corners corners = view.corners_px;
+  const auto first = static_cast<std::size_t>(draw.uniform(0.0, 4.0)) % 4;
+  const std::size_t second = (first + 1) % 4;
+  const double by = draw.uniform(statistics_.crooked_low, statistics_.crooked_high) *
+                    (draw.uniform() < 0.5 ? -1.0 : 1.0);
+  const Eigen::Vector2d across =
+      by *
+      (corners[first] - corners[(first + 3) % 4] + corners[second] - corners[(second + 1) % 4]) /
+      2.0;
+  corners[first] += across, corners[second] += across;
+  return corners;
+}
+
+IdealVision::Corners IdealVision::square_at(const Eigen::Vector2d& middle_px, double size,
+                                            int which, Draws draw) {
+  constexpr std::array<double, 4> kRight{-1, 1, 1, -1}, kDown{-1, -1, 1, 1};
+  const double half = 0.5 * at(statistics_.alarm_side_px, size);
+  const double slant = 0.1 * (which % 3 - 1);  // each its own shape
+  Corners corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d noise{draw.normal(), draw.normal()};
+    corners[i] = middle_px +
+                 half * Eigen::Vector2d{kRight[i], kDown[i] * (1.0 + slant * kRight[i])} +
+                 statistics_.corners.own * noise;
+  }
+  return corners;
+}
+
+void IdealVision::add_gates(const std::vector<GateView>& views, double t, SeenPicture& seen) {
+  const GateView* largest = largest_of(views);
   for (const GateView& view : views) {
-    if (!view.whole || !detectable(view.corners_px)) continue;
-    const auto bin = std::find_if(hits.begin(), hits.end(),
-                                  [&](const HitRate& h) { return view.distance < h.below; });
-    if (bin == hits.end() || stream_.uniform() >= bin->rate) continue;
-    SeenPicture::Gate gate;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d off = outlier();
-      gate.corners_px[i] = noisy(view.corners_px[i], statistics_.corner_sigma_px) + off;
+    const double side = side_of(view.corners_px);
+    double surplus = 0.0;
+    if (&view == largest || (view.whole && detectable(view.corners_px))) {
+      const SizeBin& bin = bin_of(&view == largest ? statistics_.gates : statistics_.others, side);
+      if (gates_.happens(view.gate, bin.rate, t, surplus))
+        seen.gates.push_back({with_errors(view, t), at(bin.fitness, surplus)});
+    } else if (view.whole || seen_corners(view) >= 2) {
+      const Finds& finds = view.whole ? statistics_.aslant : statistics_.hidden;
+      if ((view.whole ? aslant_ : hidden_).happens(view.gate, finds.rate, t, surplus))
+        seen.gates.push_back({with_errors(view, t), at(finds.fitness, surplus)});
     }
-    seen.gates.push_back(gate);
   }
 }
 
-void IdealVision::add_parts(const std::vector<GateView>& views, SeenPicture& seen) {
+// Frames that are no gates but made of gates' bars.
+void IdealVision::add_frames_of_gates(const std::vector<GateView>& views, double t,
+                                      SeenPicture& seen) {
+  double surplus = 0.0;
+  for (const LookAlike& frame : frames_of_two(views))
+    if (two_gates_.happens(frame.which, statistics_.two_gates.rate, t, surplus))
+      seen.gates.push_back({frame.corners_px, at(statistics_.two_gates.fitness, surplus)});
+  for (const GateView& view : views)
+    if ((view.whole || seen_corners(view) >= 2) &&
+        crooked_.happens(view.gate, statistics_.crooked.rate, t, surplus))
+      seen.gates.push_back({crooked(view, t), at(statistics_.crooked.fitness, surplus)});
+}
+
+void IdealVision::add_alarms(double t, std::span<const BodyPose> history, SeenPicture& seen) {
+  Exposure exposure{camera_, t, history};
+  double surplus = 0.0;
+  for (const LookAlike& decoy : decoys_in_view(world_, sight_, exposure))
+    if (decoys_.happens(decoy.which, statistics_.decoys.rate, t, surplus)) {
+      const Eigen::Vector2d middle = 0.5 * (decoy.corners_px[0] + decoy.corners_px[2]);
+      const double size = places_[static_cast<std::size_t>(decoy.which) % places_.size()].size;
+      seen.gates.push_back(
+          {square_at(middle, size, decoy.which, draws("ideal decoy corners", decoy.which, t)),
+           at(statistics_.decoys.fitness, surplus)});
+    }
+  for (const int place : places_in_view(places_, sight_, exposure))
+    if (at_places_.happens(place, statistics_.places.rate, t, surplus)) {
+      const Place& there = places_[static_cast<std::size_t>(place)];
+      if (const auto middle = exposure.project(there.p_E))
+        seen.gates.push_back(
+            {square_at(*middle, there.size, place, draws("ideal place corners", place, t)),
+             at(statistics_.places.fitness, surplus)});
+    }
+}
+
+void IdealVision::add_parts(const std::vector<GateView>& views, double t, SeenPicture& seen) {
+  const Parts &lower = statistics_.lower, &bars = statistics_.bars;
+  Draws draw = draws("ideal parts", 0, t);
+  const auto noise = [&] { return draw.normal(); };
+  double surplus = 0.0;
   for (const GateView& view : views) {  // the nearest of each kind
     if (!seen.lower && view.only_lower_corners && view.distance < kLowerCornersReach &&
-        stream_.uniform() < statistics_.lower_corners_rate)
-      seen.lower = {noisy(view.corners_px[3], statistics_.lower_corners_sigma_px),
-                    noisy(view.corners_px[2], statistics_.lower_corners_sigma_px)};
+        lower_.happens(view.gate, lower.rate, t, surplus)) {
+      const Eigen::Vector2d left{noise(), noise()}, right{noise(), noise()};
+      seen.lower = {view.corners_px[3] + lower.sigma_px * left,
+                    view.corners_px[2] + lower.sigma_px * right};
+    }
     if (!seen.bars && view.bars_px && view.distance < kBarsReach &&
-        stream_.uniform() < statistics_.bars_rate) {
-      const auto across = [&](const Eigen::Vector2d& px) -> Eigen::Vector2d {
-        return px + Eigen::Vector2d{statistics_.bars_sigma_px * stream_.normal(), 0.0};
-      };
-      seen.bars = {across((*view.bars_px)[0]), across((*view.bars_px)[1])};
+        bars_.happens(view.gate, bars.rate, t, surplus)) {
+      const Eigen::Vector2d left{bars.sigma_px * noise(), 0.0}, right{bars.sigma_px * noise(), 0.0};
+      seen.bars = {(*view.bars_px)[0] + left, (*view.bars_px)[1] + right};
     }
   }
+  add_false_pair(false_lower_, lower, t, seen.lower);
+  add_false_pair(false_bars_, bars, t, seen.bars);
 }
 
-void IdealVision::add_false_alarm(SeenPicture& seen) {
-  if (stream_.uniform() >= statistics_.false_alarms) return;
-  const double half = stream_.uniform(0.5 * kMinSide, 2.0 * kMinSide);
-  const Eigen::Vector2d middle{stream_.uniform(half, camera_.width() - 1 - half),
-                               stream_.uniform(half, camera_.height() - 1 - half)};
-  SeenPicture::Gate gate{.corners_px = {}, .fitness = 0.7};
-  constexpr std::array<double, 4> kRight{-1, 1, 1, -1}, kDown{-1, -1, 1, 1};
-  for (std::size_t i = 0; i < 4; ++i)
-    gate.corners_px[i] = middle + half * Eigen::Vector2d{kRight[i] * stream_.uniform(0.8, 1.2),
-                                                         kDown[i] * stream_.uniform(0.8, 1.2)};
-  seen.gates.push_back(gate);
+// A part is one thing or another: what is none comes in place of the gate's.
+void IdealVision::add_false_pair(FalsePair& kind, const Parts& parts, double t,
+                                 std::optional<SeenPicture::Pair>& pair) {
+  double surplus = 0.0;
+  if (!kind.luck.happens(0, parts.false_rate, t, surplus)) {
+    kind.pair.reset();
+    return;
+  }
+  if (!kind.pair) {
+    Draws draw = draws(kind.where, 0, t);
+    const double width = camera_.width() - 1, height = camera_.height() - 1;
+    const double left = draw.uniform(0.0, width - kMinGap),
+                 right = draw.uniform(left + kMinGap, width),
+                 level = draw.uniform(0.3, 1.0) * height;
+    kind.pair = {{left, level}, {right, level}};
+  }
+  pair = kind.pair;
 }
 
 }  // namespace gatefly::sim

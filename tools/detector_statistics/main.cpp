@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// What detectors make of pictures, rendered and real, as ideal vision needs it.
+//
+//   tools/detector_statistics/renew.sh                  builds, measures, writes the simulator's table
+//   build/release/detector_statistics                   prints
+//   build/release/detector_statistics --days 4          sooner, coarser
+//   build/release/detector_statistics --ideal           measures what ideal vision draws: about the same
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "real.hpp"
+#include "rendered.hpp"
+#include "tables.hpp"
+
+namespace {
+
+using namespace gatefly;
+
+struct Arguments {
+  int days = 12;
+  bool ideal = false, real = true;
+  std::string write, data;
+};
+
+Arguments read(int argc, char** argv) {
+  Arguments given;
+  for (int i = 1; i < argc; ++i) {
+    const std::string flag = argv[i];
+    const auto value = [&] {
+      if (i + 1 >= argc) throw std::invalid_argument(flag + " needs a value");
+      return std::string{argv[++i]};
+    };
+    if (flag == "--days")
+      given.days = std::atoi(value().c_str());
+    else if (flag == "--write")
+      given.write = value();
+    else if (flag == "--data")
+      given.data = value();
+    else if (flag == "--ideal")
+      given.ideal = true;
+    else if (flag == "--no-real")
+      given.real = false;
+    else
+      throw std::invalid_argument(
+          "usage: detector_statistics [--days N] [--write FILE] "
+          "[--data DIR] [--no-real] [--ideal]");
+  }
+  if (given.days < 1) throw std::invalid_argument("--days must be 1 or more");
+  return given;
+}
+
+void run(const Arguments& given) {
+  namespace m = gatefly::measuring;
+  m::LooksOfBoth rendered;
+  const int less = (given.days + 1) / 2;
+  for (const auto& [track, days] : {std::pair{"oval", given.days},
+                                    {"showroom", given.days},
+                                    {"figure8", less},
+                                    {"lanes", less},
+                                    {"tests/courses/slalom_hall.toml", less}})
+    m::look_at({.track = track, .first_seed = 1001, .days = days, .ideal = given.ideal}, rendered);
+  std::fprintf(stderr, "\n");
+  m::RealLooks real;
+  if (given.real && !given.ideal) real = m::look_at_real(given.data);
+  const char* source = given.ideal ? "drawn by ideal vision" : "rendered";
+  for (const auto& [detector, name] : {std::pair{m::kOurs, "ours"}, {m::kPaper, "paper"}}) {
+    m::print(std::string{name} + ", " + source, rendered[detector]);
+    if (real.clear[detector].pictures == 0) continue;
+    m::print(std::string{name} + ", real, careful pictures", real.clear[detector]);
+    m::print(std::string{name} + ", real, recoded video (basement580)", real.video[detector]);
+  }
+  if (given.ideal) return;
+  const auto ours = m::fitted(rendered[m::kOurs], real.clear[m::kOurs]),
+             paper = m::fitted(rendered[m::kPaper], real.clear[m::kPaper]);
+  m::print("ours", ours);
+  m::print("paper", paper);
+  if (given.write.empty()) return;
+  const std::string on = std::to_string(rendered[m::kOurs].pictures) + " rendered and " +
+                         std::to_string(real.clear[m::kOurs].pictures) + " real pictures";
+  std::ofstream file{given.write};
+  file << m::header_of(ours, paper, on);
+  if (!file.flush()) throw std::runtime_error(given.write + ": cannot be written");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  run(read(argc, argv));
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "detector_statistics: %s\n", error.what());
+  return 2;
+}

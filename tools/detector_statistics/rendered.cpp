@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rendered.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "gatefly/race/part_params.hpp"
+#include "gatefly/sim/body_state.hpp"
+#include "gatefly/sim/ideal_vision.hpp"
+#include "gatefly/sim/lookalikes.hpp"
+#include "gatefly/sim/random.hpp"
+#include "gatefly/sim/solids.hpp"
+#include "gatefly/simulated_race/race_maker.hpp"
+
+#include "eyes.hpp"
+
+namespace gatefly::measuring {
+namespace {
+
+constexpr double kPartsFrom = 4.5;   // SightParams::parts_from: nearer than this parts count [m]
+constexpr double kLowerReach = 3.3;  // [m]
+constexpr double kBarsReach = 1.7;   // [m]
+constexpr double kSameParts = 20.0;  // [px]
+constexpr double kOfGate = 0.15;     // shares this much with a gate: it is a crooked frame of it
+constexpr double kAgain = 0.07;      // from here to there it is the same place [rad]
+
+/// A picture that a race would take.
+struct Moment {
+  double start = 0.0;  ///< Of the exposure [s].
+  int target = 0;      ///< Index of the gate that is flown to.
+};
+
+struct Flown {
+  std::vector<sim::BodyPose> poses;
+  std::vector<Moment> moments;
+};
+
+Flown flown(closed_loop::RaceConfig race) {
+  constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
+  race.vision = closed_loop::Vision::kIdeal;
+  Flown flight;
+  (void)closed_loop::fly(race, [&](const Tick& tick) {
+    const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
+    flight.poses.push_back({t, tick.truth.p_EB, sim::q_EB_of(tick.truth.attitude)});
+    if (tick.exposed && tick.truth.p_EB.z() < -kFlying)
+      flight.moments.push_back({*tick.exposed, tick.pilot.target_gate()});
+    return true;
+  });
+  return flight;
+}
+
+/// What is in a picture, whoever looks.
+struct Scene {
+  std::vector<sim::GateView> gates;
+  std::vector<sim::LookAlike> two_gates, decoys;
+  std::vector<int> places;
+  const sim::GateView* target = nullptr;  ///< If it is whole in the picture.
+  double target_distance = 1e9;           ///< [m]
+};
+
+std::optional<Kind> kind_of(const sim::GateView& view, const sim::GateView* largest) {
+  if (&view == largest) return Kind::kGate;
+  if (view.whole) return sim::detectable(view.corners_px) ? Kind::kOther : Kind::kAslant;
+  if (sim::seen_corners(view) >= 2) return Kind::kHidden;
+  return std::nullopt;
+}
+
+bool parts_agree(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (a - b).norm() < kSameParts;
+}
+
+/// One day of one course.
+class DayOfLooking {
+ public:
+  DayOfLooking(const tasks::Race& race, int day, int first_window, bool ideal, LooksOfBoth& looks)
+      : config_{race.config},
+        sim_{race.config.sim},
+        day_{day},
+        window_{first_window},
+        looks_{looks},
+        places_{sim::places_of(sim_.world, sim_.seed)} {
+    if (ideal) {
+      sight_ = std::make_unique<sim::SolidSight>(sim_.world);
+      for (const char* name : {"ours", "paper"}) {
+        sim::IdealVisionParams params = sim_.ideal_vision;
+        params.detector = name;
+        drawn_.push_back(std::make_unique<sim::IdealVision>(sim_.world, sim_.camera, params,
+                                                            sim_.seed, *sight_));
+      }
+    } else {
+      renderer_ = std::make_unique<sim::CameraRenderer>(sim_.world, sim_.camera, sim_.light,
+                                                        sim_.seed, sim_.cache_dir, 1);
+    }
+    const LookoutParams params = lookout_params(config_.pilot);
+    eyes_.emplace_back(kOurs, params), eyes_.emplace_back(kPaper, params);
+    for (Looks& each : looks_) each.days[day_] = light();
+  }
+
+  void look(const Flown& flight, std::size_t first, std::size_t last) {
+    for (Eye& eye : eyes_) eye.forget();
+    if (renderer_) renderer_->meter_anew();
+    std::array<std::vector<Alarm>, kDetectors> alarms;
+    for (std::size_t i = first; i < last; ++i)
+      take(flight.moments[i], flight.poses, static_cast<int>(i - first), alarms);
+    ++window_;
+    for (std::size_t d = 0; d < kDetectors; ++d)
+      looks_[d].alarms.insert(looks_[d].alarms.end(), alarms[d].begin(), alarms[d].end());
+  }
+  [[nodiscard]] int windows() const { return window_; }
+
+ private:
+  using AlarmsOfBoth = std::array<std::vector<Alarm>, kDetectors>;
+
+  [[nodiscard]] Day light() const {
+    Day day;
+    for (const double gain : sim_.light.group_gain)
+      day.brightness += std::log(gain) / sim::LightConditions::kGroups;
+    day.exposure = std::log(sim_.light.exposure_target);
+    if (!sim_.world.gates.empty()) {
+      const auto hue = [](const Eigen::Vector3d& rgb) {
+        return std::atan2((rgb.y() - rgb.z()) / std::sqrt(2.0),
+                          (2 * rgb.x() - rgb.y() - rgb.z()) / std::sqrt(6.0));
+      };
+      day.hue = hue(sim_.world.gates[0].color) - hue(sim::WorldGate{}.color);
+    }
+    return day;
+  }
+
+  [[nodiscard]] const sim::Sight& sight() const {
+    return renderer_ ? static_cast<const sim::Sight&>(*renderer_) : *sight_;
+  }
+
+  Scene scene_of(const Moment& moment, sim::Exposure& exposure,
+                 std::span<const sim::BodyPose> history) {
+    Scene scene;
+    scene.gates = sim::gates_in_view(sim_.world, sim_.camera, sight(), moment.start, history);
+    std::erase_if(scene.gates, [&](const sim::GateView& view) {
+      return !sim_.world.gates[static_cast<std::size_t>(view.gate)].sought;
+    });
+    scene.two_gates = sim::frames_of_two(scene.gates);
+    scene.decoys = sim::decoys_in_view(sim_.world, sight(), exposure);
+    scene.places = sim::places_in_view(places_, sight(), exposure);
+    for (const sim::GateView& view : scene.gates)
+      if (view.gate == moment.target) {
+        scene.target_distance = view.distance;
+        if (view.whole && sim::detectable(view.corners_px)) scene.target = &view;
+      }
+    return scene;
+  }
+
+  void take(const Moment& moment, const std::vector<sim::BodyPose>& poses, int step,
+            AlarmsOfBoth& alarms) {
+    const double span = sim_.camera.exposure + sim_.camera.readout;
+    const auto before = [](const sim::BodyPose& pose, double t) { return pose.t < t; };
+    const auto from = std::lower_bound(poses.begin(), poses.end(), moment.start - 0.02, before);
+    const auto to = std::lower_bound(from, poses.end(), moment.start + span + 0.02, before);
+    const std::span<const sim::BodyPose> history{from, to};
+    sim::Exposure exposure{sim_.camera, moment.start, history};
+    const Scene scene = scene_of(moment, exposure, history);
+    if (renderer_) renderer_->render(++frame_, moment.start, history, bytes_);
+    const Image image{bytes_.data(), PixelFormat::kUyvy, sim_.camera.stored_width,
+                      sim_.camera.stored_height, 90};
+    for (std::size_t d = 0; d < kDetectors; ++d) {
+      const Answer answer =
+          renderer_ ? eyes_[d].look(image, scene.target ? std::optional{scene.target->corners_px}
+                                                        : std::nullopt)
+                    : drawn(*drawn_[d], moment.start, history);
+      judge(answer, scene, static_cast<Detector>(d), step, exposure, alarms[d]);
+    }
+  }
+
+  static Answer drawn(sim::IdealVision& vision, double start,
+                      std::span<const sim::BodyPose> history) {
+    const sim::SeenPicture seen = vision.look(start, history);
+    Answer answer;
+    for (const auto& gate : seen.gates)
+      answer.gates.push_back({.corners_px = gate.corners_px, .fitness = gate.fitness});
+    if (seen.lower) answer.lower = LowerCorners{seen.lower->left_px, seen.lower->right_px, 1.0};
+    if (seen.bars) answer.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
+    return answer;
+  }
+
+  [[nodiscard]] Look look_of(int step, int which, const Quad& truth) const {
+    return {.day = day_,
+            .window = window_,
+            .step = step,
+            .which = which,
+            .side_px = side_of(truth),
+            .truth = truth};
+  }
+
+  void judge(const Answer& answer, const Scene& scene, Detector detector, int step,
+             sim::Exposure& exposure, std::vector<Alarm>& alarms) {
+    Looks& looks = looks_[detector];
+    ++looks.pictures;
+    std::vector<const GateDetection*> open;
+    for (const GateDetection& gate : answer.gates) open.push_back(&gate);
+    std::set<const GateDetection*> gates;
+    const auto claim = [&](Kind kind, int which, const Quad& truth, const auto& belongs) {
+      Look look = look_of(step, which, truth);
+      const auto found = std::find_if(
+          open.begin(), open.end(), [&](const GateDetection* d) { return belongs(d->corners_px); });
+      if (found != open.end()) {
+        look.hit = true, look.fitness = (*found)->fitness, look.seen = (*found)->corners_px;
+        if (kind <= Kind::kHidden) gates.insert(*found);
+        open.erase(found);
+      }
+      looks[kind].push_back(look);
+    };
+    const auto at_least = [](const Quad& truth, double part) {
+      return [&truth, part](const Quad& seen) { return overlaps(seen, truth, part); };
+    };
+    const sim::GateView* largest = sim::largest_of(scene.gates);
+    for (const sim::GateView& view : scene.gates)
+      if (const auto kind = kind_of(view, largest))
+        claim(*kind, view.gate, view.corners_px, at_least(view.corners_px, kSame));
+    for (const sim::LookAlike& frame : scene.two_gates)
+      claim(Kind::kTwoGates, frame.which, frame.corners_px, at_least(frame.corners_px, 0.5));
+    for (const sim::GateView& view : scene.gates)
+      if (kind_of(view, largest))
+        claim(Kind::kCrooked, view.gate, view.corners_px, at_least(view.corners_px, kOfGate));
+    for (const sim::LookAlike& decoy : scene.decoys)
+      claim(Kind::kDecoy, decoy.which, decoy.corners_px, [&](const Quad& seen) {
+        const double near = 0.7 * side_of(seen);
+        const Eigen::Vector2d at = center(seen), low = decoy.corners_px[0],
+                              high = decoy.corners_px[2];
+        return (at - at.cwiseMax(low).cwiseMin(high)).norm() < near;
+      });
+    for (const int place : scene.places) looks[Kind::kPlace].push_back(look_of(step, place, {}));
+    remember(open, step, exposure, alarms);
+    for (std::size_t i = 0; i < answer.gates.size(); ++i) {
+      const GateDetection& found = answer.gates[i];
+      (gates.contains(&found) ? looks.of_gates : looks.of_others)
+          .push_back(sim::fields_of(found.corners_px, found.fitness, i));
+    }
+    parts(answer, scene, detector, step);
+  }
+
+  /// Alarms at no known thing, and those before that come again.
+  void remember(const std::vector<const GateDetection*>& open, int step, sim::Exposure& exposure,
+                std::vector<Alarm>& alarms) const {
+    std::vector<Alarm> now;
+    for (const GateDetection* gate : open) {
+      const auto direction_E = exposure.direction_E(center(gate->corners_px));
+      if (direction_E)
+        now.push_back({.day = day_,
+                       .window = window_,
+                       .step = step,
+                       .fitness = gate->fitness,
+                       .side_px = side_of(gate->corners_px),
+                       .direction_E = *direction_E});
+    }
+    for (Alarm& alarm : alarms) {
+      const auto later = static_cast<std::size_t>(step - alarm.step - 1);
+      if (later >= alarm.again.size()) continue;
+      const auto px = exposure.project(exposure.eye_E() + 100.0 * alarm.direction_E);
+      alarm.in_view[later] = px && exposure.inside(*px);
+      alarm.again[later] =
+          alarm.in_view[later] && std::any_of(now.begin(), now.end(), [&](const Alarm& other) {
+            return (other.direction_E - alarm.direction_E).norm() < kAgain;
+          });
+    }
+    alarms.insert(alarms.end(), now.begin(), now.end());
+  }
+
+  void parts(const Answer& answer, const Scene& scene, Detector detector, int step) {
+    Looks& looks = looks_[detector];
+    bool lower_is_of_gate = false, bars_are_of_gate = false, lower_asked = false,
+         bars_asked = false;
+    for (const sim::GateView& view : scene.gates) {
+      const Quad& c = view.corners_px;
+      if (answer.lower && parts_agree(answer.lower->bottom_left_px, c[3]) &&
+          parts_agree(answer.lower->bottom_right_px, c[2]))
+        lower_is_of_gate = true;
+      if (!lower_asked && view.only_lower_corners && view.distance < kLowerReach) {
+        lower_asked = true;
+        Look look = look_of(step, view.gate, c);
+        look.hit = lower_is_of_gate;
+        if (look.hit)
+          look.seen[3] = answer.lower->bottom_left_px, look.seen[2] = answer.lower->bottom_right_px;
+        looks[Kind::kLower].push_back(look);
+      }
+      if (!view.bars_px) continue;
+      const auto& [left, right] = *view.bars_px;
+      if (answer.bars && std::abs(answer.bars->left_px.x() - left.x()) < kSameParts &&
+          std::abs(answer.bars->right_px.x() - right.x()) < kSameParts)
+        bars_are_of_gate = true;
+      if (bars_asked || view.distance > kBarsReach) continue;
+      bars_asked = true;
+      Look look = look_of(step, view.gate, {left, right, right, left});
+      look.hit = bars_are_of_gate;
+      if (look.hit) look.seen = {answer.bars->left_px, answer.bars->right_px, right, left};
+      looks[Kind::kBars].push_back(look);
+    }
+    // The pilot asks for parts near the gate only.
+    if (detector == kOurs && scene.target_distance > kPartsFrom) return;
+    Look lower = look_of(step, 0, {}), bars = look_of(step, 0, {});
+    lower.hit = answer.lower && !lower_is_of_gate;
+    if (lower.hit)
+      lower.seen[3] = answer.lower->bottom_left_px, lower.seen[2] = answer.lower->bottom_right_px;
+    bars.hit = answer.bars && !bars_are_of_gate;
+    if (bars.hit) bars.seen = {answer.bars->left_px, answer.bars->right_px, {0, 0}, {0, 0}};
+    looks[Kind::kFalseLower].push_back(lower), looks[Kind::kFalseBars].push_back(bars);
+  }
+
+  const closed_loop::RaceConfig& config_;
+  const sim::SimConfig& sim_;
+  int day_, window_;
+  LooksOfBoth& looks_;
+  std::vector<sim::Place> places_;
+  std::unique_ptr<sim::CameraRenderer> renderer_;
+  std::unique_ptr<sim::SolidSight> sight_;
+  std::vector<std::unique_ptr<sim::IdealVision>> drawn_;
+  std::vector<Eye> eyes_;
+  std::vector<std::uint8_t> bytes_;
+  std::uint32_t frame_ = 0;
+};
+
+}  // namespace
+
+void look_at(const Order& order, LooksOfBoth& looks) {
+  const tasks::RaceMaker maker{{.config = {}, .track = order.track, .vision = "ideal", .laps = {}}};
+  const auto& days = looks[kOurs].days;
+  int day = days.empty() ? 0 : days.rbegin()->first + 1, window = 1000 * day;
+  for (int i = 0; i < order.days; ++i, ++day) {
+    const tasks::Race race = maker.race(order.first_seed + static_cast<std::uint64_t>(i));
+    const Flown flight = flown(race.config);
+    std::fprintf(stderr, "\r%-20s seed %llu ", order.track.c_str(),
+                 static_cast<unsigned long long>(race.identity.seed));
+    DayOfLooking looking{race, day, window, order.ideal, looks};
+    const auto count = flight.moments.size();
+    const auto length = std::min(count, static_cast<std::size_t>(order.pictures));
+    if (length == 0) continue;
+    sim::Stream stream{race.identity.seed, "pictures"};
+    const double share = static_cast<double>(count - length) / order.windows,
+                 phase = stream.uniform();
+    for (int w = 0; w < order.windows; ++w) {
+      const auto first = static_cast<std::size_t>((w + phase) * share);
+      looking.look(flight, first, first + length);
+    }
+    window = looking.windows();
+  }
+}
+
+}  // namespace gatefly::measuring

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "looks.hpp"
+
+namespace gatefly::measuring {
+
+/// Pictures of a course's days: windows of consecutive ones, along races flown by ideal vision.
+struct Order {
+  std::string track;
+  std::uint64_t first_seed = 1001;
+  int days = 20;
+  int windows = 3;    ///< A day, evenly spread over the race.
+  int pictures = 30;  ///< A window.
+  /// Ideal vision in place of pictures: measures what was drawn by the rules of what is measured.
+  bool ideal = false;
+};
+
+/// Adds what both detectors see on a course. Days and windows are numbered on.
+void look_at(const Order& order, LooksOfBoth& looks);
+
+}  // namespace gatefly::measuring
