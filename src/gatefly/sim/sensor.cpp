@@ -5,6 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
 namespace gatefly::sim {
 namespace {
 
@@ -42,6 +46,15 @@ float luma(Float4 c) { return 0.299f * c[0] + 0.587f * c[1] + 0.114f * c[2]; }
 Float4 lesser(Float4 a, Float4 b) { return a < b ? a : b; }
 Float4 greater(Float4 a, Float4 b) { return a > b ? a : b; }
 
+/// Square roots, rounded as IEEE wants: the same everywhere.
+Float4 root(Float4 x) {
+#ifdef __SSE__
+  return _mm_sqrt_ps(x);
+#else
+  return Float4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+#endif
+}
+
 /// A soft round kernel: a recursive filter to and fro along both axes.
 void spread(std::vector<Float4>& picture, int width, int height, float keep) {
   const auto columns = static_cast<std::size_t>(width), lines = static_cast<std::size_t>(height);
@@ -74,6 +87,7 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
           std::clamp(kBlack + (kTargetMean - kBlack) * std::pow(light.exposure_target, 1.0 / 2.2),
                      kBlack + 8.0, kMeterCap - 8.0)},
       noise_scale_{light.noise_scale},
+      fast_{camera.fast},
       seed_{mixed(seed + 0x9E3779B97F4A7C15ull)},
       exposure_{camera.exposure} {
   const auto& balance = light.white_balance;
@@ -220,9 +234,11 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
     const float most = kBrightest;
     pixel = lesser(scale * pixel, Float4{most, most, most, most});
   }
-  bloom(picture);
-  soften(picture);
-  gather_glare(picture);
+  if (!fast_) {
+    bloom(picture);
+    soften(picture);
+    gather_glare(picture);
+  }
 
   const auto gain = static_cast<float>(gain_), noisiness = static_cast<float>(noise_scale_);
   const float shot = noisiness * noisiness * gain / kFullWell;
@@ -234,11 +250,11 @@ void Sensor::develop(std::uint32_t frame, double t, std::vector<Float4>& picture
     for (int x = 0; x < width_; ++x) {
       const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                          static_cast<std::size_t>(x);
-      Float4 signal = (picture[pixel] + glare(x, y)) * vignette_[pixel];
+      Float4 signal = picture[pixel];
+      if (!fast_) signal += glare(x, y);
+      signal *= vignette_[pixel];
       const Float4 variance = shot * greater(signal, Float4{}) + read2;
-      const Float4 sigma{std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2]),
-                         0.0f};
-      signal += sigma * noise(frame, static_cast<std::uint32_t>(pixel));
+      signal += root(variance) * noise(frame, static_cast<std::uint32_t>(pixel));
       const Float4 rgb = developed(signal);
       const float level = luma(rgb), r = rgb[0], b = rgb[2];
       const float cb = kSaturation * 0.564334f * (b - level),

@@ -45,6 +45,7 @@ class Sensor {
   int width_, height_;  // stored
   int glare_width_, glare_height_;
   double longest_exposure_, target_, noise_scale_;
+  bool fast_;  // without bloom, softness and glare
   Float4 tint_{};
   std::uint64_t seed_;
   double brightness_ = 1.0, exposure_, gain_ = 1.0;

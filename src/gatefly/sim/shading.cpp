@@ -45,7 +45,6 @@ void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles
     s.albedo = to_float4(m.albedo);
     s.to_second = to_float4(m.second) - s.albedo;
     s.emission = to_float4(m.emission) * gain;
-    s.normal = r.normal;
     s.pattern_u = r.length.x() * m.scale;
     s.pattern_v = r.length.y() * m.scale;
     s.cells_u = static_cast<float>(r.cells_u);
@@ -85,19 +84,50 @@ float Shader::second_share(const Surface& s, float u, float v) const {
   return 0.0f;
 }
 
-Float4 Shader::radiance(unsigned rectangle, float u, float v) const {
-  const Surface& s = surfaces_[rectangle];
-  const float x = std::max(u, 0.0f) * s.cells_u, y = std::max(v, 0.0f) * s.cells_v;
+Float4 Shader::light(const Surface& s, float u, float v) const {
+  const float x = u * s.cells_u, y = v * s.cells_v;
   const int i = std::min(static_cast<int>(x), s.last_u),
             j = std::min(static_cast<int>(y), s.last_v);
   const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
   const Float4* node = nodes_.data() + s.first_node + j * s.row + i;
   const Float4 top = node[0] + fx * (node[1] - node[0]);
   const Float4 low = node[s.row] + fx * (node[s.row + 1] - node[s.row]);
-  const Float4 light = top + fy * (low - top);
-  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light;
+  return top + fy * (low - top);
+}
+
+Float4 Shader::radiance(unsigned rectangle, float u, float v) const {
+  const Surface& s = surfaces_[rectangle];
+  const Float4 light_here = light(s, std::max(u, 0.0f), std::max(v, 0.0f));
+  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light_here;
   const float share = second_share(s, std::max(u, 0.0f), std::max(v, 0.0f));
-  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light;
+  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light_here;
+}
+
+Float4 Shader::radiance(const RayTile& rays, int group, int lane, int samples) const {
+  constexpr int kLanes = RayTile::kLanes;
+  const int first = group * kLanes + lane, end = first + samples * kLanes;
+  const float each = 1.0f / static_cast<float>(samples);
+  const int hit = rays.hit[first];
+  bool same = true;
+  float u = 0.0f, v = 0.0f;
+  for (int i = first; i < end; i += kLanes)
+    same = same && rays.hit[i] == hit, u += rays.u[i], v += rays.v[i];
+  if (!same) {
+    Float4 sum{};
+    for (int i = first; i < end; i += kLanes)
+      if (rays.hit[i] >= 0)
+        sum += radiance(static_cast<unsigned>(rays.hit[i]), rays.u[i], rays.v[i]);
+    return each * sum;
+  }
+  if (hit < 0) return Float4{};
+  const Surface& s = surfaces_[static_cast<unsigned>(hit)];
+  const Float4 light_here = light(s, std::max(each * u, 0.0f), std::max(each * v, 0.0f));
+  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light_here;
+  float share = 0.0f;
+  for (int i = first; i < end; i += kLanes)
+    share += second_share(s, std::max(rays.u[i], 0.0f), std::max(rays.v[i], 0.0f));
+  share *= each;
+  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light_here;
 }
 
 }  // namespace gatefly::sim

@@ -87,6 +87,7 @@ struct CameraTruth {
   int stored_width = 160, stored_height = 315;
   double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
   double readout = 0.020;   ///< From the first to the last stored line [s].
+  bool fast = false;        ///< One ray a pixel: no motion blur, no softness, no bloom, no glare.
 };
 
 /// What a day varies in the light and the sensor's handling of it.
