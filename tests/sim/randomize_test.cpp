@@ -124,7 +124,8 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "frame_loss", frame_loss);
   }
   {
-    const auto& [lens, p_BC, tilt_down, stored_width, stored_height, exposure, readout] = camera;
+    const auto& [lens, p_BC, tilt_down, stored_width, stored_height, exposure, readout, fast] =
+        camera;
     const auto& [focal_px, center_px, k] = std::get<DhaneFisheye>(lens.model);
     put(n, "focal_px", focal_px);
     put(n, "center_px", center_px);
@@ -133,9 +134,13 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "tilt_down", tilt_down);
     put(n, "stored", std::array{double(stored_width), double(stored_height)});
     put(n, "shutter", std::array{exposure, readout});
+    put(n, "fast", double(fast));
   }
   {
-    const auto& [group_gain, exposure_target, white_balance, noise_scale, out] = light;
+    const auto& [group_gain, group_color, exposure_target, white_balance, noise_scale, out, blur,
+                 surfaces] = light;
+    for (const auto& color : group_color) put(n, "group_color", color);
+    put(n, "appearance", std::array{blur, double(surfaces)});
     put(n, "light.out", out);
     put(n, "group_gain", group_gain);
     put(n, "exposure_target", exposure_target);

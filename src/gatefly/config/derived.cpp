@@ -144,7 +144,8 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .stored_width = camera.stored_width(),
                     .stored_height = camera.stored_height(),
                     .exposure = camera.exposure,
-                    .readout = camera.readout};
+                    .readout = camera.readout,
+                    .fast = config.sim.camera_quality == "fast"};
   nominal.sensors = config.sim.sensors;
   nominal.wind = config.sim.wind;
   nominal.sensors.camera_hz = camera.rate_hz;

@@ -52,7 +52,7 @@ struct CameraRenderer::Impl {
         solid{{&scene.solid}},
         shader{lit(light, cache_dir, bake_threads)},
         sensor{truth, light, seed},
-        pixels{truth, {.samples = truth.fast ? 1 : kSamples, .footprint = kFootprint}},
+        pixels{truth, {.samples = truth.fast ? 1 : kSamples, .footprint = light.blur * kFootprint}},
         centres{truth, {}},
         spread_out{truth, {.step = kMeterStep}},
         picture(static_cast<std::size_t>(truth.stored_width) *
@@ -244,6 +244,8 @@ double CameraRenderer::range(const Eigen::Vector3d& from_E, const Eigen::Vector3
   impl_->solid.intersect(ray);
   return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? max : static_cast<double>(ray.ray.tfar);
 }
+
+double CameraRenderer::exposure() const { return impl_->exposed; }
 
 double CameraRenderer::bake_seconds() const { return impl_->bake_seconds; }
 

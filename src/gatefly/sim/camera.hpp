@@ -61,6 +61,9 @@ class CameraRenderer final : public Sight {
   [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
                              double max) const override;
 
+  /// How long each line of the last frame was exposed [s].
+  [[nodiscard]] double exposure() const;
+
   /// Seconds the bake took; 0 when it came from the cache.
   [[nodiscard]] double bake_seconds() const;
 

@@ -18,7 +18,7 @@ struct PictureOrder {
   std::size_t per_day = 40;  ///< Of one seed's world and light.
   std::uint64_t first_seed = 1;
   double around = 0.3;  ///< Part of them from anywhere in the room instead of the racing line.
-  bool varied = false;  ///< Rooms take turns, too.
+  bool varied = false;  ///< Rooms take turns, and all else is drawn: varied_look.hpp.
   bool masks = false;
 };
 
