@@ -169,7 +169,10 @@ SimConfig nominal_day() {
   config.sensors.noise_scale = 1.5;
   config.sensors.latency_jitter = 0.002;
   config.sensors.frame_loss = 0.01;
-  config.light = {{0.9, 1.1, 0.8}, 1.2, {1.05, 0.95, 0.9}, 1.5, {0, 0}};
+  config.light.group_gain = {0.9, 1.1, 0.8};
+  config.light.exposure_target = 1.2;
+  config.light.white_balance = {1.05, 0.95, 0.9};
+  config.light.noise_scale = 1.5;
   config.sensors.accel_warming = {0.02, 0.01, 0.03};
   config.sensors.gyro_warming = {0.001, 0.003, 0.002};
   config.sensors.sonar_loss = 0.01, config.sensors.sonar_double = 0.002;

@@ -9,8 +9,8 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr int kLinesOfTile = 8;  // [measured: 4 and 16 are slower]
-constexpr double kJitter = 0.5;  // of a sample in its cell, 0..1
+constexpr int kLinesOfTile = 8, kLinesOfFastTile = 16;  // so that a tile is many rays
+constexpr double kJitter = 0.5;                         // of a sample in its cell, 0..1
 
 /// Number in [0, 1) by position.
 double hashed(std::uint32_t a, std::uint32_t b) {
@@ -30,13 +30,15 @@ Eigen::Vector2d offset(const RayGrid& grid, std::uint32_t pixel, int sample) {
   return {place(sample % 2, 2 * sample), place(sample / 2, 2 * sample + 1)};
 }
 
+static_assert(kLinesOfTile * 4 <= RayTile::kMostGroups && kLinesOfFastTile <= RayTile::kMostGroups);
+
 }  // namespace
 
 LensRays::LensRays(const CameraTruth& camera, const RayGrid& grid)
     : grid_{grid},
       width_{(camera.stored_width + grid.step - 1) / grid.step},
       lines_{(camera.stored_height + grid.step - 1) / grid.step},
-      lines_of_tile_{std::min(kLinesOfTile, RayTile::kMostGroups / grid.samples)},
+      lines_of_tile_{grid.samples == 1 ? kLinesOfFastTile : kLinesOfTile},
       tiles_across_{(width_ + kColumns - 1) / kColumns},
       tiles_down_{(lines_ + lines_of_tile_ - 1) / lines_of_tile_} {
   const auto rays = static_cast<std::size_t>(tiles() * lines_of_tile_ * grid.samples * kColumns);

@@ -66,7 +66,7 @@ Material redecorated(const Material& m, std::size_t number, std::uint64_t seed) 
   if (m.pattern != Pattern::kPlain || chance > 1.0 / 3) return other;
   constexpr std::array kPatterns{Pattern::kGrain, Pattern::kTiles, Pattern::kPlanks,
                                  Pattern::kBlocks};
-  other.pattern = kPatterns[static_cast<std::size_t>(12 * chance)];
+  other.pattern = kPatterns[std::min(static_cast<std::size_t>(12 * chance), kPatterns.size() - 1)];
   other.scale = static_cast<float>(cells);
   return other;
 }
