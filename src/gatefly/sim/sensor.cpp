@@ -115,7 +115,7 @@ Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uin
   }
 }
 
-Float4 Sensor::developed(Float4 signal) const {
+inline Float4 Sensor::developed(Float4 signal) const {
   const Float4 raw = lesser(signal, kFull);
   const Float4 balanced = (raw[0] * kOfRed + raw[1] * kOfGreen + raw[2] * kOfBlue) * tint_;
   const Float4 entry = greater(lesser(balanced, Float4{1, 1, 1, 1}), Float4{}) * 4096.0f + 0.5f;
@@ -193,7 +193,7 @@ void Sensor::gather_glare(const std::vector<Float4>& picture) {
   for (Float4& cell : glare_) cell *= kGlareShare / (kGlareCell * kGlareCell);
 }
 
-Float4 Sensor::glare(int x, int y) const {
+inline Float4 Sensor::glare(int x, int y) const {
   constexpr float kScale = 1.0f / kGlareCell;
   const float u = (static_cast<float>(x) + 0.5f) * kScale + 0.5f,
               v = (static_cast<float>(y) + 0.5f) * kScale + 0.5f;
@@ -205,7 +205,7 @@ Float4 Sensor::glare(int x, int y) const {
   return top + (v - static_cast<float>(j)) * (low - top);
 }
 
-Float4 Sensor::noise(std::uint32_t frame, std::uint32_t pixel) const {
+inline Float4 Sensor::noise(std::uint32_t frame, std::uint32_t pixel) const {
   // Three sums of three 7-bit numbers: near enough to normal, variance 4096 - 1/4.
   static_assert(3 * 3 * 7 <= std::numeric_limits<std::uint64_t>::digits);
   const std::uint64_t z =

@@ -133,7 +133,7 @@ float Shader::second_share(const Surface& s, float u, float v) const {
   return 0.0f;
 }
 
-Float4 Shader::light(const Surface& s, float u, float v) const {
+inline Float4 Shader::light(const Surface& s, float u, float v) const {
   const float x = u * s.cells_u, y = v * s.cells_v;
   const int i = std::min(static_cast<int>(x), s.last_u),
             j = std::min(static_cast<int>(y), s.last_v);
@@ -157,6 +157,8 @@ Float4 Shader::radiance(const RayTile& rays, int group, int lane, int samples) c
   const int first = group * kLanes + lane, end = first + samples * kLanes;
   const float each = 1.0f / static_cast<float>(samples);
   const int hit = rays.hit[first];
+  if (samples == 1)
+    return hit < 0 ? Float4{} : radiance(static_cast<unsigned>(hit), rays.u[first], rays.v[first]);
   bool same = true;
   float u = 0.0f, v = 0.0f;
   for (int i = first; i < end; i += kLanes)
