@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/bench/camera_stages.hpp"
 #include "gatefly/bench/detection_stages.hpp"
 #include "gatefly/bench/flight_stages.hpp"
 #include "gatefly/bench/opencv_baseline.hpp"
@@ -289,6 +290,9 @@ int bench_all(const BenchOptions& options) {
       const auto poses = pose_stages();
       report.stages("\npose from four corners, 500 gates", "pose", poses,
                     measure(poses, rounds, interrupted));
+      const auto frames = camera_stages(race.config.sim);
+      report.stages("\nthe simulated camera, before each gate", "camera", frames,
+                    measure(frames, rounds, interrupted));
       report.heading("\nwhole steps, in that flight", "stage", {"median us", "p99 us", "max us"});
       for (const auto& t : flight->timings) {
         report.row(t.stage, {t.p50_us, t.p99_us, t.max_us}, "");

@@ -20,6 +20,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/simulated_race/labelled_pictures.hpp"
+#include "gatefly/simulated_race/varied_look.hpp"
 
 #include "commands.hpp"
 
@@ -34,7 +35,7 @@ struct RenderOptions {
   int frames = 0, per_day = 40, jobs = 0;
   double around = 30.0;
   std::uint64_t seed = 1;
-  bool masks = false, varied = false, json = false;
+  bool masks = false, varied = false, fast = false, json = false;
 };
 
 bool is_ours(const std::string& name) {
@@ -173,7 +174,10 @@ class Studio {
     if (recording_ == "raw") {
       folder_.write(name, io::png_of(stored));
     } else {
-      const auto how = recording_ == "jpeg" ? io::Recording::kJpeg : io::Recording::kMjpegLow;
+      const bool careful =
+          recording_ == "jpeg" ||
+          (recording_ == "varied" && tasks::varied_recording(picture.seed) == tasks::Stored::kJpeg);
+      const auto how = careful ? io::Recording::kJpeg : io::Recording::kMjpegLow;
       const int exif = storing_.said_by_exif ? exif_of(storing_.rotation_deg) : 0;
       folder_.write(name, io::recorded_jpeg(stored, how, exif));
     }
@@ -210,6 +214,7 @@ int render(const RenderOptions& options) {
                             "choose another --out");
   tasks::ConfigArguments config = options.common;
   if (options.varied) config.settings.insert(config.settings.begin(), "randomize.level=hard");
+  if (options.fast) config.settings.push_back("sim.camera_quality=fast");
   const tasks::RaceMaker maker(
       {.config = config, .track = options.track, .vision = "rendered", .laps = std::nullopt});
   say_notes(maker.notes());
@@ -234,12 +239,12 @@ int render(const RenderOptions& options) {
   folder.write("poses.csv", rows.poses);
   const tasks::Race race = maker.race(options.seed);
   const nlohmann::ordered_json said{
-      {"track", race.identity.track},     {"frames", options.frames},
-      {"recording", options.recording},   {"seed", options.seed},
-      {"per_day", options.per_day},       {"around_percent", options.around},
-      {"varied", options.varied},         {"masks", options.masks},
-      {"version", race.identity.version}, {"commit", race.identity.commit},
-      {"config", race.identity.config}};
+      {"track", race.identity.track},   {"frames", options.frames},
+      {"recording", options.recording}, {"seed", options.seed},
+      {"per_day", options.per_day},     {"around_percent", options.around},
+      {"varied", options.varied},       {"fast", options.fast},
+      {"masks", options.masks},         {"version", race.identity.version},
+      {"commit", race.identity.commit}, {"config", race.identity.config}};
   folder.write("render.json", said.dump(2) + "\n");
   folder.replace([](const std::string&) { return false; });
   if (options.json) {
@@ -276,11 +281,18 @@ void declare_render(Command& command) {
       .show_default();
   command
       .option("--recording", options->recording,
-              "raw: PNG; jpeg: as careful as the authors' picked ones; mjpeg-low: as their video")
-      .one_of({"raw", "jpeg", "mjpeg-low"})
+              "raw: PNG; jpeg: as careful as the authors' picked ones; mjpeg-low: as their video; "
+              "varied: "
+              "jpeg or mjpeg-low, by day")
+      .one_of({"raw", "jpeg", "mjpeg-low", "varied"})
       .show_default();
   command.flag("--masks", options->masks, "a mask beside each picture");
-  command.flag("--varied", options->varied, "level hard, and rooms take turns: for training");
+  command.flag(
+      "--varied", options->varied,
+      "domain randomisation, for training: each day other lamps, surfaces, gates, clutter, "
+      "camera and sensor");
+  command.flag("--fast", options->fast,
+               "one ray a pixel, no blur or glare: sim.camera_quality=fast");
   command.option("--jobs", options->jobs, "threads [one a core]").between(1, 1024);
   command.flag("--json", options->json, "print render.json");
   command.option("--out", options->out, "folder [out/pictures-TRACK]").path("DIR");

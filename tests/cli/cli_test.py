@@ -523,6 +523,27 @@ class Render(Cli):
         self.assertEqual(pictures["a"], pictures["b"])
         self.assertNotEqual(pictures["a"], pictures["c"])
 
+    def test_varied_days_have_masks_where_the_labels_say(self):
+        order = ("render", "oval", "--frames", "8", "--per-day", "2", "--quiet", "--varied", "--fast", "--masks",
+                 "--around", "100", "--recording", "varied")
+        for name in "ab":
+            result = self.run_it(*order, "--jobs", "1" if name == "a" else "2", "--out", name)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        files = [[(path.name, path.read_bytes()) for path in sorted((self.folder / name).glob("*_*"))] for name in "ab"]
+        self.assertEqual(files[0], files[1])
+        corners = 0
+        for row in self.table("a/gates.csv"):
+            if float(row["distance_m"]) > 5.0:
+                continue
+            mask = (self.folder / "a" / row["image"].replace("img", "mask").replace("jpg", "pgm")).read_bytes()[-315 * 160:]
+            for corner in ("tl", "tr", "br", "bl"):
+                u, v = (round(float(row[f"{corner}_{axis}"])) for axis in "uv")
+                if row[f"{corner}_seen"] == "1" and 3 <= u < 312 and 3 <= v < 157:
+                    corners += 1
+                    near = {mask[(v + j) * 315 + u + i] for i in range(-3, 4) for j in range(-3, 4)}
+                    self.assertIn(int(row["gate"]), near, row)
+        self.assertGreater(corners, 4)
+
     def test_unusable_arguments(self):
         self.assertIn("--frames", self.refused("render", "oval"))
         self.assertIn("--frames", self.refused("render", "oval", "--frames", "0"))

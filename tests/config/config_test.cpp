@@ -86,8 +86,9 @@ TEST(Config, VehicleIsThePilotsBeliefAndTheSimulatorsNominalButForTheRotors) {
 }
 
 TEST(Config, TheSimulatorsOwnSettingsReachItAloneAndTheTracksWorldWithThem) {
-  const Config config = with({"sim.size_m=[0.5, 0.4, 0.1]", "sim.baro_noise_m=0.3",
-                              "sim.ideal_detector=paper", "sim.bake_threads=3", "sim.timeout_s=9"});
+  const Config config =
+      with({"sim.size_m=[0.5, 0.4, 0.1]", "sim.baro_noise_m=0.3", "sim.ideal_detector=paper",
+            "sim.bake_threads=3", "sim.timeout_s=9", "sim.camera_quality=fast"});
   TrackFile track;
   track.world.look = "showroom";
   track.start.heading = 0.5;
@@ -96,6 +97,7 @@ TEST(Config, TheSimulatorsOwnSettingsReachItAloneAndTheTracksWorldWithThem) {
   EXPECT_EQ(sim.sensors.baro_noise, 0.3);
   EXPECT_EQ(sim.ideal_vision.detector, "paper");
   EXPECT_EQ(sim.bake_threads, 3);
+  EXPECT_TRUE(sim.camera.fast);
   EXPECT_EQ(config.sim.timeout, 9);
   EXPECT_EQ(sim.world.look, "showroom");
   EXPECT_EQ(sim.start.heading, 0.5);

@@ -452,6 +452,65 @@ TEST_F(CameraRendererTest, AutoExposureMakesADimDayAsBrightAsABrightOne) {
   EXPECT_LT(picture(room(), kMiddle).mean_y(), nominal - 8);
 }
 
+TEST_F(CameraRendererTest, FastShowsTheSameSceneAsBrightWithoutBlurAndAlwaysTheSame) {
+  const World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
+  const Picture full = picture(world, kMiddle);
+  camera.fast = true;
+  const Picture fast = picture(world, kMiddle);
+  EXPECT_EQ(fast.bytes, picture(world, kMiddle).bytes);
+  EXPECT_NEAR(fast.mean_y(), full.mean_y(), 3.0);
+  double off = 0.0, sharper = 0.0;
+  for (std::size_t i = 1; i + 2 < full.bytes.size(); i += 2) {
+    off += std::abs(full.bytes[i] - fast.bytes[i]);
+    sharper +=
+        std::abs(fast.bytes[i + 2] - fast.bytes[i]) - std::abs(full.bytes[i + 2] - full.bytes[i]);
+  }
+  EXPECT_LT(off / (0.5 * static_cast<double>(full.bytes.size())), 6.0) << "grey levels a pixel";
+  EXPECT_GT(sharper, 0.0);
+}
+
+TEST_F(CameraRendererTest, LampsColourTheRoomAndOtherSurfacesChangeItButNotItsGates) {
+  const World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
+  const auto mean_red = [](const Picture& seen) {
+    double sum = 0.0;
+    for (int u = 0; u < 315; u += 5)
+      for (int v = 0; v < 160; v += 5) sum += seen.at(u, v).v - seen.at(u, v).u;
+    return sum / (63 * 32);
+  };
+  const Picture nominal = picture(world, kMiddle);
+  light.group_color = {{{1.3, 1, 0.7}, {1.3, 1, 0.7}, {1.3, 1, 0.7}}};
+  EXPECT_GT(mean_red(picture(world, kMiddle)), mean_red(nominal) + 5.0);
+  light.group_color = {{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
+  light.surfaces = 5;
+  const CameraRenderer renderer{world, camera, light, 1, cache, 1};
+  const auto mask = renderer.gate_mask(0.0, std::vector{kMiddle});
+  const Picture other = picture(world, kMiddle);
+  EXPECT_NE(other.bytes, nominal.bytes);
+  EXPECT_EQ(other.bytes, picture(world, kMiddle).bytes);
+  light.surfaces = 0;
+  const CameraRenderer as_it_is{world, camera, light, 1, cache, 1};
+  EXPECT_EQ(mask, as_it_is.gate_mask(0.0, std::vector{kMiddle})) << "they stand where they stood";
+}
+
+TEST_F(CameraRendererTest, AMaskCoversTheBarsWhereTheLensProjectsThem) {
+  const WorldGate gate{.p_EG = {1.5, 0.2, -1.5}, .yaw_EG = 0.3, .bar = 0.1};
+  const CameraRenderer renderer{room_with({gate}), camera, light, 1, cache, 1};
+  const auto mask = renderer.gate_mask(0.0, std::vector{kMiddle});
+  const auto at = [&](double y, double z) {
+    const Vector2d px =
+        projected(camera, kMiddle, gate.p_EG + rotation_z(gate.yaw_EG) * Vector3d{-0.05, y, z})
+            .value();
+    return mask[static_cast<std::size_t>(std::lround(px.y()) * 315 + std::lround(px.x()))];
+  };
+  for (const double side : {-0.45, 0.45})
+    for (const double along : {-0.4, -0.2, 0.2, 0.4}) {
+      EXPECT_EQ(at(side, along), 1);
+      EXPECT_EQ(at(along, side), 1);
+    }
+  EXPECT_EQ(at(0, 0), 0);
+  EXPECT_EQ(at(0.6, 0), 0);
+}
+
 TEST_F(CameraRendererTest, SightAndRangeAgreeWithTheWorldOfThePhysics) {
   World world = room_with({{.p_EG = {2.0, 1.0, -0.51}, .yaw_EG = 0.6}});  // stands on the floor
   world.obstacles = {{{1.0, -3.0}, {1.5, 0.6}, 0.5, 0.0, 1.9, false},

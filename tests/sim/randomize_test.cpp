@@ -130,7 +130,7 @@ Numbers numbers_of(const SimConfig& config) {
   }
   {
     const auto& [lens, p_BC, tilt_down, stored_width, stored_height, stored_rotation, jpeg_quality,
-                 exposure, readout] = camera;
+                 exposure, readout, fast, imaging] = camera;
     const auto& [focal_px, center_px, k] = std::get<DhaneFisheye>(lens.model);
     put(n, "focal_px", focal_px);
     put(n, "center_px", center_px);
@@ -141,9 +141,13 @@ Numbers numbers_of(const SimConfig& config) {
         std::array{double(stored_width), double(stored_height), double(stored_rotation),
                    double(jpeg_quality)});
     put(n, "shutter", std::array{exposure, readout});
+    put(n, "fast", double(fast));
   }
   {
-    const auto& [group_gain, exposure_target, white_balance, noise_scale, out] = light;
+    const auto& [group_gain, group_color, exposure_target, white_balance, noise_scale, out, blur,
+                 surfaces] = light;
+    for (const auto& color : group_color) put(n, "group_color", color);
+    put(n, "appearance", std::array{blur, double(surfaces)});
     put(n, "light.out", out);
     put(n, "group_gain", group_gain);
     put(n, "exposure_target", exposure_target);
@@ -172,7 +176,10 @@ SimConfig nominal_day() {
   config.sensors.noise_scale = 1.5;
   config.sensors.latency_jitter = 0.002;
   config.sensors.frame_loss = 0.01;
-  config.light = {{0.9, 1.1, 0.8}, 1.2, {1.05, 0.95, 0.9}, 1.5, {0, 0}};
+  config.light.group_gain = {0.9, 1.1, 0.8};
+  config.light.exposure_target = 1.2;
+  config.light.white_balance = {1.05, 0.95, 0.9};
+  config.light.noise_scale = 1.5;
   config.sensors.accel_warming = {0.02, 0.01, 0.03};
   config.sensors.gyro_warming = {0.001, 0.003, 0.002};
   config.sensors.sonar_loss = 0.01, config.sensors.sonar_double = 0.002;

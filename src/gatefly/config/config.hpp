@@ -26,6 +26,7 @@ struct SimulatorSettings {
   sim::Imaging imaging;
   sim::GatePaint paint;
   sim::IdealVisionParams ideal_vision;
+  std::string camera_quality = "full";  ///< Or "fast": one ray a pixel, no blur, no glare.
   int bake_threads = 2;
   double timeout = 240.0;  ///< Of one flight [s].
 };

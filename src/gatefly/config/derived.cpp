@@ -150,6 +150,7 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .jpeg_quality = camera.jpeg_quality,
                     .exposure = camera.exposure,
                     .readout = camera.readout,
+                    .fast = config.sim.camera_quality == "fast",
                     .imaging = config.sim.imaging};
   nominal.sensors = config.sim.sensors;
   nominal.wind = config.sim.wind;

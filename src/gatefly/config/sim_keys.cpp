@@ -21,6 +21,9 @@ Key<Config> k(const char* name, double low, double high, Member member, const ch
 std::vector<Key<Config>> sim_keys() {
   const char* logs = "real logs";
   return {
+      choice<Config>("sim.camera_quality", {"full", "fast"}, AT(sim.camera_quality),
+                     "fast: one ray a pixel, without motion blur, softness, bloom and glare",
+                     "simulation.md"),
       choice<Config>("sim.ideal_detector", {"ours", "paper"}, AT(sim.ideal_vision.detector),
                      "ideal vision: whose detection statistics", "simulation.md"),
       k("sim.outliers_percent", 0, 100, AT(sim.ideal_vision.outliers),

@@ -9,32 +9,20 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/jpeg_chain.hpp"
+#include "gatefly/sim/lens_rays.hpp"
 #include "gatefly/sim/light_map.hpp"
 #include "gatefly/sim/ray_scene.hpp"
 #include "gatefly/sim/scene.hpp"
 #include "gatefly/sim/sensor.hpp"
 #include "gatefly/sim/shading.hpp"
+#include "gatefly/sim/tile_caster.hpp"
 
 namespace gatefly::sim {
 namespace {
 
-constexpr int kSamples = 4;  // per pixel: 12 ms a frame [docs/simulation.md]
-constexpr int kPacket = 16;
-constexpr int kColumns =
-    kPacket / kSamples;  // neighbours of one line that share a packet with all their samples
-static_assert(kSamples == 2 * 2, "a grid of them per pixel");
-static_assert(kSamples * kColumns == kPacket && sizeof(RayScene::Valid) == kPacket * sizeof(int));
-constexpr float kNear = 0.01f;  // the camera sees nothing nearer [m]
-constexpr float kFar = 1e3f;
-constexpr double kJitter = 0.5;     // of a sample in its cell, 0..1
+constexpr int kSamples = 4;         // per pixel [docs/simulation.md]
 constexpr float kLampsOut = 0.02f;  // what is left of the light: windows, exit signs
 constexpr int kMeterStep = 6;       // one pixel in so many, both ways, meters the first frame
-
-/// Where a sample looks from, single precision.
-struct Eye {
-  Eigen::Vector3f p_EC;
-  Eigen::Matrix3f R_EB;
-};
 
 /// Number in [0, 1) by position.
 double hashed(std::uint32_t a, std::uint32_t b) {
@@ -52,15 +40,6 @@ Eye eye_of(const BodyPose& pose, const Eigen::Vector3d& p_BC) {
   return {(pose.p_EB + R_EB * p_BC).cast<float>(), R_EB.cast<float>()};
 }
 
-using Eyes = std::array<Eye, kSamples>;
-
-/// A packet's directions in the body frame, lane = sample * kColumns + pixel; not valid outside the
-/// lens's field of view. All samples of a few neighbours are closer together than one of many.
-struct alignas(64) Directions {
-  float x[kPacket], y[kPacket], z[kPacket];
-  RayScene::Valid valid;
-};
-
 }  // namespace
 
 struct CameraRenderer::Impl {
@@ -68,15 +47,18 @@ struct CameraRenderer::Impl {
        std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads)
       : camera{truth},
         scene{make_scene(world)},
-        visible{{&scene.fixed, &scene.moved}, scene.walkers_at(0.0).size()},
+        standing{scene.moved.begin(),
+                 scene.moved.end() - static_cast<std::ptrdiff_t>(scene.walkers_at(0.0).size())},
+        visible{{&scene.fixed, &standing}},
         lamps_out{light.out},
         solid{{&scene.solid}, scene.walkers_at(0.0).size()},
         shader{lit(light, cache_dir, bake_threads)},
         sensor{truth, light, seed},
-        packets{(truth.stored_width + kColumns - 1) / kColumns},
+        pixels{truth, {.samples = truth.fast ? 1 : kSamples, .footprint = light.blur * truth.imaging.footprint_px}},
+        centres{truth, {}},
+        spread_out{truth, {.step = kMeterStep}},
         picture(static_cast<std::size_t>(truth.stored_width) *
                 static_cast<std::size_t>(truth.stored_height)) {
-    make_directions();
     for (std::size_t i = 0; i < world.gates.size(); ++i)
       if (world.gates[i].hidden_beyond > 0.0) hide(static_cast<int>(i), world.gates[i]);
   }
@@ -84,50 +66,45 @@ struct CameraRenderer::Impl {
   /// The scene without a gate, for as long as it is far away. Its rectangles stay in the list, of
   /// no size: hits keep their numbers.
   void hide(int gate, const WorldGate& where) {
-    std::vector<Rectangle> moved = scene.moved;
+    std::vector<Rectangle> moved = standing;
     for (Rectangle& r : moved)
       if (r.gate == gate) r.edge_u.setZero(), r.edge_v.setZero();
     hidden_gate = where;
-    without_gate =
-        std::make_unique<RayScene>(std::vector<const std::vector<Rectangle>*>{&scene.fixed, &moved},
-                                   scene.walkers_at(0.0).size());
-  }
-  /// Puts people where they are at that time.
-  void walk(double t) {
-    if (scene.walkers.empty()) return;
-    const std::vector<Rectangle> people = scene.walkers_at(t);
-    visible.move(people);
-    solid.move(people);
-    if (without_gate) without_gate->move(people);
+    without_gate = std::make_unique<TileCaster>(
+        std::vector<const std::vector<Rectangle>*>{&scene.fixed, &moved});
   }
   /// What there is to be seen from there.
-  [[nodiscard]] const RayScene& seen_from(const Eigen::Vector3d& p_E) const {
+  [[nodiscard]] const TileCaster& seen_from(const Eigen::Vector3d& p_E) const {
     const bool hidden = without_gate && (hidden_gate.p_EG - p_E).norm() > hidden_gate.hidden_beyond;
     return hidden ? *without_gate : visible;
   }
 
   Shader lit(const LightConditions& light, const std::filesystem::path& cache_dir, int threads);
-  void make_directions();
-  [[nodiscard]] Eyes eyes(double t_start, std::span<const BodyPose> history, int line) const;
-  void cast(const Eyes& eyes, const Directions& d, RTCRayHit16& packet, Float4* pixels) const;
-  void render_line(double t_start, std::span<const BodyPose> history, int line);
-  void meter(double t_start, std::span<const BodyPose> history);
+  [[nodiscard]] std::vector<Eye> eyes(const LensRays& lens, double t_start,
+                                      std::span<const BodyPose> history) const;
+  template <class Take>
+  void cast(const LensRays& lens, double t_start, std::span<const BodyPose> history,
+            Take&& take) const;
+  void shoot(const LensRays& lens, double t_start, std::span<const BodyPose> history,
+             std::vector<Float4>& radiance);
 
   CameraTruth camera;
   Scene scene;
-  RayScene visible;
+  std::vector<Rectangle> standing;  ///< Of scene.moved, without those who walk.
+  TileCaster visible;
   During lamps_out;
   WorldGate hidden_gate;
-  std::unique_ptr<RayScene> without_gate;
-  const RayScene* now_visible = &visible;
+  std::unique_ptr<TileCaster> without_gate;
   float brightness = 1.0f;  ///< Of all lamps, in this frame.
   RayScene solid;
   double bake_seconds = 0.0;
   Shader shader;
   Sensor sensor;
-  int packets;
+  LensRays pixels;                   ///< What a frame casts.
+  LensRays centres;                  ///< One ray through each pixel: for masks.
+  LensRays spread_out;               ///< A few of them meter a first frame.
+  double exposed = camera.exposure;  ///< How long the last frame was [s].
   bool metered = false;
-  std::vector<Directions> table;
   std::vector<Float4> picture;
 };
 
@@ -139,95 +116,59 @@ Shader CameraRenderer::Impl::lit(const LightConditions& light,
   return {scene, map, moved_light(scene, fixed, map), light};
 }
 
-void CameraRenderer::Impl::make_directions() {
-  const Eigen::Matrix3d R_BC = camera_mount(camera.tilt_down).matrix;
-  table.assign(static_cast<std::size_t>(camera.stored_height * packets), Directions{});
-  for (int line = 0; line < camera.stored_height; ++line) {
-    for (int x = 0; x < camera.stored_width; ++x) {
-      for (int sample = 0; sample < kSamples; ++sample) {
-        // A jittered 2 x 2 grid; the stored picture is turned.
-        const auto pixel = static_cast<std::uint32_t>(line * camera.stored_width + x);
-        const auto place = [&](int cell, int key) {
-          const double jitter = kJitter * (hashed(pixel, static_cast<std::uint32_t>(key)) - 0.5);
-          return ((cell + 0.5 + jitter) / 2 - 0.5) * camera.imaging.footprint_px;
-        };
-        const double du = place(sample % 2, 2 * sample), dv = place(sample / 2, 2 * sample + 1);
-        const auto bearing_C =
-            camera.lens.bearing(camera.upright(x, line) + Eigen::Vector2d{du, dv});
-        if (!bearing_C) continue;
-        const Eigen::Vector3f bearing_B = (R_BC * *bearing_C).cast<float>();
-        Directions& d = table[static_cast<std::size_t>(line * packets + x / kColumns)];
-        const int lane = sample * kColumns + x % kColumns;
-        d.x[lane] = bearing_B.x(), d.y[lane] = bearing_B.y(), d.z[lane] = bearing_B.z();
-        d.valid.lane[lane] = -1;
-      }
+/// One for each line and sample. A single ray is cast in the middle of the exposure.
+std::vector<Eye> CameraRenderer::Impl::eyes(const LensRays& lens, double t_start,
+                                            std::span<const BodyPose> history) const {
+  std::vector<Eye> result;
+  for (int i = 0; i < lens.lines(); ++i) {
+    const int line = i * lens.step(), samples = lens.samples();
+    const double share =
+        camera.stored_height > 1 ? static_cast<double>(line) / (camera.stored_height - 1) : 0.0;
+    // Each line deals its quarters of the exposure to the samples anew: blur without a fixed
+    // pattern.
+    const auto key = static_cast<std::uint32_t>(line);
+    const int turn = static_cast<int>(samples * hashed(key, 91));
+    for (int sample = 0; sample < samples; ++sample) {
+      const double part =
+          samples == 1 ? 0.5 : hashed(key, 92u + static_cast<std::uint32_t>(sample));
+      const double within = ((sample + turn) % samples + part) / samples;
+      const double t = t_start + camera.readout * share + exposed * within;
+      result.push_back(eye_of(interpolated(history, t), camera.p_BC));
     }
-  }
-}
-
-Eyes CameraRenderer::Impl::eyes(double t_start, std::span<const BodyPose> history, int line) const {
-  const double share =
-      camera.stored_height > 1 ? static_cast<double>(line) / (camera.stored_height - 1) : 0.0;
-  // Each line deals its quarters of the exposure to the samples anew: blur without a fixed pattern.
-  const auto key = static_cast<std::uint32_t>(line);
-  Eyes result;
-  for (int sample = 0; sample < kSamples; ++sample) {
-    const int quarter = (sample + static_cast<int>(kSamples * hashed(key, 91))) % kSamples;
-    const double within =
-        (quarter + hashed(key, 92u + static_cast<std::uint32_t>(sample))) / kSamples;
-    const double t = t_start + camera.readout * share + sensor.exposure() * within;
-    result[static_cast<std::size_t>(sample)] = eye_of(interpolated(history, t), camera.p_BC);
   }
   return result;
 }
 
-void CameraRenderer::Impl::cast(const Eyes& eyes, const Directions& d, RTCRayHit16& packet,
-                                Float4* pixels) const {
-  for (int sample = 0; sample < kSamples; ++sample) {
-    const auto& [p, R] = eyes[static_cast<std::size_t>(sample)];
-    for (int i = sample * kColumns; i < (sample + 1) * kColumns; ++i) {
-      packet.ray.org_x[i] = p.x(), packet.ray.org_y[i] = p.y(), packet.ray.org_z[i] = p.z();
-      packet.ray.dir_x[i] = R(0, 0) * d.x[i] + R(0, 1) * d.y[i] + R(0, 2) * d.z[i];
-      packet.ray.dir_y[i] = R(1, 0) * d.x[i] + R(1, 1) * d.y[i] + R(1, 2) * d.z[i];
-      packet.ray.dir_z[i] = R(2, 0) * d.x[i] + R(2, 1) * d.y[i] + R(2, 2) * d.z[i];
-      packet.ray.tnear[i] = kNear, packet.ray.tfar[i] = kFar;
-      packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+/// Casts all rays; `take(place, rays)` gets every tile.
+template <class Take>
+void CameraRenderer::Impl::cast(const LensRays& lens, double t_start,
+                                std::span<const BodyPose> history, Take&& take) const {
+  const TileCaster& caster = seen_from(interpolated(history, t_start).p_EB);
+  const std::vector<Eye> from = eyes(lens, t_start, history);
+  const std::vector<Rectangle> walking = scene.walkers_at(t_start);
+  const TileCaster people{{&walking}, static_cast<int>(scene.fixed.size() + standing.size())};
+  RayTile rays;
+  for (int tile = 0; tile < lens.tiles(); ++tile) {
+    lens.aim(tile, from, rays);
+    TileCaster::clear(rays);
+    caster.cast(rays);
+    if (!walking.empty()) people.cast(rays);
+    take(lens.place(tile), rays);
+  }
+}
+
+/// The light of every pixel of the grid, line by line.
+void CameraRenderer::Impl::shoot(const LensRays& lens, double t_start,
+                                 std::span<const BodyPose> history, std::vector<Float4>& radiance) {
+  radiance.resize(static_cast<std::size_t>(lens.width()) * static_cast<std::size_t>(lens.lines()));
+  const int samples = lens.samples();
+  cast(lens, t_start, history, [&](const LensRays::Place& at, const RayTile& rays) {
+    for (int line = 0; line < at.lines; ++line) {
+      Float4* to = radiance.data() + (at.line + line) * lens.width() + at.x;
+      for (int x = 0; x < at.columns; ++x)
+        to[x] = brightness * shader.radiance(rays, line * samples, x, samples);
     }
-  }
-  now_visible->intersect(d.valid, packet, RayScene::Rays::kCoherent);
-  std::fill_n(pixels, kColumns, Float4{});
-  for (int i = 0; i < kPacket; ++i) {
-    if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    const unsigned hit = packet.hit.primID[i];
-    const Eigen::Vector3f& n = shader.normal(hit);
-    const float facing =
-        n.x() * packet.ray.dir_x[i] + n.y() * packet.ray.dir_y[i] + n.z() * packet.ray.dir_z[i];
-    if (facing < 0.0f)
-      pixels[i % kColumns] +=
-          (brightness / kSamples) * shader.radiance(hit, packet.hit.u[i], packet.hit.v[i]);
-  }
-}
-
-void CameraRenderer::Impl::render_line(double t_start, std::span<const BodyPose> history,
-                                       int line) {
-  const Eyes from = eyes(t_start, history, line);
-  RTCRayHit16 packet{};
-  for (int p = 0; p < packets; ++p) {
-    std::array<Float4, kColumns> pixels;
-    cast(from, table[static_cast<std::size_t>(line * packets + p)], packet, pixels.data());
-    std::copy_n(pixels.begin(), std::min(kColumns, camera.stored_width - p * kColumns),
-                picture.begin() + line * camera.stored_width + p * kColumns);
-  }
-}
-
-void CameraRenderer::Impl::meter(double t_start, std::span<const BodyPose> history) {
-  std::vector<Float4> radiances;
-  for (int line = 0; line < camera.stored_height; line += kMeterStep) {
-    render_line(t_start, history, line);
-    for (int x = 0; x < camera.stored_width; x += kMeterStep)
-      radiances.push_back(picture[static_cast<std::size_t>(line * camera.stored_width + x)]);
-  }
-  sensor.meter(radiances);
+  });
 }
 
 BodyPose interpolated(std::span<const BodyPose> history, double t) {
@@ -252,13 +193,16 @@ CameraRenderer::~CameraRenderer() = default;
 
 void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
                             std::vector<std::uint8_t>& uyvy) {
-  impl_->now_visible = &impl_->seen_from(interpolated(history, t_start).p_EB);
-  impl_->walk(t_start);
+  impl_->solid.move(impl_->scene.walkers_at(t_start));
   impl_->brightness = within(impl_->lamps_out, t_start) ? kLampsOut : 1.0f;
-  if (!impl_->metered) impl_->meter(t_start, history);
-  impl_->metered = true;
-  for (int line = 0; line < impl_->camera.stored_height; ++line)
-    impl_->render_line(t_start, history, line);
+  if (!impl_->metered) {
+    impl_->exposed = impl_->sensor.exposure();
+    impl_->shoot(impl_->spread_out, t_start, history, impl_->picture);
+    impl_->sensor.meter(impl_->picture);
+    impl_->metered = true;
+  }
+  impl_->exposed = impl_->sensor.exposure();
+  impl_->shoot(impl_->pixels, t_start, history, impl_->picture);
   impl_->sensor.develop(frame, t_start, impl_->picture, uyvy);
   if (impl_->camera.jpeg_quality > 0)
     through_jpeg(uyvy, impl_->camera.stored_width, impl_->camera.stored_height,
@@ -271,33 +215,22 @@ std::vector<std::uint8_t> CameraRenderer::gate_mask(double t_start,
                                                     std::span<const BodyPose> history) const {
   const CameraTruth& camera = impl_->camera;
   const int width = camera.width(), height = camera.height();
-  const RayScene& visible = impl_->seen_from(interpolated(history, t_start).p_EB);
-  const Eigen::Matrix3f R_BC = camera_mount(camera.tilt_down).matrix.cast<float>();
-  const std::size_t fixed = impl_->scene.fixed.size();
+  const auto fixed = static_cast<int>(impl_->scene.fixed.size());
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
-  for (int line = 0; line < camera.stored_height; ++line) {
-    const double share =
-        camera.stored_height > 1 ? static_cast<double>(line) / (camera.stored_height - 1) : 0.0;
-    const double t = t_start + camera.readout * share + 0.5 * impl_->sensor.exposure();
-    const Eye eye = eye_of(interpolated(history, t), camera.p_BC);
-    for (int x = 0; x < camera.stored_width; ++x) {
-      const Eigen::Vector2d px = camera.upright(x, line);
-      const auto bearing_C = camera.lens.bearing(px);
-      if (!bearing_C) continue;
-      const Eigen::Vector3f d = eye.R_EB * (R_BC * bearing_C->cast<float>());
-      RTCRayHit ray{};
-      ray.ray.org_x = eye.p_EC.x(), ray.ray.org_y = eye.p_EC.y(), ray.ray.org_z = eye.p_EC.z();
-      ray.ray.dir_x = d.x(), ray.ray.dir_y = d.y(), ray.ray.dir_z = d.z();
-      ray.ray.tnear = kNear, ray.ray.tfar = kFar;
-      ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      visible.intersect(ray);
-      if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID || ray.hit.primID < fixed) continue;
-      const Rectangle& hit = impl_->scene.moved[ray.hit.primID - fixed];
-      if (hit.bar)
-        mask[static_cast<std::size_t>(std::lround(px.y()) * width + std::lround(px.x()))] =
-            static_cast<std::uint8_t>(hit.gate < 0 ? 255 : std::min(hit.gate + 1, 254));
-    }
-  }
+  impl_->cast(impl_->centres, t_start, history,
+              [&](const LensRays::Place& at, const RayTile& rays) {
+                for (int line = 0; line < at.lines; ++line)
+                  for (int x = 0; x < at.columns; ++x) {
+                    const int number = rays.hit[line * RayTile::kLanes + x] - fixed;
+                    if (number < 0) continue;
+                    const Rectangle& hit = impl_->scene.moved[static_cast<std::size_t>(number)];
+                    if (!hit.bar) continue;
+                    const Eigen::Vector2d px = camera.upright(at.x + x, at.line + line);
+                    mask[static_cast<std::size_t>(std::lround(px.y()) * width +
+                                                  std::lround(px.x()))] =
+                        static_cast<std::uint8_t>(hit.gate < 0 ? 255 : std::min(hit.gate + 1, 254));
+                  }
+              });
   return mask;
 }
 
@@ -322,6 +255,8 @@ double CameraRenderer::range(const Eigen::Vector3d& from_E, const Eigen::Vector3
   impl_->solid.intersect(ray);
   return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? max : static_cast<double>(ray.ray.tfar);
 }
+
+double CameraRenderer::exposure() const { return impl_->exposed; }
 
 double CameraRenderer::bake_seconds() const { return impl_->bake_seconds; }
 

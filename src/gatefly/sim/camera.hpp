@@ -24,7 +24,7 @@ struct BodyPose {
 /// The pose at `t` between the two nearest ones (the quaternion not normalised); ends are held.
 [[nodiscard]] BodyPose interpolated(std::span<const BodyPose> history, double t);
 
-/// Casts the lens's pixels into the world with Embree and pushes the light through a sensor model.
+/// Casts the lens's pixels into the world and pushes the light through a sensor model.
 ///
 /// Rolling shutter (one time per stored line), motion blur (one time and pose per sample), baked
 /// light map for the static room, direct shading of what a seed moves, auto-exposure with a lag,
@@ -60,6 +60,9 @@ class CameraRenderer final : public Sight {
                               const Eigen::Vector3d& to_E) const override;
   [[nodiscard]] double range(const Eigen::Vector3d& from_E, const Eigen::Vector3d& direction_E,
                              double max) const override;
+
+  /// How long each line of the last frame was exposed [s].
+  [[nodiscard]] double exposure() const;
 
   /// Seconds the bake took; 0 when it came from the cache.
   [[nodiscard]] double bake_seconds() const;

@@ -206,6 +206,7 @@ void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3
   r.flat = std::max(first.norm(), second.norm()) < kFlatBelow;
   r.gate = gate_;
   r.bar = bars_;
+  r.closed = closed_;
   list.push_back(r);
 }
 
@@ -216,12 +217,14 @@ void SceneBuilder::box(const FloorFrame& frame, const Eigen::Vector3d& low,
   const Eigen::Vector3d a = frame.at(high.x(), low.y(), low.z()) - corner;
   const Eigen::Vector3d b = frame.at(low.x(), high.y(), low.z()) - corner;
   const Eigen::Vector3d h{0, 0, low.z() - high.z()};
+  closed_ = true;
   rectangle(corner, b, h, -a, material);
   rectangle(corner + a, b, h, a, material);
   rectangle(corner, a, h, -b, material);
   rectangle(corner + b, a, h, b, material);
   rectangle(opposite - a - b, a, b, h, material);
   if (low.z() > 0.0) rectangle(corner, a, b, -h, material);
+  closed_ = false;
 }
 
 void SceneBuilder::pole(const FloorFrame& frame, double diameter, double bottom, double top,

@@ -44,9 +44,10 @@ struct Rectangle {
   int material = 0;
   int first_node = 0;  ///< Its slot in the light map: (cells_u + 1)(cells_v + 1) nodes, u fastest.
   int cells_u = 1, cells_v = 1;
-  bool flat = false;  ///< So small that one value of light does for all nodes.
-  int gate = -1;      ///< Of World::gates that it belongs to; -1: of none.
-  bool bar = false;   ///< Of a gate's coloured frame.
+  bool flat = false;    ///< So small that one value of light does for all nodes.
+  int gate = -1;        ///< Of World::gates that it belongs to; -1: of none.
+  bool bar = false;     ///< Of a gate's coloured frame.
+  bool closed = false;  ///< Of a box or pole: from outside, its back is hidden by the others.
 
   [[nodiscard]] int nodes() const { return (cells_u + 1) * (cells_v + 1); }
 };
@@ -132,7 +133,7 @@ class SceneBuilder {
   Scene& scene_;
   Layer layer_ = Layer::kFixed;
   int gate_ = -1;
-  bool bars_ = false;
+  bool bars_ = false, closed_ = false;
 };
 
 /// Draws the looks. The builder's layer is kFixed.

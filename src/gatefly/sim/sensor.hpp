@@ -48,6 +48,7 @@ class Sensor {
   double longest_exposure_, target_, noise_scale_;
   float saturation_, red_shift_;
   int chroma_smoothing_;
+  bool fast_;  // without bloom, fringes and glare
   Float4 tint_{};
   std::uint64_t seed_;
   double brightness_ = 1.0, exposure_, gain_ = 1.0;

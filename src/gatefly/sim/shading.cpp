@@ -2,8 +2,11 @@
 #include "gatefly/sim/shading.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/random.hpp"
 
 namespace gatefly::sim {
 namespace {
@@ -20,8 +23,52 @@ Float4 with_gains(const NodeLight& node, const LightConditions& light) {
   Color sum{};
   for (std::size_t group = 0; group < light.group_gain.size(); ++group)
     for (std::size_t c = 0; c < 3; ++c)
-      sum[c] += static_cast<float>(light.group_gain[group] / kPi) * node[3 * group + c];
+      sum[c] += static_cast<float>(light.group_gain[group] * light.group_color[group][c] / kPi) *
+                node[3 * group + c];
   return to_float4(sum);
+}
+
+Float4 emission_of(const Material& m, const LightConditions& light) {
+  const auto group = static_cast<std::size_t>(m.group);
+  Color emission = m.emission;
+  for (std::size_t c = 0; c < 3; ++c)
+    emission[c] *= static_cast<float>(light.group_gain[group] * light.group_color[group][c]);
+  return to_float4(emission);
+}
+
+Color times(const Color& color, double factor, const std::array<double, 3>& tint) {
+  Color result;
+  for (std::size_t c = 0; c < 3; ++c)
+    result[c] = std::clamp(static_cast<float>(factor * tint[c]) * color[c], 0.01f, 0.9f);
+  return result;
+}
+
+/// The same surface in another room: lighter or darker by up to a factor of two, tinted by up to
+/// 20 %, with other contrasts; a third of the plain ones get a pattern. Each material's draws are
+/// its own.
+Material redecorated(const Material& m, std::size_t number, std::uint64_t seed) {
+  Stream stream{seed, "surface " + std::to_string(number)};
+  const auto factor = [&] {
+    const double x = stream.uniform();
+    return 0.5 + 0.5 * x + x * x;  // 0.5 .. 2
+  };
+  const auto tint = [&] {
+    return std::array{stream.uniform(0.8, 1.2), stream.uniform(0.8, 1.2), stream.uniform(0.8, 1.2)};
+  };
+  Material other = m;
+  const double scale = stream.uniform(0.5, 2.0), chance = stream.uniform(),
+               cells = stream.uniform(0.5, 6.0);
+  const double first = factor(), second = factor();
+  const auto first_tint = tint(), second_tint = tint();
+  other.albedo = times(m.albedo, first, first_tint);
+  other.second = times(m.pattern == Pattern::kPlain ? other.albedo : m.second, second, second_tint);
+  other.scale = static_cast<float>(scale) * m.scale;
+  if (m.pattern != Pattern::kPlain || chance > 1.0 / 3) return other;
+  constexpr std::array kPatterns{Pattern::kGrain, Pattern::kTiles, Pattern::kPlanks,
+                                 Pattern::kBlocks};
+  other.pattern = kPatterns[std::min(static_cast<std::size_t>(12 * chance), kPatterns.size() - 1)];
+  other.scale = static_cast<float>(cells);
+  return other;
 }
 
 }  // namespace
@@ -39,13 +86,14 @@ void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles
   const int before = static_cast<int>(nodes_.size());
   for (const NodeLight& node : map.nodes) nodes_.push_back(with_gains(node, light));
   for (const Rectangle& r : rectangles) {
-    const Material& m = scene.materials[static_cast<std::size_t>(r.material)];
-    const float gain = static_cast<float>(light.group_gain[static_cast<std::size_t>(m.group)]);
+    const auto number = static_cast<std::size_t>(r.material);
+    const Material& nominal = scene.materials[number];
+    const bool changed = light.surfaces != 0 && &rectangles == &scene.fixed;
+    const Material m = changed ? redecorated(nominal, number, light.surfaces) : nominal;
     Surface s{};
     s.albedo = to_float4(m.albedo);
     s.to_second = to_float4(m.second) - s.albedo;
-    s.emission = to_float4(m.emission) * gain;
-    s.normal = r.normal;
+    s.emission = emission_of(m, light);
     s.pattern_u = r.length.x() * m.scale;
     s.pattern_v = r.length.y() * m.scale;
     s.cells_u = static_cast<float>(r.cells_u);
@@ -85,19 +133,52 @@ float Shader::second_share(const Surface& s, float u, float v) const {
   return 0.0f;
 }
 
-Float4 Shader::radiance(unsigned rectangle, float u, float v) const {
-  const Surface& s = surfaces_[rectangle];
-  const float x = std::max(u, 0.0f) * s.cells_u, y = std::max(v, 0.0f) * s.cells_v;
+inline Float4 Shader::light(const Surface& s, float u, float v) const {
+  const float x = u * s.cells_u, y = v * s.cells_v;
   const int i = std::min(static_cast<int>(x), s.last_u),
             j = std::min(static_cast<int>(y), s.last_v);
   const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
   const Float4* node = nodes_.data() + s.first_node + j * s.row + i;
   const Float4 top = node[0] + fx * (node[1] - node[0]);
   const Float4 low = node[s.row] + fx * (node[s.row + 1] - node[s.row]);
-  const Float4 light = top + fy * (low - top);
-  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light;
+  return top + fy * (low - top);
+}
+
+Float4 Shader::radiance(unsigned rectangle, float u, float v) const {
+  const Surface& s = surfaces_[rectangle];
+  const Float4 light_here = light(s, std::max(u, 0.0f), std::max(v, 0.0f));
+  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light_here;
   const float share = second_share(s, std::max(u, 0.0f), std::max(v, 0.0f));
-  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light;
+  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light_here;
+}
+
+Float4 Shader::radiance(const RayTile& rays, int group, int lane, int samples) const {
+  constexpr int kLanes = RayTile::kLanes;
+  const int first = group * kLanes + lane, end = first + samples * kLanes;
+  const float each = 1.0f / static_cast<float>(samples);
+  const int hit = rays.hit[first];
+  if (samples == 1)
+    return hit < 0 ? Float4{} : radiance(static_cast<unsigned>(hit), rays.u[first], rays.v[first]);
+  bool same = true;
+  float u = 0.0f, v = 0.0f;
+  for (int i = first; i < end; i += kLanes)
+    same = same && rays.hit[i] == hit, u += rays.u[i], v += rays.v[i];
+  if (!same) {
+    Float4 sum{};
+    for (int i = first; i < end; i += kLanes)
+      if (rays.hit[i] >= 0)
+        sum += radiance(static_cast<unsigned>(rays.hit[i]), rays.u[i], rays.v[i]);
+    return each * sum;
+  }
+  if (hit < 0) return Float4{};
+  const Surface& s = surfaces_[static_cast<unsigned>(hit)];
+  const Float4 light_here = light(s, std::max(each * u, 0.0f), std::max(each * v, 0.0f));
+  if (s.pattern == Pattern::kPlain) return s.emission + s.albedo * light_here;
+  float share = 0.0f;
+  for (int i = first; i < end; i += kLanes)
+    share += second_share(s, std::max(rays.u[i], 0.0f), std::max(rays.v[i], 0.0f));
+  share *= each;
+  return (0.5f + share) * s.emission + (s.albedo + share * s.to_second) * light_here;
 }
 
 }  // namespace gatefly::sim

@@ -6,6 +6,7 @@
 
 #include "gatefly/sim/light_map.hpp"
 #include "gatefly/sim/scene.hpp"
+#include "gatefly/sim/tile_caster.hpp"
 #include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
@@ -24,10 +25,11 @@ class Shader {
   /// A pattern also modulates what its surface emits. Cost: four nodes, allocates nothing.
   [[nodiscard]] Float4 radiance(unsigned rectangle, float u, float v) const;
 
-  /// The rectangle's normal, earth frame.
-  [[nodiscard]] const Eigen::Vector3f& normal(unsigned rectangle) const {
-    return surfaces_[rectangle].normal;
-  }
+  /// Mean radiance of one pixel's rays: of `samples` groups from `group` on, the ray `lane` of each.
+  ///
+  /// Where all hit the same rectangle its light is looked up once, in their middle; the pattern for
+  /// each of them.
+  [[nodiscard]] Float4 radiance(const RayTile& rays, int group, int lane, int samples) const;
 
  private:
   static constexpr int kNoise = 64;  // side of the noise table
@@ -35,7 +37,6 @@ class Shader {
   /// Everything one look-up needs, side by side in memory.
   struct Surface {
     Float4 albedo, to_second, emission;
-    Eigen::Vector3f normal;
     float pattern_u, pattern_v, cells_u, cells_v;
     int last_u, last_v, first_node, row;
     unsigned salt;
@@ -47,6 +48,7 @@ class Shader {
   [[nodiscard]] float noise(unsigned x, unsigned y) const {
     return noise_[(y % kNoise) * kNoise + x % kNoise];
   }
+  [[nodiscard]] Float4 light(const Surface& surface, float u, float v) const;
   [[nodiscard]] float second_share(const Surface& surface, float u, float v) const;
 
   std::vector<Surface> surfaces_;

@@ -13,6 +13,7 @@
 #include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/random.hpp"
 #include "gatefly/sim/solids.hpp"
+#include "gatefly/simulated_race/varied_look.hpp"
 
 namespace gatefly::tasks {
 namespace {
@@ -32,6 +33,7 @@ sim::BodyPose pose_of(double t, const Eigen::Vector3d& p_EB, const Attitude& att
 std::vector<Moment> moments_of_race(closed_loop::RaceConfig race) {
   constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
   race.vision = closed_loop::Vision::kIdeal;
+  race.pilot.track.laps = 1;  // the others look alike
   std::vector<sim::BodyPose> poses;
   std::vector<double> starts;
   (void)closed_loop::fly(race, [&](const Tick& tick) {
@@ -155,6 +157,14 @@ std::string look_of_day(const std::string& own, std::size_t day) {
   return looks[(static_cast<std::size_t>(first) + day) % looks.size()];
 }
 
+std::vector<Eigen::Vector3d> places_of(const std::vector<Moment>& moments) {
+  std::vector<Eigen::Vector3d> places;
+  for (const Moment& moment : moments)
+    for (const sim::BodyPose& pose : {moment.history.front(), moment.history.back()})
+      places.push_back(pose.p_EB);
+  return places;
+}
+
 }  // namespace
 
 std::size_t days_of(const PictureOrder& order) {
@@ -165,10 +175,11 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
                 const std::function<bool(Picture&&)>& each) {
   Race race = maker.race(order.first_seed + day);
   if (order.varied) race.config.sim.world.look = look_of_day(race.config.sim.world.look, day);
-  const sim::SimConfig& s = race.config.sim;
   const std::size_t first = day * order.per_day;
   const std::size_t count = std::min(order.per_day, order.pictures - first);
   const std::vector<Moment> moments = moments_of_day(race, order, count);
+  if (order.varied) vary(race.config.sim, race.identity.seed, places_of(moments));
+  const sim::SimConfig& s = race.config.sim;
   sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1};
   const double middle = 0.5 * (s.camera.exposure + s.camera.readout);
   for (std::size_t i = 0; i < moments.size(); ++i) {
@@ -177,7 +188,9 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
     renderer.meter_anew();
     renderer.render(static_cast<std::uint32_t>(i + 1), moment.start, moment.history, picture.uyvy);
     picture.pose = sim::interpolated(moment.history, moment.start + middle);
-    picture.gates = sim::gates_in_view(s.world, s.camera, renderer, moment.start, moment.history);
+    sim::CameraTruth camera = s.camera;
+    camera.exposure = renderer.exposure();  // bright light shortens it
+    picture.gates = sim::gates_in_view(s.world, camera, renderer, moment.start, moment.history);
     if (order.masks) picture.mask = renderer.gate_mask(moment.start, moment.history);
     if (!each(std::move(picture))) return;
   }

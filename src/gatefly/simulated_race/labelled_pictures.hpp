@@ -21,7 +21,7 @@ struct PictureOrder {
   /// 1 σ by which pictures of a race are turned away from its attitudes, roll; yaw 0.8, pitch 0.5
   /// times as much: as a camera held by hand is [rad].
   double shake = 0.0;
-  bool varied = false;  ///< Rooms take turns, too.
+  bool varied = false;  ///< Looks take turns, and all else is drawn: varied_look.hpp.
   bool masks = false;
 };
 

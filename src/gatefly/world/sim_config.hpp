@@ -106,6 +106,7 @@ struct CameraTruth {
   int jpeg_quality = 0;
   double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
   double readout = 0.020;   ///< From the first to the last stored line [s].
+  bool fast = false;        ///< One ray a pixel: no motion blur, no softness, no bloom, no glare.
   Imaging imaging;
 
   /// Of the upright picture.
@@ -153,11 +154,16 @@ struct LightConditions {
   static constexpr int kGroups = 3;  ///< e.g. ceiling, showcases, windows
   /// Relative brightness of each light group.
   std::array<double, kGroups> group_gain{1, 1, 1};
+  /// And their colours: gains r, g, b.
+  std::array<std::array<double, 3>, kGroups> group_color{{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
   /// Amount of light the exposure aims at, relative to nominal.
   double exposure_target = 1.0;
   std::array<double, 3> white_balance{1, 1, 1};  ///< Gains r, g, b.
   double noise_scale = 1.0;
-  During out{0, 0};  ///< When all lamps are down to a fiftieth.
+  During out{0, 0};   ///< When all lamps are down to a fiftieth.
+  double blur = 1.0;  ///< Side of what a pixel sees, relative to nominal: above 1 is less sharp.
+  /// Not 0: walls, floor and clutter have other albedos and patterns, drawn by this seed.
+  std::uint64_t surfaces = 0;
 };
 
 /// How detections are drawn when no pictures are rendered.
