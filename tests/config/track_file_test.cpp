@@ -151,7 +151,7 @@ TEST(TrackFile, BrokenTomlNamesTheLineAndAMissingFileItsName) {
 TEST(TrackFile, UnknownNamesListTheTracksThereAre) {
   EXPECT_THAT(
       test::error_of([] { (void)find_track("shworoom"); }),
-      AllOf(HasSubstr("figure8, flights, lanes, oval"), HasSubstr("did you mean 'showroom'")));
+      AllOf(HasSubstr("darkhall, exhibition, figure8, flights, grandprix, lanes, oval"), HasSubstr("did you mean 'showroom'")));
 }
 
 TEST(TrackFile, ShowroomHasFiveGatesTwentyThreeBoxesAndThreeLaps) {

@@ -160,6 +160,7 @@ class CameraRendererTest : public testing::Test {
   static World room() {
     World world;
     world.room_size = {8, 8, 3.2};
+    world.paint = {.width = 1.0, .blue = 1.0, .wear = 0.0};
     return world;
   }
   static World room_with(std::vector<WorldGate> gates) {
@@ -183,7 +184,13 @@ class CameraRendererTest : public testing::Test {
     });
   }
 
-  CameraTruth camera;
+  /// Without what the Bebop's image processing does to colours: where things are is asked here.
+  CameraTruth camera = [] {
+    CameraTruth plain;
+    plain.imaging = {
+        .footprint_px = 1.6, .red_shift_px = 0.0, .chroma_smoothing = 1, .saturation = 1.1};
+    return plain;
+  }();
   LightConditions light = [] {
     LightConditions quiet;
     quiet.noise_scale = 0.0;
@@ -282,6 +289,48 @@ TEST_F(CameraRendererTest, AGateShowsItsOwnColour) {
     const double angle = std::acos(seen.normalized().dot(expected.normalized())) / kDegree;
     EXPECT_LT(angle, 30.0) << color.transpose() << ": " << seen.transpose();
   }
+}
+
+// Red lies above green and blue by that much, and smoothing spreads colour along upright lines.
+TEST_F(CameraRendererTest, RedIsDisplacedAndColourSmoothedAsAsked) {
+  const Vector3d p_E = point_at(camera, kMiddle, {120, 90}, 2.0);
+  World with = room();
+  with.decoys = {sheet(p_E, kMiddle, kOrange)};
+  const auto blob = [&] {
+    return difference(picture(with, kMiddle), picture(room(), kMiddle), Chroma::kCr, {120, 90},
+                      {9, 9});
+  };
+  const Vector2d plain = blob().centre;
+  camera.imaging.red_shift_px = 0.6;
+  const Vector2d shifted = blob().centre;
+  EXPECT_LT(shifted.y(), plain.y() - 0.2);
+  EXPECT_NEAR(shifted.x(), plain.x(), 0.1);
+  camera.imaging.red_shift_px = 0.0;
+  camera.imaging.chroma_smoothing = 3;
+  EXPECT_NEAR((blob().centre - plain).norm(), 0.0, 0.3);
+}
+
+TEST_F(CameraRendererTest, WornPaintIsUnevenAndNarrowPaintShowsLessColour) {
+  const WorldGate gate{.p_EG = {1.5, 0.0, -1.5}};
+  const auto reds = [&](const GatePaint& paint) {
+    World world = room_with({gate});
+    world.paint = paint;
+    const Picture seen = picture(world, kMiddle);
+    double sum = 0.0, steps = 0.0, last = 0.0;
+    for (double z = -0.4; z <= 0.4; z += 0.01) {
+      const Vector2d px =
+          projected(camera, kMiddle, gate.p_EG + Vector3d{-0.025, -0.475, z}).value();
+      const double cr = seen.at(static_cast<int>(px.x() + 0.5), static_cast<int>(px.y() + 0.5)).v;
+      sum += cr, steps += z > -0.4 ? std::abs(cr - last) : 0.0, last = cr;
+    }
+    return std::pair{sum / 81.0, steps};
+  };
+  const auto [fresh, fresh_steps] = reds({.width = 1.0, .blue = 1.0, .wear = 0.0});
+  const auto [worn, worn_steps] = reds({.width = 1.0, .blue = 1.0, .wear = 0.8});
+  const auto [narrow, narrow_steps] = reds({.width = 0.3, .blue = 1.0, .wear = 0.0});
+  EXPECT_LT(worn, fresh);
+  EXPECT_GT(worn_steps, 1.5 * fresh_steps);
+  EXPECT_LT(narrow, fresh - 3.0);
 }
 
 TEST_F(CameraRendererTest, WhatIsBehindTheCameraIsNotSeen) {
@@ -443,10 +492,12 @@ TEST_F(CameraRendererTest, TheSameSeedAndFrameGiveTheSameBytesAndOthersOtherNois
 TEST_F(CameraRendererTest, AutoExposureMakesADimDayAsBrightAsABrightOne) {
   const double nominal = picture(room(), kMiddle).mean_y();
   EXPECT_NEAR(nominal, 117, 12);  // the meter sees one pixel in 36, and cuts bright places
-  for (const double gain : {0.3, 3.0}) {
+  for (const double gain : {0.7, 3.0}) {
     light.group_gain = {gain, gain, gain};
     EXPECT_NEAR(picture(room(), kMiddle).mean_y(), nominal, 2) << gain;
   }
+  light.group_gain = {0.1, 0.1, 0.1};
+  EXPECT_LT(picture(room(), kMiddle).mean_y(), nominal - 20) << "beyond the reach of the gain";
   light.group_gain = {1, 1, 1};
   light.exposure_target = 0.5;
   EXPECT_LT(picture(room(), kMiddle).mean_y(), nominal - 8);

@@ -107,10 +107,10 @@ TEST(People, AreSeenWhereTheyAreWhenThePictureIsTaken) {
 TEST(People, HideWhatIsBehindThemAndStopRays) {
   FrameOf frame{room_with_a_walker()};
   const Vector3d eye{0, 0, -1.2}, behind{3.8, 0, -1.2};
-  frame.at(2.0);
+  (void)frame.at(2.0);
   EXPECT_TRUE(frame.renderer().occluded(eye, behind));
   EXPECT_LT(frame.renderer().range(eye, {1, 0, 0}, 9.0), 3.1);
-  frame.at(0.0);
+  (void)frame.at(0.0);
   EXPECT_FALSE(frame.renderer().occluded(eye, behind));
   EXPECT_NEAR(frame.renderer().range(eye, {1, 0, 0}, 9.0), 4.0, 1e-3);
 }

@@ -50,8 +50,9 @@ Numbers numbers_of(const SimConfig& config) {
   put(n, "bake_threads", bake_threads);
   put(n, "ideal_vision.outliers", ideal_vision.outliers);
   {
-    const auto& [look, room_size, room_center, gates, false_gates, obstacles, decoys, people] =
-        world;
+    const auto& [look, room_size, room_center, gates, false_gates, paint, obstacles, decoys,
+                 people] = world;
+    put(n, "paint", std::array{paint.width, paint.blue, paint.wear});
     put(n, "false_gates", static_cast<double>(false_gates.size()));
     put(n, "room_size", room_size);
     put(n, "room_center", room_center);
@@ -142,6 +143,9 @@ Numbers numbers_of(const SimConfig& config) {
                    double(jpeg_quality)});
     put(n, "shutter", std::array{exposure, readout});
     put(n, "fast", double(fast));
+    put(n, "imaging.saturation", imaging.saturation);
+    put(n, "imaging",
+        std::array{imaging.footprint_px, imaging.red_shift_px, double(imaging.chroma_smoothing)});
   }
   {
     const auto& [group_gain, group_color, exposure_target, white_balance, noise_scale, out, blur,
@@ -282,6 +286,7 @@ const std::vector<Draw>& draws() {
        0.08,
        kScales,
        {{"white_balance.0"}, {"white_balance.1"}, {"white_balance.2"}}},
+      {"saturation", &Randomize::saturation, 0.2, kScales, {{"imaging.saturation"}}},
       {"frame_loss", &Randomize::frame_loss, 0.02, kAddsItself, {{"frame_loss"}}},
       {"latency_jitter", &Randomize::latency_jitter, 0.01, kAddsItself, {{"latency_jitter"}}},
       {"wind", &Randomize::wind, 0.5, kAdds, {{"wind.mean.0"}, {"wind.mean.1"}}},
@@ -349,10 +354,10 @@ TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
   Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
-         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, decoys, people] = sigma;
+         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, decoys, people] = sigma;
   const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,  &m10,
                                   &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19, &m20, &m21,
-                                  &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29, &m30, &m31, &m32};
+                                  &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29, &m30, &m31, &m32, &m33};
   // These have tests of their own below.
   static_assert(std::is_same_v<decltype(decoys), int>);
   static_assert(std::is_same_v<decltype(people), int>);

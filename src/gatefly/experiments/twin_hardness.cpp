@@ -3,7 +3,6 @@
 // recording, by apparent size.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -31,17 +30,7 @@ std::vector<std::string> as_real(std::vector<std::string> settings = {}) {
                   {"camera.model=\"kannala-brandt\"", "camera.focal_px=[169.229,169.453]",
                    "camera.center_px=[149.328,124.1]",
                    "camera.distortion=[-0.016054,-0.026981,0.0,0.0]", "randomize.decoys=0",
-       "randomize.light_percent=20", "randomize.saturation_percent=8", "randomize.hue_deg=3"});
-  return settings;
-}
-
-std::vector<std::string> cyberzoo() {
-  std::vector<std::string> settings{"faults.hue_deg=10", "sim.saturation=1.9", "randomize.light_percent=20", "randomize.saturation_percent=8", "randomize.hue_deg=3"};
-  if (const char* t = std::getenv("GATEFLY_TWIN")) {
-    std::string s = t;
-    for (std::size_t i; (i = s.find(';')) != std::string::npos; s = s.substr(i + 1)) settings.push_back(s.substr(0, i));
-    settings.push_back(s);
-  }
+       "randomize.saturation_percent=8", "randomize.hue_deg=3"});
   return settings;
 }
 
@@ -58,7 +47,7 @@ std::vector<Group> groups() {
              .track = "showroom",
              .recording = io::Recording::kMjpegLow,
              .shake_deg = 4.0,
-             .settings = as_real()}}},
+             .settings = as_real({"sim.saturation=1.15"})}}},
           {"basement32_hq and cyberzoo",
            {{.set = "basement32_hq",
              .config = "basement",
@@ -71,11 +60,10 @@ std::vector<Group> groups() {
              .track = "darkhall",
              .recording = io::Recording::kJpeg,
              .shake_deg = 20.0,
-             .settings = as_real(cyberzoo())}}}};
+             .settings = as_real({"faults.hue_deg=10", "sim.saturation=1.9", "randomize.light_percent=20"})}}}};
 }
 
 TwinOrder order_of(const Group& group, const Options& options) {
-  if (std::getenv("T_DAYS")) return {.first_seed = kLookedAt, .days = 100, .per_day = 20};
   if (options.quick) return {.first_seed = kLookedAt, .days = 30, .per_day = 20};
   return {.first_seed = kReported, .days = 100, .per_day = group.rooms.size() > 1 ? 20u : 30u};
 }

@@ -303,7 +303,8 @@ Scene make_scene(const World& world) {
   const auto movable = [&](SceneBuilder::Layer layer) {
     builder.layer(layer);
     const auto add = [&](const WorldGate& gate) {
-      add_gate(builder, gate, world.paint.width, painted(builder, gate, world.paint), pole, foot);
+      const double width = layer == SceneBuilder::Layer::kMoved ? world.paint.width : 1.0;
+      add_gate(builder, gate, width, painted(builder, gate, world.paint), pole, foot);
     };
     for (std::size_t i = 0; i < world.gates.size(); ++i) {
       builder.gate(static_cast<int>(i));

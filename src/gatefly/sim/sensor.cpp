@@ -22,7 +22,7 @@ constexpr double kLag = 0.4;                               // of the auto-exposu
 constexpr float kFullWell = 12000.0f, kReadNoise = 12.0f;  // [electrons]
 // Whites of the real pictures lie near 235, blacks near 66. Blacks are purple, Cb 138 and Cr 130;
 // at Y 100 nothing is left of that.
-constexpr Float4 kPurple{3.0f, -5.0f, 18.0f, 0.0f};
+constexpr Float4 kPurple{2.4f, -4.0f, 14.4f, 0.0f};
 constexpr float kBlack = 66.0f, kToe = 0.004f;
 constexpr Float4 kFull{1.30f, 0.91f, 0.85f, 0.0f};  // where a channel clips: lamps come out pink
 constexpr Float4 kTint{0.56f, 1.0f, 0.90f, 0.0f};   // grey comes out cyan

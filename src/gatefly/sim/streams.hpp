@@ -15,6 +15,7 @@ inline constexpr std::array kStreams{
     std::string_view{"start"}, std::string_view{"camera"}, std::string_view{"vehicle"},
     std::string_view{"bias"}, std::string_view{"imbalance"}, std::string_view{"warming"},
     std::string_view{"wind level"}, std::string_view{"false gates"},
+    std::string_view{"colors"}, std::string_view{"people"},
     // tick by tick
     std::string_view{"imu"}, std::string_view{"sonar"}, std::string_view{"baro"},
     std::string_view{"wind"}, std::string_view{"camera schedule"},
@@ -32,8 +33,12 @@ inline constexpr std::array kStreams{
     std::string_view{"ideal parts "}, std::string_view{"ideal false lower where "},
     std::string_view{"ideal false bars where "},
     // the rooms, the same for every seed
-    std::string_view{"hall"}, std::string_view{"showroom"},
+    std::string_view{"hall"}, std::string_view{"showroom"}, std::string_view{"dark hall"},
+    std::string_view{"exhibition"},
     // poses and moments of `gatefly render`
-    std::string_view{"poses"}, std::string_view{"pictures"}};
+    std::string_view{"poses"}, std::string_view{"pictures"}, std::string_view{"varied lamps"},
+    std::string_view{"varied gates"}, std::string_view{"varied clutter"},
+    std::string_view{"varied camera"}, std::string_view{"varied sensor"},
+    std::string_view{"varied recording"}};
 
 }  // namespace gatefly::sim
