@@ -118,11 +118,17 @@ TEST(Derived, CornersOfAnotherKindScaleTheDetectorsFrame) {
 
 // What a team does not know of its drone: the pilot is told the file's inertia, the body has another.
 TEST(Derived, TheTrueInertiaIsTheSimulatorsAlone) {
-  const Told told{{"vehicle.inertia_kgm2=[0.001, 0.002, 0.004]", "sim.inertia_ratio=[1, 3, 0.5]",
+  const Told told{{"vehicle.inertia_kgm2=[0.002, 0.002, 0.003]", "sim.inertia_ratio=[1, 1.5, 0.5]",
                    "sim.air_moment_nms_per_m=[0.01, 0.02]"}};
-  EXPECT_EQ(told.pilot.vehicle.inertia, Eigen::Vector3d(0.001, 0.002, 0.004));
-  EXPECT_EQ(told.simulator.vehicle.inertia, Eigen::Vector3d(0.001, 0.006, 0.002));
+  EXPECT_EQ(told.pilot.vehicle.inertia, Eigen::Vector3d(0.002, 0.002, 0.003));
+  EXPECT_EQ(told.simulator.vehicle.inertia, Eigen::Vector3d(0.002, 0.003, 0.0015));
   EXPECT_EQ(told.simulator.vehicle.air_moment, Eigen::Vector2d(0.01, 0.02));
+}
+
+TEST(Derived, NoBodyHasMoreInertiaAboutAnAxisThanAboutTheOthersTogether) {
+  const Told told{{"vehicle.inertia_kgm2=[0.001, 0.001, 0.0015]", "sim.inertia_ratio=[1, 9, 1]"}};
+  EXPECT_NEAR(told.simulator.vehicle.inertia.y(), 0.0025, 1e-4);
+  EXPECT_LT(told.simulator.vehicle.inertia.y(), 0.0025);
 }
 
 // Stored upright, a line is a row; the pilot knows columns only, so it is told of no read-out.

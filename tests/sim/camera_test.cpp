@@ -188,7 +188,7 @@ class CameraRendererTest : public testing::Test {
   CameraTruth camera = [] {
     CameraTruth plain;
     plain.imaging = {
-        .footprint_px = 1.6, .red_shift_px = 0.0, .chroma_smoothing = 1, .saturation = 1.1};
+        .footprint_px = 2.4, .red_shift_px = 0.0, .chroma_smoothing = 1, .saturation = 1.1};
     return plain;
   }();
   LightConditions light = [] {

@@ -354,10 +354,12 @@ TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
   Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
-         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, decoys, people] = sigma;
-  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,  &m10,
-                                  &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19, &m20, &m21,
-                                  &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29, &m30, &m31, &m32, &m33};
+         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, decoys, people] =
+      sigma;
+  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,
+                                  &m9,  &m10, &m11, &m12, &m13, &m14, &m15, &m16, &m17,
+                                  &m18, &m19, &m20, &m21, &m22, &m23, &m24, &m25, &m26,
+                                  &m27, &m28, &m29, &m30, &m31, &m32, &m33};
   // These have tests of their own below.
   static_assert(std::is_same_v<decltype(decoys), int>);
   static_assert(std::is_same_v<decltype(people), int>);

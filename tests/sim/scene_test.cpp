@@ -106,6 +106,7 @@ TEST_P(Looks, WhatASeedMovesLeavesTheRoomAndItsLightMapAlone) {
 TEST(Scene, AGatesBarsEncloseItsOpeningInItsColour) {
   World world;
   world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6, .side = 1.2, .color = {0.1, 0.2, 0.7}}};
+  world.paint = {.width = 1.0, .blue = 1.0, .wear = 0.0};
   const Scene scene = make_scene(world);
   const WorldGate& gate = world.gates[0];
   Eigen::Vector3d low{9, 9, 9}, high = -low;

@@ -20,7 +20,7 @@ namespace gatefly::io {
 struct SimulatorSettings {
   sim::VehicleTruth vehicle;
   /// True moments of inertia / the vehicle file's. [recorded flights: docs/simulation.md]
-  Eigen::Vector3d inertia_ratio{1.0, 2.8, 1.0};
+  Eigen::Vector3d inertia_ratio{1.0, 2.75, 1.0};
   sim::SensorTruth sensors;
   sim::Wind wind;
   sim::Imaging imaging;

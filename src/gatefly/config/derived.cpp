@@ -130,6 +130,18 @@ PilotConfig pilot_config(const Config& config) {
   return pilot;
 }
 
+/// What the body really has about each axis: never more than the other two together, which no body
+/// has. What the vehicle file says itself is not touched.
+Eigen::Vector3d true_inertia(const Eigen::Vector3d& known, const Eigen::Vector3d& ratio) {
+  constexpr double kMost = 0.99;
+  Eigen::Vector3d inertia = known.cwiseProduct(ratio);
+  for (int i = 0; i < 3; ++i) {
+    const double others = inertia.sum() - inertia[i];
+    if (ratio[i] > 1.0) inertia[i] = std::max(known[i], std::min(inertia[i], kMost * others));
+  }
+  return inertia;
+}
+
 sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   sim::SimConfig nominal;
   nominal.world = track.world;
@@ -163,7 +175,7 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   const VehicleDescription& known = config.vehicle;
   nominal.vehicle = config.sim.vehicle;
   nominal.vehicle.mass = known.mass;
-  nominal.vehicle.inertia = known.inertia.cwiseProduct(config.sim.inertia_ratio);
+  nominal.vehicle.inertia = true_inertia(known.inertia, config.sim.inertia_ratio);
   nominal.vehicle.arm_x = known.arm_x;
   nominal.vehicle.arm_y = known.arm_y;
   nominal.vehicle.thrust_coefficient = known.thrust_coefficient;

@@ -54,7 +54,9 @@ struct CameraRenderer::Impl {
         solid{{&scene.solid}, scene.walkers_at(0.0).size()},
         shader{lit(light, cache_dir, bake_threads)},
         sensor{truth, light, seed},
-        pixels{truth, {.samples = truth.fast ? 1 : kSamples, .footprint = light.blur * truth.imaging.footprint_px}},
+        pixels{truth,
+               {.samples = truth.fast ? 1 : kSamples,
+                .footprint = light.blur * truth.imaging.footprint_px}},
         centres{truth, {}},
         spread_out{truth, {.step = kMeterStep}},
         picture(static_cast<std::size_t>(truth.stored_width) *
@@ -217,20 +219,19 @@ std::vector<std::uint8_t> CameraRenderer::gate_mask(double t_start,
   const int width = camera.width(), height = camera.height();
   const auto fixed = static_cast<int>(impl_->scene.fixed.size());
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
-  impl_->cast(impl_->centres, t_start, history,
-              [&](const LensRays::Place& at, const RayTile& rays) {
-                for (int line = 0; line < at.lines; ++line)
-                  for (int x = 0; x < at.columns; ++x) {
-                    const int number = rays.hit[line * RayTile::kLanes + x] - fixed;
-                    if (number < 0) continue;
-                    const Rectangle& hit = impl_->scene.moved[static_cast<std::size_t>(number)];
-                    if (!hit.bar) continue;
-                    const Eigen::Vector2d px = camera.upright(at.x + x, at.line + line);
-                    mask[static_cast<std::size_t>(std::lround(px.y()) * width +
-                                                  std::lround(px.x()))] =
-                        static_cast<std::uint8_t>(hit.gate < 0 ? 255 : std::min(hit.gate + 1, 254));
-                  }
-              });
+  impl_->cast(
+      impl_->centres, t_start, history, [&](const LensRays::Place& at, const RayTile& rays) {
+        for (int line = 0; line < at.lines; ++line)
+          for (int x = 0; x < at.columns; ++x) {
+            const int number = rays.hit[line * RayTile::kLanes + x] - fixed;
+            if (number < 0) continue;
+            const Rectangle& hit = impl_->scene.moved[static_cast<std::size_t>(number)];
+            if (!hit.bar) continue;
+            const Eigen::Vector2d px = camera.upright(at.x + x, at.line + line);
+            mask[static_cast<std::size_t>(std::lround(px.y()) * width + std::lround(px.x()))] =
+                static_cast<std::uint8_t>(hit.gate < 0 ? 255 : std::min(hit.gate + 1, 254));
+          }
+      });
   return mask;
 }
 

@@ -48,6 +48,7 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
     : world_{world},
       camera_{camera},
       statistics_{with_false_alarms(statistics_of(params.detector), params.false_alarms)},
+      one_answer_{params.detector == "paper"},
       outliers_{params.outliers},
       sight_{sight},
       seed_{seed},
@@ -89,6 +90,7 @@ SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history)
   add_parts(views, t_start, seen);
   std::stable_sort(seen.gates.begin(), seen.gates.end(),
                    [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
+  if (one_answer_ && seen.gates.size() > 1) seen.gates.resize(1);
   return seen;
 }
 

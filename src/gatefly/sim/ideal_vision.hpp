@@ -76,6 +76,7 @@ class IdealVision {
   World world_;
   CameraTruth camera_;
   DetectorStatistics statistics_;
+  bool one_answer_;  ///< As the paper's flown detector gives.
   double outliers_;
   const Sight& sight_;
   std::uint64_t seed_;

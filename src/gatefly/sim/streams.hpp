@@ -14,8 +14,8 @@ inline constexpr std::array kStreams{
     std::string_view{"gates"}, std::string_view{"light"}, std::string_view{"decoys"},
     std::string_view{"start"}, std::string_view{"camera"}, std::string_view{"vehicle"},
     std::string_view{"bias"}, std::string_view{"imbalance"}, std::string_view{"warming"},
-    std::string_view{"wind level"}, std::string_view{"false gates"},
-    std::string_view{"colors"}, std::string_view{"people"},
+    std::string_view{"wind level"}, std::string_view{"false gates"}, std::string_view{"colors"},
+    std::string_view{"people"},
     // tick by tick
     std::string_view{"imu"}, std::string_view{"sonar"}, std::string_view{"baro"},
     std::string_view{"wind"}, std::string_view{"camera schedule"},
