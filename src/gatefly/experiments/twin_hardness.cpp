@@ -26,11 +26,11 @@ using Outcomes = std::vector<TwinOutcome>;
 /// A room through the Bebop's calibrated lens (cameras/bebop-brown.toml, within 0.8 px, but it does
 /// not fold back at the corners); nobody had put orange boxes into the real ones.
 std::vector<std::string> as_real(std::vector<std::string> settings = {}) {
-  settings.insert(settings.end(),
-                  {"camera.model=\"kannala-brandt\"", "camera.focal_px=[169.229,169.453]",
-                   "camera.center_px=[149.328,124.1]",
-                   "camera.distortion=[-0.016054,-0.026981,0.0,0.0]", "randomize.decoys=0",
-       "randomize.saturation_percent=8", "randomize.hue_deg=3"});
+  settings.insert(
+      settings.end(),
+      {"camera.model=\"kannala-brandt\"", "camera.focal_px=[169.229,169.453]",
+       "camera.center_px=[149.328,124.1]", "camera.distortion=[-0.016054,-0.026981,0.0,0.0]",
+       "randomize.decoys=0", "randomize.saturation_percent=8", "randomize.hue_deg=3"});
   return settings;
 }
 
@@ -60,7 +60,8 @@ std::vector<Group> groups() {
              .track = "darkhall",
              .recording = io::Recording::kJpeg,
              .shake_deg = 20.0,
-             .settings = as_real({"faults.hue_deg=10", "sim.saturation=1.9", "randomize.light_percent=20"})}}}};
+             .settings = as_real(
+                 {"faults.hue_deg=10", "sim.saturation=1.9", "randomize.light_percent=20"})}}}};
 }
 
 TwinOrder order_of(const Group& group, const Options& options) {

@@ -27,7 +27,7 @@ struct Battery {
 /// The drone as it really is. The pilot's VehicleParams and drag are a team's idea of it.
 struct VehicleTruth {
   double mass = 0.42;                               ///< [kg]
-  Eigen::Vector3d inertia{0.0021, 0.0056, 0.0035};  ///< [kg m²]
+  Eigen::Vector3d inertia{0.0021, 0.0055, 0.0035};  ///< [kg m²]
   /// With propeller guards [m]. [docs/simulation.md]
   Eigen::Vector3d size{0.38, 0.33, 0.09};
   double arm_x = 0.112, arm_y = 0.095;         ///< Rotor distance from the centre [m].
