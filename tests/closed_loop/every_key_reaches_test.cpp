@@ -155,6 +155,8 @@ const std::map<std::string, Effect>& effects() {
       {"randomize.exposure_percent", {50, {kPictures}}},
       {"randomize.hue_deg", {12, {kPictures}}},
       {"randomize.white_balance_percent", {15, {kPictures}}},
+      {"randomize.saturation_percent", {35, {kPictures}}},
+      {"randomize.people", {12, {kPictures}}},
       // body and air
       {"randomize.drag_percent", {15, {kAccel}, kMotion}},
       {"randomize.mass_percent", {6, {kAccel}, kMotion}},
