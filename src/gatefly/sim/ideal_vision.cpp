@@ -170,18 +170,34 @@ IdealVision::Corners IdealVision::square_at(const Eigen::Vector2d& middle_px, do
 void IdealVision::add_gates(const std::vector<GateView>& views, double t, SeenPicture& seen) {
   const GateView* largest = largest_of(views);
   for (const GateView& view : views) {
-    const double side = side_of(view.corners_px);
-    double surplus = 0.0;
+    if (!view.whole && seen_corners(view) < 2) continue;
+    double surplus = 0.0, rate = 0.0;
+    bool found = false;
+    const Quantiles* fitness = nullptr;
     if (&view == largest || (view.whole && detectable(view.corners_px))) {
-      const SizeBin& bin = bin_of(&view == largest ? statistics_.gates : statistics_.others, side);
-      if (gates_.happens(view.gate, bin.rate, t, surplus))
-        seen.gates.push_back({with_errors(view, t), at(bin.fitness, surplus)});
-    } else if (view.whole || seen_corners(view) >= 2) {
+      const SizeBin& bin = bin_of(&view == largest ? statistics_.gates : statistics_.others,
+                                  side_of(view.corners_px));
+      rate = bin.rate, fitness = &bin.fitness;
+      found = gates_.happens(view.gate, rate, t, surplus);
+    } else {
       const Finds& finds = view.whole ? statistics_.aslant : statistics_.hidden;
-      if ((view.whole ? aslant_ : hidden_).happens(view.gate, finds.rate, t, surplus))
-        seen.gates.push_back({with_errors(view, t), at(finds.fitness, surplus)});
+      rate = finds.rate, fitness = &finds.fitness;
+      found = (view.whole ? aslant_ : hidden_).happens(view.gate, rate, t, surplus);
     }
+    if (found)
+      seen.gates.push_back({with_errors(view, t), at(*fitness, surplus)});
+    else
+      add_wrong_frame(view, 1.0 - rate, t, seen);
   }
+}
+
+// A detector gives one frame for a gate: a wrong one where it misses the right one.
+void IdealVision::add_wrong_frame(const GateView& view, double missed, double t,
+                                  SeenPicture& seen) {
+  double surplus = 0.0;
+  const double rate = std::min(1.0, statistics_.crooked.rate / std::max(missed, 1e-3));
+  if (crooked_.happens(view.gate, rate, t, surplus))
+    seen.gates.push_back({crooked(view, t), at(statistics_.crooked.fitness, surplus)});
 }
 
 // Frames that are no gates but made of gates' bars.
@@ -191,10 +207,6 @@ void IdealVision::add_frames_of_gates(const std::vector<GateView>& views, double
   for (const LookAlike& frame : frames_of_two(views))
     if (two_gates_.happens(frame.which, statistics_.two_gates.rate, t, surplus))
       seen.gates.push_back({frame.corners_px, at(statistics_.two_gates.fitness, surplus)});
-  for (const GateView& view : views)
-    if ((view.whole || seen_corners(view) >= 2) &&
-        crooked_.happens(view.gate, statistics_.crooked.rate, t, surplus))
-      seen.gates.push_back({crooked(view, t), at(statistics_.crooked.fitness, surplus)});
 }
 
 void IdealVision::add_alarms(double t, std::span<const BodyPose> history, SeenPicture& seen) {

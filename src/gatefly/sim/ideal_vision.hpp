@@ -66,6 +66,7 @@ class IdealVision {
                                   Draws draw);
   /// Of one purpose for one thing, now.
   [[nodiscard]] Draws draws(const char* purpose, int which, double t) const;
+  void add_wrong_frame(const GateView& view, double missed, double t, SeenPicture& seen);
   void add_gates(const std::vector<GateView>& views, double t, SeenPicture& seen);
   void add_frames_of_gates(const std::vector<GateView>& views, double t, SeenPicture& seen);
   void add_alarms(double t, std::span<const BodyPose> history, SeenPicture& seen);
