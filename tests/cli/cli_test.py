@@ -767,7 +767,7 @@ class Campaign(Cli):
 class Tracks(Cli):
     def test_unknown_track_lists_the_available_ones(self):
         error = self.refused("fly", "showrom")
-        self.assertIn("figure8, flights, lanes, oval", error)
+        self.assertIn("darkhall, exhibition, figure8, flights, grandprix, lanes, oval", error)
         self.assertIn("did you mean 'showroom'", error)
 
     def test_broken_toml_names_the_line(self):

@@ -39,6 +39,8 @@ REDUCED = {
     "fly showroom --laps 1": IDEAL,
     "fly showroom --laps 1 --video": IDEAL,
     "fly oval --vision ideal": "",
+    "fly grandprix --config cameras/grandprix.toml": IDEAL,
+    "fly oval --config vehicles/racer.toml --vision ideal": "",
     "fly mine.toml --vision ideal": "",
     "fly mine.toml": IDEAL,
     'fly oval --vision ideal --set "faults.camera_out_s=[10, 2]"': "",

@@ -91,8 +91,8 @@ void add_stand_side(SceneBuilder& b, Palette& p, const FloorFrame& frame, double
     const Eigen::Vector3d corner = frame.at(a0, 0.012, 0.35);
     b.rectangle(corner, frame.at(a1, 0.012, 0.35) - corner, {0, 0, 0.75 - top}, out,
                 kind < 0.4 ? p.any_of(p.panels) : p.any_of(p.banners));
-    b.bar(frame.at(a0 - 0.01, 0.5 * depth, 0.0), frame.at(a0 - 0.01, 0.5 * depth, top - 0.3),
-          0.04, p.white);
+    b.bar(frame.at(a0 - 0.01, 0.5 * depth, 0.0), frame.at(a0 - 0.01, 0.5 * depth, top - 0.3), 0.04,
+          p.white);
     if (depth > 0.2 && kind > 0.5) {
       b.box(frame, {a0, 0.02, 0.0}, {a1, depth - 0.01, 0.9}, kind > 0.8 ? p.wood : p.white);
       add_things(b, p, frame, a0, a1, 0.02, depth - 0.02, 0.9, std::min(0.5, top - 1.3));
