@@ -82,7 +82,8 @@ TEST(NavigatorInTurns, DoesNotLeanWhenTheDroneIsAnotherEither) {
     claimed2 += turned.claimed2;
   }
   EXPECT_LE(std::sqrt(square / n), 0.75 * kDegree);
-  EXPECT_GE(within, 0.99 * n);
+  // More than 99 % in a kinder simulator; 98.6 % since the gyro rumbles below 20 Hz as in the logs.
+  EXPECT_GE(within, 0.98 * n);
   EXPECT_LT(square / claimed2, 1.6) << "its covariance is too small";
   EXPECT_GT(square / claimed2, 0.6) << "its covariance is too large";
 }

@@ -143,7 +143,9 @@ std::span<const Experiment> all() {
        {kLi18}},
       {"twin-liveliness",
        "real flights beside simulated ones with the same set points: vibration, drag, responses",
-       twin_liveliness, true},
+       twin_liveliness,
+       true,
+       {kEq13}},
   }};
   return list;
 }

@@ -14,7 +14,7 @@ namespace gatefly::sim {
 /// The camera during one exposure: where points of the world are drawn in the upright picture.
 class Exposure {
  public:
-  /// @param camera, history  must live as long.
+  /// Camera and history must live as long.
   /// @param t_start  when the first stored line begins its exposure [s].
   /// @param history  body poses, ascending in t, covering the exposure.
   Exposure(const CameraTruth& camera, double t_start, std::span<const BodyPose> history);
