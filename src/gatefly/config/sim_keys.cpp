@@ -22,7 +22,7 @@ std::vector<Key<Config>> sim_keys() {
   const char* logs = "real logs";
   return {
       choice<Config>("sim.camera_quality", {"full", "fast"}, AT(sim.camera_quality),
-                     "fast: one ray a pixel, without motion blur, softness, bloom and glare",
+                     "fast: one ray a pixel, without motion blur, red fringes, bloom, glare",
                      "simulation.md"),
       choice<Config>("sim.ideal_detector", {"ours", "paper"}, AT(sim.ideal_vision.detector),
                      "ideal vision: whose detection statistics", "simulation.md"),

@@ -123,7 +123,7 @@ std::string with_interval(const TwinRate& rate, int digits) {
          fixed(rate.high, digits) + "] of " + std::to_string(rate.count);
 }
 
-/// Mean deviation over the bins that count, weighted by real gates; signed differences may cancel.
+/// Mean size of the difference over the bins that count, weighted by real gates.
 double pooled_deviation(const Compared& c) {
   double sum = 0.0, gates = 0.0;
   for (std::size_t i = 0; i < kTwinBinCount; ++i) {
