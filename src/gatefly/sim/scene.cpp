@@ -165,6 +165,14 @@ Eigen::Vector3d FloorFrame::at(double a, double b, double h) const {
   return {origin.x() + a * s.cos - b * s.sin, origin.y() + a * s.sin + b * s.cos, -h};
 }
 
+RoomWall wall_of(const World& world, int side) {
+  const double x = world.room_size.x() / 2, y = world.room_size.y() / 2;
+  const bool long_x = side % 2 == 0;
+  const double depth = long_x ? y : x, length = 2 * (long_x ? x : y), heading = side * kPi / 2;
+  const FloorFrame turned{.origin = world.room_center, .heading = heading};
+  return {{.origin = turned.at(-length / 2, -depth, 0).head<2>(), .heading = heading}, length};
+}
+
 int SceneBuilder::material(const Material& material) {
   scene_.materials.push_back(material);
   return static_cast<int>(scene_.materials.size()) - 1;

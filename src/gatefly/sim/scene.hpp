@@ -136,6 +136,14 @@ class SceneBuilder {
   bool bars_ = false, closed_ = false;
 };
 
+/// One of a room's four walls: a runs along it, b into the room.
+struct RoomWall {
+  FloorFrame frame;
+  double length = 0.0;  ///< [m]
+};
+/// @param side  0..3, around the room.
+[[nodiscard]] RoomWall wall_of(const World& world, int side);
+
 /// Draws the looks. The builder's layer is kFixed.
 void dress_showroom(SceneBuilder& builder, const World& world);
 void dress_hall(SceneBuilder& builder, const World& world);

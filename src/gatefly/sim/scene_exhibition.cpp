@@ -210,11 +210,7 @@ void dress_exhibition(SceneBuilder& b, const World& world) {
     b.rectangle(room.at(-x + 0.5, c, 0.003), {2 * x - 1.0, 0, 0}, {0, 1.6, 0}, {0, 0, -1},
                 p.carpet);
   for (int side = 0; side < 4; ++side) {
-    const bool long_x = side % 2 == 0;
-    const double depth = long_x ? y : x, length = 2 * (long_x ? x : y), heading = side * kPi / 2;
-    const FloorFrame turned{.origin = world.room_center, .heading = heading};
-    const FloorFrame wall{.origin = turned.at(-length / 2, -depth, 0).head<2>(),
-                          .heading = heading};
+    const auto [wall, length] = wall_of(world, side);
     const Eigen::Vector3d corner = wall.at(0, 0, 0), inward = wall.at(0, 1, 0) - corner;
     b.rectangle(corner, wall.at(length, 0, 0) - corner, {0, 0, -top}, inward, p.wall);
     dress_wall(b, p, wall, length, top, side == 1);

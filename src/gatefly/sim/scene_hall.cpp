@@ -98,11 +98,7 @@ void dress_hall(SceneBuilder& b, const World& world) {
   for (double c = -y + 1.3; c < y; c += 3.7)  // lines on the floor
     b.rectangle(room.at(-x, c, 0.002), {2 * x, 0, 0}, {0, 0.12, 0}, {0, 0, -1}, p.stripe);
   for (int side = 0; side < 4; ++side) {
-    const bool long_x = side % 2 == 0;
-    const double depth = long_x ? y : x, length = 2 * (long_x ? x : y), heading = side * kPi / 2;
-    const FloorFrame turned{.origin = world.room_center, .heading = heading};
-    const FloorFrame wall{.origin = turned.at(-length / 2, -depth, 0).head<2>(),
-                          .heading = heading};
+    const auto [wall, length] = wall_of(world, side);
     const Eigen::Vector3d corner = wall.at(0, 0, 0), inward = wall.at(0, 1, 0) - corner;
     b.rectangle(corner, wall.at(length, 0, 0) - corner, {0, 0, -top}, inward, p.siding);
     const bool net = side == 1 || side == 2;
