@@ -24,8 +24,10 @@ void keep(const T& result) {
 /// A search with detect(image, color model).
 template <class Search, class Params>
 auto with_model(const Params& params, const ColorModel& color) {
-  return [search = std::make_shared<Search>(params), color](const Picture& picture) {
-    keep(search->detect(picture.view(), color));
+  return [search = std::make_shared<Search>(params), color,
+          toned = std::make_shared<PictureColor>()](const Picture& picture) {
+    toned->set(color, tone_of(picture.view(), color));
+    keep(search->detect(picture.view(), *toned));
   };
 }
 

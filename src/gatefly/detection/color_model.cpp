@@ -63,6 +63,18 @@ void ColorModel::find_hopeless() {
         all = all && absolute[bin({byte(y), byte(u), byte(v)})] < kHopeless;
       hopeless[chroma_bin(PackedYuv::of({0, byte(u), byte(v)}))] = all;
     }
+  // The middle of what speaks for the gate, from grey on.
+  double sum_u = 0.0, sum_v = 0.0;
+  std::size_t i = 0;
+  for (std::size_t y = 0; y < kLuma; ++y)
+    for (int u = 0; u < static_cast<int>(kChroma); ++u)
+      for (int v = 0; v < static_cast<int>(kChroma); ++v, ++i) {
+        const int weight = std::max<int>(0, absolute[i]);
+        const int middle = static_cast<int>(kChroma) / 2;
+        sum_u += weight * (u - middle + 0.5), sum_v += weight * (v - middle + 0.5);
+      }
+  const double length = std::sqrt(sum_u * sum_u + sum_v * sum_v);
+  if (length > 0.0) hue = {static_cast<float>(sum_u / length), static_cast<float>(sum_v / length)};
 }
 
 }  // namespace gatefly

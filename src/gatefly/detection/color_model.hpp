@@ -42,7 +42,10 @@ struct ColorModel {
   /// Of each chroma_bin(): 1 where it is hopeless with any luma. All 0 is right, but slow;
   /// find_hopeless() fills it.
   std::array<std::uint8_t, std::size_t{1} << (2 * kChromaBits)> hopeless{};
-  void find_hopeless();  ///< To be called when `absolute` has changed.
+  /// Direction of the gate's chroma from grey, (u, v), length 1.
+  std::array<float, 2> hue{0.0f, 1.0f};
+  /// To be called when `absolute` has changed: finds what follows from it.
+  void find_hopeless();
 
   /// Bin of a chroma alone, 64 (u / 4) + v / 4. Asked of every sample of a picture: multiplied in
   /// place of shifted and added, 6 % fewer instructions of the fast search.
@@ -77,6 +80,13 @@ struct ColorModel {
     return (absolute[bin(c)] + relative[difference_bin(c, around)]) / 2;
   }
 
+  /// Where a value's bin begins in a table. In one place, whose address is looked up once.
+  struct Starts {
+    std::array<std::uint16_t, 256> luma, u, v;
+    std::array<std::uint16_t, 511> luma_step, u_step, v_step;
+  };
+  static const Starts kStarts;
+
  private:
   // Where a value's bin begins in a table: `levels` values a bin from `zero` on, what is beyond in
   // the outer ones; `size` entries a bin.
@@ -92,12 +102,6 @@ struct ColorModel {
                           count - 1));
     return table;
   }
-  // In one place, whose address is looked up once.
-  struct Starts {
-    std::array<std::uint16_t, 256> luma, u, v;
-    std::array<std::uint16_t, 511> luma_step, u_step, v_step;
-  };
-  static const Starts kStarts;
 };
 
 inline constexpr ColorModel::Starts ColorModel::kStarts{

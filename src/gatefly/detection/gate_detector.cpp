@@ -6,6 +6,7 @@
 
 #include "gatefly/detection/paper/paper_detector.hpp"
 #include "gatefly/detection/paper/side_bars.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/careful_search.hpp"
 #include "gatefly/detection/search/part_search.hpp"
@@ -32,6 +33,7 @@ struct GateDetector::Searches {
   explicit Searches(const GateDetectorParams& params)
       : snakes{params}, careful{params}, parts{params} {}
 
+  PictureColor color;  // of the picture that is looked at
   SnakeSearch snakes;
   CarefulSearch careful;
   PartSearch parts;
@@ -49,13 +51,15 @@ GateDetector::~GateDetector() = default;
 GatesInView GateDetector::look(const Image& image, const ColorModel& color,
                                const LookFor& look_for) & {
   gates_.clear();
-  if (look_for.gates != LookFor::Gates::kNone) list_gates(image, color, look_for);
+  if (!is_paper())
+    searches_->color.set(color, params_.adapts ? tone_of(image, color) : ChromaTone{});
+  if (look_for.gates != LookFor::Gates::kNone) list_gates(image, look_for);
   if (look_for.gates == LookFor::Gates::kBest && gates_.size() > 1) gates_.resize(1);
 
   GatesInView view{.gates = gates_, .part = {}};
   if (look_for.part == LookFor::Part::kNo) return view;
   if (look_for.part == LookFor::Part::kWithoutGate && !gates_.empty()) return view;
-  view.part = part(image, color);
+  view.part = part(image);
   if (is_paper()) return view;  // no corners to compare
   const auto is_part_of = [&](const GateDetection& gate) {
     return view.part && same_place(gate.corners_px, view.part->gate.corners_px);
@@ -68,8 +72,8 @@ bool GateDetector::is_paper() const {
   return mode_ == DetectorMode::kPaper || mode_ == DetectorMode::kFlown;
 }
 
-std::optional<GatePart> GateDetector::part(const Image& image, const ColorModel& color) {
-  if (!is_paper()) return searches_->parts.detect(image, color);
+std::optional<GatePart> GateDetector::part(const Image& image) {
+  if (!is_paper()) return searches_->parts.detect(image, searches_->color);
   Rng rng{kSeed};
   SideBarsParams params;
   if (mode_ == DetectorMode::kPaper) params.color = PaperDetectorParams{}.color;
@@ -83,17 +87,16 @@ std::optional<GatePart> GateDetector::part(const Image& image, const ColorModel&
   return GatePart{cut, *bars};
 }
 
-void GateDetector::list_gates(const Image& image, const ColorModel& color,
-                              const LookFor& look_for) {
+void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
   const auto list = [&](const auto& found) { gates_.assign(found.begin(), found.end()); };
   Rng rng{kSeed};
   switch (mode_) {
     case DetectorMode::kOurs:
-      return list(ours(image, color, look_for.gates));
+      return list(ours(image, look_for.gates));
     case DetectorMode::kFast:
-      return list(searches_->snakes.detect(image, color));
+      return list(searches_->snakes.detect(image, searches_->color));
     case DetectorMode::kCareful:
-      return list(everywhere(image, color));
+      return list(everywhere(image));
     case DetectorMode::kPaper:
       return list(best_first(detect_as_paper(image, {}, rng)));
     case DetectorMode::kFlown:
@@ -102,26 +105,24 @@ void GateDetector::list_gates(const Image& image, const ColorModel& color,
   }
 }
 
-GateDetections GateDetector::ours(const Image& image, const ColorModel& color,
-                                  LookFor::Gates wanted) {
-  if (wanted == LookFor::Gates::kAll) return everywhere(image, color);
-  const GateDetections quick = searches_->snakes.detect(image, color);
-  if (quick.empty() || !is_sure(quick[0])) return everywhere(image, color);
+GateDetections GateDetector::ours(const Image& image, LookFor::Gates wanted) {
+  if (wanted == LookFor::Gates::kAll) return everywhere(image);
+  const GateDetections quick = searches_->snakes.detect(image, searches_->color);
+  if (quick.empty() || !is_sure(quick[0])) return everywhere(image);
   // A strong bar beside the gates found may be another gate's. Who knows which gate to expect need
   // not ask.
   if (wanted == LookFor::Gates::kBest && searches_->snakes.shows_bars_beside(quick))
-    return with_gates_beside(quick, image, color);
+    return with_gates_beside(quick, image);
   return in_order(quick, image);
 }
 
-GateDetections GateDetector::everywhere(const Image& image, const ColorModel& color) {
-  return in_order(searches_->careful.detect(image, color), image);
+GateDetections GateDetector::everywhere(const Image& image) {
+  return in_order(searches_->careful.detect(image, searches_->color), image);
 }
 
 // What stood out stays, unless the careful search is surer of something in its place.
-GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image,
-                                               const ColorModel& color) {
-  GateDetections all = searches_->careful.detect(image, color);
+GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image) {
+  GateDetections all = searches_->careful.detect(image, searches_->color);
   for (const GateDetection& gate : quick) {
     if (!is_sure(gate)) continue;
     const auto same = std::find_if(all.begin(), all.end(), [&](const auto& other) {

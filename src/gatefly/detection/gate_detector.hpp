@@ -68,14 +68,12 @@ class GateDetector {
  private:
   struct Searches;
 
-  void list_gates(const Image& image, const ColorModel& color, const LookFor& look_for);
-  [[nodiscard]] std::optional<GatePart> part(const Image& image, const ColorModel& color);
+  void list_gates(const Image& image, const LookFor& look_for);
+  [[nodiscard]] std::optional<GatePart> part(const Image& image);
   [[nodiscard]] bool is_paper() const;
-  [[nodiscard]] GateDetections ours(const Image& image, const ColorModel& color,
-                                    LookFor::Gates wanted);
-  [[nodiscard]] GateDetections everywhere(const Image& image, const ColorModel& color);
-  [[nodiscard]] GateDetections with_gates_beside(const GateDetections& quick, const Image& image,
-                                                 const ColorModel& color);
+  [[nodiscard]] GateDetections ours(const Image& image, LookFor::Gates wanted);
+  [[nodiscard]] GateDetections everywhere(const Image& image);
+  [[nodiscard]] GateDetections with_gates_beside(const GateDetections& quick, const Image& image);
   [[nodiscard]] bool is_sure(const GateDetection& gate) const;
   [[nodiscard]] GateDetections in_order(GateDetections gates, const Image& image) const;
 

@@ -9,8 +9,9 @@
 namespace gatefly {
 
 void PixelEvidence::read(const Image& image, const ColorModel& color) {
-  image_ = image, color_ = &color;
-  map_.fill(image, color);
+  image_ = image;
+  color_.set(color, tone_of(image, color));
+  map_.fill(image, color_);
 }
 
 Quad PixelEvidence::pulled(const Quad& bars_px, double bar) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/sensing/image.hpp"
@@ -18,15 +18,17 @@ class PixelEvidence {
   [[nodiscard]] bool empty() const { return map_.width() == 0; }
   /// Mean colour around a pixel in the picture.
   [[nodiscard]] Yuv around(int u, int v) const { return map_.around(u, v); }
+  /// What a pixel shows in the model's terms.
+  [[nodiscard]] const PictureColor& color() const { return color_; }
   /// How much a pixel speaks for the gate, in 1 / ColorModel::kUnit nats.
-  [[nodiscard]] int at(int u, int v) const { return map_.at_pixel(image_, *color_, u, v); }
+  [[nodiscard]] int at(int u, int v) const { return map_.at_pixel(image_, color_, u, v); }
   /// The middle lines of a gate's bars, moved onto the evidence near by; where they were when that
   /// leads too far. @param bar  bar width / side of the middle lines.
   [[nodiscard]] Quad pulled(const Quad& bars_px, double bar) const;
 
  private:
   Image image_;
-  const ColorModel* color_ = nullptr;
+  PictureColor color_;
   EvidenceMap map_;
 };
 

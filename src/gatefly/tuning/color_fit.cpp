@@ -20,9 +20,9 @@ using Histogram = std::vector<double>;
 struct Counts {
   Histogram absolute = Histogram(ColorModel::kBins), relative = Histogram(ColorModel::kBins);
 
-  void add(Yuv color, Yuv around, double weight) {
-    absolute[ColorModel::bin(color)] += weight;
-    relative[ColorModel::difference_bin(color, around)] += weight;
+  void add(const PictureColor& picture, Yuv color, Yuv around, double weight) {
+    absolute[picture.bin(color)] += weight;
+    relative[picture.difference_bin(color, around)] += weight;
   }
 };
 
@@ -102,7 +102,8 @@ Counts background_of(std::span<const ColorPicture> pictures, PixelEvidence& evid
     for (const Quad& q : picture.unsure) leave_out(q);
     for (int v = 0; v < image.height(); ++v)
       for (int u = 0; u < image.width(); ++u)
-        if (is_near[at(u, v)] == 0) counts.add(image.at(u, v), evidence.around(u, v), 1.0);
+        if (is_near[at(u, v)] == 0)
+          counts.add(evidence.color(), image.at(u, v), evidence.around(u, v), 1.0);
   }
   for (Histogram* histogram : {&counts.absolute, &counts.relative})
     smooth(*histogram, {0.6, 0.72, 0.72});
@@ -125,7 +126,8 @@ Counts gates_of(std::span<const ColorPicture> pictures, const ColorModel& model,
       near_bars(picture.image, gate.bars_px, reach, [&](int u, int v) {
         const double nats = evidence.at(u, v) / static_cast<double>(ColorModel::kUnit);
         const double chance = first ? 1.0 : 1.0 / (1.0 + std::exp(-nats));
-        counts.add(picture.image.at(u, v), evidence.around(u, v), gate.weight * chance / all);
+        counts.add(evidence.color(), picture.image.at(u, v), evidence.around(u, v),
+                   gate.weight * chance / all);
       });
     }
   }

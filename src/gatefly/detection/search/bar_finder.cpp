@@ -79,7 +79,7 @@ struct BarFinder::Snake {
 };
 
 // The sums of groups, and which of them may hold a bar.
-void BarFinder::read(const Image& image, const ColorModel& color) {
+void BarFinder::read(const Image& image, const PictureColor& color) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns,
                     (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
   stride_ = kGroup * step_;
@@ -95,9 +95,7 @@ void BarFinder::read(const Image& image, const ColorModel& color) {
           // Two samples say what a group's mean is.
           y[g] = static_cast<std::uint16_t>(c[0].y + c[2].y), uv[g] = c[0].uv + c[2].uv;
           // All four are asked: to leave off at the first is an unpredictable branch, 5 % slower.
-          const auto is_hopeless = [&](std::size_t k) {
-            return color.hopeless[ColorModel::chroma_bin(c[k])];
-          };
+          const auto is_hopeless = [&](std::size_t k) { return color.is_hopeless(c[k]); };
           hopeless |= std::uint64_t{static_cast<std::uint8_t>(is_hopeless(0) & is_hopeless(1) &
                                                               is_hopeless(2) & is_hopeless(3))}
                       << g++;
@@ -175,7 +173,7 @@ Bar BarFinder::bar_of(const Snake& s) const {
 // Where a row crosses something of a bar's colour and width. A branch for each sample would be an
 // unpredictable one: edges are written without (8 % of the fast search).
 template <class Visit>
-void BarFinder::each_crossing(const Image& image, const ColorModel& color, int row,
+void BarFinder::each_crossing(const Image& image, const PictureColor& color, int row,
                               const Visit& visit) {
   const int v = row_px(row), first = first_column(), step = step_;
   // samples where what shows a bar begins or has ended, in turns
@@ -194,8 +192,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
     edge(next, before & static_cast<unsigned>(c == next));
     const Yuv mean = around(static_cast<std::size_t>(row * kMostGroups + g));
     image.visit_row(c * step + first, v, step, kGroup, [&](Yuv sample) {
-      const int alone = color.absolute[ColorModel::bin(sample)],
-                both = alone + color.relative[ColorModel::difference_bin(sample, mean)];
+      const int alone = color.absolute(sample), both = alone + color.relative(sample, mean);
       twice_[static_cast<std::size_t>(c)] = static_cast<std::int16_t>(both);
       edge(c++, static_cast<unsigned>(both >= 2 * kBar) &
                     static_cast<unsigned>(alone >= ColorModel::kHopeless));
@@ -216,7 +213,7 @@ void BarFinder::each_crossing(const Image& image, const ColorModel& color, int r
   }
 }
 
-const BarFinder::Bars& BarFinder::find(const Image& image, const ColorModel& color) {
+const BarFinder::Bars& BarFinder::find(const Image& image, const PictureColor& color) {
   const auto weaker = [](const Bar& a, const Bar& b) { return a.strength < b.strength; };
   bars_.clear();
   rows_ = groups_ = 0;

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
@@ -46,7 +46,7 @@ class BarFinder {
   BarFinder(int widest, int around) : widest_{widest}, reach_{std::clamp(around, 1, kMostReach)} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
-  [[nodiscard]] const Bars& find(const Image& image, const ColorModel& color);
+  [[nodiscard]] const Bars& find(const Image& image, const PictureColor& color);
   /// The same again.
   [[nodiscard]] const Bars& bars() const { return bars_; }
 
@@ -54,7 +54,7 @@ class BarFinder {
   class Evidence {
    public:
     /// @param cell  side of what is a place here: 1 for each pixel [px].
-    Evidence(const BarFinder& finder, const Image& image, const ColorModel& color, int cell)
+    Evidence(const BarFinder& finder, const Image& image, const PictureColor& color, int cell)
         : finder_{finder}, image_{image}, color_{color}, cell_{cell} {}
 
     /// Of a cell, by the pixel in its middle.
@@ -90,7 +90,7 @@ class BarFinder {
       }
       const Yuv mean = finder_.around(group(down ? u : u + last / 2, down ? v + last / 2 : v));
       const auto take = [&](Yuv c) {
-        const bool may_be_bar = color_.absolute[ColorModel::bin(c)] >= ColorModel::kHopeless;
+        const bool may_be_bar = color_.absolute(c) >= ColorModel::kHopeless;
         visit(may_be_bar ? std::min(color_.evidence(c, mean), EvidenceMap::kLimit) : 0);
       };
       if (down)
@@ -109,10 +109,10 @@ class BarFinder {
 
     const BarFinder& finder_;
     const Image image_;
-    const ColorModel& color_;
+    const PictureColor& color_;
     int cell_;
   };
-  [[nodiscard]] Evidence evidence(const Image& image, const ColorModel& color, int cell) const {
+  [[nodiscard]] Evidence evidence(const Image& image, const PictureColor& color, int cell) const {
     return {*this, image, color, cell};
   }
 
@@ -129,20 +129,20 @@ class BarFinder {
   static_assert(kMostGroups < 64, "a row's groups fit one number, a bit each");
   static_assert(kBeyond > kMostReach, "groups beside a row suffice for what is around its first");
 
-  void read(const Image& image, const ColorModel& color);
+  void read(const Image& image, const PictureColor& color);
   template <class T>
   using Sums = std::array<std::array<T, kBeyond + kMostGroups + kBeyond>, kMostRows>;
   template <class T>
   void average_around(const Sums<T>& sums, std::uint8_t* around) const;
   template <class Visit>
-  void each_crossing(const Image& image, const ColorModel& color, int row, const Visit& visit);
+  void each_crossing(const Image& image, const PictureColor& color, int row, const Visit& visit);
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
 
   // Of a pixel. What is around a colour that is hopeless alone need not be known.
-  [[nodiscard]] int evidence_of(const ColorModel& color, PackedYuv c, std::size_t group) const {
-    if (color.hopeless[ColorModel::chroma_bin(c)] != 0) return kNoBar;
+  [[nodiscard]] int evidence_of(const PictureColor& color, PackedYuv c, std::size_t group) const {
+    if (color.is_hopeless(c)) return kNoBar;
     const Yuv pixel = c.unpacked();
-    if (color.absolute[ColorModel::bin(pixel)] < ColorModel::kHopeless) return kNoBar;
+    if (color.absolute(pixel) < ColorModel::kHopeless) return kNoBar;
     return std::clamp(color.evidence(pixel, around(group)), -EvidenceMap::kLimit,
                       EvidenceMap::kLimit);
   }

@@ -85,7 +85,7 @@ void keep(BestFrames& best, const Frame& frame) {
 
 }  // namespace
 
-GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color) {
+GateDetections CarefulSearch::detect(const Image& image, const PictureColor& color) {
   GateDetections found;
   map_.fill(image, color);
   if (map_.width() == 0) return found;

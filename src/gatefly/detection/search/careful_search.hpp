@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/detection/search/gate_templates.hpp"
 
@@ -16,7 +16,7 @@ class CarefulSearch {
   explicit CarefulSearch(const GateDetectorParams& params = {}) : params_{params} {}
 
   /// Distinct gates, best first. Allocates nothing.
-  [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
+  [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color);
 
  private:
   GateDetectorParams params_;

@@ -61,7 +61,7 @@ EvidenceMap::EvidenceMap() {
   evidence_.resize(kCells);
 }
 
-void EvidenceMap::fill(const Image& image, const ColorModel& color) {
+void EvidenceMap::fill(const Image& image, const PictureColor& color) {
   // Two pixels a cell at least, and as many as it takes.
   step_ = 2;
   while ((image.width() / step_) * (image.height() / step_) > kCells) ++step_;
@@ -89,7 +89,7 @@ void EvidenceMap::fill(const Image& image, const ColorModel& color) {
   }
 }
 
-int EvidenceMap::at_pixel(const Image& image, const ColorModel& color, int u, int v) const {
+int EvidenceMap::at_pixel(const Image& image, const PictureColor& color, int u, int v) const {
   if (!image.contains(u, v) || width_ == 0) return kOutside;
   return std::clamp(color.evidence(image.at(u, v), around(u, v)), -kLimit, kLimit);
 }

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -20,7 +20,7 @@ class EvidenceMap {
   EvidenceMap();  ///< Allocates once; fill() never does.
 
   /// Reads up to four pixels a cell. An empty image makes an empty map.
-  void fill(const Image& image, const ColorModel& color);
+  void fill(const Image& image, const PictureColor& color);
 
   [[nodiscard]] int width() const { return width_; }    ///< [cells]
   [[nodiscard]] int height() const { return height_; }  ///< [cells]
@@ -41,7 +41,7 @@ class EvidenceMap {
   }
 
   /// Evidence of one pixel, from its colour and the cells around it.
-  [[nodiscard]] int at_pixel(const Image& image, const ColorModel& color, int u, int v) const;
+  [[nodiscard]] int at_pixel(const Image& image, const PictureColor& color, int u, int v) const;
 
   static constexpr int kLimit = 40, kOutside = -16;  ///< 2.5 and -1 nats.
 

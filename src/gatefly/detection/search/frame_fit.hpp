@@ -23,6 +23,7 @@ struct FrameScore {
   double mean = 0.0, weakest = 0.0;  ///< Along the four sides; along the worst of them.
   /// Beside the sides and in the middle: a gate is empty there.
   double inside = 0.0, outside = 0.0;
+  double beyond = 0.0;           ///< Of the sides' continuations: a gate's bars end at its corners.
   std::array<double, 4> side{};  ///< Top, right, bottom, left.
 };
 
@@ -71,10 +72,11 @@ class FrameFit {
       s.weakest = std::min(s.weakest, s.side[i]);
       s.inside += 0.25 * std::max(-1.0, along(a + 0.12 * d + off * in, 0.76 * d));
       s.outside += 0.25 * std::max(-1.0, along(a - off * in, d));
+      s.beyond += 0.125 * (beyond(a, -d) + beyond(a + d, d));
     }
     s.inside = std::max(s.inside, middle(q));
     s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
-              weights_.outside * s.outside +
+              weights_.outside * s.outside - weights_.beyond * (s.beyond - kUndecidedBeyond) +
               weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0);
     return s;
   }
@@ -150,7 +152,7 @@ class FrameFit {
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
                        kMostLines = 3;
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
-  static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637;
+  static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637, kUndecidedBeyond = -0.6;
 
   // A wide bar is looked at along several lines, so that letters and patterns on it do not matter:
   // so many on either side of the middle one.
@@ -164,6 +166,16 @@ class FrameFit {
     int sum = 0;
     each_along(a + 0.5 * step, step, n, [&](int, int evidence) { sum += evidence; });
     return sum / (16.0 * n);
+  }
+
+  // Past a corner: what a bar goes on to is the bar of something larger.
+  [[nodiscard]] double beyond(const Eigen::Vector2d& corner, const Eigen::Vector2d& d) const {
+    constexpr double kFirst = 0.10, kApart = 0.06;
+    constexpr int kCount = 4;
+    int sum = 0;
+    each_along(corner + kFirst * d, kApart * d, kCount,
+               [&](int, int evidence) { sum += std::max(-24, evidence); });
+    return sum / (16.0 * kCount);
   }
 
   [[nodiscard]] double middle(const Quad& q) const {

@@ -316,7 +316,7 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
 PartSearch::PartSearch(const GateDetectorParams& params)
     : params_{params}, bars_{kWidest, kAround} {}
 
-std::optional<GatePart> PartSearch::detect(const Image& image, const ColorModel& color) {
+std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColor& color) {
   BarFinder::Bars bars = bars_.find(image, color);
   join_pieces(bars, bars_.stride());
   FixedList<Pair, 3> pairs;

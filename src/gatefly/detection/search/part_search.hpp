@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -22,7 +22,7 @@ class PartSearch {
   explicit PartSearch(const GateDetectorParams& params = {});
 
   /// The largest such gate; nullopt when there is none, or when it is whole. Allocates nothing.
-  [[nodiscard]] std::optional<GatePart> detect(const Image& image, const ColorModel& color);
+  [[nodiscard]] std::optional<GatePart> detect(const Image& image, const PictureColor& color);
 
  private:
   GateDetectorParams params_;

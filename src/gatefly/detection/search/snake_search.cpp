@@ -212,7 +212,7 @@ std::optional<Frame> fitted(const Fit& fit, const Quad& rough, int cell,
 
 }  // namespace
 
-GateDetections SnakeSearch::detect(const Image& image, const ColorModel& color) {
+GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color) {
   GateDetections found;
   const BarFinder::Bars& bars = finder_.find(image, color);
   if (bars.empty()) return found;

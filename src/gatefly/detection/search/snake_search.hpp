@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/detection/color_model.hpp"
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
@@ -21,7 +21,7 @@ class SnakeSearch {
   explicit SnakeSearch(const GateDetectorParams& params = {});
 
   /// Distinct gates, best first. Allocates nothing; the cost hardly depends on the picture's size.
-  [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
+  [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color);
 
   /// Whether the picture that was searched last shows a bar left or right of all these gates: there
   /// may be another one.
@@ -29,7 +29,7 @@ class SnakeSearch {
 
  private:
   struct Pair;
-  using Pairs = FixedList<Pair, 3>;
+  using Pairs = FixedList<Pair, 4>;
 
   [[nodiscard]] Pairs pairs_of(const BarFinder::Bars& bars) const;
 
