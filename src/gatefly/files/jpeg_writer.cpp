@@ -92,6 +92,19 @@ std::string small_jpeg(const Image& image, int quality, int step) {
   return {reinterpret_cast<const char*>(to.bytes), to.size};
 }
 
+std::string jpeg_of(const Image& image, int quality, ChromaSampling sampling) {
+  check_size(image, 1);
+  Compressor to;
+  begin(to, image.width(), image.height());
+  jpeg_set_quality(&to.jpeg, quality, TRUE);
+  const int shared = sampling == ChromaSampling::k420 ? 2 : 1;
+  to.jpeg.comp_info[0].h_samp_factor = to.jpeg.comp_info[0].v_samp_factor = shared;
+  to.jpeg.dct_method = JDCT_ISLOW;
+  jpeg_start_compress(&to.jpeg, TRUE);
+  write_lines(to, image, 1);
+  return {reinterpret_cast<const char*>(to.bytes), to.size};
+}
+
 std::string recorded_jpeg(const Image& image, Recording recording, int exif_orientation) {
   check_size(image, 1);
   Compressor to;

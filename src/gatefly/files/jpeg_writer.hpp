@@ -13,6 +13,14 @@ namespace gatefly::io {
 /// @throws std::invalid_argument when the picture is empty or larger than a JPEG can be.
 [[nodiscard]] std::string small_jpeg(const Image& image, int quality, int step = 1);
 
+/// How many pixels share a chroma: none, or two by two as most cameras and films have it.
+enum class ChromaSampling { k444, k420 };
+
+/// A picture, upright, as the bytes of a JPEG by libjpeg's tables.
+/// @param quality  1..100
+/// @throws std::invalid_argument when the picture is empty or larger than a JPEG can be.
+[[nodiscard]] std::string jpeg_of(const Image& image, int quality, ChromaSampling sampling);
+
 /// How pictures were kept.
 enum class Recording {
   kJpeg,     ///< Quality 98, 4:2:2: as the authors' hand-picked ones (basement32_hq, cyberzoo).
