@@ -128,7 +128,8 @@ struct Searched {
   }
   [[nodiscard]] Image image() const { return {bytes.data(), PixelFormat::kYuv444, width, height}; }
   [[nodiscard]] BarFinder::Evidence evidence(int cell) const {
-    return finder.evidence(image(), kOrange, cell);
+    static const PictureColor kColor{kOrange};
+    return finder.evidence(image(), kColor, cell);
   }
 };
 

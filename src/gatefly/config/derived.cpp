@@ -29,6 +29,16 @@ AnyCamera lens_with_distortion(const CameraDescription& c) {
   return lens_of(c);
 }
 
+/// The lens that pictures were taken with, where a file or flag says so: a picture's own is not known
+/// else.
+PictureLens picture_lens(const Config& c) {
+  for (const char* key :
+       {"camera.model", "camera.focal_px", "camera.center_px", "camera.distortion"})
+    if (c.set_by.contains(key))
+      return {.model = lens_of(c.camera), .width = c.camera.width, .height = c.camera.height};
+  return {};
+}
+
 /// How large the gate is that detections mean, in sides of its bars' middle lines.
 double corner_scale(const GateDescription& gate) {
   const double bar = gate.bar / gate.side;
@@ -122,6 +132,7 @@ PilotConfig pilot_config(const Config& config) {
   const GateDescription& gate = config.gate;
   pilot.detector.bar_ratio = gate.bar / gate.side;
   pilot.detector.corner_scale = corner_scale(gate);
+  pilot.detector.lens = picture_lens(config);
   pilot.gate_color = gate.fitted_color ? *gate.fitted_color : described(gate.rgb);
 
   pilot.vehicle = config.vehicle;

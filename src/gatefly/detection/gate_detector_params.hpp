@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
+#include "gatefly/sensing/camera.hpp"
+
 namespace gatefly {
 
 /// What decides whether a frame is a gate. [chosen on the labelled sets, whole and spoilt in 24 ways,
@@ -9,6 +13,14 @@ struct FrameWeights {
   double weakest = 0.6, inside = 0.5, outside = 0.5, beyond = 1.2;
   /// With every doubling of the side, 0 at 50 px.
   double size = 0.0;
+};
+
+/// The lens that pictures were taken with: bars are looked for along its bend.
+struct PictureLens {
+  std::optional<AnyCamera> model;  ///< None: bars are straight.
+  /// Of the upright pictures that it belongs to [px]: others of the same shape are taken for scaled
+  /// ones, in those of another shape bars are straight. 0: pictures of any size are its own.
+  int width = 0, height = 0;
 };
 
 /// What counts as a gate, for the fast and for the careful search.
@@ -29,6 +41,7 @@ struct GateDetectorParams {
   double corner_scale = 1.0 / 0.95;
   double bar_ratio = 0.05;  ///< Bar width / outer side of the gate.
   FrameWeights weights = {};
+  PictureLens lens = {};
 
   /// Bar width / side of the bars' middle lines.
   [[nodiscard]] double bar() const { return bar_ratio / (1.0 - bar_ratio); }

@@ -26,6 +26,8 @@ LookoutParams lookout_params(const PilotConfig& config) {
   params.timing = config.camera_timing;
   params.gate_color = config.gate_color;
   params.detector = config.detector;
+  // A pilot's pictures are its camera's, of whatever size.
+  if (!params.detector.lens.model) params.detector.lens = {.model = config.camera.lens};
   params.detector_mode = config.detector_mode;
   params.pose = config.pose;
   params.sight = config.sight;

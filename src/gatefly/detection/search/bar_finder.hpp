@@ -112,9 +112,11 @@ class BarFinder {
     const PictureColor& color_;
     int cell_;
   };
+  /// @param color  must stay.
   [[nodiscard]] Evidence evidence(const Image& image, const PictureColor& color, int cell) const {
     return {*this, image, color, cell};
   }
+  Evidence evidence(const Image& image, PictureColor&& color, int cell) const = delete;
 
   [[nodiscard]] int step() const { return step_; }      ///< Pixels from sample to sample.
   [[nodiscard]] int stride() const { return stride_; }  ///< Pixels from row to row.

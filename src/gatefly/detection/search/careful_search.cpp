@@ -96,6 +96,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   const auto of_cell = [this](int x, int y) { return map_.at(x, y); };
   FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights, params_.bar()};
   coarse.set_cell_size(step);
+  coarse.set_curves({bend_, image, step});
   BestFrames best;
   for (std::size_t i = 0; i < std::min(candidates.size(), kTried); ++i) {
     const Quad q = to_cells(candidates[i].corners_px, step);
@@ -107,6 +108,8 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
   FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights, params_.bar()};
   fine.set_least_offset(3.0);
+  const SideCurves curves{bend_, image};
+  fine.set_curves(curves);
   for (const Frame& rough : best) {
     if (found.full() || rough.score.total < params_.min_score - 1.5) break;
     Frame frame;
@@ -117,9 +120,10 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
       frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
     }
     if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
-    frame.quad = refined_corners(image, frame.quad, params_.bar());
+    frame.quad =
+        refined_corners(image, frame.quad, params_.bar(), RefinementEffort::kCareful, curves);
     (void)found.push_back(
-        detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale));
+        detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale, curves));
   }
   insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return found;

@@ -6,6 +6,7 @@
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/detection/search/gate_templates.hpp"
+#include "gatefly/detection/search/lens_bend.hpp"
 
 namespace gatefly {
 
@@ -13,7 +14,8 @@ namespace gatefly {
 /// tried everywhere, the best ones fitted. [ours; Li18 has no counterpart.]
 class CarefulSearch {
  public:
-  explicit CarefulSearch(const GateDetectorParams& params = {}) : params_{params} {}
+  explicit CarefulSearch(const GateDetectorParams& params = {})
+      : params_{params}, bend_{params.lens} {}
 
   /// Distinct gates, best first. Allocates nothing.
   [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color);
@@ -22,6 +24,7 @@ class CarefulSearch {
   GateDetectorParams params_;
   EvidenceMap map_;
   GateTemplates templates_;
+  LensBend bend_;
 };
 
 }  // namespace gatefly

@@ -38,7 +38,8 @@ constexpr float kWayUnit = 64.0f;   // of a grey level, on the way from what is 
 constexpr float kBeyondBar = 1.2f;  // of that way: what is farther on counts no more
 constexpr int kBarBits = 7;         // of that way, once it is halved often enough: 64..127
 static_assert(kLuma * kLeastContrast * kWayUnit >= 1 << (kBarBits - 1), "is never to be doubled");
-constexpr double kLeap = 3.0;  // px
+constexpr double kLeap = 3.0;       // px
+constexpr double kMostCurve = 0.1;  // 1/px
 // from a line's middle pixel to where it is thought to cross: not read again [px]
 constexpr float kNear = 0.9f;
 
@@ -50,10 +51,11 @@ struct Effort {
 constexpr Effort kQuick{.passes = 3, .still = 0.3, .eager = 1.5},
     kCareful{.passes = 5, .still = 0.2, .eager = 1.0};
 
-// A side as x = at_0 + slope y. For a level one x and y are swapped: lines of constant y always
-// cross the bar.
+// A side as x = at_0 + slope y + curve y². For a level one x and y are swapped: lines of constant y
+// always cross the bar.
 struct Side {
-  double at_0 = 0.0, slope = 0.0;
+  double at_0 = 0.0, slope = 0.0, curve = 0.0;
+  double middle = 0.0;  // y halfway between its corners
   bool level = false;
 
   Side() = default;
@@ -61,13 +63,26 @@ struct Side {
       : level{std::abs(b.x() - a.x()) > std::abs(b.y() - a.y())} {
     const double length = along(b) - along(a);
     slope = (across(b) - across(a)) / (std::abs(length) > 1e-9 ? length : 1e-9);
-    at_0 = across(a) - slope * along(a);
+    at_0 = across(a) - slope * along(a), middle = 0.5 * (along(a) + along(b));
+  }
+  /// Bent between its corners a and b, which stay on it. @param sag  of its middle, across it.
+  void bend(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& sag) {
+    const double length = along(b) - along(a);
+    if (!(std::abs(length) > 1.0)) return;
+    // as far as that is along a line of pixels
+    const double bow = 4.0 * across(sag) * (1.0 + slope * slope) / (length * length);
+    curve = -bow, slope += bow * (along(a) + along(b)), at_0 -= bow * along(a) * along(b);
   }
   [[nodiscard]] double along(const Eigen::Vector2d& p) const { return level ? p.x() : p.y(); }
   [[nodiscard]] double across(const Eigen::Vector2d& p) const { return level ? p.y() : p.x(); }
-  [[nodiscard]] double x(double y) const { return at_0 + slope * y; }
+  [[nodiscard]] double x(double y) const { return at_0 + y * (slope + y * curve); }
+  [[nodiscard]] Eigen::Vector2d at(double y) const {
+    return level ? Eigen::Vector2d{y, x(y)} : Eigen::Vector2d{x(y), y};
+  }
+  [[nodiscard]] double lean() const { return slope + 2.0 * curve * middle; }  // of its chord
   void lean_like(const Side& other, double y) {
-    at_0 = x(y) - other.slope * y, slope = other.slope;
+    const double here = x(y);
+    slope = other.lean() - 2.0 * curve * middle, at_0 = here - y * (slope + y * curve);
   }
   /// n · p = c, as (n, c).
   [[nodiscard]] Eigen::Vector3d equation() const {
@@ -92,7 +107,7 @@ class Strip {
   /// Reads the picture across a side from y = `from` to `to`.
   void read(const Image& image, const Side& side, double from, double to, double bar_px) {
     side_ = side, count_ = 0;
-    const double lean = std::sqrt(1.0 + side.slope * side.slope),
+    const double lean = std::sqrt(1.0 + side.lean() * side.lean()),
                  half_bar = std::min(0.5 * bar_px * lean, 1e6);
     const int reach = static_cast<int>(half_bar + kMargin * lean + 0.5),
               breadth = side.level ? image.height() : image.width();
@@ -110,6 +125,9 @@ class Strip {
     const std::int64_t apart = kOne * (last - first) / std::max(1, lines - 1);
     const auto slope = static_cast<std::int64_t>(kOne * side.slope),
                at_0 = static_cast<std::int64_t>(kOne * side.at_0);
+    // of a large picture's squares: twice as many bits
+    const auto curve = static_cast<std::int64_t>(kOne * static_cast<double>(kOne) *
+                                                 std::clamp(side.curve, -kMostCurve, kMostCurve));
     const int n = 2 * half_ + 1;
     std::array<int, static_cast<std::size_t>(kLines)> y, off;
     Levels *const luma = colors_[0].data(), *const u = colors_[1].data(),
@@ -117,7 +135,7 @@ class Strip {
     std::int64_t along = kOne * first;
     for (int k = 0; k < lines; ++k, along += apart) {
       const int at = static_cast<int>(along >> kBits);
-      const std::int64_t x = at_0 + slope * at;
+      const std::int64_t x = at_0 + slope * at + (curve * at * at >> kBits);
       const int middle = static_cast<int>((x + kOne / 2) >> kBits), start = middle - beyond;
       if (static_cast<unsigned>(start) >= static_cast<unsigned>(starts)) continue;
       const auto line = static_cast<std::size_t>(count_);
@@ -211,9 +229,10 @@ class Strip {
   Side side_;  // along which it was read
 
   [[nodiscard]] Lines off_from(const Side& side) const {
-    return off_ + (static_cast<float>(side.at_0 - side_.at_0) +
-                   static_cast<float>(side.slope - side_.slope) * y_) /
-                      static_cast<float>(step_);
+    Lines off = static_cast<float>(side.at_0 - side_.at_0) +
+                static_cast<float>(side.slope - side_.slope) * y_;
+    if (side.curve != side_.curve) off += static_cast<float>(side.curve - side_.curve) * y_ * y_;
+    return off_ + off / static_cast<float>(step_);
   }
 
   // Of each line, how many of its pixels are bar, those at its ends counting less; and the same
@@ -266,11 +285,17 @@ class Strip {
 };
 
 template <int kLines>
-Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort& effort) {
+Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort& effort,
+             const SideCurves& curves) {
   Quad corners = frame;
   std::array<Strip<kLines>, 4> strips;
   for (int pass = 0; pass < effort.passes; ++pass) {
-    const auto side = [&](std::size_t i) { return Side{corners[i], corners[(i + 1) % 4]}; };
+    const auto side = [&](std::size_t i) {
+      const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
+      Side between{a, b};
+      if (curves.bent()) between.bend(a, b, curves.sag(a, b));
+      return between;
+    };
     std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};
     for (std::size_t i = 0; i < 4; ++i) {
       if (pass > 0 && strips[i].fits(sides[i])) continue;
@@ -300,7 +325,13 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
     }
     Quad now;
     for (std::size_t i = 0; i < 4; ++i) {
-      const auto corner = crossing(sides[(i + 3) % 4], sides[i]);
+      const std::size_t before = (i + 3) % 4, next = (i + 1) % 4;
+      const auto on = [&](std::size_t k, std::size_t end) {
+        return sides[k].at(sides[k].along(corners[end]));
+      };
+      const auto corner =
+          curves.bent() ? curves.crossing(on(before, before), on(before, i), on(i, i), on(i, next))
+                        : crossing(sides[before], sides[i]);
       if (!corner) return frame;
       now[i] = *corner;
     }
@@ -314,10 +345,12 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
 
 }  // namespace
 
-Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort) {
+Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort,
+                     const SideCurves& curves) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
-  if (effort == RefinementEffort::kCareful) return refined<32>(image, frame, bar_px, kCareful);
-  return refined<16>(image, frame, bar_px, kQuick);
+  if (effort == RefinementEffort::kCareful)
+    return refined<32>(image, frame, bar_px, kCareful, curves);
+  return refined<16>(image, frame, bar_px, kQuick, curves);
 }
 
 }  // namespace gatefly

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -20,9 +21,11 @@ enum class RefinementEffort {
 /// pictures of one scene.
 /// @param frame  the bars' middle lines, to a pixel or two [px].
 /// @param bar  bar width / side of the bars' middle lines.
+/// @param curves  how the lens bends the sides, in pixels.
 /// A side that shows no bar stays where it is; a frame of which a corner would leap is returned as
 /// it was. Allocates nothing.
 [[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar,
-                                   RefinementEffort effort = RefinementEffort::kCareful);
+                                   RefinementEffort effort = RefinementEffort::kCareful,
+                                   const SideCurves& curves = {});
 
 }  // namespace gatefly

@@ -13,6 +13,7 @@
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -60,19 +61,19 @@ class FrameFit {
     const int lines = lines_beside(length);
     s.weakest = 1e9;
     for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d a = q[i], d = q[(i + 1) % 4] - a;
+      const Eigen::Vector2d a = q[i], d = q[(i + 1) % 4] - a, sag = curves_.sag(a, a + d);
       const Eigen::Vector2d in = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
-      s.side[i] = along(a, d);
+      s.side[i] = along(a, d, sag);
       for (int k = 1; k <= lines; ++k) {
         const Eigen::Vector2d beside = 0.6 * half_bar_ * length * k / lines * in;
-        s.side[i] += along(a + beside, d) + along(a - beside, d);
+        s.side[i] += along(a + beside, d, sag) + along(a - beside, d, sag);
       }
       s.side[i] /= 1 + 2 * lines;
       s.mean += 0.25 * s.side[i];
       s.weakest = std::min(s.weakest, s.side[i]);
-      s.inside += 0.25 * std::max(-1.0, along(a + 0.12 * d + off * in, 0.76 * d));
-      s.outside += 0.25 * std::max(-1.0, along(a - off * in, d));
-      s.beyond += 0.125 * (beyond(a, -d) + beyond(a + d, d));
+      s.inside += 0.25 * std::max(-1.0, along(a + off * in, d, sag, {0.12, 0.76}));
+      s.outside += 0.25 * std::max(-1.0, along(a - off * in, d, sag));
+      s.beyond += 0.125 * (beyond(a, -d, sag) + beyond(a + d, d, sag));
     }
     s.inside = std::max(s.inside, middle(q));
     s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
@@ -147,6 +148,8 @@ class FrameFit {
 
   void set_least_offset(double cells) { off_min_ = cells; }
   void set_cell_size(double px) { cell_px_ = px; }
+  /// Sides are the images of straight bars, from corner to corner. @param curves  in cells.
+  void set_curves(const SideCurves& curves) { curves_ = curves; }
 
  private:
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
@@ -160,21 +163,45 @@ class FrameFit {
     return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines);
   }
 
-  [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& d) const {
+  // How far beside its chord a bar is at t = 0..1.
+  [[nodiscard]] static Eigen::Vector2d bow(const Eigen::Vector2d& sag, double t) {
+    return 4.0 * t * (1.0 - t) * sag;
+  }
+
+  struct Piece {
+    double from = 0.0, length = 1.0;
+  };
+  // Mean evidence along a piece of a side, or beside one as bent.
+  [[nodiscard]] double along(const Eigen::Vector2d& a, const Eigen::Vector2d& side,
+                             const Eigen::Vector2d& sag, const Piece& piece = {}) const {
+    const Eigen::Vector2d d = piece.length * side, first = a + piece.from * side;
     const int n = std::clamp(static_cast<int>(d.norm() * 0.6), 8, kEffort.samples);
     const Eigen::Vector2d step = d / n;
     int sum = 0;
-    each_along(a + 0.5 * step, step, n, [&](int, int evidence) { sum += evidence; });
+    if (curves_.bent())
+      for (int k = 0; k < n; ++k) {
+        const double part = (k + 0.5) / n;
+        sum += at(first + part * d + bow(sag, piece.from + part * piece.length));
+      }
+    else
+      each_along(first + 0.5 * step, step, n, [&](int, int evidence) { sum += evidence; });
     return sum / (16.0 * n);
   }
 
   // Past a corner: what a bar goes on to is the bar of something larger.
-  [[nodiscard]] double beyond(const Eigen::Vector2d& corner, const Eigen::Vector2d& d) const {
+  [[nodiscard]] double beyond(const Eigen::Vector2d& corner, const Eigen::Vector2d& d,
+                              const Eigen::Vector2d& sag) const {
     constexpr double kFirst = 0.10, kApart = 0.06;
-    constexpr int kCount = 4;
+    constexpr int kCount = 4, kLeast = -24;
     int sum = 0;
-    each_along(corner + kFirst * d, kApart * d, kCount,
-               [&](int, int evidence) { sum += std::max(-24, evidence); });
+    if (curves_.bent())
+      for (int k = 0; k < kCount; ++k) {
+        const double t = kFirst + kApart * k;
+        sum += std::max(kLeast, at(corner + t * d + bow(sag, -t)));
+      }
+    else
+      each_along(corner + kFirst * d, kApart * d, kCount,
+                 [&](int, int evidence) { sum += std::max(kLeast, evidence); });
     return sum / (16.0 * kCount);
   }
 
@@ -205,11 +232,13 @@ class FrameFit {
   [[nodiscard]] Strip<kCount> strip(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                                     int reach) const {
     Strip<kCount> s;
-    const Eigen::Vector2d d = b - a;
+    const Eigen::Vector2d d = b - a, sag = curves_.sag(a, b);
     s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
     for (int j = 0; j < kCount; ++j) {
       int* const first = s.value[static_cast<std::size_t>(j)].data() + kMostReach - reach;
-      each_along(a + station(j, kCount) * d - reach * s.normal, s.normal, 2 * reach + 1,
+      Eigen::Vector2d middle = a + station(j, kCount) * d;
+      if (curves_.bent()) middle += bow(sag, station(j, kCount));
+      each_along(middle - reach * s.normal, s.normal, 2 * reach + 1,
                  [&](int o, int evidence) { first[o] = evidence; });
     }
     return s;
@@ -253,7 +282,7 @@ class FrameFit {
   [[nodiscard]] Line middle_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                                  int reach) const {
     // Along rows or columns, whichever cross the side more steeply.
-    const Eigen::Vector2d d = b - a;
+    const Eigen::Vector2d d = b - a, sag = curves_.sag(a, b);
     const bool down = std::abs(d.x()) > std::abs(d.y());
     const Eigen::Vector2d axis{down ? 0.0 : 1.0, down ? 1.0 : 0.0};
     // Weighted least squares of the bar's middle at every station that shows it: from (1 - t) + to
@@ -264,11 +293,12 @@ class FrameFit {
     Stations middle, shown;
     for (int j = 0; j < kMiddles; ++j) {
       int sum = 0, moment = 0, o = -reach;
-      each_across(a + station(j, kMiddles) * d - reach * axis, down, 2 * reach + 1,
-                  [&](int evidence) {
-                    const int w = std::max(0, evidence);
-                    sum += w, moment += w * o++;
-                  });
+      Eigen::Vector2d on_side = a + station(j, kMiddles) * d;
+      if (curves_.bent()) on_side += bow(sag, station(j, kMiddles));
+      each_across(on_side - reach * axis, down, 2 * reach + 1, [&](int evidence) {
+        const int w = std::max(0, evidence);
+        sum += w, moment += w * o++;
+      });
       middle[j] = static_cast<float>(moment) / static_cast<float>(std::max(1, sum)),
       shown[j] = sum > 8 ? 1.0f : 0.0f;
     }
@@ -289,10 +319,12 @@ class FrameFit {
     return {moved(a, from), moved(b, to)};
   }
 
-  [[nodiscard]] static std::optional<Quad> corners(const std::array<Line, 4>& lines) {
+  [[nodiscard]] std::optional<Quad> corners(const std::array<Line, 4>& lines) const {
     Quad q;
     for (std::size_t i = 0; i < 4; ++i) {
-      const auto corner = crossing(lines[(i + 3) % 4], lines[i]);
+      const Line &before = lines[(i + 3) % 4], &after = lines[i];
+      const auto corner = curves_.bent() ? curves_.crossing(before.a, before.b, after.a, after.b)
+                                         : crossing(before, after);
       if (!corner) return std::nullopt;
       q[i] = *corner;
     }
@@ -316,6 +348,7 @@ class FrameFit {
   const Evidence& evidence_;
   FrameWeights weights_;
   double half_bar_, off_min_ = 1.5, cell_px_ = 1.0;
+  SideCurves curves_;
 };
 
 /// Whether a quad can be a picture of a square frame: convex, no side much shorter than its
@@ -349,8 +382,10 @@ struct Frame {
 /// What a frame says to the outside: corners `corner_scale` times as far out as the bars' middle
 /// lines, and confidences.
 [[nodiscard]] inline GateDetection detection_of(const Frame& frame, DetectionMethod method,
-                                                const Image& image, double corner_scale) {
-  const Quad corners = scaled(frame.quad, corner_scale), listed = clockwise_from_top_left(corners);
+                                                const Image& image, double corner_scale,
+                                                const SideCurves& curves = {}) {
+  const Quad corners = curves.scaled(frame.quad, corner_scale),
+             listed = clockwise_from_top_left(corners);
   const auto first = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), listed[0]) -
                                               corners.begin());
   GateDetection gate{

@@ -10,6 +10,7 @@
 
 #include "gatefly/detection/search/corner_refinement.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
+#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -24,6 +25,27 @@ constexpr FrameEffort kEffort{.samples = 8, .middles = 8};
 
 }  // namespace
 
+namespace {
+
+/// How far a bent bar is beside the line that was fitted to it.
+struct Bow {
+  double top = 0.0, length = 1.0, sag = 0.0;
+
+  Bow() = default;
+  Bow(const Bar& bar, const SideCurves& curves)
+      : top{bar.top},
+        length{bar.length()},
+        // along the row
+        sag{curves.sag(bar.at(bar.top), bar.at(bar.bottom)).x() * (1.0 + bar.slope * bar.slope)} {}
+  /// At a row. The line that fits a parabola best is two thirds of the sag beside its chord.
+  [[nodiscard]] double x(double y) const {
+    const double t = std::clamp((y - top) / length, -1.0, 2.0);
+    return (4.0 * t * (1.0 - t) - 2.0 / 3.0) * sag;
+  }
+};
+
+}  // namespace
+
 /// Two bars, and the frame that would be square between them: levels drop by `shift` from right to
 /// left [px].
 struct SnakeSearch::Pair {
@@ -31,15 +53,26 @@ struct SnakeSearch::Pair {
   double width = 0.0, shift = 0.0;  ///< Reach of an upright side over rows; see above.
   double top = 0.0, bottom = 0.0;   ///< Of the bars, at the middle between them.
   double worth = 0.0;
+  Bow left_bow{}, right_bow{};
 
-  [[nodiscard]] Eigen::Vector2d on_left(double level) const { return left.at(level + 0.5 * shift); }
+  [[nodiscard]] Eigen::Vector2d on_left(double level) const {
+    return on(left, left_bow, level + 0.5 * shift);
+  }
   [[nodiscard]] Eigen::Vector2d on_right(double level) const {
-    return right.at(level - 0.5 * shift);
+    return on(right, right_bow, level - 0.5 * shift);
+  }
+  void bend(const SideCurves& curves) { left_bow = {left, curves}, right_bow = {right, curves}; }
+
+ private:
+  [[nodiscard]] static Eigen::Vector2d on(const Bar& bar, const Bow& bow, double y) {
+    Eigen::Vector2d p = bar.at(y);
+    if (bow.sag != 0.0) p.x() += bow.x(y);
+    return p;
   }
 };
 
 SnakeSearch::SnakeSearch(const GateDetectorParams& params)
-    : params_{params}, finder_{kWidest, kAround} {}
+    : params_{params}, finder_{kWidest, kAround}, bend_{params.lens} {}
 
 SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
   const auto better = [](const Pair& a, const Pair& b) { return a.worth > b.worth; };
@@ -77,9 +110,12 @@ namespace {
 template <class Pair, class Fit>
 class LevelBars {
  public:
-  LevelBars(const Pair& pair, int step, int stride, int cell, const Fit& fit)
+  /// @param curves  in pixels.
+  LevelBars(const Pair& pair, int step, int stride, int cell, const Fit& fit,
+            const SideCurves& curves)
       : pair_{pair},
         fit_{fit},
+        curves_{curves},
         cell_{cell},
         beyond_{std::max(0.9 * stride, 0.15 * pair.width)},
         next_row_{static_cast<double>(stride)} {
@@ -91,6 +127,7 @@ class LevelBars {
   /// The frame, roughly, in cells; nullopt where none shows.
   [[nodiscard]] std::optional<Quad> frame() const {
     End upper{pair_.top, -1.0}, lower{pair_.bottom, +1.0};
+    if (curves_.bent()) bend(upper), bend(lower);
     // Most pairs are no gate: two samples of six show it.
     if (look(upper, 1) + look(upper, 4) + look(lower, 1) + look(lower, 4) < kLeastShown)
       return std::nullopt;
@@ -115,6 +152,8 @@ class LevelBars {
   };
   struct End {
     double at, outwards;
+    // of the outermost level, and how it changes with the levels inwards
+    Eigen::Vector2d sag{0, 0}, sag_change{0, 0};
     // of the samples looked at so far, from the outermost level on
     std::array<int, kMostLevels> sums{};
   };
@@ -122,20 +161,33 @@ class LevelBars {
   [[nodiscard]] double level(const End& end, int k) const {
     return end.at + end.outwards * (beyond_ - k * apart_);
   }
-  [[nodiscard]] Eigen::Vector2d sample(double left, double right, int j) const {
+  void bend(End& end) const {
+    const auto sag = [&](int k) {
+      return curves_.sag(pair_.on_left(level(end, k)), pair_.on_right(level(end, k)));
+    };
+    end.sag = sag(0), end.sag_change = (sag(levels_ - 1) - end.sag) / (levels_ - 1);
+  }
+  [[nodiscard]] Eigen::Vector2d sample(const End& end, double left, double right, int j) const {
     const Eigen::Vector2d a = pair_.on_left(left), b = pair_.on_right(right);
-    return to_cells(a + (j + 0.5) / kAcross * (b - a), cell_);
+    const double t = (j + 0.5) / kAcross;
+    Eigen::Vector2d p = a + t * (b - a);
+    if (curves_.bent()) {
+      const double k = (beyond_ - end.outwards * (0.5 * (left + right) - end.at)) / apart_;
+      p += 4.0 * t * (1.0 - t) * (end.sag + k * end.sag_change);
+    }
+    return to_cells(p, cell_);
   }
 
   // Adds one sample of each level; the most that any shows.
   int look(End& end, int j) const {
     const double first = level(end, 0), last = level(end, levels_ - 1);
-    const Eigen::Vector2d start = sample(first, first, j);
+    const Eigen::Vector2d start = sample(end, first, first, j);
     int most = -kLimit;
-    fit_.each_along(
-        start, (sample(last, last, j) - start) / (levels_ - 1), levels_, [&](int k, int evidence) {
-          most = std::max(most, evidence), end.sums[static_cast<std::size_t>(k)] += evidence;
-        });
+    fit_.each_along(start, (sample(end, last, last, j) - start) / (levels_ - 1), levels_,
+                    [&](int k, int evidence) {
+                      most = std::max(most, evidence),
+                      end.sums[static_cast<std::size_t>(k)] += evidence;
+                    });
     return most;
   }
 
@@ -147,15 +199,15 @@ class LevelBars {
   }
 
   // Adds samples to a level, if it becomes better than the best: no further than it still can.
-  void improve(Level& best, double left, double right, int sum,
+  void improve(Level& best, const End& end, double left, double right, int sum,
                std::initializer_list<int> samples) const {
     int most = sum + static_cast<int>(samples.size()) * kLimit;
     if (most <= best.sum) return;
-    const Eigen::Vector2d first = sample(left, right, 0),
-                          apart = (sample(left, right, kAcross - 1) - first) / (kAcross - 1);
+    const Eigen::Vector2d first = sample(end, left, right, 0),
+                          apart = (sample(end, left, right, kAcross - 1) - first) / (kAcross - 1);
     for (const int j : samples) {
       if (most <= best.sum) return;
-      most += fit_.at(first + j * apart) - kLimit;
+      most += fit_.at(curves_.bent() ? sample(end, left, right, j) : first + j * apart) - kLimit;
     }
     if (most > best.sum) best = {left, right, most};
   }
@@ -168,7 +220,7 @@ class LevelBars {
     int best_k = 0;
     const auto try_level = [&](int k) {
       const int before = best.sum;
-      improve(best, level(end, k), level(end, k), so_far[static_cast<std::size_t>(k)],
+      improve(best, end, level(end, k), level(end, k), so_far[static_cast<std::size_t>(k)],
               {0, 2, 3, 5});
       if (best.sum > before) best_k = k;
     };
@@ -180,7 +232,7 @@ class LevelBars {
       if (best.sum >= kClear) break;
       const double half = 0.5 * tilt * pair_.width;
       for (int k = std::max(0, best_k - 3); k < std::min(levels_, best_k + 4); ++k)
-        improve(best, level(end, k) - half, level(end, k) + half, -left_over(k),
+        improve(best, end, level(end, k) - half, level(end, k) + half, -left_over(k),
                 {0, 1, 2, 3, 4, 5});
     }
     return best;
@@ -188,6 +240,7 @@ class LevelBars {
 
   const Pair& pair_;
   const Fit& fit_;
+  const SideCurves& curves_;
   int cell_, levels_ = 0;
   // of the bars' ends: how far outwards; a bar may end anywhere before the next row [px]
   double beyond_, next_row_, apart_ = 0.0;
@@ -221,19 +274,24 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
   FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights, params_.bar()};
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);
+  const SideCurves curves{bend_, image};
+  fit.set_curves({bend_, image, static_cast<double>(cell)});
   FixedList<Frame, Pairs::kCapacity> frames;
   const auto in_place_of = [&](const Quad& q) {
     return std::find_if(frames.begin(), frames.end(),
                         [&](const Frame& f) { return same_place(f.quad, q); });
   };
-  for (const Pair& pair : pairs_of(bars)) {
+  Pairs pairs = pairs_of(bars);
+  if (curves.bent())
+    for (Pair& pair : pairs) pair.bend(curves);
+  for (const Pair& pair : pairs) {
     // Once more a frame that leaves no doubt, from other pieces of its bars: not worth the time.
     const auto known =
         in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top),
                                   pair.on_right(pair.bottom), pair.on_left(pair.bottom)},
                              cell));
     if (known != frames.end() && known->score.total > params_.sure_score) continue;
-    const auto rough = LevelBars{pair, finder_.step(), finder_.stride(), cell, fit}.frame();
+    const auto rough = LevelBars{pair, finder_.step(), finder_.stride(), cell, fit, curves}.frame();
     if (!rough) continue;
     const auto frame = fitted(fit, *rough, cell, params_);
     if (!frame) continue;
@@ -247,9 +305,9 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
                  [](const Frame& a, const Frame& b) { return a.score.total > b.score.total; });
   for (const Frame& frame : frames) {
     const Quad corners = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(),
-                                         RefinementEffort::kQuick);
-    (void)found.push_back(
-        detection_of({corners, frame.score}, DetectionMethod::kSnake, image, params_.corner_scale));
+                                         RefinementEffort::kQuick, curves);
+    (void)found.push_back(detection_of({corners, frame.score}, DetectionMethod::kSnake, image,
+                                       params_.corner_scale, curves));
   }
   return found;
 }

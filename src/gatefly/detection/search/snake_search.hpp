@@ -5,6 +5,7 @@
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/bar_finder.hpp"
+#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -15,7 +16,7 @@ namespace gatefly {
 /// Two bars of like slope and height are the sides of a frame; its level bars are looked for
 /// between them, then all four sides are fitted. What differs from the paper: no random samples,
 /// evidence in place of a colour box, upright bars first at any roll up to 60 deg (one pair of a
-/// frame's sides is always within 45 deg of upright).
+/// frame's sides is always within 45 deg of upright), sides as the lens bends them.
 class SnakeSearch {
  public:
   explicit SnakeSearch(const GateDetectorParams& params = {});
@@ -35,6 +36,7 @@ class SnakeSearch {
 
   GateDetectorParams params_;
   BarFinder finder_;
+  LensBend bend_;
 };
 
 }  // namespace gatefly
