@@ -13,6 +13,7 @@ struct FrameWeights {
   double weakest = 0.6, inside = 0.5, outside = 0.5, beyond = 1.2;
   /// With every doubling of the side, 0 at 50 px.
   double size = 0.0;
+  double added = 0.0;  ///< For the picture at hand, see PictureColor::faintness().
 };
 
 /// The lens that pictures were taken with: bars are looked for along its bend.
@@ -43,6 +44,12 @@ struct GateDetectorParams {
   FrameWeights weights = {};
   PictureLens lens = {};
 
+  /// Weights for a picture whose frames lack so much.
+  [[nodiscard]] FrameWeights weights_with(double added) const {
+    FrameWeights with = weights;
+    with.added = added;
+    return with;
+  }
   /// Bar width / side of the bars' middle lines.
   [[nodiscard]] double bar() const { return bar_ratio / (1.0 - bar_ratio); }
 };

@@ -11,23 +11,26 @@ namespace {
 constexpr int kLevels = 256;
 
 // Of the picture's shorter side: between pixels that are asked, and between the two of a pair.
-constexpr double kGrid = 1.0 / 16.0, kApart = 1.0 / 40.0;
+constexpr double kGrid = 1.0 / 16.0, kApart = 1.0 / 50.0;
 
-// [levels; R of 5, 7, 9, 11 and pairs 4, 12 px apart of 160: the labelled sets' best, whole and
+// [levels; of 5, 7, 9, 11, and pairs 3, 4, 12 px apart of 160: the labelled sets' best, whole and
 // spoilt in 24 ways]
 constexpr double kContrast = 7.0;
-constexpr int kMostGain = 6 * ChromaTone::kOne;
+// [nats; thresholds of equal false alarms in whole and in spoilt pictures]
+constexpr double kPerDoubling = 0.3;
 // A cast up to this is left. [of 0, 5, 8: basement580's floor and walls are greenish]
 constexpr int kCast = 8;
 constexpr int kMostCast = 32;
 
-// Fourths of an octave: pictures of one scene share one.
-int gain_step(double gain) {
-  constexpr std::array kSteps{64, 76, 91, 108, 128, 152, 181, 215, 256, 304, 362, kMostGain};
-  int best = kSteps[0];
-  for (const int step : kSteps)
-    if (step <= gain * ChromaTone::kOne + 0.5) best = step;
-  return best;
+// Fourths of an octave, in 1/64.
+constexpr std::array kGains{64, 76, 91, 108, 128, 152, 181, 215, 256, 304, 362};
+constexpr int kGainBits = 6;
+static_assert(kGains[0] == 1 << kGainBits);
+
+int gain_of(double times) {
+  int gain = 0;
+  for (const int more : kGains) gain += more <= times * kGains[0];
+  return std::max(0, gain - 1);
 }
 
 using Counts = std::array<int, kLevels>;
@@ -74,7 +77,7 @@ ChromaTone tone_of(const Image& image, const ColorModel& model) {
   int part = 0;
   for (int so_far = contrasts[0]; 10 * so_far < 9 * pairs && part < kLevels - 1;)
     so_far += contrasts[static_cast<std::size_t>(++part)];
-  tone.gain = gain_step(kContrast * kParts / (part + 0.5));
+  tone.gain = gain_of(kContrast * kParts / (part + 0.5));
   return tone;
 }
 
@@ -99,21 +102,23 @@ void PictureColor::set(const ColorModel& model, const ChromaTone& tone) {
 }
 
 void PictureColor::make_tables() {
-  const auto toned = [this](int level, int neutral) {
-    const int scaled = (level - neutral) * tone_.gain;
-    return std::clamp(128 + ((scaled + ChromaTone::kOne / 2) >> 6), 0, kLevels - 1);
+  constexpr double kFourths = 4.0;
+  faintness_ = kPerDoubling * tone_.gain / kFourths;
+  const int gain = kGains[static_cast<std::size_t>(tone_.gain)];
+  const auto larger = [gain](int difference) {
+    return (difference * gain + (1 << (kGainBits - 1))) >> kGainBits;
   };
-  static_assert(ChromaTone::kOne == 1 << 6);
+  const auto toned = [&](int level, int neutral) {
+    return std::clamp(128 + larger(level - neutral), 0, kLevels - 1);
+  };
   for (int level = 0; level < kLevels; ++level) {
     const auto i = static_cast<std::size_t>(level);
     starts_.u[i] = ColorModel::kStarts.u[static_cast<std::size_t>(toned(level, tone_.neutral_u))];
     starts_.v[i] = ColorModel::kStarts.v[static_cast<std::size_t>(toned(level, tone_.neutral_v))];
   }
   for (int step = -255; step <= 255; ++step) {
-    const int larger =
-        std::clamp((step * tone_.gain + ChromaTone::kOne / 2) >> 6, -(kLevels - 1), kLevels - 1);
-    const auto i = static_cast<std::size_t>(255 + step),
-               from = static_cast<std::size_t>(255 + larger);
+    const int to = std::clamp(larger(step), -(kLevels - 1), kLevels - 1);
+    const auto i = static_cast<std::size_t>(255 + step), from = static_cast<std::size_t>(255 + to);
     starts_.u_step[i] = ColorModel::kStarts.u_step[from];
     starts_.v_step[i] = ColorModel::kStarts.v_step[from];
   }

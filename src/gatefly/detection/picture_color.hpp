@@ -13,9 +13,8 @@ namespace gatefly {
 /// What is done to a picture's chroma before a colour model is asked: neutral grey moved to grey,
 /// contrast made larger.
 struct ChromaTone {
-  static constexpr int kOne = 64;  ///< Of a gain.
   int neutral_u = 128, neutral_v = 128;
-  int gain = kOne;
+  int gain = 0;  ///< Fourths of an octave, 0..10.
 
   friend bool operator==(const ChromaTone&, const ChromaTone&) = default;
 };
@@ -41,6 +40,10 @@ class PictureColor {
   void set(const ColorModel& model, const ChromaTone& tone);
 
   [[nodiscard]] const ChromaTone& tone() const { return tone_; }
+
+  /// What a frame's score lacks in such a picture [nats]: where all colour is faint bars stand out
+  /// less, and so does everything that is taken for one.
+  [[nodiscard]] double faintness() const { return faintness_; }
 
   /// Bin of a colour and of a difference in the model's tables.
   [[nodiscard]] std::size_t bin(Yuv c) const {
@@ -75,6 +78,7 @@ class PictureColor {
 
   const ColorModel* model_;
   ChromaTone tone_;
+  double faintness_ = 0.0;
   ColorModel::Starts starts_ = ColorModel::kStarts;
   Hopeless hopeless_of_model_, hopeless_;
 };

@@ -94,7 +94,8 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
 
   const double step = map_.step(), least_side = params_.min_side_px / step;
   const auto of_cell = [this](int x, int y) { return map_.at(x, y); };
-  FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights, params_.bar()};
+  FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights_with(color.faintness()),
+                                     params_.bar()};
   coarse.set_cell_size(step);
   coarse.set_curves({bend_, image, step});
   BestFrames best;
@@ -106,7 +107,8 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   insertion_sort(best, better);
 
   const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
-  FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights, params_.bar()};
+  FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights_with(color.faintness()),
+                                    params_.bar()};
   fine.set_least_offset(3.0);
   const SideCurves curves{bend_, image};
   fine.set_curves(curves);

@@ -53,6 +53,8 @@ class FrameFit {
                     double bar = kThinBar)
       : evidence_{evidence}, weights_{weights}, half_bar_{0.5 * bar} {}
 
+  [[nodiscard]] const FrameWeights& weights() const { return weights_; }
+
   [[nodiscard]] FrameScore score(const Quad& q) const {
     FrameScore s;
     double length = 0.0;
@@ -78,7 +80,7 @@ class FrameFit {
     s.inside = std::max(s.inside, middle(q));
     s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
               weights_.outside * s.outside - weights_.beyond * (s.beyond - kUndecidedBeyond) +
-              weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0);
+              weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0) + weights_.added;
     return s;
   }
 

@@ -275,9 +275,11 @@ std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, cons
                   !part.is_cut(pair.right, kEnds[e]);
   }
   // As FrameFit::score, of what is in view.
-  const FrameWeights& weights = params.weights;
-  found.score = sum / sides + weights.weakest * weakest - weights.inside * inside +
-                weights.size * std::log2(std::max(1.0, pair.apart) / 50.0);
+  // What is beside the bars and beyond their ends is as of a gate.
+  constexpr double kNotLookedAt = 0.9;
+  const FrameWeights& weights = fit.weights();
+  found.score = sum / sides + weights.weakest * weakest - weights.inside * inside + kNotLookedAt +
+                weights.size * std::log2(std::max(1.0, pair.apart) / 50.0) + weights.added;
   return found.score < params.min_score ? std::nullopt : std::optional{found};
 }
 
@@ -329,7 +331,8 @@ std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColo
       if (better(*pair, worst)) worst = *pair;
     }
   const BarFinder::Evidence evidence = bars_.evidence(image, color, 1);
-  const FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights, params_.bar()};
+  const FrameFit<BarFinder::Evidence, kEffort> fit{
+      evidence, params_.weights_with(color.faintness()), params_.bar()};
   std::optional<Candidate> best;
   for (const Pair& pair : pairs) {
     const auto candidate = candidate_of(pair, image, fit, bars_.stride(), params_);

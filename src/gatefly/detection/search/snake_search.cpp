@@ -271,7 +271,8 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
   if (bars.empty()) return found;
   const int cell = std::max(1, finder_.step() / 2);
   const BarFinder::Evidence evidence = finder_.evidence(image, color, cell);
-  FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights, params_.bar()};
+  FrameFit<BarFinder::Evidence, kEffort> fit{evidence, params_.weights_with(color.faintness()),
+                                             params_.bar()};
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);
   const SideCurves curves{bend_, image};
