@@ -13,6 +13,10 @@ struct Slope {
 };
 constexpr Slope kAbsolute{8.0, 6.0, 1.2, 4.0}, kRelative{3.0, 4.0, 0.8, 2.0};
 constexpr double kMostNats = 3.0;  // of a description
+// Bins of luma in which a sensor is nearly full: what tint is left there is the lens' or the
+// sensor's.
+constexpr std::size_t kBurntOut = 14;
+constexpr std::int8_t kOfBurntOut = -2 * ColorModel::kUnit;
 static_assert(kMostNats <= ColorModel::kMostNats);
 
 std::int8_t evidence_of(const Slope& slope, double along, double across) {
@@ -48,6 +52,7 @@ ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
           return kFirstChromaStep + kChromaStep * bin + 0.5 * (kChromaStep - 1);
         };
         fill(model.absolute, kAbsolute, middle_of_color(bu), middle_of_color(bv));
+        if (y >= kBurntOut) model.absolute[i] = std::min(model.absolute[i], kOfBurntOut);
         fill(model.relative, kRelative, middle_of_difference(bu), middle_of_difference(bv));
       }
   model.find_hopeless();
