@@ -16,6 +16,9 @@ namespace {
 // less]
 constexpr std::size_t kTried = 48;
 
+// A score on cells, which thin bars hardly fill, beside that on pixels.
+constexpr double kRoughLacks = 2.0;
+
 constexpr double kWideBar = 4.0;  // cells; wider ones need no look at single pixels
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
@@ -112,8 +115,9 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   fine.set_least_offset(3.0);
   const SideCurves curves{bend_, image};
   fine.set_curves(curves);
+  BestFrames gates;
   for (const Frame& rough : best) {
-    if (found.full() || rough.score.total < params_.min_score - 1.5) break;
+    if (rough.score.total < params_.min_score - kRoughLacks) break;
     Frame frame;
     if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
       frame = finished(coarse, rough.quad, least_side, params_);
@@ -122,12 +126,15 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
       frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
     }
     if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
+    keep(gates, frame);  // some come to one place only now
+  }
+  insertion_sort(gates, better);
+  for (Frame& frame : gates) {
     frame.quad =
         refined_corners(image, frame.quad, params_.bar(), RefinementEffort::kCareful, curves);
     (void)found.push_back(
         detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale, curves));
   }
-  insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   return found;
 }
 

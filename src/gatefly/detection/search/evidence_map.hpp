@@ -12,14 +12,14 @@
 namespace gatefly {
 
 /// A picture as evidence for the gate, on a grid of at most kCells cells whatever the picture's
-/// size.
+/// size: two pixels a cell up to 640 x 480.
 class EvidenceMap {
  public:
-  static constexpr int kCells = 20'000, kMargin = 1;
+  static constexpr int kCells = 80'000, kMargin = 1;
 
   EvidenceMap();  ///< Allocates once; fill() never does.
 
-  /// Reads up to four pixels a cell. An empty image makes an empty map.
+  /// Reads two pixels a cell. An empty image makes an empty map.
   void fill(const Image& image, const PictureColor& color);
 
   [[nodiscard]] int width() const { return width_; }    ///< [cells]

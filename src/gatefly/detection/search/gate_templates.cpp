@@ -163,8 +163,12 @@ void GateTemplates::search(const EvidenceMap& map, double max_roll_deg, GateCand
   search_level({1 * map.step(), kSmall, small_roll, 3}, found);
   halve();
   search_level({2 * map.step(), kMedium, max_roll_deg, kShapes.size()}, found);
-  halve();
-  search_level({4 * map.step(), kLarge, max_roll_deg, kShapes.size()}, found);
+  // A gate is not much larger than the picture.
+  const int shorter = std::min(map.width(), map.height());
+  for (int pool = 4; pool == 4 || pool * kLarge[1] <= shorter; pool *= 2) {
+    halve();
+    search_level({pool * map.step(), kLarge, max_roll_deg, kShapes.size()}, found);
+  }
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.score > b.score; });
 }
