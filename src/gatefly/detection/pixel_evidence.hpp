@@ -2,9 +2,9 @@
 #pragma once
 
 #include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/pixel_evidence.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 
 namespace gatefly::tuning {
 namespace {
