@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/search/lens_bend.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 
 #include <algorithm>
 #include <cmath>

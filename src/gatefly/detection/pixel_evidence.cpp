@@ -14,13 +14,14 @@ void PixelEvidence::read(const Image& image, const ColorModel& color) {
   map_.fill(image, color_);
 }
 
-Quad PixelEvidence::pulled(const Quad& bars_px, double bar) const {
+Quad PixelEvidence::pulled(const Quad& bars_px, double bar, const SideCurves& curves) const {
   constexpr double kLeastSide = 5.0, kMostAspect = 6.0;
   const auto has_shape = [](const Quad& q) { return is_frame_shaped(q, kLeastSide, kMostAspect); };
   const double size = std::sqrt(std::abs(area(bars_px)));
   const auto evidence = [this](int u, int v) { return at(u, v); };
   FrameFit<decltype(evidence)> fit{evidence, {}, bar};
   fit.set_least_offset(3.0);
+  fit.set_curves(curves);
   Quad q = bars_px;
   double score = fit.score(q).total;
   for (const int reach : {4, 3, 2, 1}) {

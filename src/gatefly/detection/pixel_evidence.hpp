@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
@@ -24,7 +25,8 @@ class PixelEvidence {
   [[nodiscard]] int at(int u, int v) const { return map_.at_pixel(image_, color_, u, v); }
   /// The middle lines of a gate's bars, moved onto the evidence near by; where they were when that
   /// leads too far. @param bar  bar width / side of the middle lines.
-  [[nodiscard]] Quad pulled(const Quad& bars_px, double bar) const;
+  /// @param curves  how the lens bends them, in pixels.
+  [[nodiscard]] Quad pulled(const Quad& bars_px, double bar, const SideCurves& curves = {}) const;
 
  private:
   Image image_;

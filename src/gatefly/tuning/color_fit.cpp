@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/pixel_evidence.hpp"
 
 namespace gatefly::tuning {
@@ -51,10 +52,25 @@ void smooth(Histogram& histogram, const std::array<double, 3>& sigma) {
   }
 }
 
-double distance_to_bars(const Quad& q, const Eigen::Vector2d& p) {
-  double nearest = 1e18;
+/// The middle lines of a gate's bars, where they bend in pieces.
+std::vector<Eigen::Vector2d> outline_of(const Quad& q, const SideCurves& curves) {
+  const int pieces = curves.bent() ? 8 : 1;
+  std::vector<Eigen::Vector2d> outline;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d a = q[i], d = q[(i + 1) % 4] - a;
+    const Eigen::Vector2d &a = q[i], &b = q[(i + 1) % 4], sag = curves.sag(a, b);
+    outline.push_back(a);
+    for (int k = 1; k < pieces; ++k) {
+      const double t = static_cast<double>(k) / pieces;
+      outline.push_back(a + t * (b - a) + 4.0 * t * (1.0 - t) * sag);
+    }
+  }
+  return outline;
+}
+
+double distance_to_bars(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& p) {
+  double nearest = 1e18;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d a = outline[i], d = outline[(i + 1) % outline.size()] - a;
     const double t = std::clamp((p - a).dot(d) / std::max(1e-9, d.squaredNorm()), 0.0, 1.0);
     nearest = std::min(nearest, (p - a - t * d).squaredNorm());
   }
@@ -65,9 +81,10 @@ double size_of(const Quad& q) { return std::sqrt(std::abs(area(q))); }
 
 /// Calls visit(u, v) for all pixels of a picture within `reach` of a quad's sides.
 template <class Visit>
-void near_bars(const Image& image, const Quad& q, double reach, Visit visit) {
+void near_bars(const Image& image, const Quad& q, const LensBend& bend, double reach, Visit visit) {
+  const std::vector<Eigen::Vector2d> outline = outline_of(q, {bend, image});
   Eigen::Vector2d low = q[0], high = q[0];
-  for (const auto& p : q) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const auto& p : outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const auto from = [&](double x) {
     return std::max(0, static_cast<int>(std::floor(std::max(-1e6, x - reach))));
   };
@@ -76,11 +93,11 @@ void near_bars(const Image& image, const Quad& q, double reach, Visit visit) {
   };
   for (int v = from(low.y()); v <= to(high.y(), image.height()); ++v)
     for (int u = from(low.x()); u <= to(high.x(), image.width()); ++u)
-      if (distance_to_bars(q, {u, v}) <= reach) visit(u, v);
+      if (distance_to_bars(outline, {u, v}) <= reach) visit(u, v);
 }
 
 Counts background_of(std::span<const ColorPicture> pictures, PixelEvidence& evidence,
-                     const ColorFitParams& params) {
+                     const LensBend& bend, const ColorFitParams& params) {
   static const ColorModel kNoColor;
   Counts counts;
   std::vector<std::uint8_t> is_near;
@@ -95,7 +112,7 @@ Counts background_of(std::span<const ColorPicture> pictures, PixelEvidence& evid
              static_cast<std::size_t>(u);
     };
     const auto leave_out = [&](const Quad& q) {
-      near_bars(image, q, 6.0 + 1.2 * params.bar_ratio * size_of(q),
+      near_bars(image, q, bend, 6.0 + 1.2 * params.bar_ratio * size_of(q),
                 [&](int u, int v) { is_near[at(u, v)] = 1; });
     };
     for (const Example& gate : picture.gates) leave_out(gate.bars_px);
@@ -112,7 +129,7 @@ Counts background_of(std::span<const ColorPicture> pictures, PixelEvidence& evid
 
 /// Every gate counts the same whatever its size; a pixel by the chance that it is a bar's.
 Counts gates_of(std::span<const ColorPicture> pictures, const ColorModel& model, bool first,
-                PixelEvidence& evidence, const ColorFitParams& params) {
+                PixelEvidence& evidence, const LensBend& bend, const ColorFitParams& params) {
   Counts counts;
   for (const ColorPicture& picture : pictures) {
     if (picture.gates.empty()) continue;
@@ -123,7 +140,7 @@ Counts gates_of(std::span<const ColorPicture> pictures, const ColorModel& model,
                    half_bar = 0.45 * params.bar_ratio * size;
       // Before the first pull the sides are off by some pixels.
       const double reach = half_bar + (first ? 2.0 : 0.7), all = 8.0 * reach * size;
-      near_bars(picture.image, gate.bars_px, reach, [&](int u, int v) {
+      near_bars(picture.image, gate.bars_px, bend, reach, [&](int u, int v) {
         const double nats = evidence.at(u, v) / static_cast<double>(ColorModel::kUnit);
         const double chance = first ? 1.0 : 1.0 / (1.0 + std::exp(-nats));
         counts.add(evidence.color(), picture.image.at(u, v), evidence.around(u, v),
@@ -175,10 +192,11 @@ ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& pri
     for (Example& gate : picture.gates)
       gate.bars_px = clockwise_from_top_left(gate.bars_px), total += gate.weight;
   PixelEvidence evidence;
-  const Counts background = background_of(pictures, evidence, params);
+  const LensBend bend{params.lens};
+  const Counts background = background_of(pictures, evidence, bend, params);
   ColorModel model = prior;
   for (int round = 0; round < params.rounds; ++round) {
-    const Counts gates = gates_of(pictures, model, round == 0, evidence, params);
+    const Counts gates = gates_of(pictures, model, round == 0, evidence, bend, params);
     set_table(model.absolute, prior.absolute, gates.absolute, background.absolute, total,
               params.prior_gates);
     set_table(model.relative, prior.relative, gates.relative, background.relative, total,
@@ -191,7 +209,7 @@ ColorModel fit_colors(std::span<const ColorPicture> given, const ColorModel& pri
       for (std::size_t g = 0; g < pictures[p].gates.size(); ++g)
         pictures[p].gates[g].bars_px =
             evidence.pulled(clockwise_from_top_left(given[p].gates[g].bars_px),
-                            params.bar_ratio / (1.0 - params.bar_ratio));
+                            params.bar_ratio / (1.0 - params.bar_ratio), {bend, pictures[p].image});
     }
   }
   model.find_hopeless();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gatefly/detection/color_model.hpp"
+#include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -28,7 +29,8 @@ struct ColorFitParams {
   double bar_ratio = 0.05;  ///< Bar width / side of the gate.
   /// The prior counts as much as so many gates. [of 0.5-100: all within .02 of hits]
   double prior_gates = 2.0;
-  int rounds = 4;  ///< Of fitting the colours and pulling the gates onto them.
+  PictureLens lens = {};  ///< Bars are as it bends them.
+  int rounds = 4;         ///< Of fitting the colours and pulling the gates onto them.
 };
 
 /// Log-likelihood ratios of bar pixels against background, blended with what is believed before.

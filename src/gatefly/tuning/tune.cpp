@@ -13,7 +13,7 @@ namespace {
 constexpr int kLeastLabelled = 4;  // gates; two in each half
 
 ColorFitParams params_of(const GateDetectorParams& detector) {
-  return {.bar_ratio = detector.bar_ratio};
+  return {.bar_ratio = detector.bar_ratio, .lens = detector.lens};
 }
 
 /// Every picture with what a model finds in it: sure gates as examples, the rest as unsure.

@@ -3,10 +3,10 @@
 
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/detection/search/gate_templates.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 
 namespace gatefly {
 

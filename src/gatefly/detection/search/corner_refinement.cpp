@@ -79,6 +79,12 @@ struct Side {
   [[nodiscard]] Eigen::Vector2d at(double y) const {
     return level ? Eigen::Vector2d{y, x(y)} : Eigen::Vector2d{x(y), y};
   }
+  /// The straight side that touches it at y.
+  [[nodiscard]] Side tangent(double y) const {
+    Side line = *this;
+    line.curve = 0.0, line.slope = slope + 2.0 * curve * y, line.at_0 = x(y) - line.slope * y;
+    return line;
+  }
   [[nodiscard]] double lean() const { return slope + 2.0 * curve * middle; }  // of its chord
   void lean_like(const Side& other, double y) {
     const double here = x(y);
@@ -97,6 +103,17 @@ std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
     return std::nullopt;
   return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
 }
+
+/// How the crossings of a side's lines speak for a curve: x = ... + curve (y² - y_part y - part),
+/// what is in brackets has no straight part of its own.
+struct Curvature {
+  double moment = 0.0, weight = 0.0;  // of the curve that fits best, least squares: moment / weight
+  double part = 0.0, y_part = 0.0;
+
+  void add_to(Side& side, double curve) const {
+    side.curve += curve, side.slope -= curve * y_part, side.at_0 -= curve * part;
+  }
+};
 
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
@@ -184,8 +201,9 @@ class Strip {
   /// time.
   /// @param contrast  of a bar; how far a pixel is on that way from the colour beside, which
   ///     changes evenly from one flank to the other, says how much of it is bar.
+  /// @param curvature  where it is not null and there is such a line: what the crossings say of it.
   [[nodiscard]] Side line(const Side& rough, const Eigen::Vector3f& contrast, double bar_px,
-                          double eager) const {
+                          double eager, Curvature* curvature) const {
     if (count_ < kLeastLines) return rough;
     const Lines off = off_from(rough);
     const auto [sum, moment] = bar_pixels(off, contrast);
@@ -202,6 +220,7 @@ class Strip {
     const Lines y = y_ - y_middle,
                 x = shown * static_cast<float>(step_) * (moment / sum.max(1e-6f) - off);
     double shift = 0.0, slope = 0.0;  // beside the rough line
+    Lines weight;
     for (int pass = 0; pass < 2; ++pass) {
       const Lines left = x - static_cast<float>(shift) - static_cast<float>(slope) * y;
       const Lines w = pass == 0 ? shown : Lines{shown / (1.0f + 0.5f * left * left)};
@@ -211,7 +230,11 @@ class Strip {
       const double det = n * n_yy - n_y * n_y;
       if (!(det > 1e-3)) return rough;
       slope = (n * n_xy - n_x * n_y) / det, shift = (n_x - slope * n_y) / n;
+      weight = w;
     }
+    if (curvature != nullptr)
+      *curvature = curvature_of(y, x - static_cast<float>(shift) - static_cast<float>(slope) * y,
+                                weight, y_middle);
     Side line = rough;
     line.slope += eager * slope;
     line.at_0 += eager * (shift - slope * y_middle);
@@ -219,6 +242,22 @@ class Strip {
   }
 
  private:
+  // @param y  of the lines, from `middle` on; @param left  of their crossings, beside a line
+  [[nodiscard]] static Curvature curvature_of(const Lines& y, const Lines& left,
+                                              const Lines& weight, double middle) {
+    const Lines yy = y * y, wy = weight * y;
+    const double n = weight.sum(), n_y = wy.sum(), n_yy = (weight * yy).sum(),
+                 n_yyy = (wy * yy).sum(), det = n * n_yy - n_y * n_y;
+    if (!(det > 1e-3)) return {};
+    const double b = (n * n_yyy - n_y * n_yy) / det, a = (n_yy - b * n_y) / n;
+    const Lines bent = yy - static_cast<float>(b) * y - static_cast<float>(a);
+    // y is the side's own less the middle
+    return {.moment = (weight * left * bent).sum(),
+            .weight = (weight * bent * bent).sum(),
+            .part = a - (b + middle) * middle,
+            .y_part = b + 2.0 * middle};
+  }
+
   using Levels = std::array<std::uint8_t, static_cast<std::size_t>(kLines)>;  // one of each line
   // Color by color, pixel by pixel of a line, line by line.
   std::array<std::array<Levels, kWidest>, 3> colors_;
@@ -284,16 +323,85 @@ class Strip {
   }
 };
 
+/// A bend that nobody told: of barrels about the picture's middle, r (1 - k r²), the one that the
+/// crossings of all four sides say.
+class UnknownBend {
+ public:
+  UnknownBend(const Image& image, const Quad& frame)
+      : middle_px_{0.5 * (image.width() - 1), 0.5 * (image.height() - 1)},
+        strong_{kStrong / (static_cast<double>(image.width()) * image.width())} {
+    for (std::size_t i = 0; i < 4; ++i)
+      shows_ = shows_ || strong_ * bulge(frame[i], frame[(i + 1) % 4]).norm() > kShown;
+  }
+
+  /// Whether a strong one would show on this frame.
+  [[nodiscard]] bool shows() const { return shows_; }
+  [[nodiscard]] Eigen::Vector2d sag(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
+    return k_ * bulge(a, b);
+  }
+  /// Bends the lines more or less, as their crossings say.
+  void adapt(const Quad& corners, const std::array<Curvature, 4>& curvatures, double eager,
+             std::array<Side, 4>& sides) {
+    std::array<double, 4> curve{};  // of the sides, with k = 1
+    double moment = 0.0, weight = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
+      Side side{a, b};
+      side.bend(a, b, bulge(a, b));
+      curve[i] = side.curve;
+      moment += curve[i] * curvatures[i].moment;
+      weight += curve[i] * curve[i] * curvatures[i].weight;
+    }
+    // A bend is improbable: so many crossings say that there is none.
+    const double doubt = kDoubt / (strong_ * strong_), before = k_;
+    k_ = std::clamp(k_ + eager * (moment - doubt * k_) / (weight + doubt), 0.0, 1.5 * strong_);
+    for (std::size_t i = 0; i < 4; ++i) curvatures[i].add_to(sides[i], (k_ - before) * curve[i]);
+  }
+
+ private:
+  // 1 / (3 f²) of an equidistant lens of 150 degrees, f in widths
+  static constexpr double kStrong = 2.3;
+  static constexpr double kShown = 1.0;  // px
+  static constexpr double kDoubt = 4.0;  // px²
+
+  // The sag with k = 1: half a chord, squared, times how far its middle is from the picture's,
+  // across it.
+  [[nodiscard]] Eigen::Vector2d bulge(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
+    const Eigen::Vector2d half = 0.5 * (b - a), off = 0.5 * (a + b) - middle_px_;
+    return half.squaredNorm() * off - off.dot(half) * half;
+  }
+
+  Eigen::Vector2d middle_px_;
+  double strong_, k_ = 0.0;  // 1/px²
+  bool shows_ = false;
+};
+
+// Of bent sides, near `corner`.
+std::optional<Eigen::Vector2d> crossing_near(Eigen::Vector2d corner, const Side& before,
+                                             const Side& after) {
+  for (int step = 0; step < 2; ++step) {
+    const auto met =
+        crossing(before.tangent(before.along(corner)), after.tangent(after.along(corner)));
+    if (!met) return std::nullopt;
+    corner = *met;
+  }
+  return corner;
+}
+
 template <int kLines>
 Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort& effort,
              const SideCurves& curves) {
   Quad corners = frame;
   std::array<Strip<kLines>, 4> strips;
+  UnknownBend unknown{image, frame};
+  const bool guess = !curves.known() && unknown.shows();
+  std::array<Curvature, 4> curvatures;
   for (int pass = 0; pass < effort.passes; ++pass) {
     const auto side = [&](std::size_t i) {
       const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
       Side between{a, b};
       if (curves.bent()) between.bend(a, b, curves.sag(a, b));
+      if (guess) between.bend(a, b, unknown.sag(a, b));
       return between;
     };
     std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};
@@ -312,8 +420,12 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
       if (!s.empty()) contrast += s.contrast(), ++shown;
     contrast /= static_cast<float>(std::max(1, shown));
     if (!(contrast.squaredNorm() >= kLeastContrast * kLeastContrast)) return corners;
-    for (std::size_t i = 0; i < 4; ++i)
-      sides[i] = strips[i].line(sides[i], contrast, bar_px, effort.eager);
+    for (std::size_t i = 0; i < 4; ++i) {
+      curvatures[i] = {};
+      sides[i] = strips[i].line(sides[i], contrast, bar_px, effort.eager,
+                                guess ? &curvatures[i] : nullptr);
+    }
+    if (guess) unknown.adapt(corners, curvatures, effort.eager, sides);
     // A side of which the border leaves little says where it is, the opposite one how it leans.
     for (std::size_t i = 0; i < 4; ++i) {
       const Side& opposite = sides[(i + 2) % 4];
@@ -329,9 +441,10 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
       const auto on = [&](std::size_t k, std::size_t end) {
         return sides[k].at(sides[k].along(corners[end]));
       };
-      const auto corner =
-          curves.bent() ? curves.crossing(on(before, before), on(before, i), on(i, i), on(i, next))
-                        : crossing(sides[before], sides[i]);
+      const auto corner = guess           ? crossing_near(corners[i], sides[before], sides[i])
+                          : curves.bent() ? curves.crossing(on(before, before), on(before, i),
+                                                            on(i, i), on(i, next))
+                                          : crossing(sides[before], sides[i]);
       if (!corner) return frame;
       now[i] = *corner;
     }

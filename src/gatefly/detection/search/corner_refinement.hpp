@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {

@@ -12,8 +12,8 @@
 
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {

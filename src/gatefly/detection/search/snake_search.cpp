@@ -8,9 +8,9 @@
 #include <initializer_list>
 #include <optional>
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/search/corner_refinement.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {

@@ -3,9 +3,9 @@
 
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/bar_finder.hpp"
-#include "gatefly/detection/search/lens_bend.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/detection/search/lens_bend.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 
 #include <cmath>
 #include <variant>
@@ -84,7 +84,8 @@ class Angles {
 
 }  // namespace
 
-LensBend::LensBend(const PictureLens& lens) : width_{lens.width}, height_{lens.height} {
+LensBend::LensBend(const PictureLens& lens)
+    : width_{lens.width}, height_{lens.height}, known_{lens.model.has_value()} {
   if (!lens.model || std::holds_alternative<Pinhole>(lens.model->model)) return;
   const Radial radial{*lens.model};
   center_px_ = radial.center_px, per_focal_ = radial.focal_px.cwiseInverse();

@@ -29,6 +29,7 @@ class LensBend {
   explicit LensBend(const PictureLens& lens);
 
   [[nodiscard]] bool is_straight() const { return rays_.empty(); }
+  [[nodiscard]] bool is_known() const { return known_; }
   /// Pixels of the lens' pictures a pixel of `image`; nullopt where that is of another shape.
   [[nodiscard]] std::optional<double> scale_of(const Image& image) const;
 
@@ -67,6 +68,7 @@ class LensBend {
   Eigen::Vector2d center_px_{0, 0}, per_focal_{1, 1};
   double rays_per_unit_ = 0.0, pixels_per_unit_ = 0.0;  // entries
   int width_ = 0, height_ = 0;                          // of the lens' pictures; 0: any
+  bool known_ = true;
 };
 
 /// The bend of straight bars in one picture, in its cells. As cheap to copy as a pointer.
@@ -77,12 +79,14 @@ class SideCurves {
   /// @param bend  must stay.
   /// @param cell  side of a cell [px].
   SideCurves(const LensBend& bend, const Image& image, double cell = 1.0) {
-    if (bend.is_straight()) return;
     const auto scale = bend.scale_of(image);
-    if (scale) bend_ = &bend, cell_px_ = *scale * cell;
+    known_ = bend.is_known() && scale;
+    if (scale && !bend.is_straight()) bend_ = &bend, cell_px_ = *scale * cell;
   }
 
   [[nodiscard]] bool bent() const { return bend_ != nullptr; }
+  /// Whether anybody said which lens it was: a straight one else, or one that bends.
+  [[nodiscard]] bool known() const { return known_; }
 
   /// A bar's image from a to b is a + t (b - a) + 4 t (1 - t) sag, t = 0..1. 0 where the lens does
   /// not reach.
@@ -127,6 +131,7 @@ class SideCurves {
 
   const LensBend* bend_ = nullptr;
   double cell_px_ = 1.0;  // pixels of the lens' pictures
+  bool known_ = true;
 };
 
 }  // namespace gatefly
