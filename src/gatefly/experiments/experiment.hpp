@@ -87,6 +87,7 @@ Result arc_accuracy(const Options& options);
 Result convergence(const Options& options);
 Result own_detector(const Options& options);
 Result robustness(const Options& options);
+Result false_alarms(const Options& options);
 Result detection_failures(const Options& options);
 Result pose_ls_p3p(const Options& options);
 Result pose_bars(const Options& options);

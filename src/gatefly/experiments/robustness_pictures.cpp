@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/experiments/robustness_pictures.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gatefly::experiments {
@@ -59,7 +60,7 @@ void draw_cell(io::Canvas& canvas, const io::Box& cell, const UprightPicture& or
 }  // namespace
 
 io::Canvas draw_rows(const std::string& title, std::span<const std::string> rows,
-                     std::span<const RowMarks> marks) {
+                     std::span<const RowMarks> marks, double most) {
   const double bottom = kTop + kRow * static_cast<double>(rows.size());
   io::Canvas canvas(static_cast<int>(kNames + kAxis + 2.0 * kMargin),
                     static_cast<int>(bottom + 2.0 * kMargin));
@@ -68,7 +69,7 @@ io::Canvas draw_rows(const std::string& title, std::span<const std::string> rows
   for (int tick = 0; tick <= 10; ++tick) {
     const double x = kNames + 0.1 * tick * kAxis;
     canvas.line({x, kTop - 8.0}, {x, bottom}, {.color = io::kLight.grid, .width = 1.0});
-    canvas.text({x, bottom + 18.0}, fixed(0.1 * tick, 1),
+    canvas.text({x, bottom + 18.0}, io::text_of(0.1 * tick * most, 2),
                 {.color = io::kLight.muted, .align = io::Align::kCenter});
   }
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -77,15 +78,15 @@ io::Canvas draw_rows(const std::string& title, std::span<const std::string> rows
     canvas.text({kNames - 12.0, y + 4.5}, rows[row], {.align = io::Align::kRight});
     for (const RowMarks& kind : marks)
       if (std::isfinite(kind.values[row]))
-        draw_mark(canvas, {kNames + kAxis * kind.values[row], y}, kind);
+        draw_mark(canvas, {kNames + kAxis * std::min(1.0, kind.values[row] / most), y}, kind);
   }
   return canvas;
 }
 
 io::Canvas sheet_of_changes(const UprightPicture& original, const OwnSet& set) {
-  constexpr int kColumns = 9, kScale = 1, kGap = 16, kWords = 24;
+  constexpr int kColumns = 6, kGap = 16, kWords = 24;
   const auto changes = picture_changes();
-  const int width = kScale * original.width, height = kScale * original.height;
+  const int width = original.width, height = original.height;
   const int rows = (static_cast<int>(changes.size()) + kColumns - 1) / kColumns;
   io::Canvas canvas(kColumns * (width + kGap) + kGap, rows * (height + kWords + kGap) + kGap);
   for (std::size_t i = 0; i < changes.size(); ++i) {

@@ -70,7 +70,8 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
                                   .per_day = twin_order.per_day,
                                   .first_seed = twin_order.first_seed,
                                   .around = 0.0,
-                                  .shake = room.shake_deg * kDegree};
+                                  .shake = room.shake_deg * kDegree,
+                                  .without_gates = twin_order.without_gates};
   const tasks::Race race = maker.race(order.first_seed);
   const sim::CameraTruth& camera = race.config.sim.camera;
   const sim::WorldGate& gate = race.config.sim.world.gates.front();

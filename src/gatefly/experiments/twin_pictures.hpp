@@ -43,6 +43,7 @@ struct TwinRoom {
 struct TwinOrder {
   std::uint64_t first_seed = 1001;
   std::size_t days = 30, per_day = 20;
+  bool without_gates = false;
 };
 
 /// Rendered ones through the real ones' recording, on all cores.

@@ -179,6 +179,8 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
   const std::size_t count = std::min(order.per_day, order.pictures - first);
   const std::vector<Moment> moments = moments_of_day(race, order, count);
   if (order.varied) vary(race.config.sim, race.identity.seed, places_of(moments));
+  if (order.without_gates)
+    for (sim::WorldGate& gate : race.config.sim.world.gates) gate.missing = true;
   const sim::SimConfig& s = race.config.sim;
   sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1};
   const double middle = 0.5 * (s.camera.exposure + s.camera.readout);

@@ -23,6 +23,7 @@ struct PictureOrder {
   double shake = 0.0;
   bool varied = false;  ///< Looks take turns, and all else is drawn: varied_look.hpp.
   bool masks = false;
+  bool without_gates = false;  ///< The same places and looks, but nobody set up a gate.
 };
 
 /// What a camera saw at one moment, and what was to be seen.
