@@ -6,6 +6,7 @@
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/detection/search/gate_templates.hpp"
+#include "gatefly/detection/search/search_trace.hpp"
 
 namespace gatefly {
 
@@ -16,7 +17,9 @@ class CarefulSearch {
   explicit CarefulSearch(const GateDetectorParams& params = {}) : params_{params} {}
 
   /// Distinct gates, best first. Allocates nothing.
-  [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);
+  /// @param trace  filled with what was looked at, if given; empty before.
+  [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color,
+                                      SearchTrace* trace = nullptr);
 
  private:
   GateDetectorParams params_;
