@@ -17,16 +17,19 @@
 
 #include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/drawing/annotate.hpp"
+#include "gatefly/drawing/search_sheet.hpp"
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/image_file.hpp"
-#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/video_reader.hpp"
+#include "gatefly/tasks/assumptions.hpp"
 #include "gatefly/tasks/gates_in_picture.hpp"
+#include "gatefly/tasks/search_report.hpp"
 #include "gatefly/tasks/upright.hpp"
 
 #include "commands.hpp"
+#include "drawings.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -38,38 +41,43 @@ struct DetectOptions {
   std::vector<std::string> paths;
   bool all = false, json = false;
   std::optional<int> rotate_deg;
-  std::string csv, annotate, data;
-
-  [[nodiscard]] fs::path drawing_of(const std::string& name) const {
-    return fs::path{annotate} / (name + ".png");
-  }
+  std::string csv, annotate, debug, data;
 };
+
+constexpr io::OutputKind kSearchJson{"record of a search", "\"in_words\""};
 
 /// What came out of all pictures.
 struct Findings {
   std::vector<io::DetectionRow> rows;
   /// with_part: with no more than a part of a gate.
   int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
-  std::string first_grey;                       ///< Its name.
-  int other_size = 0;                           ///< Not of the size of the camera that was named.
-  std::string first_other_size;                 ///< What is wrong with it.
-  double seconds = 0.0;                         ///< Spent on detection alone.
-  std::unique_ptr<io::PartialFolder> drawings;  ///< With --annotate.
+  std::string first_grey;                         ///< Its name.
+  int other_size = 0;                             ///< Not of the size of the camera that was named.
+  std::string first_other_size;                   ///< What is wrong with it.
+  double seconds = 0.0;                           ///< Spent on detection alone.
+  std::unique_ptr<Drawings> annotated, debugged;  ///< With --annotate, --debug.
+  std::string rotation;                           ///< How pictures were turned.
 };
 
-/// @throws CannotWrite where a drawing would replace a file that is none.
-void check_drawing(const fs::path& path, const DetectOptions& options) {
-  if (!options.common.force && fs::exists(path) && !io::is_of_kind(path, io::kOurPng))
-    throw io::CannotWrite(path, "is there and is no " + std::string{io::kOurPng.name} +
-                                    "; choose another folder (--force replaces it)");
-}
+std::string name_of_drawing(const std::string& picture) { return picture + ".png"; }
+std::string name_of_record(const std::string& picture) { return picture + ".json"; }
 
-/// Drawn aside, until all are.
-void draw(const Image& image, const std::string& name, const std::vector<GateDetection>& gates,
-          const DetectOptions& options, const Findings& findings) {
-  const fs::path drawing = options.drawing_of(name);
-  check_drawing(drawing, options);
-  findings.drawings->write(drawing.filename().string(), io::annotated(image, gates).png());
+/// What both searches saw of a picture, and why.
+void debug(const Image& image, const std::string& name, const std::vector<GateDetection>& gates,
+           const io::Config& config, const Drawings& drawings) {
+  const tasks::SearchReport report = tasks::explained(image, config.pilot, gates);
+  io::SearchSheet sheet{.title = name,
+                        .in_words = report.in_words,
+                        .found = report.answered,
+                        .fast = {report.fast.begin(), report.fast.end()},
+                        .map = report.map,
+                        .bars = report.bars,
+                        .trace = report.trace,
+                        .listed = {}};
+  for (const tasks::ConsideredFrame& frame : report.considered)
+    sheet.listed.push_back({frame.bars_px, frame.score, frame.taken, frame.fate});
+  drawings.write(name_of_drawing(name), io::kOurPng, io::drawn(sheet, image).png());
+  drawings.write(name_of_record(name), kSearchJson, tasks::as_json(report).dump(2) + "\n");
 }
 
 /// Whether a picture has no colour anywhere, by every 5th pixel of every 5th line.
@@ -96,7 +104,10 @@ void look_at(const Image& image, const std::string& name, const DetectOptions& o
     ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
   for (std::size_t i = 0; i < gates.size(); ++i)
     findings.rows.push_back(io::row_of(name, static_cast<int>(i), gates[i]));
-  if (findings.drawings) draw(image, name, gates, options, findings);
+  if (findings.annotated)
+    findings.annotated->write(name_of_drawing(name), io::kOurPng,
+                              io::annotated(image, gates).png());
+  if (findings.debugged) debug(image, name, gates, config, *findings.debugged);
 }
 
 /// Counts a picture that the camera of a --config does not make: its lens is then not that one's.
@@ -161,19 +172,29 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
   return files;
 }
 
+/// Before the work: whether what is drawn of all these files may be.
+void open_drawings(const DetectOptions& options, const std::vector<fs::path>& files,
+                   Findings& findings) {
+  if (!options.annotate.empty()) {
+    findings.annotated =
+        std::make_unique<Drawings>("--annotate", options.annotate, options.common.force);
+    for (const fs::path& file : files)
+      findings.annotated->check(name_of_drawing(file.filename().string()), io::kOurPng);
+  }
+  if (options.debug.empty()) return;
+  findings.debugged = std::make_unique<Drawings>("--debug", options.debug, options.common.force);
+  for (const fs::path& file : files) {
+    findings.debugged->check(name_of_drawing(file.filename().string()), io::kOurPng);
+    findings.debugged->check(name_of_record(file.filename().string()), kSearchJson);
+  }
+}
+
 Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
   Findings findings;
   GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
   tasks::Upright upright(config);
-  if (!options.annotate.empty()) {
-    io::check_output_folder("--annotate", options.annotate);
-    for (const fs::path& file : files)
-      check_drawing(options.drawing_of(file.filename().string()), options);
-    findings.drawings = std::make_unique<io::PartialFolder>(
-        options.annotate, io::PartialFolder::Grows::kInside,
-        [](const std::string& name) { return name.ends_with(".png"); });
-  }
+  open_drawings(options, files, findings);
   Progress progress(options.common.quiet, 10'000.0);
   double done = 0.0;
   for (const fs::path& path : files) {
@@ -198,7 +219,9 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
     ++done;
   }
   progress.clear();
-  if (findings.pictures > 0 && !options.common.quiet) complain(upright.said());
+  findings.rotation = upright.said();
+  if (findings.pictures > 0 && !options.common.quiet)
+    complain(findings.rotation + "; " + tasks::text_of(tasks::assumptions_of(config)));
   if (findings.other_size > 0 && !options.common.quiet)
     complain(findings.first_other_size +
              (findings.other_size > 1 ? " (" + std::to_string(findings.other_size) + " of " +
@@ -211,7 +234,7 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   return findings;
 }
 
-nlohmann::ordered_json as_json(const Findings& findings) {
+nlohmann::ordered_json as_json(const Findings& findings, const io::Config& config) {
   nlohmann::ordered_json detections = nlohmann::ordered_json::array();
   for (const io::DetectionRow& row : findings.rows) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();
@@ -223,10 +246,11 @@ nlohmann::ordered_json as_json(const Findings& findings) {
                           {"method", row.method},
                           {"corner_fitness", row.corner_fitness}});
   }
-  return {{"pictures", findings.pictures},
-          {"with_gate", findings.with_gate},
-          {"with_part", findings.with_part},
-          {"unusable", findings.unusable},
+  nlohmann::ordered_json assumed = tasks::as_json(tasks::assumptions_of(config));
+  assumed["rotation"] = findings.rotation;
+  return {{"pictures", findings.pictures},     {"with_gate", findings.with_gate},
+          {"with_part", findings.with_part},   {"unusable", findings.unusable},
+          {"other_size", findings.other_size}, {"assumed", assumed},
           {"detections", detections}};
 }
 
@@ -246,6 +270,9 @@ int detect(const DetectOptions& options) {
   const bool rows_on_stdout = io::is_stdout(csv);
   if (options.json && rows_on_stdout)
     throw std::runtime_error("--json and --csv " + csv + ": both want stdout; name a file");
+  if (!options.debug.empty() && fs::path{options.debug} == fs::path{options.annotate})
+    throw std::runtime_error("--debug " + options.debug +
+                             ": --annotate draws there, too; name another folder");
   std::vector<fs::path> inputs;
   for (const std::string& path : options.paths) inputs.push_back(io::find_data(path, options.data));
   check_outputs({{"--csv", csv, {"table of detections", "image,gate,tl_u,"}}}, inputs,
@@ -268,9 +295,10 @@ int detect(const DetectOptions& options) {
              (findings.pictures == 1 ? " was done" : " were done"));
 
   if (!csv.empty()) io::write_file(csv, io::detections_csv(findings.rows));
-  if (findings.drawings) findings.drawings->pour();
+  if (findings.annotated) findings.annotated->pour();
+  if (findings.debugged) findings.debugged->pour();
   if (options.json)
-    std::cout << as_json(findings).dump(2) << '\n';
+    std::cout << as_json(findings, config).dump(2) << '\n';
   else if (!rows_on_stdout && !options.common.quiet)
     print_summary(findings, csv);
   if (findings.unusable > 0) return kUnusable;
@@ -304,6 +332,11 @@ void declare_detect(Command& command) {
   command.option("--csv", options->csv, "where rows go instead of stdout (-)").path("FILE");
   command
       .option("--annotate", options->annotate, "draw every picture with its gates: DIR/<image>.png")
+      .path("DIR");
+  command
+      .option("--debug", options->debug,
+              "draw why gates were found or missed: DIR/<image>.png, the same as numbers in "
+              "<image>.json")
       .path("DIR");
   command
       .option("--data", options->data,

@@ -47,6 +47,19 @@ struct Material {
   std::vector<io::ImageFile> files;  ///< Behind the pictures.
   std::vector<tuning::LabelledImage> pictures;
   int unusable = 0, duplicates = 0, without_label = 0, labels_without_picture = 0;
+
+  /// "10 of 640x480 px, 2 of 315x160 px"; "" where all have one size.
+  [[nodiscard]] std::string sizes() const {
+    std::map<std::string, int> count;
+    for (const tuning::LabelledImage& picture : pictures)
+      ++count[std::to_string(picture.image.width()) + "x" + std::to_string(picture.image.height()) +
+              " px"];
+    if (count.size() < 2) return "";
+    std::vector<std::string> parts;
+    for (const auto& [size, number] : count)
+      parts.push_back(std::to_string(number) + " of " + size);
+    return io::joined(parts);
+  }
 };
 
 void complain(const std::string& what) { std::cerr << "gatefly tune: " << what << '\n'; }
@@ -117,6 +130,8 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
   }
   progress.clear();
   if (!material.files.empty() && !options.common.quiet) complain(upright.said());
+  if (const std::string sizes = material.sizes(); !sizes.empty() && !options.common.quiet)
+    complain("pictures of several sizes, " + sizes + ": one camera's colours are learnt best");
   if (labelled)
     material.labels_without_picture =
         static_cast<int>(gates.size()) - static_cast<int>(names.size());
@@ -281,9 +296,19 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
                         beside(options.out, kRocTable).filename().string() + ", " +
                         beside(options.out, kRocPlot).filename().string());
   } else {
-    line("not fitted", std::string{"too few gates to learn from; the described colour is kept"});
+    const std::string needed =
+        options.labels.empty()
+            ? ", it takes " + std::to_string(tuning::SelfTrainingParams{}.least_gates)
+            : "";
+    line("not fitted", "too few gates to learn from (" + std::to_string(tuned.gates) + needed +
+                           "); the described colour is kept");
+    line("", "more pictures of near gates, a --describe r,g,b read off a gate, or --labels");
     line("written", options.out);
   }
+  if (options.labels.empty())
+    line(tuned.learnt ? "next" : "see why",
+         "gatefly detect " + options.images.front() + " --config " + options.out +
+             (tuned.learnt ? " --annotate out/drawn" : " --debug out/why"));
   std::string left_out;
   const auto add = [&](int count, const char* what) {
     if (count > 0) left_out += (left_out.empty() ? "" : ", ") + std::to_string(count) + " " + what;

@@ -1302,7 +1302,7 @@ class Pictures(Cli):
 
     def test_without_rotate_pictures_are_upright_unless_a_configuration_names_the_camera(self):
         path = self.picture("a.ppm")
-        for given, same, said in (((), "0", "1 picture taken as upright\n"),
+        for given, same, said in (((), "0", "1 picture taken as upright; "),
                                   (("--config", "cyberzoo"), "90", "1 picture turned by 90 degrees counter-clockwise (")):
             result = self.run_it("detect", path, *given)
             self.assertEqual(result.stdout.splitlines()[1:], self.run_it("detect", "--rotate", same, path, *given).stdout.splitlines()[1:])
@@ -1324,6 +1324,40 @@ class Pictures(Cli):
         photo.write_bytes(photo.read_bytes().replace(b"\x01\0\x08", b"\x01\0\x02"))
         self.assertIn("EXIF orientation 2 mirrors it", self.refused("detect", photo))
 
+    def test_it_says_what_it_took_for_given_and_who_said_so(self):
+        path = self.picture("a.ppm")
+        camera = self.file("camera.toml", '[camera]\nmodel = "pinhole"\nsize_px = [160, 120]\nfocal_px = [100, 100]\ncenter_px = [79.5, 59.5]\n'
+                           "distortion = []\nstored_rotation_deg = 0\n")
+        said = self.run_it("detect", path, "--config", camera, "--config", "cyberzoo", "--rotate", "0", "--set", "color.rgb=[0, 0, 1]").stderr
+        for words in (f"lens pinhole, 315x160 px (config {camera})", "rgb 0, 0, 1 (--set)", "min_score 2.5 (config cyberzoo)", "taken as upright"):
+            self.assertIn(words, said)
+        assumed = json.loads(self.run_it("detect", path, "--rotate", "0", "--json").stdout)["assumed"]
+        self.assertEqual(assumed["lens"], {"is": None, "sides": "straight", "by": None})
+        self.assertEqual(assumed["threshold"], {"min_score": 2.5, "by": "default"})
+        self.assertEqual(assumed["rotation"], "1 picture taken as upright (as told)")
+        answer = json.loads(self.run_it("detect", path, "--config", camera, "--set", "camera.size_px=[640, 480]", "--json").stdout)
+        self.assertEqual(answer["other_size"], 1)
+
+    def test_debug_draws_why_a_gate_was_found_or_missed(self):
+        path, missed = self.picture("a.ppm"), self.picture("none.ppm", gate=False)
+        result = self.run_it("detect", "--rotate", "0", path, missed, "--debug", "why")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        why = self.folder / "why"
+        self.assertEqual(sorted(file.name for file in why.iterdir()), ["a.ppm.json", "a.ppm.png", "none.ppm.json", "none.ppm.png"])
+        self.assertEqual((why / "a.ppm.png").read_bytes()[:4], b"\x89PNG")
+        found, none = (json.loads((why / name).read_text()) for name in ("a.ppm.json", "none.ppm.json"))
+        self.assertIn("fast search found one of score", found["in_words"])
+        self.assertEqual(found["considered"][0]["fate"], "taken")
+        self.assertEqual(none["answered"], [])
+        self.assertFalse(any(frame["taken"] for frame in none["considered"]))
+        self.run_it("detect", "--rotate", "0", path, "--debug", "why", "--set", "detector.min_score=9")
+        strict = json.loads((why / "a.ppm.json").read_text())
+        self.assertRegex(strict["considered"][0]["fate"], r"^score [0-9.]+ < min_score 9.00$")
+        self.assertIn("another folder", self.refused("detect", path, "--debug", "same", "--annotate", "same"))
+        (why / "a.ppm.json").write_text("mine")
+        self.assertIn("a.ppm.json", self.refused("detect", "--rotate", "0", path, "--debug", "why"))
+        self.assertEqual((why / "a.ppm.json").read_text(), "mine")
+
     def test_the_answer_of_a_picture_does_not_depend_on_its_neighbours(self):
         paths = [self.picture(name) for name in ("a.ppm", "b.ppm")]
         rows = self.run_it("detect", "--rotate", "0", *paths).stdout.splitlines()[1:]
@@ -1333,8 +1367,9 @@ class Pictures(Cli):
         for name, size in (("none.ppm", {"gate": False}), ("one.ppm", {"width": 1, "height": 1}), ("line.ppm", {"height": 1})):
             result = self.run_it("detect", self.picture(name, **size))
             self.assertEqual((result.returncode, result.stdout), (1, self.HEADER + "\n"))
-            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright\ngatefly detect: 1 of 1 picture has "
-                             f"no colour, by which gates are found: {name}\n")
+            self.assertEqual(result.stderr, "gatefly detect: 1 picture taken as upright; no lens named, sides taken as straight; "
+                             "colour as described by rgb 1, 0.4, 0 (default); min_score 2.5 (default)\n"
+                             f"gatefly detect: 1 of 1 picture has no colour, by which gates are found: {name}\n")
 
     def test_json_holds_the_same_rows(self):
         path = self.picture("a.ppm")

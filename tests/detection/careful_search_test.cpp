@@ -56,6 +56,41 @@ TEST(CarefulSearch, AWashedOutGateIsFound) {
   EXPECT_GE(found, 9);
 }
 
+TEST(CarefulSearch, ATraceChangesNothingAndSaysWhatWasTaken) {
+  Canvas canvas(315, 160);
+  const CameraRig rig = bebop_rig();
+  const View view{{-3.0, 0.1, 0.1}, {}};
+  canvas.draw_gate(view, rig, 1.0, 0.05, {140, 80, 180});
+  const auto bytes = canvas.yuv444();
+  const Image image{bytes.data(), PixelFormat::kYuv444, 315, 160};
+  CarefulSearch search;
+  SearchTrace trace;
+  const GateDetections plain = search.detect(image, kOrange),
+                       traced = search.detect(image, kOrange, &trace);
+  ASSERT_EQ(plain.size(), 1u);
+  ASSERT_EQ(traced.size(), 1u);
+  EXPECT_EQ(plain[0].corners_px, traced[0].corners_px);
+  EXPECT_EQ(plain[0].fitness, traced[0].fitness);
+  EXPECT_GT(trace.places.size(), 0u);
+  const auto taken = std::count_if(trace.finished.begin(), trace.finished.end(),
+                                   [](const auto& frame) { return frame.taken; });
+  ASSERT_EQ(taken, 1);
+  EXPECT_TRUE(trace.finished[0].taken);
+  EXPECT_DOUBLE_EQ(confidence_of(trace.finished[0].score.total), traced[0].fitness);
+  EXPECT_TRUE(same_place(trace.finished[0].frame_px, traced[0].corners_px));
+}
+
+TEST(CarefulSearch, ATraceSaysWhyAFilledSquareWasRefused) {
+  Canvas canvas(315, 160);
+  canvas.paint(100, 170, 40, 110, {140, 80, 180});
+  const auto bytes = canvas.yuv444();
+  CarefulSearch search;
+  SearchTrace trace;
+  EXPECT_TRUE(
+      search.detect({bytes.data(), PixelFormat::kYuv444, 315, 160}, kOrange, &trace).empty());
+  for (const auto& frame : trace.finished) EXPECT_FALSE(frame.taken);
+}
+
 TEST(CarefulSearch, NoiseIsNoGate) {
   for_all(30, [](Rng& rng) {
     Canvas canvas(315, 160);

@@ -35,7 +35,7 @@ std::span<const Experiment> all() {
   static const Deviation kSnakeSearch{"snake-search", "snakes in strides"};
   static const Deviation kSpeed{"speed", "speed held by pitch"};
   static const Deviation kTable2{"table-2", "Table 2 holds variances"};
-  static const std::array<Experiment, 24> list{{
+  static const std::array<Experiment, 25> list{{
       {"roc-length",
        "hits against false positives over the minimum length σ_L",
        roc_length,
@@ -81,6 +81,11 @@ std::span<const Experiment> all() {
        twin_hardness,
        true,
        {kPaperMode}},
+      {"other-camera",
+       "another hall, a wide lens, JPEG: gates found with colours learnt from ten pictures",
+       other_camera,
+       false,
+       {kCarefulSearch}},
       {"ekf-track",
        "laps through two gates: the filter beside the truth, its errors as histograms",
        ekf_track,

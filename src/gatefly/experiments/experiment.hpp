@@ -97,5 +97,6 @@ Result feasible_set(const Options& options);
 Result full_track(const Options& options);
 Result paper_vs_ours(const Options& options);
 Result twin_liveliness(const Options& options);
+Result other_camera(const Options& options);
 
 }  // namespace gatefly::experiments

@@ -79,21 +79,55 @@ double distance_to_bars(const std::vector<Eigen::Vector2d>& outline, const Eigen
 
 double size_of(const Quad& q) { return std::sqrt(std::abs(area(q))); }
 
-/// Calls visit(u, v) for all pixels of a picture within `reach` of a quad's sides.
+/// Columns of a row, both included.
+struct Stretch {
+  int from, to;
+};
+
+/// Where a row may come within `reach` of a side; from > to: nowhere.
+Stretch stretch_near(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int v, double reach,
+                     int width) {
+  const Eigen::Vector2d d = b - a;
+  double first = 0.0, last = 1.0;  // part of the side that is near enough to the row
+  if (std::abs(d.y()) > 1e-9) {
+    const double s = (v - reach - a.y()) / d.y(), t = (v + reach - a.y()) / d.y();
+    first = std::max(first, std::min(s, t)), last = std::min(last, std::max(s, t));
+  } else if (std::abs(v - a.y()) > reach) {
+    return {1, 0};
+  }
+  if (!(first <= last)) return {1, 0};
+  const auto [low, high] = std::minmax({a.x() + first * d.x(), a.x() + last * d.x()});
+  const auto column = [&](double x) {
+    return static_cast<int>(std::clamp(x, -1.0, static_cast<double>(width)));
+  };
+  return {std::max(0, column(std::floor(low - reach - 1.0))),
+          std::min(width - 1, column(std::ceil(high + reach + 1.0)))};
+}
+
+/// Calls visit(u, v) for all pixels of a picture within `reach` of a quad's sides, row by row. Of a
+/// large quad most rows are opening: only what is beside a side is looked at.
 template <class Visit>
 void near_bars(const Image& image, const Quad& q, const LensBend& bend, double reach, Visit visit) {
   const std::vector<Eigen::Vector2d> outline = outline_of(q, {bend, image});
-  Eigen::Vector2d low = q[0], high = q[0];
-  for (const auto& p : outline) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const auto from = [&](double x) {
-    return std::max(0, static_cast<int>(std::floor(std::max(-1e6, x - reach))));
+  double low = q[0].y(), high = q[0].y();
+  for (const auto& p : outline) low = std::min(low, p.y()), high = std::max(high, p.y());
+  const auto row = [&](double y) {
+    return static_cast<int>(std::clamp(y, -1.0, static_cast<double>(image.height())));
   };
-  const auto to = [&](double x, int size) {
-    return std::min(size - 1, static_cast<int>(std::ceil(std::min(1e6, x + reach))));
-  };
-  for (int v = from(low.y()); v <= to(high.y(), image.height()); ++v)
-    for (int u = from(low.x()); u <= to(high.x(), image.width()); ++u)
-      if (distance_to_bars(outline, {u, v}) <= reach) visit(u, v);
+  const int last = std::min(image.height() - 1, row(std::ceil(high + reach)));
+  std::vector<Stretch> near;
+  for (int v = std::max(0, row(std::floor(low - reach))); v <= last; ++v) {
+    near.clear();
+    for (std::size_t i = 0; i < outline.size(); ++i)
+      near.push_back(
+          stretch_near(outline[i], outline[(i + 1) % outline.size()], v, reach, image.width()));
+    std::sort(near.begin(), near.end(),
+              [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+    int u = 0;
+    for (const Stretch& each : near)
+      for (u = std::max(u, each.from); u <= each.to; ++u)
+        if (distance_to_bars(outline, {u, v}) <= reach) visit(u, v);
+  }
 }
 
 Counts background_of(std::span<const ColorPicture> pictures, PixelEvidence& evidence,

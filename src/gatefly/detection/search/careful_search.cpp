@@ -88,7 +88,8 @@ void keep(BestFrames& best, const Frame& frame) {
 
 }  // namespace
 
-GateDetections CarefulSearch::detect(const Image& image, const PictureColor& color) {
+GateDetections CarefulSearch::detect(const Image& image, const PictureColor& color,
+                                     SearchTrace* trace) {
   GateDetections found;
   map_.fill(image, color);
   if (map_.width() == 0) return found;
@@ -105,7 +106,11 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   for (std::size_t i = 0; i < std::min(candidates.size(), kTried); ++i) {
     const Quad q = to_cells(candidates[i].corners_px, step);
     const Frame frame = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
-    if (is_frame_shaped(frame.quad, least_side, params_.max_aspect)) keep(best, frame);
+    const bool has_shape = is_frame_shaped(frame.quad, least_side, params_.max_aspect);
+    if (has_shape) keep(best, frame);
+    if (trace != nullptr)
+      (void)trace->places.push_back(
+          {candidates[i].corners_px, to_pixels(frame.quad, step), frame.score, has_shape});
   }
   insertion_sort(best, better);
 
@@ -125,8 +130,12 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
     } else {
       frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
     }
-    if (frame.score.total < params_.min_score || frame.score.inside > params_.max_inside) continue;
-    keep(gates, frame);  // some come to one place only now
+    const bool taken =
+        frame.score.total >= params_.min_score && frame.score.inside <= params_.max_inside;
+    if (trace != nullptr)
+      (void)trace->finished.push_back(
+          {to_pixels(rough.quad, step), frame.quad, frame.score, taken});
+    if (taken) keep(gates, frame);  // some come to one place only now
   }
   insertion_sort(gates, better);
   for (Frame& frame : gates) {

@@ -7,6 +7,7 @@
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
 #include "gatefly/detection/search/gate_templates.hpp"
+#include "gatefly/detection/search/search_trace.hpp"
 
 namespace gatefly {
 
@@ -18,7 +19,9 @@ class CarefulSearch {
       : params_{params}, bend_{params.lens} {}
 
   /// Distinct gates, best first. Allocates nothing.
-  [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color);
+  /// @param trace  filled with what was looked at, if given; empty before.
+  [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color,
+                                      SearchTrace* trace = nullptr);
 
  private:
   GateDetectorParams params_;

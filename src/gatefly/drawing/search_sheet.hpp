@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/detection/search/bar_finder.hpp"
+#include "gatefly/detection/search/evidence_map.hpp"
+#include "gatefly/detection/search/search_trace.hpp"
+#include "gatefly/drawing/canvas.hpp"
+
+namespace gatefly::io {
+
+/// A frame that was considered, as the sheet lists it.
+struct ListedFrame {
+  Quad bars_px{};
+  FrameScore score;
+  bool taken = false;
+  std::string fate;  ///< What became of it, in words.
+};
+
+/// What a sheet shows of one picture.
+struct SearchSheet {
+  std::string title, in_words;
+  std::span<const GateDetection> found;  ///< What was answered.
+  std::span<const GateDetection> fast;   ///< What the fast search found.
+  const EvidenceMap& map;
+  const BarFinder::Bars& bars;
+  const SearchTrace& trace;
+  std::vector<ListedFrame> listed;
+};
+
+/// Four panels (the answer; the evidence; the careful search's places and frames, numbered as
+/// listed; the fast search's bars) and below them the list. @throws std::runtime_error when the
+/// picture is empty.
+[[nodiscard]] Canvas drawn(const SearchSheet& sheet, const Image& image);
+
+}  // namespace gatefly::io

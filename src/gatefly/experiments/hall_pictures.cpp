@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/experiments/hall_pictures.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "gatefly/files/text.hpp"
+#include "gatefly/simulated_race/labelled_pictures.hpp"
+
+namespace gatefly::experiments {
+namespace {
+
+// Of 130, 150, 170 degrees across [cameras/wide-usb.toml].
+constexpr std::array kFocalPx{282.1, 244.5, 215.7};
+constexpr double kAround = 0.5;   // part of the pictures from anywhere in the hall
+constexpr double kNoArea = 16.0;  // an edge-on gate is a line, not a quad [px²]
+
+tasks::ConfigArguments arguments_of(const HallCamera& camera, std::uint64_t seed) {
+  const std::string focal = io::text_of(kFocalPx[seed % kFocalPx.size()]);
+  tasks::ConfigArguments given{
+      .configs = {"cameras/wide-usb.toml"},
+      .settings = {"randomize.level=\"hard\"", "camera.focal_px=[" + focal + ", " + focal + "]"}};
+  if (camera.straight)
+    for (const char* setting : {"camera.model=\"pinhole\"", "camera.distortion=[]"})
+      given.settings.emplace_back(setting);
+  return given;
+}
+
+io::PictureToScore truth_of(const tasks::Picture& picture) {
+  io::PictureToScore truth;
+  for (const sim::GateView& gate : picture.gates) {
+    const double area = io::polygon_area(gate.corners_px);
+    if (gate.whole && std::sqrt(area) >= HallPicture::kLeastSide)
+      truth.gates.push_back(gate.corners_px);
+    else if (area > kNoArea)
+      truth.ignored.push_back(gate.corners_px);
+  }
+  return truth;
+}
+
+}  // namespace
+
+HallDay hall_day(const HallCamera& camera, std::uint64_t seed, std::size_t pictures,
+                 const Options& options) {
+  const tasks::ConfigArguments given = arguments_of(camera, seed);
+  HallDay day{.seed = seed, .config = tasks::load(given), .pictures = {}};
+  const tasks::RaceMaker maker(
+      {.config = given, .track = "exhibition", .vision = "rendered", .laps = 1});
+  const tasks::PictureOrder order{.pictures = pictures,
+                                  .per_day = pictures,
+                                  .first_seed = seed,
+                                  .around = kAround,
+                                  .varied = camera.varied};
+  tasks::render_day(maker, order, 0, [&](tasks::Picture&& picture) {
+    const io::CameraDescription& size = day.config.camera;
+    day.pictures.push_back(
+        {.name = std::to_string(seed) + " #" + std::to_string(picture.number),
+         .file = {std::move(picture.uyvy), PixelFormat::kUyvy, size.width, size.height},
+         .truth = truth_of(picture)});
+    return !options.stopped();
+  });
+  return day;
+}
+
+}  // namespace gatefly::experiments

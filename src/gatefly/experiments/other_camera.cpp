@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera and a hall that nothing was tuned for: rendered pictures of the exhibition hall through a
+// wide lens and through a straight one, colours learnt from the day's own pictures without labels.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "gatefly/drawing/plot.hpp"
+#include "gatefly/experiments/hall_pictures.hpp"
+#include "gatefly/experiments/hall_sheet.hpp"
+#include "gatefly/experiments/labelled_set.hpp"
+#include "gatefly/experiments/miss_cause.hpp"
+#include "gatefly/files/quantile.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/tuning/tune.hpp"
+
+namespace gatefly::experiments {
+namespace {
+
+constexpr double kFalsePerImage = 0.02;  // what `tune` allows when nothing is said
+constexpr std::array kSizes{25.0, 35.0, 50.0, 80.0, 150.0, 1e9};  // [px]
+
+struct Condition {
+  const char *key, *name;
+  HallCamera camera;
+};
+constexpr std::array<Condition, 3> kConditions{
+    {{"wide", "lens of 130-170 degrees", {}},
+     {"straight", "straight lens", {.straight = true}},
+     {"wide_varied", "the same wide lens, looks varied", {.varied = true}}}};
+
+/// Days and pictures. The full run's days are for reports: nothing was ever tuned on them.
+struct Order {
+  std::uint64_t first_seed;
+  std::size_t days, per_day, conditions;
+};
+constexpr Order kFull{3701, 20, 50, kConditions.size()}, kQuick{1001, 2, 10, 2};
+
+/// Two of five pictures are judged, the others are there to learn from; of those a third are the ten.
+bool is_judged(std::size_t i) { return i % 5 == 1 || i % 5 == 3; }
+bool is_of_the_ten(std::size_t i) { return i % 5 == 0; }
+
+/// What one day gave, with colours learnt from so many of its pictures.
+struct Judgement {
+  std::size_t learnt_from = 0, pictures = 0;
+  bool learnt = false;
+  double min_score = 0.0;
+  io::Score score{};
+  std::vector<HallGate> gates{};  ///< To be found, and false alarms.
+};
+
+/// The side of a gate, by its area [px].
+double side_of(const Quad& gate) { return std::sqrt(io::polygon_area(gate)); }
+
+Judgement judged(const HallDay& day, bool ten) {
+  std::vector<tuning::LabelledImage> own;
+  for (std::size_t i = 0; i < day.pictures.size(); ++i)
+    if (!is_judged(i) && (!ten || is_of_the_ten(i))) own.push_back({day.pictures[i].view(), {}});
+  const tuning::Judging judging{.detector = day.config.pilot.detector};
+  const tuning::Tuned tuned =
+      tuning::tune_to_description(own, day.config.pilot.gate_color, judging, kFalsePerImage);
+  tuning::Judging used = tuned.learnt ? tuning::with_fitted_colors(judging) : judging;
+  if (tuned.learnt) used.detector.min_score = tuned.chosen.min_score;
+  used.lowest = used.detector.min_score;
+  used.all = true;
+
+  Judgement result{.learnt_from = own.size(), .learnt = tuned.learnt, .min_score = used.lowest};
+  std::vector<io::PictureToScore> scored;
+  for (std::size_t i = 0; i < day.pictures.size(); ++i) {
+    if (!is_judged(i)) continue;
+    const HallPicture& picture = day.pictures[i];
+    io::PictureToScore& truth = scored.emplace_back(picture.truth);
+    const auto found = tuning::judged_in({picture.view(), picture.truth}, tuned.color, used);
+    for (const tuning::Judged& gate : found) {
+      truth.detections.push_back(gate.corners_px);
+      if (gate.wrong > 0.0)
+        result.gates.push_back({day.seed, i, gate.corners_px, gate.score, false, "false alarm"});
+    }
+    for (const Quad& gate : picture.truth.gates) {
+      const bool hit = std::any_of(found.begin(), found.end(), [&](const tuning::Judged& f) {
+        return f.hit > 0.0 && io::matches(f.corners_px, gate, io::Rule::kOverlap70);
+      });
+      result.gates.push_back(
+          {day.seed, i, gate, 0.0, hit,
+           hit ? "" : cause_of_miss(picture.view(), gate, tuned.color, used.detector)});
+    }
+  }
+  result.pictures = scored.size();
+  result.score = io::score(scored, io::Rule::kOverlap70);
+  return result;
+}
+
+/// All days of one condition.
+struct Sum {
+  std::size_t learnt_from = 0, pictures = 0, days = 0, learnt = 0;
+  int gates = 0, hits = 0, wrong = 0;
+  std::vector<double> errors{};  ///< Of corners [px], sorted.
+  std::array<io::HitRate, kSizes.size() - 1> by_size{};
+  std::map<std::string, int> causes{};
+  std::vector<double> thresholds{};  ///< Of the days, sorted.
+
+  [[nodiscard]] double tpr() const { return static_cast<double>(hits) / std::max(1, gates); }
+  [[nodiscard]] double fp_per_image() const {
+    return static_cast<double>(wrong) / static_cast<double>(std::max<std::size_t>(1, pictures));
+  }
+};
+
+Sum sum_of(const std::vector<Judgement>& days) {
+  Sum sum{.days = days.size()};
+  for (std::size_t b = 0; b < sum.by_size.size(); ++b)
+    sum.by_size[b] = {.from = kSizes[b], .to = kSizes[b + 1]};
+  for (const Judgement& day : days) {
+    sum.learnt_from = day.learnt_from, sum.pictures += day.pictures, sum.learnt += day.learnt;
+    sum.gates += day.score.gates, sum.hits += day.score.hits;
+    sum.wrong += day.score.false_positives;
+    sum.errors.insert(sum.errors.end(), day.score.best_order_px.begin(),
+                      day.score.best_order_px.end());
+    sum.thresholds.push_back(day.min_score);
+    for (const HallGate& gate : day.gates) {
+      if (gate.is_false()) continue;
+      for (io::HitRate& bin : sum.by_size)
+        if (side_of(gate.corners_px) >= bin.from && side_of(gate.corners_px) < bin.to)
+          ++bin.gates, bin.hits += gate.hit;
+      if (!gate.hit) ++sum.causes[gate.cause];
+    }
+  }
+  std::sort(sum.errors.begin(), sum.errors.end());
+  std::sort(sum.thresholds.begin(), sum.thresholds.end());
+  return sum;
+}
+
+std::string size_name(const io::HitRate& bin) {
+  return bin.to > 1e6 ? fixed(bin.from, 0) + " px and more"
+                      : fixed(bin.from, 0) + "-" + fixed(bin.to, 0) + " px";
+}
+
+void add_rows(const std::string& name, const Sum& sum, std::vector<Comparison>& table) {
+  table.push_back(
+      {name + ", " + std::to_string(sum.learnt_from) + " own pictures", "-",
+       fixed(sum.tpr(), 3) + " at " + fixed(sum.fp_per_image(), 3) + " false a picture"});
+  if (!sum.errors.empty())
+    table.push_back({"  corner error", "-",
+                     "median " + fixed(io::quantile(sum.errors, 0.5), 2) + " px, p90 " +
+                         fixed(io::quantile(sum.errors, 0.9), 1) + " px"});
+  std::string sizes, causes;
+  for (const io::HitRate& bin : sum.by_size)
+    if (bin.gates > 0)
+      sizes += (sizes.empty() ? "" : ", ") + size_name(bin) + " " +
+               fixed(static_cast<double>(bin.hits) / bin.gates, 2) + " of " +
+               std::to_string(bin.gates);
+  for (const auto& [cause, count] : sum.causes)
+    causes += (causes.empty() ? "" : ", ") + std::to_string(count) + " " + cause;
+  table.push_back({"  by side", "-", sizes});
+  if (!causes.empty()) table.push_back({"  missed", "-", causes});
+  if (sum.learnt < sum.days)
+    table.push_back({"  too few gates to learn from", "-",
+                     std::to_string(sum.days - sum.learnt) + " of " + io::amount(sum.days, "day")});
+}
+
+nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
+  auto by_size = nlohmann::ordered_json::array();
+  for (const io::HitRate& bin : sum.by_size)
+    by_size.push_back({{"from_px", bin.from}, {"gates", bin.gates}, {"hits", bin.hits}});
+  nlohmann::ordered_json corners = nullptr;
+  if (!sum.errors.empty())
+    corners = {{"median", io::quantile(sum.errors, 0.5)}, {"p90", io::quantile(sum.errors, 0.9)}};
+  return {{"condition", condition.key},
+          {"learnt_from", sum.learnt_from},
+          {"days", sum.days},
+          {"days_learnt", sum.learnt},
+          {"pictures", sum.pictures},
+          {"gates", sum.gates},
+          {"tpr", sum.tpr()},
+          {"fp_per_image", sum.fp_per_image()},
+          {"corner_error_px", corners},
+          {"min_score", {{"least", sum.thresholds.front()}, {"most", sum.thresholds.back()}}},
+          {"by_size", by_size},
+          {"missed", sum.causes}};
+}
+
+std::string csv_of(const Condition& condition, const std::vector<Judgement>& days) {
+  std::string csv;
+  for (const Judgement& day : days)
+    for (const HallGate& gate : day.gates)
+      csv += std::string{condition.key} + "," + std::to_string(day.learnt_from) + "," +
+             std::to_string(gate.seed) + "," + std::to_string(gate.picture) + "," +
+             io::text_of(side_of(gate.corners_px), 4) + "," +
+             (gate.is_false() ? "false"
+              : gate.hit      ? "hit"
+                              : "missed") +
+             "," + gate.cause + "\n";
+  return csv;
+}
+
+io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color& color) {
+  io::PlotSeries series{.name = name, .points = {}, .color = color};
+  for (const io::HitRate& bin : sum.by_size)
+    if (bin.gates > 0)
+      series.points.emplace_back(bin.to > 1e6 ? 1.5 * bin.from : 0.5 * (bin.from + bin.to),
+                                 static_cast<double>(bin.hits) / bin.gates);
+  return series;
+}
+
+}  // namespace
+
+Result other_camera(const Options& options) {
+  constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.flown};
+  const Order order = options.quick ? kQuick : kFull;
+  Result result{.table = {},
+                .json = {{"rule", "overlap70, every gate"},
+                         {"least_side_px", HallPicture::kLeastSide},
+                         {"first_seed", order.first_seed}},
+                .csv = "condition,learnt_from,seed,picture,side_px,is,cause\n",
+                .picture = io::Canvas(1, 1)};
+  io::Plot plot{
+      .title = "Gates found by their side, exhibition hall, colours learnt without labels",
+      .x_label = "side of the gate [px]",
+      .y_label = "true positive rate",
+      .log_x = true};
+  auto list = nlohmann::ordered_json::array();
+  HallSheet misses{"Missed, " + std::string{kConditions[0].name}},
+      alarms{"False alarms, " + std::string{kConditions[0].name}};
+  for (std::size_t c = 0; c < order.conditions; ++c) {
+    const Condition& condition = kConditions[c];
+    std::vector<Judgement> by_all(order.days), by_ten(order.days);
+    std::vector<HallSheet::Tiles> missed(order.days), wrong(order.days);
+    in_parallel(order.days, [&](std::size_t d) {
+      if (options.stopped()) return;
+      const HallDay day = hall_day(condition.camera, order.first_seed + d, order.per_day, options);
+      if (options.stopped()) return;
+      by_all[d] = judged(day, false), by_ten[d] = judged(day, true);
+      if (c > 0) return;
+      missed[d] = HallSheet::tiles_of(day, by_all[d].gates, false);
+      wrong[d] = HallSheet::tiles_of(day, by_all[d].gates, true);
+    });
+    if (options.stopped()) throw Stopped{};
+    options.progress(static_cast<double>(c + 1) / static_cast<double>(order.conditions),
+                     condition.name);
+    for (const auto* days : {&by_all, &by_ten}) {
+      const Sum sum = sum_of(*days);
+      add_rows(condition.name, sum, result.table);
+      list.push_back(json_of(condition, sum));
+      result.csv += csv_of(condition, *days);
+    }
+    plot.series.push_back(curve_of(condition.name, sum_of(by_all), kColors[c]));
+    for (std::size_t d = 0; d < order.days; ++d) misses.add(missed[d]), alarms.add(wrong[d]);
+  }
+  result.json["conditions"] = list;
+  result.picture = io::draw(plot);
+  result.extra.push_back({"missed", misses.drawn()});
+  result.extra.push_back({"false-alarms", alarms.drawn()});
+  return result;
+}
+
+}  // namespace gatefly::experiments
