@@ -112,8 +112,10 @@ GateDetections CarefulSearch::detect(const Image& image, const ColorModel& color
   const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
   FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights, params_.bar()};
   fine.set_least_offset(3.0);
+  const double least_rough = params_.min_score - 1.5;
+  if (trace != nullptr) trace->least_rough = least_rough;
   for (const Frame& rough : best) {
-    if (found.full() || rough.score.total < params_.min_score - 1.5) break;
+    if (found.full() || rough.score.total < least_rough) break;
     Frame frame;
     if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
       frame = finished(coarse, rough.quad, least_side, params_);
