@@ -19,7 +19,8 @@ PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop
 FORBIDDEN = {"sim": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
 # Stages of the detector, and who may include them: those who test or time them, or compare with the paper's detector.
 STAGE = re.compile(r'\s*#\s*include\s+"gatefly/detection/\w+/')
-STAGES_FOR = ("src/gatefly/detection", "src/gatefly/bench", "src/gatefly/experiments", "tests/detection", "tests/support")
+STAGES_FOR = ("src/gatefly/detection", "src/gatefly/bench", "src/gatefly/experiments", "src/gatefly/tasks/search_report",
+              "src/gatefly/drawing/search_sheet", "tests/detection", "tests/support")
 # What is measured is what flies: experiments take the Navigator, and wire no filter of their own.
 RING = re.compile(r"\b(Ahrs|LowPass|DragFilter|DelayedFilter|VelocityObserver|Altimeter)\s*(\w+\s*)?[{(]")
 # Clocks, files, threads and hidden randomness have no place in the flight code; <chrono> is for durations.

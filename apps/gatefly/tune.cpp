@@ -284,10 +284,13 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
   std::cout << summary_of(options, material, tuned) << '\n';
   if (options.common.quiet) return;
   if (tuned.learnt) {
+    double before = -1.0;
     for (const double allowed : {0.01, 0.02, 0.05, 0.1}) {
       const tuning::Operating point = tuned.roc.at(allowed);
-      line(allowed == 0.01 ? (options.labels.empty() ? "estimated" : "two-fold") : "",
+      if (point.min_score == before) continue;  // of few pictures many are the same
+      line(before < 0.0 ? (options.labels.empty() ? "estimated" : "two-fold") : "",
            rates_of(point) + " (min_score " + io::text_of(point.min_score, 3) + ")");
+      before = point.min_score;
     }
     if (options.labels.empty())
       line("", "from scores alone, of the gates that were found at all: --labels measures");

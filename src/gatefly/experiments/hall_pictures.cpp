@@ -51,7 +51,7 @@ HallDay hall_day(const HallCamera& camera, std::uint64_t seed, std::size_t pictu
                                   .per_day = pictures,
                                   .first_seed = seed,
                                   .around = kAround,
-                                  .varied = camera.varied};
+                                  .varied = camera.days == HallCamera::Days::kVaried};
   tasks::render_day(maker, order, 0, [&](tasks::Picture&& picture) {
     const io::CameraDescription& size = day.config.camera;
     day.pictures.push_back(

@@ -15,8 +15,10 @@ namespace gatefly::experiments {
 
 /// A camera of cameras/wide-usb.toml's kind: 640 x 480, JPEG 4:2:0.
 struct HallCamera {
+  enum class Days { kRace, kHard, kVaried };  ///< By [randomize] level; as `render --varied`.
+
   bool straight = false;  ///< A pinhole of the same focal length in the middle.
-  bool varied = false;    ///< Days as `render --varied` draws them, else of level hard.
+  Days days = Days::kRace;
 };
 
 /// A rendered picture and what it shows.

@@ -25,10 +25,11 @@ struct Condition {
   const char *key, *name;
   HallCamera camera;
 };
-constexpr std::array<Condition, 3> kConditions{
+constexpr std::array<Condition, 4> kConditions{
     {{"wide", "lens of 130-170 degrees", {}},
      {"straight", "straight lens", {.straight = true}},
-     {"wide_varied", "the same wide lens, looks varied", {.varied = true}}}};
+     {"wide_hard", "the wide lens, hard days", {.days = HallCamera::Days::kHard}},
+     {"wide_varied", "the wide lens, varied days", {.days = HallCamera::Days::kVaried}}}};
 
 /// Days and pictures. The full run's days are for reports: nothing was ever tuned on them.
 struct Order {
@@ -205,7 +206,8 @@ io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color
 }  // namespace
 
 Result other_camera(const Options& options) {
-  constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.flown};
+  constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.flown,
+                               io::kLight.estimate};
   const Order order = options.quick ? kQuick : kFull;
   Result result{.table = {},
                 .json = {{"rule", "overlap70, every gate"},

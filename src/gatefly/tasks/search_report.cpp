@@ -2,8 +2,6 @@
 #include "gatefly/tasks/search_report.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "gatefly/detection/search/careful_search.hpp"
@@ -32,16 +30,16 @@ std::string fate_of(const SearchTrace::Finished& frame, const GateDetectorParams
   return "refused";
 }
 
-/// The number, from 1, of the listed frame in whose place this one is.
-std::optional<std::size_t> place_in(const std::vector<ConsideredFrame>& list, const Quad& quad) {
-  const auto same = std::find_if(list.begin(), list.end(), [&](const ConsideredFrame& other) {
-    return other.closely && same_place(other.bars_px, quad);
-  });
-  if (same == list.end()) return std::nullopt;
-  return 1 + static_cast<std::size_t>(same - list.begin());
+std::string fate_of(const SearchTrace::Place& place, const SearchTrace& trace) {
+  if (!place.has_shape) return "shape: no picture of a square";
+  if (place.score.total < trace.least_rough)
+    return "too little for a closer look: rough score " + fixed(place.score.total, 2) + " < " +
+           fixed(trace.least_rough, 2);
+  return trace.finished.full() ? "behind the best ones"
+                               : "another frame in its place was preferred";
 }
 
-/// Frames that were looked at closely, then the best of the others, one a fate and place.
+/// Frames that were looked at closely, then the best of the others, one a place.
 std::vector<ConsideredFrame> considered_in(const SearchTrace& trace,
                                            const GateDetectorParams& params) {
   std::vector<ConsideredFrame> list;
@@ -53,46 +51,34 @@ std::vector<ConsideredFrame> considered_in(const SearchTrace& trace,
   std::vector<SearchTrace::Place> places(trace.places.begin(), trace.places.end());
   std::stable_sort(places.begin(), places.end(),
                    [](const auto& a, const auto& b) { return a.score.total > b.score.total; });
-  const bool all_places_taken = trace.finished.full();
   for (const SearchTrace::Place& place : places) {
     if (list.size() >= kListed) break;
-    std::string fate;
-    if (!place.has_shape)
-      fate = "shape: no picture of a square";
-    else if (const auto same = place_in(list, place.frame_px))
-      continue;
-    else
-      fate = (all_places_taken ? "behind the best of its search, "
-                               : "too little for a closer look, ") +
-             std::string{"rough "} +
-             below("score", place.score.total, "min_score", params.min_score);
     const bool known = std::any_of(list.begin(), list.end(), [&](const ConsideredFrame& other) {
-      return !other.closely && same_place(other.bars_px, place.frame_px);
+      return same_place(other.bars_px, place.frame_px);
     });
-    if (!known) list.push_back({place.frame_px, place.score, false, false, fate});
+    if (!known) list.push_back({place.frame_px, place.score, false, false, fate_of(place, trace)});
   }
   return list;
 }
 
 std::string words_of(const SearchReport& report, const GateDetectorParams& params) {
   const double best = report.fast.empty() ? 0.0 : score_of(report.fast[0].fitness);
-  const std::string fast = report.fast.empty()
-                               ? "the fast search found no gate"
-                               : "the fast search found one of score " + fixed(best, 2);
   const bool sure = !report.fast.empty() && best >= params.sure_score;
-  if (report.answered.empty()) return fast + ", the careful one none either";
+  const std::string fast = report.fast.empty() ? "the fast search found no gate"
+                                               : "the fast search found one of score " +
+                                                     fixed(best, 2) + (sure ? " >= " : " < ") +
+                                                     "sure_score " + fixed(params.sure_score, 2);
+  if (report.answered.empty()) return fast + "; the careful one found none";
   switch (report.answered[0].method) {
     case DetectionMethod::kSnake:
-      return fast + (sure ? " >= sure_score " + fixed(params.sure_score, 2) : "") +
-             ": its answer stands";
+      return fast + ": its answer stands";
     case DetectionMethod::kFrames:
-      return fast +
-             (report.fast.empty() || sure ? "" : " < sure_score " + fixed(params.sure_score, 2)) +
+      return fast + (sure ? ", but all gates were asked for or a bar stands beside it" : "") +
              ": the careful one answered";
     case DetectionMethod::kBars:
       break;
   }
-  return fast + ", the careful one none either: a part of a gate is answered";
+  return fast + "; the careful one found none; a part of a gate is answered";
 }
 
 nlohmann::ordered_json corners_json(const Quad& quad) {
@@ -150,12 +136,9 @@ nlohmann::ordered_json as_json(const SearchReport& report) {
                       {"frame_px", corners_json(place.frame_px)},
                       {"score", io::number(place.score.total)},
                       {"has_shape", place.has_shape}});
-  return {{"in_words", report.in_words},
-          {"answered", answered},
-          {"bars", report.bars.size()},
-          {"fast", fast},
-          {"considered", considered},
-          {"places", places}};
+  return {{"in_words", report.in_words}, {"answered", answered},
+          {"bars", report.bars.size()},  {"fast", fast},
+          {"considered", considered},    {"places", places}};
 }
 
 }  // namespace gatefly::tasks

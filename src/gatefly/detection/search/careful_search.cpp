@@ -120,9 +120,11 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   fine.set_least_offset(3.0);
   const SideCurves curves{bend_, image};
   fine.set_curves(curves);
+  const double least_rough = params_.min_score - kRoughLacks;
+  if (trace != nullptr) trace->least_rough = least_rough;
   BestFrames gates;
   for (const Frame& rough : best) {
-    if (rough.score.total < params_.min_score - kRoughLacks) break;
+    if (rough.score.total < least_rough) break;
     Frame frame;
     if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
       frame = finished(coarse, rough.quad, least_side, params_);

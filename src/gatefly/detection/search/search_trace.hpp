@@ -26,6 +26,7 @@ struct SearchTrace {
 
   FixedList<Place, GateCandidates::kCapacity> places;  ///< The best template first.
   FixedList<Finished, 8> finished;                     ///< The best rough frame first.
+  double least_rough = 0.0;  ///< Score of a place that is looked at pixel by pixel.
 };
 
 }  // namespace gatefly
