@@ -92,7 +92,7 @@ void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
   Rng rng{kSeed};
   switch (mode_) {
     case DetectorMode::kOurs:
-      return list(ours(image, look_for.gates));
+      return list(ours(image, look_for));
     case DetectorMode::kFast:
       return list(searches_->snakes.detect(image, searches_->color));
     case DetectorMode::kCareful:
@@ -105,15 +105,40 @@ void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
   }
 }
 
-GateDetections GateDetector::ours(const Image& image, LookFor::Gates wanted) {
-  if (wanted == LookFor::Gates::kAll) return everywhere(image);
-  const GateDetections quick = searches_->snakes.detect(image, searches_->color);
-  if (quick.empty() || !is_sure(quick[0])) return everywhere(image);
+GateDetections GateDetector::ours(const Image& image, const LookFor& look_for) {
+  const LookFor::Gates wanted = look_for.gates;
+  if (wanted == LookFor::Gates::kAll && !look_for.quick) return everywhere(image);
+  GateDetections quick = searches_->snakes.detect(image, searches_->color);
+  const bool sure = !quick.empty() && is_sure(quick[0]);
+  if (!sure && look_for.expected_bars != nullptr &&
+      add_expected(*look_for.expected_bars, image, quick))
+    return quick;
+  if (look_for.quick) return in_order(quick, image);
+  if (!sure) return everywhere(image);
   // A strong bar beside the gates found may be another gate's. Who knows which gate to expect need
   // not ask.
   if (wanted == LookFor::Gates::kBest && searches_->snakes.shows_bars_beside(quick))
     return with_gates_beside(quick, image);
   return in_order(quick, image);
+}
+
+// Whether there is one where it is expected; then it is the first.
+bool GateDetector::add_expected(const Quad& bars_px, const Image& image,
+                                GateDetections& gates) const {
+  const auto gate = searches_->snakes.detect_near(bars_px, image, searches_->color);
+  if (!gate) return false;
+  const auto same = std::find_if(gates.begin(), gates.end(), [&](const GateDetection& other) {
+    return same_place(other.corners_px, gate->corners_px);
+  });
+  if (same == gates.end()) {
+    if (gates.full()) gates.pop_back();
+    (void)gates.push_back(*gate);
+    std::rotate(gates.begin(), gates.end() - 1, gates.end());
+  } else {
+    if (gate->fitness > same->fitness) *same = *gate;
+    std::rotate(gates.begin(), same, same + 1);
+  }
+  return true;
 }
 
 GateDetections GateDetector::everywhere(const Image& image) {

@@ -38,6 +38,11 @@ struct LookFor {
   };
   Gates gates = Gates::kStandingOut;
   Part part = Part::kNo;  ///< A gate that the border cuts. Li18's two: the side bars.
+  /// Middle lines of the bars of a gate, where whoever asks expects one: less will do for it there,
+  /// and where it is nobody looks carefully. kOurs.
+  const Quad* expected_bars = nullptr;
+  /// No careful search, whatever is found. kOurs.
+  bool quick = false;
   /// The last picture's gate, which kFlown tries again where it finds none.
   const Quad* previous = nullptr;
 };
@@ -71,7 +76,8 @@ class GateDetector {
   void list_gates(const Image& image, const LookFor& look_for);
   [[nodiscard]] std::optional<GatePart> part(const Image& image);
   [[nodiscard]] bool is_paper() const;
-  [[nodiscard]] GateDetections ours(const Image& image, LookFor::Gates wanted);
+  [[nodiscard]] GateDetections ours(const Image& image, const LookFor& look_for);
+  bool add_expected(const Quad& bars_px, const Image& image, GateDetections& gates) const;
   [[nodiscard]] GateDetections everywhere(const Image& image);
   [[nodiscard]] GateDetections with_gates_beside(const GateDetections& quick, const Image& image);
   [[nodiscard]] bool is_sure(const GateDetection& gate) const;

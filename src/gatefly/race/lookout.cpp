@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/race/seen_fix.hpp"
 
@@ -19,11 +20,11 @@ constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Par
 Lookout::Lookout(const LookoutParams& params)
     : params_{params}, detector_{params.detector, params.detector_mode} {}
 
-GateDetections Lookout::whole_gates(const Sensors& sensors, LookFor::Gates wanted) {
+GateDetections Lookout::whole_gates(const Sensors& sensors, const LookFor& look_for) {
   if (sensors.seen) return sensors.seen->gates;
   GateDetections whole;
   for (const GateDetection& gate :
-       detector_.look(*sensors.image, params_.gate_color, {.gates = wanted}).gates)
+       detector_.look(*sensors.image, params_.gate_color, look_for).gates)
     if (gate.whole) (void)whole.push_back(with_outer_corners(gate, params_));
   return whole;
 }
@@ -37,7 +38,8 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
   image_width_ = sensors.seen ? sensors.seen->image_width : sensors.image->width();
   if (!looking) return;
   const View view{sensors, course, navigator};
-  sighting_.detections = whole_gates(sensors, LookFor::Gates::kStandingOut);
+  const Expectation expected = expectation(view);
+  sighting_.detections = whole_gates(sensors, look_for(expected, view));
   sighting_.seen = !sighting_.detections.empty();
 
   auto best = best_whole_gate(view);
@@ -45,7 +47,7 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
       sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
   if (!convincing(best) && was_quick) {
     // Another gate stood out; the one that is looked for may be there, too.
-    sighting_.detections = whole_gates(sensors, LookFor::Gates::kAll);
+    sighting_.detections = whole_gates(sensors, {.gates = LookFor::Gates::kAll});
     best = best_whole_gate(view);
   }
   const double x = navigator.filter().position().x();
@@ -56,6 +58,47 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
     if (part && (!best || part->nis < best->nis)) best = part;
   }
   if (best) correct_with(*best, view);
+}
+
+Lookout::Expectation Lookout::expectation(const View& view) const {
+  constexpr double kNearest = 0.4;  // before the lens [m]
+  const Navigator& navigator = view.navigator;
+  if (!navigator.has_fix() || navigator.since_fix() > params_.sight.expect_for) return {};
+  const Past* then = past_of(0.5 * image_width_, view);
+  if (then == nullptr) return {};
+  const MapGate& gate = view.course.gate();
+  Quad bars;
+  bool in_view = false;
+  const auto corners = gate_corners_G(gate.side - gate.bar);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector3d p_B =
+        R_GB_of(*then).matrix.transpose() * (corners[i] - then->filter.position());
+    const Eigen::Vector3d p_C =
+        params_.camera.R_BC.matrix.transpose() * (p_B - params_.camera.p_BC);
+    const auto px = p_C.z() > kNearest ? params_.camera.lens.project(p_C) : std::nullopt;
+    if (!px) return {.known = true, .bars = {}};
+    bars[i] = *px;
+    in_view = in_view || is_in_picture(*px, view);
+  }
+  if (!in_view) return {.known = true, .bars = {}};
+  return {.known = true, .bars = bars};
+}
+
+bool Lookout::is_in_picture(const Eigen::Vector2d& px, const View& view) const {
+  if (px.x() < 0.0 || px.x() > image_width_ - 1.0) return false;
+  return !view.sensors.image || (px.y() >= 0.0 && px.y() <= view.sensors.image->height() - 1.0);
+}
+
+// Looking carefully costs a hundred times as much. It is for gates that are expected, not found, and
+// sometimes in case the estimate is wrong.
+LookFor Lookout::look_for(const Expectation& expected, const View& view) {
+  LookFor look{.gates = LookFor::Gates::kStandingOut};
+  if (expected.bars) look.expected_bars = &*expected.bars;
+  const bool is_lost = !expected.known ||
+                       (expected.bars && view.navigator.since_fix() > params_.sight.careful_after);
+  look.quick = !is_lost && ++quick_looks_ < params_.sight.careful_every;
+  if (!look.quick) quick_looks_ = 0;
+  return look;
 }
 
 bool Lookout::convincing(const std::optional<Candidate>& candidate) const {

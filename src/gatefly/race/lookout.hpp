@@ -66,7 +66,15 @@ class Lookout {
     Navigator& navigator;
   };
 
-  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, LookFor::Gates wanted);
+  struct Expectation {         ///< Where the target gate should show.
+    bool known = false;        ///< Else the estimate is too old.
+    std::optional<Quad> bars;  ///< Middle lines; nullopt: out of view.
+  };
+
+  [[nodiscard]] Expectation expectation(const View& view) const;
+  [[nodiscard]] bool is_in_picture(const Eigen::Vector2d& px, const View& view) const;
+  [[nodiscard]] LookFor look_for(const Expectation& expected, const View& view);
+  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, const LookFor& look_for);
   [[nodiscard]] std::optional<Candidate> best_whole_gate(const View& view) const;
   [[nodiscard]] std::optional<Candidate> best_part(const View& view);
   [[nodiscard]] Candidate candidate(const Fix& fix, const Past& then, Sighting::Source source,
@@ -87,6 +95,7 @@ class Lookout {
   GateDetector detector_;
   Sighting sighting_;
   std::optional<Confirmation> pending_;
+  int quick_looks_ = 0;         ///< Since the last careful one was allowed.
   double image_width_ = 315.0;  ///< Of the upright picture [px].
 };
 

@@ -32,6 +32,11 @@ struct SightParams {
   /// Below this confidence a detection counts where a gate is expected only. [ours]
   double sure = 0.9;
   double parts_from = 4.5;  ///< Nearer than this the upper bar may be cut off [m]. [ours]
+  /// The estimate says where the gate shows for so long after a fix [s]. [ours: .24 m off after 2 s]
+  double expect_for = 2.0;
+  /// A gate that should show is looked for carefully from so long after a fix on [s], ... [ours]
+  double careful_after = 0.2;
+  int careful_every = 6;  ///< ... any gate in every so many pictures in any case. [ours]
   /// Neighbouring pictures share their errors: a heading counts as one of so many. [ours]
   double heading_repeats = 3.0;
 };

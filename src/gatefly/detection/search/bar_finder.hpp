@@ -118,6 +118,8 @@ class BarFinder {
   }
   Evidence evidence(const Image& image, PictureColor&& color, int cell) const = delete;
 
+  /// Whether the picture that was searched last is large enough for evidence.
+  [[nodiscard]] bool has_evidence() const { return rows_ > 0 && groups_ > 0; }
   [[nodiscard]] int step() const { return step_; }      ///< Pixels from sample to sample.
   [[nodiscard]] int stride() const { return stride_; }  ///< Pixels from row to row.
 

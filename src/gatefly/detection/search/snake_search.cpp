@@ -11,6 +11,7 @@
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/search/corner_refinement.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
+#include "gatefly/detection/search/frame_pull.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -22,6 +23,11 @@ constexpr double kLeastShared = 0.2;  // of two bars' heights: either may be bro
 constexpr double kStrongBar = 100.0;  // three rows of 2 nats
 constexpr int kReach = 3;             // of the middle of a bar from a rough side [px]
 constexpr FrameEffort kEffort{.samples = 8, .middles = 8};
+
+// Where a gate is expected: a score so much lower is enough [nats]; no corner is farther off, of the
+// side; its area by which factor.
+constexpr double kExpectedLacks = 0.7, kExpectedWithin = 0.4, kExpectedLarger = 1.6;
+constexpr FrameEffort kNearEffort{.samples = 12, .stations = 8, .middles = 12};
 
 }  // namespace
 
@@ -311,6 +317,42 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
                                        params_.corner_scale, curves));
   }
   return found;
+}
+
+std::optional<GateDetection> SnakeSearch::detect_near(const Quad& bars_px, const Image& image,
+                                                      const PictureColor& color) const {
+  const double side = params_.min_side_px;
+  if (!finder_.has_evidence() || !is_frame_shaped(bars_px, side, params_.max_aspect))
+    return std::nullopt;
+  const int cell = std::max(1, finder_.step() / 2), wide = 2 * cell;
+  const auto fit_of = [&](const BarFinder::Evidence& evidence, int of_cell) {
+    FrameFit<BarFinder::Evidence, kNearEffort> fit{
+        evidence, params_.weights_with(color.faintness()), params_.bar()};
+    fit.set_cell_size(of_cell);
+    fit.set_curves({bend_, image, static_cast<double>(of_cell)});
+    return fit;
+  };
+  const BarFinder::Evidence coarse = finder_.evidence(image, color, wide),
+                            fine = finder_.evidence(image, color, cell);
+  const auto rough_fit = fit_of(coarse, wide);
+  auto fine_fit = fit_of(fine, cell);
+  fine_fit.set_least_offset(3.0);
+  const Quad start = to_cells(bars_px, wide);
+  const Frame rough =
+      pulled(rough_fit, {start, rough_fit.score(start)}, side / wide, params_.max_aspect);
+  Frame frame =
+      finished(fine_fit, to_cells(to_pixels(rough.quad, wide), cell), side / cell, params_);
+  if (frame.score.total < params_.min_score - kExpectedLacks ||
+      frame.score.inside > params_.max_inside)
+    return std::nullopt;
+  const SideCurves curves{bend_, image};
+  frame.quad = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(),
+                               RefinementEffort::kQuick, curves);
+  const double larger = std::abs(area(frame.quad)) / std::abs(area(bars_px));
+  if (largest_move(frame.quad, bars_px) > kExpectedWithin * std::sqrt(std::abs(area(bars_px))) ||
+      larger > kExpectedLarger || larger * kExpectedLarger < 1.0)
+    return std::nullopt;
+  return detection_of(frame, DetectionMethod::kSnake, image, params_.corner_scale, curves);
 }
 
 bool SnakeSearch::shows_bars_beside(const GateDetections& gates) const {

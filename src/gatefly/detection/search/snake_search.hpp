@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/lens_bend.hpp"
@@ -23,6 +25,11 @@ class SnakeSearch {
 
   /// Distinct gates, best first. Allocates nothing; the cost hardly depends on the picture's size.
   [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color);
+
+  /// The gate whose bars' middle lines are expected near these, in the picture that was searched
+  /// last; nullopt where there is none. Less will do than for a gate that nobody expects.
+  [[nodiscard]] std::optional<GateDetection> detect_near(const Quad& bars_px, const Image& image,
+                                                         const PictureColor& color) const;
 
   /// Whether the picture that was searched last shows a bar left or right of all these gates: there
   /// may be another one.
