@@ -58,6 +58,7 @@ void Logbook::fill(RaceResult& result) const {
   result.frames_with_gate = scorer_.frames_with_gate();
   result.true_positives = scorer_.true_positives();
   result.false_positives = scorer_.false_positives();
+  result.careful_searches = scorer_.careful();
 }
 
 }  // namespace gatefly::closed_loop

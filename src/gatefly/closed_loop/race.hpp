@@ -60,6 +60,7 @@ struct RaceResult {
   Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();
   Consistency consistency;  ///< Whether the pilot knew how wrong it was.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
+  int careful_searches = 0;  ///< Frames that the pilot searched carefully.
   int searches = 0;          ///< How often the pilot had to look for a gate.
   double flight_time = 0.0;  ///< Simulated [s].
   double bake_seconds = 0.0, wall_seconds = 0.0, cpu_seconds = 0.0;  ///< CPU without the bake.

@@ -37,7 +37,7 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
 
 void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target,
                    const sim::Sight& scene) {
-  ++frames_;
+  ++frames_, careful_ += sighting.careful;
   const sim::WorldGate& gate_to_fly = world_.gates[static_cast<std::size_t>(target)];
   const auto wanted = visible_gate(pose, gate_to_fly, &scene);
   with_gate_ += wanted.has_value();

@@ -27,6 +27,8 @@ class Scorer {
   [[nodiscard]] int true_positives() const { return true_; }
   /// Detections that are no gate at all.
   [[nodiscard]] int false_positives() const { return false_; }
+  /// Frames that the pilot searched carefully.
+  [[nodiscard]] int careful() const { return careful_; }
 
   /// Where a gate's outer corners are in the picture; nullopt unless all are inside and unhidden.
   [[nodiscard]] std::optional<Quad> visible_gate(const sim::BodyPose& pose,
@@ -36,7 +38,7 @@ class Scorer {
  private:
   sim::World world_;
   sim::CameraTruth camera_;
-  int frames_ = 0, with_gate_ = 0, true_ = 0, false_ = 0;
+  int frames_ = 0, with_gate_ = 0, true_ = 0, false_ = 0, careful_ = 0;
 };
 
 }  // namespace gatefly::closed_loop

@@ -51,12 +51,13 @@ GateDetector::~GateDetector() = default;
 GatesInView GateDetector::look(const Image& image, const ColorModel& color,
                                const LookFor& look_for) & {
   gates_.clear();
+  careful_ = false;
   if (!is_paper())
     searches_->color.set(color, params_.adapts ? tone_of(image, color) : ChromaTone{});
   if (look_for.gates != LookFor::Gates::kNone) list_gates(image, look_for);
   if (look_for.gates == LookFor::Gates::kBest && gates_.size() > 1) gates_.resize(1);
 
-  GatesInView view{.gates = gates_, .part = {}};
+  GatesInView view{.gates = gates_, .part = {}, .careful = careful_};
   if (look_for.part == LookFor::Part::kNo) return view;
   if (look_for.part == LookFor::Part::kWithoutGate && !gates_.empty()) return view;
   view.part = part(image);
@@ -142,11 +143,13 @@ bool GateDetector::add_expected(const Quad& bars_px, const Image& image,
 }
 
 GateDetections GateDetector::everywhere(const Image& image) {
+  careful_ = true;
   return in_order(searches_->careful.detect(image, searches_->color), image);
 }
 
 // What stood out stays, unless the careful search is surer of something in its place.
 GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image) {
+  careful_ = true;
   GateDetections all = searches_->careful.detect(image, searches_->color);
   for (const GateDetection& gate : quick) {
     if (!is_sure(gate)) continue;

@@ -52,6 +52,7 @@ struct GatesInView {
   /// Distinct, best first. Valid until the detector looks again.
   std::span<const GateDetection> gates;
   std::optional<GatePart> part;  ///< Of a gate that is none of these.
+  bool careful = false;          ///< The careful search was asked, too.
 };
 
 /// Finds gates: the one door to all detectors.
@@ -87,6 +88,7 @@ class GateDetector {
   DetectorMode mode_;
   std::unique_ptr<Searches> searches_;
   std::vector<GateDetection> gates_;  // of the picture that was looked at last
+  bool careful_ = false;              // asked about it
 };
 
 }  // namespace gatefly

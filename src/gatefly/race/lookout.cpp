@@ -22,9 +22,10 @@ Lookout::Lookout(const LookoutParams& params)
 
 GateDetections Lookout::whole_gates(const Sensors& sensors, const LookFor& look_for) {
   if (sensors.seen) return sensors.seen->gates;
+  const GatesInView view = detector_.look(*sensors.image, params_.gate_color, look_for);
+  sighting_.careful = sighting_.careful || view.careful;
   GateDetections whole;
-  for (const GateDetection& gate :
-       detector_.look(*sensors.image, params_.gate_color, look_for).gates)
+  for (const GateDetection& gate : view.gates)
     if (gate.whole) (void)whole.push_back(with_outer_corners(gate, params_));
   return whole;
 }

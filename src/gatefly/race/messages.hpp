@@ -72,6 +72,7 @@ struct FixOnCourse {
 struct Sighting {
   enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or the two lower ones.
   bool seen = false;                             ///< At least one gate was detected.
+  bool careful = false;                          ///< The picture was searched carefully.
   /// One of them, or a part, gave a fix of the target; the filter may have refused it.
   bool offered = false;
   GateDetections detections;      ///< Best first; the one that was used is `used`.

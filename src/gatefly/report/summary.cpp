@@ -47,7 +47,8 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["detection"] = {{"frames", result.frames},
                        {"with_gate_visible", result.frames_with_gate},
                        {"true_positives", result.true_positives},
-                       {"false_positives", result.false_positives}};
+                       {"false_positives", result.false_positives},
+                       {"careful_searches", result.careful_searches}};
   json["searches"] = result.searches;
   json["flight_time_s"] = result.flight_time;
   json["timings"] = timings;
