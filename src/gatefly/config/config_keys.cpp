@@ -124,6 +124,8 @@ Keys detection_keys() {
         "one such frame in two is a gate; docs/paper/results.md"),
       k("detector.sure_score", -5, 20, AT(pilot.detector.sure_score),
         "fast search: score from which on no careful search follows", "ours"),
+      boolean("detector.adapts", AT(pilot.detector.adapts),
+              "whether colours count by the picture's own light, contrast and blur", "ours"),
       k("detector.max_roll_deg", 0, 90, AT(pilot.detector.max_roll_deg),
         "careful search: largest roll that is tried", "ours"),
       k("detector.min_side_px", 1, 500, AT(pilot.detector.min_side_px),
