@@ -21,7 +21,8 @@ enum class RefinementEffort {
 /// pictures of one scene.
 /// @param frame  the bars' middle lines, to a pixel or two [px].
 /// @param bar  bar width / side of the bars' middle lines.
-/// @param curves  how the lens bends the sides, in pixels.
+/// @param curves  how the lens bends the sides, in pixels. Where nobody knows the lens and a strong
+///     one would bend a side by a pixel, one bend for the frame is fitted with its sides.
 /// A side that shows no bar stays where it is; a frame of which a corner would leap is returned as
 /// it was. Allocates nothing.
 [[nodiscard]] Quad refined_corners(const Image& image, const Quad& frame, double bar,
