@@ -1350,9 +1350,9 @@ class Pictures(Cli):
         self.assertEqual(found["considered"][0]["fate"], "taken")
         self.assertEqual(none["answered"], [])
         self.assertFalse(any(frame["taken"] for frame in none["considered"]))
-        self.run_it("detect", "--rotate", "0", path, "--debug", "why", "--set", "detector.min_score=9")
+        self.run_it("detect", "--rotate", "0", path, "--debug", "why", "--set", "detector.min_score=7")
         strict = json.loads((why / "a.ppm.json").read_text())
-        self.assertRegex(strict["considered"][0]["fate"], r"^score [0-9.]+ < min_score 9.00$")
+        self.assertRegex(strict["considered"][0]["fate"], r"^score [0-9.]+ < min_score 7.00$")
         self.assertIn("another folder", self.refused("detect", path, "--debug", "same", "--annotate", "same"))
         (why / "a.ppm.json").write_text("mine")
         self.assertIn("a.ppm.json", self.refused("detect", "--rotate", "0", path, "--debug", "why"))
@@ -1492,6 +1492,16 @@ class Tune(Cli):
         self.assertRegex(result.stdout, r"estimated +hit rate [01]\.\d{3}, 0\.0\d\d false per picture")
         self.assertIn("from scores alone", result.stdout)
         self.assertIn("# estimated without labels: hit rate", (self.folder / "mine.toml").read_text())
+        self.assertIn(f"gatefly detect {folder} --config mine.toml --annotate out/drawn", result.stdout)
+
+    def test_one_picture_and_pictures_of_several_sizes_are_said(self):
+        folder, _ = self.album(b"\x30\xa0\x40", count=1)
+        result = self.run_it("tune", "--describe", "green", "--rotate", "0", folder, "--out", "mine.toml")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("too few gates to learn from (1, it takes 6)", result.stdout)
+        self.assertIn("--debug out/why", result.stdout)
+        (folder / "other.ppm").write_bytes(picture(height=200))
+        self.assertIn("pictures of several sizes", self.run_it("tune", "--describe", "green", folder, "--out", "mine.toml").stderr)
 
     def test_with_too_few_sure_gates_it_starts_again_from_less_sure_ones(self):
         folder, _ = self.album(bytes((115, 134, 118)))  # hardly green
