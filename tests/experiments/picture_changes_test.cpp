@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/experiments/changed_set.hpp"
 #include "gatefly/experiments/color_changes.hpp"
 #include "gatefly/experiments/shape_changes.hpp"
 #include "gatefly/files/scoring.hpp"
