@@ -13,7 +13,8 @@ namespace gatefly {
 /// tried everywhere, the best ones fitted. [ours; Li18 has no counterpart.]
 class CarefulSearch {
  public:
-  explicit CarefulSearch(const GateDetectorParams& params = {}) : params_{params} {}
+  explicit CarefulSearch(const GateDetectorParams& params = {})
+      : params_{params}, templates_{params.max_roll_deg} {}
 
   /// Distinct gates, best first. Allocates nothing.
   [[nodiscard]] GateDetections detect(const Image& image, const ColorModel& color);

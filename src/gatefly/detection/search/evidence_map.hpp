@@ -46,6 +46,8 @@ class EvidenceMap {
   static constexpr int kLimit = 40, kOutside = -16;  ///< 2.5 and -1 nats.
 
  private:
+  void read(const Image& image);
+
   int width_ = 0, height_ = 0, step_ = 1;
   std::vector<std::uint8_t> y_, u_, v_;  // mean colour of each cell
   std::vector<std::uint8_t> around_y_, around_u_, around_v_;
