@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
+#include <utility>
 
 namespace gatefly::bench {
 namespace {
@@ -14,13 +16,20 @@ double microseconds(const std::function<void()>& work) {
       .count();
 }
 
-Cost cost_of(std::vector<double>& times) {
+// Of sorted numbers, one at least.
+double quantile(std::span<const double> sorted, double part) {
+  return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+}
+
+// @param times  round after round, so many inputs each; the last round may have been stopped.
+Cost cost_of(std::vector<double>& times, std::size_t inputs) {
   if (times.empty()) return {};
+  std::vector<double> least(
+      times.begin(), times.begin() + static_cast<std::ptrdiff_t>(std::min(inputs, times.size())));
+  for (std::size_t i = least.size(); i < times.size(); ++i)
+    least[i % inputs] = std::min(least[i % inputs], times[i]);
   std::sort(times.begin(), times.end());
-  const auto at = [&](double part) {
-    return times[static_cast<std::size_t>(part * static_cast<double>(times.size() - 1))];
-  };
-  return {at(0.5), at(0.99), at(1.0)};
+  return {quantile(times, 0.5), quantile(times, 0.99), times.back(), std::move(least)};
 }
 
 }  // namespace
@@ -48,8 +57,20 @@ std::vector<Cost> measure(std::span<const Stage> stages, int rounds,
         if (round >= 0) times[s].push_back(time / static_cast<double>(stage.at_once));
       }
   std::vector<Cost> costs;
-  for (auto& of_stage : times) costs.push_back(cost_of(of_stage));
+  for (std::size_t s = 0; s < stages.size(); ++s)
+    costs.push_back(cost_of(times[s], stages[s].inputs / stages[s].at_once));
   return costs;
+}
+
+Ratios ratios(const Cost& cost, const Cost& baseline) {
+  std::vector<double> of_input;
+  for (std::size_t i = 0; i < std::min(cost.least.size(), baseline.least.size()); ++i)
+    if (baseline.least[i] > 0.0) of_input.push_back(cost.least[i] / baseline.least[i]);
+  if (of_input.empty()) return {};
+  std::sort(of_input.begin(), of_input.end());
+  const double sum = std::accumulate(of_input.begin(), of_input.end(), 0.0);
+  return {quantile(of_input, 0.5), sum / static_cast<double>(of_input.size()),
+          quantile(of_input, 0.99), of_input.back()};
 }
 
 double least_time(const std::function<void()>& work, int calls) {

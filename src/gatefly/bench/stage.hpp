@@ -22,7 +22,17 @@ struct Stage {
 /// What one call takes [µs].
 struct Cost {
   double median = 0.0, p99 = 0.0, most = 0.0;
+  /// Least time of each input that was measured: what the work itself takes, whatever else ran.
+  std::vector<double> least = {};
 };
+
+/// Costs as multiples of a baseline's, input by input.
+struct Ratios {
+  double median = 0.0, mean = 0.0, p99 = 0.0, most = 0.0;
+};
+
+/// How the least times compare on the inputs that both have; all 0 when there are none.
+[[nodiscard]] Ratios ratios(const Cost& cost, const Cost& baseline);
 
 /// Costs of all stages, in their order: stage after stage on an input before the next input, so
 /// that whatever else the machine does meets all of them. One untimed round comes first.

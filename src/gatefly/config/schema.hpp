@@ -65,6 +65,10 @@ Key<Target> key(std::string name, double low, double high, Member member, std::s
     result.rule.kind = KeyRule::Kind::kInteger;
     result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
     result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<int>(); };
+  } else if constexpr (std::is_same_v<Type, bool>) {  // 0 or 1
+    result.rule.kind = KeyRule::Kind::kInteger;
+    result.get = [=](const Target& t) { return nlohmann::json(member(t) ? 1 : 0); };
+    result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<int>() != 0; };
   } else {
     result.rule.kind = KeyRule::Kind::kNumbers;
     result.rule.count = static_cast<std::size_t>(Type::RowsAtCompileTime);

@@ -13,14 +13,18 @@
 namespace gatefly {
 namespace {
 
-// places that are looked at closely [of 24, 48, 96: two thirds of the cost of 96, a gate in 300
-// less]
-constexpr std::size_t kTried = 48;
-
 // A score on cells, which thin bars hardly fill, beside that on pixels.
 constexpr double kRoughLacks = 2.0;
 
 constexpr double kWideBar = 4.0;  // cells; wider ones need no look at single pixels
+
+// Score of the templates from which on a frame of such a score may come. [what leads to a gate on the
+// labelled sets has 108 and more, washed-out, blurred and halved ones too; a drawn gate a few levels
+// from grey needs 105]
+int least_worth_a_look(double min_score) {
+  constexpr double kAtZero = 62.0, kPerNat = 16.0;
+  return static_cast<int>(std::clamp(kAtZero + kPerNat * min_score, 90.0, 160.0));
+}
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
@@ -56,7 +60,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   map_.fill(image, color);
   if (map_.width() == 0) return found;
   GateCandidates candidates;
-  templates_.search(map_, params_.max_roll_deg, candidates);
+  templates_.search(map_, least_worth_a_look(params_.min_score), candidates);
 
   const double step = map_.step(), least_side = params_.min_side_px / step;
   const auto of_cell = [this](int x, int y) { return map_.at(x, y); };
@@ -65,14 +69,14 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   coarse.set_cell_size(step);
   coarse.set_curves({bend_, image, step});
   BestFrames best;
-  for (std::size_t i = 0; i < std::min(candidates.size(), kTried); ++i) {
-    const Quad q = to_cells(candidates[i].corners_px, step);
+  for (const GateCandidate& candidate : candidates) {
+    const Quad q = to_cells(candidate.corners_px, step);
     const Frame frame = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
     const bool has_shape = is_frame_shaped(frame.quad, least_side, params_.max_aspect);
     if (has_shape) keep(best, frame);
     if (trace != nullptr)
       (void)trace->places.push_back(
-          {candidates[i].corners_px, to_pixels(frame.quad, step), frame.score, has_shape});
+          {candidate.corners_px, to_pixels(frame.quad, step), frame.score, has_shape});
   }
   insertion_sort(best, better);
 

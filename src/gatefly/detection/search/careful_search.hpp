@@ -16,7 +16,7 @@ namespace gatefly {
 class CarefulSearch {
  public:
   explicit CarefulSearch(const GateDetectorParams& params = {})
-      : params_{params}, bend_{params.lens} {}
+      : params_{params}, templates_{params.max_roll_deg}, bend_{params.lens} {}
 
   /// Distinct gates, best first. Allocates nothing.
   /// @param trace  filled with what was looked at, if given; empty before.

@@ -15,9 +15,38 @@ static_assert((2 * kMostRadius + 1) * 255 <= std::numeric_limits<std::uint16_t>:
               "a column's sum fits");
 static_assert(EvidenceMap::kLimit <= std::numeric_limits<std::int8_t>::max());
 
+/// Sums of a row's columns, each over `rows` cells, and of all columns before each.
+struct ColumnSums {
+  std::vector<std::uint16_t>& of;
+  std::vector<std::uint32_t>& before;
+  int rows = 0;
+};
+
+// Means of a row; smaller squares at the border. Differences of sums: compilers take several at
+// once, of a running sum none.
+void average(const ColumnSums& sums, std::uint8_t* __restrict out, int width, int radius) {
+  std::uint32_t* const before = sums.before.data();
+  before[0] = 0;
+  for (int x = 0; x < width; ++x) before[x + 1] = before[x] + sums.of[static_cast<std::size_t>(x)];
+  const auto mean = [&](int from, int to, float share) {
+    return static_cast<std::uint8_t>(
+        static_cast<float>(static_cast<int>(before[to] - before[from])) * share + 0.5f);
+  };
+  const auto share_of = [&](int columns) { return 1.0f / static_cast<float>(columns * sums.rows); };
+  const auto at_border = [&](int x) {
+    const int from = std::max(0, x - radius), to = std::min(width, x + radius + 1);
+    out[x] = mean(from, to, share_of(to - from));
+  };
+  const float share = share_of(2 * radius + 1);
+  for (int x = 0; x < std::min(radius, width); ++x) at_border(x);
+  for (int x = radius; x < width - radius; ++x) out[x] = mean(x - radius, x + radius + 1, share);
+  for (int x = std::max(radius, width - radius); x < width; ++x) at_border(x);
+}
+
 // Mean over a square of (2 radius + 1)² cells, smaller at the border.
-void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to,
-              std::vector<std::uint16_t>& columns, int width, int height, int radius) {
+void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to, ColumnSums sums,
+              int width, int height, int radius) {
+  std::vector<std::uint16_t>& columns = sums.of;
   std::fill_n(columns.begin(), width, std::uint16_t{0});
   const auto row = [width](auto& cells, int y) {
     return cells.data() + static_cast<std::ptrdiff_t>(y) * width;
@@ -34,26 +63,11 @@ void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& 
       columns[static_cast<std::size_t>(x)] =
           static_cast<std::uint16_t>(columns[static_cast<std::size_t>(x)] - cells[x]);
   };
-  int rows = 0;
-  for (int y = 0; y < std::min(height, radius); ++y) add_row(y), ++rows;
+  for (int y = 0; y < std::min(height, radius); ++y) add_row(y), ++sums.rows;
   for (int y = 0; y < height; ++y) {
-    if (y + radius < height) add_row(y + radius), ++rows;
-    if (y - radius - 1 >= 0) drop_row(y - radius - 1), --rows;
-    std::uint32_t sum = 0;
-    int count = 0;
-    for (int x = 0; x < std::min(width, radius); ++x)
-      sum += columns[static_cast<std::size_t>(x)], ++count;
-    std::uint8_t* out = row(to, y);
-    constexpr int kBits = 24;
-    std::uint64_t scale = 0;
-    int scale_of = -1;
-    for (int x = 0; x < width; ++x) {
-      if (x + radius < width) sum += columns[static_cast<std::size_t>(x + radius)], ++count;
-      if (x - radius - 1 >= 0) sum -= columns[static_cast<std::size_t>(x - radius - 1)], --count;
-      if (count != scale_of)
-        scale_of = count, scale = (1u << kBits) / static_cast<std::uint32_t>(count * rows);
-      out[x] = static_cast<std::uint8_t>((sum * scale + (1u << (kBits - 1))) >> kBits);
-    }
+    if (y + radius < height) add_row(y + radius), ++sums.rows;
+    if (y - radius - 1 >= 0) drop_row(y - radius - 1), --sums.rows;
+    average(sums, row(to, y), width, radius);
   }
 }
 
@@ -61,7 +75,7 @@ void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& 
 
 EvidenceMap::EvidenceMap() {
   for (auto* cells : {&y_, &u_, &v_, &around_y_, &around_u_, &around_v_}) cells->resize(kCells);
-  columns_.resize(kCells);
+  columns_.resize(kCells), columns_before_.resize(kCells + 1);
   evidence_.resize(kCells);
 }
 
@@ -74,24 +88,33 @@ void EvidenceMap::fill(const Image& image, const PictureColor& color) {
     width_ = height_ = 0;
     return;
   }
-  const int other = step_ / 2, first = (step_ - 2) / 4;
-  std::size_t i = 0;
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x, ++i) {
-      const int u = x * step_ + first, v = y * step_ + first;
-      const Yuv a = image.at(u, v), b = image.at(u + other, v + other);
-      y_[i] = static_cast<std::uint8_t>((a.y + b.y + 1) >> 1);
-      u_[i] = static_cast<std::uint8_t>((a.u + b.u + 1) >> 1);
-      v_[i] = static_cast<std::uint8_t>((a.v + b.v + 1) >> 1);
-    }
+  read(image);
   const int radius =
       std::clamp(std::min(width_, height_) / kShorterPerRadius, kLeastRadius, kMostRadius);
-  box_mean(y_, around_y_, columns_, width_, height_, radius);
-  box_mean(u_, around_u_, columns_, width_, height_, radius);
-  box_mean(v_, around_v_, columns_, width_, height_, radius);
-  for (std::size_t k = 0; k < i; ++k) {
+  box_mean(y_, around_y_, {columns_, columns_before_}, width_, height_, radius);
+  box_mean(u_, around_u_, {columns_, columns_before_}, width_, height_, radius);
+  box_mean(v_, around_v_, {columns_, columns_before_}, width_, height_, radius);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(width_ * height_); ++k) {
     const int e = color.evidence({y_[k], u_[k], v_[k]}, {around_y_[k], around_u_[k], around_v_[k]});
     evidence_[k] = static_cast<std::int8_t>(std::clamp(e, -kLimit, kLimit));
+  }
+}
+
+// Two pixels of each cell, one row of pixels after the other: the layout is asked once a row.
+void EvidenceMap::read(const Image& image) {
+  const int other = step_ / 2, first = (step_ - 2) / 4;
+  for (int y = 0; y < height_; ++y) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width_;
+    std::uint8_t *to_y = y_.data() + row, *to_u = u_.data() + row, *to_v = v_.data() + row;
+    const int v = y * step_ + first;
+    image.visit_row(first, v, step_, width_,
+                    [&](Yuv c) { *to_y++ = c.y, *to_u++ = c.u, *to_v++ = c.v; });
+    to_y = y_.data() + row, to_u = u_.data() + row, to_v = v_.data() + row;
+    const auto mean = [](std::uint8_t& level, std::uint8_t more) {
+      level = static_cast<std::uint8_t>((level + more + 1) >> 1);
+    };
+    image.visit_row(first + other, v + other, step_, width_,
+                    [&](Yuv c) { mean(*to_y++, c.y), mean(*to_u++, c.u), mean(*to_v++, c.v); });
   }
 }
 

@@ -46,10 +46,13 @@ class EvidenceMap {
   static constexpr int kLimit = 40, kOutside = -16;  ///< 2.5 and -1 nats.
 
  private:
+  void read(const Image& image);
+
   int width_ = 0, height_ = 0, step_ = 1;
   std::vector<std::uint8_t> y_, u_, v_;  // mean colour of each cell
   std::vector<std::uint8_t> around_y_, around_u_, around_v_;
-  std::vector<std::uint16_t> columns_;  // running sums of the box filter
+  std::vector<std::uint16_t> columns_;         // sums of the box filter
+  std::vector<std::uint32_t> columns_before_;  // of all columns before each
   std::vector<std::int8_t> evidence_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <utility>
@@ -15,24 +16,14 @@ namespace {
 
 constexpr int kMargin = 4;  // cells around the picture: a frame may reach over its border
 constexpr int kByte = std::numeric_limits<std::uint8_t>::max();
-constexpr int kSamples = 8;   // of a side
+constexpr int kSamples = FrameLattice::kSamples;
 constexpr int kTop = 31;      // full evidence of one sample
 constexpr int kNeutral = 12;  // no evidence either way
-static_assert(kSamples * kTop <= kByte, "a side's sum fits");
-constexpr int kLeast = 90;  // of a place
-static_assert(kLeast < kSamples * kNeutral, "a frame of neutral sides, 0 inside, is looked at");
-constexpr double kRollStep = 10.0;
-
-// How a frame looks from the side: its width, and how far its right bar is shifted down, of its
-// height.
-struct Shape {
-  double width, shift;
-};
-constexpr std::array kShapes{Shape{1.0, 0.0},  Shape{0.72, 0.0},  Shape{0.5, 0.0},
-                             Shape{0.36, 0.0}, Shape{0.36, 0.25}, Shape{0.36, -0.25}};
-constexpr int kMostRolls = 18;  // to each side
-static_assert((2 * kMostRolls + 1) * static_cast<int>(kShapes.size()) < kByte,
-              "a frame's number fits");
+constexpr int kFull = kSamples * kTop;
+static_assert(kFull <= kByte, "a side's sum fits");
+// The upright sides may be so much worse than all of a frame. [of the frames that lead to a gate, on
+// all labelled sets, washed-out, blurred and halved ones too, one in 500 has worse ones]
+constexpr int kWorsePair = 16;
 
 std::uint8_t sample_of(int evidence) {
   return static_cast<std::uint8_t>(std::clamp(kNeutral + evidence / 2, 0, kTop));
@@ -49,10 +40,12 @@ std::uint8_t middle_of(std::uint8_t a, std::uint8_t b) {
 #define GATEFLY_WIDE
 #endif
 
+using Steps = std::array<std::ptrdiff_t, kSamples>;
+
 // Byte by byte over the whole picture: compilers turn it into sixteen places an instruction.
-GATEFLY_WIDE void sum_lines(const std::uint8_t* __restrict cells,
-                            const std::array<std::ptrdiff_t, kSamples>& steps, std::ptrdiff_t begin,
-                            std::ptrdiff_t end, std::uint8_t* __restrict sums) {
+GATEFLY_WIDE void sum_lines(const std::uint8_t* __restrict cells, const Steps& steps,
+                            std::ptrdiff_t begin, std::ptrdiff_t end,
+                            std::uint8_t* __restrict sums) {
   const std::uint8_t *c0 = cells + steps[0], *c1 = cells + steps[1], *c2 = cells + steps[2],
                      *c3 = cells + steps[3], *c4 = cells + steps[4], *c5 = cells + steps[5],
                      *c6 = cells + steps[6], *c7 = cells + steps[7];
@@ -61,57 +54,127 @@ GATEFLY_WIDE void sum_lines(const std::uint8_t* __restrict cells,
         static_cast<std::uint8_t>(c0[i] + c1[i] + c2[i] + c3[i] + c4[i] + c5[i] + c6[i] + c7[i]);
 }
 
-// A frame around every place: its sides' sums, and what is in the middle. The right and the lower
-// side may be a cell farther off, so that a few sizes fit all.
+// Places beside each other: what is done to them is one or two instructions.
+constexpr std::size_t kBlock = 32;
+constexpr auto kPlaces = static_cast<std::ptrdiff_t>(kBlock);
+using Block = std::array<std::uint8_t, kBlock>;
+
+bool any(const Block& block) {
+  std::array<std::uint64_t, kBlock / 8> words;
+  std::memcpy(words.data(), block.data(), kBlock);
+  return (words[0] | words[1] | words[2] | words[3]) != 0;
+}
+
+// Places side by side, as in sum_lines().
+[[gnu::always_inline]] inline void sum_of(const std::uint8_t* cells, const Steps& steps,
+                                          Block& sums) {
+  const std::uint8_t *c0 = cells + steps[0], *c1 = cells + steps[1], *c2 = cells + steps[2],
+                     *c3 = cells + steps[3], *c4 = cells + steps[4], *c5 = cells + steps[5],
+                     *c6 = cells + steps[6], *c7 = cells + steps[7];
+  for (std::size_t i = 0; i < kBlock; ++i)
+    sums[i] =
+        static_cast<std::uint8_t>(c0[i] + c1[i] + c2[i] + c3[i] + c4[i] + c5[i] + c6[i] + c7[i]);
+}
+
+// A frame around every place: its sides' sums, and what is in the middle. All from the left bar.
 struct Frame {
-  const std::uint8_t *upright, *level, *mean;
-  std::ptrdiff_t left, right, right_too, upper, lower, lower_too, in_a, in_b;
+  const std::uint8_t *upright, *peak, *mean;
+  Steps level;
+  std::ptrdiff_t right, right_too, middle, upper, lower, lower_too, in_a, in_b;
+  std::uint8_t id, least, least_pair;
 };
 
-GATEFLY_WIDE void judge(const Frame& frame, std::uint8_t id, std::ptrdiff_t begin,
-                        std::ptrdiff_t end, std::uint8_t* __restrict best,
+// Blocks of places begin where `blocks` says, but all within begin..end.
+GATEFLY_WIDE void judge(const Frame& frame, std::span<const std::int32_t> blocks,
+                        std::ptrdiff_t begin, std::ptrdiff_t end, std::uint8_t* __restrict best,
                         std::uint8_t* __restrict which) {
-  const std::uint8_t *left = frame.upright + frame.left, *right = frame.upright + frame.right,
-                     *right_too = frame.upright + frame.right_too;
-  const std::uint8_t *upper = frame.level + frame.upper, *lower = frame.level + frame.lower,
-                     *lower_too = frame.level + frame.lower_too;
-  const std::uint8_t *m0 = frame.mean - frame.in_a, *m1 = frame.mean + frame.in_a,
-                     *m2 = frame.mean - frame.in_b, *m3 = frame.mean + frame.in_b;
-  for (std::ptrdiff_t i = begin; i < end; ++i) {
-    const std::uint8_t l = left[i], u = upper[i];
-    const std::uint8_t r = right[i] > right_too[i] ? right[i] : right_too[i];
-    const std::uint8_t d = lower[i] > lower_too[i] ? lower[i] : lower_too[i];
-    const std::uint8_t w1 = l < r ? l : r, w2 = u < d ? u : d, weakest = w1 < w2 ? w1 : w2;
-    const std::uint8_t all = middle_of(middle_of(l, r), middle_of(u, d));
-    const std::uint8_t good = middle_of(all, middle_of(all, weakest));
-    const std::uint8_t inside =
-        static_cast<std::uint8_t>(2 * middle_of(middle_of(m0[i], m1[i]), middle_of(m2[i], m3[i])));
-    const std::uint8_t score = static_cast<std::uint8_t>((good > inside ? good : inside) - inside);
-    const std::uint8_t before = best[i];
-    which[i] = score > before ? id : which[i];
-    best[i] = score > before ? score : before;
+  const Steps level = frame.level;
+  const std::uint8_t id = frame.id, least = frame.least_pair, enough = frame.least;
+  alignas(kBlock) Block pair, above, below, too, score;
+  for (const std::int32_t block : blocks) {
+    if (block + kPlaces <= begin || block >= end) continue;
+    const std::ptrdiff_t at = std::clamp<std::ptrdiff_t>(block, begin, end - kPlaces);
+    const std::uint8_t *left = frame.upright + at, *right = left + frame.right,
+                       *right_too = left + frame.right_too;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const std::uint8_t l = left[i], r = right[i] > right_too[i] ? right[i] : right_too[i];
+      const std::uint8_t both = middle_of(middle_of(l, r), l < r ? l : r);
+      pair[i] = static_cast<std::uint8_t>((both > least ? both : least) - least);
+    }
+    if (!any(pair)) continue;
+    const std::ptrdiff_t middle = at + frame.middle;
+    const std::uint8_t *upper = frame.peak + middle + frame.upper,
+                       *lower = frame.peak + middle + frame.lower,
+                       *lower_too = frame.peak + middle + frame.lower_too;
+    sum_of(upper, level, above);
+    // As good as it would be with the best of lower sides.
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const std::uint8_t l = left[i], r = right[i] > right_too[i] ? right[i] : right_too[i];
+      const std::uint8_t u = above[i], w1 = l < r ? l : r, weakest = w1 < u ? w1 : u;
+      const std::uint8_t all = middle_of(middle_of(l, r), middle_of(u, kFull));
+      const std::uint8_t good = middle_of(all, middle_of(all, weakest));
+      score[i] = static_cast<std::uint8_t>((good > enough ? good : enough) - enough);
+    }
+    if (!any(score)) continue;
+    sum_of(lower, level, below), sum_of(lower_too, level, too);
+    const std::uint8_t *m0 = frame.mean + middle - frame.in_a,
+                       *m1 = frame.mean + middle + frame.in_a,
+                       *m2 = frame.mean + middle - frame.in_b,
+                       *m3 = frame.mean + middle + frame.in_b;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const std::uint8_t l = left[i], r = right[i] > right_too[i] ? right[i] : right_too[i];
+      const std::uint8_t u = above[i], d = below[i] > too[i] ? below[i] : too[i];
+      const std::uint8_t w1 = l < r ? l : r, w2 = u < d ? u : d, weakest = w1 < w2 ? w1 : w2;
+      const std::uint8_t all = middle_of(middle_of(l, r), middle_of(u, d));
+      const std::uint8_t good = middle_of(all, middle_of(all, weakest));
+      const std::uint8_t inside = static_cast<std::uint8_t>(
+          2 * middle_of(middle_of(m0[i], m1[i]), middle_of(m2[i], m3[i])));
+      score[i] = static_cast<std::uint8_t>((good > inside ? good : inside) - inside);
+    }
+    std::uint8_t* const __restrict best_here = best + middle, * const __restrict which_here =
+                                                                  which + middle;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const std::uint8_t now = score[i], before = best_here[i], id_before = which_here[i];
+      which_here[i] = now > before ? id : id_before;
+      best_here[i] = now > before ? now : before;
+    }
   }
 }
 
-Eigen::Vector2d longer_by_one(const Eigen::Vector2d& d) { return d + d / std::max(1.0, d.norm()); }
+GATEFLY_WIDE bool any_above(const std::uint8_t* begin, const std::uint8_t* end, int least) {
+  std::uint8_t most = 0;
+  for (const std::uint8_t* s = begin; s < end; ++s) most = *s > most ? *s : most;
+  return most > least;
+}
+
+// Where the blocks begin that have a larger sum.
+GATEFLY_WIDE std::size_t blocks_with_a_bar(const std::uint8_t* sums, std::ptrdiff_t begin,
+                                           std::ptrdiff_t end, std::uint8_t least,
+                                           std::int32_t* __restrict blocks) {
+  std::size_t count = 0;
+  alignas(kBlock) Block block;
+  for (std::ptrdiff_t at = begin; at < end; at += kPlaces) {
+    const std::uint8_t* const here = sums + at;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const std::uint8_t s = here[i];
+      block[i] = static_cast<std::uint8_t>((s > least ? s : least) - least);
+    }
+    blocks[count] = static_cast<std::int32_t>(at);
+    count += any(block);
+  }
+  return count;
+}
 
 }  // namespace
 
-// Frames of one size, on cells of `pool` cells of evidence.
-struct GateTemplates::Level {
-  int pool;
-  std::span<const double> sizes;  // [cells]
-  double max_roll_deg;
-  std::size_t shapes;  // the first so many of kShapes
-
-  [[nodiscard]] int rolls() const {
-    return std::min(static_cast<int>(max_roll_deg / kRollStep), kMostRolls);
-  }
-};
-
-GateTemplates::GateTemplates() {
-  for (auto* bytes : {&peak_, &mean_, &upright_, &level_, &best_, &which_})
+GateTemplates::GateTemplates(double max_roll_deg)
+    // small gates are far: many places, few turns
+    : small_{std::array{9.0, 11.0, 13.0}, std::min(max_roll_deg, 20.0), 3},
+      medium_{std::array{7.5, 9.3, 11.3, 13.4, 15.8}, max_roll_deg, FrameLattice::kShapes},
+      large_{std::array{9.0, 11.0, 13.3, 16.0, 19.3}, max_roll_deg, FrameLattice::kShapes} {
+  for (auto* bytes : {&peak_, &mean_, &upright_, &best_, &which_})
     bytes->resize(std::size_t{3} * EvidenceMap::kCells);
+  blocks_.resize(best_.size() / kBlock + 1);
 }
 
 // Evidence as bytes, a margin without evidence around it.
@@ -136,9 +199,9 @@ void GateTemplates::halve() {
       const std::size_t i = static_cast<std::size_t>((2 * y + kMargin) * width_ + 2 * x + kMargin);
       const std::size_t below = i + static_cast<std::size_t>(width_),
                         o = static_cast<std::size_t>(y * w + x);
-      upright_[o] =
+      best_[o] =
           std::max(std::max(peak_[i], peak_[i + 1]), std::max(peak_[below], peak_[below + 1]));
-      level_[o] =
+      which_[o] =
           middle_of(middle_of(mean_[i], mean_[i + 1]), middle_of(mean_[below], mean_[below + 1]));
     }
   width_ = new_width, height_ = new_height;
@@ -147,116 +210,121 @@ void GateTemplates::halve() {
   for (int y = 0; y < h; ++y) {
     const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(y) * w,
                          to = static_cast<std::ptrdiff_t>(y + kMargin) * width_ + kMargin;
-    std::copy_n(upright_.begin() + from, w, peak_.begin() + to);
-    std::copy_n(level_.begin() + from, w, mean_.begin() + to);
+    std::copy_n(best_.begin() + from, w, peak_.begin() + to);
+    std::copy_n(which_.begin() + from, w, mean_.begin() + to);
   }
 }
 
-void GateTemplates::search(const EvidenceMap& map, double max_roll_deg, GateCandidates& found) {
-  static constexpr std::array kSmall{9.0, 11.0, 13.0};
-  static constexpr std::array kMedium{7.5, 9.3, 11.3, 13.4, 15.8};
-  static constexpr std::array kLarge{9.0, 11.0, 13.3, 16.0, 19.3};
+void GateTemplates::search(const EvidenceMap& map, int least, GateCandidates& found) {
   if (std::min(map.width(), map.height()) < 2 * kMargin) return;
+  least_ = least;
   start(map);
-  // small gates are far: many places, few turns
-  const double small_roll = std::min(max_roll_deg, 20.0);
-  search_level({1 * map.step(), kSmall, small_roll, 3}, found);
+  search_level(small_, 1 * map.step(), found);
   halve();
-  search_level({2 * map.step(), kMedium, max_roll_deg, kShapes.size()}, found);
+  search_level(medium_, 2 * map.step(), found);
   // A gate is not much larger than the picture.
+  constexpr double kLargeSide = 11.0;
   const int shorter = std::min(map.width(), map.height());
-  for (int pool = 4; pool == 4 || pool * kLarge[1] <= shorter; pool *= 2) {
+  for (int pool = 4; pool == 4 || pool * kLargeSide <= shorter; pool *= 2) {
     halve();
-    search_level({pool * map.step(), kLarge, max_roll_deg, kShapes.size()}, found);
+    search_level(large_, pool * map.step(), found);
   }
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.score > b.score; });
 }
 
-void GateTemplates::search_level(const Level& level, GateCandidates& found) {
-  const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(width_) * height_;
-  // All places whose samples are in the buffer; beyond left and right they run into the next row's
-  // margin.
-  const auto rows = [this](double dx, double dy) {
-    return static_cast<std::ptrdiff_t>(std::abs(dy) + 1.0) * width_ +
-           static_cast<std::ptrdiff_t>(std::abs(dx) + 1.0);
+// All places whose samples are in the buffer; beyond left and right they run into the next row's
+// margin.
+void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCandidates& found) {
+  const std::ptrdiff_t width = width_, cells = width * height_;
+  const auto least_pair = static_cast<std::uint8_t>(std::max(0, least_ - kWorsePair));
+  // A side that is worse has no such pair, whatever the other one.
+  const auto least_side = static_cast<std::uint8_t>(std::max(0, (4 * least_pair - kByte) / 3));
+  const auto in = [width](const FrameLattice::Side& side) {
+    Steps steps;
+    for (std::size_t k = 0; k < kSamples; ++k) steps[k] = side.samples[k].in(width);
+    return steps;
   };
-  const auto step_of = [this](double dx, double dy) {
-    return static_cast<std::ptrdiff_t>(std::lround(dy)) * width_ + std::lround(dx);
+  const auto widest = [width](CellStep a, CellStep b, CellStep c) {
+    return std::max({std::abs(a.in(width)), std::abs(b.in(width)), std::abs(c.in(width))});
   };
-  const auto line = [&](double dx, double dy, std::vector<std::uint8_t>& sums) {
-    std::array<std::ptrdiff_t, kSamples> steps{};
-    for (std::size_t k = 0; k < kSamples; ++k) {
-      const double t = (static_cast<double>(k) + 0.5) / kSamples - 0.5;
-      steps[k] = step_of(t * dx, t * dy);
-    }
-    const std::ptrdiff_t reach = rows(0.5 * dx, 0.5 * dy);
-    if (2 * reach < cells) sum_lines(peak_.data(), steps, reach, cells - reach, sums.data());
-    return reach;
-  };
-  for (const double size : level.sizes) {
-    std::fill_n(best_.begin(), cells, std::uint8_t{0});
-    for (int r = -level.rolls(); r <= level.rolls(); ++r) {
-      const auto [sine, cosine] = sincos(r * kRollStep * kPi / 180.0);
-      const Eigen::Vector2d down{-sine * size, cosine * size};  // along the upright bars
-      const std::ptrdiff_t upright_reach = line(down.x(), down.y(), upright_);
-      for (std::size_t k = 0; k < level.shapes; ++k) {
-        const Eigen::Vector2d across =
-            kShapes[k].width * size * Eigen::Vector2d{cosine, sine} + kShapes[k].shift * down;
-        const std::ptrdiff_t level_reach = line(across.x(), across.y(), level_);
-        const auto step = [&](const Eigen::Vector2d& d) { return step_of(d.x(), d.y()); };
-        const std::ptrdiff_t left = step(-0.5 * across), upper = step(-0.5 * down);
-        const Frame frame{.upright = upright_.data(),
-                          .level = level_.data(),
-                          .mean = mean_.data(),
-                          .left = left,
-                          .right = left + step(across),
-                          .right_too = left + step(longer_by_one(across)),
-                          .upper = upper,
-                          .lower = upper + step(down),
-                          .lower_too = upper + step(longer_by_one(down)),
-                          .in_a = step(0.2 * (across + down)),
-                          .in_b = step(0.2 * (across - down))};
-        const auto widest = [](std::ptrdiff_t a, std::ptrdiff_t b, std::ptrdiff_t c) {
-          return std::max({std::abs(a), std::abs(b), std::abs(c)});
+  for (const FrameLattice::Size& size : lattice.sizes()) {
+    const std::size_t first = FrameLattice::first_of(size);
+    const auto least = static_cast<std::uint8_t>(least_to_keep(found));
+    std::fill_n(best_.begin(), cells, least);
+    for (const FrameLattice::Turned& turned : size.turns) {
+      const std::ptrdiff_t upright_reach = turned.upright.reach.in(width);
+      if (2 * upright_reach + kPlaces > cells) continue;
+      sum_lines(peak_.data(), in(turned.upright), upright_reach, cells - upright_reach,
+                upright_.data());
+      const std::size_t count = blocks_with_a_bar(
+          upright_.data(), upright_reach, cells - upright_reach, least_side, blocks_.data());
+      const std::span<const std::int32_t> blocks{blocks_.data(), count};
+      for (std::size_t k = 0; k < turned.count; ++k) {
+        const FrameLattice::Frame& f = lattice.frame(turned.first + k);
+        const std::ptrdiff_t left = f.left.in(width), upper = f.upper.in(width);
+        const auto sum = [](CellStep a, CellStep b) {
+          return CellStep{static_cast<std::int8_t>(a.x + b.x), static_cast<std::int8_t>(a.y + b.y)};
         };
         const std::ptrdiff_t begin =
-            std::max(upright_reach + widest(frame.left, frame.right, frame.right_too),
-                     level_reach + widest(frame.upper, frame.lower, frame.lower_too)) +
+            std::max(upright_reach + widest(f.left, sum(f.left, f.right), sum(f.left, f.right_too)),
+                     f.level.reach.in(width) +
+                         widest(f.upper, sum(f.upper, f.lower), sum(f.upper, f.lower_too))) +
             1;
-        const auto id = static_cast<std::uint8_t>(
-            1 + (r + level.rolls()) * static_cast<int>(kShapes.size()) + static_cast<int>(k));
-        if (2 * begin < cells) judge(frame, id, begin, cells - begin, best_.data(), which_.data());
+        if (2 * begin + kPlaces > cells) continue;
+        judge({.upright = upright_.data(),
+               .peak = peak_.data(),
+               .mean = mean_.data(),
+               .level = in(f.level),
+               .right = f.right.in(width),
+               .right_too = f.right_too.in(width),
+               .middle = -left,
+               .upper = upper,
+               .lower = upper + f.lower.in(width),
+               .lower_too = upper + f.lower_too.in(width),
+               .in_a = f.in_a.in(width),
+               .in_b = f.in_b.in(width),
+               .id = static_cast<std::uint8_t>(1 + turned.first + k - first),
+               .least = least,
+               .least_pair = least_pair},
+              blocks, begin + left, cells - begin + left, best_.data(), which_.data());
       }
     }
-    collect(level, size, found);
+    collect(lattice, first, pool, found);
   }
 }
 
+int GateTemplates::least_to_keep(const GateCandidates& found) const {
+  return found.full() ? std::max(least_, found[worst_].score) : least_;
+}
+
 // The best place of every neighbourhood.
-void GateTemplates::collect(const Level& level, double size, GateCandidates& found) {
+void GateTemplates::collect(const FrameLattice& lattice, std::size_t first, int pool,
+                            GateCandidates& found) {
   constexpr int kCell = 3;
-  for (int cy = kMargin; cy < height_ - kMargin; cy += kCell)
+  for (int cy = kMargin; cy < height_ - kMargin; cy += kCell) {
+    const int beyond = std::min(cy + kCell, height_ - kMargin);
+    const std::uint8_t* const row = best_.data() + static_cast<std::ptrdiff_t>(cy) * width_;
+    if (!any_above(row, row + static_cast<std::ptrdiff_t>(beyond - cy) * width_,
+                   least_to_keep(found)))
+      continue;
     for (int cx = kMargin; cx < width_ - kMargin; cx += kCell) {
-      int x = 0, y = 0, score = found.full() ? std::max(kLeast, found[worst_].score) : kLeast;
+      int x = 0, y = 0, score = least_to_keep(found);
       const int least = score;
-      for (int j = cy; j < std::min(cy + kCell, height_ - kMargin); ++j)
+      for (int j = cy; j < beyond; ++j)
         for (int i = cx; i < std::min(cx + kCell, width_ - kMargin); ++i)
           if (const int s = best_[static_cast<std::size_t>(j * width_ + i)]; s > score)
             score = s, x = i, y = j;
-      if (score > least) keep(level, size, x, y, score, found);
+      if (score <= least) continue;
+      const std::size_t id = which_[static_cast<std::size_t>(y * width_ + x)];
+      keep(lattice.frame(first + id - 1), pool, x, y, score, found);
     }
+  }
 }
 
-void GateTemplates::keep(const Level& level, double size, int x, int y, int score,
+void GateTemplates::keep(const FrameLattice::Frame& frame, int pool, int x, int y, int score,
                          GateCandidates& found) {
-  const int id = which_[static_cast<std::size_t>(y * width_ + x)] - 1,
-            shapes = static_cast<int>(kShapes.size()), roll = id / shapes - level.rolls();
-  const Shape shape = kShapes[static_cast<std::size_t>(id % shapes)];
-  const auto [sine, cosine] = sincos(roll * kRollStep * kPi / 180.0);
-  const Eigen::Vector2d down{-sine * size, cosine * size};
-  const Eigen::Vector2d across =
-      shape.width * size * Eigen::Vector2d{cosine, sine} + shape.shift * down;
+  const Eigen::Vector2d across = frame.across.cast<double>(), down = frame.down.cast<double>();
   // The middle between the two places of the right and of the lower side.
   const Eigen::Vector2d middle =
       Eigen::Vector2d{x - kMargin, y - kMargin} + 0.25 * (across.normalized() + down.normalized());
@@ -268,7 +336,7 @@ void GateTemplates::keep(const Level& level, double size, int x, int y, int scor
     if (!(p.x() > -kMargin && p.x() < width_ - kMargin && p.y() > -kMargin &&
           p.y() < height_ - kMargin))
       return;
-    candidate.corners_px[c++] = ((p.array() + 0.5) * level.pool - 0.5).matrix();
+    candidate.corners_px[c++] = ((p.array() + 0.5) * pool - 0.5).matrix();
   }
   if (!found.push_back(candidate)) found[worst_] = candidate;
   if (found.full())
