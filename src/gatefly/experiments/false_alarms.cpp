@@ -41,7 +41,7 @@ Negatives rendered_ones(const char* track, const Options& options) {
                       .shake_deg = 4.0,
                       .settings = {}};
   const TwinOrder order{.first_seed = options.quick ? kLookedAt : kReported,
-                        .days = options.quick ? 4u : 17u,
+                        .days = 17,
                         .per_day = 10,
                         .without_gates = true};
   return {.name = std::string{"rendered "} + track,

@@ -13,7 +13,7 @@ using Picture = UprightPicture;
 using Changed = std::optional<UprightPicture>;
 
 constexpr double kBarWidth = 0.05 / 0.95;  // of a side of the bars' middle lines [Li18's gates]
-constexpr double kBand = 1.0 / 3.0;        // of a side
+constexpr double kBand = 2.0 / 3.0;        // of a side
 
 template <int kQuality, io::ChromaSampling kSampling>
 Changed jpeg(const Picture& p) {

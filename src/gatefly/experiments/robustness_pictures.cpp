@@ -28,12 +28,11 @@ void draw_legend(io::Canvas& canvas, std::span<const RowMarks> marks) {
   }
 }
 
-void outline(io::Canvas& canvas, const Quad& gate, const Vector2d& at, double scale,
-             const io::Stroke& stroke) {
-  std::vector<Vector2d> corners;
+/// A gate's corners: lines would hide its bars.
+void mark(io::Canvas& canvas, const Quad& gate, const Vector2d& at, double scale, double radius,
+          const io::Color& color) {
   for (const Vector2d& corner : gate)
-    corners.emplace_back(at + scale * (corner + Vector2d{0.5, 0.5}));
-  canvas.outline(corners, stroke);
+    canvas.disc(at + scale * (corner + Vector2d{0.5, 0.5}), radius, color);
 }
 
 /// A changed picture in a cell of its original's size.
@@ -46,14 +45,13 @@ void draw_cell(io::Canvas& canvas, const io::Box& cell, const UprightPicture& or
   const Vector2d at{cell.x, cell.y};
   canvas.clip(cell);
   canvas.image(picture->view(), at, scale);
-  for (const Quad& gate : picture->gates)
-    outline(canvas, io::polygon(gate), at, scale, {.color = io::kDark.good, .width = 1.0});
+  for (const Quad& gate : picture->gates) mark(canvas, gate, at, scale, 3.5, io::kDark.good);
   tuning::Judging judging = set.judging;
   judging.all = change.every_gate;
   judging.lowest = set.config.pilot.detector.min_score;
   for (const tuning::Judged& found :
        tuning::found_in(picture->view(), set.config.pilot.gate_color, judging))
-    outline(canvas, found.corners_px, at, scale, {.color = io::kDark.found, .width = 1.5});
+    mark(canvas, found.corners_px, at, scale, 2.0, io::kLight.focus);
   canvas.unclip();
 }
 
