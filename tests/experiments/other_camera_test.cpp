@@ -17,17 +17,16 @@ struct DrawnGate {
   std::vector<std::uint8_t> bytes;
   Quad corners_px;
 
-  explicit DrawnGate(double bar = 0.05) {
+  DrawnGate() {
     const CameraRig rig = test::bebop_rig();
     const View view{{-3.0, 0.1, 0.1}, {}};
-    canvas.draw_gate(view, rig, 1.0, bar, {140, 80, 180});
+    canvas.draw_gate(view, rig, 1.0, 0.05, {140, 80, 180});
     bytes = canvas.yuv444();
     corners_px = test::corners_of(1.0, view, rig).value();
   }
-  [[nodiscard]] std::string cause(const GateDetectorParams& params,
-                                  const std::array<double, 3>& rgb = {1.0, 0.4, 0.0}) const {
+  [[nodiscard]] std::string cause(const GateDetectorParams& params) const {
     return cause_of_miss({bytes.data(), PixelFormat::kYuv444, 315, 160}, corners_px,
-                         ColorModel::described(rgb), params);
+                         ColorModel::described({1.0, 0.4, 0.0}), params);
   }
 };
 
@@ -40,7 +39,6 @@ TEST(MissCause, SaysHowFarTheSearchCame) {
   GateDetectorParams empty;
   empty.max_inside = -2.0;
   EXPECT_EQ(DrawnGate{}.cause(empty), "opening not empty");
-  EXPECT_EQ(DrawnGate{}.cause({}, {0.0, 0.3, 1.0}), "no place tried");
 }
 
 TEST(HallDay, IsThatCamerasAndLabelsWhatCanBeAskedFor) {
@@ -58,6 +56,8 @@ TEST(HallDay, IsThatCamerasAndLabelsWhatCanBeAskedFor) {
   }
   EXPECT_EQ(day.pictures[3].file.bytes, hall_day({}, 1001, 4, {}).pictures[3].file.bytes);
   EXPECT_NE(day.pictures[3].file.bytes, straight.pictures[3].file.bytes);
+  const HallDay hard = hall_day({.days = HallCamera::Days::kHard}, 1001, 4, {});
+  EXPECT_NE(day.pictures[3].file.bytes, hard.pictures[3].file.bytes);
 }
 
 }  // namespace

@@ -18,9 +18,10 @@ constexpr double kNoArea = 16.0;  // an edge-on gate is a line, not a quad [px²
 
 tasks::ConfigArguments arguments_of(const HallCamera& camera, std::uint64_t seed) {
   const std::string focal = io::text_of(kFocalPx[seed % kFocalPx.size()]);
-  tasks::ConfigArguments given{
-      .configs = {"cameras/wide-usb.toml"},
-      .settings = {"randomize.level=\"hard\"", "camera.focal_px=[" + focal + ", " + focal + "]"}};
+  tasks::ConfigArguments given{.configs = {"cameras/wide-usb.toml"},
+                               .settings = {"camera.focal_px=[" + focal + ", " + focal + "]"}};
+  if (camera.days != HallCamera::Days::kRace)
+    given.settings.emplace_back("randomize.level=\"hard\"");
   if (camera.straight)
     for (const char* setting : {"camera.model=\"pinhole\"", "camera.distortion=[]"})
       given.settings.emplace_back(setting);
