@@ -22,8 +22,8 @@ constexpr int kNeutral = 12;  // no evidence either way
 constexpr int kFull = kSamples * kTop;
 static_assert(kFull <= kByte, "a side's sum fits");
 // The upright sides may be so much worse than all of a frame. [of the frames that lead to a gate, on
-// all labelled sets, washed-out, blurred and halved ones too, one in 500 has worse ones]
-constexpr int kWorsePair = 16;
+// all labelled sets, washed-out, blurred and halved ones too, one in 200 has worse ones]
+constexpr int kWorsePair = 26;
 
 std::uint8_t sample_of(int evidence) {
   return static_cast<std::uint8_t>(std::clamp(kNeutral + evidence / 2, 0, kTop));
