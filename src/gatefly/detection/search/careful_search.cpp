@@ -71,6 +71,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights_with(color.faintness()),
                                      params_.bar()};
   coarse.set_cell_size(step);
+  coarse.set_bounds(map_.width(), map_.height());
   coarse.set_curves({bend_, image, step});
   BestFrames best;
   for (const GateCandidate& candidate : candidates) {
@@ -88,6 +89,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights_with(color.faintness()),
                                     params_.bar()};
   fine.set_least_offset(3.0);
+  fine.set_bounds(image.width(), image.height());
   const SideCurves curves{bend_, image};
   fine.set_curves(curves);
   const double least_rough = params_.min_score - kRoughLacks;

@@ -74,7 +74,9 @@ class FrameFit {
       s.mean += 0.25 * s.side[i];
       s.weakest = std::min(s.weakest, s.side[i]);
       s.inside += 0.25 * std::max(-1.0, along(a + off * in, d, sag, {0.12, 0.76}));
-      s.outside += 0.25 * std::max(-1.0, along(a - off * in, d, sag));
+      // What the picture does not show speaks neither way.
+      if (shows(a + 0.5 * d - off * in))
+        s.outside += 0.25 * std::max(-1.0, along(a - off * in, d, sag));
       s.beyond += 0.125 * (beyond(a, -d, sag) + beyond(a + d, d, sag));
     }
     s.inside = std::max(s.inside, middle(q));
@@ -150,6 +152,8 @@ class FrameFit {
 
   void set_least_offset(double cells) { off_min_ = cells; }
   void set_cell_size(double px) { cell_px_ = px; }
+  /// Of the picture; else all is in it [cells].
+  void set_bounds(double width, double height) { width_ = width, height_ = height; }
   /// Sides are the images of straight bars, from corner to corner. @param curves  in cells.
   void set_curves(const SideCurves& curves) { curves_ = curves; }
 
@@ -163,6 +167,10 @@ class FrameFit {
   // so many on either side of the middle one.
   [[nodiscard]] int lines_beside(double length) const {
     return std::min(static_cast<int>(0.3 * half_bar_ * length), kMostLines);
+  }
+
+  [[nodiscard]] bool shows(const Eigen::Vector2d& p) const {
+    return p.x() > -0.5 && p.y() > -0.5 && p.x() < width_ - 0.5 && p.y() < height_ - 0.5;
   }
 
   // How far beside its chord a bar is at t = 0..1.
@@ -195,6 +203,7 @@ class FrameFit {
                               const Eigen::Vector2d& sag) const {
     constexpr double kFirst = 0.10, kApart = 0.06;
     constexpr int kCount = 4, kLeast = -24;
+    if (!shows(corner + (kFirst + kApart) * d)) return kUndecidedBeyond;
     int sum = 0;
     if (curves_.bent())
       for (int k = 0; k < kCount; ++k) {
@@ -349,7 +358,7 @@ class FrameFit {
 
   const Evidence& evidence_;
   FrameWeights weights_;
-  double half_bar_, off_min_ = 1.5, cell_px_ = 1.0;
+  double half_bar_, off_min_ = 1.5, width_ = 1e9, height_ = 1e9, cell_px_ = 1.0;
   SideCurves curves_;
 };
 

@@ -21,6 +21,7 @@ namespace {
 constexpr int kWidest = 5, kAround = 1;
 constexpr double kLeastShared = 0.2;  // of two bars' heights: either may be broken
 constexpr double kStrongBar = 100.0;  // three rows of 2 nats
+constexpr double kNoDoubt = 1.5;      // above what is sure [nats]
 constexpr int kReach = 3;             // of the middle of a bar from a rough side [px]
 constexpr FrameEffort kEffort{.samples = 8, .middles = 8};
 
@@ -281,6 +282,8 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
                                              params_.bar()};
   fit.set_least_offset(3.0);
   fit.set_cell_size(cell);
+  fit.set_bounds(static_cast<double>(image.width()) / cell,
+                 static_cast<double>(image.height()) / cell);
   const SideCurves curves{bend_, image};
   fit.set_curves({bend_, image, static_cast<double>(cell)});
   FixedList<Frame, Pairs::kCapacity> frames;
@@ -297,7 +300,7 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
         in_place_of(to_cells(Quad{pair.on_left(pair.top), pair.on_right(pair.top),
                                   pair.on_right(pair.bottom), pair.on_left(pair.bottom)},
                              cell));
-    if (known != frames.end() && known->score.total > params_.sure_score) continue;
+    if (known != frames.end() && known->score.total > params_.sure_score + kNoDoubt) continue;
     const auto rough = LevelBars{pair, finder_.step(), finder_.stride(), cell, fit, curves}.frame();
     if (!rough) continue;
     const auto frame = fitted(fit, *rough, cell, params_);
@@ -329,6 +332,8 @@ std::optional<GateDetection> SnakeSearch::detect_near(const Quad& bars_px, const
     FrameFit<BarFinder::Evidence, kNearEffort> fit{
         evidence, params_.weights_with(color.faintness()), params_.bar()};
     fit.set_cell_size(of_cell);
+    fit.set_bounds(static_cast<double>(image.width()) / of_cell,
+                   static_cast<double>(image.height()) / of_cell);
     fit.set_curves({bend_, image, static_cast<double>(of_cell)});
     return fit;
   };
