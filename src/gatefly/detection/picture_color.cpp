@@ -91,13 +91,12 @@ PictureColor::PictureColor() {
   *this = kNoColor;
 }
 
-PictureColor::PictureColor(const ColorModel& model)
-    : model_{&model}, hopeless_of_model_{model.hopeless}, hopeless_{model.hopeless} {}
+PictureColor::PictureColor(const ColorModel& model) : model_{&model} { make_tables(); }
 
 void PictureColor::set(const ColorModel& model, const ChromaTone& tone) {
   model_ = &model;
-  if (tone == tone_ && model.hopeless == hopeless_of_model_) return;
-  tone_ = tone, hopeless_of_model_ = model.hopeless;
+  if (tone == tone_) return;
+  tone_ = tone;
   make_tables();
 }
 
@@ -115,29 +114,18 @@ void PictureColor::make_tables() {
     const auto i = static_cast<std::size_t>(level);
     starts_.u[i] = ColorModel::kStarts.u[static_cast<std::size_t>(toned(level, tone_.neutral_u))];
     starts_.v[i] = ColorModel::kStarts.v[static_cast<std::size_t>(toned(level, tone_.neutral_v))];
+    const auto byte = [](int of) { return static_cast<std::uint8_t>(of); };
+    constexpr std::uint8_t kNone = 0;
+    hopeless_u_[i] = static_cast<std::uint16_t>(
+        ColorModel::chroma_bin(PackedYuv::of({0, byte(toned(level, tone_.neutral_u)), kNone})));
+    hopeless_v_[i] = static_cast<std::uint16_t>(
+        ColorModel::chroma_bin(PackedYuv::of({0, kNone, byte(toned(level, tone_.neutral_v))})));
   }
   for (int step = -255; step <= 255; ++step) {
     const int to = std::clamp(larger(step), -(kLevels - 1), kLevels - 1);
     const auto i = static_cast<std::size_t>(255 + step), from = static_cast<std::size_t>(255 + to);
     starts_.u_step[i] = ColorModel::kStarts.u_step[from];
     starts_.v_step[i] = ColorModel::kStarts.v_step[from];
-  }
-  // A bin is hopeless where its corners are.
-  constexpr int kBin = ColorModel::kChromaLevels, kLast = kBin - 1;
-  const auto byte = [&](int level, int neutral) {
-    return static_cast<std::uint8_t>(toned(level, neutral));
-  };
-  const auto is_hopeless = [&](std::uint8_t u, std::uint8_t v) {
-    return hopeless_of_model_[ColorModel::chroma_bin(PackedYuv::of({0, u, v}))];
-  };
-  for (int u = 0; u < kLevels; u += kBin) {
-    const std::uint8_t u0 = byte(u, tone_.neutral_u), u1 = byte(u + kLast, tone_.neutral_u);
-    for (int v = 0; v < kLevels; v += kBin) {
-      const std::uint8_t v0 = byte(v, tone_.neutral_v), v1 = byte(v + kLast, tone_.neutral_v);
-      hopeless_[ColorModel::chroma_bin(
-          PackedYuv::of({0, static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v)}))] =
-          is_hopeless(u0, v0) & is_hopeless(u0, v1) & is_hopeless(u1, v0) & is_hopeless(u1, v1);
-    }
   }
 }
 

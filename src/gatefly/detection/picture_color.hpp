@@ -36,7 +36,7 @@ class PictureColor {
   /// As the model is, whatever the picture. Not explicit: searches can be asked with a model.
   PictureColor(const ColorModel& model);  // NOLINT(google-explicit-constructor)
 
-  /// The model must stay. What was set before costs next to nothing.
+  /// The model must stay. A tone like the last one's costs nothing.
   void set(const ColorModel& model, const ChromaTone& tone);
 
   [[nodiscard]] const ChromaTone& tone() const { return tone_; }
@@ -68,19 +68,18 @@ class PictureColor {
   }
   /// Whether a chroma is no bar's with any luma.
   [[nodiscard]] bool is_hopeless(PackedYuv c) const {
-    return hopeless_[ColorModel::chroma_bin(c)] != 0;
+    return model_->hopeless[std::size_t{hopeless_u_[c.uv & 255]} | hopeless_v_[c.uv >> 16]] != 0;
   }
 
  private:
   void make_tables();
 
-  using Hopeless = decltype(ColorModel::hopeless);
-
   const ColorModel* model_;
   ChromaTone tone_;
   double faintness_ = 0.0;
   ColorModel::Starts starts_ = ColorModel::kStarts;
-  Hopeless hopeless_of_model_, hopeless_;
+  // where each chroma leads to in ColorModel::hopeless
+  std::array<std::uint16_t, 256> hopeless_u_, hopeless_v_;
 };
 
 }  // namespace gatefly
