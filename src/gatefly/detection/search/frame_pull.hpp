@@ -14,9 +14,12 @@ namespace gatefly {
 /// A frame moved onto the evidence, side by side, as long as it helps. Lengths in cells.
 template <class Fit>
 [[nodiscard]] Frame pulled(const Fit& fit, Frame f, double least_side, double most_aspect) {
+  // Of many cells only a large frame needs so many: all pairs of ends are tried.
+  constexpr double kLarge = 64.0;
   const double size = std::sqrt(std::abs(area(f.quad)));
+  const int most = size > kLarge ? 10 : 5;
   for (const double part : {0.16, 0.12, 0.08}) {
-    const auto moved = fit.moved(f.quad, std::clamp(static_cast<int>(part * size + 0.5), 1, 5));
+    const auto moved = fit.moved(f.quad, std::clamp(static_cast<int>(part * size + 0.5), 1, most));
     if (!moved || !is_frame_shaped(*moved, least_side, most_aspect)) break;
     const FrameScore now = fit.score(*moved);
     if (now.total <= f.score.total) break;
