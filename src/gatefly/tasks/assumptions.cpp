@@ -24,6 +24,7 @@ void add_lens(Assumptions& to, const io::Config& config) {
   to.lens = config.camera.model + ", " + std::to_string(config.camera.width) + "x" +
             std::to_string(config.camera.height) + " px";
   to.lens_by = who_set(config, key);
+  to.sides = "the lens bends them";
 }
 
 void add_color(Assumptions& to, const io::Config& config) {

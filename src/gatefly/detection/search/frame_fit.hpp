@@ -58,6 +58,7 @@ class FrameFit {
   [[nodiscard]] FrameScore score(const Quad& q) const {
     FrameScore s;
     double length = 0.0;
+    int unseen = 0;
     for (std::size_t i = 0; i < 4; ++i) length += 0.25 * (q[(i + 1) % 4] - q[i]).norm();
     const double off = std::max(off_min_, (half_bar_ + kBeside) * length);
     const int lines = lines_beside(length);
@@ -78,11 +79,13 @@ class FrameFit {
       if (shows(a + 0.5 * d - off * in))
         s.outside += 0.25 * std::max(-1.0, along(a - off * in, d, sag));
       s.beyond += 0.125 * (beyond(a, -d, sag) + beyond(a + d, d, sag));
+      unseen += !shows(a + 0.5 * d);
     }
     s.inside = std::max(s.inside, middle(q));
     s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
               weights_.outside * s.outside - weights_.beyond * (s.beyond - kUndecidedBeyond) +
-              weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0) + weights_.added;
+              weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0) + weights_.added -
+              kUnseenSide * unseen;
     return s;
   }
 
@@ -161,7 +164,8 @@ class FrameFit {
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
                        kMostLines = 3;
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
-  static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637, kUndecidedBeyond = -0.6;
+  static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637, kUndecidedBeyond = -0.6,
+                          kUnseenSide = 0.75;
 
   // A wide bar is looked at along several lines, so that letters and patterns on it do not matter:
   // so many on either side of the middle one.
