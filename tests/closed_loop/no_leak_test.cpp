@@ -37,6 +37,8 @@ void read_flight(RaceConfig race, const std::string& detector, Read& read) {
   race.vision = Vision::kIdeal;
   race.sim.ideal_vision.detector = detector;
   const sim::SolidSight sight{race.sim.world};
+  constexpr double kRow = 1.0;  // [s]
+  double last_other = -kRow;
   std::vector<sim::BodyPose> poses;
   (void)fly(race, [&](const Tick& tick) {
     poses.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()), tick.truth.p_EB,
@@ -51,8 +53,13 @@ void read_flight(RaceConfig race, const std::string& detector, Read& read) {
       EXPECT_EQ(found.method, DetectionMethod::kSnake);
       EXPECT_TRUE(found.whole);
       EXPECT_EQ(found.corner_fitness, (std::array<double, 4>{1.0, 1.0, 1.0, 1.0}));
-      (is_gate(found.corners_px, views) ? read.of_gates : read.of_others)
-          .push_back(sim::fields_of(found.corners_px, found.fitness, i));
+      const sim::Fields fields = sim::fields_of(found.corners_px, found.fitness, i);
+      if (is_gate(found.corners_px, views)) {
+        read.of_gates.push_back(fields);
+      } else if (const double now = poses.back().t; now - last_other > kRow) {
+        // One of a row of pictures: what is taken for a gate once is taken for one again.
+        read.of_others.push_back(fields), last_other = now;
+      }
     }
     return true;
   });
@@ -67,7 +74,7 @@ std::vector<double> column(const std::vector<sim::Fields>& rows, std::size_t fie
 TEST(IdealVisionInFlight, NoFieldOfADetectionTellsMoreThanWithTheRealDetectorOnPictures) {
   for (const char* detector : {"ours", "paper"}) {
     Read read;
-    for (const std::uint64_t seed : {1001u, 1002u, 1003u, 1004u})
+    for (const std::uint64_t seed : {1001u, 1002u, 1003u, 1004u, 1005u, 1006u, 1007u, 1008u})
       for (const char* track : {"oval", "showroom"})
         read_flight(test::race_on(track, seed, 1), detector, read);
     ASSERT_GT(read.of_gates.size(), 500u);
