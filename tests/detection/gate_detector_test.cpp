@@ -239,5 +239,53 @@ TEST(GateDetector, AGateThatStandsOutNeedsNoCarefulSearchAndAFaintFarOneMay) {
   EXPECT_GT(carefully, 0);
 }
 
+// A little off, as a filter's estimate is.
+Quad expected_bars_of(const View& view, Rng& rng) {
+  Quad bars = scaled(truth_of(view), 0.95);
+  const Eigen::Vector2d off{rng.uniform(-4.0, 4.0), rng.uniform(-4.0, 4.0)};
+  for (Eigen::Vector2d& corner : bars) corner += off;
+  return bars;
+}
+
+TEST(GateDetector, WhereAGateIsExpectedLessWillDo) {
+  GateDetector detector;
+  int found_anyway = 0, found_expected = 0;
+  for_all(20, [&](Rng& rng) {
+    const View view{{-4.5, rng.uniform(-0.3, 0.3), 0.1}, {}};
+    Canvas canvas(315, 160);
+    canvas.draw_gate(view, bebop_rig(), 1.0, 0.05, {124, 124, 132});
+    canvas.add_noise(rng, 8.0, 2.0);
+    const Picture picture{canvas};
+    const Quad expected = expected_bars_of(view, rng);
+    const auto finds = [&](const LookFor& look_for) {
+      const auto gates = detector.look(picture.image(), kOrange, look_for).gates;
+      return !gates.empty() && worst_corner(gates[0].corners_px, truth_of(view)) < 6.0;
+    };
+    found_anyway += finds({.quick = true});
+    found_expected += finds({.expected_bars = &expected, .quick = true});
+  });
+  EXPECT_GT(found_expected, found_anyway);
+  EXPECT_GE(found_expected, 17);
+}
+
+TEST(GateDetector, WhereAGateIsExpectedAndNoneIsNoneIsFound) {
+  GateDetector detector;
+  for_all(50, [&](Rng& rng) {
+    const View view{{rng.uniform(-6.0, -1.5), rng.uniform(-0.5, 0.5), 0.1}, {}};
+    const Picture picture = noisy_picture_of({}, rng);
+    const Quad expected = expected_bars_of(view, rng);
+    EXPECT_TRUE(
+        detector.look(picture.image(), kOrange, {.expected_bars = &expected}).gates.empty());
+  });
+}
+
+TEST(GateDetector, SaysWhetherItLookedCarefully) {
+  GateDetector detector;
+  const Picture near = picture_of({kAhead}), empty = picture_of({});
+  EXPECT_FALSE(detector.look(near.image(), kOrange).careful);
+  EXPECT_TRUE(detector.look(empty.image(), kOrange).careful);
+  EXPECT_FALSE(detector.look(empty.image(), kOrange, {.quick = true}).careful);
+}
+
 }  // namespace
 }  // namespace gatefly
