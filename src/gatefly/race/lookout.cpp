@@ -39,8 +39,8 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
   image_width_ = sensors.seen ? sensors.seen->image_width : sensors.image->width();
   if (!looking) return;
   const View view{sensors, course, navigator};
-  const Expectation expected = expectation(view);
-  sighting_.detections = whole_gates(sensors, look_for(expected, view));
+  const Expectation expected = sensors.seen ? Expectation{} : expectation(view);
+  sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(expected, view));
   sighting_.seen = !sighting_.detections.empty();
 
   auto best = best_whole_gate(view);
@@ -86,8 +86,9 @@ Lookout::Expectation Lookout::expectation(const View& view) const {
 }
 
 bool Lookout::is_in_picture(const Eigen::Vector2d& px, const View& view) const {
-  if (px.x() < 0.0 || px.x() > image_width_ - 1.0) return false;
-  return !view.sensors.image || (px.y() >= 0.0 && px.y() <= view.sensors.image->height() - 1.0);
+  const Image& image = *view.sensors.image;
+  return px.x() >= 0.0 && px.y() >= 0.0 && px.x() <= image.width() - 1.0 &&
+         px.y() <= image.height() - 1.0;
 }
 
 // Looking carefully costs a hundred times as much. It is for gates that are expected, not found, and

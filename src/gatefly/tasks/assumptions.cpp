@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 
 /// Of a lens that somebody named; the default camera's is nobody's.
 std::string key_of_lens(const io::Config& config) {
-  for (const char* key : {"camera.model", "camera.focal_px", "camera.distortion"})
+  for (const char* key :
+       {"camera.model", "camera.focal_px", "camera.center_px", "camera.distortion"})
     if (who_set(config, key) != "default") return key;
   return "";
 }

@@ -10,23 +10,12 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
-#include "gatefly/sensing/image.hpp"
+#include "gatefly/detection/search/frame.hpp"
 
 namespace gatefly {
-
-/// How well a frame lies on the evidence, each in nats of a mean sample.
-struct FrameScore {
-  double total = -9.0;
-  double mean = 0.0, weakest = 0.0;  ///< Along the four sides; along the worst of them.
-  /// Beside the sides and in the middle: a gate is empty there.
-  double inside = 0.0, outside = 0.0;
-  double beyond = 0.0;           ///< Of the sides' continuations: a gate's bars end at its corners.
-  std::array<double, 4> side{};  ///< Top, right, bottom, left.
-};
 
 /// How closely a frame is looked at.
 struct FrameEffort {
@@ -365,57 +354,5 @@ class FrameFit {
   double half_bar_, off_min_ = 1.5, width_ = 1e9, height_ = 1e9, cell_px_ = 1.0;
   SideCurves curves_;
 };
-
-/// Whether a quad can be a picture of a square frame: convex, no side much shorter than its
-/// opposite.
-[[nodiscard]] inline bool is_frame_shaped(const Quad& q, double least_side, double most_aspect) {
-  double shortest = 1e9, longest = 0.0;
-  std::array<double, 4> length{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d a = q[(i + 1) % 4] - q[i], b = q[(i + 2) % 4] - q[(i + 1) % 4];
-    length[i] = a.norm();
-    shortest = std::min(shortest, length[i]), longest = std::max(longest, length[i]);
-    if (!(a.x() * b.y() - a.y() * b.x() > 0.4 * a.norm() * b.norm())) return false;
-  }
-  const auto alike = [](double a, double b) { return a < 1.8 * b && b < 1.8 * a; };
-  return alike(length[0], length[2]) && alike(length[1], length[3]) && shortest > least_side &&
-         longest < most_aspect * shortest;
-}
-
-/// A frame that was fitted: the bars' middle lines.
-struct Frame {
-  Quad quad;
-  FrameScore score;
-};
-
-/// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides,
-/// on the authors' labelled pictures.
-[[nodiscard]] inline double corner_confidence_of(double side) {
-  return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side));
-}
-
-/// What a frame says to the outside: corners `corner_scale` times as far out as the bars' middle
-/// lines, and confidences.
-[[nodiscard]] inline GateDetection detection_of(const Frame& frame, DetectionMethod method,
-                                                const Image& image, double corner_scale,
-                                                const SideCurves& curves = {}) {
-  const Quad corners = curves.scaled(frame.quad, corner_scale),
-             listed = clockwise_from_top_left(corners);
-  const auto first = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), listed[0]) -
-                                              corners.begin());
-  GateDetection gate{
-      .corners_px = listed, .fitness = confidence_of(frame.score.total), .method = method};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::size_t k = (first + i) % 4;
-    const Eigen::Vector2d& p = frame.quad[k];
-    const bool in_view = p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image.width() - 2.0 &&
-                         p.y() <= image.height() - 2.0;
-    gate.corner_fitness[i] =
-        in_view ? corner_confidence_of(std::min(frame.score.side[k], frame.score.side[(k + 3) % 4]))
-                : 0.0;
-    gate.whole = gate.whole && in_view;
-  }
-  return gate;
-}
 
 }  // namespace gatefly
