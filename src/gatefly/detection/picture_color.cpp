@@ -18,8 +18,9 @@ constexpr double kGrid = 1.0 / 16.0, kApart = 1.0 / 50.0;
 constexpr double kContrast = 7.0;
 // [nats; thresholds of equal false alarms in whole and in spoilt pictures]
 constexpr double kPerDoubling = 0.3;
-// A cast up to this is left. [of 0, 5, 8: basement580's floor and walls are greenish]
-constexpr int kCast = 8;
+// A cast up to this is left. [of 0, 3, 5, 8: basement580's floor and walls are
+// greenish, other halls stay under their own light with more]
+constexpr int kCast = 5;
 constexpr int kMostCast = 32;
 
 // Fourths of an octave, in 1/64.

@@ -133,8 +133,8 @@ class Sheet {
     canvas_.text({at.x(), at.y() - 1.0}, text, lettering);
   }
 
-  void row(double y, const std::array<std::string, 9>& cells, const Color& color) {
-    constexpr std::array kColumns{0.0, 30.0, 100.0, 170.0, 250.0, 320.0, 400.0, 480.0, 550.0};
+  void row(double y, const std::array<std::string, 10>& cells, const Color& color) {
+    constexpr std::array kColumns{0.0, 30.0, 90.0, 150.0, 225.0, 290.0, 360.0, 435.0, 495.0, 565.0};
     for (std::size_t i = 0; i < cells.size(); ++i)
       canvas_.text({kGap + kColumns[i], y}, cells[i], {.color = color, .size = 15.0});
   }
@@ -142,7 +142,7 @@ class Sheet {
   void list() {
     double y = kTop + 2 * (height_ + kCaption + kGap) + 0.5 * kCaption;
     row(y,
-        {"", "score", "mean", "weakest", "inside", "outside", "beyond", "side px",
+        {"", "score", "mean", "weakest", "inside", "outside", "beyond", "filled", "side px",
          "what became of it"},
         kDark.muted);
     for (std::size_t i = 0; i < what_.listed.size(); ++i) {
@@ -150,7 +150,7 @@ class Sheet {
       const FrameScore& s = frame.score;
       row(y += kRow,
           {std::to_string(i + 1), fixed(s.total, 2), fixed(s.mean, 2), fixed(s.weakest, 2),
-           fixed(s.inside, 2), fixed(s.outside, 2), fixed(s.beyond, 2),
+           fixed(s.inside, 2), fixed(s.outside, 2), fixed(s.beyond, 2), fixed(s.filled, 2),
            fixed(std::sqrt(std::abs(area(frame.bars_px))), 0), frame.fate},
           frame.taken ? kDark.good : kDark.ink);
     }

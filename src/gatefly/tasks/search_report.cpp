@@ -23,7 +23,10 @@ std::string below(const char* what, double value, const char* key, double limit)
 std::string fate_of(const SearchTrace::Finished& frame, const GateDetectorParams& params) {
   if (frame.taken) return "taken";
   if (frame.score.total < params.min_score)
-    return below("score", frame.score.total, "min_score", params.min_score);
+    return below("score", frame.score.total, "min_score", params.min_score) +
+           (frame.score.filled > 0.0
+                ? ", " + fixed(frame.score.filled, 2) + " lost: filled, not what is around it"
+                : "");
   if (frame.score.inside > params.max_inside)
     return "inside " + fixed(frame.score.inside, 2) + " > max_inside " +
            fixed(params.max_inside, 2) + ": the opening is not empty";
@@ -129,6 +132,7 @@ nlohmann::ordered_json as_json(const SearchReport& report) {
                             {"inside", io::number(s.inside)},
                             {"outside", io::number(s.outside)},
                             {"beyond", io::number(s.beyond)},
+                            {"filled", io::number(s.filled)},
                             {"sides", {s.side[0], s.side[1], s.side[2], s.side[3]}}}}});
   }
   for (const SearchTrace::Place& place : report.trace.places)

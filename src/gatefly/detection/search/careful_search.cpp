@@ -7,6 +7,7 @@
 
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/corner_refinement.hpp"
+#include "gatefly/detection/search/filled_frame.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
 
@@ -99,6 +100,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
     } else {
       frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
     }
+    frame.score.take_off(lost_as_filled(image, frame.quad, params_.bar(), curves));
     const bool taken =
         frame.score.total >= params_.min_score && frame.score.inside <= params_.max_inside;
     if (trace != nullptr)

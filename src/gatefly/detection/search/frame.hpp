@@ -23,6 +23,9 @@ struct FrameScore {
   double inside = 0.0, outside = 0.0;
   double beyond = 0.0;           ///< Of the sides' continuations: a gate's bars end at its corners.
   std::array<double, 4> side{};  ///< Top, right, bottom, left.
+  double filled = 0.0;           ///< Taken off the total because the opening is none.
+
+  void take_off(double lost) { filled += lost, total -= lost; }
 };
 
 /// Whether a quad can be a picture of a square frame: convex, no side much shorter than its

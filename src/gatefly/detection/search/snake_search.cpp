@@ -10,6 +10,7 @@
 
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/search/corner_refinement.hpp"
+#include "gatefly/detection/search/filled_frame.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
@@ -303,8 +304,11 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
     if (known != frames.end() && known->score.total > params_.sure_score + kNoDoubt) continue;
     const auto rough = LevelBars{pair, finder_.step(), finder_.stride(), cell, fit, curves}.frame();
     if (!rough) continue;
-    const auto frame = fitted(fit, *rough, cell, params_);
+    auto frame = fitted(fit, *rough, cell, params_);
     if (!frame) continue;
+    frame->score.take_off(
+        lost_as_filled(image, to_pixels(frame->quad, cell), params_.bar(), curves));
+    if (frame->score.total < params_.min_score) continue;
     const auto same = in_place_of(frame->quad);
     if (same == frames.end())
       (void)frames.push_back(*frame);
@@ -347,12 +351,13 @@ std::optional<GateDetection> SnakeSearch::detect_near(const Quad& bars_px, const
       pulled(rough_fit, {start, rough_fit.score(start)}, side / wide, params_.max_aspect);
   Frame frame =
       finished(fine_fit, to_cells(to_pixels(rough.quad, wide), cell), side / cell, params_);
+  const SideCurves curves{bend_, image};
+  frame.quad = to_pixels(frame.quad, cell);
+  frame.score.take_off(lost_as_filled(image, frame.quad, params_.bar(), curves));
   if (frame.score.total < params_.min_score - kExpectedLacks ||
       frame.score.inside > params_.max_inside)
     return std::nullopt;
-  const SideCurves curves{bend_, image};
-  frame.quad = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(),
-                               RefinementEffort::kQuick, curves);
+  frame.quad = refined_corners(image, frame.quad, params_.bar(), RefinementEffort::kQuick, curves);
   const double larger = std::abs(area(frame.quad)) / std::abs(area(bars_px));
   if (largest_move(frame.quad, bars_px) > kExpectedWithin * std::sqrt(std::abs(area(bars_px))) ||
       larger > kExpectedLarger || larger * kExpectedLarger < 1.0)
