@@ -57,8 +57,17 @@ bool overlaps(const Quad& a, const Quad& b, double part) {
   return shared_area(a, b) >= part * std::max(std::abs(area(a)), std::abs(area(b)));
 }
 
+bool stands_within(const Quad& small, const Quad& large) {
+  // Of the side: farther in than the inner edge of the widest bars, and what is fitted to it.
+  constexpr double kOpening = 0.7, kAll = 0.98;
+  const double area_of_small = std::abs(area(small));
+  return area_of_small < kOpening * kOpening * std::abs(area(large)) &&
+         shared_area(small, scaled(large, kOpening)) > kAll * area_of_small;
+}
+
 bool same_place(const Quad& a, const Quad& b) {
-  return shared_area(a, b) > 0.5 * std::min(std::abs(area(a)), std::abs(area(b)));
+  return shared_area(a, b) > 0.5 * std::min(std::abs(area(a)), std::abs(area(b))) &&
+         !stands_within(a, b) && !stands_within(b, a);
 }
 
 Quad clockwise_from_top_left(const Quad& quad) {

@@ -19,7 +19,11 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 /// Whether two convex quads share at least `part` of the larger one's area.
 [[nodiscard]] bool overlaps(const Quad& a, const Quad& b, double part);
 
-/// Whether two quads are of one gate: they share more than half of the smaller one.
+/// Whether a quad is well inside another one: a gate seen through the opening of a nearer one.
+[[nodiscard]] bool stands_within(const Quad& small, const Quad& large);
+
+/// Whether two quads are of one gate: they share more than half of the smaller one, and neither
+/// stands within the other.
 [[nodiscard]] bool same_place(const Quad& a, const Quad& b);
 
 /// The same corners, turned in the list so that the first is the one nearest to top-left.
