@@ -2,6 +2,7 @@
 #include "gatefly/detection/search/careful_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -106,9 +107,12 @@ TEST(CarefulSearch, AFilledSquareIsNoGate) {
   EXPECT_TRUE(gates_in(canvas).empty());
 }
 
-TEST(CarefulSearch, TwoGatesAreTwo) {
+// Beside each other, and one seen through the opening of the other.
+class CarefulSearchOfTwo : public ::testing::TestWithParam<std::array<View, 2>> {};
+
+TEST_P(CarefulSearchOfTwo, FindsBoth) {
   const CameraRig rig = bebop_rig();
-  const View near{{-3.0, 0.9, 0}, {}}, far{{-4.5, -1.6, 0}, {}};
+  const auto& [near, far] = GetParam();
   Canvas canvas(315, 160);
   canvas.draw_gate(near, rig), canvas.draw_gate(far, rig);
   const auto gates = gates_in(canvas);
@@ -120,6 +124,11 @@ TEST(CarefulSearch, TwoGatesAreTwo) {
               2.5);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Places, CarefulSearchOfTwo,
+    ::testing::Values(std::array{View{{-3.0, 0.9, 0}, {}}, View{{-4.5, -1.6, 0}, {}}},
+                      std::array{View{{-2.0, 0, 0}, {}}, View{{-6.0, 0.1, 0.1}, {}}}));
 
 TEST(CarefulSearch, AGateCutByTheBorderIsNotCalledWhole) {
   const CameraRig rig = bebop_rig();

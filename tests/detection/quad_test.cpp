@@ -73,6 +73,17 @@ TEST(Quad, OverlapsByThePartOfTheLargerThatBothShare) {
   EXPECT_TRUE(overlaps(a, other_way, 1.0));
 }
 
+TEST(Quad, APartOfAFrameIsInItsPlaceWhatStandsInItsOpeningIsNot) {
+  const Quad gate = square(0, 0, 10);
+  EXPECT_TRUE(same_place(gate, square(1, 1, 8))) << "the inner edge of its bars";
+  EXPECT_TRUE(same_place(gate, square(0, 0, 5))) << "a post makes a frame of a part";
+  EXPECT_FALSE(same_place(gate, square(3, 4, 3))) << "a gate behind it";
+  EXPECT_FALSE(same_place(square(3, 4, 3), gate));
+  EXPECT_FALSE(same_place(gate, square(9, 0, 10))) << "one beside it";
+  EXPECT_TRUE(stands_within(square(3, 4, 3), gate));
+  EXPECT_FALSE(stands_within(gate, square(3, 4, 3)));
+}
+
 TEST(Quad, CornersAreListedClockwiseFromTopLeftHoweverTheyCome) {
   const Quad wanted = square(10, 20, 30);
   for_all(200, [&](Rng& rng) {

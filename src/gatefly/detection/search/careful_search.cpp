@@ -27,6 +27,8 @@ int least_worth_a_look(double min_score) {
   return static_cast<int>(std::clamp(kAtZero + kPerNat * min_score, 80.0, 144.0));
 }
 
+constexpr double kMuch = 2.0;  // cells by which a side bends; less is pulled
+
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
 // Of two frames in one place: a post in the opening makes a frame of each half, so size counts.
@@ -37,6 +39,18 @@ bool better_here(const Frame& a, const Frame& b) {
     return f.score.total + kNatsPerDoubling * std::log2(std::max(1.0, std::abs(area(f.quad))));
   };
   return worth(a) > worth(b);
+}
+
+// Where a bent frame's corners are. A template's sides are straight, and lie as they fit bent ones
+// best: outside the chord from corner to corner.
+Quad bowed(const Quad& straight, const SideCurves& curves) {
+  constexpr double kBestLine = 2.0 / 3.0;  // of the sag, for a parabola
+  Quad corners = straight;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d sag = kBestLine * curves.sag(straight[i], straight[(i + 1) % 4]);
+    corners[i] -= sag, corners[(i + 1) % 4] -= sag;
+  }
+  return corners;
 }
 
 using BestFrames = FixedList<Frame, 8>;
@@ -68,11 +82,19 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
                                      params_.bar()};
   coarse.set_cell_size(step);
   coarse.set_bounds(map_.width(), map_.height());
-  coarse.set_curves({bend_, image, step});
+  const SideCurves coarse_curves{bend_, image, step};
+  coarse.set_curves(coarse_curves);
   BestFrames best;
   for (const GateCandidate& candidate : candidates) {
-    const Quad q = to_cells(candidate.corners_px, step);
-    const Frame frame = pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
+    const auto pulled_from = [&](const Quad& q) {
+      return pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
+    };
+    const Quad straight = to_cells(candidate.corners_px, step);
+    Frame frame = pulled_from(straight);
+    if (const Quad bent = bowed(straight, coarse_curves); largest_move(bent, straight) > kMuch) {
+      const Frame other = pulled_from(bent);
+      if (better(other, frame)) frame = other;
+    }
     const bool has_shape = is_frame_shaped(frame.quad, least_side, params_.max_aspect);
     if (has_shape) keep(best, frame);
     if (trace != nullptr)
