@@ -10,8 +10,8 @@
 
 namespace gatefly::io {
 
-inline constexpr double kMilli = 1e-3, kTenth = 1e-4,
-                        kHundredth = 1e-5;  ///< Tenth, hundredth of kMilli.
+// Steps of a page's numbers, of whatever unit: thousandths, tenths and hundredths of those.
+inline constexpr double kMilli = 1e-3, kTenth = 1e-4, kHundredth = 1e-5;
 
 /// Rounded for a page: to millimetres, milliradians, or to multiples of `unit`.
 [[nodiscard]] inline nlohmann::ordered_json rounded(double value, double unit = kMilli) {
