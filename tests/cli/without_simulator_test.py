@@ -6,16 +6,13 @@ usage: without_simulator_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import csv
 import json
-import pathlib
-import sys
-import unittest
 
-import cli_test
+from program import ROOT, Cli, main
 
 
-class WithoutSimulator(cli_test.Cli):
+class WithoutSimulator(Cli):
     def flight(self):
-        return cli_test.ROOT / "tests" / "replay" / "oval_flight"
+        return ROOT / "tests" / "replay" / "oval_flight"
 
     def test_what_flies_in_the_simulator_is_one_line_and_exit_2(self):
         for command in ("fly", "campaign", "reproduce", "bench"):
@@ -65,8 +62,4 @@ class WithoutSimulator(cli_test.Cli):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 3:
-        sys.exit(__doc__)
-    cli_test.GATEFLY = str(pathlib.Path(sys.argv[1]).resolve())
-    cli_test.ROOT = pathlib.Path(sys.argv[2]).resolve()
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    main()

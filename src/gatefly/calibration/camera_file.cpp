@@ -277,6 +277,12 @@ std::string toml_text(const CameraFile& camera) {
 
 }  // namespace
 
+CameraFormat camera_format(const std::string& name) {
+  return name == "kalibr" ? CameraFormat::kKalibr
+         : name == "ros"  ? CameraFormat::kRos
+                          : CameraFormat::kToml;
+}
+
 CameraFile read_camera(const std::filesystem::path& path, const std::string& camera) {
   return path.extension() == ".toml" ? from_toml(path) : from_yaml(path, camera);
 }
@@ -294,6 +300,13 @@ std::string camera_text(const CameraFile& camera, CameraFormat format,
       break;
   }
   return text + toml_text(camera);
+}
+
+AnyCamera short_lens(const LensFit& fit) {
+  Eigen::VectorXd parameters = fit.parameters;
+  constexpr int kDigits = 8;
+  for (double& each : parameters) each = std::stod(io::text_of(each, kDigits));
+  return lens_of(fit.model, parameters);
 }
 
 }  // namespace gatefly::calibration

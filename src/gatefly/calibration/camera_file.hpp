@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/calibration/lens_fit.hpp"
 #include "gatefly/sensing/camera.hpp"
 
 namespace gatefly::calibration {
@@ -22,6 +23,9 @@ struct CameraFile {
 };
 
 enum class CameraFormat { kToml, kKalibr, kRos };
+
+/// "kalibr", "ros", "toml"; anything else is our own.
+[[nodiscard]] CameraFormat camera_format(const std::string& name);
 
 /// Reads a Kalibr camchain (radtan, equidistant, none) or a ROS camera_info file (plumb_bob,
 /// equidistant), told apart by what is in them, or a configuration with a [camera] (.toml).
@@ -39,5 +43,8 @@ enum class CameraFormat { kToml, kKalibr, kRos };
 ///     k3 not in Kalibr's.
 [[nodiscard]] std::string camera_text(const CameraFile& camera, CameraFormat format,
                                       const std::vector<std::string>& comments = {});
+
+/// The fitted lens with as many digits as anybody can measure.
+[[nodiscard]] AnyCamera short_lens(const LensFit& fit);
 
 }  // namespace gatefly::calibration

@@ -2,7 +2,6 @@
 // Our AHRS, as flown, beside a plain Mahony filter: hand-held with a true attitude, in turns, on
 // real flights.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -10,18 +9,16 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Geometry>
-
-#include "gatefly/baseline/imu15.hpp"
 #include "gatefly/baseline/mahony.hpp"
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/estimation/navigator.hpp"
+#include "gatefly/experiments/attitude_errors.hpp"
 #include "gatefly/experiments/attitude_trial.hpp"
 #include "gatefly/experiments/experiment.hpp"
-#include "gatefly/files/csv.hpp"
+#include "gatefly/experiments/flown_attitude.hpp"
+#include "gatefly/experiments/held_attitude.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/geometry/seconds.hpp"
 #include "gatefly/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
@@ -30,129 +27,13 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr double kShown = 0.1;           // between two points of a plot [s]
-constexpr double kBeforeMovement = 1.0;  // the rest ends so long before it [s]
-constexpr double kLogRest = 0.7;         // of every flight's log, before the motors start [s]
-// as gates give them [s], [m], [rad]
-constexpr double kCorrections = 1.0 / 15, kAltitudeSigma = 0.05, kHeadingSigma = 0.05;
-constexpr double kReferenceSigma = 0.01;  // of a position of motion capture [m]
-constexpr double kLeastFlight = 3.0;      // to be scored [s]
-constexpr double kWithin95 = 2.4477;      // of two errors, in σ
-
-/// Squared errors [rad²] and what was claimed.
-struct Errors {
-  double square = 0.0, claimed = 0.0, most = 0.0;
-  int n = 0, within = 0;
-
-  void add(double error, double sigma) {
-    square += error * error, claimed += sigma * sigma, most = std::max(most, std::abs(error)), ++n;
-    within += std::abs(error) < kWithin95 * sigma;
-  }
-  [[nodiscard]] double rms_deg() const { return std::sqrt(square / n) / kDegree; }
-  [[nodiscard]] double claimed_deg() const { return std::sqrt(2.0 * claimed / n) / kDegree; }
-};
+constexpr double kLeastFlight = 3.0;  // to be scored [s]
 
 std::string degrees(double value) { return io::text_of(value, 3) + "°"; }
 
-/// Both errors [deg] over time, ours and Mahony's.
-struct Trace {
-  explicit Trace(std::string title, std::string y = "inclination error [°]")
-      : plot{.title = std::move(title),
-             .x_label = "time [s]",
-             .y_label = std::move(y),
-             .series = {{.name = "Mahony, Kp 0.5", .color = io::kLight.gate_solid},
-                        {.name = "ours, as flown"}},
-             .y_from_0 = false} {}
-
-  void add(double t, double ours, double mahony) {
-    if (t < next) return;
-    next = t + kShown;
-    plot.series[0].points.emplace_back(t, mahony / kDegree),
-        plot.series[1].points.emplace_back(t, ours / kDegree);
-  }
-
-  io::Plot plot;
-  double next = -1.0;
-};
-
-// ---- hand-held, with a true attitude (BROAD) ----
-
-struct Held {
-  double t = 0.0;
-  Imu imu;
-  Eigen::Vector3d up_B = Eigen::Vector3d::Zero();
-  bool moves = false;
-};
-
-// The sensor's axes are like ENU where ours are like NED: y and z change sign.
-std::vector<Held> read_held(const fs::path& file) {
-  const io::Csv csv(file);
-  const auto column = [&](const char* name) { return csv.numbers(name); };
-  const auto t = column("t_s"), moves = column("movement");
-  const std::array gyro{column("gyr_x_radps"), column("gyr_y_radps"), column("gyr_z_radps")};
-  const std::array accel{column("acc_x_mps2"), column("acc_y_mps2"), column("acc_z_mps2")};
-  const std::array q{column("opt_qw"), column("opt_qx"), column("opt_qy"), column("opt_qz")};
-  std::vector<Held> rows;
-  for (std::size_t i = 0; i < csv.rows(); ++i) {
-    if (i > 0 && !(t[i] > t[i - 1]))
-      throw std::runtime_error(csv.place(i, "t_s") + ": time must grow");
-    Held row;
-    row.t = t[i], row.moves = moves[i] == 1.0;
-    row.imu = {{gyro[0][i], -gyro[1][i], -gyro[2][i]}, {accel[0][i], -accel[1][i], -accel[2][i]}};
-    if (!row.imu.gyro_B.allFinite() || !row.imu.accel_B.allFinite())
-      throw std::runtime_error(csv.place(i) + ": a number is missing");
-    const Eigen::Vector3d up =
-        Eigen::Quaterniond{q[0][i], q[1][i], q[2][i], q[3][i]}.normalized().inverse() *
-        Eigen::Vector3d::UnitZ();
-    row.up_B = {up.x(), -up.y(), -up.z()};
-    rows.push_back(row);
-  }
-  if (std::none_of(rows.begin(), rows.end(), [](const Held& row) { return row.moves; }))
-    throw std::runtime_error(file.string() + ": no row has movement 1");
-  return rows;
-}
-
-double inclination_error(const RotationEB& R, const Eigen::Vector3d& up_B) {
-  const Eigen::Vector3d up = -R.matrix.row(2).transpose();
-  return std::atan2(up.cross(up_B).norm(), up.dot(up_B));
-}
-
-struct HeldErrors {
-  Errors ours, mahony;
-  Trace trace;
-};
-
-HeldErrors held(const fs::path& file) {
-  const std::vector<Held> rows = read_held(file);
-  const double moved =
-      std::find_if(rows.begin(), rows.end(), [](const Held& row) { return row.moves; })->t;
-  HeldErrors result{{}, {}, Trace(file.stem().string())};
-  Navigator ours{{}};
-  baseline::Mahony mahony;
-  ours.start(Eigen::Vector3d::Zero(), 0.0);
-  double before = rows.front().t;
-  for (const Held& row : rows) {
-    const double dt = row.t - before;
-    before = row.t;
-    if (row.t < moved - kBeforeMovement)
-      ours.rest(row.imu, row.t);
-    else
-      ours.predict_attitude(row.imu, row.t);
-    mahony.update(row.imu, dt);
-    if (!row.moves || !row.up_B.allFinite()) continue;
-    const double e = inclination_error(ours.ahrs().R_EB(), row.up_B),
-                 m = inclination_error(mahony.R_EB(), row.up_B);
-    result.ours.add(e, ours.ahrs().tilt_sigma()), result.mahony.add(m, 0.0);
-    result.trace.add(row.t, e, m);
-  }
-  return result;
-}
-
-// ---- simulated coordinated turns ----
-
 struct Turns {
-  Errors ours, mahony;  ///< Of roll, while turning.
-  Trace trace{"Coordinated turns, r 1.5 m, 1.6 m/s, seed 1", "roll error [°]"};
+  AttitudeErrors ours, mahony;  ///< Of roll, while turning.
+  AttitudeTrace trace{"Coordinated turns, r 1.5 m, 1.6 m/s, seed 1", "roll error [°]"};
 };
 
 Turns turns(const TurnCourse& course, int seeds) {
@@ -175,86 +56,6 @@ Turns turns(const TurnCourse& course, int seeds) {
       if (moment.turns) result.ours.add(e, ours.ahrs().tilt_sigma()), result.mahony.add(m, 0.0);
       if (seed == 1) result.trace.add(t, e, m);
     }
-  }
-  return result;
-}
-
-// ---- real flights ----
-
-/// Roll and pitch beside the reference; a constant difference (pad, bias, mounting) is told apart.
-struct Differences {
-  std::vector<Eigen::Vector2d> all;
-
-  void add(const Attitude& a, const Attitude& reference) {
-    all.emplace_back(a.roll - reference.roll, a.pitch - reference.pitch);
-  }
-  [[nodiscard]] Eigen::Vector2d offset() const {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const auto& d : all) sum += d;
-    return sum / static_cast<double>(all.size());
-  }
-  [[nodiscard]] double rms_deg() const {
-    double sum = 0.0;
-    for (const auto& d : all) sum += (d - offset()).squaredNorm();
-    return std::sqrt(0.5 * sum / static_cast<double>(all.size())) / kDegree;
-  }
-};
-
-struct Flown {
-  std::string name;
-  Differences ours, mahony, authors;
-  double reference_sigma_deg = 0.0;
-  Trace trace;
-};
-
-// What motion capture's positions say about the tilt: an inertial filter that is told all of them.
-Flown flown(const std::string& name, const io::FlightFolder& flight, double heading_offset) {
-  const auto rows = identification::airborne(flight);
-  Flown result{name, {},  {},
-               {},   0.0, Trace(name + ", beside motion capture", "roll difference [°]")};
-  const auto yaw_of = [&](const io::FlightSample& s) {
-    return wrap_angle(s.ahrs->yaw + heading_offset);
-  };
-  Navigator ours{{}};
-  baseline::Mahony mahony;
-  mahony.start({0.0, 0.0, yaw_of(flight.samples.front())});
-  baseline::Imu15 reference{{}};
-  double before = 0.0, next = kLogRest;
-  Eigen::Vector3d last_p = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < rows.last; ++i) {
-    const io::FlightSample& s = flight.samples[i];
-    const double t = seconds(s.time), dt = i > 0 ? t - before : 0.0;
-    before = t;
-    if (!s.true_p_EB || !s.ahrs) continue;
-    mahony.update(s.imu, dt);
-    if (t < kLogRest) {
-      if (ours.time() == 0.0) ours.start(*s.true_p_EB, yaw_of(flight.samples.front()));
-      ours.rest(s.imu, t);
-      reference.start(*s.true_p_EB, {s.ahrs->roll, s.ahrs->pitch, yaw_of(s)},
-                      ours.ahrs().accel_bias(), ours.ahrs().gyro_bias());
-      continue;
-    }
-    ours.predict(s.imu, t);
-    reference.predict(s.imu, dt);
-    if (*s.true_p_EB != last_p)
-      reference.correct_position(*s.true_p_EB, Eigen::Vector3d::Constant(kReferenceSigma)),
-          last_p = *s.true_p_EB;
-    if (t >= next) {
-      next = t + kCorrections;
-      reference.correct_heading(yaw_of(s), kHeadingSigma);
-      ours.correct_height(-s.true_p_EB->z(), kAltitudeSigma);
-      ours.correct_heading(wrap_angle(yaw_of(s) - ours.ahrs().attitude().yaw),
-                           kHeadingSigma * kHeadingSigma);
-    }
-    if (i < rows.first) continue;
-    const Attitude truth = reference.attitude();
-    result.ours.add(ours.ahrs().attitude(), truth), result.mahony.add(mahony.attitude(), truth),
-        result.authors.add(*s.ahrs, truth);
-    result.trace.add(t, ours.ahrs().attitude().roll - truth.roll,
-                     mahony.attitude().roll - truth.roll);
-    result.reference_sigma_deg =
-        std::sqrt(reference.covariance()(baseline::Imu15::kTheta, baseline::Imu15::kTheta)) /
-        kDegree;
   }
   return result;
 }
@@ -286,7 +87,7 @@ void add_held(Report& report, const fs::path& folder, const Options& options) {
   for (const fs::path& file : files) {
     if (options.stopped()) throw Stopped{};
     options.progress(0.1, file.stem().string());
-    const HeldErrors c = held(file);
+    const HeldErrors c = held_attitude(file);
     json[file.stem().string()] = {{"inclination_rmse_deg", c.ours.rms_deg()},
                                   {"mahony_rmse_deg", c.mahony.rms_deg()},
                                   {"max_deg", c.ours.most / kDegree},
@@ -346,9 +147,9 @@ void add_flights(Report& report, const fs::path& folder, const Options& options)
     const io::FlightFolder flight = io::read_flight_folder(flights[i]);
     const auto fit = identification::fit_drag(flight);
     if (!fit) continue;
-    const Flown f = flown(name, flight, fit->heading_offset);
+    const FlownAttitude f = flown_attitude(name, flight, fit->heading_offset);
     if (static_cast<double>(f.ours.all.size()) < 512.0 * kLeastFlight) continue;
-    const auto told = [](const Differences& d) {
+    const auto told = [](const AttitudeDifferences& d) {
       return ordered_json{{"rms_deg", d.rms_deg()},
                           {"offset_deg", {d.offset().x() / kDegree, d.offset().y() / kDegree}}};
     };

@@ -33,4 +33,7 @@ struct TurnCourse {
 /// level.
 [[nodiscard]] std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed);
 
+// What gates would tell while it flies: how often [s], height [m] and heading [rad] how well.
+inline constexpr double kCorrections = 1.0 / 15, kAltitudeSigma = 0.05, kHeadingSigma = 0.05;
+
 }  // namespace gatefly::experiments

@@ -5,43 +5,25 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "gatefly/drawing/plot.hpp"
+#include "gatefly/experiments/convergence_trial.hpp"
 #include "gatefly/experiments/experiment.hpp"
-#include "gatefly/experiments/filter_race.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/files/quantile.hpp"
-#include "gatefly/geometry/attitude.hpp"
-#include "gatefly/geometry/math.hpp"
-#include "gatefly/sim/random.hpp"
 
 namespace gatefly::experiments {
 namespace {
 
 constexpr std::uint64_t kFirstSeed = 2101;  // 1-60 are ekf-vs-15's, 1001 on are tuned on
 constexpr std::size_t kRuns = 60, kQuickRuns = 6;
-constexpr double kPerSecond = 10.0;                             // points of the curves
-constexpr std::size_t kFirstFix = 10, kPoints = 211;            // of them: from -1 s to 20 s
-constexpr double kHold = 2.0;                                   // a crossover lasts [s]
 constexpr std::array kThresholds{0.10, 0.05};                   // of the bias's error [m/s²]
 constexpr std::array kMoments{0.5, 1.0, 2.0, 5.0, 10.0, 20.0};  // that are told [s]
 
-/// Seconds since the first fix.
-constexpr double time_of(std::size_t point) {
-  return (static_cast<double>(point) - kFirstFix) / kPerSecond;
-}
-constexpr std::size_t point_at(double t) {
-  return static_cast<std::size_t>(t * kPerSecond + kFirstFix + 0.5);
-}
-constexpr double kTo = time_of(kPoints - 1);
-
-enum What : std::size_t { kBias, kPosition, kVelocity, kTilt, kWhats };
 struct WhatIs {
   const char *key, *name;
 };
@@ -49,143 +31,6 @@ constexpr std::array<WhatIs, kWhats> kNames{{{"bias_mps2", "bias x, y"},
                                              {"position_m", "position x, y"},
                                              {"velocity_mps", "velocity x, y"},
                                              {"tilt_deg", "tilt"}}};
-
-/// Errors of one filter over one flight; empty curves when it was over before kTo.
-using Trace = std::array<std::vector<double>, kWhats>;
-
-struct Condition {
-  std::string key, name;
-  FilterConditions given = {};
-
-  /// The classic filter is told no drag.
-  [[nodiscard]] bool changes_imu15() const { return given.told_drag == 1.0; }
-};
-
-std::vector<Condition> conditions(bool quick) {
-  std::vector<Condition> list{{"as_flown", "15 Hz, 0.10 m, shipped drag"}};
-  for (const int percent : {-20, -10, 10, 20})
-    if (!quick || std::abs(percent) == 20)
-      list.push_back(
-          {"drag_" + std::to_string(percent),
-           "told drag " + std::string(percent > 0 ? "+" : "") + std::to_string(percent) + " %",
-           {.told_drag = 1.0 + percent / 100.0}});
-  for (const int rate : {5, 2})
-    list.push_back({"rate_" + std::to_string(rate),
-                    "fixes at " + std::to_string(rate) + " Hz",
-                    {.fix_period = 1.0 / rate}});
-  for (const double sigma : {0.05, 0.3})
-    list.push_back({"sigma_" + io::text_of(sigma),
-                    "fixes of " + io::text_of(sigma) + " m",
-                    {.fix_sigma = sigma}});
-  list.push_back({"start_1", "start known to 1 m", {.start_sigma = 1.0}});
-  return list;
-}
-
-template <class Filter>
-Trace trace_of(const FilterRace& race, Filter filter, const FilterConditions& given,
-               std::size_t points = kPoints) {
-  Trace trace;
-  const auto fixes = race.fixes(given);
-  if (fixes.empty()) return trace;
-  const double first = race.laps().moments[fixes.front().moment].t;
-  race.feed(filter, given,
-            [&](const LapMoment& m, const FilterTick&, const Filter& now, const FixTime*) {
-              if (m.t - first < time_of(trace[kBias].size())) return true;
-              const auto add = [&](What what, const Eigen::Vector3d& error) {
-                trace[what].push_back(error.head<2>().norm());
-              };
-              add(kBias, now.accel_bias() - race.laps().accel_bias);
-              add(kPosition, now.position() - m.p_EB);
-              add(kVelocity, now.velocity() - m.v_E);
-              const Attitude attitude = now.attitude();
-              trace[kTilt].push_back(std::hypot(wrap_angle(attitude.roll - m.attitude.roll),
-                                                attitude.pitch - m.attitude.pitch) /
-                                     kDegree);
-              return trace[kBias].size() < points;
-            });
-  return trace;
-}
-
-/// Those noises of the classic filter that find the bias soonest, on flights that are not shown.
-baseline::Imu15Params tuned(const Options& options) {
-  constexpr std::size_t kFirst = point_at(0.5), kLast = point_at(5.0);
-  const std::vector<FilterRace> races = tuning_races(options);
-  return tuned_imu15(options, [&](const baseline::Imu15Params& params) {
-    std::vector<std::vector<double>> biases(races.size());
-    in_parallel(races.size(), [&](std::size_t i) {
-      biases[i] = trace_of(races[i], races[i].imu15(params), {}, kLast + 1)[kBias];
-    });
-    std::vector<double> all;
-    for (const std::vector<double>& bias : biases)
-      for (std::size_t k = kFirst; k < bias.size(); ++k) all.push_back(bias[k]);
-    return rms(all);
-  });
-}
-
-/// Both filters' errors under one condition; run i is the same flight in both.
-struct Pair {
-  std::array<Samples, kWhats> drag, imu15;
-};
-
-double median_ratio(const Pair& pair, What what, double t) {
-  const std::size_t point = point_at(t);
-  return io::nearest_rank(pair.imu15[what][point], 0.5) /
-         io::nearest_rank(pair.drag[what][point], 0.5);
-}
-
-/// When that part of the flights is below a threshold for the first time [s]; NaN: not by kTo.
-double time_below(const Samples& samples, double part, double threshold) {
-  for (std::size_t i = kFirstFix; i < samples.size(); ++i)
-    if (io::nearest_rank(samples[i], part) <= threshold) return time_of(i);
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-/// From when on the classic filter's median error of the bias is the smaller one, for kHold at
-/// least [s]; infinite: not by kTo. @param runs  of which flights, repeats allowed.
-double crossover_of(const Pair& pair, const std::vector<std::size_t>& runs) {
-  std::vector<double> drawn(runs.size());
-  const auto median = [&](const std::vector<double>& values) {
-    for (std::size_t i = 0; i < runs.size(); ++i) drawn[i] = values[runs[i]];
-    const auto middle = drawn.begin() + static_cast<std::ptrdiff_t>(drawn.size() / 2);
-    std::nth_element(drawn.begin(), middle, drawn.end());
-    return *middle;
-  };
-  std::size_t better_since = kPoints;
-  for (std::size_t i = kFirstFix; i < kPoints; ++i) {
-    if (median(pair.imu15[kBias][i]) >= median(pair.drag[kBias][i]))
-      better_since = kPoints;
-    else if (better_since == kPoints)
-      better_since = i;
-    if (better_since < kPoints && time_of(i) - time_of(better_since) >= kHold)
-      return time_of(better_since);
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-struct Crossover {
-  double t = 0.0, low = 0.0, high = 0.0;  ///< With the 90 % band of flights drawn anew [s].
-};
-
-Crossover crossover(const Pair& pair) {
-  constexpr std::size_t kDraws = 200;
-  std::vector<std::size_t> runs(pair.drag[kBias][0].size());
-  for (std::size_t i = 0; i < runs.size(); ++i) runs[i] = i;
-  Crossover found{.t = crossover_of(pair, runs)};
-  sim::Stream random{1, "convergence/bootstrap"};
-  std::vector<double> all;
-  for (std::size_t draw = 0; draw < kDraws; ++draw) {
-    for (std::size_t& run : runs)
-      run =
-          std::min(runs.size() - 1,
-                   static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(runs.size()))));
-    all.push_back(crossover_of(pair, runs));
-  }
-  std::sort(all.begin(), all.end());
-  found.low = all[kDraws / 20], found.high = all[kDraws - 1 - kDraws / 20];
-  return found;
-}
-
-// ---------------------------------------------------------------- report
 
 std::string seconds(double t) { return std::isfinite(t) ? fixed(t, 1) + " s" : "not in 20 s"; }
 
@@ -208,7 +53,7 @@ void add_area(io::Plot& plot, const std::string& name, const Samples& samples,
   plot.series.push_back(band), plot.series.push_back(median);
 }
 
-io::Plot curves(const Pair& pair, const Crossover& cross) {
+io::Plot curves(const BothFilters& pair, const Crossover& cross) {
   io::Plot plot{.title = "Accelerometer bias found: error of x and y",
                 .x_label = "time since the first fix [s]",
                 .y_label = "error [m/s²], median, 90 % band"};
@@ -257,7 +102,7 @@ io::Canvas crossovers(const std::vector<Condition>& list, const std::vector<Cros
   return canvas;
 }
 
-std::string csv_of(const Condition& condition, const Pair& pair) {
+std::string csv_of(const Condition& condition, const BothFilters& pair) {
   std::string csv;
   for (std::size_t what = 0; what < kWhats; ++what)
     for (std::size_t i = 0; i < kPoints; ++i) {
@@ -270,14 +115,14 @@ std::string csv_of(const Condition& condition, const Pair& pair) {
   return csv;
 }
 
-nlohmann::ordered_json json_of(const Condition& condition, const Pair& pair,
+nlohmann::ordered_json json_of(const Condition& condition, const BothFilters& pair,
                                const Crossover& cross) {
   auto ratios = nlohmann::ordered_json::object();
   for (std::size_t what = 0; what < kWhats; ++what)
     for (const double t : kMoments)
       ratios[kNames[what].key].push_back(
           {{"t_s", t},
-           {"ratio", number(median_ratio(pair, static_cast<What>(what), t))},
+           {"ratio", number(median_ratio(pair, static_cast<ErrorOf>(what), t))},
            {"drag", band_json(pair.drag[what][point_at(t)])},
            {"imu15", band_json(pair.imu15[what][point_at(t)])}});
   auto below = nlohmann::ordered_json::array();
@@ -300,7 +145,7 @@ nlohmann::ordered_json json_of(const Condition& condition, const Pair& pair,
 
 constexpr const char* kWords = "converges faster (words)";
 
-void tell_when(const Pair& flown, Result& result) {
+void tell_when(const BothFilters& flown, Result& result) {
   for (const double threshold : kThresholds) {
     const auto both = [&](const Samples& samples) {
       return seconds(time_below(samples, 0.5, threshold)) + ", " +
@@ -312,7 +157,7 @@ void tell_when(const Pair& flown, Result& result) {
   }
 }
 
-void tell_how_much(const Pair& flown, Result& result) {
+void tell_how_much(const BothFilters& flown, Result& result) {
   for (const double t : {0.0, 1.0, 5.0, 20.0})
     result.table.push_back(
         {"bias x, y after " + fixed(t, 0) + " s", kWords,
@@ -320,15 +165,15 @@ void tell_how_much(const Pair& flown, Result& result) {
   for (std::size_t what = 0; what < kWhats; ++what) {
     std::string ratios;
     for (const double t : kMoments)
-      ratios +=
-          (ratios.empty() ? "" : ", ") + fixed(median_ratio(flown, static_cast<What>(what), t), 1);
+      ratios += (ratios.empty() ? "" : ", ") +
+                fixed(median_ratio(flown, static_cast<ErrorOf>(what), t), 1);
     result.table.push_back(
         {"imu15 / drag filter, " + std::string{kNames[what].name} + ", at 0.5, 1, 2, 5, 10, 20 s",
          what == kTilt ? "-" : kWords, ratios});
   }
 }
 
-void tell_where_not(const Condition& condition, const Pair& pair, const Crossover& cross,
+void tell_where_not(const Condition& condition, const BothFilters& pair, const Crossover& cross,
                     Result& result) {
   result.table.push_back({"  " + condition.name, "-",
                           text_of(cross) + "; " + fixed(median_ratio(pair, kBias, 1.0), 1) + ", " +
@@ -337,52 +182,19 @@ void tell_where_not(const Condition& condition, const Pair& pair, const Crossove
   result.csv += csv_of(condition, pair);
 }
 
-/// Both filters' traces over one flight, by condition.
-using Flight = std::vector<std::pair<Trace, Trace>>;
-
-Flight flown(std::uint64_t seed, const std::vector<Condition>& list,
-             const baseline::Imu15Params& classic) {
-  const FilterRace race{seed};
-  Flight flight;
-  for (const Condition& condition : list)
-    flight.emplace_back(trace_of(race, race.drag(condition.given), condition.given),
-                        condition.changes_imu15()
-                            ? trace_of(race, race.imu15(classic, condition.given), condition.given)
-                            : flight.front().second);
-  return flight;
-}
-
-bool is_whole(const Flight& flight) {
-  return std::all_of(flight.begin(), flight.end(), [](const auto& pair) {
-    return pair.first[kBias].size() == kPoints && pair.second[kBias].size() == kPoints;
-  });
-}
-
-Pair gathered(const std::vector<Flight>& flights, std::size_t condition) {
-  Pair pair;
-  for (std::size_t what = 0; what < kWhats; ++what) {
-    pair.drag[what].resize(kPoints), pair.imu15[what].resize(kPoints);
-    for (const Flight& flight : flights)
-      for (std::size_t i = 0; i < kPoints; ++i)
-        pair.drag[what][i].push_back(flight[condition].first[what][i]),
-            pair.imu15[what][i].push_back(flight[condition].second[what][i]);
-  }
-  return pair;
-}
-
 }  // namespace
 
 Result convergence(const Options& options) {
   const std::vector<Condition> list = conditions(options.quick);
   options.progress(0.0, "the classic filter's noises");
-  const baseline::Imu15Params classic = tuned(options);
+  const baseline::Imu15Params classic = tuned_for_bias(options);
   const std::size_t count = options.quick ? kQuickRuns : kRuns;
-  std::vector<Flight> flights(count);
+  std::vector<FlightCurves> flights(count);
   in_pieces(count, options,
-            [&](std::size_t i) { flights[i] = flown(kFirstSeed + i, list, classic); });
-  std::erase_if(flights, [](const Flight& flight) { return !is_whole(flight); });
+            [&](std::size_t i) { flights[i] = curves_of(kFirstSeed + i, list, classic); });
+  std::erase_if(flights, [](const FlightCurves& flight) { return !is_whole(flight); });
   if (flights.empty()) throw std::runtime_error("convergence: no flight lasts 20 s");
-  std::vector<Pair> pairs(list.size());
+  std::vector<BothFilters> pairs(list.size());
   std::vector<Crossover> cross(list.size());
   in_parallel(list.size(), [&](std::size_t c) {
     pairs[c] = gathered(flights, c);

@@ -28,8 +28,18 @@ class FlightMcap {
  private:
   void write_scene(const Tick& tick, std::uint64_t time);
   void write_state(const Tick& tick, std::uint64_t time);
+  void write_transforms(const Truth& truth, const Estimate& e, std::uint64_t time);
+  void write_pose(McapWriter::Channel channel, const Eigen::Vector3d& p_EB,
+                  const Attitude& attitude, std::uint64_t time);
+  void write_truth(const Truth& truth, std::uint64_t time);
+  void write_estimate(const Estimate& e, int target_gate, std::uint64_t time);
+  void write_control(const Tick& tick, std::uint64_t time);
   void write_imu(const Imu& imu, std::uint64_t time);
   void write_look(const Tick& tick, std::uint64_t time);
+  /// @param exposed  begin of the picture's exposure [s].
+  void write_detections(const Sighting& sighting, double exposed, std::uint64_t time);
+  void write_image(const Image& image, std::uint64_t time);
+  void write_annotations(const Sighting& sighting, std::uint64_t time);
 
   McapWriter writer_;
   closed_loop::RaceConfig race_;

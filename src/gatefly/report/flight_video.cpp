@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "gatefly/drawing/annotate.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/report/result_card.hpp"
+#include "gatefly/report/time_strip.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -17,9 +18,8 @@ constexpr int kWidth = 1600, kHeight = 900;  // [px]
 constexpr int kPicturesPerSecond = 20;
 constexpr double kMargin = 16.0, kHead = 70.0, kLegend = 34.0;  // [px]
 constexpr double kStatusHeight = 44.0;                          // [px]
-constexpr double kBright = 7.0;   // the way flown in these last seconds is drawn brightest
-constexpr double kWindow = 30.0;  // of the strips [s]
-constexpr double kHold = 5.0;     // of the last frame [s]
+constexpr double kBright = 7.0;  // the way flown in these last seconds is drawn brightest
+constexpr double kHold = 5.0;    // of the last frame [s]
 
 Box left_column(bool pictures) {
   return {.x = kMargin,
@@ -43,98 +43,6 @@ Box inside(const Box& panel) {
           .width = panel.width - 40,
           .height = panel.height - 30 - kLegend};
 }
-
-/// What to draw over time: the truth and what the pilot believed.
-struct Curve {
-  std::string name, unit;
-  std::function<double(const Moment&)> truth, estimate;
-  double at_least;  ///< Upper end of the scale, when nothing is higher.
-  bool is_height = false;
-};
-
-/// A gate that was passed: when, and between which heights it is open.
-struct Pass {
-  double time, low, high;
-  Color color;
-};
-
-/// The last half minute of a curve, in a panel of its own.
-class Strip {
- public:
-  /// @param moments  at least one; must outlive the strip, as `curve` must.
-  Strip(const Box& panel, const Curve& curve, std::span<const Moment> moments)
-      : panel_{panel},
-        curve_{curve},
-        moments_{moments},
-        area_{.x = panel.x + 38,
-              .y = panel.y + 44,
-              .width = panel.width - 60,
-              .height = panel.height - 60} {
-    end_ = std::max(kWindow, moments.back().time);
-    top_ = curve.at_least;
-    for (const Moment& m : moments) top_ = std::max(top_, std::ceil(curve.truth(m)));
-    constexpr auto kShown = static_cast<std::size_t>(kWindow * kPicturesPerSecond);
-    if (moments.size() > kShown) moments_ = moments.last(kShown);
-  }
-
-  /// @param next  the gate that is flown to; its time is not known yet.
-  void draw(Canvas& canvas, std::span<const Pass> passes, const std::optional<Pass>& next) const {
-    canvas.fill(panel_, kDark.panel, 8.0);
-    canvas.text({panel_.x + 14, panel_.y + 27}, curve_.name, {.color = kDark.muted, .size = 16});
-    canvas.text({panel_.right() - 14, panel_.y + 28},
-                fixed(curve_.truth(moments_.back()), 2) + " " + curve_.unit,
-                {.color = kDark.ink, .size = 20, .align = Align::kRight, .bold = true});
-    for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
-      const double y = at(end_, level).y();
-      canvas.line({area_.x, y}, {area_.right(), y}, {.color = kDark.rule, .width = 1.0});
-      canvas.text({area_.x - 10, y + 5}, fixed(level, 0),
-                  {.color = kDark.muted, .size = 14, .align = Align::kRight});
-    }
-    canvas.clip({.x = area_.x - 2,
-                 .y = area_.y - 8,
-                 .width = area_.width + 16,
-                 .height = area_.height + 16});
-    for (const Pass& pass : passes) draw_pass(canvas, pass);
-    trace(canvas, curve_.estimate, {.color = kDark.estimate, .width = 1.4});
-    trace(canvas, curve_.truth, {.color = kDark.flown, .width = 2.6});
-    if (next && curve_.is_height) {
-      const double x = at(end_, 0.0).x() + 9.0;
-      canvas.line({x, at(end_, next->low).y()}, {x, at(end_, next->high).y()},
-                  {.color = next->color, .width = 5.0});
-    }
-    canvas.unclip();
-    canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 4.5, kDark.ink);
-  }
-
- private:
-  /// Over heights as wide as it is open.
-  void draw_pass(Canvas& canvas, const Pass& pass) const {
-    const double x = at(pass.time, 0.0).x();
-    canvas.line({x, at(0, 0.0).y()}, {x, at(0, top_).y()},
-                {.color = pass.color.faded(curve_.is_height ? 0.25 : 0.6), .width = 1.5});
-    if (!curve_.is_height) return;
-    const double low = at(0, pass.low).y(), high = at(0, pass.high).y();
-    canvas.line({x, low}, {x, high}, {.color = pass.color.faded(0.35), .width = 7.0});
-    for (const double y : {low, high})
-      canvas.line({x - 5, y}, {x + 5, y}, {.color = pass.color, .width = 3.0});
-  }
-  [[nodiscard]] Eigen::Vector2d at(double time, double value) const {
-    return {area_.right() - (end_ - time) / kWindow * area_.width,
-            area_.bottom() - value / top_ * area_.height};
-  }
-  void trace(Canvas& canvas, const std::function<double(const Moment&)>& value,
-             const Stroke& stroke) const {
-    std::vector<Eigen::Vector2d> points;
-    for (const Moment& m : moments_) points.push_back(at(m.time, value(m)));
-    canvas.polyline(points, stroke);
-  }
-
-  Box panel_;
-  const Curve& curve_;
-  std::span<const Moment> moments_;
-  Box area_;
-  double end_ = kWindow, top_ = 1.0;
-};
 
 const char* name_of(Sighting::Source source) {
   switch (source) {
@@ -170,64 +78,6 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
   if (!sighting.bars) return;
   for (const Eigen::Vector2d& bar : {at(sighting.bars->left_px), at(sighting.bars->right_px)})
     canvas.line({bar.x(), 0.06 * height}, {bar.x(), 0.94 * height}, stroke);
-}
-
-/// In letters as large as fit.
-void draw_fitted(Canvas& canvas, const Eigen::Vector2d& at, const std::string& line,
-                 Lettering lettering, double width) {
-  // Letters have whole pixels: their width does not follow their size exactly.
-  for (double wide = canvas.text_width(line, lettering); wide > width && lettering.size > 1.0;
-       wide = canvas.text_width(line, lettering))
-    lettering.size *= std::min(0.98, width / wide);
-  canvas.text(at, line, lettering);
-}
-
-struct CardLine {
-  std::string name, text;
-};
-
-std::vector<CardLine> card_lines(const closed_loop::RaceResult& r) {
-  std::string laps;
-  for (const double lap : r.lap_times) laps += (laps.empty() ? "" : ", ") + fixed(lap, 1) + " s";
-  std::vector<CardLine> lines{
-      {"gates", std::to_string(r.gates_passed) + " of " + std::to_string(r.gates_total)},
-      {"laps", laps.empty() ? "none" : laps}};
-  if (r.finished) lines.push_back({"race time", fixed(r.race_time, 1) + " s"});
-  if (r.gates_passed > 1)
-    lines.push_back(
-        {"mean speed", fixed(r.mean_speed, 2) + " m/s, at most " + fixed(r.max_speed, 2) + " m/s"});
-  if (r.gates_passed > 0)
-    lines.push_back({"estimation error",
-                     fixed(r.estimation_rmse.x(), 2) + ", " + fixed(r.estimation_rmse.y(), 2) +
-                         ", " + fixed(r.estimation_rmse.z(), 2) + " m RMS (north, east, down)"});
-  return lines;
-}
-
-/// How it went, over a dimmed frame.
-void draw_card(Canvas& canvas, const closed_loop::RaceResult& result, const std::string& verdict) {
-  constexpr double kCard = 860.0, kLine = 50.0, kInside = 48.0;  // [px]
-  const std::vector<CardLine> lines = card_lines(result);
-  const double height = 170.0 + kLine * static_cast<double>(lines.size());
-  const Box card{0.5 * (kWidth - kCard), 0.5 * (kHeight - height), kCard, height};
-  canvas.fill({0, 0, kWidth, kHeight}, kDark.well.faded(0.72));
-  const Color& color = result.finished ? kDark.good : kDark.bad;
-  canvas.fill({card.x - 2, card.y - 2, card.width + 4, card.height + 4}, kDark.rule, 14.0);
-  canvas.fill(card, kDark.panel, 12.0);
-  canvas.fill({card.x + kInside, card.y + 36, 8, 76}, color, 4.0);
-  const double text = card.x + kInside + 26, width = card.right() - kInside - text;
-  canvas.text({text, card.y + 66}, result.finished ? "Finished" : "Not finished",
-              {.color = color, .size = 36, .bold = true});
-  draw_fitted(canvas, {text, card.y + 104}, verdict, {.color = kDark.ink, .size = 20}, width);
-  double y = card.y + 122;
-  for (const CardLine& line : lines) {
-    y += kLine;
-    canvas.line({card.x + kInside, y - 34}, {card.right() - kInside, y - 34},
-                {.color = kDark.rule, .width = 1.0});
-    canvas.text({card.x + kInside, y}, line.name, {.color = kDark.muted, .size = 21});
-    draw_fitted(canvas, {card.x + 270, y}, line.text,
-                {.color = kDark.ink, .size = 23, .bold = true},
-                card.right() - kInside - card.x - 270);
-  }
 }
 
 }  // namespace
@@ -311,22 +161,22 @@ void FlightVideo::draw(const Tick& tick) {
 }
 
 void FlightVideo::draw_strips(const Tick& tick, const Box& box) {
-  const Curve height{"height above the floor",
-                     "m",
-                     [](const Moment& m) { return -m.true_p_EB.z(); },
-                     [](const Moment& m) { return -m.est_p_EB.z(); },
-                     2.0,
-                     true};
-  const Curve speed{"speed", "m/s", [](const Moment& m) { return m.true_speed; },
-                    [](const Moment& m) { return m.est_speed; }, 2.0};
+  const StripCurve height{"height above the floor",
+                          "m",
+                          [](const Moment& m) { return -m.true_p_EB.z(); },
+                          [](const Moment& m) { return -m.est_p_EB.z(); },
+                          2.0,
+                          true};
+  const StripCurve speed{"speed", "m/s", [](const Moment& m) { return m.true_speed; },
+                         [](const Moment& m) { return m.est_speed; }, 2.0};
   const auto& gates = race_.sim.world.gates;
-  const auto at = [&](double time, std::size_t index) -> Pass {
+  const auto at = [&](double time, std::size_t index) -> PassedGate {
     const sim::WorldGate& gate = gates[index % gates.size()];
     const double half = 0.5 * gate.side - gate.bar;
     return {time, -gate.p_EG.z() - half, -gate.p_EG.z() + half, color_of(gate)};
   };
-  std::vector<Pass> passes;
-  std::optional<Pass> next;
+  std::vector<PassedGate> passes;
+  std::optional<PassedGate> next;
   if (!gates.empty()) {
     for (std::size_t i = 0; i < passes_.size(); ++i) passes.push_back(at(passes_[i], i));
     if (!tick.pilot.finished() && tick.pilot.target_gate() >= 0)
@@ -335,8 +185,10 @@ void FlightVideo::draw_strips(const Tick& tick, const Box& box) {
   // Beside each other below a picture, else above each other.
   const double width = pictures_ ? 0.5 * (box.width - 12.0) : box.width,
                rows = pictures_ ? box.height : 0.5 * (box.height - 12.0);
-  Strip({box.x, box.y, width, rows}, height, moments_).draw(frame_, passes, next);
-  Strip({box.right() - width, box.bottom() - rows, width, rows}, speed, moments_)
+  TimeStrip({box.x, box.y, width, rows}, height, moments_, kPicturesPerSecond)
+      .draw(frame_, passes, next);
+  TimeStrip({box.right() - width, box.bottom() - rows, width, rows}, speed, moments_,
+            kPicturesPerSecond)
       .draw(frame_, passes, next);
 }
 
@@ -412,7 +264,7 @@ void FlightVideo::draw_map(const Tick& tick) {
 }
 
 void FlightVideo::finish(const closed_loop::RaceResult& result, const std::string& verdict) {
-  if (!moments_.empty()) draw_card(frame_, result, verdict);
+  if (!moments_.empty()) draw_result_card(frame_, result, verdict);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();
 }
