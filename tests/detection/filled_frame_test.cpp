@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/detection/search/filled_frame.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -64,8 +66,21 @@ TEST(FilledFrame, AScreenInAFrameOfItsOwnColourLosesMost) {
       << "a hole in something coloured is as little a gate";
 }
 
-TEST(FilledFrame, LuminosityAloneSaysNothing) {
-  EXPECT_EQ(lost(plain({250, 128, 128}), plain({20, 128, 128})), 0.0);
+// Grey on grey: a print on a plain wall is filled, a bright day behind the gate's whole surroundings
+// is not.
+TEST(FilledFrame, APrintOnAPlainWallIsFilledATexturedWallBehindAGateIsNot) {
+  Rng rng{5};
+  std::array<std::uint8_t, 225> patches;
+  for (std::uint8_t& y : patches) y = static_cast<std::uint8_t>(rng.uniform(40.0, 200.0));
+  const Paint patched = [&](int u, int v) {
+    return Yuv{patches[static_cast<std::size_t>(v / 8 * 15 + u / 8)], 128, 128};
+  };
+  EXPECT_GT(lost(patched, plain(kGrey)), 1.0);
+  EXPECT_EQ(lost(patched, patched), 0.0);
+}
+
+TEST(FilledFrame, AStepOfLumaAloneCostsNoMoreThanItsLimit) {
+  EXPECT_NEAR(lost(plain({250, 128, 128}), plain({20, 128, 128})), 1.5, 1e-9);
 }
 
 TEST(FilledFrame, WhatThePictureDoesNotShowIsNotAsked) {

@@ -12,7 +12,8 @@ namespace gatefly {
 ///
 /// Chroma just inside the sides less that just outside, mean of all sides, so that a background
 /// which changes from one side to the other cancels out; in parts of how the bars stand out from
-/// both.
+/// both. And how much luma changes from just outside to just inside, beside how much it varies along
+/// the outside: a picture on a plain wall.
 /// @param bars_px  middle lines of the bars. @param bar  bar width / side of the middle lines.
 /// @param curves  how the lens bends them, in pixels.
 [[nodiscard]] double lost_as_filled(const Image& image, const Quad& bars_px, double bar,
