@@ -151,7 +151,7 @@ class FrameFit {
 
  private:
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
-                       kMostLines = 3;
+                       kMostLines = 3, kLanes = 8;  // places that are summed at once
   // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
   static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637, kUndecidedBeyond = -0.6,
                           kUnseenSide = 0.75;
@@ -226,7 +226,10 @@ class FrameFit {
   // The strip beside a side, station by station.
   template <int kCount>
   struct Strip {
-    std::array<std::array<int, 2 * kMostReach + 1>, static_cast<std::size_t>(kCount)> value;
+    // a row is read in whole lanes: there is more of it than is filled
+    std::array<std::array<std::int16_t, 2 * kMostReach + 1 + kLanes>,
+               static_cast<std::size_t>(kCount)>
+        value{};
     Eigen::Vector2d normal;
   };
   [[nodiscard]] static constexpr double station(int j, int count) {
@@ -239,11 +242,11 @@ class FrameFit {
     const Eigen::Vector2d d = b - a, sag = curves_.sag(a, b);
     s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
     for (int j = 0; j < kCount; ++j) {
-      int* const first = s.value[static_cast<std::size_t>(j)].data() + kMostReach - reach;
+      std::int16_t* const first = s.value[static_cast<std::size_t>(j)].data() + kMostReach - reach;
       Eigen::Vector2d middle = a + station(j, kCount) * d;
       if (curves_.bent()) middle += bow(sag, station(j, kCount));
       each_along(middle - reach * s.normal, s.normal, 2 * reach + 1,
-                 [&](int o, int evidence) { first[o] = evidence; });
+                 [&](int o, int evidence) { first[o] = static_cast<std::int16_t>(evidence); });
     }
     return s;
   }
@@ -254,18 +257,32 @@ class FrameFit {
     reach = std::min(reach, kMostReach - half);
     Strip<kStations> s = strip<kStations>(a, b, half > 1 ? reach + half : reach);
     if (half > 1) widen(s, reach, half);
-    int best = -1 << 20, best_from = 0, best_to = 0;
-    for (int from = -reach; from <= reach; ++from)
-      for (int to = -reach; to <= reach; ++to) {
-        int sum = -2 * (std::abs(from) + std::abs(to));  // of equals, the nearest
+    // Ends `slope` apart: what a station adds is the same row, farther on, for all of them.
+    int best = -1 << 30, best_from = 0, best_to = 0;
+    for (int slope = -2 * reach; slope <= 2 * reach; ++slope) {
+      const int last = std::min(reach, reach - slope);
+      for (int first = std::max(-reach, -reach - slope); first <= last; first += kLanes) {
+        std::array<std::int16_t, kLanes> sums{};
         for (int j = 0; j < kStations; ++j) {
-          // (from (1 - t) + to t), rounded; in 1/1024
-          const int t = kStationT[static_cast<std::size_t>(j)];
-          const int o = (from * (1024 - t) + to * t + 512 + 1024 * kMostReach) >> 10;
-          sum += s.value[static_cast<std::size_t>(j)][static_cast<std::size_t>(o)];
+          // first (1 - t) + (first + slope) t, rounded; in 1/1024
+          const int o = first +
+                        ((slope * kStationT[static_cast<std::size_t>(j)] + 512 + 1024 * 64) >> 10) -
+                        64;
+          const std::int16_t* const row =
+              s.value[static_cast<std::size_t>(j)].data() + kMostReach + o;
+          for (std::size_t k = 0; k < kLanes; ++k)
+            sums[k] = static_cast<std::int16_t>(sums[k] + row[k]);
         }
-        if (sum > best) best = sum, best_from = from, best_to = to;
+        for (int from = first; from <= std::min(last, first + kLanes - 1); ++from) {
+          const int to = from + slope;
+          // Of equals the nearest, of these the first.
+          const int worth = 1024 * (sums[static_cast<std::size_t>(from - first)] -
+                                    2 * (std::abs(from) + std::abs(to))) -
+                            32 * from - to;
+          if (worth > best) best = worth, best_from = from, best_to = to;
+        }
       }
+    }
     return {a + best_from * s.normal, b + best_to * s.normal};
   }
 
@@ -278,7 +295,8 @@ class FrameFit {
         int sum = 0;
         for (int k = -half; k <= half; ++k)
           sum += narrow[static_cast<std::size_t>(o + k + kMostReach)];
-        value[static_cast<std::size_t>(o + kMostReach)] = sum / (2 * half + 1);
+        value[static_cast<std::size_t>(o + kMostReach)] =
+            static_cast<std::int16_t>(sum / (2 * half + 1));
       }
     }
   }
