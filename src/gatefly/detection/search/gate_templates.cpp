@@ -235,7 +235,8 @@ void GateTemplates::search(const EvidenceMap& map, int least, GateCandidates& fo
 
 // All places whose samples are in the buffer; beyond left and right they run into the next row's
 // margin.
-void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCandidates& found) {
+void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCandidates& all) {
+  LevelCandidates found;
   const std::ptrdiff_t width = width_, cells = width * height_;
   const auto least_pair = static_cast<std::uint8_t>(std::max(0, least_ - kWorsePair));
   // A side that is worse has no such pair, whatever the other one.
@@ -292,15 +293,16 @@ void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCand
     }
     collect(lattice, first, pool, found);
   }
+  for (const GateCandidate& candidate : found) (void)all.push_back(candidate);
 }
 
-int GateTemplates::least_to_keep(const GateCandidates& found) const {
+int GateTemplates::least_to_keep(const LevelCandidates& found) const {
   return found.full() ? std::max(least_, found[worst_].score) : least_;
 }
 
 // The best place of every neighbourhood.
 void GateTemplates::collect(const FrameLattice& lattice, std::size_t first, int pool,
-                            GateCandidates& found) {
+                            LevelCandidates& found) {
   constexpr int kCell = 3;
   for (int cy = kMargin; cy < height_ - kMargin; cy += kCell) {
     const int beyond = std::min(cy + kCell, height_ - kMargin);
@@ -322,8 +324,30 @@ void GateTemplates::collect(const FrameLattice& lattice, std::size_t first, int 
   }
 }
 
+// What a score loses by what is outside of the sides' middles and where they would go on: on a wide
+// bar, a screen or a banner there is a small frame at every place.
+int GateTemplates::lost_beyond(const FrameLattice::Frame& frame, int x, int y) const {
+  constexpr double kPast = 0.2;  // of a side
+  constexpr int kWeight = 5;     // of the mean evidence there [of 0, 4, 5, 8]
+  const Eigen::Vector2d across = frame.across.cast<double>(), down = frame.down.cast<double>();
+  int sum = 0, count = 0;
+  const auto look = [&](double a, double d) {
+    const Eigen::Vector2d p = Eigen::Vector2d{x + 0.5, y + 0.5} + a * across + d * down;
+    const int u = static_cast<int>(std::floor(p.x())), v = static_cast<int>(std::floor(p.y()));
+    ++count;
+    if (u < 0 || v < 0 || u >= width_ || v >= height_) return;
+    sum += std::max(0, mean_[static_cast<std::size_t>(v * width_ + u)] - kNeutral);
+  };
+  for (const double one : {-0.5, 0.5})
+    for (const double past : {-0.5 - kPast, 0.5 + kPast}) look(one, past), look(past, one);
+  for (const double past : {-0.5 - kPast, 0.5 + kPast}) look(0.0, past), look(past, 0.0);
+  return kWeight * sum / count;
+}
+
 void GateTemplates::keep(const FrameLattice::Frame& frame, int pool, int x, int y, int score,
-                         GateCandidates& found) {
+                         LevelCandidates& found) {
+  score -= lost_beyond(frame, x, y);
+  if (score <= least_to_keep(found)) return;
   const Eigen::Vector2d across = frame.across.cast<double>(), down = frame.down.cast<double>();
   // The middle between the two places of the right and of the lower side.
   const Eigen::Vector2d middle =

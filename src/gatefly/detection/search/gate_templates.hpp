@@ -19,9 +19,9 @@ struct GateCandidate {
   int score = 0;      ///< 0..255; only for comparison.
 };
 
-/// Places that are looked at closely. [of 24, 48, 96: two thirds of the cost of 96, a gate in 300
-/// less]
-using GateCandidates = FixedList<GateCandidate, 48>;
+/// Places that are looked at closely: of five levels at most, twelve of each. [of 8, 12, 16, 24: the
+/// last bit of what more would find]
+using GateCandidates = FixedList<GateCandidate, 60>;
 
 /// Every square frame of a set of sizes, turns and foreshortenings, tried at every place of the
 /// evidence that may be a left bar and has another one to the right.
@@ -41,13 +41,17 @@ class GateTemplates {
   void search(const EvidenceMap& map, int least, GateCandidates& found);
 
  private:
+  // Of one level: places on something large are many small ones, and must not take the room of all.
+  using LevelCandidates = FixedList<GateCandidate, 12>;
+
   void start(const EvidenceMap& map);
   void halve();
   void search_level(const FrameLattice& lattice, int pool, GateCandidates& found);
-  [[nodiscard]] int least_to_keep(const GateCandidates& found) const;
-  void collect(const FrameLattice& lattice, std::size_t first, int pool, GateCandidates& found);
+  [[nodiscard]] int least_to_keep(const LevelCandidates& found) const;
+  void collect(const FrameLattice& lattice, std::size_t first, int pool, LevelCandidates& found);
+  [[nodiscard]] int lost_beyond(const FrameLattice::Frame& frame, int x, int y) const;
   void keep(const FrameLattice::Frame& frame, int pool, int x, int y, int score,
-            GateCandidates& found);
+            LevelCandidates& found);
 
   FrameLattice small_, medium_, large_;
   std::vector<std::uint8_t> peak_, mean_;   // the pyramid's present level
