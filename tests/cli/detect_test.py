@@ -282,19 +282,23 @@ class RealPictures(Cli):
         def corners_in_view(kind, *options):
             pictures = sorted((self.gates / "distance51").glob("*." + kind))
             answer = json.loads(self.run_it("detect", "--json", "--config", "cyberzoo", *options, *pictures).stdout)
-            found = {}
+            found, cut = {}, set()
             for row in answer["detections"]:
+                name = row["image"].split(".")[0]
                 # one that the border cuts may be a gate in one and a part in the other
-                if row["method"] != "bars" and min(row["corner_fitness"]) > 0:
-                    found.setdefault(row["image"].split(".")[0], []).append(row["corners_px"])
-            return found
+                if row["method"] == "bars" or min(row["corner_fitness"]) == 0:
+                    cut.add(name)
+                else:
+                    found.setdefault(name, []).append(row["corners_px"])
+            return found, cut
 
         for options in ((), ("--all",)):
-            raw, jpeg = corners_in_view("uyvy", *options), corners_in_view("jpg", *options)
-            self.assertEqual(sorted(raw), sorted(jpeg))
+            (raw, cut), (jpeg, cut_too) = corners_in_view("uyvy", *options), corners_in_view("jpg", *options)
+            self.assertEqual(sorted(set(raw) - cut_too), sorted(set(jpeg) - cut))
             self.assertGreaterEqual(len(raw), 45)
             off = []
-            for name, gates in raw.items():
+            for name in set(raw) - cut_too:
+                gates = raw[name]
                 self.assertEqual(len(gates), len(jpeg[name]), name)
                 for gate in gates:  # of equally sure gates either may be the first
                     off.append(min(max(map(math.dist, gate, other)) for other in jpeg[name]))

@@ -165,7 +165,11 @@ GateDetections GateDetector::with_gates_beside(const GateDetections& quick, cons
 }
 
 bool GateDetector::is_sure(const GateDetection& gate) const {
-  return gate.fitness >= confidence_of(params_.sure_score);
+  // A side that shows far less than the others may lie beside its bar. 0: out of view.
+  constexpr double kSureCorner = 0.85;
+  return gate.fitness >= confidence_of(params_.sure_score) &&
+         std::all_of(gate.corner_fitness.begin(), gate.corner_fitness.end(),
+                     [](double corner) { return corner == 0.0 || corner >= kSureCorner; });
 }
 
 // Of gates that are all certain, scores that differ by a picture's noise must not say which

@@ -36,7 +36,7 @@ struct Order {
   std::uint64_t first_seed;
   std::size_t days, per_day, conditions;
 };
-constexpr Order kFull{3701, 20, 50, kConditions.size()}, kQuick{1001, 2, 10, 2};
+constexpr Order kFull{3801, 20, 50, kConditions.size()}, kQuick{1001, 2, 10, 2};
 
 /// Two of five pictures are judged, the others are there to learn from; of those a third are the ten.
 bool is_judged(std::size_t i) { return i % 5 == 1 || i % 5 == 3; }
