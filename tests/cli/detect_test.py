@@ -90,7 +90,7 @@ class Pictures(Cli):
         camera = self.file("camera.toml", '[camera]\nmodel = "pinhole"\nsize_px = [160, 120]\nfocal_px = [100, 100]\ncenter_px = [79.5, 59.5]\n'
                            "distortion = []\nstored_rotation_deg = 0\n")
         said = self.run_it("detect", path, "--config", camera, "--config", "cyberzoo", "--rotate", "0", "--set", "color.rgb=[0, 0, 1]").stderr
-        for words in (f"lens pinhole, 315x160 px (config {camera})", "rgb 0, 0, 1 (--set)", "min_score 2.5 (config cyberzoo)", "taken as upright"):
+        for words in (f"lens pinhole, 315x160 px (config {camera})", "rgb 0, 0, 1 (--set)", "min_score 2.6 (config cyberzoo)", "taken as upright"):
             self.assertIn(words, said)
         assumed = json.loads(self.run_it("detect", path, "--rotate", "0", "--json").stdout)["assumed"]
         self.assertEqual(assumed["lens"], {"is": None, "sides": "straight", "by": None})
