@@ -59,27 +59,6 @@ class Words(Cli):
         flown = self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1")
         self.assertRegex(flown.stdout, r"detection +\d+ pictures, \d+ show the next gate whole: in \d+ found, \d+ false detections")
 
-    def test_a_narrow_terminal_gets_one_line_of_progress(self):
-        import fcntl, pty, struct, termios
-        for columns in (20, 30, 60):
-            terminal, end = pty.openpty()
-            fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
-            program = subprocess.Popen([GATEFLY, "fly", "oval", "--laps", "100", "--vision", "ideal", "--set", "sim.timeout_s=400",
-                                        "--out", str(columns)],
-                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=end)
-            os.close(end)
-            said = b""
-            try:
-                while piece := os.read(terminal, 65536):
-                    said += piece
-            except OSError:  # the other end is closed
-                pass
-            program.wait()
-            os.close(terminal)
-            updates = said.decode().split("\r\x1b[K")[1:]
-            self.assertGreater(len(updates), 2)
-            self.assertLess(max(map(len, updates)), columns)
-
 
 class CommandLine(Cli):
     def test_no_command(self):

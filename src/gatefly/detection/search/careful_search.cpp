@@ -27,7 +27,8 @@ int least_worth_a_look(double min_score) {
   return static_cast<int>(std::clamp(kAtZero + kPerNat * min_score, 80.0, 144.0));
 }
 
-constexpr double kMuch = 2.0;  // cells by which a side bends; less is pulled
+// Cells; corners that bent sides move less than so far are reached from straight ones.
+constexpr double kMuchBent = 2.0;
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
@@ -91,7 +92,8 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
     };
     const Quad straight = to_cells(candidate.corners_px, step);
     Frame frame = pulled_from(straight);
-    if (const Quad bent = bowed(straight, coarse_curves); largest_move(bent, straight) > kMuch) {
+    if (const Quad bent = bowed(straight, coarse_curves);
+        largest_move(bent, straight) > kMuchBent) {
       const Frame other = pulled_from(bent);
       if (better(other, frame)) frame = other;
     }

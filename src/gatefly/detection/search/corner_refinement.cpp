@@ -10,10 +10,14 @@
 #include <optional>
 #include <utility>
 
+#include "gatefly/detection/search/refined_side.hpp"
+#include "gatefly/detection/search/unknown_bend.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
 namespace {
+
+using namespace refinement;
 
 constexpr int kWidest = 31;      // pixels of a line
 constexpr double kMargin = 2.0;  // beside a bar [px]
@@ -50,70 +54,6 @@ struct Effort {
 };
 constexpr Effort kQuick{.passes = 3, .still = 0.3, .eager = 1.5},
     kCareful{.passes = 5, .still = 0.2, .eager = 1.0};
-
-// A side as x = at_0 + slope y + curve y². For a level one x and y are swapped: lines of constant y
-// always cross the bar.
-struct Side {
-  double at_0 = 0.0, slope = 0.0, curve = 0.0;
-  double middle = 0.0;  // y halfway between its corners
-  bool level = false;
-
-  Side() = default;
-  Side(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
-      : level{std::abs(b.x() - a.x()) > std::abs(b.y() - a.y())} {
-    const double length = along(b) - along(a);
-    slope = (across(b) - across(a)) / (std::abs(length) > 1e-9 ? length : 1e-9);
-    at_0 = across(a) - slope * along(a), middle = 0.5 * (along(a) + along(b));
-  }
-  /// Bent between its corners a and b, which stay on it. @param sag  of its middle, across it.
-  void bend(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& sag) {
-    const double length = along(b) - along(a);
-    if (!(std::abs(length) > 1.0)) return;
-    // as far as that is along a line of pixels
-    const double bow = 4.0 * across(sag) * (1.0 + slope * slope) / (length * length);
-    curve = -bow, slope += bow * (along(a) + along(b)), at_0 -= bow * along(a) * along(b);
-  }
-  [[nodiscard]] double along(const Eigen::Vector2d& p) const { return level ? p.x() : p.y(); }
-  [[nodiscard]] double across(const Eigen::Vector2d& p) const { return level ? p.y() : p.x(); }
-  [[nodiscard]] double x(double y) const { return at_0 + y * (slope + y * curve); }
-  [[nodiscard]] Eigen::Vector2d at(double y) const {
-    return level ? Eigen::Vector2d{y, x(y)} : Eigen::Vector2d{x(y), y};
-  }
-  /// The straight side that touches it at y.
-  [[nodiscard]] Side tangent(double y) const {
-    Side line = *this;
-    line.curve = 0.0, line.slope = slope + 2.0 * curve * y, line.at_0 = x(y) - line.slope * y;
-    return line;
-  }
-  [[nodiscard]] double lean() const { return slope + 2.0 * curve * middle; }  // of its chord
-  void lean_like(const Side& other, double y) {
-    const double here = x(y);
-    slope = other.lean() - 2.0 * curve * middle, at_0 = here - y * (slope + y * curve);
-  }
-  /// n · p = c, as (n, c).
-  [[nodiscard]] Eigen::Vector3d equation() const {
-    return level ? Eigen::Vector3d{-slope, 1.0, at_0} : Eigen::Vector3d{1.0, -slope, at_0};
-  }
-};
-
-std::optional<Eigen::Vector2d> crossing(const Side& before, const Side& after) {
-  const Eigen::Vector3d m = before.equation(), n = after.equation();
-  const double det = m[0] * n[1] - m[1] * n[0];
-  if (!(det * det > 0.04 * m.head<2>().squaredNorm() * n.head<2>().squaredNorm()))
-    return std::nullopt;
-  return Eigen::Vector2d{(m[2] * n[1] - m[1] * n[2]) / det, (m[0] * n[2] - m[2] * n[0]) / det};
-}
-
-/// How the crossings of a side's lines speak for a curve: x = ... + curve (y² - y_part y - part),
-/// what is in brackets has no straight part of its own.
-struct Curvature {
-  double moment = 0.0, weight = 0.0;  // of the curve that fits best, least squares: moment / weight
-  double part = 0.0, y_part = 0.0;
-
-  void add_to(Side& side, double curve) const {
-    side.curve += curve, side.slope -= curve * y_part, side.at_0 -= curve * part;
-  }
-};
 
 /// Pixels across one side, in lines, and where each line crosses the bar.
 template <int kLines>
@@ -321,59 +261,6 @@ class Strip {
     }
     return mean;
   }
-};
-
-/// A bend that nobody told: of barrels about the picture's middle, r (1 - k r²), the one that the
-/// crossings of all four sides say.
-class UnknownBend {
- public:
-  UnknownBend(const Image& image, const Quad& frame)
-      : middle_px_{0.5 * (image.width() - 1), 0.5 * (image.height() - 1)},
-        strong_{kStrong / (static_cast<double>(image.width()) * image.width())} {
-    for (std::size_t i = 0; i < 4; ++i)
-      shows_ = shows_ || strong_ * bulge(frame[i], frame[(i + 1) % 4]).norm() > kShown;
-  }
-
-  /// Whether a strong one would show on this frame.
-  [[nodiscard]] bool shows() const { return shows_; }
-  [[nodiscard]] Eigen::Vector2d sag(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
-    return k_ * bulge(a, b);
-  }
-  /// Bends the lines more or less, as their crossings say.
-  void adapt(const Quad& corners, const std::array<Curvature, 4>& curvatures, double eager,
-             std::array<Side, 4>& sides) {
-    std::array<double, 4> curve{};  // of the sides, with k = 1
-    double moment = 0.0, weight = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
-      Side side{a, b};
-      side.bend(a, b, bulge(a, b));
-      curve[i] = side.curve;
-      moment += curve[i] * curvatures[i].moment;
-      weight += curve[i] * curve[i] * curvatures[i].weight;
-    }
-    // A bend is improbable: so many crossings say that there is none.
-    const double doubt = kDoubt / (strong_ * strong_), before = k_;
-    k_ = std::clamp(k_ + eager * (moment - doubt * k_) / (weight + doubt), 0.0, 1.5 * strong_);
-    for (std::size_t i = 0; i < 4; ++i) curvatures[i].add_to(sides[i], (k_ - before) * curve[i]);
-  }
-
- private:
-  // 1 / (3 f²) of an equidistant lens of 150 degrees, f in widths
-  static constexpr double kStrong = 2.3;
-  static constexpr double kShown = 1.0;  // px
-  static constexpr double kDoubt = 4.0;  // px²
-
-  // The sag with k = 1: half a chord, squared, times how far its middle is from the picture's,
-  // across it.
-  [[nodiscard]] Eigen::Vector2d bulge(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
-    const Eigen::Vector2d half = 0.5 * (b - a), off = 0.5 * (a + b) - middle_px_;
-    return half.squaredNorm() * off - off.dot(half) * half;
-  }
-
-  Eigen::Vector2d middle_px_;
-  double strong_, k_ = 0.0;  // 1/px²
-  bool shows_ = false;
 };
 
 // Of bent sides, near `corner`.

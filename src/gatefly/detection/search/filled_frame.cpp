@@ -7,12 +7,13 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/detection/search/frame_fit.hpp"
+
 namespace gatefly {
 namespace {
 
 constexpr int kSamples = 12;                   // of a side
 constexpr double kFirst = 0.15, kPart = 0.70;  // of a side, without its corners
-constexpr double kBeside = 0.0637;             // as FrameFit looks beside a bar, of the side
 constexpr double kLeastOffset = 3.0;           // [px]
 
 // Of the bars' contrast; half of the openings have less than .15, one in twenty more than .6. [of
@@ -38,7 +39,7 @@ Sums along_side(const Image& image, const Eigen::Vector2d& a, const Eigen::Vecto
   const Eigen::Vector2d d = b - a, sag = curves.sag(a, b);
   const Eigen::Vector2d in = off * Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
   const auto pixel = [](const Eigen::Vector2d& p) -> Eigen::Vector2i {
-    return (p.array() + 0.5).floor().cast<int>();
+    return {nearest_cell(p.x()), nearest_cell(p.y())};
   };
   const auto chroma = [](Yuv c) { return Eigen::Vector2d{c.u, c.v}; };
   const auto color = [&](const Eigen::Vector2i& p) { return image.at(p.x(), p.y()); };
@@ -63,7 +64,7 @@ Sums along_side(const Image& image, const Eigen::Vector2d& a, const Eigen::Vecto
 double lost_as_filled(const Image& image, const Quad& bars_px, double bar,
                       const SideCurves& curves) {
   const double side = std::sqrt(std::abs(area(bars_px)));
-  const double off = std::max(kLeastOffset, (0.5 * bar + kBeside) * side);
+  const double off = std::max(kLeastOffset, (0.5 * bar + kBesideBar) * side);
   Eigen::Vector2d filling{0, 0}, contrast{0, 0};
   double steps = 0.0, luma = 0.0, luma_squares = 0.0;
   int sides = 0, count = 0;

@@ -24,6 +24,9 @@ struct FrameEffort {
   int middles = 32;   ///< Of a side, to centre it.
 };
 
+/// How far beside a bar it has to be empty, of the side.
+inline constexpr double kBesideBar = 0.0637;
+
 /// The cell nearest to x, which is more than -2^14: floor(x + 1/2), a call on older processors; so
 /// the fast search takes 5 % less.
 [[nodiscard]] inline int nearest_cell(double x) {
@@ -49,7 +52,7 @@ class FrameFit {
     double length = 0.0;
     int unseen = 0;
     for (std::size_t i = 0; i < 4; ++i) length += 0.25 * (q[(i + 1) % 4] - q[i]).norm();
-    const double off = std::max(off_min_, (half_bar_ + kBeside) * length);
+    const double off = std::max(off_min_, (half_bar_ + kBesideBar) * length);
     const int lines = lines_beside(length);
     s.weakest = 1e9;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -152,9 +155,8 @@ class FrameFit {
  private:
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
                        kMostLines = 3, kLanes = 8;  // places that are summed at once
-  // Of the side: a bar of the Bebop's gates; how far beside a bar it has to be empty.
-  static constexpr double kThinBar = 0.05 / 0.95, kBeside = 0.0637, kUndecidedBeyond = -0.6,
-                          kUnseenSide = 0.75;
+  // Of the side: a bar of the Bebop's gates.
+  static constexpr double kThinBar = 0.05 / 0.95, kUndecidedBeyond = -0.6, kUnseenSide = 0.75;
 
   // A wide bar is looked at along several lines, so that letters and patterns on it do not matter:
   // so many on either side of the middle one.

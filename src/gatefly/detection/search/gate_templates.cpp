@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
@@ -330,18 +331,18 @@ int GateTemplates::lost_beyond(const FrameLattice::Frame& frame, int x, int y) c
   constexpr double kPast = 0.2;  // of a side
   constexpr int kWeight = 5;     // of the mean evidence there [of 0, 4, 5, 8]
   const Eigen::Vector2d across = frame.across.cast<double>(), down = frame.down.cast<double>();
-  int sum = 0, count = 0;
+  int sum = 0;
   const auto look = [&](double a, double d) {
-    const Eigen::Vector2d p = Eigen::Vector2d{x + 0.5, y + 0.5} + a * across + d * down;
-    const int u = static_cast<int>(std::floor(p.x())), v = static_cast<int>(std::floor(p.y()));
-    ++count;
+    const Eigen::Vector2d p = Eigen::Vector2d{x, y} + a * across + d * down;
+    const int u = nearest_cell(p.x()), v = nearest_cell(p.y());
     if (u < 0 || v < 0 || u >= width_ || v >= height_) return;
     sum += std::max(0, mean_[static_cast<std::size_t>(v * width_ + u)] - kNeutral);
   };
   for (const double one : {-0.5, 0.5})
     for (const double past : {-0.5 - kPast, 0.5 + kPast}) look(one, past), look(past, one);
   for (const double past : {-0.5 - kPast, 0.5 + kPast}) look(0.0, past), look(past, 0.0);
-  return kWeight * sum / count;
+  constexpr int kLooks = 12;
+  return kWeight * sum / kLooks;
 }
 
 void GateTemplates::keep(const FrameLattice::Frame& frame, int pool, int x, int y, int score,

@@ -19,8 +19,8 @@ struct GateCandidate {
   int score = 0;      ///< 0..255; only for comparison.
 };
 
-/// Places that are looked at closely: of five levels at most, twelve of each. [of 8, 12, 16, 24: the
-/// last bit of what more would find]
+/// Places that are looked at closely: of five levels at most, twelve of each. [of 8, 12, 16, 24
+/// on labelled and rendered pictures: 8 lose a small gate in a hundred, more than 12 gain hardly any]
 using GateCandidates = FixedList<GateCandidate, 60>;
 
 /// Every square frame of a set of sizes, turns and foreshortenings, tried at every place of the
