@@ -44,7 +44,7 @@ Box inside(const Box& panel) {
           .height = panel.height - 30 - kLegend};
 }
 
-const char* name_of(Sighting::Source source) {
+const char* source_in_words(Sighting::Source source) {
   switch (source) {
     case Sighting::Source::kCorners:
       return "position from corners";
@@ -230,7 +230,7 @@ void FlightVideo::draw_status(const Tick& tick, const Box& box) {
               {.color = kDark.gate, .size = 18, .bold = true});
   if (!pictures_) return;
   const bool fix = source_ != Sighting::Source::kNone;
-  const std::string source = name_of(source_);
+  const std::string source = source_in_words(source_);
   const Lettering lettering{
       .color = fix ? kDark.found : kDark.muted, .size = 18, .align = Align::kRight};
   frame_.text({box.right() - 14, line}, source, lettering);
