@@ -35,7 +35,9 @@ void FlightPage::record(const Tick& tick) {
                   .v_E = tick.truth.v_E,
                   .attitude = tick.truth.attitude,
                   .wind_E = tick.truth.wind_E,
-                  .exposed = tick.exposed});
+                  .exposed = tick.exposed,
+                  .battery_v = tick.truth.battery_v,
+                  .took = tick.took});
 }
 
 void FlightPage::record(const PageTick& tick) {
@@ -43,13 +45,14 @@ void FlightPage::record(const PageTick& tick) {
   if (!plan_) plan_ = tick.pilot.plan();
   passes_.add(tick, course_, now);
   if (tick.sensors.image || tick.sensors.seen) looks_.add(tick, course_, *plan_, now);
-  columns_.add(tick, course_.world, now);
+  columns_.add(tick, course_, now);
 }
 
 std::string FlightPage::html(const Json& summary, const std::string& verdict) {
   const std::string film = looks_.film().finish();
   Json flight{{"format", 2},
               {"verdict", verdict},
+              {"why", summary.value("why_lost", Json{})},
               {"summary", summary},
               {"phases", phase_names()},
               {"camera", {looks_.picture_width(), looks_.picture_height()}},
