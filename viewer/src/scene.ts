@@ -1,31 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 import {
-  AmbientLight, BoxGeometry, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, Euler, Float32BufferAttribute,
-  GridHelper, Group, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
-  SphereGeometry, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, WebGLRenderer, MeshBasicMaterial, type Object3D,
+  AmbientLight, BoxGeometry, BufferGeometry, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, Euler, Float32BufferAttribute, GridHelper,
+  Group, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Scene,
+  SphereGeometry, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import type { Clock } from "./clock";
-import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, POSITION, VELOCITY, type Box, type Flight, type Gate, type Vec3 } from "./flight";
+import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, POSITION, VELOCITY, type Flight, type Gate, type Vec3 } from "./flight";
 import { ending } from "./events";
+import { fastest, label, solid, speedColor } from "./scene_parts";
 import type { Second } from "./second";
 import { color, onTheme } from "./theme";
 
 // The flight's axes are north, east, down; WebGL's y is up.
 const NED = new Matrix4().set(0, 1, 0, 0, 0, 0, -1, 0, -1, 0, 0, 0, 0, 0, 0, 1);
 export type View = "overview" | "above" | "follow";
-
-/** The speed at the fast end of the colours [m/s]. */
-export const fastest = (flight: Flight): number => 1.4 * flight.course.speed_mps;
-
-/** Colour of a speed, as a part of the fastest. */
-export function speedColor(part: number): Color {
-  const [slow, quick, fast] = ["slow", "flown", "fast"].map((name) => new Color(color(name)));
-  return part < 0.5 ? slow.lerp(quick, part / 0.5) : quick.lerp(fast, Math.min(1, (part - 0.5) / 0.5));
-}
 
 /** Course, flight and drone in three dimensions. */
 export class SceneView {
@@ -324,30 +316,4 @@ export class SceneView {
       ++this.frames;
     });
   }
-}
-
-function solid(box: Box, colour: string, opacity: number): Object3D {
-  const height = box.top - box.bottom;
-  const shape = box.pole ? new CylinderGeometry(box.size[0] / 2, box.size[0] / 2, height, 20).rotateX(Math.PI / 2) : new BoxGeometry(box.size[0], box.size[1], height);
-  const mesh = new Mesh(shape, new MeshLambertMaterial({ color: colour, transparent: true, opacity }));
-  mesh.position.set(box.center[0], box.center[1], -(box.bottom + box.top) / 2);
-  mesh.rotation.z = box.heading;
-  return mesh;
-}
-
-/** A sign that always faces the camera. @param size [m] */
-function label(text: string, colour = color("gate"), size = 0.5): Sprite {
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = 64;
-  const context = canvas.getContext("2d")!;
-  context.font = "bold 46px system-ui, sans-serif";
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.fillStyle = colour;
-  context.fillText(text, 32, 34);
-  const map = new CanvasTexture(canvas);
-  map.colorSpace = SRGBColorSpace;
-  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false }));
-  sprite.scale.setScalar(size);
-  return sprite;
 }
