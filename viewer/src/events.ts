@@ -90,12 +90,10 @@ export function sigma(flight: Flight): [Float64Array, Float64Array, Float64Array
   return [flight.each((i) => xx[i]), flight.each((i) => Math.hypot(yx[i], yy[i])), flight.each((i) => Math.hypot(zx[i], zy[i], zz[i]))];
 }
 
-/** A second before the first gate, so that it is seen: by then something happens. Without one, where it first corrected the filter. */
+/** A second before the first gate, passed or not: by then something happens. */
 export function opening(flight: Flight): number {
-  const first = flight.passes[0];
   const flying = stretches(flight.t.length, (row) => racing(flight, row))[0];
-  const t = first?.t ?? first?.seen ?? (flying ? flight.t[flying[0]] + 1 : 1);
-  return Math.max(0, t - 1);
+  return Math.max(flying ? flight.t[flying[0]] : 0, (flight.passes[0]?.t ?? ending(flight).t) - 1);
 }
 
 /** In the order of time; the end is always among them. */
