@@ -5,10 +5,10 @@ import { byId, element, seconds } from "./text";
 
 const BEFORE = 3;  // what led to it [s]
 const MEANING: Record<Why["parts"][number]["cause"], string> = {
-  estimate: "where it believed to be, but for what pictures told it",
-  guidance: "it did not fly where it wanted to",
-  map: "the gate stands elsewhere than on its map",
-  detection: "what pictures told it was wrong by this",
+  estimate: "not where it believed to be, by IMU, drag and wind",
+  guidance: "not where it wanted to be",
+  map: "the gate is not where the map has it",
+  detection: "not where it believed to be, by gates measured wrongly",
 };
 const cm = (value: number) => `${Math.abs(value).toFixed(0)} cm`;
 
