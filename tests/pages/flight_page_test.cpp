@@ -69,7 +69,9 @@ std::vector<double> fly(FlightPage& page, const OneGate& race, double seconds, b
       next += 0.1;
     }
     const Command command = pilot.step(sensors);
-    page.record({sensors, command, pilot, at(now), {}, now - 0.05});
+    const Tick tick{sensors, command, pilot, at(now), {}, now - 0.05};
+    page.record(tick);
+    if (i + 1 == static_cast<int>(seconds * 512)) page.end(tick);
     times.push_back(now);
   }
   return times;

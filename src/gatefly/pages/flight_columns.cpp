@@ -213,16 +213,18 @@ void RotorUse::add(const PageTick& tick, const PageCourse& course) {
 
 void FlightColumns::add(const PageTick& tick, const PageCourse& course, double now) {
   rotors_.add(tick, course);
-  last_ = row_of(tick, course.world, rotors_, now);
   if (now < next_row_) return;
   next_row_ = std::max(next_row_ + row_period_, now);
-  rows_.push_back(*last_);
-  last_.reset();
+  rows_.push_back(row_of(tick, course.world, rotors_, now));
   rotors_ = {};
   if (rows_.size() < kMostRows) return;
   for (std::size_t i = 0; 2 * i < rows_.size(); ++i) rows_[i] = rows_[2 * i];
   rows_.resize((rows_.size() + 1) / 2);
   row_period_ *= 2.0;
+}
+
+void FlightColumns::end(const PageTick& tick, const PageCourse& course, double now) {
+  if (rotors_.ticks > 0) last_ = row_of(tick, course.world, rotors_, now);
 }
 
 std::string FlightColumns::json(std::size_t row_step) const {

@@ -32,10 +32,11 @@ class FlightColumns {
  public:
   FlightColumns();
 
-  /// @param now  the tick's time [s]; ticks between two rows are left out, but for the last one of
-  ///     all: a flight that is lost goes on to the contact.
+  /// @param now  the tick's time [s]; ticks between two rows are left out.
   /// @param course  whose gates errors are relative to, whose limits rotors reach.
   void add(const PageTick& tick, const PageCourse& course, double now);
+  /// The last tick once more, which gets a row: a flight that is lost goes on to the contact.
+  void end(const PageTick& tick, const PageCourse& course, double now);
 
   /// {"t_s":{"unit":0.0001,"steps":[..]}, ..}: each number is what is added to the one before; null
   /// where there is none. A column in which there is nothing at all is left out.
@@ -43,7 +44,7 @@ class FlightColumns {
 
  private:
   std::vector<FlightRow> rows_;
-  std::optional<FlightRow> last_;  ///< Of the latest tick, where that is no row.
+  std::optional<FlightRow> last_;  ///< Of the last tick, where that is none of `rows_`.
   RotorUse rotors_;
   double row_period_ = 0.02, next_row_ = 0.0;  ///< [s]
 };
