@@ -315,16 +315,16 @@ const tests = {
     await open(join(folder, "ideal", "report.html"), { viewport: { width: 1440, height: 900 } }, async (page) => {
       const alone = await page.evaluate(() => window.__report.clock.end);
       await page.setInputFiles("#second-file", join(folder, "ideal", "summary.json"));
-      await page.waitForFunction(() => !document.getElementById("second-said").hidden);
+      await page.locator("#second-said", { hasText: "summary" }).waitFor();
       assert.match(await page.textContent("#second-said"), /summary\.json: is no report\.html/);
       const broken = join(folder, "broken.html");
       writeFileSync(broken, '<script type="application/json" id="flight">{"columns":{"t_s":{"unit":1,"steps":[3,-1]}},"phases":[]}</script>');
       await page.setInputFiles("#second-file", broken);
-      await page.waitForFunction(() => /broken/.test(document.getElementById("second-said").textContent));
+      await page.locator("#second-said", { hasText: "broken" }).waitFor();
       assert.match(await page.textContent("#second-said"), /its flight cannot be read/);
 
       await page.setInputFiles("#second-file", other);
-      await page.waitForFunction(() => /second flight/.test(document.getElementById("second-said").textContent));
+      await page.locator("#second-said", { hasText: "second flight" }).waitFor();
       assert.match(await page.textContent("#second-said"), /, seed 2: /);
       const at = await page.evaluate(() => {
         const { flight, clock, second, scene } = window.__report, ghost = second();
