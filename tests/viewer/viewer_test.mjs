@@ -306,6 +306,7 @@ const tests = {
       assert.ok(Math.abs((await played) - (crash.t_s - 3)) < 1e-9);
       await accessible(page, "a lost flight's page");
       await page.setViewportSize({ width: 390, height: 844 });
+      await settled(page);  // plots take the width they are given
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
     });
   },
