@@ -293,7 +293,9 @@ const tests = {
       assert.deepEqual(await page.evaluate(() => window.__report.scene.ends()), [last]);
       await settled(page);
       const red = (selector, x, y) => page.evaluate(([selector, x, y]) => {
-        const canvas = document.querySelector(selector), [r, g, b] = canvas.getContext("2d").getImageData(x * (canvas.width - 1), y * (canvas.height - 1), 1, 1).data;
+        const canvas = document.querySelector(selector), copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+        copy.drawImage(canvas, 0, 0);
+        const [r, g, b] = copy.getImageData(x * (canvas.width - 1), y * (canvas.height - 1), 1, 1).data;
         return r > 150 && g < 60 && b < 60;
       }, [selector, x, y]);
       assert.ok(await red("#onboard canvas", 0.02, 0.97), "the last picture says so");
