@@ -131,7 +131,10 @@ int fly(const FlyOptions& options) {
     }
     return !interrupted();
   };
-  const closed_loop::RaceResult result = closed_loop::fly(race.config, on_tick);
+  closed_loop::Flight flight{race.config};
+  while (flight.step())
+    if (!on_tick(flight.tick())) flight.stop();
+  const closed_loop::RaceResult result = flight.result();
   progress.clear();
   if (interrupted()) {
     std::cerr << "gatefly fly: interrupted, nothing kept\n";
@@ -142,6 +145,7 @@ int fly(const FlyOptions& options) {
   if (video) video->finish(result, verdict(result, last_p_EB));
   const nlohmann::ordered_json told = io::summary(result, race.identity);
   const std::string summary = told.dump(2) + "\n";
+  page.end(flight.tick());
   recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));
   const std::string replaced = recorder.finish(summary);
   if (!replaced.empty() && !quiet)

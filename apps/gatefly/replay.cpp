@@ -43,13 +43,16 @@ class ReplayPage {
 
   void record(const flight_log::ReplayedTick& tick, bool other_filter) {
     const io::FlightSample& truth = flight_.folder.samples[tick.index];
-    page_.record({.sensors = tick.sensors,
-                  .command = tick.command,
-                  .pilot = tick.pilot,
-                  .estimate = other_filter ? &tick.estimate : nullptr,
-                  .p_EB = truth.true_p_EB,
-                  .v_E = truth.true_v_E,
-                  .attitude = truth.true_attitude});
+    const io::PageTick shown{.sensors = tick.sensors,
+                             .command = tick.command,
+                             .pilot = tick.pilot,
+                             .estimate = other_filter ? &tick.estimate : nullptr,
+                             .p_EB = truth.true_p_EB,
+                             .v_E = truth.true_v_E,
+                             .attitude = truth.true_attitude,
+                             .battery_v = truth.battery_v};
+    page_.record(shown);
+    if (tick.index + 1 == flight_.folder.samples.size()) page_.end(shown);
   }
 
   void write(const tasks::ReplayReport& report, const tasks::ReplayArguments& given,
