@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -41,9 +42,7 @@ void open_browser(const std::string& url) {
   if (error != 0)
     std::cerr << "gatefly view: xdg-open: " << std::system_category().message(error)
               << "; open the address yourself\n";
-  else
-    (void)io::wait_for(pid);
-}
+}  // it may run as long as the browser does: nobody waits for it
 
 /// gatefly view: shows until Ctrl-C.
 int view(const ViewOptions& options) {
@@ -57,7 +56,7 @@ int view(const ViewOptions& options) {
               << ", to browsers of this machine only; Ctrl-C ends it\n";
   if (options.open) open_browser(url);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds{50});
-  return kInterrupted;
+  std::_Exit(128 + interrupting_signal());  // nothing to lose, and no page that is being made to wait for
 }
 
 }  // namespace
