@@ -91,8 +91,9 @@ for (const time of document.querySelectorAll("time")) {
   time.textContent = `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${two(date.getHours())}:${two(date.getMinutes())}`;
 }
 document.querySelector("form").hidden = false;
-sort(0, false);
+sort(headers.findIndex((header) => header.dataset.numbers !== undefined), true);  // the newest first
 filter();  // a browser remembers what was typed
+window.__report = { rows: rows.length };  // ready, for who waits for it
 )js";
 
 }  // namespace gatefly::io

@@ -172,10 +172,11 @@ std::string row_of(const IndexEntry& entry) {
   const std::string seed = at(s, "seed").is_number_integer() ? at(s, "seed").dump() : "";
   std::string row = std::string{"<tr data-kind=\""} + name_of(entry.kind) + (lost ? " lost" : "") +
                     "\"><td data-sort=\"" + escaped(entry.name) + "\">" +
-                    link(entry.page, entry.name) + "</td><td>" + name_of(entry.kind) + "</td><td>" +
+                    link(entry.page, entry.name) + "</td><td>" +
+                    (entry.summary.is_object() ? name_of(entry.kind) : "damaged") + "</td><td>" +
                     escaped(track) + "</td>" + number_cell("seed", seed, seed) +
                     "<td class=\"what " + outcome.look + "\">" + escaped(note) + "</td>" +
-                    gates_cell(s) + number_cell("time", number_at(s, "race_time_s"), 1, " s") +
+                    gates_cell(s) + number_cell("time", lost ? std::nullopt : number_at(s, "race_time_s"), 1, " s") +
                     number_cell("speed", number_at(s, "mean_speed_mps"), 2, " m/s") +
                     number_cell("error", error_of(s), 2, " m") + "<td>" +
                     (entry.film.empty() ? "" : link(entry.film, "film")) + "</td>";
@@ -222,7 +223,7 @@ std::string index_page(const std::string& title, const std::vector<IndexEntry>& 
       "</style>\n</head>\n<body>\n<header><div class=\"bar\"><span class=\"brand\">gatefly</span>"
       "<span>" +
       escaped(title) + "</span></div>\n<h1>" + escaped(count) +
-      "</h1></header>\n<form hidden onsubmit=\"return false\">"
+      "</h1></header>\n<main><form hidden onsubmit=\"return false\">"
       "<input id=\"words\" type=\"search\" placeholder=\"filter: crash, oval, 17 …\" "
       "aria-label=\"words that a line must have\">"
       "<select id=\"kind\" aria-label=\"what is shown\"><option value=\"\">all</option>"
@@ -230,18 +231,18 @@ std::string index_page(const std::string& title, const std::vector<IndexEntry>& 
       "<option value=\"replay\">replays</option><option value=\"campaign\">campaigns</option>"
       "</select><select id=\"order\" aria-label=\"in which order\"></select>"
       "<span id=\"shown\" role=\"status\"></span></form>\n"
-      "<main class=\"panel\"><table><thead><tr><th>name</th><th>kind</th><th>track</th>"
+      "<div class=\"panel\"><table><thead><tr><th>name</th><th>kind</th><th>track</th>"
       "<th class=\"number\">seed</th><th>what became of it</th><th class=\"number\" data-down>gates"
       "</th><th class=\"number\">race time</th><th class=\"number\" data-down>mean speed</th>"
       "<th class=\"number\">position error</th><th>film</th><th data-numbers data-down>written</th>"
       "</tr></thead>\n<tbody>\n";
   const std::size_t rows = std::min(entries.size(), kMostRows);
   for (std::size_t i = 0; i < rows; ++i) page += row_of(entries[i]);
-  page += "</tbody></table></main>\n";
+  page += "</tbody></table></div>\n";
   if (rows < entries.size())
     page += "<p class=\"muted\">The first " + std::to_string(rows) + " of " +
             std::to_string(entries.size()) + " are shown.</p>\n";
-  return page + "<script>" + kIndexScript + "</script>\n</body>\n</html>\n";
+  return page + "</main>\n<script>" + kIndexScript + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace gatefly::io
