@@ -66,8 +66,8 @@ class Fleet {
     const tasks::Race first = maker_.race(seeds_.front());
     if (first.config.vision == closed_loop::Vision::kRendered) {
       const sim::SimConfig& s = first.config.sim;
-      const sim::CameraRenderer bakes{s.world,     s.camera,       s.light,            s.seed,
-                                      s.cache_dir, s.bake_threads, stop_if_interrupted};
+      const sim::CameraRenderer bakes{
+          s.world, s.camera, s.light, s.seed, s.cache_dir, s.bake_threads, stop_if_interrupted};
     }
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::thread> workers;

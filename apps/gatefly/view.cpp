@@ -56,7 +56,8 @@ int view(const ViewOptions& options) {
               << ", to browsers of this machine only; Ctrl-C ends it\n";
   if (options.open) open_browser(url);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds{50});
-  std::_Exit(128 + interrupting_signal());  // nothing to lose, and no page that is being made to wait for
+  std::_Exit(128 +
+             interrupting_signal());  // nothing to lose, and no page that is being made to wait for
 }
 
 }  // namespace

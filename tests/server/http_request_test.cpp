@@ -51,13 +51,27 @@ TEST(HttpRequest, AnotherMethodAnotherHostOrABodyIsRefused) {
 }
 
 TEST(HttpRequest, WhatIsNoRequestIsRefused) {
-  for (const std::string& head :
-       {std::string{}, std::string{"GET"}, std::string{"GET /"}, std::string{"GET / HTTP/2.0"},
-        std::string{"GET  / HTTP/1.1"}, std::string{" GET / HTTP/1.1"}, get("http://127.0.0.1/"),
-        get("*"), get("/%"), get("/%4"), get("/%zz"), get("/%00"), get("/a\x01"), get("/a\tb"),
-        get("/", "\r\nno colon"), get("/", "\r\n: no name"), get("/", "\r\nname : spaced"),
-        get("/", "\r\n folded: line"), get("/", "\r\nX: a\nY: b"), get("/", "\r\nX: a\rY: b"),
-        get("/", std::string{"\r\nX: a\0b", 8})})
+  for (const std::string& head : {std::string{},
+                                  std::string{"GET"},
+                                  std::string{"GET /"},
+                                  std::string{"GET / HTTP/2.0"},
+                                  std::string{"GET  / HTTP/1.1"},
+                                  std::string{" GET / HTTP/1.1"},
+                                  get("http://127.0.0.1/"),
+                                  get("*"),
+                                  get("/%"),
+                                  get("/%4"),
+                                  get("/%zz"),
+                                  get("/%00"),
+                                  get("/a\x01"),
+                                  get("/a\tb"),
+                                  get("/", "\r\nno colon"),
+                                  get("/", "\r\n: no name"),
+                                  get("/", "\r\nname : spaced"),
+                                  get("/", "\r\n folded: line"),
+                                  get("/", "\r\nX: a\nY: b"),
+                                  get("/", "\r\nX: a\rY: b"),
+                                  get("/", std::string{"\r\nX: a\0b", 8})})
     EXPECT_EQ(status_of(head), 400) << head;
 }
 
@@ -71,8 +85,9 @@ TEST(HttpRequest, OneRangeIsUnderstoodAndOthersAreAsIfNotSaid) {
   EXPECT_FALSE(range("bytes=10-")->last);
   EXPECT_FALSE(range("bytes=-5")->first);
   EXPECT_EQ(range("bytes=-5")->last, 5u);
-  for (const char* text : {"", "bytes", "bytes=", "bytes=-", "bytes=5", "bytes=9-5", "bytes=1-2,4-5",
-                           "lines=1-2", "bytes=a-b", "bytes=-1-2", "bytes=99999999999999999999-"})
+  for (const char* text :
+       {"", "bytes", "bytes=", "bytes=-", "bytes=5", "bytes=9-5", "bytes=1-2,4-5", "lines=1-2",
+        "bytes=a-b", "bytes=-1-2", "bytes=99999999999999999999-"})
     EXPECT_FALSE(range(text)) << text;
 }
 

@@ -114,7 +114,8 @@ Outcome outcome_of(const IndexEntry& entry) {
   if (!finished.is_boolean()) return {};
   if (finished.get<bool>()) return {"finished", "good"};
   const std::string stop = text_at(entry.summary, "stop_reason");
-  if (stop == "crash") return {"crashed into " + text_at(at(entry.summary, "crash"), "object"), "bad"};
+  if (stop == "crash")
+    return {"crashed into " + text_at(at(entry.summary, "crash"), "object"), "bad"};
   if (stop == "abort") return {"given up: " + text_at(entry.summary, "abort_reason"), "bad"};
   return {stop.empty() ? "not finished" : stop, "bad"};
 }
@@ -170,16 +171,16 @@ std::string row_of(const IndexEntry& entry) {
                                 ? text_at(at(entry.summary, "arguments"), "track")
                                 : text_at(entry.summary, "track");
   const std::string seed = at(s, "seed").is_number_integer() ? at(s, "seed").dump() : "";
-  std::string row = std::string{"<tr data-kind=\""} + name_of(entry.kind) + (lost ? " lost" : "") +
-                    "\"><td data-sort=\"" + escaped(entry.name) + "\">" +
-                    link(entry.page, entry.name) + "</td><td>" +
-                    (entry.summary.is_object() ? name_of(entry.kind) : "damaged") + "</td><td>" +
-                    escaped(track) + "</td>" + number_cell("seed", seed, seed) +
-                    "<td class=\"what " + outcome.look + "\">" + escaped(note) + "</td>" +
-                    gates_cell(s) + number_cell("time", lost ? std::nullopt : number_at(s, "race_time_s"), 1, " s") +
-                    number_cell("speed", number_at(s, "mean_speed_mps"), 2, " m/s") +
-                    number_cell("error", error_of(s), 2, " m") + "<td>" +
-                    (entry.film.empty() ? "" : link(entry.film, "film")) + "</td>";
+  std::string row =
+      std::string{"<tr data-kind=\""} + name_of(entry.kind) + (lost ? " lost" : "") +
+      "\"><td data-sort=\"" + escaped(entry.name) + "\">" + link(entry.page, entry.name) +
+      "</td><td>" + (entry.summary.is_object() ? name_of(entry.kind) : "damaged") + "</td><td>" +
+      escaped(track) + "</td>" + number_cell("seed", seed, seed) + "<td class=\"what " +
+      outcome.look + "\">" + escaped(note) + "</td>" + gates_cell(s) +
+      number_cell("time", lost ? std::nullopt : number_at(s, "race_time_s"), 1, " s") +
+      number_cell("speed", number_at(s, "mean_speed_mps"), 2, " m/s") +
+      number_cell("error", error_of(s), 2, " m") + "<td>" +
+      (entry.film.empty() ? "" : link(entry.film, "film")) + "</td>";
   const std::string when = entry.changed > 0 ? utc(entry.changed) : "";
   return row + "<td class=\"muted\" data-sort=\"" +
          (entry.changed > 0 ? std::to_string(entry.changed) : "") + "\">" +
@@ -202,7 +203,8 @@ std::string counted(const std::vector<IndexEntry>& entries) {
     finished += entry.kind == Kind::kFlight && done.is_boolean() && done.get<bool>();
   }
   std::vector<std::string> parts;
-  if (flights > 0) parts.push_back(amount(flights, "flight") + ", " + std::to_string(finished) + " finished");
+  if (flights > 0)
+    parts.push_back(amount(flights, "flight") + ", " + std::to_string(finished) + " finished");
   if (replays > 0) parts.push_back(amount(replays, "replay"));
   if (campaigns > 0) parts.push_back(amount(campaigns, "campaign"));
   if (damaged > 0) parts.push_back(std::to_string(damaged) + " damaged");

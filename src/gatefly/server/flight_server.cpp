@@ -23,7 +23,8 @@ constexpr std::uintmax_t kLargestPage = 64 << 20;  // that is changed on its way
 /// Pages are whole in themselves: scripts and styles in them run, nothing is loaded but what the page
 /// holds, nothing is sent anywhere.
 constexpr const char* kPage =
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: "
+    "blob:; "
     "media-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 /// A flight's page may be somebody else's: it cannot read the other flights, either.
 constexpr const char* kStrangersPage = "; sandbox allow-scripts allow-downloads";
@@ -62,9 +63,10 @@ std::string with_way_back(std::string page, const fs::path& root, const fs::path
   if (folder == root || end == std::string::npos) return page;
   std::error_code error;
   const bool in_campaign = fs::exists(folder.parent_path() / "campaign.json", error);
-  page.insert(end + 1, std::string{"\n<nav style=\"padding-top:10px;font-size:13px\"><a href=\"../\" "
-                                   "style=\"color:inherit\">← "} +
-                           (in_campaign ? "the campaign" : "all flights") + "</a></nav>");
+  page.insert(end + 1,
+              std::string{"\n<nav style=\"padding-top:10px;font-size:13px\"><a href=\"../\" "
+                          "style=\"color:inherit\">← "} +
+                  (in_campaign ? "the campaign" : "all flights") + "</a></nav>");
   return page;
 }
 

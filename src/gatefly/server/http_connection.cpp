@@ -25,10 +25,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 
-constexpr seconds kToAsk{5};     // for a whole request, however slowly it comes
-constexpr seconds kToTake{30};   // for an answer, ...
-constexpr double kRate = 256e3;  // ... and for its length [bytes/s]
-constexpr seconds kToLeave{1};   // for the client to hang up
+constexpr seconds kToAsk{5};              // for a whole request, however slowly it comes
+constexpr seconds kToTake{30};            // for an answer, ...
+constexpr double kRate = 256e3;           // ... and for its length [bytes/s]
+constexpr seconds kToLeave{1};            // for the client to hang up
 constexpr std::size_t kPiece = 64 << 10;  // of a file that is sent [bytes]
 
 /// A socket with a time when all must be over.
@@ -123,14 +123,13 @@ const char* reason_of(int status) {
 }
 
 std::string head_of(const Answer& answer, std::uint64_t length, const std::string& more) {
-  std::string head = "HTTP/1.1 " + std::to_string(answer.status) + " " + reason_of(answer.status) +
-                     "\r\nContent-Type: " + answer.type +
-                     "\r\nContent-Length: " + std::to_string(length) +
-                     "\r\nConnection: close\r\nCache-Control: no-store"
-                     "\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer"
-                     "\r\nCross-Origin-Resource-Policy: same-origin\r\nContent-Security-Policy: " +
-                     (answer.policy.empty() ? "default-src 'none'; sandbox" : answer.policy) +
-                     "\r\n" + more;
+  std::string head =
+      "HTTP/1.1 " + std::to_string(answer.status) + " " + reason_of(answer.status) +
+      "\r\nContent-Type: " + answer.type + "\r\nContent-Length: " + std::to_string(length) +
+      "\r\nConnection: close\r\nCache-Control: no-store"
+      "\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer"
+      "\r\nCross-Origin-Resource-Policy: same-origin\r\nContent-Security-Policy: " +
+      (answer.policy.empty() ? "default-src 'none'; sandbox" : answer.policy) + "\r\n" + more;
   if (answer.status == 405) head += "Allow: GET, HEAD\r\n";
   if (!answer.location.empty()) head += "Location: " + answer.location + "\r\n";
   return head + "\r\n";

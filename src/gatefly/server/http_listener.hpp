@@ -15,9 +15,9 @@ struct Answer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body{};
-  std::filesystem::path file{};   ///< Sent piece by piece instead of `body`; "": none.
-  std::string policy{};           ///< Content-Security-Policy; "": nothing is loaded or run.
-  std::string location{};         ///< Where it is, of a 301.
+  std::filesystem::path file{};  ///< Sent piece by piece instead of `body`; "": none.
+  std::string policy{};          ///< Content-Security-Policy; "": nothing is loaded or run.
+  std::string location{};        ///< Where it is, of a 301.
 };
 
 /// A small HTTP/1.1 server for browsers of this machine: GET and HEAD, a connection a request.

@@ -151,10 +151,9 @@ std::vector<NodeLight> baked(const Scene& scene, const RayScene& rays, int threa
   std::vector<NodeLight> last = sum;
   for (std::uint64_t bounce = 2; bounce <= 3; ++bounce) {
     const std::vector<NodeLight> from = std::move(last);
-    last = filled(scene.fixed, bounce, threads, while_baking,
-                  [&](const SurfacePoint& at, NodeRandom random) {
-                    return baker.bounced(at, random, from);
-                  });
+    last = filled(
+        scene.fixed, bounce, threads, while_baking,
+        [&](const SurfacePoint& at, NodeRandom random) { return baker.bounced(at, random, from); });
     smooth(scene.fixed, last);
     add(sum, last);
   }
@@ -237,13 +236,13 @@ LightMap moved_light(const Scene& scene, const RayScene& rays, const LightMap& f
                      const std::function<void()>& while_baking) {
   const Baker baker{scene, rays};
   LightMap map;
-  map.nodes = filled(
-      scene.moved, 4, 1, while_baking,
-      [&](const SurfacePoint& at, NodeRandom random) { return baker.direct(at, random); });
-  add(map.nodes, filled(scene.moved, 5, 1, while_baking,
-                        [&](const SurfacePoint& at, NodeRandom random) {
-                          return baker.bounced(at, random, fixed.nodes);
-                        }));
+  map.nodes =
+      filled(scene.moved, 4, 1, while_baking,
+             [&](const SurfacePoint& at, NodeRandom random) { return baker.direct(at, random); });
+  add(map.nodes,
+      filled(scene.moved, 5, 1, while_baking, [&](const SurfacePoint& at, NodeRandom random) {
+        return baker.bounced(at, random, fixed.nodes);
+      }));
   return map;
 }
 

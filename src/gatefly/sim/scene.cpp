@@ -213,8 +213,9 @@ void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3
   r.cells_u = cells(first.norm());
   r.cells_v = cells(second.norm());
   if (r.nodes() > kMostNodes - r.first_node)
-    throw std::length_error("the room is too large for pictures: its light map would have more than " +
-                            std::to_string(kMostNodes) + " points");
+    throw std::length_error(
+        "the room is too large for pictures: its light map would have more than " +
+        std::to_string(kMostNodes) + " points");
   r.flat = std::max(first.norm(), second.norm()) < kFlatBelow;
   r.gate = gate_;
   r.bar = bars_;

@@ -16,7 +16,7 @@ namespace gatefly::tasks {
 /// @param flight  must live as long.
 /// @param while_baking  called some twenty times a second; may throw to stop; may be empty.
 /// @throws std::runtime_error one line: the folder does not say enough.
-[[nodiscard]] flight_log::PictureSource rendered_again(
-    const RecordedFlight& flight, const std::function<void()>& while_baking);
+[[nodiscard]] flight_log::PictureSource rendered_again(const RecordedFlight& flight,
+                                                       const std::function<void()>& while_baking);
 
 }  // namespace gatefly::tasks

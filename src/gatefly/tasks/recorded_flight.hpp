@@ -40,8 +40,8 @@ struct RecordedFlight {
 
 /// How pictures that were not kept are rendered again: simulated_race/rendered_again.hpp. A gatefly
 /// without the simulator has nobody for it. The second is called now and then and may throw to stop.
-using RenderAgain = std::function<flight_log::PictureSource(const RecordedFlight&,
-                                                            const std::function<void()>&)>;
+using RenderAgain =
+    std::function<flight_log::PictureSource(const RecordedFlight&, const std::function<void()>&)>;
 
 /// Flies it again, by the pilot or the filter that was asked for.
 /// @param on_picture  called before each picture is read, and often while a room's light is baked for
