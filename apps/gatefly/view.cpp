@@ -36,13 +36,14 @@ const char* name_of(io::Viewable what) {
   return "a folder of flights";
 }
 
+/// Nobody waits for it: it may run as long as the browser does.
 void open_browser(const std::string& url) {
   pid_t pid = -1;
   const int error = io::start({"xdg-open", url}, {}, pid);
   if (error != 0)
     std::cerr << "gatefly view: xdg-open: " << std::system_category().message(error)
               << "; open the address yourself\n";
-}  // it may run as long as the browser does: nobody waits for it
+}
 
 /// gatefly view: shows until Ctrl-C.
 int view(const ViewOptions& options) {
@@ -56,8 +57,8 @@ int view(const ViewOptions& options) {
               << ", to browsers of this machine only; Ctrl-C ends it\n";
   if (options.open) open_browser(url);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds{50});
-  std::_Exit(128 +
-             interrupting_signal());  // nothing to lose, and no page that is being made to wait for
+  // There is nothing to lose, and a page that is being made is not waited for.
+  std::_Exit(128 + interrupting_signal());
 }
 
 }  // namespace
