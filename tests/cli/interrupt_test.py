@@ -8,6 +8,7 @@ is measured is the processor time that the program takes after the signal.
 usage: interrupt_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import os
+import pathlib
 import shutil
 import signal
 import subprocess
@@ -15,9 +16,10 @@ import time
 import unittest
 
 from material import GATE
-from program import GATEFLY, ROOT, Cli, main
+from program import GATEFLY, Cli, main
 
-HALL = GATE + '[room]\nsize_m = [120.0, 120.0, 6.0]\n'
+SIZE = "size_m = [120.0, 120.0, 6.0]"
+HALL = f"{GATE}[room]\n{SIZE}\n"
 EXIT_CODE = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 MOST_CPU = 2.0  # s after the signal, all threads together; measured: less than 0.3
 BEFORE_MAIN = 0.1  # s while the program is still being loaded: then it just dies of the signal
@@ -27,20 +29,25 @@ class Interrupt(Cli):
     def setUp(self):
         super().setUp()
         self.file("hall.toml", HALL)
-        flight = shutil.copytree(ROOT / "tests" / "replay" / "oval_flight", self.folder / "F")
-        track = flight / "track.toml"
-        lines = track.read_text(encoding="utf-8").splitlines()
-        track.write_text("\n".join("size_m = [120.0, 120.0, 6.0]" if line.startswith("size_m") else line for line in lines), encoding="utf-8")
+
+    def flight_in_the_hall(self):
+        """A recorded second of flight, as if it had been in the hall: its pictures are not kept, but rendered again."""
+        small = self.file("small.toml", HALL.replace(SIZE, "size_m = [9.0, 9.0, 3.0]"))
+        self.assertEqual(self.run_it("fly", small, "--out", "F", "-q", "--set", "sim.timeout_s=1").returncode, 1)
+        track = self.folder / "F" / "track.toml"
+        track.write_text(track.read_text(encoding="utf-8").replace("size_m = [9.0, 9.0, 3.0]", SIZE), encoding="utf-8")
+        shutil.rmtree(self.cache)
 
     def cpu_seconds(self, process):
-        fields = open(f"/proc/{process.pid}/stat", encoding="utf-8").read().rsplit(")", 1)[1].split()
+        fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def left(self):
-        return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*") if self.cache not in (path, *path.parents))
+    def left(self, kept):
+        paths = [path.relative_to(self.folder) for path in self.folder.rglob("*")]
+        return sorted(str(path) for path in paths if path.parts[0] not in (self.cache.name, *kept))
 
     def interrupted(self, after, sent, *arguments, kept=()):
-        before, said = self.left(), f"{arguments[0]}, {sent.name} after {after} s"
+        before, said = self.left(kept), f"{arguments[0]}, {sent.name} after {after} s"
         with subprocess.Popen([GATEFLY, *arguments], cwd=self.folder, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache)), stdout=subprocess.DEVNULL,
                               stderr=subprocess.PIPE, text=True) as process:
             time.sleep(after)
@@ -52,7 +59,7 @@ class Interrupt(Cli):
             process.returncode = os.waitstatus_to_exitcode(status)
         self.assertLess(usage.ru_utime + usage.ru_stime - spent, MOST_CPU, said)
         self.assertIn(process.returncode, (EXIT_CODE[sent],) + ((-sent,) if after < BEFORE_MAIN else ()), said + stderr)
-        self.assertEqual([path for path in self.left() if path.split(os.sep)[0] not in kept], before, said)
+        self.assertEqual(self.left(kept), before, said)
         self.assertEqual([path for path in self.cache.rglob("*") if path.is_file()], [], said)
         if process.returncode > 0:
             self.assertIn("interrupted", stderr.splitlines()[-1], said)
@@ -70,6 +77,7 @@ class Interrupt(Cli):
                 self.assertIn(word, words)
 
     def test_pictures_a_replay_and_a_campaign(self):
+        self.flight_in_the_hall()
         for after, sent in ((0.15, signal.SIGTERM), (0.8, signal.SIGINT)):
             self.interrupted(after, sent, "render", "hall.toml", "--frames", "4", "--out", "X/Y", "-q")
             self.interrupted(after, sent, "replay", "F", "--out", "X/Y", "-q")
