@@ -19,7 +19,7 @@ namespace gatefly::sim {
 namespace {
 
 constexpr double kNodeSpacing = 0.25;  // of the light map [m]
-constexpr int kMostNodes = 2'500'000;  // a hall of 200 x 200 m: 0.4 GB, minutes to bake
+constexpr int kMostNodes = 2'500'000;  // 0.4 GB, minutes to bake
 constexpr double kFlatBelow = 0.35;    // longest edge that one value of light serves [m]
 constexpr Color kPoleColor{0.34f, 0.13f, 0.09f};
 constexpr Color kFootColor{0.06f, 0.06f, 0.065f};

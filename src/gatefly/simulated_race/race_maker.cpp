@@ -58,7 +58,7 @@ void refuse_too_large_for_pictures(const sim::World& world, const fs::path& path
     throw std::runtime_error(path.string() + ": room.size_m = [" + io::text_of(size.x()) + ", " +
                              io::text_of(size.y()) + ", " + io::text_of(size.z()) +
                              "]: " + error.what() +
-                             ", as of a hall of 200 x 200 m; --vision ideal needs none");
+                             "; one of 140 x 140 m fits, --vision ideal needs none");
   }
 }
 
