@@ -73,7 +73,7 @@ class Interrupt(Cli):
         self.file("plain.toml", HALL.replace("120.0, 120.0", "1000.0, 1000.0"))
         for command in (("fly", "plain.toml"), ("render", "plain.toml", "--frames", "1"), ("campaign", "plain.toml", "--runs", "1")):
             words = self.refused(*command)
-            for word in ("plain.toml: room.size_m = [1000, 1000, 6]", "140 x 140 m", "--vision ideal"):
+            for word in ("plain.toml: room.size_m = [1000, 1000, 6]", "100 x 100 m", "--vision ideal"):
                 self.assertIn(word, words)
 
     def test_pictures_a_replay_and_a_campaign(self):

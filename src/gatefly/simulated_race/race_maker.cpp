@@ -56,9 +56,8 @@ void refuse_too_large_for_pictures(const sim::World& world, const fs::path& path
   } catch (const std::length_error& error) {
     const Eigen::Vector3d& size = world.room_size;
     throw std::runtime_error(path.string() + ": room.size_m = [" + io::text_of(size.x()) + ", " +
-                             io::text_of(size.y()) + ", " + io::text_of(size.z()) +
-                             "]: " + error.what() +
-                             "; one of 140 x 140 m fits, --vision ideal needs none");
+                             io::text_of(size.y()) + ", " + io::text_of(size.z()) + "]: " +
+                             error.what() + "; one of 100 x 100 m fits, --vision ideal needs none");
   }
 }
 
