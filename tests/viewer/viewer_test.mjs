@@ -395,8 +395,33 @@ const tests = {
       });
     });
     await viewing(folder, (url) => open(url, {}, async (page) => {
-      assert.ok((await page.locator("#flights a").count()) >= 2);
+      const first = () => page.locator("tbody tr:not([hidden]) td:first-child").first().textContent();
+      const count = () => page.locator("tbody tr:not([hidden])").count();
+      const all = await count();
+      assert.ok(all >= 3);
+      await page.click('th button:text-is("name")');
+      const one = await first();
+      await page.click('th button:text-is("name")');
+      assert.ok(one < (await first()), "the other way round");
+      await page.selectOption("#kind", "campaign");
+      assert.ok((await count()) >= 1 && (await count()) < all);
+      assert.equal(await page.textContent("#shown"), `${await count()} of ${all}`);
+      await page.selectOption("#kind", "flight");
+      await page.fill("#words", "ideal");
+      assert.equal(await first(), "ideal");
       await accessible(page, "a folder of flights");
+      await page.focus("tbody tr:not([hidden]) a");  // the keyboard is enough
+      await page.keyboard.press("Enter");
+      await page.waitForFunction(() => window.__report?.flight !== undefined);
+      assert.match(page.url(), /ideal\/report\.html$/);
+      await page.click('a:text-is("← all flights")');
+      await page.waitForFunction(() => window.__report?.rows !== undefined);
+      assert.equal(page.url(), url);
+    }));
+    const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+    await viewing(folder, (url) => open(url, phone, async (page) => {
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+      assert.ok(await page.locator("#order").isVisible());
     }));
   },
 

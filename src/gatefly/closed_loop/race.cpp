@@ -63,7 +63,7 @@ template <class Simulator>
 class Arena {
  public:
   explicit Arena(const RaceConfig& config)
-      : simulator{config.sim},
+      : simulator{config.sim, config.while_baking},
         referee{config.sim.world, config.sim.vehicle, config.pilot.track.laps},
         steps_{physics_steps(config.sim.sensors.imu_hz)},
         people_{config.sim.world.people},
