@@ -22,6 +22,16 @@ std::string script(const std::string& type, const std::string& id, const std::st
   return "<script type=\"" + type + "\" id=\"" + id + "\">" + content + "</script>\n";
 }
 
+/// Why the race was lost, of summary.json's "why_lost"; null when it was not.
+Json why_of(const Json& summary) {
+  const Json lost = summary.value("why_lost", Json(nullptr));
+  if (!lost.is_object()) return nullptr;
+  Json why = Json::object();
+  for (const char* key : {"line", "cause", "t_s", "parts", "since_fix_s", "wind_mps", "object"})
+    why[key] = lost.value(key, Json(nullptr));
+  return why;
+}
+
 }  // namespace
 
 FlightPage::FlightPage(std::string page, PageCourse course, std::filesystem::path film)
@@ -51,6 +61,7 @@ std::string FlightPage::html(const Json& summary, const std::string& verdict) {
   Json flight{{"format", 2},
               {"verdict", verdict},
               {"summary", summary},
+              {"why", why_of(summary)},
               {"phases", phase_names()},
               {"camera", {looks_.picture_width(), looks_.picture_height()}},
               {"course", as_json(course_, plan_)},

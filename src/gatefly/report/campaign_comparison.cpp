@@ -46,7 +46,8 @@ nlohmann::ordered_json campaign_comparison(const std::vector<RunRow>& first,
     gates.push_back(b.gates - a.gates);
     if (a.finished && b.finished) {
       ++both;
-      time.push_back(b.time - a.time), speed.push_back(b.mean_speed - a.mean_speed);
+      time.push_back(b.time - a.time);
+      if (const double gain = b.mean_speed - a.mean_speed; !std::isnan(gain)) speed.push_back(gain);
     } else if (a.finished) {
       only_first.push_back(a.seed);
     } else if (b.finished) {

@@ -112,6 +112,16 @@ void FlightMap::draw_drone(Canvas& canvas, const Moment& now, double yaw) const 
   canvas.polygon(arrow, kDark.ink);
 }
 
+void FlightMap::draw_contact(Canvas& canvas, const Moment& then) const {
+  constexpr double kArm = 11.0;  // [px]
+  const Eigen::Vector2d center = at(then.true_p_EB.head<2>());
+  for (const auto& [color, width] : {std::pair{kDark.page, 7.0}, std::pair{kDark.bad, 3.5}})
+    for (const double side : {-1.0, 1.0}) {
+      const Eigen::Vector2d arm{kArm, side * kArm};
+      canvas.line(center - arm, center + arm, {.color = color, .width = width});
+    }
+}
+
 void FlightMap::draw_legend(Canvas& canvas, const Eigen::Vector2d& at_px) const {
   Eigen::Vector2d pen = at_px;
   const auto name = [&](const std::string& text) {

@@ -116,7 +116,7 @@ void FlightVideo::look(const Tick& tick) {
 
   Canvas picture(static_cast<int>(size.x()), static_cast<int>(size.y()));
   picture.image(image, {0, 0}, scale, true);
-  draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
+  if (!contact_) draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
   view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()},
              kDark.panel);
   view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())),
@@ -131,12 +131,48 @@ void FlightVideo::record(const Tick& tick) {
   const Estimate estimate = tick.pilot.estimate();
   while (static_cast<int>(passes_.size()) < estimate.gates_passed) passes_.push_back(now);
 
+  add_frames(tick);
+}
+
+void FlightVideo::add_frames(const Tick& tick) {
+  const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
+  const Estimate estimate = tick.pilot.estimate();
   while (now * kPicturesPerSecond >= static_cast<double>(moments_.size())) {
     moments_.push_back(
         {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()});
     draw(tick);
+    if (contact_) draw_contact();
     file_.add(frame_);
   }
+}
+
+void FlightVideo::record_fall(const Tick& tick, const closed_loop::RaceResult& result) {
+  if (moments_.empty()) return;
+  if (!contact_) {
+    Moment at = moments_.back();
+    at.time = result.crash_time.value_or(at.time);
+    at.true_p_EB = tick.truth.p_EB;
+    contact_ = {at, result.why_lost ? result.why_lost->object : result.crash_object};
+    source_ = Sighting::Source::kNone;
+  }
+  if (pictures_ && tick.sensors.image) look(tick);
+  add_frames(tick);
+}
+
+/// The moment in words over the view, its place on the map.
+void FlightVideo::draw_contact() {
+  constexpr double kHigh = 40.0;  // [px]
+  const Box bar{.x = left_.x, .y = left_.y, .width = left_.width, .height = kHigh};
+  frame_.fill(bar, kDark.bad.faded(0.85));
+  const double since = std::max(0.0, moments_.back().time - contact_->moment.time);
+  frame_.text({bar.x + 14, bar.y + 27},
+              "contact at " + fixed(contact_->moment.time, 2) + " s: " + contact_->object,
+              {.color = kDark.page, .size = 20, .bold = true});
+  frame_.text({bar.right() - 14, bar.y + 27}, "+" + fixed(since, 2) + " s",
+              {.color = kDark.page, .size = 20, .align = Align::kRight, .bold = true});
+  frame_.clip(inside(map_box_));
+  map_.draw_contact(frame_, contact_->moment);
+  frame_.unclip();
 }
 
 void FlightVideo::draw(const Tick& tick) {

@@ -26,6 +26,8 @@ class FlightVideo {
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
   void record(const Tick& tick);
+  /// Every tick after a crash: the moment of contact is marked, the drone falls.
+  void record_fall(const Tick& tick, const closed_loop::RaceResult& result);
   /// Holds the last frame with a card over it: laps, times, speed, error, what went wrong. Then
   /// completes the file.
   /// @param verdict  in words: "crashed into a pole at ..."
@@ -34,12 +36,14 @@ class FlightVideo {
  private:
   void start(const Tick& tick);
   void look(const Tick& tick);
+  void add_frames(const Tick& tick);
   void draw(const Tick& tick);
   void draw_head(const Tick& tick);
   void draw_status(const Tick& tick, const Box& box);
   void draw_strips(const Tick& tick, const Box& box);
   void draw_view(const Tick& tick);
   void draw_map(const Tick& tick);
+  void draw_contact();
 
   closed_loop::RaceConfig race_;
   std::string title_;
@@ -53,6 +57,11 @@ class FlightVideo {
   std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
   std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
   Sighting::Source source_ = Sighting::Source::kNone;
+  struct Contact {
+    Moment moment;
+    std::string object;
+  };
+  std::optional<Contact> contact_;  ///< Since then it falls.
 };
 
 }  // namespace gatefly::io
