@@ -41,6 +41,7 @@ namespace {
 
 constexpr const char* kStopped = "stopped";  // by who looks on
 constexpr double kAirborne = 0.15;           // from here on, a contact is a crash [m]
+constexpr double kFall = 1.5;                // what is shown of a crash [s]
 constexpr double kRunOut = 8.0;  // after the last gate the race is over, landed or not [s]
 
 /// Of this thread: a campaign flies several races at once, each in a thread of its own.

@@ -71,6 +71,31 @@ nlohmann::ordered_json campaign_comparison(const std::vector<RunRow>& first,
   return json;
 }
 
+nlohmann::ordered_json campaign_pairs(const std::vector<RunRow>& first,
+                                      const std::vector<RunRow>& second) {
+  using Json = nlohmann::ordered_json;
+  std::map<std::uint64_t, const RunRow*> other;
+  for (const RunRow& row : second) other[row.seed] = &row;
+  const auto when = [](const RunRow& row) { return row.finished ? Json(row.time) : Json{}; };
+  const auto speed = [](const RunRow& row) {
+    return row.finished && !std::isnan(row.mean_speed) ? Json(row.mean_speed) : Json{};
+  };
+  Json pairs = Json::array();
+  for (const RunRow& a : first) {
+    const auto found = other.find(a.seed);
+    if (found == other.end()) continue;
+    const RunRow& b = *found->second;
+    pairs.push_back({{"seed", a.seed},
+                     {"finished", {a.finished, b.finished}},
+                     {"gates", {a.gates, b.gates}},
+                     {"time_s", {when(a), when(b)}},
+                     {"speed_mps", {speed(a), speed(b)}},
+                     {"cause", {a.cause, b.cause}},
+                     {"why", {a.why, b.why}}});
+  }
+  return pairs;
+}
+
 std::vector<std::string> argument_differences(const nlohmann::json& first,
                                               const nlohmann::json& second) {
   const auto a = first.flatten(), b = second.flatten();
