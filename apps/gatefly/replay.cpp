@@ -49,7 +49,8 @@ class ReplayPage {
                   .estimate = other_filter ? &tick.estimate : nullptr,
                   .p_EB = truth.true_p_EB,
                   .v_E = truth.true_v_E,
-                  .attitude = truth.true_attitude});
+                  .attitude = truth.true_attitude,
+                  .battery_v = truth.battery_v});
   }
 
   void write(const tasks::ReplayReport& report, const tasks::ReplayArguments& given,

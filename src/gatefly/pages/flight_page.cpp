@@ -22,16 +22,6 @@ std::string script(const std::string& type, const std::string& id, const std::st
   return "<script type=\"" + type + "\" id=\"" + id + "\">" + content + "</script>\n";
 }
 
-/// Why the race was lost, of summary.json's "why_lost"; null when it was not.
-Json why_of(const Json& summary) {
-  const Json lost = summary.value("why_lost", Json(nullptr));
-  if (!lost.is_object()) return nullptr;
-  Json why = Json::object();
-  for (const char* key : {"line", "cause", "t_s", "parts", "since_fix_s", "wind_mps", "object"})
-    why[key] = lost.value(key, Json(nullptr));
-  return why;
-}
-
 }  // namespace
 
 FlightPage::FlightPage(std::string page, PageCourse course, std::filesystem::path film)
@@ -45,7 +35,9 @@ void FlightPage::record(const Tick& tick) {
                   .v_E = tick.truth.v_E,
                   .attitude = tick.truth.attitude,
                   .wind_E = tick.truth.wind_E,
-                  .exposed = tick.exposed});
+                  .exposed = tick.exposed,
+                  .battery_v = tick.truth.battery_v,
+                  .took = tick.took});
 }
 
 void FlightPage::record(const PageTick& tick) {
@@ -53,15 +45,15 @@ void FlightPage::record(const PageTick& tick) {
   if (!plan_) plan_ = tick.pilot.plan();
   passes_.add(tick, course_, now);
   if (tick.sensors.image || tick.sensors.seen) looks_.add(tick, course_, *plan_, now);
-  columns_.add(tick, course_.world, now);
+  columns_.add(tick, course_, now);
 }
 
 std::string FlightPage::html(const Json& summary, const std::string& verdict) {
   const std::string film = looks_.film().finish();
   Json flight{{"format", 2},
               {"verdict", verdict},
+              {"why", summary.value("why_lost", Json{})},
               {"summary", summary},
-              {"why", why_of(summary)},
               {"phases", phase_names()},
               {"camera", {looks_.picture_width(), looks_.picture_height()}},
               {"course", as_json(course_, plan_)},

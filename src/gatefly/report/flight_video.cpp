@@ -18,8 +18,9 @@ constexpr int kWidth = 1600, kHeight = 900;  // [px]
 constexpr int kPicturesPerSecond = 20;
 constexpr double kMargin = 16.0, kHead = 70.0, kLegend = 34.0;  // [px]
 constexpr double kStatusHeight = 44.0;                          // [px]
-constexpr double kBright = 7.0;  // the way flown in these last seconds is drawn brightest
-constexpr double kHold = 5.0;    // of the last frame [s]
+constexpr double kBright = 7.0;   // the way flown in these last seconds is drawn brightest
+constexpr double kHold = 5.0;     // of the last frame [s]
+constexpr double kContact = 2.0;  // of the contact, before the card covers it [s]
 
 Box left_column(bool pictures) {
   return {.x = kMargin,
@@ -137,9 +138,9 @@ void FlightVideo::record(const Tick& tick) {
 void FlightVideo::add_frames(const Tick& tick) {
   const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
   const Estimate estimate = tick.pilot.estimate();
+  last_ = {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()};
   while (now * kPicturesPerSecond >= static_cast<double>(moments_.size())) {
-    moments_.push_back(
-        {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()});
+    moments_.push_back(last_);
     draw(tick);
     if (contact_) draw_contact();
     file_.add(frame_);
@@ -147,32 +148,10 @@ void FlightVideo::add_frames(const Tick& tick) {
 }
 
 void FlightVideo::record_fall(const Tick& tick, const closed_loop::RaceResult& result) {
-  if (moments_.empty()) return;
-  if (!contact_) {
-    Moment at = moments_.back();
-    at.time = result.crash_time.value_or(at.time);
-    at.true_p_EB = tick.truth.p_EB;
-    contact_ = {at, result.why_lost ? result.why_lost->object : result.crash_object};
-    source_ = Sighting::Source::kNone;
-  }
+  if (moments_.empty() || !result.crash_time) return;
+  touch(result);
   if (pictures_ && tick.sensors.image) look(tick);
   add_frames(tick);
-}
-
-/// The moment in words over the view, its place on the map.
-void FlightVideo::draw_contact() {
-  constexpr double kHigh = 40.0;  // [px]
-  const Box bar{.x = left_.x, .y = left_.y, .width = left_.width, .height = kHigh};
-  frame_.fill(bar, kDark.bad.faded(0.85));
-  const double since = std::max(0.0, moments_.back().time - contact_->moment.time);
-  frame_.text({bar.x + 14, bar.y + 27},
-              "contact at " + fixed(contact_->moment.time, 2) + " s: " + contact_->object,
-              {.color = kDark.page, .size = 20, .bold = true});
-  frame_.text({bar.right() - 14, bar.y + 27}, "+" + fixed(since, 2) + " s",
-              {.color = kDark.page, .size = 20, .align = Align::kRight, .bold = true});
-  frame_.clip(inside(map_box_));
-  map_.draw_contact(frame_, contact_->moment);
-  frame_.unclip();
 }
 
 void FlightVideo::draw(const Tick& tick) {
@@ -299,7 +278,35 @@ void FlightVideo::draw_map(const Tick& tick) {
   frame_.unclip();
 }
 
+/// From now on there is a contact to be shown, where the drone is.
+void FlightVideo::touch(const closed_loop::RaceResult& result) {
+  if (contact_) return;
+  const std::string object = result.why_lost ? result.why_lost->object : result.crash_object;
+  contact_ = {last_, fixed(*result.crash_time, 1) + " s, contact: " + object};
+  source_ = Sighting::Source::kNone;
+}
+
+void FlightVideo::draw_contact() {
+  constexpr double kHeight = 44.0;  // [px]
+  frame_.clip(inside(map_box_));
+  map_.draw_flown(frame_, moments_.back(), last_, 1.0);
+  map_.draw_contact(frame_, contact_->moment);
+  frame_.unclip();
+  const double line = left_.y + view_height(pictures_);
+  frame_.fill({.x = left_.x, .y = line - kHeight, .width = left_.width, .height = kHeight},
+              kDark.bad);
+  frame_.text({left_.x + 0.5 * left_.width, line - 15}, contact_->text,
+              {.color = kDark.page, .size = 20, .align = Align::kCenter, .bold = true});
+  ++contact_->frames;
+}
+
 void FlightVideo::finish(const closed_loop::RaceResult& result, const std::string& verdict) {
+  if (!moments_.empty() && result.crash_time) {
+    touch(result);
+    draw_contact();
+    const auto shown = static_cast<std::size_t>(kContact * kPicturesPerSecond);
+    for (std::size_t i = contact_->frames; i <= shown; ++i) file_.add(frame_);
+  }
   if (!moments_.empty()) draw_result_card(frame_, result, verdict);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();

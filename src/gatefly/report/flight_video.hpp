@@ -26,10 +26,10 @@ class FlightVideo {
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
   void record(const Tick& tick);
-  /// Every tick after a crash: the moment of contact is marked, the drone falls.
+  /// Every tick after a crash: the drone falls, the moment and place of contact stay marked.
   void record_fall(const Tick& tick, const closed_loop::RaceResult& result);
-  /// Holds the last frame with a card over it: laps, times, speed, error, what went wrong. Then
-  /// completes the file.
+  /// Holds the last frame, where the race was lost by a contact with that marked in it, then with a
+  /// card over it: laps, times, speed, error, what went wrong. Then completes the file.
   /// @param verdict  in words: "crashed into a pole at ..."
   void finish(const closed_loop::RaceResult& result, const std::string& verdict);
 
@@ -38,12 +38,13 @@ class FlightVideo {
   void look(const Tick& tick);
   void add_frames(const Tick& tick);
   void draw(const Tick& tick);
+  void draw_contact();
+  void touch(const closed_loop::RaceResult& result);
   void draw_head(const Tick& tick);
   void draw_status(const Tick& tick, const Box& box);
   void draw_strips(const Tick& tick, const Box& box);
   void draw_view(const Tick& tick);
   void draw_map(const Tick& tick);
-  void draw_contact();
 
   closed_loop::RaceConfig race_;
   std::string title_;
@@ -54,14 +55,16 @@ class FlightVideo {
   /// What stays; the frame being drawn; the last picture with detections.
   Canvas backdrop_, frame_, view_;
   std::vector<Moment> moments_;                  ///< One a frame.
+  Moment last_;                                  ///< Of the latest tick, between two frames.
   std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
   std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
   Sighting::Source source_ = Sighting::Source::kNone;
   struct Contact {
     Moment moment;
-    std::string object;
+    std::string text;        ///< "21.5 s, contact: right bar of gate 3".
+    std::size_t frames = 0;  ///< So many are drawn since.
   };
-  std::optional<Contact> contact_;  ///< Since then it falls.
+  std::optional<Contact> contact_;
 };
 
 }  // namespace gatefly::io
