@@ -20,8 +20,8 @@ struct LooksSinceFix {
 
 /// A fix that was taken of something else than the target.
 struct WrongFix {
-  double time = 0.0;     ///< [s]
-  std::string taken_of;  ///< "gate 2", "false gate 1", "no gate".
+  double time = 0.0;       ///< [s]
+  std::string taken_of{};  ///< "gate 2", "false gate 1", "no gate".
 };
 
 /// One moment of a race as it was recorded: truth, belief and plan. Positions in earth axes [m].
@@ -40,7 +40,7 @@ struct LossMoment {
   std::optional<double> since_fix = std::nullopt;    ///< [s]
   std::optional<Eigen::Vector3d> fix_error = std::nullopt;
   std::optional<WrongFix> wrong_fix = std::nullopt;
-  LooksSinceFix looks;
+  LooksSinceFix looks{};
 };
 
 /// Where the race was lost against: what stood and what was planned.
@@ -82,7 +82,7 @@ struct WhyLost {
   std::optional<double> since_fix = std::nullopt;           ///< [s]
   std::optional<Eigen::Vector3d> fix_error = std::nullopt;  ///< Of the last fix, as the miss [m].
   std::optional<WrongFix> wrong_fix = std::nullopt;
-  LooksSinceFix looks;
+  LooksSinceFix looks{};
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< Along and to the right, then [m/s].
   double wind_mean = 0.0;                          ///< Its speed, over the flight [m/s].
 };
