@@ -152,7 +152,8 @@ std::string named(const std::string& object, const sim::World& world) {
 
 WhyLost why_lost(const LossMoment& moment, const LossPlace& place, How how,
                  const std::string& object) {
-  WhyLost why{.how = how, .time = moment.time, .gate = moment.passed + 1};
+  WhyLost why;
+  why.how = how, why.time = moment.time, why.gate = moment.passed + 1;
   why.object = object.empty() ? "" : named(object, place.world);
   why.since_fix = moment.since_fix, why.wrong_fix = moment.wrong_fix, why.looks = moment.looks;
   const auto gate = gate_aimed_at(moment, place, how, object);
