@@ -26,7 +26,7 @@ closed_loop::RaceResult lost_at_a_gate() {
   why.detection = {0, -0.01, 0};
   why.shares = {0.175, 0.03, 0.013, -0.009};
   why.since_fix = 1.8;
-  why.wind = {0.05, 0.3}, why.wind_mean = 0.25;
+  why.wind = {0.05, 0.3}, why.wind_mean = 0.32;
   result.why_lost = why;
   return result;
 }
@@ -76,7 +76,7 @@ TEST(LossLine, WallsPeopleTimeAndSearchesHaveTheirOwnWords) {
   EXPECT_THAT(loss_line(result),
               EndsWith("touched person 1, which stood in its way and is on no map."));
   why.how = WhyLost::How::kGivenUp, why.cause = WhyLost::Cause::kGivenUp;
-  result.abort_reason = "the IMU went silent";
+  why.reason = "the IMU went silent";
   EXPECT_EQ(loss_line(result), "Lost before gate 8 of 15: gave up, the IMU went silent.");
 }
 

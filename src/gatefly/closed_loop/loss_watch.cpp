@@ -93,6 +93,7 @@ WhyLost LossWatch::why(const Pilot& pilot, const std::string& stop_reason,
     how = pilot.abort_reason() == AbortReason::kGateNotFound ? How::kNotFound : How::kGivenUp;
   }
   WhyLost why = why_lost(*moment, {world_, map_, pilot.plan()}, how, contact);
+  why.reason = text_of(pilot.abort_reason());
   if (ticks_ > 0) why.wind_mean = wind_sum_ / ticks_;
   return why;
 }

@@ -65,6 +65,7 @@ struct WhyLost {
   Cause cause = Cause::kEstimate;
   double time = 0.0;         ///< Of the contact, of the gate that was missed, of giving up [s].
   int gate = 1;              ///< The first one of the race that was not passed, from 1.
+  std::string reason{};      ///< Why the pilot gave up; "" when it did not.
   std::string object{};      ///< "right bar of gate 3", "east wall"; "" when nothing was touched.
   bool at_its_gate = false;  ///< The object, or what was missed, is a part of the gate it flew to.
   /// The miss is measured from the middle of a gate; else from the way that was planned.

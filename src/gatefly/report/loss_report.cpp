@@ -50,18 +50,24 @@ const char* side_of(const Eigen::Vector2d& wind) {
 std::string fix_words(const WhyLost& why) {
   constexpr double kRecent = 0.25;  // [s]
   if (!why.since_fix) return "no fix at all";
+  if (*why.since_fix < 0.05) return "a fix just before";
   if (*why.since_fix < kRecent) return "last fix " + fixed(*why.since_fix, 1) + " s before";
   std::string text = "no fix for " + fixed(*why.since_fix, 1) + " s";
   const auto& looks = why.looks;
   if (looks.pictures < 3) return text;
   if (looks.gate_in_view == 0) return text + ", the gate not whole in view";
   return text + ", the gate found in " + std::to_string(looks.gate_found) + " of the " +
-         amount(looks.gate_in_view, "picture") + " that showed it whole";
+         amount(looks.gate_in_view, "picture") + " that showed it whole" +
+         (2 * looks.gate_found > looks.gate_in_view ? " but not believed" : "");
 }
 
 std::string wind_words(const WhyLost& why) {
   if (why.wind.norm() < kStill && why.wind_mean < kStill) return "";
-  return ", wind " + fixed(why.wind.norm(), 1) + " m/s from " + side_of(why.wind);
+  const std::string mean = fixed(why.wind_mean, 1);
+  if (why.wind.norm() < 0.05) return ", no wind then, " + mean + " m/s on average";
+  const std::string now = fixed(why.wind.norm(), 1);
+  return ", wind " + now + " m/s from " + side_of(why.wind) +
+         (now == mean ? "" : ", " + mean + " on average");
 }
 
 std::string detection_words(const WhyLost& why) {
@@ -78,7 +84,7 @@ std::string shares(const WhyLost& why) {
   std::array<std::size_t, 4> order{0, 1, 2, 3};
   std::stable_sort(order.begin(), order.end(),
                    [&](auto a, auto b) { return why.shares[a] > why.shares[b]; });
-  const std::array<std::string, 4> notes{fix_words(why) + wind_words(why), "", "",
+  const std::array<std::string, 4> notes{fix_words(why) + wind_words(why), "it knew of that", "",
                                          detection_words(why)};
   std::string text, against;
   bool estimate_told = false;
@@ -109,7 +115,7 @@ std::string event(const WhyLost& why, const closed_loop::RaceResult& r) {
       return "flew past its opening";
     case How::kNotFound:
     case How::kGivenUp:
-      return "gave up, " + r.abort_reason;
+      return "gave up, " + why.reason;
     case How::kTimeout:
       return "out of time after " + fixed(r.flight_time, 0) + " s";
   }
@@ -172,7 +178,7 @@ std::string loss_line(const closed_loop::RaceResult& result) {
   if (why.cause == Cause::kGivenUp) return line + ".";
   if (why.cause == Cause::kInTheWay) return line + ", which stood in its way and is on no map.";
   if (why.cause == Cause::kTimeout) return line + ", " + miss_words(why) + ".";
-  if (why.cause == Cause::kDetection && why.how == How::kNotFound)
+  if (why.cause == Cause::kDetection && why.how == How::kNotFound && why.looks.gate_in_view > 0)
     return line + ": " + fix_words(why) + "; " + miss_words(why) + afterwards(why, result) + ".";
   return line + ", " + miss_words(why) + ": " + shares(why) + afterwards(why, result) + ".";
 }
