@@ -122,6 +122,7 @@ function showCauses(list: List): void {
     }
   };
   if (result.lost_by?.length) table(byId("lost_by"), "most of the miss", result.lost_by, EXPLAINED);
+  else byId("touched").closest("details")!.open = true;
   table(byId("touched"), "how it ended", result.causes);
 }
 

@@ -65,7 +65,7 @@ function showLostBy(told: Comparison): void {
   const [a, b] = told.lost_by, counts = (list: typeof a, cause: string) => `${list.find((one) => one.cause === cause)?.count ?? 0}`;
   const causes = [...new Set([...a, ...b].map((one) => one.cause))];
   if (!causes.length) return;
-  const body = head(panel("What races were lost by"), ["most of the miss", "first", "second"]);
+  const body = head(panel("What races were lost by"), ["", "first", "second"]);
   for (const cause of causes) row(body, [cause, counts(a, cause), counts(b, cause)]);
 }
 
@@ -78,7 +78,7 @@ function showSeeds(told: Comparison): void {
   const differ = told.seeds.filter(({ finished }) => finished[0] !== finished[1]);
   if (!differ.length) return;
   const body = head(panel("Seeds that one of them finished"), ["seed", "first", "second"]);
-  const words = (seed: Seed, i: 0 | 1) => (seed.finished[i] ? `finished in ${seed.time_s[i]!.toFixed(1)} s` : `${seed.cause[i]}, ${seed.gates[i]} gates${seed.why[i] ? `, most of the miss: ${seed.why[i]}` : ""}`);
+  const words = (seed: Seed, i: 0 | 1) => (seed.finished[i] ? `finished in ${seed.time_s[i]!.toFixed(1)} s` : `${seed.cause[i]}, ${seed.gates[i]} ${seed.gates[i] === 1 ? "gate" : "gates"}${seed.why[i] && seed.why[i] !== seed.cause[i] ? `, lost by ${seed.why[i]}` : ""}`);
   for (const seed of differ) row(body, [`${seed.seed}`, words(seed, 0), words(seed, 1)], ([0, 1] as const).filter((i) => !seed.finished[i]).map((i) => i + 1));
 }
 
