@@ -247,7 +247,7 @@ TEST(WhyLost, BeforeTakeOffTheAimIsThePad) {
 
 TEST(WhyLost, ASearchThatDoesNotFindWhatIsInViewIsDetections) {
   const OneGate course;
-  LossMoment now = course.at({-2.2, 0.1, 0}, {0, 0.1, 0}, {0, 0, 0}, {0, 0, 0});
+  LossMoment now = course.at({-2.2, 0.6, 0}, {0, 0.6, 0}, {0, 0, 0}, {0, 0, 0});
   now.flying = LossMoment::Flying::kSearch, now.wait_x = -2.2;
   EXPECT_EQ(course.why(now, WhyLost::How::kNotFound, "").cause, WhyLost::Cause::kEstimate);
   now.looks = {.pictures = 200, .gate_in_view = 40, .gate_found = 0};

@@ -105,7 +105,7 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
 
   result.gates_passed = 0;
   EXPECT_THAT(runs_csv({row_of(summary(result, {}))}),
-              ::testing::HasSubstr("0,0,0,6,11.25,,,crash: gate 2 left bar,,,,100"))
+              ::testing::HasSubstr("\n1,0,0,6,11.25,,,crash: gate 2 left bar,,,,100"))
       << "no speed and no error before the first gate";
   result.crash_time.reset();
   result.stop_reason = "abort", result.abort_reason = "lost, twice";
