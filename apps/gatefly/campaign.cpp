@@ -13,7 +13,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/pages/list_page.hpp"
+#include "gatefly/pages/page.hpp"
 #include "gatefly/report/campaign_comparison.hpp"
 #include "gatefly/sim/camera.hpp"
 
@@ -152,14 +155,46 @@ nlohmann::ordered_json compared(const CampaignFolder& first, const CampaignFolde
   return json;
 }
 
+/// The same as a page.
+std::string page_of(nlohmann::ordered_json comparison, const CampaignFolder& first,
+                    const CampaignFolder& second) {
+  const auto a = first.rows(), b = second.rows();
+  comparison["lost_by"] = {io::campaign_result(a).at("lost_by"),
+                           io::campaign_result(b).at("lost_by")};
+  comparison["seeds"] = io::campaign_pairs(a, b);
+  const std::string title = first.arguments().value("track", "") + ", two campaigns, " +
+                            io::amount(comparison.at("pairs").get<int>(), "seed") + " in common";
+  return io::comparison_page(io::shipped_page("campaign.html"), title, comparison);
+}
+
+/// "before": a folder's own name, however it was given.
+std::string name_of(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
 /// Two campaigns that are there; flies nothing.
 int compare(const CampaignOptions& options) {
-  const auto json = compared(CampaignFolder::existing(options.compare[0]),
-                             CampaignFolder::existing(options.compare[1]));
-  if (options.json)
+  const CampaignFolder first = CampaignFolder::existing(options.compare[0]),
+                       second = CampaignFolder::existing(options.compare[1]);
+  const fs::path out =
+      options.out.empty()
+          ? fs::path{"out"} / ("compare-" + name_of(first.path()) + "-" + name_of(second.path()))
+          : fs::path{options.out};
+  const auto json = compared(first, second);
+  io::check_output_folder("--out", out);
+  io::refuse_foreign_folder(out, "comparison.json", {"comparison", "mcnemar_p", 1 << 20},
+                            "choose another --out");
+  fs::create_directories(out);
+  io::write_files(
+      std::vector<io::FileContent>{{out / "comparison.json", json.dump(2) + "\n"},
+                                   {out / "report.html", page_of(json, first, second)}});
+  if (options.json) {
     std::cout << json.dump(2) << '\n';
-  else
+  } else {
     print_comparison(json);
+    std::cout << "  page            " << (out / "report.html").string() << '\n';
+  }
   return kDone;
 }
 
@@ -169,8 +204,12 @@ void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds,
   std::vector<io::RunRow> rows;
   for (const std::uint64_t seed : seeds) rows.push_back(folder.row(seed).value());
   nlohmann::ordered_json campaign = folder.finish(rows);
-  if (!options.compare.empty())
-    campaign["comparison"] = compared(CampaignFolder::existing(options.compare[0]), folder);
+  if (!options.compare.empty()) {
+    const CampaignFolder other = CampaignFolder::existing(options.compare[0]);
+    campaign["comparison"] = compared(other, folder);
+    io::write_file(folder.path() / "comparison.html",
+                   page_of(campaign["comparison"], other, folder));
+  }
   if (options.json)
     std::cout << campaign.dump(2) << '\n';
   else

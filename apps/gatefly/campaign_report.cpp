@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
+#include <sstream>
 #include <string>
 
 #include "gatefly/files/text.hpp"
@@ -23,6 +24,14 @@ std::string first_of(const nlohmann::ordered_json& seeds) {
 
 void print_line(const char* name, const std::string& text) {
   std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
+}
+
+/// "0.031", "1.2e-05".
+std::string probability(double p) {
+  if (p == 0.0 || p >= 1e-3) return fixed(p, 3);
+  std::ostringstream text;
+  text << std::scientific << std::setprecision(1) << p;
+  return text.str();
 }
 
 std::string percent(double part) { return fixed(100.0 * part, 1) + " %"; }
@@ -74,6 +83,11 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
   }
   if (causes.size() > kShown)
     line("", std::to_string(causes.size() - kShown) + " more causes in campaign.json");
+  std::string lost_by;
+  for (const auto& why : result.value("lost_by", nlohmann::ordered_json::array()))
+    lost_by += (lost_by.empty() ? "" : ", ") + why.at("count").dump() + " by " +
+               why.at("cause").get<std::string>();
+  if (!lost_by.empty()) line("lost", lost_by);
   if (campaign.contains("replay")) line("fly one again", campaign.at("replay").get<std::string>());
   line("files", (out / "").string());
 }
@@ -86,7 +100,7 @@ void print_comparison(const nlohmann::ordered_json& comparison) {
             << " seeds in common: " << comparison.at("both_finished") << " finished by both, "
             << only_first.size() << " | " << only_second.size() << " by one alone, "
             << comparison.at("neither_finished")
-            << " by none (McNemar's p = " << fixed(comparison.at("mcnemar_p"), 3) << ")\n";
+            << " by none (McNemar's p = " << probability(comparison.at("mcnemar_p")) << ")\n";
   if (!only_first.empty()) print_line("only the first", "seed " + first_of(only_first));
   if (!only_second.empty()) print_line("only the second", "seed " + first_of(only_second));
   const auto gain = [&](const char* name, const char* key, const char* unit, int digits) {

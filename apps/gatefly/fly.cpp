@@ -12,6 +12,7 @@
 #include "gatefly/pages/page.hpp"
 #include "gatefly/report/flight_mcap.hpp"
 #include "gatefly/report/flight_video.hpp"
+#include "gatefly/report/loss_report.hpp"
 #include "gatefly/report/summary.hpp"
 
 #include "commands.hpp"
@@ -59,6 +60,7 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
   std::cout << race.identity.track << ", seed " << race.identity.seed << ": "
             << coloured(r.finished, verdict(r, last_p_EB)) << '\n';
   if (quiet) return;
+  if (const std::string why = io::loss_line(r); !why.empty()) std::cout << "  " << why << '\n';
 
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
@@ -66,10 +68,14 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
   std::string laps;
   for (const double lap : r.lap_times) laps += (laps.empty() ? "" : ", ") + fixed(lap, 1) + " s";
   line("laps", laps.empty() ? "none" : laps);
-  line("speed", fixed(r.mean_speed, 2) + " m/s mean, " + fixed(r.max_speed, 2) + " m/s max");
-  line("estimate", "rmse x " + fixed(r.estimation_rmse.x(), 2) + ", y " +
-                       fixed(r.estimation_rmse.y(), 2) + ", z " + fixed(r.estimation_rmse.z(), 2) +
-                       " m");
+  // From the first gate on: before it there is nothing to say.
+  const auto known = [](bool is, double value) { return is ? fixed(value, 2) : "–"; };
+  const bool one = r.gates_passed > 0;
+  line("speed", known(r.gates_passed > 1, r.mean_speed) + " m/s mean, " + known(one, r.max_speed) +
+                    " m/s max");
+  const Eigen::Vector3d& rmse = r.estimation_rmse;
+  line("estimate", "rmse x " + known(one, rmse.x()) + ", y " + known(one, rmse.y()) + ", z " +
+                       known(one, rmse.z()) + " m");
   line("detection", io::amount(r.frames, "picture") + ", " + std::to_string(r.frames_with_gate) +
                         " show the next gate whole: in " + std::to_string(r.true_positives) +
                         " found, " + std::to_string(r.false_positives) + " false detections");
@@ -131,19 +137,21 @@ int fly(const FlyOptions& options) {
                                           " of " + fixed(total, 0) + " gates, " +
                                           name_of(tick.pilot.phase()));
     }
-    return true;
   };
   closed_loop::Flight flight{race.config};
-  while (flight.step())
-    if (!on_tick(flight.tick())) flight.stop();
+  while (flight.step()) on_tick(flight.tick());
   const closed_loop::RaceResult result = flight.result();
+  page.end(flight.tick());
+  while (video && flight.fall()) {
+    stop_if_interrupted();
+    video->record_fall(flight.tick(), result);
+  }
   progress.clear();
 
   mcap.finish();
   if (video) video->finish(result, verdict(result, last_p_EB));
   const nlohmann::ordered_json told = io::summary(result, race.identity);
   const std::string summary = told.dump(2) + "\n";
-  page.end(flight.tick());
   recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));
   const std::string replaced = recorder.finish(summary);
   if (!replaced.empty() && !quiet)

@@ -28,7 +28,8 @@ class Campaign(Cli):
         header, *rows = (self.folder / "all" / "runs.csv").read_text().splitlines()
         self.assertEqual(header, "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
                                  "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration")
+                                 "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,map_cm,"
+                                 "detection_cm,since_fix_s,commit,configuration")
         cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
         self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
         answer = json.loads(result.stdout)
@@ -148,13 +149,37 @@ class Campaign(Cli):
         self.assertEqual(comparison["differences"], ["sim.timeout_s: 5.0 | 240.0"])
         stored = json.loads((self.folder / "late" / "campaign.json").read_text())
         self.assertNotIn("comparison", stored)
+        self.assertIn('"mcnemar_p":0.5', (self.folder / "late" / "comparison.html").read_text(encoding="utf-8"))
         again = self.run_it("campaign", "--compare", "early", "late")
+        page = self.folder / "out" / "compare-early-late"
+        self.assertIn(str(page.relative_to(self.folder) / "report.html"), again.stdout)
+        self.assertEqual(json.loads((page / "comparison.json").read_text())["only_second"], [2, 3])
+        html = (page / "report.html").read_text(encoding="utf-8")
+        self.assertIn('"seeds":[{"seed":2', html)
+        self.assertNotRegex(html, r'(src|href)="https?:')
+        self.assertIn("early", self.refused("campaign", "--compare", "early", "late", "--out", "early"))
         self.assertIn("0 | 2 by one alone", again.stdout)
         self.assertIn("only the second seed 2, 3", again.stdout)
         self.assertEqual(self.campaign("other", "--first-seed", "900", runs=1).returncode, 0)
         self.assertIn("no seed in common", self.refused("campaign", "--compare", "early", "other"))
         self.assertIn("nowhere/campaign.json", self.refused("campaign", "oval", "--runs", "1", "--compare", "nowhere"))
         self.assertIn("--compare", self.refused("campaign", "--compare", "early", "late", "other"))
+
+    def test_a_small_p_has_an_exponent(self):
+        self.assertEqual(self.campaign("early", "--set", "sim.timeout_s=5", runs=16).returncode, 0)
+        self.assertEqual(self.campaign("late", runs=16).returncode, 0)
+        p = json.loads(self.run_it("campaign", "--compare", "early", "late", "--json").stdout)["mcnemar_p"]
+        self.assertLess(p, 1e-3)
+        self.assertIn(f"p = {p:.1e})", self.run_it("campaign", "--compare", "early", "late").stdout)
+
+    def test_what_races_were_lost_by(self):
+        result = self.campaign("blind", "--set", "faults.camera_out_s=[0, 300]", "--set", "randomize.wind_mps=0.5", runs=4)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        answer = json.loads((self.folder / "blind" / "campaign.json").read_text())["result"]
+        self.assertEqual(sum(cause["count"] for cause in answer["lost_by"]), 4 - answer["finished"])
+        self.assertIn(" by estimate", result.stdout)
+        run = json.loads((self.folder / "blind" / f"run_{answer['lost_by'][0]['seeds'][0]:06}.json").read_text())
+        self.assertIn(run["why_lost"]["line"], (self.folder / "blind" / "report.html").read_text(encoding="utf-8"))
 
     def test_a_folder_with_other_arguments_is_refused(self):
         self.assertEqual(self.campaign("mine", runs=1).returncode, 0)

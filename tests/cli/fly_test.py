@@ -69,6 +69,29 @@ class IdealVision(Cli):
         self.assertIn("ours", self.refused("fly", "oval", "--set", "sim.ideal_detector=theirs"))
 
 
+class WhyLost(Cli):
+    def test_a_lost_race_says_why_and_a_finished_one_nothing(self):
+        fly = ("fly", "oval", "--vision", "ideal", "--laps", "1", "--out")
+        result = self.run_it(*fly, "lost", "--set", "faults.camera_out_s=[0, 300]", "--set", "randomize.wind_mps=0.5")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        summary = json.loads((self.folder / "lost" / "summary.json").read_text())
+        why = summary["why_lost"]
+        self.assertIn(why["line"], result.stdout)
+        self.assertRegex(why["line"], r"^Lost (at|before) gate 1 of 2: .* the estimate \(no fix at all, .*wind \d\.\d m/s from ")
+        parts = why["parts"]
+        self.assertEqual([part["cause"] for part in parts], ["estimate", "guidance", "map", "detection"])
+        for axis in ("lateral_cm", "vertical_cm"):
+            self.assertAlmostEqual(sum(part[axis] for part in parts), why["miss"][axis], delta=0.3)
+        self.assertEqual(summary["max_speed_mps"], None)
+        self.assertIn("– m/s mean, – m/s max", result.stdout)
+        self.assertIn("rmse x –, y –, z – m", result.stdout)
+        page = (self.folder / "lost" / "report.html").read_text(encoding="utf-8")
+        self.assertIn('"why":{"line":"' + why["line"], page)
+        self.assertEqual(self.run_it(*fly, "done").returncode, 0)
+        self.assertIsNone(json.loads((self.folder / "done" / "summary.json").read_text())["why_lost"])
+        self.assertIn('"why":null', (self.folder / "done" / "report.html").read_text(encoding="utf-8"))
+
+
 class Faults(Cli):
     def test_they_are_said_in_a_track_file_a_configuration_or_on_the_command_line(self):
         oval = (ROOT / "tracks" / "oval.toml").read_text(encoding="utf-8")

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "gatefly/report/summary.hpp"
@@ -85,6 +86,9 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
                         {.samples = 2, .sum_per_dof = 1.0, .inside = 2},
                         2};
   result.frames = 100, result.true_positives = 40, result.false_positives = 3, result.searches = 1;
+  closed_loop::WhyLost why{.cause = closed_loop::WhyLost::Cause::kMap};
+  why.shares = {0.04, -0.01, 0.205, 0.0}, why.since_fix = 1.5;
+  result.why_lost = why;
   const RunRow row = row_of(summary(result, {"oval", 17, "ideal", "1.2.3", "c0", "f0", {}}));
   EXPECT_EQ(row.seed, 17u);
   EXPECT_FALSE(row.finished);
@@ -92,10 +96,17 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
   EXPECT_EQ(runs_csv({row}),
             "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
             "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-            "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration\n"
+            "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,"
+            "map_cm,detection_cm,since_fix_s,commit,configuration\n"
             "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left "
-            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,c0,f0\n");
+            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0\n");
+  EXPECT_EQ(campaign_result({row}).at("lost_by"),
+            nlohmann::json::parse(R"([{"cause": "map", "count": 1, "seeds": [17]}])"));
 
+  result.gates_passed = 0;
+  EXPECT_THAT(runs_csv({row_of(summary(result, {}))}),
+              ::testing::HasSubstr("\n1,0,0,6,11.25,,,crash: gate 2 left bar,,,,100"))
+      << "no speed and no error before the first gate";
   result.crash_time.reset();
   result.stop_reason = "abort", result.abort_reason = "lost, twice";
   EXPECT_EQ(row_of(summary(result, {})).cause, "abort: lost, twice");

@@ -380,7 +380,12 @@ const tests = {
       assert.match(await page.textContent("#rate p"), /true rate lies between .* and .* %/);
       assert.ok((await page.locator(".rate .interval").boundingBox()).width > 20);
       assert.equal(await page.locator("#flights tbody tr").count(), 6);
-      assert.match(await page.locator("#flights tbody tr").first().textContent(), /gatefly fly oval --seed 1 .*--out .*oval-1/);
+      assert.match(await page.locator("#flights tbody").textContent(), /gatefly fly oval --seed 1 .*--out .*oval-1/);
+      const rows = await page.locator("#flights tbody tr td:nth-child(2)").evaluateAll((cells) => cells.map((cell) => cell.textContent));
+      const failed = rows.map((text) => text !== "finished");
+      assert.deepEqual(failed, [...failed].sort((a, b) => Number(b) - Number(a)), "failures first");
+      for (const text of rows.slice(0, failed.indexOf(false))) assert.match(text, /^Lost (at|before) gate \d of \d: /);
+      if (failed[0]) assert.match(await page.textContent("#lost_by"), /most of the miss/);
       await accessible(page, "a campaign's page");
       await page.setViewportSize({ width: 360, height: 740 });
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
@@ -423,6 +428,39 @@ const tests = {
       assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
       assert.ok(await page.locator("#order").isVisible());
     }));
+  },
+
+  async "histograms: every bin holds what its name says"() {
+    const out = campaign("bins", "--runs", "2");
+    await open(join(out, "report.html"), {}, async (page) => {
+      const bins = await page.evaluate(() => {
+        const { binned, named } = window.__report;
+        const told = (values, top, digits) => {
+          const bins = binned(values, top);
+          return bins.counts.map((count, i) => `${named(bins, i, (value) => value.toFixed(digits))}: ${count}`).filter((text) => !text.endsWith(": 0"));
+        };
+        return [told([8, 8, 8, 9, 9, 9, 10, 60], 60, 0), told([0, 8, 8, 15], 15, 0), told([-7, -6, 0, 5, 90], undefined, 0), told([1.0, 1.05, 1.1, 2.9], undefined, 1), told([3, 3], undefined, 0)];
+      });
+      assert.deepEqual(bins, [["8 to 9: 6", "10 to 11: 1", "60 to 61: 1"], ["0: 1", "8: 2", "15: 1"], ["-10 to -6: 2", "0 to 4: 1", "5 to 9: 1", "90 to 94: 1"],
+        ["1.0 to 1.1: 2", "1.1 to 1.2: 1", "2.9 to 3.0: 1"], ["3: 2"]]);
+    });
+  },
+
+  async "two campaigns beside each other"() {
+    const before = campaign("before", "--runs", "14", "--set", "sim.timeout_s=5"), after = campaign("after", "--runs", "14"), out = join(folder, "compared");
+    const run = spawnSync(gatefly, ["campaign", "--compare", before, after, "--out", out], { cwd: root, encoding: "utf-8" });
+    assert.equal(run.status, 0, run.stderr);
+    await open(join(out, "report.html"), { viewport: { width: 1280, height: 800 } }, async (page) => {
+      assert.match(await page.textContent("#verdict"), /^0 \| 1\d of 14 races finished$/);
+      const [, p] = run.stdout.match(/p = ([^)]+)\)/);
+      assert.match(p, /^\d\.\de-0\d$/);
+      assert.ok((await page.textContent("#rate")).includes(`p = ${p} `), "the page and the screen say the same p");
+      assert.match(await page.textContent("main"), /sim\.timeout_s: 5\.0 \| 240\.0/);
+      assert.ok(!(await page.locator("#flights").isVisible()));
+      await accessible(page, "a comparison's page");
+      await page.setViewportSize({ width: 360, height: 740 });
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    });
   },
 
   async "a phone: nothing to scroll sideways, everything can be reached by the keyboard"() {

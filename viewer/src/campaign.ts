@@ -1,31 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of a campaign or of a folder of flights: src/gatefly/pages/list_page.cpp writes what is read here.
 import "./style.css";
-import { histogram } from "./histogram";
+import { type Comparison, showComparison } from "./comparison";
+import { binned, histogram, named } from "./histogram";
 import { head } from "./tables";
 import { byId, element } from "./text";
 import { startTheme } from "./theme";
 
 interface Row {
   name: string; page?: string; fly?: string; note?: string; kind?: string; seed?: number; finished?: boolean; gates?: number; gates_total?: number;
-  time_s?: number; speed_mps?: number; stop?: string; why?: string; rmse_m?: number;
+  time_s?: number; speed_mps?: number; stop?: string; why?: string; rmse_m?: number; lost?: string; lost_by?: string;
 }
+interface Cause { cause: string; count: number; seeds: number[] }
 interface Result {
   runs: number; finished: number; completion_rate: number; completion_wilson95: [number, number]; gates_passed: number; gates_total: number;
   consistency?: { nees: { samples: number; mean_per_dof: number; inside_95: number } };
-  causes: { cause: string; count: number; seeds: number[] }[];
+  causes: Cause[]; lost_by?: Cause[];
 }
 interface List {
   title: string; flights: Row[]; one_in: number; offsets_cm: { across: number[]; down: number[] }; result: Result | null;
-  arguments?: { version?: string };
+  arguments?: { version?: string }; comparison?: Comparison;
 }
 
 const SHOWN = 200;  // rows; more are behind a button
 const ENOUGH = 8;   // flights of a folder, for distributions
-const css = (part: number) => `${(100 * part).toFixed(2)}%`;
 const percent = (part: number) => `${(100 * part).toFixed(1)} %`;
+const css = (part: number) => `${(100 * part).toFixed(2)}%`;
 
 function outcome(row: Row): string {
+  if (row.finished === false && row.lost) return row.lost;
   if (row.finished === undefined) return row.kind === "replay" ? "replay" : row.note ?? "not readable";
   if (row.finished) return "finished";
   return (row.stop === "crash" ? "crashed into " : row.stop === "abort" ? "given up: " : "") + (row.why || row.stop || "not finished");
@@ -91,25 +94,36 @@ function command(row: Row): HTMLElement {
   return box;
 }
 
+const EXPLAINED: Record<string, string> = {
+  estimate: "the estimate: what IMU, drag and wind put in between fixes", guidance: "guidance: it knew that it was off",
+  map: "the map: the gate stands elsewhere", detection: "detection: fixes that were wrong, or none where a gate was in view",
+  "in the way": "something that is on no map stood in the way", timeout: "out of time", "given up": "given up: a sensor, the motors",
+};
+
 function showCauses(list: List): void {
-  const causes = list.result?.causes ?? [];
-  if (!causes.length) return;
+  const { result } = list;
+  if (!result?.causes.length) return;
   byId("causes").hidden = false;
-  const body = head(byId("causes").querySelector("table")!, ["what", "races", "flights, and the command that flies each again"]);
   const bySeed = new Map(list.flights.map((row) => [row.seed, row]));
-  for (const { cause, count, seeds } of causes) {
-    const row = element("tr"), cell = element("td"), details = element("details");
-    details.append(element("summary", seeds.slice(0, 8).join(", ") + (seeds.length > 8 ? ", …" : "")));
-    for (const seed of seeds.slice(0, SHOWN)) {
-      const flight = bySeed.get(seed), line = element("div", `seed ${seed}: `, "line");
-      if (flight?.page) line.append(link(flight), " ");
-      if (flight?.fly) line.append(command(flight));
-      details.append(line);
+  const table = (host: HTMLElement, what: string, causes: Cause[], explained: Record<string, string> = {}) => {
+    const body = head(host, [what, "races", "flights, and the command that flies each again"]);
+    for (const { cause, count, seeds } of causes) {
+      const row = element("tr"), cell = element("td"), details = element("details");
+      details.append(element("summary", seeds.slice(0, 8).join(", ") + (seeds.length > 8 ? ", …" : "")));
+      for (const seed of seeds.slice(0, SHOWN)) {
+        const flight = bySeed.get(seed), line = element("div", `seed ${seed}: `, "line");
+        if (flight?.page) line.append(link(flight), " ");
+        if (flight?.fly) line.append(command(flight));
+        details.append(line);
+      }
+      cell.append(details);
+      row.append(element("td", explained[cause] ?? cause), element("td", `${count}, ${percent(count / result.runs)}`), cell);
+      body.append(row);
     }
-    cell.append(details);
-    row.append(element("td", cause), element("td", `${count}, ${percent(count / list.result!.runs)}`), cell);
-    body.append(row);
-  }
+  };
+  if (result.lost_by?.length) table(byId("lost_by"), "most of the miss", result.lost_by, EXPLAINED);
+  else byId("touched").closest("details")!.open = true;
+  table(byId("touched"), "how it ended", result.causes);
 }
 
 function link(row: Row): HTMLAnchorElement {
@@ -135,8 +149,10 @@ function showFlights(list: List): void {
       body.append(line);
     }
   };
-  const more = byId<HTMLButtonElement>("more"), left = list.flights.slice(SHOWN);
-  add(list.flights.slice(0, SHOWN));
+  // Of a campaign those come first that did not finish.
+  const rank = (row: Row) => (list.result && row.finished === false ? 0 : 1), ranked = [...list.flights].sort((a, b) => rank(a) - rank(b));
+  const more = byId<HTMLButtonElement>("more"), left = ranked.slice(SHOWN);
+  add(ranked.slice(0, SHOWN));
   more.hidden = left.length === 0;
   more.textContent = `${left.length} more`;
   more.addEventListener("click", () => { add(left); more.hidden = true; });
@@ -144,8 +160,12 @@ function showFlights(list: List): void {
 
 const list: List = JSON.parse(byId("list").textContent!);
 startTheme(byId("theme"));
-showHead(list);
-showHistograms(list);
-showCauses(list);
-showFlights(list);
-Object.assign(window, { __report: { list } });  // for tests
+if (list.comparison) {
+  showComparison(list.title, list.comparison);
+} else {
+  showHead(list);
+  showHistograms(list);
+  showCauses(list);
+  showFlights(list);
+}
+Object.assign(window, { __report: { list, binned, named } });  // for tests

@@ -24,6 +24,7 @@ void Logbook::motors(const Command& command, double now) {
 
 void Logbook::looked(const Pilot& pilot, const sim::BodyPose& pose, const sim::Sight& sight) {
   scorer_.score(pose, pilot.sighting(), pilot.target_gate(), sight);
+  loss_.taken_of(scorer_.taken_of(pose, pilot.sighting(), pilot.target_gate()));
   has_looked_ = true;
 }
 
@@ -32,10 +33,17 @@ void Logbook::flown(const Pilot& pilot, const sim::BodyState& truth, double now,
   searches_ += searching && !was_searching_;
   was_searching_ = searching;
   if (racing) consistency_.update(belief_of(pilot, has_looked_), truth.p_EB, now);
+  if (racing)
+    loss_.update(pilot, truth, now, static_cast<int>(passes_.size()),
+                 has_looked_ ? &scorer_ : nullptr);
   has_looked_ = false;
   if (passes_.empty() || !racing) return;
   error2_ += (pilot.estimate().p_EB - truth.p_EB).cwiseAbs2();
   ++error_count_;
+}
+
+WhyLost Logbook::why_lost(const Pilot& pilot, const RaceResult& result) const {
+  return loss_.why(pilot, result.stop_reason, result.crash_object);
 }
 
 void Logbook::fill(RaceResult& result) const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gatefly/closed_loop/consistency.hpp"
+#include "gatefly/closed_loop/loss_watch.hpp"
 #include "gatefly/closed_loop/race.hpp"
 #include "gatefly/closed_loop/scorer.hpp"
 #include "gatefly/sim/body_state.hpp"
@@ -17,6 +18,7 @@ class Logbook {
   explicit Logbook(const RaceConfig& config)
       : scorer_{config.sim.world, config.sim.camera},
         consistency_{config.sim.world.gates, config.pilot.track},
+        loss_{config.sim.world, config.pilot.track},
         gates_per_lap_{config.sim.world.gates.size()} {}
 
   /// A step of the body. @param racing  the last gate is still ahead.
@@ -29,10 +31,13 @@ class Logbook {
   void motors(const Command& command, double now);
 
   void fill(RaceResult& result) const;
+  /// Of a race that is over and not finished.
+  [[nodiscard]] WhyLost why_lost(const Pilot& pilot, const RaceResult& result) const;
 
  private:
   Scorer scorer_;
   ConsistencyWatch consistency_;
+  LossWatch loss_;
   std::size_t gates_per_lap_;
   std::vector<sim::GatePass> passes_;
   double path_since_first_ = 0.0, path_at_last_ = 0.0, max_speed_ = 0.0;

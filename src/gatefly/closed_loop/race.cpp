@@ -30,6 +30,7 @@ class AnyFlight {
   AnyFlight& operator=(const AnyFlight&) = delete;
 
   virtual bool step() = 0;
+  virtual bool fall() = 0;
   [[nodiscard]] virtual Tick tick() const = 0;
   virtual void stop() = 0;
   [[nodiscard]] virtual bool over() const = 0;
@@ -38,8 +39,10 @@ class AnyFlight {
 
 namespace {
 
-constexpr double kAirborne = 0.15;  // from here on, a contact is a crash [m]
-constexpr double kRunOut = 8.0;     // after the last gate the race is over, landed or not [s]
+constexpr const char* kStopped = "stopped";  // by who looks on
+constexpr double kAirborne = 0.15;           // from here on, a contact is a crash [m]
+constexpr double kFall = 1.5;                // what is shown of a crash [s]
+constexpr double kRunOut = 8.0;  // after the last gate the race is over, landed or not [s]
 
 /// Of this thread: a campaign flies several races at once, each in a thread of its own.
 double cpu_seconds() {
@@ -86,6 +89,14 @@ class Arena {
       auto touched = body.contact();
       if (!touched) touched = touched_by_person();
       if (touched && airborne_ && result.stop_reason.empty()) stop_at(*touched, pilot, result);
+    }
+  }
+
+  /// `dt` seconds with motors off.
+  void fall(double dt, SensorSuite& sensors) {
+    for (int i = 0; i < steps_; ++i) {
+      simulator.body.step({}, dt / steps_);
+      sensors.remember(simulator.body.state(), simulator.body.time());
     }
   }
 
@@ -161,13 +172,24 @@ class FlightIn final : public AnyFlight {
     return true;
   }
 
+  bool fall() override {
+    if (result_.stop_reason != "crash" || fallen_ >= kFall) return false;
+    const double dt = suite_.next_interval();
+    arena_.fall(dt, suite_);
+    fallen_ += dt;
+    sensors_ = suite_.read(ticks_++, dt, arena_.simulator, camera_watch_);
+    looks_ = sensors_.image || sensors_.seen;
+    command_ = {};
+    return true;
+  }
+
   [[nodiscard]] Tick tick() const override {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
     return {sensors_, command_, pilot_, truth_of(arena_.simulator.body), picture, exposed, took_};
   }
 
-  void stop() override { result_.stop_reason = "stopped"; }
+  void stop() override { result_.stop_reason = kStopped; }
   [[nodiscard]] bool over() const override { return !result_.stop_reason.empty(); }
 
   [[nodiscard]] RaceResult result() override {
@@ -177,11 +199,13 @@ class FlightIn final : public AnyFlight {
     result.landed = pilot_.landed();
     result.gates_total = arena_.referee.total();
     result.bake_seconds = arena_.simulator.bake_seconds();
-    result.flight_time = arena_.simulator.body.time();
+    result.flight_time = arena_.simulator.body.time() - fallen_;
     if (result.stop_reason == "abort")
       result.abort_reason = pilot_.abort_reason() == AbortReason::kNone
                                 ? "landed before the last gate"
                                 : text_of(pilot_.abort_reason());
+    if (over() && !result.finished && result.stop_reason != kStopped)
+      result.why_lost = book_.why_lost(pilot_, result);
     result.cpu_seconds = cpu_seconds() - cpu_start_;
     result.wall_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start_).count();
@@ -207,6 +231,7 @@ class FlightIn final : public AnyFlight {
   bool looks_ = false;
   double took_ = 0.0;  ///< By the pilot's step [s].
   std::int64_t ticks_ = 0;
+  double fallen_ = 0.0;  ///< After a crash [s].
 };
 
 }  // namespace
@@ -220,6 +245,7 @@ Flight::Flight(const RaceConfig& config) {
 Flight::~Flight() = default;
 
 bool Flight::step() { return flight_->step(); }
+bool Flight::fall() { return flight_->fall(); }
 Tick Flight::tick() const { return flight_->tick(); }
 void Flight::stop() { flight_->stop(); }
 bool Flight::over() const { return flight_->over(); }

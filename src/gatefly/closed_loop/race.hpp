@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/closed_loop/consistency.hpp"
+#include "gatefly/closed_loop/why_lost.hpp"
 #include "gatefly/flight_log/tick.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/world/sim_config.hpp"
@@ -58,6 +59,7 @@ struct RaceResult {
   std::string landing_contact;
   std::string stop_reason;                    ///< finished, crash, timeout, abort
   std::string abort_reason;                   ///< In words; empty when not aborted.
+  std::optional<WhyLost> why_lost;            ///< Of a race that is over and not finished.
   std::vector<Eigen::Vector2d> gate_offsets;  ///< Lateral, vertical (down) at each pass [m].
   /// Earth frame, first to last gate [m].
   Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();
@@ -90,6 +92,9 @@ class Flight {
   bool step();
   /// The last one; before the first step nothing is in it. Valid until the next.
   [[nodiscard]] Tick tick() const;
+  /// After a crash, 1.5 s long: a tick of the world alone, with motors off, for who draws it. The
+  /// pilot is not asked any more, and the result stays what it was. False when there is none.
+  bool fall();
   /// Over now, for the reason "stopped".
   void stop();
   /// Finished, crashed, aborted, timed out or stopped.

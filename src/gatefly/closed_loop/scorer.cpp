@@ -35,6 +35,23 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   return quad;
 }
 
+std::string Scorer::taken_of(const sim::BodyPose& pose, const Sighting& sighting,
+                             int target) const {
+  if (sighting.source == Sighting::Source::kNone || sighting.used < 0) return "";
+  const Quad& used = sighting.detections[static_cast<std::size_t>(sighting.used)].corners_px;
+  const auto covers = [&](const sim::WorldGate& gate) {
+    const auto there = visible_gate(pose, gate, nullptr);
+    return there && overlaps(used, *there, 0.5);
+  };
+  const auto wanted = static_cast<std::size_t>(target);
+  if (covers(world_.gates[wanted])) return "";
+  for (std::size_t i = 0; i < world_.gates.size(); ++i)
+    if (covers(world_.gates[i])) return "gate " + std::to_string(i + 1);
+  for (std::size_t i = 0; i < world_.false_gates.size(); ++i)
+    if (covers(world_.false_gates[i])) return "false gate " + std::to_string(i + 1);
+  return "no gate";
+}
+
 void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target,
                    const sim::Sight& scene) {
   ++frames_, careful_ += sighting.careful;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/sim/camera.hpp"
@@ -21,6 +22,11 @@ class Scorer {
   /// One delivered frame, exposed around `pose`.
   void score(const sim::BodyPose& pose, const Sighting& sighting, int target,
              const sim::Sight& scene);
+
+  /// What corrected the filter, when it was not the target: "gate 2", "false gate 1", "no gate"; ""
+  /// when it was, or when only a part of a gate was used.
+  [[nodiscard]] std::string taken_of(const sim::BodyPose& pose, const Sighting& sighting,
+                                     int target) const;
 
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] int frames_with_gate() const { return with_gate_; }  ///< Target whole and unhidden.

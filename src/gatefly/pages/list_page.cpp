@@ -38,6 +38,14 @@ Json row_of(const ListedFlight& flight) {
   copy("abort_reason", "why", text);
   if (const auto crash = s.find("crash"); crash != s.end() && crash->is_object())
     row["why"] = crash->value("object", nlohmann::json("")).is_string() ? crash->at("object") : "";
+  if (const auto lost = s.find("why_lost"); lost != s.end() && lost->is_object()) {
+    const auto copy_text = [&](const char* from, const char* to) {
+      if (const auto found = lost->find(from); found != lost->end() && found->is_string())
+        row[to] = *found;
+    };
+    copy_text("line", "lost");
+    copy_text("cause", "lost_by");
+  }
   double error2 = 0.0;
   if (const auto rmse = s.find("estimation_rmse_m"); rmse != s.end() && rmse->is_array())
     for (const auto& axis : *rmse)
@@ -78,6 +86,17 @@ std::string list_page(const std::string& page, const std::string& title, const J
     if (data["arguments"].is_object()) data["arguments"].erase("color_table");
   }
   return with_data(page, {{"list", data}});
+}
+
+std::string comparison_page(const std::string& page, const std::string& title,
+                            const Json& comparison) {
+  return with_data(page, {{"list",
+                           {{"title", title},
+                            {"flights", Json::array()},
+                            {"one_in", 1},
+                            {"offsets_cm", {{"across", Json::array()}, {"down", Json::array()}}},
+                            {"result", nullptr},
+                            {"comparison", comparison}}}});
 }
 
 }  // namespace gatefly::io

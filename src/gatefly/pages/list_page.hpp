@@ -26,4 +26,10 @@ struct ListedFlight {
                                     const nlohmann::ordered_json& campaign,
                                     const std::vector<ListedFlight>& flights);
 
+/// Two campaigns of one course beside each other, as one page for a browser.
+/// @param page        shipped_page("campaign.html").
+/// @param comparison  what campaign --compare says, and "seeds": campaign_pairs().
+[[nodiscard]] std::string comparison_page(const std::string& page, const std::string& title,
+                                          const nlohmann::ordered_json& comparison);
+
 }  // namespace gatefly::io

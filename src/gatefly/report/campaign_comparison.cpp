@@ -46,7 +46,8 @@ nlohmann::ordered_json campaign_comparison(const std::vector<RunRow>& first,
     gates.push_back(b.gates - a.gates);
     if (a.finished && b.finished) {
       ++both;
-      time.push_back(b.time - a.time), speed.push_back(b.mean_speed - a.mean_speed);
+      time.push_back(b.time - a.time);
+      if (const double gain = b.mean_speed - a.mean_speed; !std::isnan(gain)) speed.push_back(gain);
     } else if (a.finished) {
       only_first.push_back(a.seed);
     } else if (b.finished) {
@@ -68,6 +69,31 @@ nlohmann::ordered_json campaign_comparison(const std::vector<RunRow>& first,
                                 {"mean_speed_mps", spread(speed)},
                                 {"gates_passed", spread(gates)}};
   return json;
+}
+
+nlohmann::ordered_json campaign_pairs(const std::vector<RunRow>& first,
+                                      const std::vector<RunRow>& second) {
+  using Json = nlohmann::ordered_json;
+  std::map<std::uint64_t, const RunRow*> other;
+  for (const RunRow& row : second) other[row.seed] = &row;
+  const auto when = [](const RunRow& row) { return row.finished ? Json(row.time) : Json{}; };
+  const auto speed = [](const RunRow& row) {
+    return row.finished && !std::isnan(row.mean_speed) ? Json(row.mean_speed) : Json{};
+  };
+  Json pairs = Json::array();
+  for (const RunRow& a : first) {
+    const auto found = other.find(a.seed);
+    if (found == other.end()) continue;
+    const RunRow& b = *found->second;
+    pairs.push_back({{"seed", a.seed},
+                     {"finished", {a.finished, b.finished}},
+                     {"gates", {a.gates, b.gates}},
+                     {"time_s", {when(a), when(b)}},
+                     {"speed_mps", {speed(a), speed(b)}},
+                     {"cause", {a.cause, b.cause}},
+                     {"why", {a.why, b.why}}});
+  }
+  return pairs;
 }
 
 std::vector<std::string> argument_differences(const nlohmann::json& first,

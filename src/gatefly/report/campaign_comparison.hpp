@@ -20,6 +20,10 @@ namespace gatefly::io {
 [[nodiscard]] nlohmann::ordered_json campaign_comparison(const std::vector<RunRow>& first,
                                                          const std::vector<RunRow>& second);
 
+/// Every seed that both flew, for a page: [first, second] of what became of each.
+[[nodiscard]] nlohmann::ordered_json campaign_pairs(const std::vector<RunRow>& first,
+                                                    const std::vector<RunRow>& second);
+
 /// The arguments in which two campaigns differ, "control.speed_mps: 2 | 1.5"; those that say which
 /// seeds are left out.
 [[nodiscard]] std::vector<std::string> argument_differences(const nlohmann::json& first,

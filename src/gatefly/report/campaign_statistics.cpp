@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "gatefly/files/quantile.hpp"
@@ -13,6 +14,31 @@ namespace {
 
 std::string cell(const std::string& text) {
   return text.find_first_of(",\"") == std::string::npos ? text : nlohmann::json(text).dump();
+}
+
+/// NaN for null.
+double number_of(const nlohmann::json& json) {
+  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
+
+/// A number's cell; empty for NaN.
+std::string cell(double value) { return std::isnan(value) ? "" : text_of(value); }
+
+void read_loss(const nlohmann::json& summary, RunRow& row) {
+  const auto found = summary.find("why_lost");
+  if (found == summary.end() || found->is_null()) return;
+  row.why = found->at("cause").get<std::string>();
+  for (const auto& part : found->at("parts"))
+    row.shares.push_back(part.at("share_cm").get<double>());
+  row.since_fix = number_of(found->at("since_fix_s"));
+}
+
+std::string loss_cells(const RunRow& row) {
+  if (row.why.empty()) return ",,,,,,";
+  std::string cells = "," + cell(row.why);
+  for (std::size_t i = 0; i < 4; ++i)
+    cells += "," + (i < row.shares.size() ? cell(row.shares[i]) : "");
+  return cells + "," + cell(row.since_fix);
 }
 
 std::string cause_of(const nlohmann::json& summary) {
@@ -65,6 +91,20 @@ nlohmann::ordered_json pooled(const std::vector<RunRow>& rows) {
   return {{"nees", json(all.nees)}, {"nis", json(all.nis)}, {"divergences", all.divergences}};
 }
 
+/// Seeds of runs that have something in common, by what that is.
+using Seeds = std::map<std::string, std::vector<std::uint64_t>>;
+
+/// The most frequent first.
+nlohmann::ordered_json ranked(const Seeds& seeds) {
+  std::vector<std::pair<std::string, std::vector<std::uint64_t>>> all(seeds.begin(), seeds.end());
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+  auto json = nlohmann::ordered_json::array();
+  for (const auto& [cause, of] : all)
+    json.push_back({{"cause", cause}, {"count", of.size()}, {"seeds", of}});
+  return json;
+}
+
 }  // namespace
 
 RunRow row_of(const nlohmann::json& summary) {
@@ -74,11 +114,13 @@ RunRow row_of(const nlohmann::json& summary) {
   row.gates = summary.at("gates_passed").get<int>();
   row.gates_total = summary.at("gates_total").get<int>();
   row.time = summary.at("race_time_s").get<double>();
-  row.mean_speed = summary.at("mean_speed_mps").get<double>();
-  row.max_speed = summary.at("max_speed_mps").get<double>();
+  row.mean_speed = number_of(summary.at("mean_speed_mps"));
+  row.max_speed = number_of(summary.at("max_speed_mps"));
   row.cause = cause_of(summary);
-  row.rmse = summary.at("estimation_rmse_m").get<std::vector<double>>();
-  row.rmse.resize(3);
+  if (const auto& rmse = summary.at("estimation_rmse_m"); !rmse.is_null())
+    row.rmse = rmse.get<std::vector<double>>();
+  row.rmse.resize(3, std::numeric_limits<double>::quiet_NaN());
+  read_loss(summary, row);
   row.frames = summary.at("detection").at("frames").get<int>();
   row.true_positives = summary.at("detection").at("true_positives").get<int>();
   row.false_positives = summary.at("detection").at("false_positives").get<int>();
@@ -106,17 +148,18 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
   std::string csv =
       "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
       "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-      "nees_mean,nees_inside,nis_mean,nis_inside,divergences,commit,configuration\n";
+      "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,map_cm,"
+      "detection_cm,since_fix_s,commit,configuration\n";
   for (const RunRow& r : rows) {
     csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
-           "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," +
-           text_of(r.mean_speed) + "," + text_of(r.max_speed) + "," + cell(r.cause);
-    for (const double error : r.rmse) csv += "," + text_of(error);
+           "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," + cell(r.mean_speed) +
+           "," + cell(r.max_speed) + "," + cell(r.cause);
+    for (const double error : r.rmse) csv += "," + cell(error);
     for (const int count : {r.frames, r.true_positives, r.false_positives, r.searches})
       csv += "," + std::to_string(count);
     for (const auto& count : {r.consistency.nees, r.consistency.nis})
       csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
-    csv += "," + std::to_string(r.consistency.divergences) + "," + r.commit + "," +
+    csv += "," + std::to_string(r.consistency.divergences) + loss_cells(r) + "," + r.commit + "," +
            r.configuration + "\n";
   }
   return csv;
@@ -124,21 +167,19 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
 
 nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   std::vector<double> times, speeds;
-  std::map<std::string, std::vector<std::uint64_t>> causes;
+  Seeds causes, whys;
   long gates = 0, gates_total = 0;
   for (const RunRow& row : rows) {
     gates += row.gates, gates_total += row.gates_total;
+    if (row.finished && !std::isnan(row.mean_speed)) speeds.push_back(row.mean_speed);
     if (row.finished)
-      times.push_back(row.time), speeds.push_back(row.mean_speed);
+      times.push_back(row.time);
     else
       causes[row.cause].push_back(row.seed);
+    if (!row.why.empty()) whys[row.why].push_back(row.seed);
   }
   const int runs = static_cast<int>(rows.size()), finished = static_cast<int>(times.size());
   const Interval interval = wilson95(finished, runs);
-  std::vector<std::pair<std::string, std::vector<std::uint64_t>>> ranked(causes.begin(),
-                                                                         causes.end());
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
 
   nlohmann::ordered_json json;
   json["runs"] = runs;
@@ -150,9 +191,8 @@ nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   json["race_time_s"] = quantiles(times);
   json["mean_speed_mps"] = quantiles(speeds);
   json["consistency"] = pooled(rows);
-  json["causes"] = nlohmann::ordered_json::array();
-  for (const auto& [cause, seeds] : ranked)
-    json["causes"].push_back({{"cause", cause}, {"count", seeds.size()}, {"seeds", seeds}});
+  json["causes"] = ranked(causes);
+  json["lost_by"] = ranked(whys);
   return json;
 }
 

@@ -16,11 +16,17 @@ struct RunRow {
   std::uint64_t seed = 0;
   bool finished = false;
   int gates = 0, gates_total = 0;
-  double time = 0.0;                         ///< Motors on to the last gate passed [s].
-  double mean_speed = 0.0, max_speed = 0.0;  ///< [m/s]
+  double time = 0.0;  ///< Motors on to the last gate passed [s].
+  /// NaN before there is a speed to speak of [m/s].
+  double mean_speed = 0.0, max_speed = 0.0;
   /// "finished", "crash: gate 1 left bar", "abort: ...", "timeout".
   std::string cause;
-  std::vector<double> rmse;  ///< Of the estimate, x y z [m].
+  std::vector<double> rmse;  ///< Of the estimate, x y z; NaN without a gate passed [m].
+  /// What most of the miss was: "estimate", "guidance", "map", "detection", "in the way", ...; "" when
+  /// it finished, or an older summary does not say.
+  std::string why;
+  std::vector<double> shares;  ///< Of the miss: those four [cm]; empty when nobody says.
+  double since_fix = 0.0;      ///< NaN without [s].
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
   std::string commit, configuration;     ///< "" when an older summary does not say.
   closed_loop::Consistency consistency;  ///< Nothing in it when an older summary has none.

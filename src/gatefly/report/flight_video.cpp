@@ -117,7 +117,7 @@ void FlightVideo::look(const Tick& tick) {
 
   Canvas picture(static_cast<int>(size.x()), static_cast<int>(size.y()));
   picture.image(image, {0, 0}, scale, true);
-  draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
+  if (!contact_) draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
   view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()},
              kDark.panel);
   view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())),
@@ -132,12 +132,26 @@ void FlightVideo::record(const Tick& tick) {
   const Estimate estimate = tick.pilot.estimate();
   while (static_cast<int>(passes_.size()) < estimate.gates_passed) passes_.push_back(now);
 
+  add_frames(tick);
+}
+
+void FlightVideo::add_frames(const Tick& tick) {
+  const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
+  const Estimate estimate = tick.pilot.estimate();
   last_ = {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()};
   while (now * kPicturesPerSecond >= static_cast<double>(moments_.size())) {
     moments_.push_back(last_);
     draw(tick);
+    if (contact_) draw_contact();
     file_.add(frame_);
   }
+}
+
+void FlightVideo::record_fall(const Tick& tick, const closed_loop::RaceResult& result) {
+  if (moments_.empty() || !result.crash_time) return;
+  touch(result);
+  if (pictures_ && tick.sensors.image) look(tick);
+  add_frames(tick);
 }
 
 void FlightVideo::draw(const Tick& tick) {
@@ -264,26 +278,34 @@ void FlightVideo::draw_map(const Tick& tick) {
   frame_.unclip();
 }
 
-void FlightVideo::draw_contact(const closed_loop::RaceResult& result) {
+/// From now on there is a contact to be shown, where the drone is.
+void FlightVideo::touch(const closed_loop::RaceResult& result) {
+  if (contact_) return;
+  const std::string object = result.why_lost ? result.why_lost->object : result.crash_object;
+  contact_ = {last_, fixed(*result.crash_time, 1) + " s, contact: " + object};
+  source_ = Sighting::Source::kNone;
+}
+
+void FlightVideo::draw_contact() {
+  constexpr double kHeight = 44.0;  // [px]
   frame_.clip(inside(map_box_));
   map_.draw_flown(frame_, moments_.back(), last_, 1.0);
-  map_.draw_contact(frame_, last_);
+  map_.draw_contact(frame_, contact_->moment);
   frame_.unclip();
-  const double height = 44.0;
-  frame_.fill({.x = left_.x,
-               .y = left_.y + view_height(pictures_) - height,
-               .width = left_.width,
-               .height = height},
+  const double line = left_.y + view_height(pictures_);
+  frame_.fill({.x = left_.x, .y = line - kHeight, .width = left_.width, .height = kHeight},
               kDark.bad);
-  frame_.text({left_.x + 0.5 * left_.width, left_.y + view_height(pictures_) - 15},
-              fixed(*result.crash_time, 1) + " s: contact with " + result.crash_object,
+  frame_.text({left_.x + 0.5 * left_.width, line - 15}, contact_->text,
               {.color = kDark.page, .size = 20, .align = Align::kCenter, .bold = true});
+  ++contact_->frames;
 }
 
 void FlightVideo::finish(const closed_loop::RaceResult& result, const std::string& verdict) {
   if (!moments_.empty() && result.crash_time) {
-    draw_contact(result);
-    for (int i = 0; i < kContact * kPicturesPerSecond; ++i) file_.add(frame_);
+    touch(result);
+    draw_contact();
+    const auto shown = static_cast<std::size_t>(kContact * kPicturesPerSecond);
+    for (std::size_t i = contact_->frames; i <= shown; ++i) file_.add(frame_);
   }
   if (!moments_.empty()) draw_result_card(frame_, result, verdict);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);

@@ -26,6 +26,8 @@ class FlightVideo {
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
   void record(const Tick& tick);
+  /// Every tick after a crash: the drone falls, the moment and place of contact stay marked.
+  void record_fall(const Tick& tick, const closed_loop::RaceResult& result);
   /// Holds the last frame, where the race was lost by a contact with that marked in it, then with a
   /// card over it: laps, times, speed, error, what went wrong. Then completes the file.
   /// @param verdict  in words: "crashed into a pole at ..."
@@ -34,8 +36,10 @@ class FlightVideo {
  private:
   void start(const Tick& tick);
   void look(const Tick& tick);
+  void add_frames(const Tick& tick);
   void draw(const Tick& tick);
-  void draw_contact(const closed_loop::RaceResult& result);
+  void draw_contact();
+  void touch(const closed_loop::RaceResult& result);
   void draw_head(const Tick& tick);
   void draw_status(const Tick& tick, const Box& box);
   void draw_strips(const Tick& tick, const Box& box);
@@ -55,6 +59,12 @@ class FlightVideo {
   std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
   std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
   Sighting::Source source_ = Sighting::Source::kNone;
+  struct Contact {
+    Moment moment;
+    std::string text;        ///< "21.5 s, contact: right bar of gate 3".
+    std::size_t frames = 0;  ///< So many are drawn since.
+  };
+  std::optional<Contact> contact_;
 };
 
 }  // namespace gatefly::io

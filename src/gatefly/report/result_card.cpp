@@ -2,12 +2,29 @@
 #include "gatefly/report/result_card.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <vector>
 
 #include "gatefly/files/text.hpp"
+#include "gatefly/report/loss_report.hpp"
 
 namespace gatefly::io {
 namespace {
+
+/// Words on lines that are not wider than that.
+std::vector<std::string> wrapped(Canvas& canvas, const std::string& text,
+                                 const Lettering& lettering, double width) {
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.empty() ? word : lines.back() + " " + word;
+    if (lines.empty() || canvas.text_width(longer, lettering) > width)
+      lines.push_back(word);
+    else
+      lines.back() = longer;
+  }
+  return lines;
+}
 
 /// In letters as large as fit.
 void draw_fitted(Canvas& canvas, const Eigen::Vector2d& at, const std::string& line,
@@ -45,8 +62,12 @@ std::vector<CardLine> card_lines(const closed_loop::RaceResult& r) {
 void draw_result_card(Canvas& canvas, const closed_loop::RaceResult& result,
                       const std::string& verdict) {
   constexpr double kCard = 860.0, kLine = 50.0, kInside = 48.0;  // [px]
+  constexpr double kWhyLine = 28.0;
+  const Lettering why_letters{.color = kDark.ink, .size = 19};
   const std::vector<CardLine> lines = card_lines(result);
-  const double height = 170.0 + kLine * static_cast<double>(lines.size());
+  const auto why = wrapped(canvas, loss_line(result), why_letters, kCard - 2 * kInside);
+  const double why_height = why.empty() ? 0.0 : kWhyLine * static_cast<double>(why.size()) + 18.0;
+  const double height = 170.0 + why_height + kLine * static_cast<double>(lines.size());
   const Box card{0.5 * (canvas.width() - kCard), 0.5 * (canvas.height() - height), kCard, height};
   canvas.fill({0, 0, 1.0 * canvas.width(), 1.0 * canvas.height()}, kDark.well.faded(0.72));
   const Color& color = result.finished ? kDark.good : kDark.bad;
@@ -57,7 +78,10 @@ void draw_result_card(Canvas& canvas, const closed_loop::RaceResult& result,
   canvas.text({text, card.y + 66}, result.finished ? "Finished" : "Not finished",
               {.color = color, .size = 36, .bold = true});
   draw_fitted(canvas, {text, card.y + 104}, verdict, {.color = kDark.ink, .size = 20}, width);
-  double y = card.y + 122;
+  double y = card.y + 126;
+  for (const std::string& line : why)
+    canvas.text({card.x + kInside, y += kWhyLine}, line, why_letters);
+  y = card.y + 122 + why_height;
   for (const CardLine& line : lines) {
     y += kLine;
     canvas.line({card.x + kInside, y - 34}, {card.right() - kInside, y - 34},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/report/summary.hpp"
 
+#include "gatefly/report/loss_report.hpp"
+
 namespace gatefly::io {
 
 nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race) {
@@ -28,15 +30,18 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["gates_total"] = result.gates_total;
   json["race_time_s"] = result.race_time;
   json["lap_times_s"] = result.lap_times;
-  json["mean_speed_mps"] = result.mean_speed;
-  json["max_speed_mps"] = result.max_speed;
+  // From the first gate to the last: before there is no speed, and no error, to speak of.
+  json["mean_speed_mps"] = result.gates_passed > 1 ? Json(result.mean_speed) : Json{};
+  json["max_speed_mps"] = result.gates_passed > 0 ? Json(result.max_speed) : Json{};
   json["crash"] = crash;
   json["stop_reason"] = result.stop_reason;
   json["landed"] = result.landed;
   json["landing_contact"] = result.landing_contact.empty() ? Json{} : Json(result.landing_contact);
   json["abort_reason"] = result.abort_reason;
+  json["why_lost"] = loss_json(result);
   json["gate_offsets_m"] = offsets;
-  json["estimation_rmse_m"] = Json::array({rmse.x(), rmse.y(), rmse.z()});
+  json["estimation_rmse_m"] =
+      result.gates_passed > 0 ? Json::array({rmse.x(), rmse.y(), rmse.z()}) : Json{};
   const auto counted = [](const closed_loop::ChiSquareCount& count) {
     return Json{
         {"samples", count.samples}, {"sum_per_dof", count.sum_per_dof}, {"inside", count.inside}};
