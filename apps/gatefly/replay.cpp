@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
@@ -73,7 +74,7 @@ class ReplayPage {
     if (report.comparison) told["recorded"] = tasks::text_of(*report.comparison, flight_);
     const std::string verdict = name + ", flown again by its sensors";
     io::write_files(
-        std::vector<io::FileContent>{{out_ / "summary.json", told.dump(2) + "\n"},
+        std::vector<io::FileContent>{{out_ / "summary.json", io::json_text(told)},
                                      {out_ / "report.html", page_.html(told, verdict)}});
   }
 
@@ -123,7 +124,7 @@ int replay(const ReplayOptions& options) {
   if (!report.other_pictures.empty())
     std::cerr << "gatefly replay: " << report.other_pictures << '\n';
   if (options.json) {
-    std::cout << tasks::as_json(report, given, result).dump(2) << '\n';
+    std::cout << io::json_text(tasks::as_json(report, given, result));
   } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << given.directory << ": "
               << io::amount(result.estimates.size(), "sample") << ", "

@@ -37,7 +37,8 @@ Json row_of(const ListedFlight& flight) {
   copy("stop_reason", "stop", text);
   copy("abort_reason", "why", text);
   if (const auto crash = s.find("crash"); crash != s.end() && crash->is_object())
-    row["why"] = crash->value("object", nlohmann::json("")).is_string() ? crash->at("object") : "";
+    if (const auto object = crash->find("object"); object != crash->end() && object->is_string())
+      row["why"] = *object;
   double error2 = 0.0;
   if (const auto rmse = s.find("estimation_rmse_m"); rmse != s.end() && rmse->is_array())
     for (const auto& axis : *rmse)

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/quantile.hpp"
 
 namespace gatefly::io {
@@ -86,7 +87,7 @@ std::vector<std::string> argument_differences(const nlohmann::json& first,
     if (name == "track_toml" || name == "color_table")
       differences.push_back(name == "track_toml" ? "the track file" : "the colour table");
     else
-      differences.push_back(name + ": " + was.dump() + " | " + is.dump());
+      differences.push_back(name + ": " + shown(was) + " | " + shown(is));
   }
   return differences;
 }

@@ -56,7 +56,7 @@ std::string fingerprint_of(const io::RaceIdentity& race,
     all["colors"] = table->second;  // its content counts, not where it lies
     all["config"]["color"].erase("table");
   }
-  const std::string text = all.dump();
+  const std::string text = all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
   return io::text_of_xxh64(io::xxh64({bytes, text.size()}));
 }

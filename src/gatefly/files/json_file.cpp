@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/files/json_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/text.hpp"
+
+namespace gatefly::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Event = Json::parse_event_t;
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{32} << 20;
+constexpr int kDeepest = 64;
+constexpr std::size_t kMostValues = 2'000'000;  // twice the seeds of the longest campaign
+
+std::size_t line_of(const std::string& text, std::size_t byte) {
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
+  return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
+}
+
+std::string range_text(std::uint64_t low, std::uint64_t high) {
+  return high == std::numeric_limits<std::uint64_t>::max()
+             ? std::to_string(low) + " or more"
+             : "in " + std::to_string(low) + ".." + std::to_string(high);
+}
+
+bool is_whole(const Json& value, std::uint64_t low, std::uint64_t high) {
+  return value.is_number_unsigned() && value.get<std::uint64_t>() >= low &&
+         value.get<std::uint64_t>() <= high;
+}
+
+bool is_number_or_null(const Json& value) { return value.is_number() || value.is_null(); }
+
+double number_in(const Json& value) {
+  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+Json read_json(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw std::runtime_error(path.string() + ": is no regular file");  // a pipe would be waited for
+  return json_of(read_file(path, kMostBytes), path.string());
+}
+
+Json json_of(const std::string& text, const std::string& name) {
+  std::size_t values = 0;
+  const auto bounded = [&](int depth, Event event, Json&) {
+    if (depth > kDeepest)
+      throw std::runtime_error(name + ": is nested more than " + std::to_string(kDeepest) +
+                               " levels deep, which no file of gatefly is");
+    if (event != Event::key && ++values > kMostValues)
+      throw std::runtime_error(name + ": holds more than " + std::to_string(kMostValues) +
+                               " values, which no file of gatefly does");
+    return true;
+  };
+  try {
+    return Json::parse(text, bounded);
+  } catch (const Json::parse_error& error) {
+    throw std::runtime_error(name + ":" + std::to_string(line_of(text, error.byte)) +
+                             ": is damaged, not valid JSON" +
+                             (error.byte >= text.size() ? ": it ends early" : ""));
+  } catch (const Json::exception&) {  // a number that no double holds
+    throw std::runtime_error(name + ": is damaged, a number in it is too large");
+  }
+}
+
+JsonObject::JsonObject(const std::string& file, const Json& value)
+    : JsonObject{file, std::string{}, value} {}
+
+JsonObject::JsonObject(std::string file, std::string before, const Json& value)
+    : file_{std::move(file)}, before_{std::move(before)}, value_{&value} {
+  if (value.is_object()) return;
+  const std::string name =
+      before_.substr(0, before_.size() - std::min<std::size_t>(1, before_.size()));
+  throw std::runtime_error(file_ + ": " + (name.empty() ? "" : name + " ") + "= " + shown(value) +
+                           ", must be an object");
+}
+
+const Json* JsonObject::find(std::string_view key) const {
+  const auto found = value_->find(std::string{key});
+  return found == value_->end() || found->is_null() ? nullptr : &*found;
+}
+
+bool JsonObject::has(std::string_view key) const { return find(key) != nullptr; }
+
+void JsonObject::fail(std::string_view key, const std::string& what) const {
+  const Json* const value = find(key);
+  throw std::runtime_error(file_ + ": " + before_ + std::string{key} +
+                           (value == nullptr ? " is missing" : " = " + shown(*value)) +
+                           ", must be " + what);
+}
+
+JsonObject JsonObject::object(std::string_view key) const {
+  const Json* const value = find(key);
+  if (value == nullptr || !value->is_object()) fail(key, "an object");
+  return {file_, before_ + std::string{key} + ".", *value};
+}
+
+bool JsonObject::truth(std::string_view key) const {
+  const Json* const value = find(key);
+  if (value == nullptr || !value->is_boolean()) fail(key, "true or false");
+  return value->get<bool>();
+}
+
+double JsonObject::number(std::string_view key) const {
+  const Json* const value = find(key);
+  if (value == nullptr || !std::isfinite(number_in(*value))) fail(key, "a number");
+  return number_in(*value);
+}
+
+double JsonObject::number_or_null(std::string_view key) const {
+  const auto found = value_->find(std::string{key});
+  if (found == value_->end() || !is_number_or_null(*found)) fail(key, "a number or null");
+  return number_in(*found);
+}
+
+std::vector<double> JsonObject::numbers_or_null(std::string_view key, std::size_t count) const {
+  const Json* const list = find(key);
+  if (list == nullptr || !list->is_array() || list->size() != count ||
+      !std::all_of(list->begin(), list->end(), is_number_or_null))
+    fail(key, "a list of " + std::to_string(count) + " numbers");
+  std::vector<double> numbers;
+  for (const Json& each : *list) numbers.push_back(number_in(each));
+  return numbers;
+}
+
+std::uint64_t JsonObject::whole(std::string_view key, std::uint64_t low, std::uint64_t high) const {
+  const Json* const value = find(key);
+  if (value == nullptr || !is_whole(*value, low, high))
+    fail(key, "a whole number, " + range_text(low, high));
+  return value->get<std::uint64_t>();
+}
+
+std::vector<std::uint64_t> JsonObject::wholes(std::string_view key, std::size_t count,
+                                              std::uint64_t low, std::uint64_t high) const {
+  const Json* const value = find(key);
+  if (value == nullptr || !value->is_array() || value->size() != count ||
+      !std::all_of(value->begin(), value->end(),
+                   [&](const Json& each) { return is_whole(each, low, high); }))
+    fail(key, "a list of " + std::to_string(count) + " whole numbers, " + range_text(low, high));
+  return value->get<std::vector<std::uint64_t>>();
+}
+
+int JsonObject::count(std::string_view key) const {
+  constexpr std::uint64_t kMost = 1'000'000'000;
+  return static_cast<int>(whole(key, 0, kMost));
+}
+
+std::string JsonObject::text(std::string_view key) const {
+  const Json* const value = find(key);
+  if (value == nullptr || !value->is_string()) fail(key, "text");
+  return value->get<std::string>();
+}
+
+std::string JsonObject::text(std::string_view key, const std::string& fallback) const {
+  return has(key) ? text(key) : fallback;
+}
+
+}  // namespace gatefly::io
