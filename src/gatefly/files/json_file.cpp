@@ -79,9 +79,8 @@ JsonObject::JsonObject(const std::string& file, const Json& value)
 JsonObject::JsonObject(std::string file, std::string before, const Json& value)
     : file_{std::move(file)}, before_{std::move(before)}, value_{&value} {
   if (value.is_object()) return;
-  const std::string name =
-      before_.substr(0, before_.size() - std::min<std::size_t>(1, before_.size()));
-  throw std::runtime_error(file_ + ": " + (name.empty() ? "" : name + " ") + "= " + shown(value) +
+  const std::string name = before_.substr(0, before_.rfind('.'));
+  throw std::runtime_error(file_ + ": " + (name.empty() ? "is " : name + " = ") + shown(value) +
                            ", must be an object");
 }
 

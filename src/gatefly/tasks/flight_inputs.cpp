@@ -4,7 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -34,8 +34,10 @@ struct Settings {
 };
 
 Settings read_settings(const fs::path& directory) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
   Settings settings;
-  std::ifstream lines(directory / kSettings);
+  if (!fs::exists(directory / kSettings)) return settings;
+  std::istringstream lines(io::read_file(directory / kSettings, kMostBytes));
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with(kLaps)) {
       if (!line.empty()) settings.keys.push_back(line);
