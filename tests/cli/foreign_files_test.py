@@ -200,7 +200,7 @@ class Campaigns(ForeignFiles):
             for arguments in (("--compare", "half1", "whole"), ("--compare", "whole", "half1"), ("--merge", "half1", "half2", "--out", "merged"),
                               ("oval", "--runs", "4", "--vision", "ideal", "--laps", "1", "--compare", "half1", "--out", "new")):
                 said = self.refused_soon("campaign", *arguments)
-                self.assertIn("half1/campaign.json: ", said)
+                self.assertIn("half1/campaign.json:", said)
                 self.assertIn(why, said)
 
     def test_runs_of_any_shape_are_listed(self):

@@ -54,7 +54,8 @@ Json read_json(const std::filesystem::path& path) {
 Json json_of(const std::string& text, const std::string& name) {
   std::size_t values = 0;
   const auto bounded = [&](int depth, Event event, Json&) {
-    if (depth > kDeepest)
+    const bool opens = event == Event::array_start || event == Event::object_start;
+    if (opens && depth >= kDeepest)
       throw std::runtime_error(name + ": is nested more than " + std::to_string(kDeepest) +
                                " levels deep, which no file of gatefly is");
     if (event != Event::key && ++values > kMostValues)

@@ -106,14 +106,7 @@ void RaceMaker::nominal(const io::Config& config, const fs::path& path, io::Trac
   nominal_.sim = io::simulator_config(config, file);
   nominal_.sim.cache_dir = io::cache_dir();
   nominal_.sim.faults = io::with_faults(file.faults, config.faults, "[faults]");
-  const int gates = static_cast<int>(file.track.gates.size());
-  for (const auto& [name, number] : {std::pair{"moved_gate", nominal_.sim.faults.moved_gate},
-                                     {"missing_gate", nominal_.sim.faults.missing_gate},
-                                     {"hidden_gate", nominal_.sim.faults.hidden_gate}})
-    if (number > gates)
-      throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
-                               ", but " + path.string() + " has " + std::to_string(gates) +
-                               " gates");
+  io::expect_gates_of(nominal_.sim.faults, file.track.gates.size(), path.string());
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
   identity_ = {.track = file.track.name,
