@@ -41,11 +41,19 @@ TEST(Json, OfTooManyValuesIsAnError) {
               HasSubstr("holds more than 2000000 values"));
 }
 
+TEST(Json, OfManyObjectsOrMembersIsReadOrRefusedAtOnce) {
+  EXPECT_EQ(json_of("[" + repeated("{},", 300'000) + "{}]", "a.json").size(), 300'001u);
+  std::string members;
+  for (int i = 0; i < 200'000; ++i) members += "\"" + std::to_string(i) + "\":0,";
+  EXPECT_THAT(refusal("{" + members + "\"x\":0}"),
+              HasSubstr("an object of more than 10000 members"));
+}
+
 TEST(Json, ThatIsDamagedSaysWhere) {
   EXPECT_THAT(refusal(""), HasSubstr("a.json:1: is damaged, not valid JSON: it ends early"));
   EXPECT_THAT(refusal("{\n\"a\": 1,\n\"b\": }"), HasSubstr("a.json:3: is damaged"));
   EXPECT_THAT(refusal("{\"a\": \"\xff\"}"), HasSubstr("is damaged"));
-  EXPECT_THAT(refusal("[1e999]"), HasSubstr("too large"));
+  EXPECT_THAT(refusal("[\n1e999]"), HasSubstr("a.json:2: is damaged"));
 }
 
 TEST(ReadJson, OfAFolderIsAnError) {

@@ -13,16 +13,64 @@ namespace gatefly::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Event = Json::parse_event_t;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{32} << 20;
-constexpr int kDeepest = 64;
+constexpr std::size_t kDeepest = 64, kMostMembers = 10'000;  // looked for one by one
 constexpr std::size_t kMostValues = 2'000'000;  // twice the seeds of the longest campaign
 
-std::size_t line_of(const std::string& text, std::size_t byte) {
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
-  return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
-}
+/// Goes through a text before values are made of it.
+class Bounds : public nlohmann::json_sax<Json> {
+ public:
+  /// Both must live as long.
+  Bounds(const std::string& text, const std::string& name) : text_{text}, name_{name} {}
+
+  bool null() override { return counted(); }
+  bool boolean(bool) override { return counted(); }
+  bool number_integer(number_integer_t) override { return counted(); }
+  bool number_unsigned(number_unsigned_t) override { return counted(); }
+  bool number_float(number_float_t, const string_t&) override { return counted(); }
+  bool string(string_t&) override { return counted(); }
+  bool binary(binary_t&) override { return counted(); }
+  bool start_object(std::size_t) override { return opened(); }
+  bool end_object() override { return closed(); }
+  bool start_array(std::size_t) override { return opened(); }
+  bool end_array() override { return closed(); }
+  bool key(string_t&) override {
+    if (++keys_.back() > kMostMembers)
+      refuse("has an object of more than " + std::to_string(kMostMembers) + " members");
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&, const Json::exception&) override {
+    const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text_.size()));
+    const auto line = 1 + std::count(text_.begin(), end, '\n');
+    throw std::runtime_error(name_ + ":" + std::to_string(line) + ": is damaged, not valid JSON" +
+                             (byte >= text_.size() ? ": it ends early" : ""));
+  }
+
+ private:
+  bool counted() {
+    if (++values_ > kMostValues)
+      refuse("holds more than " + std::to_string(kMostValues) + " values");
+    return true;
+  }
+  bool opened() {
+    keys_.push_back(0);
+    if (keys_.size() > kDeepest)
+      refuse("is nested more than " + std::to_string(kDeepest) + " levels deep");
+    return counted();
+  }
+  bool closed() {
+    keys_.pop_back();
+    return true;
+  }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::runtime_error(name_ + ": " + what + ", which no file of gatefly does");
+  }
+
+  const std::string &text_, &name_;
+  std::size_t values_ = 0;
+  std::vector<std::size_t> keys_;  ///< Of each object that is open.
+};
 
 std::string range_text(std::uint64_t low, std::uint64_t high) {
   return high == std::numeric_limits<std::uint64_t>::max()
@@ -52,26 +100,9 @@ Json read_json(const std::filesystem::path& path) {
 }
 
 Json json_of(const std::string& text, const std::string& name) {
-  std::size_t values = 0;
-  const auto bounded = [&](int depth, Event event, Json&) {
-    const bool opens = event == Event::array_start || event == Event::object_start;
-    if (opens && depth >= kDeepest)
-      throw std::runtime_error(name + ": is nested more than " + std::to_string(kDeepest) +
-                               " levels deep, which no file of gatefly is");
-    if (event != Event::key && ++values > kMostValues)
-      throw std::runtime_error(name + ": holds more than " + std::to_string(kMostValues) +
-                               " values, which no file of gatefly does");
-    return true;
-  };
-  try {
-    return Json::parse(text, bounded);
-  } catch (const Json::parse_error& error) {
-    throw std::runtime_error(name + ":" + std::to_string(line_of(text, error.byte)) +
-                             ": is damaged, not valid JSON" +
-                             (error.byte >= text.size() ? ": it ends early" : ""));
-  } catch (const Json::exception&) {  // a number that no double holds
-    throw std::runtime_error(name + ": is damaged, a number in it is too large");
-  }
+  Bounds bounds{text, name};
+  (void)Json::sax_parse(text, &bounds);
+  return Json::parse(text);
 }
 
 JsonObject::JsonObject(const std::string& file, const Json& value)

@@ -16,8 +16,8 @@
 
 namespace gatefly::io {
 
-/// What is in a JSON file of at most 32 MiB, 64 levels and two million values: a reader may copy,
-/// compare and print it.
+/// What is in a JSON file of at most 32 MiB, 64 levels, two million values and 10 000 members an
+/// object: a reader may copy, compare and print it.
 /// @throws std::runtime_error "run_000003.json:7: is damaged: ...".
 [[nodiscard]] nlohmann::ordered_json read_json(const std::filesystem::path& path);
 
