@@ -43,8 +43,9 @@ class Bounds : public nlohmann::json_sax<Json> {
   bool parse_error(std::size_t byte, const std::string&, const Json::exception&) override {
     const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text_.size()));
     const auto line = 1 + std::count(text_.begin(), end, '\n');
-    throw std::runtime_error(name_ + ":" + std::to_string(line) + ": is damaged, not valid JSON" +
-                             (byte >= text_.size() ? ": it ends early" : ""));
+    throw std::runtime_error(name_ + ": is damaged, not valid JSON from line " +
+                             std::to_string(line) + " on" +
+                             (byte >= text_.size() ? ", where it ends early" : ""));
   }
 
  private:

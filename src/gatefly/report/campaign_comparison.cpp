@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "gatefly/files/json.hpp"
 #include "gatefly/files/quantile.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -19,6 +19,11 @@ nlohmann::ordered_json spread(std::vector<double> values) {
   return {{"p25", quantile(values, 0.25)},
           {"p50", quantile(values, 0.5)},
           {"p75", quantile(values, 0.75)}};
+}
+
+std::string whole(const nlohmann::json& value) {
+  constexpr std::size_t kMost = 200;  // nobody reads more of a message
+  return one_line(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), kMost);
 }
 
 }  // namespace
@@ -87,7 +92,7 @@ std::vector<std::string> argument_differences(const nlohmann::json& first,
     if (name == "track_toml" || name == "color_table")
       differences.push_back(name == "track_toml" ? "the track file" : "the colour table");
     else
-      differences.push_back(name + ": " + shown(was) + " | " + shown(is));
+      differences.push_back(name + ": " + whole(was) + " | " + whole(is));
   }
   return differences;
 }
