@@ -50,7 +50,8 @@ TEST(Json, OfManyObjectsOrMembersIsReadOrRefusedAtOnce) {
 }
 
 TEST(Json, ThatIsDamagedSaysWhere) {
-  EXPECT_THAT(refusal(""), HasSubstr("a.json: is damaged, not valid JSON from line 1 on, where it ends early"));
+  EXPECT_THAT(refusal(""),
+              HasSubstr("a.json: is damaged, not valid JSON from line 1 on, where it ends early"));
   EXPECT_THAT(refusal("{\n\"a\": 1,\n\"b\": }"), HasSubstr("from line 3 on"));
   EXPECT_THAT(refusal("{\"a\": \"\xff\"}"), HasSubstr("is damaged"));
   EXPECT_THAT(refusal("[\n1e999]"), HasSubstr("from line 2 on"));

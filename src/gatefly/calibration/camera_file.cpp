@@ -174,7 +174,7 @@ std::string chosen_camera(const YAML::Node& file, const std::string& path,
 }
 
 CameraFile from_yaml(const std::filesystem::path& path, const std::string& camera) {
-  constexpr std::uintmax_t kMostBytes = std::uintmax_t{256} << 10;
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
   const YAML::Node file = YAML::Load(io::read_file(path, kMostBytes));
   const std::string where = path.string() + ": ";
   if (!file.IsMap())
