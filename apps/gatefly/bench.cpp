@@ -18,6 +18,7 @@
 #include "gatefly/bench/pose_stages.hpp"
 #include "gatefly/bench/worst_picture.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -168,7 +169,7 @@ class Report {
   }
   [[nodiscard]] ordered_json& json() { return all_; }
   ~Report() {
-    if (json_ && !interrupted()) std::cout << all_.dump(2) << '\n';
+    if (json_ && !interrupted()) std::cout << io::json_text(all_);
   }
   Report(const Report&) = delete;
   Report& operator=(const Report&) = delete;

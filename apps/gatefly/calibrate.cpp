@@ -12,6 +12,7 @@
 #include "gatefly/calibration/mount_source.hpp"
 #include "gatefly/calibration/residual_picture.hpp"
 #include "gatefly/calibration/stored_rotation.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -125,6 +126,7 @@ int convert(const CalibrateOptions& options) {
   CameraFile camera = read_camera(path, options.camera);
   std::vector<std::string> comments{"From " + path.filename().string() + " by gatefly calibrate."};
   add_tilt(camera, options, comments);
+  expect_usable(camera, path.string());
   write(camera, options, comments, nullptr);
   return kDone;
 }
@@ -181,9 +183,10 @@ void answer_with(const Boards& boards, const CalibrateOptions& options) {
   const std::string doubt = options.rotate_deg || by_flight ? "" : stored_rotation_doubt(boards);
   if (!doubt.empty()) comments.push_back("Beware: " + doubt + ".");
   add_tilt(camera, options, comments);
+  expect_usable(camera, "the fitted lens");
   write(camera, options, comments, &answer);
   if (options.json)
-    std::cout << as_json(answer, boards, camera.stored_rotation_deg, doubt).dump(2) << '\n';
+    std::cout << io::json_text(as_json(answer, boards, camera.stored_rotation_deg, doubt));
   else if (options.prints())
     print(answer, boards, options, doubt);
 }

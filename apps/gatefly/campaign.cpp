@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/pages/list_page.hpp"
@@ -44,14 +45,18 @@ struct Shard {
   std::uint64_t index = 1, count = 1;
 };
 
+constexpr std::uint64_t kMostShards = 1'000'000;  // as --runs
+
 Shard shard_of(const std::string& text) {
   if (text.empty()) return {};
   Shard shard;
   char slash = '\0', rest = '\0';
   std::istringstream stream(text);
   if (!(stream >> shard.index >> slash >> shard.count) || slash != '/' || stream >> rest ||
-      shard.index < 1 || shard.index > shard.count || text.find('-') != std::string::npos)
-    throw std::runtime_error("--shard " + text + ": must be i/n with 1 <= i <= n, e.g. 2/5");
+      shard.index < 1 || shard.index > shard.count || shard.count > kMostShards ||
+      text.find('-') != std::string::npos)
+    throw std::runtime_error("--shard " + text + ": must be i/n with 1 <= i <= n <= " +
+                             std::to_string(kMostShards) + ", e.g. 2/5");
   return shard;
 }
 
@@ -103,7 +108,7 @@ class Fleet {
         const auto result =
             closed_loop::fly(race.config, [this](const Tick&) { return !stop_ && !interrupted(); });
         if (stop_ || interrupted()) break;
-        folder_.keep(seeds_[i], io::summary(result, race.identity).dump(2) + "\n");
+        folder_.keep(seeds_[i], io::json_text(io::summary(result, race.identity)));
         const std::lock_guard lock{mutex_};
         ++done_;
         finished_ += result.finished;
@@ -187,10 +192,10 @@ int compare(const CampaignOptions& options) {
                             "choose another --out");
   fs::create_directories(out);
   io::write_files(
-      std::vector<io::FileContent>{{out / "comparison.json", json.dump(2) + "\n"},
+      std::vector<io::FileContent>{{out / "comparison.json", io::json_text(json)},
                                    {out / "report.html", page_of(json, first, second)}});
   if (options.json) {
-    std::cout << json.dump(2) << '\n';
+    std::cout << io::json_text(json);
   } else {
     print_comparison(json);
     std::cout << "  page            " << (out / "report.html").string() << '\n';
@@ -211,7 +216,7 @@ void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds,
                    page_of(campaign["comparison"], other, folder));
   }
   if (options.json)
-    std::cout << campaign.dump(2) << '\n';
+    std::cout << io::json_text(campaign);
   else
     print_campaign(campaign, folder.path(), options.race.common.quiet);
   if (!options.compare.empty() && !options.json) print_comparison(campaign.at("comparison"));
@@ -228,7 +233,7 @@ int campaign(const CampaignOptions& options) {
   if (options.compare.size() > 2)
     throw std::runtime_error("--compare: one campaign to compare with, or two that are there");
   if (options.compare.size() == 2) return compare(options);
-  if (!options.compare.empty()) (void)CampaignFolder::existing(options.compare[0]);
+  if (!options.compare.empty()) (void)CampaignFolder::existing(options.compare[0]).rows();
   if (!options.merge.empty()) return merge(options);
   const Shard shard = shard_of(options.shard);
   if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
@@ -256,13 +261,14 @@ int campaign(const CampaignOptions& options) {
   if (shard.count > 1)
     name += "-" + std::to_string(shard.index) + "of" + std::to_string(shard.count);
   catch_interrupt();
-  CampaignFolder folder(options.out.empty() ? fs::path{"out"} / name : fs::path{options.out},
-                        arguments, fly_command(options.race, "{seed}"));
+  CampaignFolder folder =
+      CampaignFolder::opened(options.out.empty() ? fs::path{"out"} / name : fs::path{options.out},
+                             arguments, fly_command(options.race, "{seed}"));
 
   const std::vector<std::uint64_t> seeds = folder.seeds();
   std::vector<std::uint64_t> left;
   for (const std::uint64_t seed : seeds)
-    if (!folder.row(seed)) left.push_back(seed);
+    if (!folder.has(seed)) left.push_back(seed);
   if (!left.empty() && left.size() < seeds.size() && !options.race.common.quiet)
     std::cerr << "gatefly campaign: " << seeds.size() - left.size() << " of " << seeds.size()
               << " runs are there, " << left.size() << " to fly\n";
@@ -273,8 +279,8 @@ int campaign(const CampaignOptions& options) {
   } catch (const Interrupted&) {  // what has finished is kept
   }
   if (interrupted()) {
-    const auto there = std::count_if(seeds.begin(), seeds.end(),
-                                     [&](auto seed) { return folder.row(seed).has_value(); });
+    const auto there =
+        std::count_if(seeds.begin(), seeds.end(), [&](auto seed) { return folder.has(seed); });
     std::cerr << "gatefly campaign: interrupted, " << there << " of " << seeds.size()
               << " runs kept in " << folder.path().string()
               << "; the same command flies the rest\n";

@@ -2,10 +2,14 @@
 #include "campaign_folder.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "gatefly/config/config.hpp"
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/json_file.hpp"
 #include "gatefly/files/output.hpp"
+#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/pages/campaign_page.hpp"
 
@@ -14,24 +18,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A run that is whole, of another program.
+class AnotherCommit : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+constexpr std::uint64_t kMostRuns = 1'000'000;  // as --runs allows
+
+/// campaign.json, with everything that is asked of it later there and of its type.
 nlohmann::json read_campaign(const fs::path& path) {
-  auto json = nlohmann::json::parse(io::read_file(path / "campaign.json"), nullptr, false);
-  const auto has = [&](const char* pointer, auto is_right) {
-    const nlohmann::json::json_pointer place{pointer};
-    return json.contains(place) && is_right(json.at(place));
-  };
-  const auto whole = [](const nlohmann::json& value) { return value.is_number_unsigned(); };
-  const auto counted = [](const nlohmann::json& value) {
-    return value.is_number_unsigned() && value > 0;
-  };
-  if (!has("/arguments/first_seed", whole) || !has("/arguments/runs", counted) ||
-      !has("/arguments/shard/0", counted) || !has("/arguments/shard/1", counted) ||
-      !has("/fly", [](const auto& value) { return value.is_string(); }))
-    throw std::runtime_error((path / "campaign.json").string() +
-                             ": is damaged, choose another --out");
-  if (nlohmann::json& arguments = json["arguments"]; arguments.contains("config"))
-    arguments["config"] = io::with_current_names(arguments["config"]);
-  return json;
+  const std::string file = (path / "campaign.json").string();
+  nlohmann::ordered_json json = io::read_json(file);
+  const io::JsonObject campaign(file, json), arguments = campaign.object("arguments");
+  const auto runs = arguments.whole("runs", 1, kMostRuns);
+  (void)arguments.whole("first_seed", 0, std::numeric_limits<std::uint64_t>::max() - (runs - 1));
+  const auto shard = arguments.wholes("shard", 2, 1, kMostRuns);
+  if (shard[0] > shard[1]) arguments.fail("shard", "[i, n] with i at most n");
+  for (const char* name : {"track", "vision"}) (void)arguments.text(name);
+  for (const char* name : {"version", "commit"}) (void)arguments.text(name, "");
+  if (arguments.has("config")) (void)arguments.object("config");
+  (void)campaign.text("fly");
+  nlohmann::json whole = std::move(json);
+  if (nlohmann::json& given = whole["arguments"]; given.contains("config"))
+    given["config"] = io::with_current_names(given["config"]);
+  return whole;
 }
 
 /// The first argument in which two campaigns differ, in words; "" when they are the same.
@@ -44,8 +54,8 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
     std::replace(name.begin(), name.end(), '/', '.');
     if (name == "track_toml") return "the track file has changed";
     if (name == "color_table") return "the colour table has changed";
-    return name + " was " + (a.contains(key) ? a.at(key).dump() : "not there") + ", is " +
-           value.dump();
+    return io::one_line(name, 100) + " was " +
+           (a.contains(key) ? io::shown(a.at(key)) : "not there") + ", is " + io::shown(value);
   }
   return "it has more arguments";
 }
@@ -55,30 +65,41 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
 CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::string fly)
     : path_{std::move(path)},
       arguments_(std::move(arguments)),
-      fly_{std::move(fly)} {  // braces would make an array
+      fly_{std::move(fly)} {}  // braces would make an array
+
+bool CampaignFolder::is_there() const {
   io::check_output_folder("--out", path_);
   std::error_code error;
-  if (fs::exists(path_ / "campaign.json", error)) {
-    const std::string other = difference(read_campaign(path_).at("arguments"), arguments_);
-    if (!other.empty())
-      throw std::runtime_error(path_.string() + ": holds a campaign with other arguments (" +
-                               other + "), choose another --out");
-    return;
+  if (!fs::exists(path_ / "campaign.json", error)) {
+    io::refuse_foreign_folder(path_, "campaign.json", {"campaign", ""}, "choose another --out");
+    return false;
   }
-  io::refuse_foreign_folder(path_, "campaign.json", {"campaign", ""}, "choose another --out");
-  fs::create_directories(path_, error);
-  if (error) throw std::runtime_error(path_.string() + ": cannot be written: " + error.message());
+  const std::string other = difference(read_campaign(path_).at("arguments"), arguments_);
+  if (!other.empty())
+    throw std::runtime_error(path_.string() + ": holds a campaign with other arguments (" + other +
+                             "), choose another --out");
+  return true;
+}
+
+CampaignFolder CampaignFolder::opened(fs::path path, nlohmann::json arguments, std::string fly) {
+  CampaignFolder folder(std::move(path), std::move(arguments), std::move(fly));
+  if (folder.is_there()) return folder;
+  std::error_code error;
+  fs::create_directories(folder.path_, error);
+  if (error)
+    throw std::runtime_error(folder.path_.string() + ": cannot be written: " + error.message());
   try {
-    io::write_file(path_ / "campaign.json", as_json().dump(2) + "\n");
+    io::write_file(folder.path_ / "campaign.json", io::json_text(folder.as_json()));
   } catch (const io::CannotWrite&) {
-    fs::remove(path_, error);
+    fs::remove(folder.path_, error);
     throw;
   }
+  return folder;
 }
 
 CampaignFolder CampaignFolder::existing(const fs::path& path) {
   const nlohmann::json campaign = read_campaign(path);
-  return {path, campaign.at("arguments"), campaign.value("fly", "")};
+  return {path, campaign.at("arguments"), campaign.at("fly")};
 }
 
 nlohmann::ordered_json CampaignFolder::as_json() const {
@@ -111,17 +132,25 @@ void CampaignFolder::keep(std::uint64_t seed, const std::string& summary_json) c
 
 std::optional<io::RunRow> CampaignFolder::row(std::uint64_t seed) const {
   if (!fs::exists(file_of(seed))) return std::nullopt;
-  io::RunRow row;
-  try {
-    row = io::row_of(nlohmann::json::parse(io::read_file(file_of(seed))));
-    if (row.seed != seed) return std::nullopt;
-  } catch (const nlohmann::json::exception&) {  // damaged by somebody else: as if it were not there
-    return std::nullopt;
-  }
+  const std::string file = file_of(seed).string();
+  io::RunRow row = io::row_of(io::read_json(file), file);
+  if (row.seed != seed)
+    throw std::runtime_error(file + ": seed = " + std::to_string(row.seed) + ", must be " +
+                             std::to_string(seed) + ", as its name says");
   if (const std::string commit = arguments_.value("commit", ""); row.commit != commit)
-    throw std::runtime_error(file_of(seed).string() + ": flown by commit \"" + row.commit +
-                             "\", the campaign by \"" + commit + "\", take it away");
+    throw AnotherCommit(file + ": flown by commit \"" + io::one_line(row.commit) +
+                        "\", the campaign by \"" + io::one_line(commit) + "\", take it away");
   return row;
+}
+
+bool CampaignFolder::has(std::uint64_t seed) const {
+  try {
+    return row(seed).has_value();
+  } catch (const AnotherCommit&) {
+    throw;
+  } catch (const std::runtime_error&) {  // damaged by somebody else: as if it were not there
+    return false;
+  }
 }
 
 std::vector<io::RunRow> CampaignFolder::rows() const {
@@ -143,39 +172,41 @@ nlohmann::ordered_json CampaignFolder::finish(const std::vector<io::RunRow>& row
     json["replay"] = command;
   }
   io::write_file(path_ / "runs.csv", io::runs_csv(rows));
-  io::write_file(path_ / "campaign.json", json.dump(2) + "\n");
+  io::write_file(path_ / "campaign.json", io::json_text(json));
   io::write_file(path_ / "report.html", io::campaign_page(path_));
   return json;
 }
 
 CampaignFolder merged(const fs::path& out, const std::vector<fs::path>& shards) {
-  nlohmann::json whole;
-  std::string fly;
   std::vector<CampaignFolder> parts;
   for (const fs::path& shard : shards) {
     parts.push_back(CampaignFolder::existing(shard));
-    nlohmann::json arguments = parts.back().arguments_;
-    arguments["shard"] = {1, 1};
-    if (whole.is_null()) whole = arguments, fly = parts.back().fly_;
-    if (const std::string other = difference(whole, arguments); !other.empty())
+    parts.back().arguments_["shard"] = {1, 1};
+    const std::string other = difference(parts.front().arguments_, parts.back().arguments_);
+    if (!other.empty())
       throw std::runtime_error(shard.string() + ": does not belong to " + shards.front().string() +
                                " (" + other + ")");
   }
-  // Before anything is written: whether all runs are there.
-  const auto holder = [&](std::uint64_t seed) {
-    return std::find_if(parts.begin(), parts.end(),
-                        [seed](const CampaignFolder& part) { return part.row(seed).has_value(); });
-  };
-  const auto first = whole.at("first_seed").get<std::uint64_t>(),
-             runs = whole.at("runs").get<std::uint64_t>();
-  for (std::uint64_t seed = first; seed < first + runs; ++seed)
-    if (holder(seed) == parts.end())
+  const CampaignFolder whole(out, parts.front().arguments_, parts.front().fly_);
+  (void)whole.is_there();
+  // Before anything is written: whether all runs are there, and whole.
+  std::vector<fs::path> files;
+  for (const std::uint64_t seed : whole.seeds()) {
+    const auto holder = std::find_if(parts.begin(), parts.end(), [seed](const auto& part) {
+      return part.row(seed).has_value();
+    });
+    if (holder == parts.end())
       throw std::runtime_error("--merge: no folder holds seed " + std::to_string(seed) +
                                "; fly the shard it belongs to");
-  CampaignFolder result(out, whole, fly);
-  for (const std::uint64_t seed : result.seeds())
-    result.keep(seed, io::read_file(holder(seed)->file_of(seed)));
-  return result;
+    files.push_back(holder->file_of(seed));
+  }
+  io::PartialFolder folder(out, io::PartialFolder::Grows::kInside, [](const std::string& name) {
+    return name == "campaign.json" || name.starts_with("run_");
+  });
+  for (const fs::path& file : files) folder.write(file.filename(), io::read_file(file));
+  folder.write("campaign.json", io::json_text(whole.as_json()));
+  folder.pour();
+  return whole;
 }
 
 }  // namespace gatefly::cli

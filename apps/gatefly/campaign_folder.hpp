@@ -25,7 +25,8 @@ class CampaignFolder {
   /// @param arguments  what it is flown with; `first_seed`, `runs` and `shard` say which seeds.
   /// @param fly        the command that flies one of them, "{seed}" in it.
   /// @throws std::runtime_error when it belongs to other arguments or to something else.
-  CampaignFolder(std::filesystem::path path, nlohmann::json arguments, std::string fly);
+  [[nodiscard]] static CampaignFolder opened(std::filesystem::path path, nlohmann::json arguments,
+                                             std::string fly);
 
   /// An existing one, as it is. @throws std::runtime_error when it is none or damaged.
   [[nodiscard]] static CampaignFolder existing(const std::filesystem::path& path);
@@ -36,10 +37,13 @@ class CampaignFolder {
 
   /// Stores a run; from any thread.
   void keep(std::uint64_t seed, const std::string& summary_json) const;
-  /// A stored run; nullopt when there is none that can be read.
-  /// @throws std::runtime_error when another commit flew it: no two are mixed.
+  /// A stored run; nullopt when there is none.
+  /// @throws std::runtime_error when it is damaged, or another commit flew it: no two are mixed.
   [[nodiscard]] std::optional<io::RunRow> row(std::uint64_t seed) const;
-  /// All runs that are there, by seed.
+  /// Whether there is a stored run that is not damaged: else it is to be flown (again).
+  /// @throws std::runtime_error when another commit flew it.
+  [[nodiscard]] bool has(std::uint64_t seed) const;
+  /// All runs that are there, by seed. @throws std::runtime_error as row().
   [[nodiscard]] std::vector<io::RunRow> rows() const;
   [[nodiscard]] std::filesystem::path file_of(std::uint64_t seed) const;
 
@@ -49,6 +53,9 @@ class CampaignFolder {
  private:
   friend CampaignFolder merged(const std::filesystem::path&,
                                const std::vector<std::filesystem::path>&);
+  CampaignFolder(std::filesystem::path path, nlohmann::json arguments, std::string fly);
+  /// Whether this campaign was begun there. @throws std::runtime_error when it cannot be.
+  [[nodiscard]] bool is_there() const;
   [[nodiscard]] nlohmann::ordered_json as_json() const;
 
   std::filesystem::path path_;
@@ -56,8 +63,8 @@ class CampaignFolder {
   std::string fly_;
 };
 
-/// One campaign from the shards of it. @throws std::runtime_error when they do not belong together,
-/// or a run is missing.
+/// One campaign from the shards of it, whole or not at all.
+/// @throws std::runtime_error when they do not belong together, or a run is missing or damaged.
 [[nodiscard]] CampaignFolder merged(const std::filesystem::path& out,
                                     const std::vector<std::filesystem::path>& shards);
 

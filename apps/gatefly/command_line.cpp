@@ -34,6 +34,10 @@ CLI::Option* number(CLI::App* app, const char* name, Value& value, const char* h
   return app->add_option(name, value, help)->check(check_number<Number>);
 }
 
+std::string check_not_empty(const std::string& text) {
+  return text.empty() ? "must not be empty" : "";
+}
+
 /// "TEXT:{rendered,ideal}" is a TEXT that is one of two words.
 FlagInfo info_of(const CLI::Option& option) {
   FlagInfo info;
@@ -76,10 +80,6 @@ Flag& Flag::type_name(const char* name) {
   return *this;
 }
 Flag& Flag::path(const char* name) {
-  option_->check([](const std::string& text) {
-    return text.empty() ? std::string{"must not be empty, it names a file or folder"}
-                        : std::string{};
-  });
   if (*name != '\0') option_->type_name(name);
   return *this;
 }
@@ -121,10 +121,10 @@ Flag& Flag::excludes(const Flag& other) {
 }
 
 Flag Command::option(const char* name, std::string& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{app_->add_option(name, value, help)->check(check_not_empty)};
 }
 Flag Command::option(const char* name, std::vector<std::string>& value, const char* help) {
-  return Flag{app_->add_option(name, value, help)};
+  return Flag{app_->add_option(name, value, help)->check(check_not_empty)};
 }
 Flag Command::option(const char* name, int& value, const char* help) {
   return Flag{number<int>(app_, name, value, help)};

@@ -28,7 +28,7 @@ class Flag {
 
   Flag& required();
   Flag& type_name(const char* name);  ///< What stands for the value in --help: FILE, DIR, ...
-  Flag& path(const char* name = "");  ///< A file or folder, not empty; type_name() if any.
+  Flag& path(const char* name = "");  ///< A file or folder; type_name() if any.
   Flag& show_default();               ///< The value it has now, in --help.
   Flag& one_of(std::initializer_list<const char*> choices);
   Flag& one_of(std::initializer_list<int> choices);
@@ -65,7 +65,7 @@ class Command {
  public:
   explicit Command(CLI::App* app, Run& run) : app_{app}, run_{run} {}
 
-  /// An argument ("PATH") or a flag with a value ("--out").
+  /// An argument ("PATH") or a flag with a value ("--out"), which is not empty.
   Flag option(const char* name, std::string& value, const char* help);
   Flag option(const char* name, std::vector<std::string>& value, const char* help);
   Flag option(const char* name, int& value, const char* help);

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gatefly/config/config.hpp"
@@ -95,8 +97,16 @@ struct Interrupted {};
 /// For who works long: what is half done goes as the stack is unwound.
 void stop_if_interrupted();
 
-/// `text` in green or red where standard output is a terminal and $NO_COLOR is not set.
-[[nodiscard]] std::string coloured(bool good, const std::string& text);
+/// `text` to be printed in green or red where standard output is a terminal and $NO_COLOR is not
+/// set.
+struct Coloured {
+  bool good;
+  std::string text;
+};
+std::ostream& operator<<(std::ostream& stream, const Coloured& said);
+[[nodiscard]] inline Coloured coloured(bool good, std::string text) {
+  return {good, std::move(text)};
+}
 
 /// How far a long piece of work is, on stderr: a bar on a terminal, else a line now and then.
 class Progress {

@@ -11,6 +11,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "gatefly/files/printed.hpp"
 #include "gatefly/files/text.hpp"
 
 #include "commands.hpp"
@@ -95,7 +96,8 @@ void add_common(Command& command, CommonOptions& options) {
 }
 
 void say_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) std::cerr << "gatefly: " << note << '\n';
+  for (const std::string& note : notes)
+    std::cerr << "gatefly: " << io::one_line(note, note.size()) << '\n';
 }
 
 void add_force(Command& command, CommonOptions& options) {
@@ -117,14 +119,21 @@ io::Config load(const CommonOptions& options) {
   return config;
 }
 
-std::string coloured(bool good, const std::string& text) {
+std::ostream& operator<<(std::ostream& stream, const Coloured& said) {
   const auto set = [](const char* name) {
     const char* const value = std::getenv(name);
     return std::string_view{value == nullptr ? "" : value};
   };
   static const bool wanted =
       isatty(STDOUT_FILENO) == 1 && set("NO_COLOR").empty() && set("TERM") != "dumb";
-  return wanted ? (good ? "\033[32m" : "\033[31m") + text + "\033[0m" : text;
+  const auto in_between = [&](const char* sequence) {
+    const io::AsItIs ours;
+    if (wanted) stream << sequence;
+  };
+  in_between(said.good ? "\033[32m" : "\033[31m");
+  stream << said.text;
+  in_between("\033[0m");
+  return stream;
 }
 
 bool Progress::due(double at) {
@@ -158,12 +167,14 @@ void Progress::update(double part, const std::string& text) {
   const auto full = static_cast<std::size_t>(part * static_cast<double>(width));
   std::string bar;
   for (std::size_t i = 0; i < width; ++i) bar += i < full ? "█" : "░";
-  std::cerr << "\r\033[K" << bar << (width > 0 ? "  " : "")
+  clear();
+  std::cerr << bar << (width > 0 ? "  " : "")
             << io::one_line(words, letters(words) > columns ? columns : words.size()) << std::flush;
   shown_ = true;
 }
 
 void Progress::clear() {
+  const io::AsItIs ours;
   if (shown_) std::cerr << "\r\033[K" << std::flush;
   shown_ = false;
 }

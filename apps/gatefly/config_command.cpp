@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "gatefly/config/json_schema.hpp"
+#include "gatefly/files/json.hpp"
 
 #include "commands.hpp"
 
@@ -17,12 +18,12 @@ struct ConfigOptions {
 /// gatefly config: every key, its value, unit, and who set it.
 int config(const ConfigOptions& options) {
   if (options.schema) {
-    std::cout << io::config_schema().dump(2) << '\n';
+    std::cout << io::json_text(io::config_schema());
     return kDone;
   }
   const io::Config config = load(options.common);
   if (options.json) {
-    std::cout << io::as_json(config).dump(2) << '\n';
+    std::cout << io::json_text(io::as_json(config));
   } else {
     std::cout << io::show(config);
   }

@@ -20,6 +20,7 @@
 #include "gatefly/drawing/search_sheet.hpp"
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/video_reader.hpp"
@@ -77,7 +78,7 @@ void debug(const Image& image, const std::string& name, const std::vector<GateDe
   for (const tasks::ConsideredFrame& frame : report.considered)
     sheet.listed.push_back({frame.bars_px, frame.score, frame.taken, frame.fate});
   drawings.write(name_of_drawing(name), io::kOurPng, io::drawn(sheet, image).png());
-  drawings.write(name_of_record(name), kSearchJson, tasks::as_json(report).dump(2) + "\n");
+  drawings.write(name_of_record(name), kSearchJson, io::json_text(tasks::as_json(report)));
 }
 
 /// Whether a picture has no colour anywhere, by every 5th pixel of every 5th line.
@@ -298,7 +299,7 @@ int detect(const DetectOptions& options) {
   if (findings.annotated) findings.annotated->pour();
   if (findings.debugged) findings.debugged->pour();
   if (options.json)
-    std::cout << as_json(findings, config).dump(2) << '\n';
+    std::cout << io::json_text(as_json(findings, config));
   else if (!rows_on_stdout && !options.common.quiet)
     print_summary(findings, csv);
   if (findings.unusable > 0) return kUnusable;

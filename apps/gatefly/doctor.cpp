@@ -14,6 +14,7 @@
 
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/drawing/video_file.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/subprocess.hpp"
@@ -181,7 +182,7 @@ int doctor(const DoctorOptions& options) {
   if (options.json) {
     const nlohmann::json answer = {
         {"version", GATEFLY_VERSION}, {"can_fly", lacking.empty()}, {"checks", as_json(checks)}};
-    std::cout << answer.dump(2) << '\n';
+    std::cout << io::json_text(answer);
   } else {
     std::cout << "gatefly " << GATEFLY_VERSION << ": "
               << (lacking.empty() ? "a race can be flown"

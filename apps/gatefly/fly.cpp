@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/pages/flight_page.hpp"
@@ -151,7 +152,7 @@ int fly(const FlyOptions& options) {
   mcap.finish();
   if (video) video->finish(result, verdict(result, last_p_EB));
   const nlohmann::ordered_json told = io::summary(result, race.identity);
-  const std::string summary = told.dump(2) + "\n";
+  const std::string summary = io::json_text(told);
   recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));
   const std::string replaced = recorder.finish(summary);
   if (!replaced.empty() && !quiet)

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
@@ -117,7 +118,7 @@ int identify(const IdentifyOptions& options) {
       flight["misfit_m"] = one.fit.rms, flight["pieces"] = one.fit.pieces;
       answer["flights"].push_back(flight);
     }
-    std::cout << answer.dump(2) << '\n';
+    std::cout << io::json_text(answer);
   } else {
     print(all, mean);
   }

@@ -18,6 +18,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "gatefly/files/printed.hpp"
 #include "gatefly/files/text.hpp"
 
 #include "command_tree.hpp"
@@ -51,7 +52,7 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
   if (error.get_exit_code() == 0) return app.exit(error);
   const auto chosen = app.get_subcommands();
   CLI::App& command = chosen.empty() ? app : *chosen.front();
-  const std::string what = io::one_line(error.what(), 4000);
+  const std::string what = io::reason_of(error);
   std::cerr << "gatefly" << (chosen.empty() ? "" : " " + command.get_name()) << ": " << what
             << flag_suggestion(command, arguments) << " (--help shows what there is)\n";
   return kUnusable;
@@ -202,6 +203,37 @@ struct StandardOutputFailed {
   int reason = errno;
 };
 
+/// Writes text for a terminal, whoever wrote what is in it: a name, a file, an argument.
+bool put_printable(std::streambuf& behind, std::string_view text) {
+  const auto put = [&](std::string_view piece) {
+    const auto size = static_cast<std::streamsize>(piece.size());
+    return behind.sputn(piece.data(), size) == size;
+  };
+  const bool part = text.size() == 1 && static_cast<unsigned char>(text[0]) >= 0x80;  // of a letter
+  return put(part || io::AsItIs::lives() || io::is_printable(text) ? text : io::printable(text));
+}
+
+/// Standard error while the program runs.
+class PrintableErrors : public std::streambuf {
+ public:
+  PrintableErrors() : behind_{std::cerr.rdbuf(this)} {}
+  ~PrintableErrors() override { std::cerr.rdbuf(behind_); }
+  PrintableErrors(const PrintableErrors&) = delete;
+  PrintableErrors& operator=(const PrintableErrors&) = delete;
+
+ private:
+  int_type overflow(int_type c) override {
+    const char letter = traits_type::to_char_type(c);
+    return put_printable(*behind_, {&letter, 1}) ? c : traits_type::eof();
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    return put_printable(*behind_, {text, static_cast<std::size_t>(size)}) ? size : 0;
+  }
+  int sync() override { return behind_->pubsync(); }
+
+  std::streambuf* behind_;
+};
+
 /// Standard output while the program runs: what it does not take is not just forgotten.
 class WatchedOutput : public std::streambuf {
  public:
@@ -220,7 +252,8 @@ class WatchedOutput : public std::streambuf {
     return c;
   }
   std::streamsize xsputn(const char* text, std::streamsize size) override {
-    if (behind_->sputn(text, size) != size) throw StandardOutputFailed{};
+    if (!put_printable(*behind_, {text, static_cast<std::size_t>(size)}))
+      throw StandardOutputFailed{};
     return size;
   }
   int sync() override {
@@ -253,6 +286,7 @@ int main(int argc, char** argv) try {
   gatefly::cli::end_when_interrupted();
   gatefly::cli::open_standard_streams();
   const gatefly::cli::WatchedOutput watched;
+  const gatefly::cli::PrintableErrors printable;
   const int code = gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});
   std::cout.flush();
   return code;

@@ -3,6 +3,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <regex>
@@ -13,6 +14,7 @@
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/jpeg_writer.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/png_writer.hpp"
 #include "gatefly/files/text.hpp"
@@ -217,6 +219,10 @@ int render(const RenderOptions& options) {
   io::check_output_folder("--out", out);
   io::refuse_foreign_folder(out, "render.json", {"pictures", "\"recording\""},
                             "choose another --out");
+  const auto last_day = static_cast<std::uint64_t>((options.frames - 1) / options.per_day);
+  if (options.seed > std::numeric_limits<std::uint64_t>::max() - last_day)
+    throw std::runtime_error("--seed " + std::to_string(options.seed) + ": " +
+                             std::to_string(last_day + 1) + " days from there on have no seeds");
   tasks::ConfigArguments config = options.common;
   if (options.varied) config.settings.insert(config.settings.begin(), "randomize.level=hard");
   if (options.fast) config.settings.push_back("sim.camera_quality=fast");
@@ -246,10 +252,10 @@ int render(const RenderOptions& options) {
       {"varied", options.varied},       {"fast", options.fast},
       {"masks", options.masks},         {"version", race.identity.version},
       {"commit", race.identity.commit}, {"config", race.identity.config}};
-  folder.write("render.json", said.dump(2) + "\n");
+  folder.write("render.json", io::json_text(said));
   folder.replace([](const std::string&) { return false; });
   if (options.json) {
-    std::cout << said.dump(2) << '\n';
+    std::cout << io::json_text(said);
     return kDone;
   }
   std::cout << io::amount(order.pictures, "picture") << " of " << race.identity.track << ", "

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/pictures.hpp"
@@ -73,7 +74,7 @@ class ReplayPage {
       told["position_rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
     if (report.comparison) told["recorded"] = tasks::text_of(*report.comparison, flight_);
     const std::string verdict = name + ", flown again by its sensors";
-    folder_.write("summary.json", told.dump(2) + "\n");
+    folder_.write("summary.json", io::json_text(told));
     folder_.write("report.html", page_.html(told, verdict));
     stop_if_interrupted();
     folder_.pour();
@@ -132,7 +133,7 @@ int replay(const ReplayOptions& options) {
   if (!report.other_pictures.empty())
     std::cerr << "gatefly replay: " << report.other_pictures << '\n';
   if (options.json) {
-    std::cout << tasks::as_json(report, given, result).dump(2) << '\n';
+    std::cout << io::json_text(tasks::as_json(report, given, result));
   } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << given.directory << ": "
               << io::amount(result.estimates.size(), "sample") << ", "

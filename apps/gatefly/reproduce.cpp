@@ -10,6 +10,7 @@
 
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/result_page.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/text.hpp"
@@ -45,7 +46,7 @@ int print_list(bool json) {
                 << std::string(20 - std::min<std::size_t>(19, experiment.name.size()), ' ')
                 << experiment.what << '\n';
   }
-  if (json) std::cout << list.dump(2) << '\n';
+  if (json) std::cout << io::json_text(list);
   return kDone;
 }
 
@@ -102,7 +103,7 @@ void write(const Result& result, io::PartialFolder& folder) {
   folder.write("plot.png", result.picture.png());
   for (const experiments::ExtraPicture& extra : result.extra)
     folder.write(extra.name + ".png", extra.picture.png());
-  folder.write("result.json", result.json.dump(2) + "\n");
+  folder.write("result.json", io::json_text(result.json));
   folder.pour();
 }
 
@@ -184,7 +185,7 @@ int reproduce(const ReproduceOptions& options) {
     }
   }
   write_page(entries, options);
-  if (options.json) std::cout << answer.dump(2) << '\n';
+  if (options.json) std::cout << io::json_text(answer);
   return kDone;
 }
 

@@ -145,7 +145,7 @@ int score(const ScoreOptions& options) {
   const io::Score result = io::score(input.pictures, rule, options.nearest);
   warn_of_unknown(input);
   if (options.json)
-    std::cout << as_json(options, input, result).dump(2) << '\n';
+    std::cout << io::json_text(as_json(options, input, result));
   else
     print_screen(options, input, result);
   return kDone;

@@ -9,6 +9,7 @@
 
 #include "gatefly/config/json_schema.hpp"
 #include "gatefly/drawing/course_map.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/tasks/course_report.hpp"
 
@@ -75,7 +76,7 @@ void print_way(const tasks::CourseReport& course) {
 /// gatefly track: what a course asks for. Exit 0 it can be flown, 1 it cannot, 2 unusable input.
 int track(const TrackOptions& options) {
   if (options.schema) {
-    std::cout << io::track_schema().dump(2) << '\n';
+    std::cout << io::json_text(io::track_schema());
     return kDone;
   }
   if (options.track.empty())
@@ -88,7 +89,7 @@ int track(const TrackOptions& options) {
                      io::one_line(verdict(course), 110))
         .write_png(options.draw);
   if (options.json) {
-    std::cout << as_json(course).dump(2) << '\n';
+    std::cout << io::json_text(as_json(course));
   } else {
     std::cout << coloured(course.plan.has_value(), verdict(course)) << '\n';
     if (!options.common.quiet) {

@@ -19,6 +19,7 @@
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/csv.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
@@ -368,7 +369,7 @@ int tune(const TuneOptions& options) {
   }
   write(options, config, material, tuned);
   if (options.json)
-    std::cout << as_json(options, material, tuned).dump(2) << '\n';
+    std::cout << io::json_text(as_json(options, material, tuned));
   else
     print_screen(options, material, tuned);
   return material.unusable > 0 ? kUnusable : tuned.learnt ? kDone : kAnswerIsNo;

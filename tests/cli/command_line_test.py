@@ -198,7 +198,7 @@ class Configuration(Cli):
         (self.folder / "d.toml").mkdir()
         self.assertIn("d.toml: is a folder, not a file", self.refused("config", "--config", "d.toml"))
         self.assertIn("is a folder", self.refused("fly", "."))
-        self.assertIn('"": no such file', self.refused("config", "--config", ""))
+        self.assertIn('--config: must not be empty', self.refused("config", "--config", ""))
 
     def test_a_pipe_can_be_a_configuration(self):
         pipe = self.folder / "pipe"

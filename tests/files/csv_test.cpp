@@ -61,5 +61,12 @@ TEST(Csv, ErrorsNameFileLineAndColumn) {
   EXPECT_THAT(error("", "a"), HasSubstr("a.csv:1"));
 }
 
+TEST(Csv, OfAThousandColumnsAndMoreIsRefusedUnread) {
+  const test::TempFolder folder;
+  EXPECT_THAT(
+      test::error_of([&] { (void)Csv(folder.file("a.csv", std::string(10'000'000, ',') + "\n")); }),
+      HasSubstr("a.csv:1: has more than 1000 columns"));
+}
+
 }  // namespace
 }  // namespace gatefly::io

@@ -56,5 +56,26 @@ TEST(Gzip, WhatIsNoWholeFileIsOneLine) {
               HasSubstr("is longer than"));
 }
 
+TEST(Gzip, EveryMemberIsRead) {
+  const test::TempFolder folder;
+  const std::string one = read_file(packed(folder, "a.gz", "t_s\n1\n", 9)),
+                    other = read_file(packed(folder, "b.gz", rows(), 1 << 20)),
+                    none = read_file(packed(folder, "c.gz", "", 1));
+  EXPECT_EQ(read_gzip(folder.file("x.gz", one + none + other)), "t_s\n1\n" + rows());
+  EXPECT_THAT(test::error_of([&] {
+                (void)read_gzip(folder.file("x.gz", one + other.substr(0, other.size() - 1)));
+              }),
+              HasSubstr("x.gz: is cut off"));
+  EXPECT_THAT(test::error_of([&] { (void)read_gzip(folder.file("x.gz", one + "t_s\n1\n")); }),
+              HasSubstr("x.gz: is damaged"));
+}
+
+TEST(Gzip, WhatUnpacksToFarMoreThanALogIsRefused) {
+  const test::TempFolder folder;
+  const auto path = packed(folder, "a.gz", std::string(std::size_t{64} << 20, '0'), 1 << 20);
+  EXPECT_THAT(test::error_of([&] { (void)read_gzip(path); }),
+              HasSubstr("a.gz: unpacks to more than 32 times its size"));
+}
+
 }  // namespace
 }  // namespace gatefly::io

@@ -171,12 +171,12 @@ TEST(PicturesInFiles, AreLoadedUprightAndReplayedInTheirTicks) {
   const test::TempFolder directory;
   io::FlightFolder folder = hovering(4);
   folder.images = {{.path = directory.file("a.ppm", "P6 2 1 255\nRRRGGG"), .log_row = 1},
-                   {.path = directory.file("b.ppm", "P6 3 1 255\nRRRGGGBBB"), .log_row = 3}};
-  const auto load = upright(pictures_in_files(folder, 0, 0), 90);
+                   {.path = directory.file("b.ppm", "P6 2 1 255\nGGGBBB"), .log_row = 3}};
+  const auto load = upright(pictures_in_files(folder, 2, 1), 90);
   const Image first = load(0);
   EXPECT_EQ(first.width(), 1);
   EXPECT_EQ(first.height(), 2);
-  EXPECT_EQ(load(1).height(), 3);
+  EXPECT_EQ(load(1).height(), 2);
 
   PilotConfig pilot;
   pilot.track.gates = {MapGate{.p_EG = {4, 0, -1.5}}};
@@ -189,6 +189,14 @@ TEST(PicturesInFiles, AreLoadedUprightAndReplayedInTheirTicks) {
   ASSERT_EQ(result.pictures.size(), 2u);
   EXPECT_DOUBLE_EQ(result.pictures[1].t, 0.03);
   EXPECT_EQ(result.estimates.size(), 4u);
+}
+
+TEST(PicturesInFiles, OfAnotherSizeThanTheCamerasAreRefused) {
+  const test::TempFolder directory;
+  io::FlightFolder folder = hovering(1);
+  folder.images = {{.path = directory.file("a.ppm", "P6 3 1 255\nRRRGGGBBB"), .log_row = 0}};
+  EXPECT_THAT(test::error_of([&] { (void)pictures_in_files(folder, 1, 3)(0); }),
+              HasSubstr("a.ppm: is 3 x 1, the camera's as stored 1 x 3 (camera.size_px)"));
 }
 
 TEST(PicturesInFiles, APictureThatIsNotThereSaysItsName) {

@@ -9,6 +9,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "gatefly/calibration/lens_model.hpp"
+#include "gatefly/config/check_config.hpp"
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -108,6 +109,10 @@ CameraFile from_kalibr(const Map& map) {
     map.fail("camera_model",
              " = " + io::one_line(model) + ": must be pinhole (with radtan, equidistant or none)");
   const Numbers size = map.numbers("resolution", 2);
+  constexpr double kLargest = 1e6;
+  for (const double side : size)
+    if (!(side >= 1.0 && side <= kLargest && side == std::floor(side)))
+      map.fail("resolution", " has " + io::text_of(side) + ": must be whole numbers above 0");
   CameraFile camera;
   camera.size_px = {static_cast<int>(size[0]), static_cast<int>(size[1])};
   const Numbers distortion =
@@ -169,13 +174,8 @@ std::string chosen_camera(const YAML::Node& file, const std::string& path,
 }
 
 CameraFile from_yaml(const std::filesystem::path& path, const std::string& camera) {
-  YAML::Node file;
-  try {
-    file = YAML::Load(io::read_file(path));
-  } catch (const YAML::Exception& error) {
-    throw std::runtime_error(path.string() + ":" + std::to_string(error.mark.line + 1) +
-                             ": is no YAML: " + io::one_line(error.msg));
-  }
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
+  const YAML::Node file = YAML::Load(io::read_file(path, kMostBytes));
   const std::string where = path.string() + ": ";
   if (!file.IsMap())
     throw std::runtime_error(where + "is neither a Kalibr camchain nor a ROS camera_info");
@@ -284,13 +284,30 @@ CameraFormat camera_format(const std::string& name) {
 }
 
 CameraFile read_camera(const std::filesystem::path& path, const std::string& camera) {
-  return path.extension() == ".toml" ? from_toml(path) : from_yaml(path, camera);
+  if (path.extension() == ".toml") return from_toml(path);
+  try {
+    return from_yaml(path, camera);
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(path.string() + ":" + std::to_string(error.mark.line + 1) +
+                             ": is no YAML: " + io::one_line(error.msg));
+  }
+}
+
+void expect_usable(const CameraFile& camera, const std::string& where) {
+  try {
+    io::check_config(toml_text(camera), "");
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    throw std::runtime_error(where +
+                             ": such a camera cannot be used: " + what.substr(what.find(": ") + 2));
+  }
 }
 
 std::string camera_text(const CameraFile& camera, CameraFormat format,
                         const std::vector<std::string>& comments) {
   std::string text;
-  for (const std::string& comment : comments) text += "# " + comment + "\n";
+  for (const std::string& comment : comments)  // which may name a file, whose name may be anything
+    text += "# " + io::one_line(comment, 400) + "\n";
   switch (format) {
     case CameraFormat::kKalibr:
       return text + kalibr_text(camera);

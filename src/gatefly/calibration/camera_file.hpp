@@ -38,6 +38,10 @@ enum class CameraFormat { kToml, kKalibr, kRos };
 [[nodiscard]] CameraFile read_camera(const std::filesystem::path& path,
                                      const std::string& camera = "");
 
+/// Refuses a camera that no command would take: a size, focal length or distortion out of bounds.
+/// @param where  it comes from, in the message. @throws std::runtime_error one line.
+void expect_usable(const CameraFile& camera, const std::string& where);
+
 /// The file's text. @param comments  lines that are put above.
 /// @throws std::runtime_error when the format has no such lens: Dhane's is in none but our own, a
 ///     k3 not in Kalibr's.

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "gatefly/config/check_config.hpp"
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
@@ -45,6 +46,8 @@ std::vector<std::string> section_names() {
 /// What somebody who wrote `name` meant: the key of that name in another section, or of a like name
 /// in this one, or any like it.
 std::string key_suggestion(const std::string& name) {
+  constexpr std::size_t kLongest = 100;  // nobody meant one of ours by a longer one
+  if (name.size() > kLongest) return ", gatefly config --show lists them all";
   const auto section = name.substr(0, name.find('.') + 1);  // "" when there is none
   const std::string last = name.substr(section.size());
   std::vector<std::string> same, beside;
@@ -144,8 +147,7 @@ void set_key(Config& config, const std::string& given, const json& value, const 
                            " (there are: " + joined(section_names()) + ")");
 }
 
-void read_config_file(Config& config, const std::filesystem::path& path) {
-  const TomlFile file(path);
+void read_config_file(Config& config, const TomlFile& file, const std::filesystem::path& path) {
   for (const auto& [section, table] : file.content().items()) {
     const std::string pointer = "/" + section, place = file.place(pointer);
     const auto sections = section_names();
@@ -262,8 +264,10 @@ Config::Config() { pilot = pilot_config(*this); }
 Config load_config(std::span<const std::filesystem::path> files,
                    std::span<const std::string> settings) {
   Config config;
-  for (const auto& file : files) read_config_file(config, file);
+  for (const auto& file : files) read_config_file(config, TomlFile{file}, file);
   for (const std::string& setting : settings) {
+    if (setting.find_first_of("\n\r") != std::string::npos)  // a flight keeps each on a line
+      throw std::runtime_error("--set " + one_line(setting) + ": must be on one line");
     const auto equals = setting.find('=');
     const std::string name = trimmed(setting.substr(0, equals));
     if (equals == std::string::npos || name.empty())
@@ -274,6 +278,13 @@ Config load_config(std::span<const std::filesystem::path> files,
   read_color_table(config);
   config.pilot = pilot_config(config);
   return config;
+}
+
+void check_config(const std::string& content, const std::string& name) {
+  Config config;
+  read_config_file(config, TomlFile{name, content}, name);
+  check(config);
+  (void)pilot_config(config);
 }
 
 std::vector<std::filesystem::path> config_files(std::span<const std::string> names) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -96,6 +97,16 @@ sim::Faults with_faults(const sim::Faults& base, const nlohmann::json& table,
     find(key)->set(result, value);
   }
   return result;
+}
+
+void expect_gates_of(const sim::Faults& faults, std::size_t gates, const std::string& track) {
+  for (const auto& [name, number] :
+       {std::pair{"moved_gate", faults.moved_gate}, std::pair{"missing_gate", faults.missing_gate},
+        std::pair{"hidden_gate", faults.hidden_gate}})
+    if (number > static_cast<int>(gates))
+      throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
+                               ", but " + track + " has " + amount(gates, "gate") +
+                               ", must be in 0.." + std::to_string(gates));
 }
 
 }  // namespace gatefly::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,8 @@ void check_fault(const std::string& key, const nlohmann::json& value, const std:
 /// `base` with a [faults] table put over it. @throws std::runtime_error as check_fault.
 [[nodiscard]] sim::Faults with_faults(const sim::Faults& base, const nlohmann::json& table,
                                       const std::string& where);
+
+/// @throws std::runtime_error when a fault is of a gate that a course of so many does not have.
+void expect_gates_of(const sim::Faults& faults, std::size_t gates, const std::string& track);
 
 }  // namespace gatefly::io

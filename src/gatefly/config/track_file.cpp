@@ -235,7 +235,8 @@ TrackFile read_track(const std::filesystem::path& path, const GateDescription& d
   Table& table = top.table();
 
   TrackFile track;
-  track.track.name = top.text("name", path.stem().string());
+  constexpr std::size_t kLongestName = 200;
+  track.track.name = one_line(top.text("name", path.stem().string()), kLongestName);
   track.track.laps = top.integer("laps", 1);
   read_room(table, track);
   read_start(table, track);

@@ -14,6 +14,10 @@
 namespace gatefly::io {
 namespace {
 
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20;
+constexpr std::ptrdiff_t kMostColumns = 1000;
+constexpr std::size_t kMostCells = 80'000'000;  // an hour of a flight's log
+
 /// Takes the part of `rest` before the next `end`; the whole when there is none.
 std::string_view take(std::string_view& rest, char end) {
   const std::size_t length = std::min(rest.find(end), rest.size());
@@ -49,7 +53,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-Csv::Csv(const std::filesystem::path& path) : Csv{path, read_file(path)} {}
+Csv::Csv(const std::filesystem::path& path) : Csv{path, read_file(path, kMostBytes)} {}
 
 Csv::Csv(const std::filesystem::path& path, std::string content)
     : file_{path.string()}, content_{std::move(content)} {
@@ -70,20 +74,46 @@ Csv::Csv(const std::filesystem::path& path, std::string content)
   const std::string_view first = next_line();
   if (first.empty()) throw std::runtime_error(file_ + ":1: must start with a line of column names");
   separator_ = separator_of(first);
+  if (std::count(first.begin(), first.end(), separator_) >= kMostColumns)
+    throw std::runtime_error(file_ + ":1: has more than " + std::to_string(kMostColumns) +
+                             " columns, which no such file has");
   for (const std::string_view name : cells_of(first, separator_))
     header_.emplace_back(unquoted(trimmed(name)));
   if (std::set<std::string>(header_.begin(), header_.end()).size() != header_.size())
     throw std::runtime_error(file_ + ":1: two columns have the same name");
 
+  if (content_.size() > kMostBytes)
+    throw std::runtime_error(file_ + ": is longer than " + std::to_string(kMostBytes >> 20) +
+                             " MiB, which no such file is");
   while (!rest.empty()) {
-    const auto cells = cells_of(next_line(), separator_);
-    if (cells.size() != header_.size())
-      throw std::runtime_error(place(rows_) + ": has " + std::to_string(cells.size()) +
-                               " cells, must have " + std::to_string(header_.size()) +
-                               " as the header");
-    cells_.insert(cells_.end(), cells.begin(), cells.end());
-    ++rows_;
+    add_row(next_line());
+    if (cells_.size() > kMostCells)
+      throw std::runtime_error(file_ + ": has more than " + std::to_string(kMostCells) +
+                               " cells, which no such file has");
   }
+}
+
+void Csv::add_row(std::string_view line) {
+  const auto columns =
+      static_cast<std::size_t>(std::count(line.begin(), line.end(), separator_)) + 1;
+  if (columns != header_.size())
+    throw std::runtime_error(place(rows_) + ": has " + std::to_string(columns) +
+                             " cells, must have " + std::to_string(header_.size()) +
+                             " as the header");
+  const auto offset = [&](std::size_t at) {
+    return static_cast<std::uint32_t>(static_cast<std::size_t>(line.data() - content_.data()) + at);
+  };
+  cells_.push_back(offset(0));
+  for (std::size_t at = line.find(separator_); at != std::string_view::npos;
+       at = line.find(separator_, at + 1))
+    cells_.push_back(offset(at + 1));
+  cells_.push_back(offset(line.size() + 1));
+  ++rows_;
+}
+
+std::string_view Csv::cell(std::size_t row, std::size_t column) const {
+  const std::uint32_t* const at = &cells_[row * (header_.size() + 1) + column];
+  return unquoted(std::string_view{content_}.substr(at[0], at[1] - at[0] - 1));
 }
 
 std::string Csv::place(std::size_t row) const { return file_ + ":" + std::to_string(row + 2); }

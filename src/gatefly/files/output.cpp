@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/files/printed.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -93,6 +94,7 @@ class Pending {
 
   void put_in_place() {
     if (is_stdout(path_)) {
+      const AsItIs content;
       if (!std::cout.write(content_.data(), static_cast<std::streamsize>(content_.size())).flush())
         throw CannotWrite("standard output", std::strerror(errno));
     } else if (target_.empty()) {

@@ -22,8 +22,11 @@ std::vector<fs::path> picture_files(const fs::path& path) {
   if (!fs::is_directory(path, error)) return {path};
 
   std::vector<fs::path> files;
+  std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(path, error))
-    if (is_picture(entry.path()) && !is_raw(entry.path())) files.push_back(entry.path());
+    if (is_picture(entry.path()) && !is_raw(entry.path()) &&
+        !fs::is_fifo(entry.status(ignored)))  // for a pipe we would wait for ever
+      files.push_back(entry.path());
   if (error) throw std::runtime_error(path.string() + ": cannot be read: " + error.message());
   if (files.empty()) {
     const std::string others = left_out_of(path);

@@ -17,12 +17,15 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "gatefly/files/printed.hpp"
+
 namespace gatefly::io {
 
 namespace fs = std::filesystem;
 
 namespace {
 constexpr std::uintmax_t kMostOfAStream = std::uintmax_t{64} << 20;
+constexpr std::size_t kLongestWord = 100;  // that somebody may have meant to be another
 }  // namespace
 
 int edit_distance(std::string_view a, std::string_view b) {
@@ -41,6 +44,7 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, std::span<const std::string> candidates) {
+  word = word.substr(0, kLongestWord);
   const auto best = std::min_element(candidates.begin(), candidates.end(),
                                      [&](const std::string& a, const std::string& b) {
                                        return edit_distance(word, a) < edit_distance(word, b);
@@ -49,6 +53,7 @@ std::string nearest(std::string_view word, std::span<const std::string> candidat
 }
 
 std::string suggestion(std::string_view word, std::span<const std::string> candidates) {
+  if (word.size() > kLongestWord) return "";
   const std::string best = nearest(word, candidates);
   const auto longest = static_cast<int>(std::max(word.size(), best.size()));
   if (best.empty() || edit_distance(word, best) > std::max(2, longest / 2)) return "";
@@ -110,19 +115,24 @@ std::string joined(std::span<const std::string> words, std::string_view between)
 }
 
 std::string one_line(std::string text, std::size_t most) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  if (text.size() <= most) return text;
-  std::size_t end = most - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  const bool longer = text.size() > most;
+  if (longer) text.resize(most);  // not all of what may be megabytes
+  text = printable(text);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
+  if (!longer) return text;
+  std::size_t end = std::min(text.size(), most - 3);
+  while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+    --end;
   return text.substr(0, end) + "...";
 }
 
 std::string reason_of(const std::exception& error) {
   if (const auto* file = dynamic_cast<const fs::filesystem_error*>(&error))
-    return one_line(file->path1().string(), 200) + ": " + file->code().message();
+    return one_line(shortened(file->path1().string(), 240), 300) + ": " + file->code().message();
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "not enough memory";
-  return one_line(error.what(), 4000);
+  const std::string what = readable(error.what());
+  return one_line(what, what.size());
 }
 
 std::string read_file(const fs::path& path, std::uintmax_t most) {

@@ -17,20 +17,33 @@ using nlohmann::json;
 
 using Lines = std::map<std::string, unsigned>;
 
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
+constexpr int kDeepest = 16;
+constexpr std::size_t kLongestKey = 100;  // ours have 30 letters at most
+
+/// Lines are for messages: of tables and of their keys, as long and deep as ours are.
+void keep_line(const toml::node& node, const std::string& pointer, Lines& lines) {
+  constexpr std::size_t kLongest = 200;
+  if (pointer.size() <= kLongest) lines[pointer] = node.source().begin.line;
+}
+
 json json_of(const toml::node& node, const std::string& pointer, Lines& lines) {
-  lines[pointer] = node.source().begin.line;
   if (const auto* table = node.as_table()) {
     json object = json::object();
     for (const auto& [key, value] : *table) {
-      const std::string name{key.str()};
-      object[name] = json_of(value, pointer + "/" + name, lines);
+      const std::string name{key.str()}, place = pointer + "/" + name.substr(0, kLongestKey);
+      keep_line(value, place, lines);
+      object[name] = json_of(value, place, lines);
     }
     return object;
   }
   if (const auto* array = node.as_array()) {
     json list = json::array();
-    for (const auto& value : *array)
-      list.push_back(json_of(value, pointer + "/" + std::to_string(list.size()), lines));
+    for (const auto& value : *array) {
+      const std::string place = pointer + "/" + std::to_string(list.size());
+      if (value.is_table()) keep_line(value, place, lines);
+      list.push_back(json_of(value, place, lines));
+    }
     return list;
   }
   if (const auto* text = node.as_string()) return text->get();
@@ -46,15 +59,74 @@ json json_of(const toml::node& node, const std::string& pointer, Lines& lines) {
   return date.str();
 }
 
+/// Looks for tables and lists in one another in TOML that nobody has parsed yet: the parser calls
+/// itself for each level, and the system ends a program that does so too often.
+class Nesting {
+ public:
+  /// The line where it is deeper than kDeepest; 0 when it never is.
+  static std::size_t too_deep(std::string_view text) {
+    Nesting here{text};
+    while (!here.text_.empty())
+      if (here.step(); here.brackets_ > kDeepest || here.dots_ > kDeepest) return here.line_;
+    return 0;
+  }
+
+ private:
+  explicit Nesting(std::string_view text) : text_{text} {}
+
+  void step() {
+    const char c = text_.front();
+    if (c == '"' || c == '\'') return skip_text(c);
+    if (c == '#') return skip(std::min(text_.find('\n'), text_.size()));
+    if (c == '[' || c == '{') ++brackets_;
+    if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
+    if (c == '.') ++dots_;  // of a key: a.b.c
+    if (std::string_view{",=[]{}\n"}.find(c) != std::string_view::npos) dots_ = 0;
+    skip(1);
+  }
+  /// "text", 'text', """text""", '''text'''; the last two over several lines.
+  void skip_text(char quote) {
+    const std::string three(3, quote);
+    const bool is_long = text_.starts_with(three);
+    skip(is_long ? 3 : 1);
+    while (!text_.empty()) {
+      if (text_.front() == '\\' && quote == '"')
+        skip(2);
+      else if (is_long ? text_.starts_with(three) : text_.front() == quote)
+        break;
+      else if (!is_long && text_.front() == '\n')
+        return;  // not closed
+      else
+        skip(1);
+    }
+    skip(is_long ? 3 : 1);
+    for (int i = 0; is_long && i < 2 && text_.starts_with(quote); ++i) skip(1);  // """""" has two
+  }
+  void skip(std::size_t count) {
+    const std::string_view part = text_.substr(0, count);
+    line_ += static_cast<std::size_t>(std::count(part.begin(), part.end(), '\n'));
+    text_.remove_prefix(part.size());
+  }
+
+  std::string_view text_;
+  std::size_t line_ = 1;
+  int brackets_ = 0, dots_ = 0;
+};
+
 std::string range_text(double low, double high) {
   return "a number in " + text_of(low) + ".." + text_of(high);
 }
 
 }  // namespace
 
-TomlFile::TomlFile(const std::filesystem::path& path) : name_{path.string()} {
-  constexpr std::uintmax_t kMost = std::uintmax_t{16} << 20;
-  const std::string content = read_file(path, kMost);
+TomlFile::TomlFile(const std::filesystem::path& path)
+    : TomlFile{path, read_file(path, kMostBytes)} {}
+
+TomlFile::TomlFile(const std::filesystem::path& path, std::string_view content)
+    : name_{path.string()} {
+  if (const std::size_t line = Nesting::too_deep(content); line > 0)
+    throw std::runtime_error(path.string() + ":" + std::to_string(line) + ": is nested more than " +
+                             std::to_string(kDeepest) + " levels deep, which no such file is");
   try {
     content_ = json_of(toml::parse(content, path.string()), "", lines_);
   } catch (const toml::parse_error& error) {
@@ -71,6 +143,7 @@ std::string TomlFile::place(std::string pointer) const {
 }
 
 json parse_toml_value(std::string_view text) {
+  if (Nesting::too_deep(text) > 0) return std::string{text};
   try {
     const toml::table table = toml::parse("value = " + std::string{text});
     Lines lines;
@@ -79,17 +152,6 @@ json parse_toml_value(std::string_view text) {
     // Not TOML: a bare word.
   }
   return std::string{text};
-}
-
-std::string shown(const json& value) {
-  if (value.is_null()) return "nothing";
-  if (value.is_number_float()) return text_of(value.get<double>(), 12);
-  if (value.is_array()) {
-    std::vector<std::string> parts;
-    for (const json& part : value) parts.push_back(shown(part));
-    return one_line("[" + joined(parts) + "]", 200);
-  }
-  return one_line(value.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 Table::Table(const TomlFile& file, std::string pointer, std::string before)

@@ -10,14 +10,18 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/files/json.hpp"
+
 namespace gatefly::io {
 
 /// A TOML file as a JSON value, tables are objects, numbers keep being whole or not; and where in
-/// it everything stands.
+/// it everything stands. Of at most 1 MiB and 16 levels.
 class TomlFile {
  public:
   /// @throws std::runtime_error "file:line: what is wrong".
   explicit TomlFile(const std::filesystem::path& path);
+  /// Of a file whose content is known.
+  TomlFile(const std::filesystem::path& path, std::string_view content);
 
   [[nodiscard]] const nlohmann::json& content() const { return content_; }
   /// "file:12": the line of what a JSON pointer leads to, or of the nearest table around it.
@@ -31,9 +35,6 @@ class TomlFile {
 
 /// One TOML value as typed after `--set key=`; bare words are text.
 [[nodiscard]] nlohmann::json parse_toml_value(std::string_view text);
-
-/// A value as an error message shows it.
-[[nodiscard]] std::string shown(const nlohmann::json& value);
 
 /// Reads one table of a file key by key; knows which keys nobody asked for.
 ///

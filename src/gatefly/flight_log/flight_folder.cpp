@@ -17,7 +17,8 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-constexpr double kLatest = 9e6;  // [s]; nanoseconds stay exact in a double.
+constexpr std::size_t kMostRows = 2'000'000;  // an hour at 512 Hz
+constexpr double kLatest = 9e6;               // [s]; nanoseconds stay exact in a double.
 
 /// A column if the log has it; each cell may still be empty.
 class Column {
@@ -90,6 +91,9 @@ class Motors {
 std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   const Csv csv(path, path.extension() == ".gz" ? read_gzip(path) : read_file(path));
   if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
+  if (csv.rows() > kMostRows)
+    throw std::runtime_error(path.string() + ": has " + std::to_string(csv.rows()) +
+                             " rows, must be at most " + std::to_string(kMostRows));
   const std::vector<nanoseconds> times = times_of(csv);
   // A flight without its IMU is none: these must be there. An empty cell stays NaN, as a lost
   // sample.
@@ -158,7 +162,8 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
       throw std::runtime_error(csv.place(i) + ": image = '" + names[i] +
                                "', must be a file name in this folder");
     if (!known.insert(names[i]).second)
-      throw std::runtime_error(csv.place(i) + ": image = '" + names[i] + "', a second time");
+      throw std::runtime_error(csv.place(i) + ": image = '" + one_line(names[i]) +
+                               "', a second time");
     const double row = rows[i];
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
@@ -178,6 +183,14 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
   return images;
 }
 
+/// Who reads a pipe that nobody writes to waits for ever.
+void refuse_pipes(const std::filesystem::path& directory) {
+  std::error_code error, ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+    if (std::filesystem::is_fifo(entry.status(ignored)))
+      throw std::runtime_error(entry.path().string() + ": is a pipe, must be a file");
+}
+
 }  // namespace
 
 std::optional<std::filesystem::path> log_in(const std::filesystem::path& directory) {
@@ -191,6 +204,7 @@ FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   std::error_code error;
   if (!std::filesystem::is_directory(directory, error))
     throw std::runtime_error(directory.string() + ": is no folder");
+  refuse_pipes(directory);
   FlightFolder flight{.directory = directory,
                       .log = log_in(directory).value_or(directory / "log_si.csv"),
                       .samples = {},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/gzip.hpp"
 
+#include <algorithm>
 #include <array>
 #include <new>
 #include <stdexcept>
@@ -63,8 +64,11 @@ void GzipFile::deflate(std::string_view piece, bool last) {
 }
 
 std::string read_gzip(const std::filesystem::path& path, std::size_t most) {
-  const std::string packed = read_file(path);
-  const auto fail = [&](const char* what) { throw std::runtime_error(path.string() + what); };
+  constexpr std::size_t kTightest = 32, kAnyway = std::size_t{1} << 20;  // a short one may be zeros
+  const std::string packed = read_file(path, most);
+  const auto fail = [&](const std::string& what) {
+    throw std::runtime_error(path.string() + what);
+  };
   z_stream z{};
   if (inflateInit2(&z, kGzip) != Z_OK) throw std::bad_alloc{};
   struct AtEnd {
@@ -72,10 +76,12 @@ std::string read_gzip(const std::filesystem::path& path, std::size_t most) {
     ~AtEnd() { inflateEnd(z); }
   } at_end{&z};
   z.next_in = bytes_of(packed);
-  z.avail_in = static_cast<uInt>(packed.size());  // read_file() reads no more than 1 GiB
+  z.avail_in = static_cast<uInt>(packed.size());
   std::string content;
   std::vector<char> piece(1 << 18);
-  for (int state = Z_OK; state != Z_STREAM_END;) {
+  for (int state = Z_OK; state != Z_STREAM_END || z.avail_in > 0;) {
+    if (state == Z_STREAM_END && inflateReset(&z) != Z_OK)
+      throw std::bad_alloc{};  // the next member
     z.next_out = reinterpret_cast<Bytef*>(piece.data());
     z.avail_out = static_cast<uInt>(piece.size());
     state = inflate(&z, Z_NO_FLUSH);
@@ -83,8 +89,12 @@ std::string read_gzip(const std::filesystem::path& path, std::size_t most) {
     if (state == Z_BUF_ERROR || (state == Z_OK && z.avail_in == 0 && z.avail_out > 0))
       fail(": is cut off, the end of the gzip file is missing");
     if (state != Z_OK && state != Z_STREAM_END)
-      fail(z.total_out == 0 ? ": is no gzip file" : ": is damaged, no whole gzip file");
-    if (content.size() > most) fail(": is longer than any log, unpacked");
+      fail(content.empty() ? ": is no gzip file" : ": is damaged, no whole gzip file");
+    if (content.size() > most)
+      fail(": is longer than " + std::to_string(most >> 20) + " MiB, unpacked, which no log is");
+    if (content.size() > std::max(kAnyway, kTightest * packed.size()))
+      fail(": unpacks to more than " + std::to_string(kTightest) +
+           " times its size, which no log does");
   }
   return content;
 }

@@ -85,11 +85,27 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarSt
   return ticks;
 }
 
+namespace {
+
+/// The lens and the mount are those of one size of picture.
+void expect_size(const io::ImageFile& picture, const std::string& where, int width, int height) {
+  if (picture.stored_width == width && picture.stored_height == height) return;
+  throw std::runtime_error(where + std::to_string(picture.stored_width) + " x " +
+                           std::to_string(picture.stored_height) + ", the camera's as stored " +
+                           std::to_string(width) + " x " + std::to_string(height) +
+                           " (camera.size_px)");
+}
+
+}  // namespace
+
 PictureSource pictures_in_files(const io::FlightFolder& folder, int stored_width,
                                 int stored_height) {
   return [&folder, stored_width, stored_height,
           file = io::ImageFile{}](std::size_t i) mutable -> const io::ImageFile& {
-    return file = io::read_image(folder.images.at(i).path, stored_width, stored_height);
+    const std::filesystem::path& path = folder.images.at(i).path;
+    file = io::read_image(path, stored_width, stored_height);
+    expect_size(file, path.string() + ": is ", stored_width, stored_height);
+    return file;
   };
 }
 
@@ -114,12 +130,8 @@ PictureSource pictures_in_film(const io::FlightFolder& folder, int stored_width,
         throw std::runtime_error(film->path.string() + ": ends after " +
                                  std::to_string(film->next) + " pictures, images.csv has " +
                                  std::to_string(folder.images.size()));
-      if (picture->stored_width != stored_width || picture->stored_height != stored_height)
-        throw std::runtime_error(film->path.string() + ": its pictures are " +
-                                 std::to_string(picture->stored_width) + " x " +
-                                 std::to_string(picture->stored_height) +
-                                 ", the camera's as stored " + std::to_string(stored_width) +
-                                 " x " + std::to_string(stored_height) + " (camera.size_px)");
+      expect_size(*picture, film->path.string() + ": its pictures are ", stored_width,
+                  stored_height);
       film->picture = std::move(*picture);
     }
     return film->picture;

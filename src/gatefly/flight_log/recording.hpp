@@ -42,7 +42,8 @@ using PictureSource = std::function<const io::ImageFile&(std::size_t i)>;
 
 /// Reads each picture from its file.
 /// @param folder  must live as long.
-/// @param stored_width,stored_height  of raw pictures, which do not know their size [px].
+/// @param stored_width,stored_height  the camera's [px]: of raw pictures, which do not know it, and
+///     what others must have. @throws std::runtime_error one line, when the picture is read.
 [[nodiscard]] PictureSource pictures_in_files(const io::FlightFolder& folder, int stored_width,
                                               int stored_height);
 

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/files/json_file.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/pages/index_page.hpp"
 #include "gatefly/pages/list_page.hpp"
@@ -29,9 +30,9 @@ std::optional<Json> object_in(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return std::nullopt;
   try {
-    Json json = Json::parse(read_file(path), nullptr, false);
+    Json json = read_json(path);
     if (json.is_object()) return json;
-  } catch (const std::runtime_error&) {  // not readable
+  } catch (const std::runtime_error&) {  // not readable, damaged
   }
   return std::nullopt;
 }

@@ -37,7 +37,8 @@ Json row_of(const ListedFlight& flight) {
   copy("stop_reason", "stop", text);
   copy("abort_reason", "why", text);
   if (const auto crash = s.find("crash"); crash != s.end() && crash->is_object())
-    row["why"] = crash->value("object", nlohmann::json("")).is_string() ? crash->at("object") : "";
+    if (const auto object = crash->find("object"); object != crash->end() && object->is_string())
+      row["why"] = *object;
   if (const auto lost = s.find("why_lost"); lost != s.end() && lost->is_object()) {
     const auto copy_text = [&](const char* from, const char* to) {
       if (const auto found = lost->find(from); found != lost->end() && found->is_string())

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "gatefly/files/quantile.hpp"
+#include "gatefly/files/text.hpp"
 
 namespace gatefly::io {
 namespace {
@@ -18,6 +19,11 @@ nlohmann::ordered_json spread(std::vector<double> values) {
   return {{"p25", quantile(values, 0.25)},
           {"p50", quantile(values, 0.5)},
           {"p75", quantile(values, 0.75)}};
+}
+
+std::string whole(const nlohmann::json& value) {
+  constexpr std::size_t kMost = 200;  // nobody reads more of a message
+  return one_line(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), kMost);
 }
 
 }  // namespace
@@ -112,7 +118,7 @@ std::vector<std::string> argument_differences(const nlohmann::json& first,
     if (name == "track_toml" || name == "color_table")
       differences.push_back(name == "track_toml" ? "the track file" : "the colour table");
     else
-      differences.push_back(name + ": " + was.dump() + " | " + is.dump());
+      differences.push_back(name + ": " + whole(was) + " | " + whole(is));
   }
   return differences;
 }

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
+#include "gatefly/files/json_file.hpp"
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -13,24 +13,21 @@ namespace gatefly::io {
 namespace {
 
 std::string cell(const std::string& text) {
-  return text.find_first_of(",\"") == std::string::npos ? text : nlohmann::json(text).dump();
-}
-
-/// NaN for null.
-double number_of(const nlohmann::json& json) {
-  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+  return text.find_first_of(",\"\n\r") == std::string::npos
+             ? text
+             : nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 /// A number's cell; empty for NaN.
 std::string cell(double value) { return std::isnan(value) ? "" : text_of(value); }
 
-void read_loss(const nlohmann::json& summary, RunRow& row) {
-  const auto found = summary.find("why_lost");
-  if (found == summary.end() || found->is_null()) return;
-  row.why = found->at("cause").get<std::string>();
-  for (const auto& part : found->at("parts"))
-    row.shares.push_back(part.at("share_cm").get<double>());
-  row.since_fix = number_of(found->at("since_fix_s"));
+void read_loss(const JsonObject& summary, RunRow& row) {
+  if (!summary.has("why_lost")) return;
+  const JsonObject lost = summary.object("why_lost");
+  row.why = lost.text("cause");
+  for (const JsonObject& part : lost.objects("parts", 4))
+    row.shares.push_back(part.number("share_cm"));
+  row.since_fix = lost.number_or_null("since_fix_s");
 }
 
 std::string loss_cells(const RunRow& row) {
@@ -41,13 +38,11 @@ std::string loss_cells(const RunRow& row) {
   return cells + "," + cell(row.since_fix);
 }
 
-std::string cause_of(const nlohmann::json& summary) {
-  if (summary.at("finished").get<bool>()) return "finished";
-  if (!summary.at("crash").is_null())
-    return "crash: " + summary.at("crash").at("object").get<std::string>();
-  const auto reason = summary.at("stop_reason").get<std::string>();
-  if (reason == "abort") return "abort: " + summary.at("abort_reason").get<std::string>();
-  return reason;
+std::string cause_of(const JsonObject& summary) {
+  if (summary.truth("finished")) return "finished";
+  if (summary.has("crash")) return "crash: " + summary.object("crash").text("object");
+  const std::string reason = summary.text("stop_reason");
+  return reason == "abort" ? "abort: " + summary.text("abort_reason") : reason;
 }
 
 nlohmann::ordered_json quantiles(std::vector<double> values) {
@@ -65,9 +60,8 @@ nlohmann::ordered_json quantiles(std::vector<double> values) {
   return json;
 }
 
-closed_loop::ChiSquareCount count_of(const nlohmann::json& json) {
-  return {json.at("samples").get<int>(), json.at("sum_per_dof").get<double>(),
-          json.at("inside").get<int>()};
+closed_loop::ChiSquareCount count_of(const JsonObject& json) {
+  return {json.count("samples"), json.number("sum_per_dof"), json.count("inside")};
 }
 double mean_of(const closed_loop::ChiSquareCount& c) {
   return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0;
@@ -107,30 +101,29 @@ nlohmann::ordered_json ranked(const Seeds& seeds) {
 
 }  // namespace
 
-RunRow row_of(const nlohmann::json& summary) {
+RunRow row_of(const nlohmann::ordered_json& json, const std::string& file) {
+  const JsonObject summary(file, json), detection = summary.object("detection");
   RunRow row;
-  row.seed = summary.at("seed").get<std::uint64_t>();
-  row.finished = summary.at("finished").get<bool>();
-  row.gates = summary.at("gates_passed").get<int>();
-  row.gates_total = summary.at("gates_total").get<int>();
-  row.time = summary.at("race_time_s").get<double>();
-  row.mean_speed = number_of(summary.at("mean_speed_mps"));
-  row.max_speed = number_of(summary.at("max_speed_mps"));
+  row.seed = summary.whole("seed");
+  row.finished = summary.truth("finished");
+  row.gates = summary.count("gates_passed");
+  row.gates_total = summary.count("gates_total");
+  row.time = summary.number_or_null("race_time_s");
+  row.mean_speed = summary.number_or_null("mean_speed_mps");
+  row.max_speed = summary.number_or_null("max_speed_mps");
   row.cause = cause_of(summary);
-  if (const auto& rmse = summary.at("estimation_rmse_m"); !rmse.is_null())
-    row.rmse = rmse.get<std::vector<double>>();
-  row.rmse.resize(3, std::numeric_limits<double>::quiet_NaN());
+  row.rmse = summary.numbers_or_null("estimation_rmse_m", 3);
   read_loss(summary, row);
-  row.frames = summary.at("detection").at("frames").get<int>();
-  row.true_positives = summary.at("detection").at("true_positives").get<int>();
-  row.false_positives = summary.at("detection").at("false_positives").get<int>();
-  row.searches = summary.at("searches").get<int>();
-  row.commit = summary.value("commit", "");
-  row.configuration = summary.value("configuration", "");
-  if (summary.contains("consistency")) {
-    const auto& consistency = summary.at("consistency");
-    row.consistency = {count_of(consistency.at("nees")), count_of(consistency.at("nis")),
-                       consistency.at("divergences").get<int>()};
+  row.frames = detection.count("frames");
+  row.true_positives = detection.count("true_positives");
+  row.false_positives = detection.count("false_positives");
+  row.searches = summary.count("searches");
+  row.commit = summary.text("commit", "");
+  row.configuration = summary.text("configuration", "");
+  if (summary.has("consistency")) {
+    const JsonObject consistency = summary.object("consistency");
+    row.consistency = {count_of(consistency.object("nees")), count_of(consistency.object("nis")),
+                       consistency.count("divergences")};
   }
   return row;
 }
@@ -159,8 +152,8 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
       csv += "," + std::to_string(count);
     for (const auto& count : {r.consistency.nees, r.consistency.nis})
       csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
-    csv += "," + std::to_string(r.consistency.divergences) + loss_cells(r) + "," + r.commit + "," +
-           r.configuration + "\n";
+    csv += "," + std::to_string(r.consistency.divergences) + loss_cells(r) + "," + cell(r.commit) +
+           "," + cell(r.configuration) + "\n";
   }
   return csv;
 }

@@ -32,8 +32,10 @@ struct RunRow {
   closed_loop::Consistency consistency;  ///< Nothing in it when an older summary has none.
 };
 
-/// @throws std::exception when it is not the summary of a race.
-[[nodiscard]] RunRow row_of(const nlohmann::json& summary);
+/// @param file  whose content it is, in messages.
+/// @throws std::runtime_error one line: what is missing or wrong in the summary of a race.
+[[nodiscard]] RunRow row_of(const nlohmann::ordered_json& summary,
+                            const std::string& file = "summary.json");
 
 struct Interval {
   double low = 0.0, high = 1.0;

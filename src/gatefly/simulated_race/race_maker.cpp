@@ -69,7 +69,7 @@ std::string fingerprint_of(const io::RaceIdentity& race,
     all["colors"] = table->second;  // its content counts, not where it lies
     all["config"]["color"].erase("table");
   }
-  const std::string text = all.dump();
+  const std::string text = all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
   return io::text_of_xxh64(io::xxh64({bytes, text.size()}));
 }
@@ -121,14 +121,7 @@ void RaceMaker::nominal(const io::Config& config, const fs::path& path, io::Trac
   nominal_.sim = io::simulator_config(config, file);
   nominal_.sim.cache_dir = io::cache_dir();
   nominal_.sim.faults = io::with_faults(file.faults, config.faults, "[faults]");
-  const int gates = static_cast<int>(file.track.gates.size());
-  for (const auto& [name, number] : {std::pair{"moved_gate", nominal_.sim.faults.moved_gate},
-                                     {"missing_gate", nominal_.sim.faults.missing_gate},
-                                     {"hidden_gate", nominal_.sim.faults.hidden_gate}})
-    if (number > gates)
-      throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
-                               ", but " + path.string() + " has " + std::to_string(gates) +
-                               " gates");
+  io::expect_gates_of(nominal_.sim.faults, file.track.gates.size(), path.string());
   randomize_ = io::randomized(file.randomize, config.randomize, "[randomize]");
 
   identity_ = {.track = file.track.name,

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/config/derived.hpp"
+#include "gatefly/config/faults.hpp"
 #include "gatefly/race/course.hpp"
 
 namespace gatefly::tasks {
@@ -98,6 +99,8 @@ CourseReport checked_course(const std::string& track, const ConfigArguments& arg
   report.path = io::find_track(track);
   report.file = io::read_track(report.path, config.gate);
   config = io::on_course(std::move(config), report.file);
+  io::expect_gates_of(io::with_faults(report.file.faults, config.faults, "[faults]"),
+                      report.file.track.gates.size(), report.path.string());
   report.notes = config.notes;
   report.params = config.pilot.plan;
   try {

@@ -4,11 +4,13 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/json_file.hpp"
 #include "gatefly/files/text.hpp"
 
 namespace gatefly::tasks {
@@ -32,8 +34,10 @@ struct Settings {
 };
 
 Settings read_settings(const fs::path& directory) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
   Settings settings;
-  std::ifstream lines(directory / kSettings);
+  if (!fs::exists(directory / kSettings)) return settings;
+  std::istringstream lines(io::read_file(directory / kSettings, kMostBytes));
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with(kLaps)) {
       if (!line.empty()) settings.keys.push_back(line);
@@ -55,7 +59,11 @@ class FlightSummary {
  public:
   explicit FlightSummary(const fs::path& directory) {
     if (!fs::exists(directory / kSummary)) return;
-    summary_ = nlohmann::json::parse(io::read_file(directory / kSummary), nullptr, false);
+    try {
+      summary_ = io::read_json(directory / kSummary);
+    } catch (const std::runtime_error&) {
+      return;
+    }
     if (summary_.contains("config"))
       summary_["config"] = io::with_current_names(summary_["config"]);
   }
@@ -166,8 +174,7 @@ std::string difference_in(const io::Config& config, const fs::path& directory) {
       const std::string name = section + "." + key;
       const nlohmann::json was = flown.at("/config/" + section + "/" + key);
       if (name != kTableKey && !was.is_null() && was != value)
-        return name + " is " + io::one_line(value.dump()) + ", was " + io::one_line(was.dump()) +
-               " in flight";
+        return name + " is " + io::shown(value) + ", was " + io::shown(was) + " in flight";
     }
   }
   return "";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/tasks/recorded_flight.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/pictures.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
@@ -40,6 +42,9 @@ flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAg
 }  // namespace
 
 RecordedFlight read_flight(const ReplayArguments& arguments) {
+  if (!(std::abs(arguments.heading_offset_deg) <= 360.0))
+    throw std::runtime_error("--heading-offset-deg = " + io::text_of(arguments.heading_offset_deg) +
+                             ", must be in -360..360");
   RecordedFlight flight;
   const fs::path directory = io::find_data(arguments.directory, arguments.data);
   flight.folder = io::read_flight_folder(directory);
