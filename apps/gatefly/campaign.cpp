@@ -23,6 +23,7 @@
 
 #include "campaign_folder.hpp"
 #include "campaign_report.hpp"
+#include "campaign_slurm.hpp"
 #include "commands.hpp"
 #include "race_options.hpp"
 
@@ -35,7 +36,8 @@ struct CampaignOptions {
   RaceOptions race;
   int runs = 0, jobs = 0;
   std::uint64_t first_seed = 1;
-  std::string shard, out;
+  int slurm = 0;
+  std::string shard, out, resume;
   std::vector<std::string> merge, compare;
   bool json = false;
 };
@@ -229,12 +231,46 @@ int merge(const CampaignOptions& options) {
   return kDone;
 }
 
+/// Submits what is missing of a campaign on Slurm, or concludes it when nothing is.
+int resume(CampaignOptions options) {
+  const auto shards = unfinished_shards(options.resume);
+  if (!shards.empty()) {
+    std::cout << resume_on_slurm(options.resume, shards) << '\n';
+    return kDone;
+  }
+  for (const fs::path& shard : shard_folders(options.resume))
+    options.merge.push_back(shard.string());
+  options.out = options.resume;
+  return merge(options);
+}
+
+/// Hands the whole campaign to Slurm.
+int submit(const CampaignOptions& options, const fs::path& out) {
+  if (!options.shard.empty()) throw std::runtime_error("--slurm: makes the shards, no --shard");
+  if (options.slurm > options.runs)
+    throw std::runtime_error("--slurm " + std::to_string(options.slurm) +
+                             ": more shards than the " + io::amount(options.runs, "run"));
+  const auto number = [](auto value) { return std::to_string(value); };
+  std::cout << submit_to_slurm({.out = out,
+                                .runs = static_cast<std::uint64_t>(options.runs),
+                                .shards = static_cast<std::uint64_t>(options.slurm),
+                                .jobs = std::max(1, options.jobs),
+                                .name = "gatefly-" + fs::path{options.race.track}.stem().string(),
+                                .words = "campaign " + shell_quoted(options.race.track) +
+                                         " --runs " + number(options.runs) + " --first-seed " +
+                                         number(options.first_seed) + race_flags(options.race),
+                                .compare = options.compare.empty() ? "" : options.compare[0]})
+            << '\n';
+  return kDone;
+}
+
 int campaign(const CampaignOptions& options) {
   if (options.compare.size() > 2)
     throw std::runtime_error("--compare: one campaign to compare with, or two that are there");
   if (options.compare.size() == 2) return compare(options);
   if (!options.compare.empty()) (void)CampaignFolder::existing(options.compare[0]).rows();
   if (!options.merge.empty()) return merge(options);
+  if (!options.resume.empty()) return resume(options);
   const Shard shard = shard_of(options.shard);
   if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
   if (options.first_seed >
@@ -260,10 +296,11 @@ int campaign(const CampaignOptions& options) {
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
   if (shard.count > 1)
     name += "-" + std::to_string(shard.index) + "of" + std::to_string(shard.count);
+  const fs::path out = options.out.empty() ? fs::path{"out"} / name : fs::path{options.out};
+  if (options.slurm > 0) return submit(options, out);
   catch_interrupt();
   CampaignFolder folder =
-      CampaignFolder::opened(options.out.empty() ? fs::path{"out"} / name : fs::path{options.out},
-                             arguments, fly_command(options.race, "{seed}"));
+      CampaignFolder::opened(out, arguments, fly_command(options.race, "{seed}"));
 
   const std::vector<std::uint64_t> seeds = folder.seeds();
   std::vector<std::uint64_t> left;
@@ -298,7 +335,8 @@ void declare_campaign(Command& command) {
       "Example:\n  gatefly campaign oval --runs 40 --vision ideal\n"
       "  gatefly campaign showroom --runs 300 --shard 1/2 --out out/half-1\n"
       "  gatefly campaign --merge out/half-1 out/half-2 --out out/whole\n"
-      "  gatefly campaign --compare out/before out/after\n\n"
+      "  gatefly campaign --compare out/before out/after\n"
+      "  gatefly campaign showroom --runs 300 --slurm 8 --out out/big\n\n"
       "Started again with the same arguments it flies only the seeds that are missing.\n"
       "Exit code 0: all were flown; 2: unusable arguments or track; 130: Ctrl-C, finished runs are "
       "kept.");
@@ -310,6 +348,14 @@ void declare_campaign(Command& command) {
       .option("--shard", options->shard,
               "only every n-th seed, from the i-th on: for several machines")
       .type_name("i/n");
+  command
+      .option("--slurm", options->slurm,
+              "instead of flying: submits so many shards to Slurm, and their merge after them")
+      .between(1, static_cast<int>(kMostShards));
+  command
+      .option("--resume", options->resume,
+              "instead of flying: submits what is missing of such a campaign, by its --out")
+      .path("DIR");
   command.option("--merge", options->merge, "instead of flying: the shards' folders").path("DIR");
   command
       .option("--compare", options->compare,

@@ -6,10 +6,8 @@
 #include <string_view>
 
 namespace gatefly::cli {
-namespace {
 
-/// An argument as a shell wants it.
-std::string quoted(const std::string& text) {
+std::string shell_quoted(const std::string& text) {
   const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 ||
            std::string_view{"._-/=+,:"}.find(static_cast<char>(c)) != std::string_view::npos;
@@ -19,8 +17,6 @@ std::string quoted(const std::string& text) {
   for (const char c : text) result += c == '\'' ? std::string{"'\\''"} : std::string{c};
   return result + "'";
 }
-
-}  // namespace
 
 void add_race_options(Command& command, RaceOptions& options) {
   command.option("--laps", options.laps, "instead of the track's own number").between(1, 100);
@@ -43,11 +39,15 @@ tasks::RaceMaker race_maker(const RaceOptions& options) {
 }
 
 std::string fly_command(const RaceOptions& options, const std::string& seed) {
-  std::string command = "gatefly fly " + quoted(options.track) + " --seed " + seed;
+  return "gatefly fly " + shell_quoted(options.track) + " --seed " + seed + race_flags(options);
+}
+
+std::string race_flags(const RaceOptions& options) {
+  std::string command;
   if (options.laps) command += " --laps " + std::to_string(*options.laps);
   if (options.vision != "rendered") command += " --vision " + options.vision;
-  for (const auto& config : options.common.configs) command += " --config " + quoted(config);
-  for (const auto& setting : options.common.settings) command += " --set " + quoted(setting);
+  for (const auto& config : options.common.configs) command += " --config " + shell_quoted(config);
+  for (const auto& setting : options.common.settings) command += " --set " + shell_quoted(setting);
   return command;
 }
 

@@ -27,4 +27,10 @@ void add_race_options(Command& command, RaceOptions& options);
 /// "gatefly fly TRACK --seed N ..." that flies one of these races alone.
 [[nodiscard]] std::string fly_command(const RaceOptions& options, const std::string& seed);
 
+/// An argument as a shell wants it.
+[[nodiscard]] std::string shell_quoted(const std::string& text);
+
+/// " --laps 2 --set ...": these options but the track, as a shell takes them.
+[[nodiscard]] std::string race_flags(const RaceOptions& options);
+
 }  // namespace gatefly::cli

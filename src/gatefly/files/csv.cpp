@@ -14,7 +14,7 @@
 namespace gatefly::io {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20;
+constexpr std::uintmax_t kMostCsvBytes = std::uintmax_t{512} << 20;
 constexpr std::ptrdiff_t kMostColumns = 1000;
 constexpr std::size_t kMostCells = 80'000'000;  // an hour of a flight's log
 
@@ -53,7 +53,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-Csv::Csv(const std::filesystem::path& path) : Csv{path, read_file(path, kMostBytes)} {}
+Csv::Csv(const std::filesystem::path& path) : Csv{path, read_file(path, kMostCsvBytes)} {}
 
 Csv::Csv(const std::filesystem::path& path, std::string content)
     : file_{path.string()}, content_{std::move(content)} {
@@ -82,8 +82,8 @@ Csv::Csv(const std::filesystem::path& path, std::string content)
   if (std::set<std::string>(header_.begin(), header_.end()).size() != header_.size())
     throw std::runtime_error(file_ + ":1: two columns have the same name");
 
-  if (content_.size() > kMostBytes)
-    throw std::runtime_error(file_ + ": is longer than " + std::to_string(kMostBytes >> 20) +
+  if (content_.size() > kMostCsvBytes)
+    throw std::runtime_error(file_ + ": is longer than " + std::to_string(kMostCsvBytes >> 20) +
                              " MiB, which no such file is");
   while (!rest.empty()) {
     add_row(next_line());

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{32} << 20;
+constexpr std::uintmax_t kMostJsonBytes = std::uintmax_t{32} << 20;
 constexpr std::size_t kDeepest = 64, kMostMembers = 10'000;  // looked for one by one
 constexpr std::size_t kMostValues = 2'000'000;  // twice the seeds of the longest campaign
 
@@ -97,7 +97,7 @@ Json read_json(const std::filesystem::path& path) {
   const auto status = std::filesystem::status(path, error);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
     throw std::runtime_error(path.string() + ": is no regular file");  // a pipe would be waited for
-  return json_of(read_file(path, kMostBytes), path.string());
+  return json_of(read_file(path, kMostJsonBytes), path.string());
 }
 
 Json json_of(const std::string& text, const std::string& name) {

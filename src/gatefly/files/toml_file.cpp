@@ -17,7 +17,7 @@ using nlohmann::json;
 
 using Lines = std::map<std::string, unsigned>;
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
+constexpr std::uintmax_t kMostTomlBytes = std::uintmax_t{1} << 20;
 constexpr int kDeepest = 16;
 constexpr std::size_t kLongestKey = 100;  // ours have 30 letters at most
 
@@ -120,7 +120,7 @@ std::string range_text(double low, double high) {
 }  // namespace
 
 TomlFile::TomlFile(const std::filesystem::path& path)
-    : TomlFile{path, read_file(path, kMostBytes)} {}
+    : TomlFile{path, read_file(path, kMostTomlBytes)} {}
 
 TomlFile::TomlFile(const std::filesystem::path& path, std::string_view content)
     : name_{path.string()} {

@@ -15,10 +15,9 @@
 namespace gatefly::io {
 namespace {
 
-using Json = nlohmann::json;
 using Kind = IndexEntry::Kind;
 
-constexpr std::size_t kMostRows = 10'000;  // 600 bytes each
+constexpr std::size_t kMostIndexRows = 10'000;  // 600 bytes each
 
 /// Text in a page or in a quoted attribute of it; what is no UTF-8 as a browser shows it.
 std::string escaped(const std::string& text) {
@@ -63,20 +62,20 @@ std::string address_of(const std::string& path) {
 }
 
 /// A member of an object that may be anything.
-const Json& at(const Json& object, const char* key) {
-  static const Json kNothing;
+const nlohmann::json& at(const nlohmann::json& object, const char* key) {
+  static const nlohmann::json kNothing;
   if (!object.is_object()) return kNothing;
   const auto found = object.find(key);
   return found == object.end() ? kNothing : *found;
 }
 
-std::string text_at(const Json& object, const char* key) {
-  const Json& value = at(object, key);
+std::string text_at(const nlohmann::json& object, const char* key) {
+  const nlohmann::json& value = at(object, key);
   return value.is_string() ? one_line(value.get<std::string>(), 200) : std::string{};
 }
 
-std::optional<double> number_at(const Json& object, const char* key) {
-  const Json& value = at(object, key);
+std::optional<double> number_at(const nlohmann::json& object, const char* key) {
+  const nlohmann::json& value = at(object, key);
   if (!value.is_number()) return std::nullopt;
   const double number = value.get<double>();
   return std::isfinite(number) ? std::optional{number} : std::nullopt;
@@ -104,13 +103,13 @@ Outcome outcome_of(const IndexEntry& entry) {
   if (!entry.summary.is_object()) return {entry.note, "bad"};
   if (entry.kind == Kind::kReplay) return {"flown again by its sensors"};
   if (entry.kind == Kind::kCampaign) {
-    const Json& result = at(entry.summary, "result");
+    const nlohmann::json& result = at(entry.summary, "result");
     const auto runs = number_at(result, "runs"), finished = number_at(result, "finished");
     if (!runs || !finished) return {"not yet whole"};
     return {fixed(*finished, 0) + " of " + fixed(*runs, 0) + " races finished",
             *finished == *runs ? "good" : "muted"};
   }
-  const Json& finished = at(entry.summary, "finished");
+  const nlohmann::json& finished = at(entry.summary, "finished");
   if (!finished.is_boolean()) return {};
   if (finished.get<bool>()) return {"finished", "good"};
   const std::string stop = text_at(entry.summary, "stop_reason");
@@ -120,11 +119,11 @@ Outcome outcome_of(const IndexEntry& entry) {
   return {stop.empty() ? "not finished" : stop, "bad"};
 }
 
-std::optional<double> error_of(const Json& summary) {
-  const Json& rmse = at(summary, "estimation_rmse_m");
+std::optional<double> error_of(const nlohmann::json& summary) {
+  const nlohmann::json& rmse = at(summary, "estimation_rmse_m");
   if (!rmse.is_array()) return std::nullopt;
   double error2 = 0.0;
-  for (const Json& axis : rmse)
+  for (const nlohmann::json& axis : rmse)
     if (axis.is_number()) error2 += axis.get<double>() * axis.get<double>();
   return error2 > 0.0 && std::isfinite(error2) ? std::optional{std::sqrt(error2)} : std::nullopt;
 }
@@ -149,7 +148,7 @@ std::string number_cell(const char* label, const std::optional<double>& value, i
   return number_cell(label, text, value ? text + unit : text);
 }
 
-std::string gates_cell(const Json& summary) {
+std::string gates_cell(const nlohmann::json& summary) {
   const auto passed = number_at(summary, "gates_passed"), all = number_at(summary, "gates_total");
   if (!passed || !all) return number_cell("gates", "", "");
   return number_cell("gates", fixed(*passed, 0), fixed(*passed, 0) + " of " + fixed(*all, 0));
@@ -163,7 +162,7 @@ std::string link(const std::string& path, const std::string& text) {
 std::string row_of(const IndexEntry& entry) {
   const Outcome outcome = outcome_of(entry);
   const bool flight = entry.kind == Kind::kFlight;
-  const Json nothing, &s = flight ? entry.summary : nothing;
+  const nlohmann::json nothing, &s = flight ? entry.summary : nothing;
   const bool lost = flight && s.is_object() && std::string_view{outcome.look} == "bad";
   std::string note = outcome.text;
   if (!entry.note.empty() && entry.note != note) note += (note.empty() ? "" : "; ") + entry.note;
@@ -199,7 +198,7 @@ std::string counted(const std::vector<IndexEntry>& entries) {
     flights += entry.kind == Kind::kFlight;
     replays += entry.kind == Kind::kReplay;
     campaigns += entry.kind == Kind::kCampaign;
-    const Json& done = at(entry.summary, "finished");
+    const nlohmann::json& done = at(entry.summary, "finished");
     finished += entry.kind == Kind::kFlight && done.is_boolean() && done.get<bool>();
   }
   std::vector<std::string> parts;
@@ -238,7 +237,7 @@ std::string index_page(const std::string& title, const std::vector<IndexEntry>& 
       "</th><th class=\"number\">race time</th><th class=\"number\" data-down>mean speed</th>"
       "<th class=\"number\">position error</th><th>film</th><th data-numbers data-down>written</th>"
       "</tr></thead>\n<tbody>\n";
-  const std::size_t rows = std::min(entries.size(), kMostRows);
+  const std::size_t rows = std::min(entries.size(), kMostIndexRows);
   for (std::size_t i = 0; i < rows; ++i) page += row_of(entries[i]);
   page += "</tbody></table></div>\n";
   if (rows < entries.size())
