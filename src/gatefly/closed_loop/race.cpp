@@ -161,7 +161,13 @@ class FlightIn final : public AnyFlight {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
     const auto& body = arena_.simulator.body;
-    return {sensors_, command_, pilot_, truth_of(body.state()), picture, exposed};
+    return {sensors_,
+            command_,
+            pilot_,
+            truth_of(body.state()),
+            picture,
+            exposed,
+            looks_ ? book_.next_gate() : std::nullopt};
   }
 
   void stop() override { result_.stop_reason = "stopped"; }

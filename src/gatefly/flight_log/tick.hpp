@@ -27,6 +27,9 @@ struct Tick {
   std::span<const std::uint8_t> frame;  ///< Raw UYVY of sensors.image; empty when there is none.
   /// When what the pilot sees now began its exposure [s].
   std::optional<double> exposed = std::nullopt;
+  /// Where the next gate's corners really are in what the pilot sees now [px, upright]; nothing
+  /// unless it shows the gate whole and unhidden.
+  std::optional<Quad> next_gate_px = std::nullopt;
 };
 
 }  // namespace gatefly
