@@ -52,7 +52,7 @@ class IdealVision(Cli):
     def test_tracks_are_listed(self):
         lines = self.run_it("fly", "--list").stdout.splitlines()
         self.assertEqual(len(lines), 1 + len(list(ROOT.glob("tracks/*.toml"))))
-        self.assertRegex("\n".join(lines), r"\noval +2 +3  16 x 16 x 3.2 +bebop\n")
+        self.assertRegex("\n".join(lines), r"\noval +2 +3  14 x 10 x 4 +bebop\n")
         self.assertRegex("\n".join(lines), r"\ngrandprix .* bebop; made for --camera grandprix\n")
         (self.folder / "tracks").mkdir()
         self.file("tracks/mine.toml", "laps = 3\n")
