@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/tasks/tum_file.hpp"
 
+#include <chrono>
+
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
@@ -34,7 +36,7 @@ std::optional<TumTruth> tum_of_truth(const io::FlightFolder& flight) {
     if (!sample.true_p_EB) continue;
     any = true;
     truth.has_attitude = truth.has_attitude && sample.true_attitude;
-    append(truth.text, 1e-9 * static_cast<double>(sample.time.count()), *sample.true_p_EB,
+    append(truth.text, std::chrono::duration<double>(sample.time).count(), *sample.true_p_EB,
            sample.true_attitude ? quaternion_of(*sample.true_attitude) : Quaternion{});
   }
   if (!any) return std::nullopt;
