@@ -3,7 +3,15 @@
 #   gatefly          the program with its simulator, the Python module
 #   libgatefly-dev   headers, static libraries, CMake, pkg-config, examples
 #   gatefly-data     tracks, configurations, cameras, vehicles
+include(gatefly_version)
+gatefly_commit(${PROJECT_SOURCE_DIR})
+set(package_version ${PROJECT_VERSION})
+if(GATEFLY_BUILD)
+  string(APPEND package_version "+${GATEFLY_BUILD}")
+endif()
+
 set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_VERSION ${package_version})
 set(CPACK_PACKAGE_NAME gatefly)
 set(CPACK_PACKAGE_VENDOR gatefly)
 set(CPACK_PACKAGE_CONTACT "gatefly <gatefly@localhost>")
@@ -15,7 +23,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 # What the other component's package of this very version is called in Depends.
-set(same_version "(= ${PROJECT_VERSION})")
+set(same_version "(= ${package_version})")
 
 # gatefly_debian_package(<component> <package> SECTION <section> DESCRIPTION <text> [DEPENDS <list>] [RECOMMENDS <list>]
 #                        [SHLIBDEPS ON])

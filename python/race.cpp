@@ -53,6 +53,7 @@ tasks::Race race_of(const py::object& track, const py::object& seed, const std::
 class Race {
  public:
   explicit Race(tasks::Race race) : race_{std::move(race)} {
+    race_.config.while_baking = check_signals;
     const py::gil_scoped_release light_may_have_to_be_baked;
     flight_ = std::make_unique<closed_loop::Flight>(race_.config);
   }

@@ -291,7 +291,8 @@ int bench_all(const BenchOptions& options) {
     report.ratios_of("detection", stages, costs);
   } else {
     say(0.0, "flying, for pictures");
-    const tasks::Race race = race_maker(options.race).race(1);
+    tasks::Race race = race_maker(options.race).race(1);
+    race.config.while_baking = stop_if_interrupted;
     const auto flight = std::make_shared<const RecordedFlight>(
         recorded_flight(race.config, options.quick ? 20 : 60, interrupted));
     if (interrupted()) return kInterrupted;
@@ -321,7 +322,7 @@ int bench_all(const BenchOptions& options) {
       const auto poses = pose_stages();
       report.stages("\npose from four corners, 500 gates", "pose", poses,
                     measure(poses, rounds, interrupted));
-      const auto frames = camera_stages(race.config.sim);
+      const auto frames = camera_stages(race.config.sim, stop_if_interrupted);
       report.stages("\nthe simulated camera, before each gate", "camera", frames,
                     measure(frames, rounds, interrupted));
       report.heading("\nwhole steps, in that flight", "stage", {"median us", "p99 us", "max us"});

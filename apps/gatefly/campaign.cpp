@@ -58,15 +58,16 @@ class Fleet {
   Fleet(const tasks::RaceMaker& maker, CampaignFolder& folder, std::vector<std::uint64_t> seeds)
       : maker_{maker}, folder_{folder}, seeds_{std::move(seeds)} {}
 
-  /// @throws whatever a worker threw. Returns early after Ctrl-C: what has finished is kept.
+  /// @throws whatever a worker threw. Returns early, or throws Interrupted, after Ctrl-C: what has
+  ///     finished is kept.
   void fly(int jobs, bool quiet) {
     if (seeds_.empty()) return;
     // What all races share is made once, before several of them would make it at the same time.
     const tasks::Race first = maker_.race(seeds_.front());
     if (first.config.vision == closed_loop::Vision::kRendered) {
       const sim::SimConfig& s = first.config.sim;
-      const sim::CameraRenderer bakes{s.world, s.camera,    s.light,
-                                      s.seed,  s.cache_dir, s.bake_threads};
+      const sim::CameraRenderer bakes{
+          s.world, s.camera, s.light, s.seed, s.cache_dir, s.bake_threads, stop_if_interrupted};
     }
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::thread> workers;
@@ -93,6 +94,9 @@ class Fleet {
       for (std::size_t i = next_++; i < seeds_.size() && !stop_ && !interrupted(); i = next_++) {
         tasks::Race race = maker_.race(seeds_[i]);
         race.config.sim.bake_threads = 1;
+        race.config.while_baking = [this] {
+          if (stop_ || interrupted()) throw Interrupted{};
+        };
         const auto result =
             closed_loop::fly(race.config, [this](const Tick&) { return !stop_ && !interrupted(); });
         if (stop_ || interrupted()) break;
@@ -212,9 +216,9 @@ int campaign(const CampaignOptions& options) {
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
   if (shard.count > 1)
     name += "-" + std::to_string(shard.index) + "of" + std::to_string(shard.count);
+  catch_interrupt();
   CampaignFolder folder(options.out.empty() ? fs::path{"out"} / name : fs::path{options.out},
                         arguments, fly_command(options.race, "{seed}"));
-  catch_interrupt();
 
   const std::vector<std::uint64_t> seeds = folder.seeds();
   std::vector<std::uint64_t> left;
@@ -224,8 +228,11 @@ int campaign(const CampaignOptions& options) {
     std::cerr << "gatefly campaign: " << seeds.size() - left.size() << " of " << seeds.size()
               << " runs are there, " << left.size() << " to fly\n";
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  Fleet(maker, folder, left)
-      .fly(options.jobs > 0 ? options.jobs : cores, options.race.common.quiet);
+  try {
+    Fleet(maker, folder, left)
+        .fly(options.jobs > 0 ? options.jobs : cores, options.race.common.quiet);
+  } catch (const Interrupted&) {  // what has finished is kept
+  }
   if (interrupted()) {
     const auto there = std::count_if(seeds.begin(), seeds.end(),
                                      [&](auto seed) { return folder.row(seed).has_value(); });

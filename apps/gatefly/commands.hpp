@@ -85,12 +85,19 @@ void say_notes(const std::vector<std::string>& notes);
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
 [[nodiscard]] io::Config load(const CommonOptions& options);
 
-/// Ctrl-C, SIGTERM and SIGHUP from now on set a flag instead of ending the program; a second one
-/// ends it.
+/// Ctrl-C, SIGTERM and SIGHUP end the program at once, in one line and with the right exit code: from
+/// its first moment on, until it has something to lose.
+void end_when_interrupted();
+/// From now on they only set a flag; a second one ends the program. Before anything is written.
 void catch_interrupt();
 [[nodiscard]] bool interrupted();
 /// Which of them it was.
 [[nodiscard]] int interrupting_signal();
+
+/// Thrown by stop_if_interrupted(); run_main() says that nothing is kept.
+struct Interrupted {};
+/// For who works long: what is half done goes as the stack is unwound.
+void stop_if_interrupted();
 
 /// `text` in green or red where standard output is a terminal and $NO_COLOR is not set.
 [[nodiscard]] std::string coloured(bool good, const std::string& text);

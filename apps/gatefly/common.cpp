@@ -4,6 +4,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <initializer_list>
 #include <iostream>
 #include <set>
 #include <string_view>
@@ -24,6 +25,19 @@ volatile std::sig_atomic_t was_interrupted = 0;
 void on_interrupt(int signal) {
   was_interrupted = signal;
   std::signal(signal, SIG_DFL);  // the second Ctrl-C ends the program
+}
+
+/// Nothing but system calls: it may come in the middle of anything.
+void on_interrupt_at_once(int signal) {
+  constexpr std::string_view kLine = "gatefly: interrupted\n";
+  (void)!::write(STDERR_FILENO, kLine.data(), kLine.size());
+  ::_exit(128 + signal);
+}
+
+/// What is ignored stays so: SIGHUP under nohup.
+void on_signals(void (*act)(int)) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(signal, act) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
 }
 
 bool on_terminal() {
@@ -60,13 +74,13 @@ double wall_seconds() {
 
 }  // namespace
 
-void catch_interrupt() {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
-  if (std::signal(SIGHUP, on_interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
-}
+void end_when_interrupted() { on_signals(on_interrupt_at_once); }
+void catch_interrupt() { on_signals(on_interrupt); }
 bool interrupted() { return was_interrupted != 0; }
 int interrupting_signal() { return was_interrupted; }
+void stop_if_interrupted() {
+  if (interrupted()) throw Interrupted{};
+}
 
 void add_common(Command& command, CommonOptions& options) {
   command

@@ -103,7 +103,8 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
 /// gatefly fly: one closed-loop race. Exit 0 finished, 1 not, 2 unusable input, 130 Ctrl-C.
 int fly(const FlyOptions& options) {
   const tasks::RaceMaker maker = race_maker(options.race);
-  const tasks::Race race = maker.race(options.seed);
+  tasks::Race race = maker.race(options.seed);
+  race.config.while_baking = stop_if_interrupted;
   const fs::path out = options.out.empty()
                            ? fs::path{"out"} / (fs::path{options.race.track}.stem().string() + "-" +
                                                 std::to_string(options.seed))
@@ -115,6 +116,7 @@ int fly(const FlyOptions& options) {
     throw std::runtime_error("--frames: a flight with --vision ideal has none");
   if (options.frames) io::require_ffmpeg_for("--frames");
   std::string empty_page = io::shipped_page();
+  catch_interrupt();
   io::FlightRecorder recorder(out, {.packed_log = pictures,
                                     .frames = options.frames,
                                     .stored_width = race.config.sim.camera.stored_width,
@@ -129,13 +131,13 @@ int fly(const FlyOptions& options) {
   if (options.video)
     video.emplace(recorder.place_for("flight.mp4"), race.config,
                   race.identity.track + ", seed " + std::to_string(options.seed), pictures);
-  catch_interrupt();
 
   Progress progress(quiet, 10.0);
   const double total = static_cast<double>(race.config.pilot.track.laps) *
                        static_cast<double>(race.config.pilot.track.gates.size());
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
   const auto on_tick = [&](const Tick& tick) {
+    stop_if_interrupted();
     recorder.record(tick);
     page.record(tick);
     mcap.record(tick);
@@ -148,20 +150,20 @@ int fly(const FlyOptions& options) {
                                           " of " + fixed(total, 0) + " gates, " +
                                           name_of(tick.pilot.phase()));
     }
-    return !interrupted();
+    return true;
   };
-  const closed_loop::RaceResult result = closed_loop::fly(race.config, on_tick);
+  closed_loop::Flight flight{race.config};
+  while (flight.step())
+    if (!on_tick(flight.tick())) flight.stop();
+  const closed_loop::RaceResult result = flight.result();
   progress.clear();
-  if (interrupted()) {
-    std::cerr << "gatefly fly: interrupted, nothing kept\n";
-    return kInterrupted;
-  }
 
   mcap.finish();
   if (video) video->finish(result, verdict(result, last_p_EB));
   nlohmann::ordered_json told = io::summary(result, race.identity);
   told["timings"]["whole_flight"]["peak_memory_mb"] = peak_memory();
   const std::string summary = told.dump(2) + "\n";
+  page.end(flight.tick());
   recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));
   const std::string replaced = recorder.finish(summary);
   if (!replaced.empty() && !quiet)

@@ -87,7 +87,6 @@ int identify(const IdentifyOptions& options) {
   bool some_without = false;
   int unusable = 0;
   for (const fs::path& folder : flight_folders(options)) {
-    if (interrupted()) return kInterrupted;
     std::optional<DragFit> fit;
     try {
       fit = identification::fit_drag(io::read_flight_folder(folder));

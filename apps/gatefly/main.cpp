@@ -122,6 +122,17 @@ std::vector<char*> spelled_out(std::span<char*> arguments) {
   return words;
 }
 
+/// Runs the chosen command.
+int run_command(const Run& run, const std::string& name) {
+  int code = kInterrupted;
+  try {
+    code = run();
+  } catch (const Interrupted&) {
+    std::cerr << "gatefly " << name << ": interrupted, nothing kept\n";
+  }
+  return code == kInterrupted ? 128 + interrupting_signal() : code;
+}
+
 /// What the other program asks of this one.
 void print_commands(const CLI::App& app) {
   std::vector<CommandInfo> here;
@@ -177,8 +188,7 @@ int run_main(std::span<char*> given) {
   } catch (const CLI::ParseError& error) {
     return parse_failed(app, error, arguments);
   }
-  const int code = run();
-  return code == kInterrupted ? 128 + interrupting_signal() : code;
+  return run_command(run, app.get_subcommands().front()->get_name());
 }
 
 /// A stream that is closed would give its number to the next file, which would get our words.
@@ -244,6 +254,7 @@ std::filesystem::path laboratory_program() {
 
 /// gatefly COMMAND ...: exit 0 done, 1 the answer is no, 2 unusable arguments or input, 130 Ctrl-C.
 int main(int argc, char** argv) try {
+  gatefly::cli::end_when_interrupted();
   gatefly::cli::open_standard_streams();
   const gatefly::cli::WatchedOutput watched;
   const int code = gatefly::cli::run_main({argv, static_cast<std::size_t>(argc)});

@@ -120,7 +120,7 @@ class Studio {
         storing_{storing_of(options.common, options.recording)},
         rows_(order.pictures) {}
 
-  /// @throws whatever a worker threw. Returns early after Ctrl-C.
+  /// @throws whatever a worker threw, Interrupted after Ctrl-C.
   void work(int jobs, bool quiet) {
     std::vector<std::thread> workers;
     for (int i = 0; i < jobs; ++i) workers.emplace_back([this] { days(); });
@@ -153,10 +153,15 @@ class Studio {
     try {
       const std::size_t count = tasks::days_of(order_);
       for (std::size_t day = next_++; day < count && !stop_ && !interrupted(); day = next_++)
-        tasks::render_day(maker_, order_, day, [&](tasks::Picture&& picture) {
-          keep(picture);
-          return !stop_ && !interrupted();
-        });
+        tasks::render_day(
+            maker_, order_, day,
+            [&](tasks::Picture&& picture) {
+              keep(picture);
+              return true;
+            },
+            [this] {
+              if (stop_ || interrupted()) throw Interrupted{};
+            });
     } catch (...) {
       const std::lock_guard lock{mutex_};
       if (!error_) error_ = std::current_exception();
@@ -231,10 +236,6 @@ int render(const RenderOptions& options) {
   Studio studio(maker, order, folder, options);
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   studio.work(options.jobs > 0 ? options.jobs : cores, options.common.quiet);
-  if (interrupted()) {
-    std::cerr << "gatefly render: interrupted, nothing written\n";
-    return kInterrupted;
-  }
   const Rows rows = studio.rows();
   folder.write("labels.csv", rows.labels);
   folder.write("gates.csv", rows.gates);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gatefly/files/output.hpp"
+#include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/pages/flight_page.hpp"
@@ -39,23 +40,23 @@ constexpr io::OutputKind kTum{"trajectory", "timestamp tx ty tz qx qy qz qw"};
 class ReplayPage {
  public:
   ReplayPage(const fs::path& out, const tasks::RecordedFlight& flight)
-      : out_{out},
+      : folder_{out, io::PartialFolder::Grows::kInside, is_ours},
         flight_{flight},
         page_{io::shipped_page(), course(flight),
-              io::OnboardFilm::possible() ? out / (std::string{io::kAside} + "-onboard.webm")
-                                          : fs::path{}} {
-    fs::create_directories(out);
-  }
+              io::OnboardFilm::possible() ? folder_.path() / "onboard.webm" : fs::path{}} {}
 
   void record(const flight_log::ReplayedTick& tick, bool other_filter) {
     const io::FlightSample& truth = flight_.folder.samples[tick.index];
-    page_.record({.sensors = tick.sensors,
-                  .command = tick.command,
-                  .pilot = tick.pilot,
-                  .estimate = other_filter ? &tick.estimate : nullptr,
-                  .p_EB = truth.true_p_EB,
-                  .v_E = truth.true_v_E,
-                  .attitude = truth.true_attitude});
+    const io::PageTick shown{.sensors = tick.sensors,
+                             .command = tick.command,
+                             .pilot = tick.pilot,
+                             .estimate = other_filter ? &tick.estimate : nullptr,
+                             .p_EB = truth.true_p_EB,
+                             .v_E = truth.true_v_E,
+                             .attitude = truth.true_attitude,
+                             .battery_v = truth.battery_v};
+    page_.record(shown);
+    if (tick.index + 1 == flight_.folder.samples.size()) page_.end(shown);
   }
 
   void write(const tasks::ReplayReport& report, const tasks::ReplayArguments& given,
@@ -78,9 +79,10 @@ class ReplayPage {
       told["position_rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
     if (report.comparison) told["recorded"] = tasks::text_of(*report.comparison, flight_);
     const std::string verdict = name + ", flown again by its sensors";
-    io::write_files(
-        std::vector<io::FileContent>{{out_ / "summary.json", told.dump(2) + "\n"},
-                                     {out_ / "report.html", page_.html(told, verdict)}});
+    folder_.write("summary.json", told.dump(2) + "\n");
+    folder_.write("report.html", page_.html(told, verdict));
+    stop_if_interrupted();
+    folder_.pour();
   }
 
  private:
@@ -94,7 +96,11 @@ class ReplayPage {
     return course;
   }
 
-  fs::path out_;
+  static bool is_ours(const std::string& name) {
+    return name == "summary.json" || name == "report.html" || name.starts_with("onboard.webm");
+  }
+
+  io::PartialFolder folder_;
   const tasks::RecordedFlight& flight_;
   io::FlightPage page_;
 };
@@ -133,12 +139,15 @@ int replay(const ReplayOptions& options) {
   const tasks::ReplayArguments& given = options.replay;
   const tasks::RecordedFlight flight = tasks::read_flight(given);
   say_notes(flight.notes);
+  catch_interrupt();
   std::optional<ReplayPage> page;
   if (!options.out.empty()) page.emplace(options.out, flight);
   const flight_log::ReplayResult result =
-      tasks::replayed(flight, given, {}, render_again(), [&](const flight_log::ReplayedTick& tick) {
-        if (page) page->record(tick, given.estimator != "drag");
-      });
+      tasks::replayed(flight, given, stop_if_interrupted, render_again(),
+                      [&](const flight_log::ReplayedTick& tick) {
+                        stop_if_interrupted();
+                        if (page) page->record(tick, given.estimator != "drag");
+                      });
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
   if (!options.tum.empty()) write_tum(options, truth, flight, result);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -35,14 +36,13 @@ const char* name_of(io::Viewable what) {
   return "a folder of flights";
 }
 
+/// Nobody waits for it: it may run as long as the browser does.
 void open_browser(const std::string& url) {
   pid_t pid = -1;
   const int error = io::start({"xdg-open", url}, {}, pid);
   if (error != 0)
     std::cerr << "gatefly view: xdg-open: " << std::system_category().message(error)
               << "; open the address yourself\n";
-  else
-    (void)io::wait_for(pid);
 }
 
 /// gatefly view: shows until Ctrl-C.
@@ -57,7 +57,8 @@ int view(const ViewOptions& options) {
               << ", to browsers of this machine only; Ctrl-C ends it\n";
   if (options.open) open_browser(url);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds{50});
-  return kInterrupted;
+  // There is nothing to lose, and a page that is being made is not waited for.
+  std::_Exit(128 + interrupting_signal());
 }
 
 }  // namespace

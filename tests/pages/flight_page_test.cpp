@@ -69,7 +69,9 @@ std::vector<double> fly(FlightPage& page, const OneGate& race, double seconds, b
       next += 0.1;
     }
     const Command command = pilot.step(sensors);
-    page.record({sensors, command, pilot, at(now), {}, now - 0.05});
+    const Tick tick{sensors, command, pilot, at(now), {}, now - 0.05};
+    page.record(tick);
+    if (i + 1 == static_cast<int>(seconds * 512)) page.end(tick);
     times.push_back(now);
   }
   return times;
@@ -105,7 +107,7 @@ TEST(FlightPageTest, WhatWasRecordedIsReadBack) {
                             spread = column(flight, "l_xx_m"), phase = column(flight, "phase");
   ASSERT_EQ(t.size(), x.size());
   EXPECT_NEAR(static_cast<double>(t.size()), 4.0 * 50, 8);
-  EXPECT_NEAR(t.back(), times.back(), 0.021) << "to the end, at 50 Hz";
+  EXPECT_NEAR(t.back(), times.back(), 1e-4) << "to the very last tick: the contact";
   for (std::size_t i = 0; i < t.size(); ++i) {
     ASSERT_NEAR(x[i], at(t[i]).p_EB.x(), 7e-4);
     ASSERT_NEAR(yaw[i], 0.03, 6e-5);
@@ -117,6 +119,49 @@ TEST(FlightPageTest, WhatWasRecordedIsReadBack) {
   EXPECT_EQ(flight["course"]["gates"][0]["position"], Json::parse("[3.0, 0.1, -1.5]"));
   EXPECT_EQ(flight["course"]["gates"][0]["map"]["position"], Json::parse("[3.0, 0.0, -1.5]"));
   EXPECT_EQ(flight["course"]["plan"].size(), 1U) << "from the start to the only gate";
+}
+
+TEST(FlightPageTest, RotorsAtTheirLimitBetweenTwoRowsAreCounted) {
+  const auto race = one_gate();
+  FlightPage page(kEmpty, race.course);
+  Pilot pilot{race.pilot};
+  const auto [lowest, highest] = race.course.rotor_limits;
+  // A row each 20 ms, a tick each 2 ms: at 24 ms a rotor is at its upper limit, at 44 ms at its lower.
+  for (int ms = 0; ms <= 100; ms += 2) {
+    Sensors sensors;
+    sensors.time = std::chrono::milliseconds{ms};
+    sensors.imu.accel_B = {0, 0, ms == 24 ? -19.0 : -9.0};
+    Command command;
+    command.motors = {800, 810, 820, 830};
+    if (ms == 24) command.motors[1] = highest;
+    if (ms == 44) command.motors[2] = lowest;
+    PageTick tick{.sensors = sensors, .command = command, .pilot = pilot};
+    tick.battery_v = 12.0 - 0.01 * ms;
+    page.record(tick);
+  }
+  const Json flight = element(page.html(summary(0), "crashed"), "flight");
+  const std::vector<double> fastest = column(flight, "rotor_fastest_radps"),
+                            slowest = column(flight, "rotor_slowest_radps"),
+                            share = column(flight, "rotor_saturated"),
+                            thrust = column(flight, "thrust_mps2"),
+                            battery = column(flight, "battery_v");
+  ASSERT_EQ(share.size(), 6U) << "0, 20, .. 100 ms";
+  EXPECT_THAT(share, testing::Pointwise(testing::DoubleNear(1e-9), {0.0, 0.0, 0.1, 0.1, 0.0, 0.0}));
+  EXPECT_NEAR(fastest[2], highest, 0.06);
+  EXPECT_NEAR(fastest[3], 830.0, 0.06);
+  EXPECT_NEAR(slowest[3], lowest, 0.06);
+  EXPECT_NEAR(thrust[2], 10.0, 6e-4) << "the mean of ten samples";
+  EXPECT_NEAR(battery.back(), 11.0, 6e-4);
+  EXPECT_EQ(flight["course"]["rotor_limits_radps"], Json::array({lowest, highest}));
+}
+
+TEST(FlightPageTest, WhyTheRaceWasLostIsHandedOn) {
+  const auto race = one_gate();
+  FlightPage page(kEmpty, race.course);
+  Json told = summary(0);
+  EXPECT_TRUE(element(page.html(told, "finished"), "flight")["why"].is_null());
+  told["why_lost"] = {{"line", "Lost at gate 1: </script>"}, {"t_s", 1.5}};
+  EXPECT_EQ(element(page.html(told, "crashed"), "flight")["why"], told["why_lost"]);
 }
 
 TEST(FlightPageTest, APassHasItsTimeSpeedAndOffset) {

@@ -9,6 +9,7 @@ import shutil
 import signal
 import sys
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -151,6 +152,17 @@ class Races(Case):
         before = race.time
         self.assertTrue(race.step())
         self.assertGreater(race.time, before)
+
+    def test_control_c_stops_the_bake_of_a_large_halls_light(self):
+        hall = self.folder / "hall.toml"
+        hall.write_text("[[gates]]\nposition_m = [3.0, 0.0, -1.5]\n[room]\nsize_m = [120.0, 120.0, 6.0]\n", encoding="utf-8")
+        timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+        timer.start()
+        began = time.process_time()
+        with self.assertRaises(KeyboardInterrupt):
+            gatefly.Race(hall)
+        self.assertLess(time.process_time() - began, 4.0)  # of minutes, on all cores together
+        timer.join()
 
     def test_one_thread_flies_a_race_at_a_time(self):
         race = gatefly.Race("oval", vision="ideal", laps=20, settings={"sim.timeout_s": 2000})

@@ -2,6 +2,8 @@
 #include "gatefly/report/flight_video.hpp"
 
 #include <cstdint>
+#include <cstdlib>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -59,6 +61,33 @@ TEST_F(FlightVideoTest, AFinishedFlightIsAFilmWithOrWithoutPictures) {
     video.finish(result, std::string(300, 'x'));
     EXPECT_THAT(read_file(path).substr(0, 12), HasSubstr("ftyp"));
   }
+}
+
+TEST_F(FlightVideoTest, AContactIsShownBeforeTheCardCoversIt) {
+  const auto race = one_gate();
+  const auto path = folder_.path() / "lost.mp4", frame = folder_.path() / "frame.rgb";
+  FlightVideo video(path, race, "one gate, seed 1", true);
+  record_start(video, race, true);
+  closed_loop::RaceResult result;
+  result.crash_time = 0.5;
+  result.crash_object = "gate 1 left bar";
+  video.finish(result, "crashed");
+  const auto red_at =
+      [&](double seconds) {  // in the middle of the line below the picture, at its left
+        const std::string command = "ffmpeg -v error -y -ss " + std::to_string(seconds) + " -i " +
+                                    path.string() + " -frames:v 1 -f rawvideo -pix_fmt rgb24 " +
+                                    frame.string();
+        EXPECT_EQ(std::system(command.c_str()), 0);
+        const std::string rgb = read_file(frame);
+        const std::size_t pixel = 3 * (1600 * (70 + 480 - 22) + 30);
+        const auto of = [&](std::size_t i) {
+          return static_cast<unsigned char>(rgb.at(pixel + i));
+        };
+        return of(0) > 200 && of(1) < 160 && of(2) < 160;
+      };
+  EXPECT_FALSE(red_at(0.2)) << "in flight";
+  EXPECT_TRUE(red_at(1.5)) << "held for two seconds";
+  EXPECT_FALSE(red_at(4.0)) << "below the dimming of the card";
 }
 
 TEST(FlightMap, ShowsTheCourseAsItStandsInColoursOfItsOwn) {

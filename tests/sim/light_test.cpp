@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the rooms are lit: baker, light map, shading.
 #include <cmath>
+#include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <vector>
 
@@ -130,6 +132,26 @@ TEST(LightMap, ComesBackFromItsCacheWhichMayBeDamagedOrClosed) {
 
   const auto closed = fixed_light(scene, rays, folder.file("a file", "") / "light", 2);
   EXPECT_EQ(closed.nodes, baked.nodes);
+}
+
+TEST(LightMap, WhatItsCallerThrowsMeanwhileEndsTheBakeAndKeepsNothing) {
+  struct Enough {};
+  World world;
+  world.room_size = {120, 120, 6.0};  // minutes
+  const Scene scene = make_scene(world);
+  const RayScene rays{{&scene.fixed}};
+  const test::TempFolder folder;
+  for (const int threads : {1, 3}) {
+    int calls = 0;
+    const auto cpu = std::clock();
+    const auto stop = [&] {
+      if (++calls == 3) throw Enough{};
+    };
+    EXPECT_THROW((void)fixed_light(scene, rays, folder.path(), threads, stop), Enough);
+    EXPECT_EQ(calls, 3);
+    EXPECT_LT(std::clock() - cpu, 2 * CLOCKS_PER_SEC) << "of all threads, after 0.1 s";
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(LightMap, MovedThingsAreLitByTheLampsToo) {

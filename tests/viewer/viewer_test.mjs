@@ -175,6 +175,10 @@ const tests = {
     await open(path, { viewport: { width: 1280, height: 800 } }, async (page) => {
       assert.match(await page.textContent("#verdict"), /^Finished, 2 of 2 gates/);
       const { end } = await page.evaluate(() => ({ end: window.__report.clock.end }));
+      const opened = await page.evaluate(() => ({ time: window.__report.clock.time, gate: window.__report.flight.passes[0].t }));
+      assert.equal(opened.time, opened.gate - 1, "opens where the first gate comes");
+      assert.match(await page.textContent("#legend .scale"), /^flown at 0\s+\d\.\d m\/s$/);
+      assert.ok(await page.locator("#why").isHidden(), "nothing was lost");
       for (const time of [0, 3.21, 0.5 * end, end]) await inStep(page, time, false);
 
       await page.keyboard.press("Home");
@@ -201,6 +205,147 @@ const tests = {
       await page.mouse.click(box.x + box.width / 2, box.y + 10);
       assert.ok(Math.abs((await state(page)).time - end / 2) < 0.02 * end);
       await accessible(page, "a flight's page");
+    });
+  },
+
+  async "plots: a drag zooms all of them, they can be hidden, both is remembered"() {
+    await open(join(folder, "ideal", "report.html"), { viewport: { width: 1280, height: 800 } }, async (page) => {
+      const range = () => page.evaluate(() => [window.__report.range.from, window.__report.range.to]);
+      const drawn = () => page.evaluate(() => window.__report.plots.ranges());
+      const near = (got, wanted) => got.forEach((value, i) => assert.ok(Math.abs(value - wanted[i]) < 0.1, `${got}, not ${wanted}`));
+      const { end } = await page.evaluate(() => ({ end: window.__report.clock.end }));
+      const over = page.locator("#plots .u-over").first();
+      const drag = async (from, to) => {
+        const box = await over.boundingBox();
+        await page.mouse.move(box.x + from * box.width, box.y + 40);
+        await page.mouse.down();
+        await page.mouse.move(box.x + to * box.width, box.y + 60, { steps: 5 });
+        await page.mouse.up();
+      };
+      await over.scrollIntoViewIfNeeded();
+      await drag(0.75, 0.25);
+      near(await range(), [0.25 * end, 0.75 * end]);
+      await settled(page);
+      const shown = await drawn();
+      assert.ok(shown.length >= 6);
+      for (const one of shown) near(one, [0.25 * end, 0.75 * end]);
+      await page.evaluate((t) => window.__report.clock.seek(t), 0.9 * end);
+      assert.ok((await range())[1] >= 0.9 * end, "what is shown follows the cursor");
+      const box = await over.boundingBox();
+      await page.mouse.dblclick(box.x + 0.5 * box.width, box.y + 40);
+      near(await range(), [0, end]);
+
+      // By the keyboard alone.
+      await page.evaluate((t) => window.__report.clock.seek(t), 0.5 * end);
+      await page.keyboard.press("+");
+      near(await range(), [0.25 * end, 0.75 * end]);
+      await page.keyboard.press("0");
+      near(await range(), [0, end]);
+      await page.focus("#zoom-closer");
+      await page.keyboard.press("Enter");
+      near(await range(), [0.25 * end, 0.75 * end]);
+      await page.focus("#plots-shown summary");
+      await page.keyboard.press("Enter");
+      await page.getByLabel("yaw", { exact: true }).focus();
+      await page.keyboard.press("Space");
+      assert.equal((await state(page)).playing, false, "space is for the box that has the focus");
+      await page.click("[aria-label='hide: roll']");
+      assert.ok(await page.evaluate(() => document.activeElement.tagName === "SUMMARY"), "the focus is not lost");
+
+      const visible = () => page.evaluate(() => [...document.querySelectorAll(".plot")].filter((plot) => !plot.hidden).map((plot) => plot.querySelector("h2").textContent));
+      const before = await visible();
+      assert.ok(!before.some((title) => /^(roll|yaw)/.test(title)) && before.some((title) => /^pitch/.test(title)), String(before));
+      for (const title of ["thrust", "rotor speeds", "a rotor at its limit", "battery", "age of a picture"])
+        assert.ok(before.some((shown) => shown.startsWith(title)), `no plot of ${title} among ${before}`);
+      await page.reload();
+      await page.waitForFunction(() => window.__report !== undefined);
+      assert.deepEqual(await visible(), before);
+      near(await range(), [0.25 * end, 0.75 * end]);
+      await page.click("#plots-shown summary");
+      await page.getByLabel("yaw", { exact: true }).check();
+      assert.equal((await visible()).length, before.length + 1);
+    });
+  },
+
+  async "a race that is lost by a contact: why is on top as text, and the contact everywhere"() {
+    const path = fly("contact", "oval", "--vision", "ideal", "--laps", "1", "--set", "randomize.wind_mps=2.5");
+    const html = readFileSync(path, "utf-8"), { crash } = JSON.parse(readFileSync(join(folder, "contact", "summary.json"), "utf-8"));
+    assert.ok(crash, "this seed is to crash");
+    const why = {
+      line: "Lost at gate 2: touched <img src=x onerror=alert(1)>, 21 cm off centre", t_s: crash.t_s, object: "right bar of gate 2", since_fix_s: 1.8, wind_mps: 2.5,
+      parts: [{ cause: "estimate", lateral_cm: 17, vertical_cm: 4 }, { cause: "guidance", lateral_cm: -3, vertical_cm: 0 },
+              { cause: "map", lateral_cm: 1, vertical_cm: 0 }, { cause: "detection", lateral_cm: 0, vertical_cm: 0 }],
+    };
+    const told = join(folder, "told.html");
+    writeFileSync(told, html.replace(/"why":(null|\{[^]*?\}),"summary"/, () => `"why":${JSON.stringify(why).replaceAll("<", "\\u003c")},"summary"`));
+    await open(told, { viewport: { width: 1440, height: 900 } }, async (page) => {
+      assert.equal(await page.textContent("#why .line"), why.line);
+      assert.equal(await page.locator("#why img").count(), 0);
+      assert.ok((await page.locator("#why").boundingBox()).y < 200, "on top");
+      assert.match(await page.textContent("#why .facts"), /last fix 1\.8 s before · wind 2\.50 m\/s · touched: right bar of gate 2/);
+      const bars = await page.locator("#why .amount i").evaluateAll((all) => all.map((one) => one.getBoundingClientRect().width));
+      assert.ok(bars[0] > 4 * bars[1] && bars[1] > bars[2] && bars[2] > bars[3], String(bars));
+
+      await page.click("#to-contact");
+      const now = await state(page), last = await page.evaluate(() => { const { flight } = window.__report; return flight.vector(["x_m", "y_m", "z_m"], flight.t.length - 1); });
+      assert.equal(now.time, Math.min(crash.t_s, await page.evaluate(() => window.__report.flight.end)));
+      assert.ok(Math.abs(now.scene - crash.t_s) < 0.003, `the flight is drawn to ${now.scene} s, its contact is at ${crash.t_s} s`);
+      assert.deepEqual(await page.evaluate(() => window.__report.scene.ends()), [last]);
+      await settled(page);
+      const red = (selector, x, y) => page.evaluate(([selector, x, y]) => {
+        const canvas = document.querySelector(selector), copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+        copy.drawImage(canvas, 0, 0);
+        const [r, g, b] = copy.getImageData(x * (canvas.width - 1), y * (canvas.height - 1), 1, 1).data;
+        return r > 150 && g < 60 && b < 60;
+      }, [selector, x, y]);
+      assert.ok(await red("#onboard canvas", 0.02, 0.97), "the last picture says so");
+      assert.ok(await red("#strip", 0.999, 0.5), "the strip of time");
+      await page.evaluate((t) => window.__report.clock.seek(t), now.time - 1);
+      await settled(page);
+      assert.ok(!(await red("#onboard canvas", 0.02, 0.97)));
+      const played = page.evaluate(() => new Promise((resolve) => window.__report.clock.onState(() => resolve(window.__report.clock.time))));
+      await page.click("#play-contact");
+      assert.ok(Math.abs((await played) - (crash.t_s - 3)) < 1e-9);
+      await accessible(page, "a lost flight's page");
+      await page.setViewportSize({ width: 390, height: 844 });
+      await settled(page);  // plots take the width they are given
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    });
+  },
+
+  async "a second flight over the first, from its take-off, in scene and plots"() {
+    const other = fly("other", "oval", "--vision", "ideal", "--laps", "1", "--seed", "2", "--set", "control.speed_mps=1.0");
+    await open(join(folder, "ideal", "report.html"), { viewport: { width: 1440, height: 900 } }, async (page) => {
+      const alone = await page.evaluate(() => window.__report.clock.end);
+      await page.setInputFiles("#second-file", join(folder, "ideal", "summary.json"));
+      await page.locator("#second-said", { hasText: "summary" }).waitFor();
+      assert.match(await page.textContent("#second-said"), /summary\.json: is no report\.html/);
+      const broken = join(folder, "broken.html");
+      writeFileSync(broken, '<script type="application/json" id="flight">{"columns":{"t_s":{"unit":1,"steps":[3,-1]}},"phases":[]}</script>');
+      await page.setInputFiles("#second-file", broken);
+      await page.locator("#second-said", { hasText: "broken" }).waitFor();
+      assert.match(await page.textContent("#second-said"), /its flight cannot be read/);
+
+      await page.setInputFiles("#second-file", other);
+      await page.locator("#second-said", { hasText: "second flight" }).waitFor();
+      assert.match(await page.textContent("#second-said"), /, seed 2: /);
+      const at = await page.evaluate(() => {
+        const { flight, clock, second, scene } = window.__report, ghost = second();
+        clock.seek(flight.takeOff + 4);
+        const row = ghost.flight.row(ghost.flight.takeOff + 4);
+        return { shift: ghost.shift, offs: flight.takeOff - ghost.flight.takeOff, end: clock.end, longest: ghost.flight.end + ghost.shift, stands: scene.secondAt(), is: ghost.flight.vector(["x_m", "y_m", "z_m"], row) };
+      });
+      assert.equal(at.shift, at.offs);
+      assert.ok(at.longest > alone && at.end === at.longest, "the slower flight is seen to its end");
+      assert.deepEqual(at.stands, at.is, "four seconds after its own take-off");
+      await page.locator(".plot").first().scrollIntoViewIfNeeded();
+      await settled(page);
+      assert.ok(await page.locator(".key", { hasText: "second flight" }).count() >= 6);
+      assert.match(await page.locator(".plot .readout").first().textContent(), /second/);
+      await accessible(page, "two flights");
+      await page.click("#second-said button");
+      assert.equal(await page.evaluate(() => window.__report.clock.end), alone);
+      assert.equal(await page.locator(".key", { hasText: "second flight" }).count(), 0);
     });
   },
 
@@ -250,8 +395,33 @@ const tests = {
       });
     });
     await viewing(folder, (url) => open(url, {}, async (page) => {
-      assert.ok((await page.locator("#flights a").count()) >= 2);
+      const first = () => page.locator("tbody tr:not([hidden]) td:first-child").first().textContent();
+      const count = () => page.locator("tbody tr:not([hidden])").count();
+      const all = await count();
+      assert.ok(all >= 3);
+      await page.click('th button:text-is("name")');
+      const one = await first();
+      await page.click('th button:text-is("name")');
+      assert.ok(one < (await first()), "the other way round");
+      await page.selectOption("#kind", "campaign");
+      assert.ok((await count()) >= 1 && (await count()) < all);
+      assert.equal(await page.textContent("#shown"), `${await count()} of ${all}`);
+      await page.selectOption("#kind", "flight");
+      await page.fill("#words", "ideal");
+      assert.equal(await first(), "ideal");
       await accessible(page, "a folder of flights");
+      await page.focus("tbody tr:not([hidden]) a");  // the keyboard is enough
+      await page.keyboard.press("Enter");
+      await page.waitForFunction(() => window.__report?.flight !== undefined);
+      assert.match(page.url(), /ideal\/report\.html$/);
+      await page.click('a:text-is("← all flights")');
+      await page.waitForFunction(() => window.__report?.rows !== undefined);
+      assert.equal(page.url(), url);
+    }));
+    const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+    await viewing(folder, (url) => open(url, phone, async (page) => {
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+      assert.ok(await page.locator("#order").isVisible());
     }));
   },
 

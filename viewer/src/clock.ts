@@ -7,9 +7,18 @@ export class Clock {
   playing = false;
   private listeners: ((time: number) => void)[] = [];
   private states: (() => void)[] = [];
+  private ends: (() => void)[] = [];
   private last = 0;
 
-  constructor(readonly end: number) {}
+  /** @param end of this flight [s]; a second one may last longer. */
+  constructor(public end: number) {}
+
+  onEnd(listener: () => void): void { this.ends.push(listener); }
+  extend(end: number): void {
+    this.end = end;
+    for (const listener of this.ends) listener();
+    this.seek(this.time);
+  }
 
   onTime(listener: (time: number) => void): void { this.listeners.push(listener); }
   onState(listener: () => void): void { this.states.push(listener); }

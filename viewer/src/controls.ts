@@ -2,6 +2,7 @@
 import type { Clock } from "./clock";
 import { stretches, type Moment } from "./events";
 import type { Flight } from "./flight";
+import type { Range } from "./range";
 import { color, onTheme } from "./theme";
 import { byId } from "./text";
 
@@ -11,12 +12,13 @@ export function bandOf(phase: string): string {
 }
 
 /** The bar at the foot: play, slider, clock, keyboard. */
-export function startControls(flight: Flight, moments: Moment[], clock: Clock): void {
+export function startControls(flight: Flight, moments: Moment[], clock: Clock, range: Range): void {
   const play = byId<HTMLButtonElement>("play"), slider = byId<HTMLInputElement>("time");
   const rate = byId<HTMLSelectElement>("rate"), output = byId("clock"), strip = byId<HTMLCanvasElement>("strip");
   slider.min = "0";
-  slider.max = String(clock.end);
   slider.step = "0.01";
+  const ends = () => (slider.max = String(clock.end));
+  ends();
   play.addEventListener("click", () => clock.play());
   slider.addEventListener("input", () => clock.seek(slider.valueAsNumber));
   rate.addEventListener("change", () => (clock.rate = Number(rate.value)));
@@ -33,7 +35,8 @@ export function startControls(flight: Flight, moments: Moment[], clock: Clock): 
   document.addEventListener("keydown", (event) => {
     const on = event.target as HTMLElement;
     if (event.ctrlKey || event.altKey || event.metaKey || on.tagName === "SELECT") return;
-    if (event.key === " " && ["BUTTON", "SUMMARY"].includes(on.tagName)) return;  // it is for the button
+    // It is for the button or the box.
+    if (event.key === " " && (["BUTTON", "SUMMARY"].includes(on.tagName) || (on as HTMLInputElement).type === "checkbox")) return;
     const step = event.shiftKey ? 1 : 0.1;
     if (event.key === " ") clock.play();
     else if (event.key === "ArrowLeft") clock.seek(clock.time - step);
@@ -56,13 +59,19 @@ export function startControls(flight: Flight, moments: Moment[], clock: Clock): 
       for (const [first, last] of stretches(flight.t.length, (row) => flight.phase(row) === phase))
         context.fillRect(at(flight.t[first]), 0, at(flight.t[last]) - at(flight.t[first]) + 1, height);
     });
-    const mark = (t: number, name: string) => {
+    const mark = (t: number, name: string, half = 1) => {
       context.fillStyle = color(name);
-      context.fillRect(at(t) - 1, 0, 2, height);
+      context.fillRect(Math.min(at(t) - half, width - 2 * half), 0, 2 * half, height);
     };
     flight.passes.forEach((pass) => pass.t !== undefined && mark(pass.t, "gate"));
-    moments.forEach((moment) => moment.kind === "bad" && mark(Math.min(moment.t, clock.end), "bad"));
+    moments.forEach((moment) => moment.kind === "bad" && mark(moment.t, "bad", 2));
+    if (!range.zoomed) return;
+    context.strokeStyle = color("ink");
+    context.lineWidth = 2;
+    context.strokeRect(at(range.from) + 1, 1, at(range.to) - at(range.from) - 2, height - 2);
   };
   new ResizeObserver(draw).observe(strip);
   onTheme(draw);
+  range.onChange(draw);
+  clock.onEnd(() => { ends(); draw(); });
 }

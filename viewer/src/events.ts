@@ -67,10 +67,11 @@ function blindness(flight: Flight): Moment[] {
   return moments;
 }
 
-function ending(flight: Flight): Moment {
+/** How it ended. */
+export function ending(flight: Flight): Moment {
   const s = flight.summary;
   if (s.kind === "replay") return { t: flight.end, kind: "plain", text: "end of the log" };
-  if (s.crash) return { t: s.crash.t_s, kind: "bad", text: `crashed into ${s.crash.object}` };
+  if (s.crash) return { t: Math.min(s.crash.t_s, flight.end), kind: "bad", text: `crashed into ${s.crash.object}` };
   if (s.finished) {
     const last = flight.passes.filter((pass) => pass.t !== undefined).pop();
     return { t: last?.t ?? flight.end, kind: "gate", text: "finished" };
@@ -87,6 +88,12 @@ export function sigma(flight: Flight): [Float64Array, Float64Array, Float64Array
   const l = (name: string) => flight.column(`l_${name}_m`);
   const [xx, yx, yy, zx, zy, zz] = ["xx", "yx", "yy", "zx", "zy", "zz"].map(l);
   return [flight.each((i) => xx[i]), flight.each((i) => Math.hypot(yx[i], yy[i])), flight.each((i) => Math.hypot(zx[i], zy[i], zz[i]))];
+}
+
+/** A second before the first gate, passed or not: by then something happens. */
+export function opening(flight: Flight): number {
+  const flying = stretches(flight.t.length, (row) => racing(flight, row))[0];
+  return Math.max(flying ? flight.t[flying[0]] : 0, (flight.passes[0]?.t ?? ending(flight).t) - 1);
 }
 
 /** In the order of time; the end is always among them. */

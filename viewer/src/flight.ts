@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flight as src/gatefly/report/flight_page.cpp writes it.
+// A flight as src/gatefly/pages/flight_page.cpp writes it.
 
 export type Vec3 = [number, number, number];
 
 export interface Gate { position: Vec3; heading: number; side: number; bar: number; map?: { position: Vec3; heading: number } }
 export interface Box { center: [number, number]; size: [number, number]; heading: number; bottom: number; top: number; pole: boolean }
 export interface Look {
-  t: number; exposed: number; target: number; picture?: number; offered?: boolean; source?: "corners" | "bars"; used?: number;
+  t: number; exposed: number; took_ms?: number; target: number; picture?: number; offered?: boolean; source?: "corners" | "bars"; used?: number;
   nis?: number; dof?: number; fix?: Vec3; gates?: { px: number[]; fitness: number }[]; bars?: number[]; lower?: number[];
 }
 export interface Pass { gate: number; lap: number; t?: number; speed?: number; offset?: [number, number]; seen?: number; seen_from?: number }
 export interface Course {
   room_center: [number, number]; room_size: Vec3; laps: number; speed_mps: number; gates: Gate[]; obstacles: Box[]; decoys: Box[]; plan: Vec3[][];
-  accel_bias_mps2?: Vec3; gyro_bias_radps?: Vec3;
+  accel_bias_mps2?: Vec3; gyro_bias_radps?: Vec3; rotor_limits_radps?: [number, number];
+}
+/** Why a race was lost, split into what each part of the drone did to it. */
+export interface Why {
+  line: string; t_s: number; object: string; since_fix_s: number | null; wind_mps: number | null;
+  /** Lateral to the right, vertical down. `share_cm`: of the miss's length; negative: against it. */
+  parts: { cause: "estimate" | "guidance" | "map" | "detection"; lateral_cm: number; vertical_cm: number; share_cm?: number }[];
 }
 /** Of a race; a replay has less to tell. */
 export interface Summary {
@@ -27,6 +33,7 @@ export interface Summary {
 export class Flight {
   readonly verdict: string;
   readonly summary: Summary;
+  readonly why: Why | null;
   readonly phases: string[];
   readonly camera: [number, number];
   readonly course: Course;
@@ -38,10 +45,11 @@ export class Flight {
   readonly t: Float64Array;
   private readonly columns = new Map<string, Float64Array>();
 
-  constructor(flight: string, pictures: string) {
+  constructor(flight: string, pictures = "[]") {
     const data = JSON.parse(flight);
     this.verdict = data.verdict;
     this.summary = data.summary;
+    this.why = data.why ?? null;
     this.phases = data.phases;
     this.camera = data.camera;
     this.course = data.course;
@@ -81,6 +89,12 @@ export class Flight {
 
   /** Column by column: f of every row. */
   each(f: (row: number) => number): Float64Array { return Float64Array.from(this.t, (_, row) => f(row)); }
+
+  /** When the body leaves the ground, by the pilot's phase [s]. */
+  get takeOff(): number {
+    const row = this.t.findIndex((_, i) => this.phase(i) !== "ground");
+    return row < 0 ? 0 : this.t[row];
+  }
 
   /** The last row that is not after `time`. */
   row(time: number): number { return Math.max(0, lastUpTo(this.t.length, (i) => this.t[i], time)); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Clock } from "./clock";
 import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, lastUpTo, POSITION, VELOCITY, type Flight, type Look } from "./flight";
+import { ending } from "./events";
 import { color, onTheme } from "./theme";
 import { Film } from "./film";
 import { byId, degrees, element } from "./text";
@@ -96,6 +97,7 @@ export class Onboard {
     this.shown = { look: look.t, picture: there?.stamp ?? NaN };
     if (!there && !look.gates?.length && !look.bars && !look.lower) this.say(this.whyNone(), context);
     this.outline(look, context, width / this.size[0]);
+    this.ended(time, context);
     const found = look.gates?.length ?? 0;
     this.note.textContent =
       `${look.t.toFixed(2)} s` + (look.exposed < look.t ? `, exposed ${(1000 * (look.t - look.exposed)).toFixed(0)} ms before: ` : ": ") +
@@ -107,6 +109,21 @@ export class Onboard {
     if (this.film?.failed) return "this browser cannot show the onboard film";
     if (this.flight.filmFailed) return "ffmpeg failed: no onboard film";
     return "ideal vision: no pictures, nothing found";
+  }
+
+  /** From the contact on, the last picture says so. */
+  private ended(time: number, context: CanvasRenderingContext2D): void {
+    const end = ending(this.flight), { width, height } = this.canvas, size = Math.round(width / 24);
+    if (end.kind !== "bad" || time < end.t - 1e-3) return;
+    context.fillStyle = color("bad");
+    context.fillRect(0, height - 2 * size, width, 2 * size);
+    context.strokeStyle = color("bad");
+    context.lineWidth = size / 3;
+    context.strokeRect(0, 0, width, height);
+    context.fillStyle = color("panel");
+    context.textAlign = "center";
+    context.font = `600 ${size}px system-ui, sans-serif`;
+    context.fillText(`${end.t.toFixed(1)} s: ${end.text}`, width / 2, height - 0.65 * size, 0.95 * width);
   }
 
   private say(text: string, context: CanvasRenderingContext2D): void {

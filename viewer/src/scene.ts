@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 import {
-  AmbientLight, BoxGeometry, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, Euler, Float32BufferAttribute,
-  GridHelper, Group, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
-  SphereGeometry, Sprite, SpriteMaterial, SRGBColorSpace, Vector3, WebGLRenderer, MeshBasicMaterial, type Object3D,
+  AmbientLight, BoxGeometry, BufferGeometry, Color, CylinderGeometry, DirectionalLight, EdgesGeometry, Euler, Float32BufferAttribute, GridHelper,
+  Group, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Scene,
+  SphereGeometry, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import type { Clock } from "./clock";
-import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, POSITION, VELOCITY, type Box, type Flight, type Gate, type Vec3 } from "./flight";
+import { ATTITUDE, EST_ATTITUDE, EST_VELOCITY, ESTIMATE, POSITION, VELOCITY, type Flight, type Gate, type Vec3 } from "./flight";
+import { ending } from "./events";
+import { fastest, label, solid, speedColor } from "./scene_parts";
+import type { Second } from "./second";
 import { color, onTheme } from "./theme";
 
 // The flight's axes are north, east, down; WebGL's y is up.
 const NED = new Matrix4().set(0, 1, 0, 0, 0, 0, -1, 0, -1, 0, 0, 0, 0, 0, 0, 1);
-type View = "overview" | "above" | "follow";
+export type View = "overview" | "above" | "follow";
 
 /** Course, flight and drone in three dimensions. */
 export class SceneView {
@@ -31,7 +34,9 @@ export class SceneView {
   private drone = new Group();
   private estimate = new Group();
   private cloud!: Mesh;
-  private flown: { line: Line2; segments: number }[] = [];
+  private flown: { line: Line2; segments: number; flight: Flight; shift: number }[] = [];
+  private second: Second | null = null;
+  private ghost = new Group();
   private rings: Mesh[] = [];
   private view: View = "overview";
   private waiting = false;
@@ -57,6 +62,17 @@ export class SceneView {
     new ResizeObserver(() => this.resize()).observe(this.canvas);
   }
 
+  /** Where races were lost, and where the second flight stands; for tests. */
+  ends(): number[][] { return this.world.children.filter((node) => node.name === "end").map((node) => node.position.toArray()); }
+  secondAt(): number[] { return this.ghost.position.toArray(); }
+
+  /** Another flight beside this one; null: alone again. */
+  show(second: Second | null): void {
+    this.second = second;
+    this.build();
+    this.move();
+  }
+
   private build(): void {
     this.scene.remove(this.world);
     this.world = new Group();
@@ -72,6 +88,8 @@ export class SceneView {
     for (const leg of course.plan) this.addPlan(leg);
     this.addPaths();
     this.addDrone();
+    this.addEnd(this.flight, "bad");
+    this.addSecond();
   }
 
   private addRoom(): void {
@@ -129,25 +147,20 @@ export class SceneView {
 
   /** Twice: faint for all of the flight, strong for what is flown at the cursor. */
   private addPaths(): void {
-    const f = this.flight, rows = f.t.length, fast = 1.4 * f.course.speed_mps;
+    const f = this.flight, rows = f.t.length, fast = fastest(f), steps = Array.from({ length: 65 }, (_, i) => speedColor(i / 64));
     const truth: number[] = [], belief: number[] = [], colors: number[] = [];
-    const slow = new Color(color("slow")), quick = new Color(color("flown")), fastest = new Color(color("fast")), now = new Color();
     for (let row = 0; row < rows; ++row) {
       truth.push(...f.known(POSITION, ESTIMATE, row));
       belief.push(...f.vector(ESTIMATE, row));
       const part = Math.min(1, Math.hypot(...f.known(VELOCITY, EST_VELOCITY, row)) / fast);
-      now.lerpColors(part < 0.6 ? slow : quick, part < 0.6 ? quick : fastest, part < 0.6 ? part / 0.6 : (part - 0.6) / 0.4);
-      colors.push(now.r, now.g, now.b);
+      const { r, g, b } = steps[Math.round(64 * part) || 0];
+      colors.push(r, g, b);
     }
     this.flown = [];
     if (rows < 2) return;
     const add = (points: number[], width: number, opacity: number, strong: boolean, one?: string) => {
-      const geometry = new LineGeometry().setPositions(points);
-      if (!one) geometry.setColors(colors);
-      const line = new Line2(geometry, new LineMaterial({ color: one ?? 0xffffff, vertexColors: !one, linewidth: width, transparent: opacity < 1, opacity }));
-      line.frustumCulled = false;
-      this.world.add(line);
-      if (strong) this.flown.push({ line, segments: rows - 1 });
+      const line = this.addLine(points, width, opacity, one ?? colors);
+      if (strong) this.flown.push({ line, segments: rows - 1, flight: f, shift: 0 });
     };
     add(truth, 1.5, 0.3, false);
     if (f.hasTruth) {
@@ -155,6 +168,38 @@ export class SceneView {
       add(belief, 1.6, 1, true, color("estimate"));
     }
     add(truth, 3.5, 1, true);
+  }
+
+  /** @param paint one colour, or one for each point */
+  private addLine(points: number[], width: number, opacity: number, paint: string | number[]): Line2 {
+    const geometry = new LineGeometry().setPositions(points), one = typeof paint === "string";
+    if (!one) geometry.setColors(paint);
+    const line = new Line2(geometry, new LineMaterial({ color: one ? paint : 0xffffff, vertexColors: !one, linewidth: width, transparent: opacity < 1, opacity }));
+    line.frustumCulled = false;
+    this.world.add(line);
+    return line;
+  }
+
+  /** Where a race was lost: a cross that is seen from everywhere. */
+  private addEnd(flight: Flight, name: string): void {
+    if (ending(flight).kind !== "bad" || !flight.t.length) return;
+    const mark = label("✕", color(name), 0.75);
+    mark.position.set(...flight.known(POSITION, ESTIMATE, flight.t.length - 1));
+    mark.name = "end";
+    this.world.add(mark);
+  }
+
+  private addSecond(): void {
+    if (!this.second) return;
+    const { flight, shift } = this.second, points: number[] = [];
+    for (let row = 0; row < flight.t.length; ++row) points.push(...flight.known(POSITION, ESTIMATE, row));
+    this.ghost = new Group();
+    this.ghost.add(new Mesh(new SphereGeometry(0.11, 16, 12), new MeshBasicMaterial({ color: color("second"), transparent: true, opacity: 0.85 })));
+    this.world.add(this.ghost);
+    this.addEnd(flight, "second");
+    if (flight.t.length < 2) return;
+    this.addLine(points, 1.5, 0.35, color("second"));
+    this.flown.push({ line: this.addLine(points, 2.5, 1, color("second")), segments: flight.t.length - 1, flight, shift });
   }
 
   private addDrone(): void {
@@ -193,16 +238,21 @@ export class SceneView {
 
     const done = f.column("gates_passed")[row] >= f.summary.gates_total;
     this.rings.forEach((pane, i) => (pane.visible = !done && i === target));
-    for (const { line, segments } of this.flown) {
-      line.geometry.instanceCount = Math.min(row, segments);
-      line.visible = row > 0;
+    for (const { line, segments, flight, shift } of this.flown) {
+      const flown = flight.row(this.clock.time - shift);
+      line.geometry.instanceCount = Math.min(flown, segments);
+      line.visible = flown > 0;
+    }
+    if (this.second) {
+      const { flight, shift } = this.second;
+      this.ghost.position.set(...flight.known(POSITION, ESTIMATE, flight.row(this.clock.time - shift)));
     }
     if (this.view === "follow") this.follow();
     this.stamp = f.t[row] ?? 0;
     this.draw();
   }
 
-  private look(view: View): void {
+  look(view: View): void {
     this.view = view;
     for (const button of this.box.querySelectorAll<HTMLElement>("[data-view]"))
       button.setAttribute("aria-pressed", String(button.dataset.view === view));
@@ -266,30 +316,4 @@ export class SceneView {
       ++this.frames;
     });
   }
-}
-
-function solid(box: Box, colour: string, opacity: number): Object3D {
-  const height = box.top - box.bottom;
-  const shape = box.pole ? new CylinderGeometry(box.size[0] / 2, box.size[0] / 2, height, 20).rotateX(Math.PI / 2) : new BoxGeometry(box.size[0], box.size[1], height);
-  const mesh = new Mesh(shape, new MeshLambertMaterial({ color: colour, transparent: true, opacity }));
-  mesh.position.set(box.center[0], box.center[1], -(box.bottom + box.top) / 2);
-  mesh.rotation.z = box.heading;
-  return mesh;
-}
-
-/** A number that always faces the camera. */
-function label(text: string): Sprite {
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = 64;
-  const context = canvas.getContext("2d")!;
-  context.font = "bold 46px system-ui, sans-serif";
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.fillStyle = color("gate");
-  context.fillText(text, 32, 34);
-  const map = new CanvasTexture(canvas);
-  map.colorSpace = SRGBColorSpace;
-  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false }));
-  sprite.scale.setScalar(0.5);
-  return sprite;
 }

@@ -29,7 +29,8 @@ History history_before(const sim::WorldGate& gate, double distance) {
 
 }  // namespace
 
-std::vector<Stage> camera_stages(const sim::SimConfig& day) {
+std::vector<Stage> camera_stages(const sim::SimConfig& day,
+                                 const std::function<void()>& while_baking) {
   auto histories = std::make_shared<std::vector<History>>();
   for (const sim::WorldGate& gate : day.world.gates)
     for (const double distance : {1.0, 2.0, 3.0, 4.0, 6.0})
@@ -38,7 +39,7 @@ std::vector<Stage> camera_stages(const sim::SimConfig& day) {
     sim::CameraTruth camera = day.camera;
     camera.fast = fast;
     const auto renderer = std::make_shared<sim::CameraRenderer>(
-        day.world, camera, day.light, day.seed, day.cache_dir, day.bake_threads);
+        day.world, camera, day.light, day.seed, day.cache_dir, day.bake_threads, while_baking);
     const auto bytes = std::make_shared<std::vector<std::uint8_t>>();
     return Stage{.name = name,
                  .what = what,

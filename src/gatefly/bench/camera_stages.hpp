@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "gatefly/bench/stage.hpp"
@@ -12,6 +13,8 @@ namespace gatefly::bench {
 ///
 /// Seen from 1 to 6 m before each gate of the day's world, in motion. Bakes the room's light, or
 /// reads it from `day.cache_dir`.
-[[nodiscard]] std::vector<Stage> camera_stages(const sim::SimConfig& day);
+/// @param while_baking  called some twenty times a second; may throw to stop.
+[[nodiscard]] std::vector<Stage> camera_stages(const sim::SimConfig& day,
+                                               const std::function<void()>& while_baking);
 
 }  // namespace gatefly::bench

@@ -10,9 +10,9 @@
 namespace gatefly::closed_loop {
 
 struct FramesAgain::Impl {
-  Impl(const sim::SimConfig& config, Motors m)
+  Impl(const sim::SimConfig& config, Motors m, const std::function<void()>& while_baking)
       : motors{std::move(m)},
-        simulator{config},
+        simulator{config, while_baking},
         suite{config},
         steps{physics_steps(config.sensors.imu_hz)} {}
 
@@ -35,8 +35,9 @@ struct FramesAgain::Impl {
   std::size_t tick = 0;
 };
 
-FramesAgain::FramesAgain(const sim::SimConfig& config, Motors motors)
-    : impl_{std::make_unique<Impl>(config, std::move(motors))} {}
+FramesAgain::FramesAgain(const sim::SimConfig& config, Motors motors,
+                         const std::function<void()>& while_baking)
+    : impl_{std::make_unique<Impl>(config, std::move(motors), while_baking)} {}
 FramesAgain::~FramesAgain() = default;
 
 std::size_t FramesAgain::ticks() const { return impl_->tick; }

@@ -20,7 +20,9 @@ class FramesAgain {
   using Motors = std::function<std::array<double, 4>(std::size_t tick)>;
 
   /// @param config  drawn for the flight's seed.
-  FramesAgain(const sim::SimConfig& config, Motors motors);
+  /// @param while_baking  called some twenty times a second; may throw to stop; may be empty.
+  FramesAgain(const sim::SimConfig& config, Motors motors,
+              const std::function<void()>& while_baking = {});
   ~FramesAgain();
   FramesAgain(const FramesAgain&) = delete;
   FramesAgain& operator=(const FramesAgain&) = delete;

@@ -48,8 +48,10 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Truth truth_of(const sim::BodyState& s) {
-  return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)}), s.wind_E.head<2>()};
+template <class Body>
+Truth truth_of(const Body& body) {
+  const sim::BodyState& s = body.state();
+  return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)}), s.wind_E.head<2>(), body.battery_v()};
 }
 
 bool is_landing(const Pilot& pilot) {
@@ -61,7 +63,7 @@ template <class Simulator>
 class Arena {
  public:
   explicit Arena(const RaceConfig& config)
-      : simulator{config.sim},
+      : simulator{config.sim, config.while_baking},
         referee{config.sim.world, config.sim.vehicle, config.pilot.track.laps},
         steps_{physics_steps(config.sim.sensors.imu_hz)},
         people_{config.sim.world.people},
@@ -146,7 +148,9 @@ class FlightIn final : public AnyFlight {
 
     // The pilot thinks, the motors obey.
     const std::uint64_t allocated = config_.allocations ? config_.allocations() : 0;
-    command_ = (looks_ ? image_watch_ : step_watch_).time([&] { return pilot_.step(sensors_); });
+    Stopwatch& watch = looks_ ? image_watch_ : step_watch_;
+    command_ = watch.time([&] { return pilot_.step(sensors_); });
+    took_ = watch.latest();
     if (config_.allocations) result_.step_allocations += config_.allocations() - allocated;
 
     // The books.
@@ -160,14 +164,9 @@ class FlightIn final : public AnyFlight {
   [[nodiscard]] Tick tick() const override {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
-    const auto& body = arena_.simulator.body;
-    return {sensors_,
-            command_,
-            pilot_,
-            truth_of(body.state()),
-            picture,
-            exposed,
-            looks_ ? book_.next_gate() : std::nullopt};
+    const auto next_gate = looks_ ? book_.next_gate() : std::nullopt;
+    return {sensors_, command_, pilot_, truth_of(arena_.simulator.body),
+            picture,  exposed,  took_,  next_gate};
   }
 
   void stop() override { result_.stop_reason = "stopped"; }
@@ -208,6 +207,7 @@ class FlightIn final : public AnyFlight {
   Sensors sensors_;
   Command command_;
   bool looks_ = false;
+  double took_ = 0.0;  ///< By the pilot's step [s].
   std::int64_t ticks_ = 0;
 };
 

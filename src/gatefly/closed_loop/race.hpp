@@ -34,6 +34,9 @@ struct RaceConfig {
   std::function<void(Sensors&)> sensors;
   /// Allocations of the process so far, for tests that count them; may be empty.
   std::function<std::uint64_t()> allocations;
+  /// Called some twenty times a second while the room's light is baked, before the first tick; may
+  /// throw to stop; may be empty.
+  std::function<void()> while_baking;
 };
 
 struct StageTime {

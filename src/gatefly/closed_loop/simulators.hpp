@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,10 +19,10 @@ namespace gatefly::closed_loop {
 
 /// MuJoCo's body, and pictures.
 struct RenderedSimulator {
-  explicit RenderedSimulator(const sim::SimConfig& config)
+  RenderedSimulator(const sim::SimConfig& config, const std::function<void()>& while_baking)
       : truth{config.camera},
-        renderer{config.world, config.camera,    config.light,
-                 config.seed,  config.cache_dir, config.bake_threads},
+        renderer{config.world,     config.camera,       config.light, config.seed,
+                 config.cache_dir, config.bake_threads, while_baking},
         body{config} {}
 
   [[nodiscard]] const sim::Sight& sight() const { return renderer; }
@@ -43,7 +44,7 @@ struct RenderedSimulator {
 
 /// The twin body, and detections without pictures.
 struct IdealSimulator {
-  explicit IdealSimulator(const sim::SimConfig& config)
+  IdealSimulator(const sim::SimConfig& config, const std::function<void()>& /*bakes nothing*/)
       : body{config},
         vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
         width{config.camera.width()},

@@ -14,7 +14,6 @@ namespace gatefly::io {
 namespace {
 
 using Keys = std::vector<Key<Config>>;
-constexpr double kMilli = 1e-3;
 
 template <class Member>
 Key<Config> k(const char* name, double low, double high, Member member, const char* what,
@@ -97,11 +96,11 @@ Keys camera_keys() {
       k("camera.position_m", -2, 2, AT(camera.p_BC), "focal point in the body frame",
         "Bebop's nose"),
       k("camera.latency_ms", 0, 500, AT(camera.latency), "end of read-out to arrival",
-        "simulation.md", kMilli),
+        "simulation.md", kMilliseconds),
       k("camera.readout_ms", 0, 200, AT(camera.readout), "rolling shutter: first to last line",
-        "simulation.md", kMilli),
+        "simulation.md", kMilliseconds),
       k("camera.exposure_ms", 0.01, 100, AT(camera.exposure), "longest exposure of a line",
-        "simulation.md", kMilli),
+        "simulation.md", kMilliseconds),
       k("camera.rate_hz", 1, 120, AT(camera.rate_hz), "pictures a second", "MT9F002_TARGET_FPS 15"),
       k("camera.jpeg_quality", 0, 100, AT(camera.jpeg_quality),
         "simulated pictures go through a JPEG, 4:2:0, of this quality; 0: none", "none on board"),
@@ -245,7 +244,7 @@ Keys estimation_keys() {
       k("filter.velocity_pull_per_s", 0, 50, AT(pilot.velocity.pull),
         "gain that pulls the integrated velocity to that of drag", "ours"),
       k("filter.memory_ms", 20, 2000, AT(pilot.filter_memory), "how late a picture may arrive",
-        "ours", kMilli),
+        "ours", kMilliseconds),
   };
 }
 
@@ -293,9 +292,9 @@ Keys control_keys() {
       k("control.min_pitch_deg", -45, 0, AT(pilot.speed.min_pitch),
         "largest pitch for braking, nose up (negative)", "ours", kDegree),
       k("control.roll_lead_ms", 0, 2000, AT(pilot.speed.roll_lead),
-        "roll begins so long before a curve: INDI's lag", "ours", kMilli),
+        "roll begins so long before a curve: INDI's lag", "ours", kMilliseconds),
       k("control.brake_lead_ms", 0, 5000, AT(pilot.speed.brake_lead),
-        "braking begins so long before a curve", "ours", kMilli),
+        "braking begins so long before a curve", "ours", kMilliseconds),
       k("control.attitude_gain_per_s2", 0, 2000, AT(pilot.indi.attitude_gain),
         "INDI: gain of roll and pitch error, ω²", "Li18 code: 200"),
       k("control.rate_gain_per_s", 0, 500, AT(pilot.indi.rate_gain),
@@ -328,7 +327,7 @@ Keys control_keys() {
       k("control.max_tilt_deg", 20, 180, AT(pilot.phase.max_tilt),
         "tilt beyond which the flight is given up", "ours", kDegree),
       k("control.imu_timeout_ms", 5, 5000, AT(pilot.phase.imu_timeout),
-        "time without IMU samples after which the flight is given up", "ours", kMilli),
+        "time without IMU samples after which the flight is given up", "ours", kMilliseconds),
   };
 }
 
@@ -346,7 +345,7 @@ Keys vehicle_keys() {
       k("vehicle.max_rotor_radps", 10, 20000, AT(vehicle.max_speed), "highest rotor speed",
         "Bebop: 12,000 rpm"),
       k("vehicle.rotor_time_constant_ms", 1, 500, AT(vehicle.rotor_time_constant),
-        "lag of the rotors, as the pilot's model has it", "Li18 code: 0.1 a sample", kMilli),
+        "lag of the rotors, as the pilot's model has it", "Li18 code: 0.1 a sample", kMilliseconds),
       k("vehicle.imu_hz", 50, 4000, AT(rates.imu_hz), "IMU samples a second", "Li18 flight code"),
       k("vehicle.sonar_hz", 1, 200, AT(rates.sonar_hz), "sonar readings a second", "Bebop"),
       k("vehicle.baro_hz", 1, 200, AT(rates.baro_hz), "barometer readings a second", "Bebop"),
@@ -367,3 +366,5 @@ const std::vector<Key<Config>>& config_keys() {
 }
 
 }  // namespace gatefly::io
+
+#undef AT

@@ -14,7 +14,7 @@
 namespace gatefly::io {
 namespace {
 
-constexpr double kPercent = 0.01, kMilli = 1e-3;
+constexpr double kPercent = 0.01;
 constexpr double kLongest = 1e9;  // [s] as good as for ever
 
 template <class Member>
@@ -30,7 +30,7 @@ std::vector<Key<sim::Faults>> make_keys() {
       k("camera_stuck_s", 0, kLongest, AT(camera_stuck),
         "the last picture again with new stamps: from, for how long"),
       k("camera_delay_ms", 0, 1000, AT(camera_delay), "pictures later than the calibration says",
-        kMilli),
+        kMilliseconds),
       k("light_out_s", 0, kLongest, AT(light_out), "all lamps at 2 %: from, for how long"),
       k("hue_deg", -180, 180, AT(hue), "gates of another hue than the configuration's", kDegree),
       k("imu_stuck_s", 0, kLongest, AT(imu_stuck), "the last IMU sample again: from, for how long"),
@@ -99,3 +99,5 @@ sim::Faults with_faults(const sim::Faults& base, const nlohmann::json& table,
 }
 
 }  // namespace gatefly::io
+
+#undef AT

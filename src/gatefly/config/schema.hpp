@@ -14,6 +14,8 @@
 
 namespace gatefly::io {
 
+inline constexpr double kMilliseconds = 1e-3;  ///< The unit of a key in milliseconds [s].
+
 /// What a configuration key means and may hold, and where its default comes from.
 struct KeyRule {
   enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText, kFile };
@@ -46,38 +48,39 @@ struct Key {
 /// what was written and read again is the same to the bit.
 [[nodiscard]] double in_unit(double si, double unit);
 
-/// A key whose member `member(target)` yields by reference: a number, a vector or a text.
+/// The member behind a key, of a target that is only read: the functions below are written for one that changes.
+template <class Target, class Type>
+const Type& read_member(Type& (*member)(Target&), const Target& target) {
+  return member(const_cast<Target&>(target));
+}
+
+/// A key of `rule` whose member `member(target)` yields by reference: a number or a vector. Compiled once a type of
+/// member, not once a key.
 /// @param unit  SI value of the key's unit: kDegree, 1e-3, ...
-template <class Target, class Member>
-Key<Target> key(std::string name, double low, double high, Member member, std::string what,
-                std::string source, double unit = 1.0) {
-  using Type = std::decay_t<decltype(member(std::declval<Target&>()))>;
-  Key<Target> result;
-  result.rule = {.name = std::move(name),
-                 .low = low,
-                 .high = high,
-                 .what = std::move(what),
-                 .source = std::move(source)};
+template <class Target, class Type>
+Key<Target> key_of_member(KeyRule rule, Type& (*member)(Target&), double unit) {
+  using nlohmann::json;
+  Key<Target> result{std::move(rule), {}, {}};
   if constexpr (std::is_same_v<Type, double>) {
-    result.get = [=](const Target& t) { return nlohmann::json(in_unit(member(t), unit)); };
-    result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<double>() * unit; };
+    result.get = [=](const Target& t) { return json(in_unit(read_member(member, t), unit)); };
+    result.set = [=](Target& t, const json& v) { member(t) = v.get<double>() * unit; };
   } else if constexpr (std::is_same_v<Type, int>) {
     result.rule.kind = KeyRule::Kind::kInteger;
-    result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
-    result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<int>(); };
+    result.get = [=](const Target& t) { return json(read_member(member, t)); };
+    result.set = [=](Target& t, const json& v) { member(t) = v.get<int>(); };
   } else if constexpr (std::is_same_v<Type, bool>) {  // 0 or 1
     result.rule.kind = KeyRule::Kind::kInteger;
-    result.get = [=](const Target& t) { return nlohmann::json(member(t) ? 1 : 0); };
-    result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<int>() != 0; };
+    result.get = [=](const Target& t) { return json(read_member(member, t) ? 1 : 0); };
+    result.set = [=](Target& t, const json& v) { member(t) = v.get<int>() != 0; };
   } else {
     result.rule.kind = KeyRule::Kind::kNumbers;
     result.rule.count = static_cast<std::size_t>(Type::RowsAtCompileTime);
     result.get = [=](const Target& t) {
-      nlohmann::json list = nlohmann::json::array();
-      for (const double x : member(t)) list.push_back(in_unit(x, unit));
+      json list = json::array();
+      for (const double x : read_member(member, t)) list.push_back(in_unit(x, unit));
       return list;
     };
-    result.set = [=](Target& t, const nlohmann::json& v) {
+    result.set = [=](Target& t, const json& v) {
       for (std::size_t i = 0; i < v.size(); ++i)
         member(t)[static_cast<Eigen::Index>(i)] = v[i].get<double>() * unit;
     };
@@ -85,24 +88,39 @@ Key<Target> key(std::string name, double low, double high, Member member, std::s
   return result;
 }
 
-/// A key whose member is one of a few words.
+/// key_of_member() of a lambda without captures.
 template <class Target, class Member>
-Key<Target> choice(std::string name, std::vector<std::string> choices, Member member,
-                   std::string what, std::string source) {
+Key<Target> key(std::string name, double low, double high, Member member, std::string what,
+                std::string source, double unit = 1.0) {
+  using Type = std::decay_t<decltype(member(std::declval<Target&>()))>;
+  Type& (*const function)(Target&) = member;
+  return key_of_member(KeyRule{.name = std::move(name),
+                               .low = low,
+                               .high = high,
+                               .what = std::move(what),
+                               .source = std::move(source)},
+                       function, unit);
+}
+
+/// A key whose member is one of a few words.
+template <class Target>
+Key<Target> choice(std::string name, std::vector<std::string> choices,
+                   std::string& (*member)(Target&), std::string what, std::string source) {
   Key<Target> result;
   result.rule = {.name = std::move(name),
                  .what = std::move(what),
                  .source = std::move(source),
                  .choices = std::move(choices),
                  .kind = KeyRule::Kind::kText};
-  result.get = [=](const Target& t) { return nlohmann::json(member(t)); };
+  result.get = [=](const Target& t) { return nlohmann::json(read_member(member, t)); };
   result.set = [=](Target& t, const nlohmann::json& v) { member(t) = v.get<std::string>(); };
   return result;
 }
 
 /// A key whose member is the name of a file, or "" for none.
-template <class Target, class Member>
-Key<Target> file_name(std::string name, Member member, std::string what, std::string source) {
+template <class Target>
+Key<Target> file_name(std::string name, std::string& (*member)(Target&), std::string what,
+                      std::string source) {
   Key<Target> result =
       choice<Target>(std::move(name), {}, member, std::move(what), std::move(source));
   result.rule.kind = KeyRule::Kind::kFile;

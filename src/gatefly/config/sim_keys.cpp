@@ -8,7 +8,7 @@
 namespace gatefly::io {
 namespace {
 
-constexpr double kMilli = 1e-3, kMicro = 1e-6;
+constexpr double kMicro = 1e-6;
 
 template <class Member>
 Key<Config> k(const char* name, double low, double high, Member member, const char* what,
@@ -52,7 +52,7 @@ std::vector<Key<Config>> sim_keys() {
       k("sim.propeller_radius_m", 0.01, 1, AT(sim.vehicle.propeller_radius),
         "radius of a propeller", "Bebop"),
       k("sim.rotor_time_constant_ms", 1, 500, AT(sim.vehicle.rotor_time_constant),
-        "true lag of the rotors", "Bebop", kMilli),
+        "true lag of the rotors", "Bebop", kMilliseconds),
       k("sim.rotor_drag_per_s", -5, 0, AT(sim.vehicle.rotor_drag), "drag of the rotors at hover",
         "recorded flights"),
       k("sim.body_drag_per_m", 0, 2, AT(sim.vehicle.body_drag),
@@ -108,3 +108,5 @@ std::vector<Key<Config>> sim_keys() {
 }
 
 }  // namespace gatefly::io
+
+#undef AT

@@ -46,7 +46,10 @@ struct Flight {
 
 Flight flown(std::uint64_t seed, closed_loop::Vision vision, const Options& options) {
   constexpr double kBlind = 0.3;
-  const auto race = race_on("oval", kLaps, vision, seed, true);
+  auto race = race_on("oval", kLaps, vision, seed, true);
+  race.while_baking = [&options] {
+    if (options.stopped()) throw Stopped{};
+  };
   flight_log::InertialFollower inertial;
   Flight flight;
   double next = 0.0, last_fix = -1.0;

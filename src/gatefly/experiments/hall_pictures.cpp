@@ -53,14 +53,18 @@ HallDay hall_day(const HallCamera& camera, std::uint64_t seed, std::size_t pictu
                                   .first_seed = seed,
                                   .around = kAround,
                                   .varied = camera.days == HallCamera::Days::kVaried};
-  tasks::render_day(maker, order, 0, [&](tasks::Picture&& picture) {
+  const auto stop = [&options] {
+    if (options.stopped()) throw Stopped{};
+  };
+  const auto keep = [&](tasks::Picture&& picture) {
     const io::CameraDescription& size = day.config.camera;
     day.pictures.push_back(
         {.name = std::to_string(seed) + " #" + std::to_string(picture.number),
          .file = {std::move(picture.uyvy), PixelFormat::kUyvy, size.width, size.height},
          .truth = truth_of(picture)});
-    return !options.stopped();
-  });
+    return true;
+  };
+  tasks::render_day(maker, order, 0, keep, stop);
   return day;
 }
 

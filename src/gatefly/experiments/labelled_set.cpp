@@ -6,7 +6,9 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <map>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -16,12 +18,23 @@ namespace gatefly::experiments {
 
 void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr error;
   const auto worker = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
+    try {
+      for (std::size_t i = next++; i < count; i = next++) work(i);
+    } catch (...) {
+      const std::lock_guard lock{mutex};
+      if (!error) error = std::current_exception();
+      next = count;
+    }
   };
-  std::vector<std::jthread> others;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) others.emplace_back(worker);
-  worker();
+  {
+    std::vector<std::jthread> others;
+    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) others.emplace_back(worker);
+    worker();
+  }
+  if (error) std::rethrow_exception(error);
 }
 
 LabelledSet::LabelledSet(const std::filesystem::path& folder, const std::string& labels_file,

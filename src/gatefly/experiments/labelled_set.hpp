@@ -15,7 +15,8 @@
 
 namespace gatefly::experiments {
 
-/// Calls work(i) for every i below `count` on all cores. What it writes must belong to its i alone.
+/// Calls work(i) for every i below `count` on all cores. What it writes must belong to its i alone;
+/// the first exception ends all and comes out here.
 void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work);
 
 /// Every row of a labels.csv with its picture, decoded.

@@ -107,8 +107,10 @@ Campaign campaign_of(const Mixture& mixture, Vision vision, std::size_t days,
   campaign.races.resize(days);
   const auto settings = settings_of(mixture, vision);
   in_pieces(days, options, [&](std::size_t i) {
-    const auto race =
-        race_on("showroom-li18", 0, vision, first_seed(options) + i, false, {}, settings);
+    auto race = race_on("showroom-li18", 0, vision, first_seed(options) + i, false, {}, settings);
+    race.while_baking = [&options] {
+      if (options.stopped()) throw Stopped{};
+    };
     campaign.races[i] = closed_loop::fly(race, [&](const Tick&) { return !options.stopped(); });
   });
   return campaign;

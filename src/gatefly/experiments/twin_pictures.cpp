@@ -77,9 +77,11 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
   const sim::WorldGate& gate = race.config.sim.world.gates.front();
   std::vector<TwinPicture> pictures(order.pictures);
   in_parallel(twin_order.days, [&](std::size_t day) {
-    if (options.stopped()) return;
+    const auto stop = [&options] {
+      if (options.stopped()) throw Stopped{};
+    };
     sim::Stream noise{order.first_seed + day, "labels"};
-    tasks::render_day(maker, order, day, [&](tasks::Picture&& picture) {
+    const auto keep = [&](tasks::Picture&& picture) {
       TwinPicture& to = pictures[picture.number];
       to.name = "seed " + std::to_string(picture.seed);
       to.day = picture.seed;
@@ -87,10 +89,10 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
                          camera.stored_height, 0};
       to.file = io::decoded_jpeg(to.name, io::recorded_jpeg(stored, room.recording));
       label(to, picture, race.config.sim.world.paint.width * gate.bar / gate.side, noise);
-      return !options.stopped();
-    });
+      return true;
+    };
+    tasks::render_day(maker, order, day, keep, stop);
   });
-  if (options.stopped()) throw Stopped{};
   return pictures;
 }
 

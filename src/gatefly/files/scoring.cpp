@@ -13,7 +13,7 @@
 namespace gatefly::io {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoRate = std::numeric_limits<double>::quiet_NaN();
 
 using Triangle = std::array<Eigen::Vector2d, 3>;
 
@@ -191,11 +191,11 @@ CornerErrors corner_errors(const Quad& detection, const Quad& label) {
 }
 
 double Score::true_positive_rate() const {
-  return gates > 0 ? static_cast<double>(hits) / gates : kNone;
+  return gates > 0 ? static_cast<double>(hits) / gates : kNoRate;
 }
 
 double Score::false_positives_per_image() const {
-  return pictures > 0 ? static_cast<double>(false_positives) / pictures : kNone;
+  return pictures > 0 ? static_cast<double>(false_positives) / pictures : kNoRate;
 }
 
 Score score(std::span<const PictureToScore> pictures, Rule rule, bool nearest) {

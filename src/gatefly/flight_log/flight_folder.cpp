@@ -97,7 +97,8 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
              r = csv.numbers("gyro_r_radps");
   const auto ax = csv.numbers("acc_x_mps2"), ay = csv.numbers("acc_y_mps2"),
              az = csv.numbers("acc_z_mps2");
-  const Column sonar(csv, "sonar_m"), baro(csv, "baro_m"), thrust(csv, "thrust_cmd");
+  const Column sonar(csv, "sonar_m"), baro(csv, "baro_m"), thrust(csv, "thrust_cmd"),
+      battery(csv, "battery_v");
   const Triple true_p(csv, "ot_", {"x_m", "y_m", "z_m"}),
       true_v(csv, "ot_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple true_angles(csv, "true_", {"roll_rad", "pitch_rad", "yaw_rad"});
@@ -122,7 +123,8 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
         .est_p_EB = est_p.at(row),
         .est_v_E = est_v.at(row),
         .est_attitude = est_angles.attitude(row),
-        .motors = motors.at(row)};
+        .motors = motors.at(row),
+        .battery_v = battery.at(row)};
   }
   return samples;
 }

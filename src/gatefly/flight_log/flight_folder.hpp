@@ -34,6 +34,7 @@ struct FlightSample {
   std::optional<Attitude> est_attitude = std::nullopt;
   /// Commanded rotor speeds [rad/s]: left front, right front, right back, left back.
   std::optional<std::array<double, 4>> motors = std::nullopt;
+  std::optional<double> battery_v = std::nullopt;  ///< [V]; simulator only.
 };
 
 /// One row of images.csv.

@@ -30,7 +30,8 @@ constexpr const char* kHeader =
     "est_x_m,est_y_m,est_z_m,est_vx_mps,est_vy_mps,est_vz_mps,est_roll_rad,est_pitch_rad,est_yaw_"
     "rad,"
     "cmd_roll_rad,cmd_pitch_rad,cmd_yaw_rad,cmd_thrust_mps2,"
-    "motor_lf_radps,motor_rf_radps,motor_rb_radps,motor_lb_radps,phase,target_gate,gates_passed\n";
+    "motor_lf_radps,motor_rf_radps,motor_rb_radps,motor_lb_radps,phase,target_gate,gates_passed,"
+    "battery_v\n";
 
 double seconds(std::chrono::nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
 
@@ -202,7 +203,9 @@ void FlightRecorder::record(const Tick& tick) {
   for (const double speed : tick.command.motors) append(speed);
   buffer_ += std::to_string(tick.pilot.phase().index()) + "," +
              std::to_string(tick.pilot.target_gate()) + "," +
-             std::to_string(estimate.gates_passed) + "\n";
+             std::to_string(estimate.gates_passed) + ",";
+  append_if(tick.truth.battery_v);
+  buffer_.back() = '\n';
   flush(false);
 
   if (!tick.frame.empty()) record_frame(tick);

@@ -18,7 +18,7 @@ constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 constexpr std::size_t kChunkBytes =
     1 << 20;  // [bytes] unpacked: what a viewer reads to show one moment
 // Base64 of pictures and digits hold little that is said twice: 1 is as small as 3, in half the time.
-constexpr int kLevel = 1;
+constexpr int kZstdLevel = 1;
 
 enum class Op : std::uint8_t {
   kHeader = 0x01,
@@ -150,7 +150,7 @@ void McapWriter::end_chunk() {
   if (records_.empty()) return;
   std::string packed(ZSTD_compressBound(records_.size()), '\0');
   const std::size_t size =
-      ZSTD_compress(packed.data(), packed.size(), records_.data(), records_.size(), kLevel);
+      ZSTD_compress(packed.data(), packed.size(), records_.data(), records_.size(), kZstdLevel);
   if (ZSTD_isError(size) != 0) throw std::runtime_error(path_.string() + ": zstd failed");
   packed.resize(size);
 

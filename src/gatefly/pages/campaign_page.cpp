@@ -2,6 +2,8 @@
 #include "gatefly/pages/campaign_page.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/files/text.hpp"
+#include "gatefly/pages/index_page.hpp"
 #include "gatefly/pages/list_page.hpp"
 #include "gatefly/pages/page.hpp"
 
@@ -49,6 +52,15 @@ std::string text_in(const Json& json, const char* key) {
 bool has_page(const fs::path& folder) {
   std::error_code error;
   return fs::is_regular_file(folder / "report.html", error);
+}
+
+/// When a file was last written, as seconds since 1970; 0: nobody knows.
+std::int64_t changed(const fs::path& file) {
+  std::error_code error;
+  const auto time = fs::last_write_time(file, error);
+  if (error) return 0;
+  const auto system = std::chrono::file_clock::to_sys(time).time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::seconds>(system).count();
 }
 
 std::vector<fs::path> entries(const fs::path& folder) {
@@ -118,31 +130,37 @@ std::string campaign_page(const fs::path& folder) {
 }
 
 std::string folder_page(const fs::path& folder) {
-  std::vector<ListedFlight> flights;
+  std::vector<IndexEntry> index;
   std::error_code error;
   for (const fs::path& path : entries(folder)) {
     if (!fs::is_directory(path, error)) continue;
-    ListedFlight flight;
-    flight.name = path.filename().string();
+    IndexEntry entry{.name = path.filename().string()};
+    entry.changed = changed(path / "summary.json");
     if (const auto campaign = object_in(path / "campaign.json");
         campaign && is_campaign(*campaign)) {
-      flight.note = has_page(path)
-                        ? "a campaign"
-                        : "a campaign without a page: gatefly view " + quoted(path.string());
+      entry.kind = IndexEntry::Kind::kCampaign;
+      entry.summary = *campaign;
+      entry.page = entry.name + "/";  // made anew when it is asked for
+      entry.changed = changed(path / "campaign.json");
     } else if (const auto summary = object_in(path / "summary.json");
                summary && is_flight(*summary)) {
-      flight.summary = *summary;
-      if (!has_page(path)) flight.note = "no report.html: flown by an older gatefly";
+      if (text_in(*summary, "kind") == "replay") entry.kind = IndexEntry::Kind::kReplay;
+      entry.summary = *summary;
+      if (!has_page(path)) entry.note = "no report.html: flown by an older gatefly";
+    } else if (fs::exists(path / "campaign.json", error)) {
+      entry.kind = IndexEntry::Kind::kCampaign;
+      entry.note = "campaign.json is damaged, or not a campaign's";
     } else if (fs::exists(path / "summary.json", error)) {
-      flight.note = "summary.json is damaged, or not a flight's";
+      entry.note = "summary.json is damaged, or not a flight's";
     } else {
       continue;
     }
-    if (has_page(path)) flight.page = flight.name + "/report.html";
-    flights.push_back(std::move(flight));
+    if (entry.kind != IndexEntry::Kind::kCampaign && has_page(path))
+      entry.page = entry.name + "/report.html";
+    if (fs::is_regular_file(path / "flight.mp4", error)) entry.film = entry.name + "/flight.mp4";
+    index.push_back(std::move(entry));
   }
-  const std::string name = fs::absolute(folder).lexically_normal().string();
-  return list_page(shipped_page("campaign.html"), name, nullptr, flights);
+  return index_page(fs::absolute(folder).lexically_normal().string(), index);
 }
 
 Viewable viewable(const fs::path& path) {

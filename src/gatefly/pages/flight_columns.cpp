@@ -81,6 +81,13 @@ constexpr std::array<Column, std::tuple_size_v<FlightRow>> kColumns{{
     {"phase", 1.0},
     {"target_gate", 1.0},
     {"gates_passed", 1.0},
+    // What rotors were asked for since the row before, and the share of ticks in which one of them
+    // was at its limit; the mean of what the accelerometer felt.
+    {"rotor_fastest_radps", 0.1},
+    {"rotor_slowest_radps", 0.1},
+    {"rotor_saturated", kMilli},
+    {"thrust_mps2", kMilli},
+    {"battery_v", kMilli},
 }};
 
 const Eigen::Vector3d kNothing =
@@ -161,8 +168,18 @@ void put_command(RowWriter& row, const PageTick& tick, const Estimate& e) {
   row.put(e.gates_passed);
 }
 
+void put_rotors(RowWriter& row, const PageTick& tick, const RotorUse& rotors) {
+  const double nothing = kNothing.x();
+  row.put(rotors.ticks > 0 ? rotors.fastest : nothing);
+  row.put(rotors.ticks > 0 ? rotors.slowest : nothing);
+  row.put(rotors.ticks > 0 ? static_cast<double>(rotors.saturated) / rotors.ticks : nothing);
+  row.put(rotors.thrusts > 0 ? rotors.thrust / rotors.thrusts : nothing);
+  row.put(tick.battery_v.value_or(nothing));
+}
+
 /// In the order of kColumns.
-FlightRow row_of(const PageTick& tick, const sim::World& world, double now) {
+FlightRow row_of(const PageTick& tick, const sim::World& world, const RotorUse& rotors,
+                 double now) {
   const Estimate own = tick.pilot.estimate();
   const Estimate& e = tick.estimate ? *tick.estimate : own;
   RowWriter row;
@@ -171,6 +188,7 @@ FlightRow row_of(const PageTick& tick, const sim::World& world, double now) {
   put_errors(row, tick, world, e);
   put_sigmas(row, tick);
   put_command(row, tick, e);
+  put_rotors(row, tick, rotors);
   return row.row();
 }
 
@@ -178,37 +196,61 @@ FlightRow row_of(const PageTick& tick, const sim::World& world, double now) {
 
 FlightColumns::FlightColumns() { rows_.reserve(kMostRows); }
 
-void FlightColumns::add(const PageTick& tick, const sim::World& world, double now) {
+void RotorUse::add(const PageTick& tick, const PageCourse& course) {
+  const auto [slow, fast] =
+      std::minmax_element(tick.command.motors.begin(), tick.command.motors.end());
+  const auto [lowest, highest] = course.rotor_limits;
+  constexpr double kAlmost = 0.5;  // a limit is reached by a root's rounding [rad/s]
+  slowest = ticks > 0 ? std::min(slowest, *slow) : *slow;
+  fastest = ticks > 0 ? std::max(fastest, *fast) : *fast;
+  saturated += *fast > highest - kAlmost || std::abs(*slow - lowest) < kAlmost ? 1 : 0;
+  ++ticks;
+  const double up = -tick.sensors.imu.accel_B.z();
+  if (!std::isfinite(up)) return;
+  thrust += up;
+  ++thrusts;
+}
+
+void FlightColumns::add(const PageTick& tick, const PageCourse& course, double now) {
+  rotors_.add(tick, course);
   if (now < next_row_) return;
   next_row_ = std::max(next_row_ + row_period_, now);
-  rows_.push_back(row_of(tick, world, now));
+  rows_.push_back(row_of(tick, course.world, rotors_, now));
+  rotors_ = {};
   if (rows_.size() < kMostRows) return;
   for (std::size_t i = 0; 2 * i < rows_.size(); ++i) rows_[i] = rows_[2 * i];
   rows_.resize((rows_.size() + 1) / 2);
   row_period_ *= 2.0;
 }
 
+void FlightColumns::end(const PageTick& tick, const PageCourse& course, double now) {
+  if (rotors_.ticks > 0) last_ = row_of(tick, course.world, rotors_, now);
+}
+
 std::string FlightColumns::json(std::size_t row_step) const {
+  std::vector<FlightRow> rows;
+  for (std::size_t i = 0; i < rows_.size(); i += row_step) rows.push_back(rows_[i]);
+  if (last_) rows.push_back(*last_);
   std::string text = "{";
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
-    if (!rows_.empty() && std::all_of(rows_.begin(), rows_.end(),
-                                      [&](const FlightRow& row) { return row[c] == kMissing; }))
+    if (!rows.empty() && std::all_of(rows.begin(), rows.end(),
+                                     [&](const FlightRow& row) { return row[c] == kMissing; }))
       continue;
     if (text.size() > 1) text += ',';
     text += '"' + std::string{kColumns[c].name} + "\":{\"unit\":" + text_of(kColumns[c].unit) +
             ",\"steps\":[";
     std::int64_t before = 0;
     std::array<char, 24> digits{};
-    for (std::size_t i = 0; i < rows_.size(); i += row_step) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
       if (i > 0) text += ',';
-      if (rows_[i][c] == kMissing) {
+      if (rows[i][c] == kMissing) {
         text += "null";
         continue;
       }
       const auto end =
-          std::to_chars(digits.data(), digits.data() + digits.size(), rows_[i][c] - before);
+          std::to_chars(digits.data(), digits.data() + digits.size(), rows[i][c] - before);
       text.append(digits.data(), end.ptr);
-      before = rows_[i][c];
+      before = rows[i][c];
     }
     text += "]}";
   }

@@ -4,16 +4,27 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "gatefly/pages/page_course.hpp"
 #include "gatefly/pages/page_tick.hpp"
-#include "gatefly/world/world.hpp"
 
 namespace gatefly::io {
 
 /// Whole numbers of the units in flight_columns.cpp: differences of them add up without error.
-using FlightRow = std::array<std::int64_t, 54>;
+using FlightRow = std::array<std::int64_t, 59>;
+
+/// What rotors were asked for and what came of it, over every tick since the row before: one is at
+/// its limit for milliseconds.
+struct RotorUse {
+  double fastest = 0.0, slowest = 0.0;  ///< Of the four, of all ticks [rad/s].
+  double thrust = 0.0;                  ///< Sum of the specific forces upwards, body axes [m/s²].
+  int ticks = 0, saturated = 0, thrusts = 0;
+
+  void add(const PageTick& tick, const PageCourse& course);
+};
 
 /// What was and what the pilot believed over time: the page's table, at most 6000 rows, thinned as
 /// it comes.
@@ -22,8 +33,10 @@ class FlightColumns {
   FlightColumns();
 
   /// @param now  the tick's time [s]; ticks between two rows are left out.
-  /// @param world  whose gates errors are relative to.
-  void add(const PageTick& tick, const sim::World& world, double now);
+  /// @param course  whose gates errors are relative to, whose limits rotors reach.
+  void add(const PageTick& tick, const PageCourse& course, double now);
+  /// The last tick once more, which gets a row: a flight that is lost goes on to the contact.
+  void end(const PageTick& tick, const PageCourse& course, double now);
 
   /// {"t_s":{"unit":0.0001,"steps":[..]}, ..}: each number is what is added to the one before; null
   /// where there is none. A column in which there is nothing at all is left out.
@@ -31,6 +44,8 @@ class FlightColumns {
 
  private:
   std::vector<FlightRow> rows_;
+  std::optional<FlightRow> last_;  ///< Of the last tick, where that is none of `rows_`.
+  RotorUse rotors_;
   double row_period_ = 0.02, next_row_ = 0.0;  ///< [s]
 };
 

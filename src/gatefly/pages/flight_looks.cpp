@@ -44,6 +44,7 @@ const char* name_of(Sighting::Source source) {
 Look looked(const PageTick& tick, const sim::World& world, double now) {
   Look look{.time = now,
             .exposed = tick.exposed.value_or(now),
+            .took = tick.took,
             .target = tick.pilot.target_gate(),
             .sighting = tick.pilot.sighting(),
             .jpeg = {},
@@ -65,6 +66,7 @@ Json as_json(const Look& look, std::optional<std::size_t> jpeg) {
   Json json{{"t", rounded(look.time, kTenth)},
             {"exposed", rounded(look.exposed, kTenth)},
             {"target", look.target}};
+  if (look.took) json["took_ms"] = rounded(1e3 * *look.took, 0.01);
   if (jpeg) json["picture"] = *jpeg;
   if (look.filmed) json["picture"] = *look.filmed;
   if (s.offered) json["offered"] = true;

@@ -19,6 +19,7 @@ namespace gatefly::io {
 /// What came of one picture.
 struct Look {
   double time = 0.0, exposed = 0.0;  ///< Arrival, begin of the exposure [s].
+  std::optional<double> took = {};   ///< Wall-clock of the pilot's step with it [s].
   int target = 0;
   double distance = 0.0;  ///< To the target where it really stands [m].
   Sighting sighting;

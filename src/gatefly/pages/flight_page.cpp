@@ -22,34 +22,46 @@ std::string script(const std::string& type, const std::string& id, const std::st
   return "<script type=\"" + type + "\" id=\"" + id + "\">" + content + "</script>\n";
 }
 
+PageTick page_tick(const Tick& tick) {
+  return {.sensors = tick.sensors,
+          .command = tick.command,
+          .pilot = tick.pilot,
+          .p_EB = tick.truth.p_EB,
+          .v_E = tick.truth.v_E,
+          .attitude = tick.truth.attitude,
+          .wind_E = tick.truth.wind_E,
+          .exposed = tick.exposed,
+          .battery_v = tick.truth.battery_v,
+          .took = tick.took};
+}
+
+double seconds_of(const PageTick& tick) {
+  return 1e-9 * static_cast<double>(tick.sensors.time.count());
+}
+
 }  // namespace
 
 FlightPage::FlightPage(std::string page, PageCourse course, std::filesystem::path film)
     : page_{std::move(page)}, course_{std::move(course)}, looks_{std::move(film)} {}
 
-void FlightPage::record(const Tick& tick) {
-  record(PageTick{.sensors = tick.sensors,
-                  .command = tick.command,
-                  .pilot = tick.pilot,
-                  .p_EB = tick.truth.p_EB,
-                  .v_E = tick.truth.v_E,
-                  .attitude = tick.truth.attitude,
-                  .wind_E = tick.truth.wind_E,
-                  .exposed = tick.exposed});
-}
+void FlightPage::record(const Tick& tick) { record(page_tick(tick)); }
+void FlightPage::end(const Tick& tick) { end(page_tick(tick)); }
 
 void FlightPage::record(const PageTick& tick) {
-  const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
+  const double now = seconds_of(tick);
   if (!plan_) plan_ = tick.pilot.plan();
   passes_.add(tick, course_, now);
   if (tick.sensors.image || tick.sensors.seen) looks_.add(tick, course_, *plan_, now);
-  columns_.add(tick, course_.world, now);
+  columns_.add(tick, course_, now);
 }
+
+void FlightPage::end(const PageTick& tick) { columns_.end(tick, course_, seconds_of(tick)); }
 
 std::string FlightPage::html(const Json& summary, const std::string& verdict) {
   const std::string film = looks_.film().finish();
   Json flight{{"format", 2},
               {"verdict", verdict},
+              {"why", summary.value("why_lost", Json{})},
               {"summary", summary},
               {"phases", phase_names()},
               {"camera", {looks_.picture_width(), looks_.picture_height()}},

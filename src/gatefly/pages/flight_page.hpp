@@ -33,6 +33,9 @@ class FlightPage {
   /// Every tick of the flight, in order.
   void record(const Tick& tick);
   void record(const PageTick& tick);
+  /// The last of them once more: the page goes on to it, and to the contact of a flight that is lost.
+  void end(const Tick& tick);
+  void end(const PageTick& tick);
 
   /// Once, after the last tick.
   /// @param summary  summary() of the same race.

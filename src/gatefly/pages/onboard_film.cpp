@@ -11,7 +11,7 @@
 namespace gatefly::io {
 namespace {
 
-constexpr int kLargestSide = 320;  // [px]
+constexpr int kLargestFilmSide = 320;  // [px]
 constexpr double kAimed = 0.9;     // of kMostBytes: the encoder does not hit its rate exactly
 constexpr double kBest = 600e3;    // more shows nothing more [bit/s]
 constexpr double kKeyEvery = 10;   // a jump decodes this many pictures at most
@@ -20,7 +20,7 @@ constexpr double kKeyEvery = 10;   // a jump decodes this many pictures at most
 int side_of(int pixels, int step) { return ((pixels + step - 1) / step + 1) & ~1; }
 
 int step_of(const Image& image) {
-  return (std::max(image.width(), image.height()) + kLargestSide - 1) / kLargestSide;
+  return (std::max(image.width(), image.height()) + kLargestFilmSide - 1) / kLargestSide;
 }
 
 std::vector<std::string> vp8(double bits_per_second) {

@@ -64,7 +64,8 @@ PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim, bool
           .speed = pilot.plan.speed,
           .pictures_per_second = pictures ? sim.sensors.camera_hz : 0.0,
           .accel_bias = sim.sensors.accel_bias + sim.sensors.flight_bias,
-          .gyro_bias = sim.sensors.gyro_bias + sim.sensors.gyro_drift};
+          .gyro_bias = sim.sensors.gyro_bias + sim.sensors.gyro_drift,
+          .rotor_limits = {pilot.vehicle.min_speed, pilot.vehicle.max_speed}};
 }
 
 PageCourse page_course(const PilotConfig& pilot) {
@@ -72,6 +73,7 @@ PageCourse page_course(const PilotConfig& pilot) {
   course.map = pilot.track;
   course.speed = pilot.plan.speed;
   course.is_truth = false;
+  course.rotor_limits = {pilot.vehicle.min_speed, pilot.vehicle.max_speed};
   const Track& map = pilot.track;
   for (const MapGate& gate : map.gates)
     course.world.gates.push_back(
@@ -93,6 +95,7 @@ Json as_json(const PageCourse& course, const std::optional<RacePlan>& plan) {
             {"room_size", place(world.room_size)},
             {"laps", course.map.laps},
             {"speed_mps", rounded(course.speed)},
+            {"rotor_limits_radps", course.rotor_limits},
             {"gates", gates_of(course)},
             {"obstacles", std::move(obstacles)},
             {"decoys", std::move(decoys)},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 
@@ -22,6 +23,7 @@ struct PageCourse {
   std::size_t pictures = 0;          ///< How many there will be, where that is known.
   /// Systematic errors of the IMU in flight, where they are known [m/s²], [rad/s].
   std::optional<Eigen::Vector3d> accel_bias = std::nullopt, gyro_bias = std::nullopt;
+  std::array<double, 2> rotor_limits{};  ///< Of the speeds that the pilot may ask for [rad/s].
   /// The world is the truth, and the referee goes by it; else it is the map, and the pilot counts.
   bool is_truth = true;
 };

@@ -20,6 +20,8 @@ struct PageTick {
   std::optional<Attitude> attitude = std::nullopt;
   std::optional<Eigen::Vector2d> wind_E = std::nullopt;
   std::optional<double> exposed = std::nullopt;  ///< Begin of the picture's exposure [s].
+  std::optional<double> battery_v = std::nullopt;
+  std::optional<double> took = std::nullopt;  ///< Wall-clock of the pilot's step [s].
 };
 
 }  // namespace gatefly::io

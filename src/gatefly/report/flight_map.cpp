@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gatefly/files/text.hpp"
@@ -110,6 +111,15 @@ void FlightMap::draw_drone(Canvas& canvas, const Moment& now, double yaw) const 
                                              point(-8, -8)};
   canvas.outline(arrow, {.color = kDark.page, .width = 4.0});
   canvas.polygon(arrow, kDark.ink);
+}
+
+void FlightMap::draw_contact(Canvas& canvas, const Moment& here) const {
+  const Eigen::Vector2d middle = at(here.true_p_EB.head<2>());
+  for (const auto& [color, width] : {std::pair{kDark.page, 9.0}, std::pair{kDark.bad, 5.0}})
+    for (const double slope : {1.0, -1.0}) {
+      const Eigen::Vector2d arm{13.0, 13.0 * slope};
+      canvas.line(middle - arm, middle + arm, {.color = color, .width = width});
+    }
 }
 
 void FlightMap::draw_legend(Canvas& canvas, const Eigen::Vector2d& at_px) const {

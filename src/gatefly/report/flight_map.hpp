@@ -38,6 +38,8 @@ class FlightMap {
   void draw_view(Canvas& canvas, const Eigen::Vector2d& p_E, const Eigen::Vector2d& left_E,
                  const Eigen::Vector2d& right_E) const;
   void draw_drone(Canvas& canvas, const Moment& now, double yaw) const;
+  /// A cross where the race was lost.
+  void draw_contact(Canvas& canvas, const Moment& at) const;
   /// Which line is which, below the map: from `at` to the right.
   void draw_legend(Canvas& canvas, const Eigen::Vector2d& at) const;
 

@@ -18,8 +18,9 @@ constexpr int kWidth = 1600, kHeight = 900;  // [px]
 constexpr int kPicturesPerSecond = 20;
 constexpr double kMargin = 16.0, kHead = 70.0, kLegend = 34.0;  // [px]
 constexpr double kStatusHeight = 44.0;                          // [px]
-constexpr double kBright = 7.0;  // the way flown in these last seconds is drawn brightest
-constexpr double kHold = 5.0;    // of the last frame [s]
+constexpr double kBright = 7.0;   // the way flown in these last seconds is drawn brightest
+constexpr double kHold = 5.0;     // of the last frame [s]
+constexpr double kContact = 2.0;  // of the contact, before the card covers it [s]
 
 Box left_column(bool pictures) {
   return {.x = kMargin,
@@ -44,7 +45,7 @@ Box inside(const Box& panel) {
           .height = panel.height - 30 - kLegend};
 }
 
-const char* name_of(Sighting::Source source) {
+const char* source_in_words(Sighting::Source source) {
   switch (source) {
     case Sighting::Source::kCorners:
       return "position from corners";
@@ -131,9 +132,9 @@ void FlightVideo::record(const Tick& tick) {
   const Estimate estimate = tick.pilot.estimate();
   while (static_cast<int>(passes_.size()) < estimate.gates_passed) passes_.push_back(now);
 
+  last_ = {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()};
   while (now * kPicturesPerSecond >= static_cast<double>(moments_.size())) {
-    moments_.push_back(
-        {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()});
+    moments_.push_back(last_);
     draw(tick);
     file_.add(frame_);
   }
@@ -230,7 +231,7 @@ void FlightVideo::draw_status(const Tick& tick, const Box& box) {
               {.color = kDark.gate, .size = 18, .bold = true});
   if (!pictures_) return;
   const bool fix = source_ != Sighting::Source::kNone;
-  const std::string source = name_of(source_);
+  const std::string source = source_in_words(source_);
   const Lettering lettering{
       .color = fix ? kDark.found : kDark.muted, .size = 18, .align = Align::kRight};
   frame_.text({box.right() - 14, line}, source, lettering);
@@ -263,7 +264,27 @@ void FlightVideo::draw_map(const Tick& tick) {
   frame_.unclip();
 }
 
+void FlightVideo::draw_contact(const closed_loop::RaceResult& result) {
+  frame_.clip(inside(map_box_));
+  map_.draw_flown(frame_, moments_.back(), last_, 1.0);
+  map_.draw_contact(frame_, last_);
+  frame_.unclip();
+  const double height = 44.0;
+  frame_.fill({.x = left_.x,
+               .y = left_.y + view_height(pictures_) - height,
+               .width = left_.width,
+               .height = height},
+              kDark.bad);
+  frame_.text({left_.x + 0.5 * left_.width, left_.y + view_height(pictures_) - 15},
+              fixed(*result.crash_time, 1) + " s: contact with " + result.crash_object,
+              {.color = kDark.page, .size = 20, .align = Align::kCenter, .bold = true});
+}
+
 void FlightVideo::finish(const closed_loop::RaceResult& result, const std::string& verdict) {
+  if (!moments_.empty() && result.crash_time) {
+    draw_contact(result);
+    for (int i = 0; i < kContact * kPicturesPerSecond; ++i) file_.add(frame_);
+  }
   if (!moments_.empty()) draw_result_card(frame_, result, verdict);
   for (int i = 0; i < kHold * kPicturesPerSecond; ++i) file_.add(frame_);
   file_.finish();

@@ -26,8 +26,8 @@ class FlightVideo {
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
   void record(const Tick& tick);
-  /// Holds the last frame with a card over it: laps, times, speed, error, what went wrong. Then
-  /// completes the file.
+  /// Holds the last frame, where the race was lost by a contact with that marked in it, then with a
+  /// card over it: laps, times, speed, error, what went wrong. Then completes the file.
   /// @param verdict  in words: "crashed into a pole at ..."
   void finish(const closed_loop::RaceResult& result, const std::string& verdict);
 
@@ -35,6 +35,7 @@ class FlightVideo {
   void start(const Tick& tick);
   void look(const Tick& tick);
   void draw(const Tick& tick);
+  void draw_contact(const closed_loop::RaceResult& result);
   void draw_head(const Tick& tick);
   void draw_status(const Tick& tick, const Box& box);
   void draw_strips(const Tick& tick, const Box& box);
@@ -50,6 +51,7 @@ class FlightVideo {
   /// What stays; the frame being drawn; the last picture with detections.
   Canvas backdrop_, frame_, view_;
   std::vector<Moment> moments_;                  ///< One a frame.
+  Moment last_;                                  ///< Of the latest tick, between two frames.
   std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
   std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
   Sighting::Source source_ = Sighting::Source::kNone;

@@ -3,34 +3,38 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <chrono>
-#include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <utility>
-#include <vector>
 
-#include <httplib.h>
-
+#include "gatefly/files/text.hpp"
 #include "gatefly/pages/campaign_page.hpp"
+#include "gatefly/server/http_listener.hpp"
 
 namespace gatefly::server {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLoopback = "127.0.0.1";
-constexpr int kThreads = 8;
-constexpr int kPatience = 2;              // for a request that does not come, or is not read [s]
-constexpr std::size_t kPiece = 64 << 10;  // of a file that is sent [bytes]
+constexpr const char* kHtml = "text/html; charset=utf-8";
+constexpr std::uintmax_t kLargestPage = 64 << 20;  // that is changed on its way [bytes]
+
+/// Pages are whole in themselves: scripts and styles in them run, nothing is loaded but what the page
+/// holds, nothing is sent anywhere.
+constexpr const char* kPage =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: "
+    "blob:; "
+    "media-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// A flight's page may be somebody else's: it cannot read the other flights, either.
+constexpr const char* kStrangersPage = "; sandbox allow-scripts allow-downloads";
+/// A picture or film that is opened by itself: a browser makes a page of its own around it.
+constexpr const char* kPicture =
+    "default-src 'none'; img-src 'self' data:; media-src 'self'; style-src 'unsafe-inline'";
 
 const char* type_of(const fs::path& path) {
   constexpr std::array<std::pair<const char*, const char*>, 12> kTypes{
-      {{".html", "text/html; charset=utf-8"},
+      {{".html", kHtml},
        {".json", "application/json"},
        {".csv", "text/plain; charset=utf-8"},
        {".toml", "text/plain; charset=utf-8"},
@@ -48,58 +52,62 @@ const char* type_of(const fs::path& path) {
   return found == kTypes.end() ? "application/octet-stream" : found->second;
 }
 
-void refuse(httplib::Response& response, int status, const char* why) {
-  response.status = status;
-  response.set_content(std::string{why} + "\n", "text/plain; charset=utf-8");
+Answer refusal(int status, const std::string& why) {
+  return {.status = status, .body = why + "\n"};
 }
 
-/// Piece by piece: a file of a flight may be larger than memory should be.
-void send_file(const fs::path& path, httplib::Response& response) {
+/// A page below the one that lists it gets the way back to that.
+std::string with_way_back(std::string page, const fs::path& root, const fs::path& folder) {
+  const auto body = page.find("<body");
+  const auto end = body == std::string::npos ? body : page.find('>', body);
+  if (folder == root || end == std::string::npos) return page;
   std::error_code error;
-  const auto size = static_cast<std::size_t>(fs::file_size(path, error));
-  auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
-  if (error || !*file) return refuse(response, 404, "not readable");
-  if (size == 0) return response.set_content("", type_of(path));
-  response.set_content_provider(
-      size, type_of(path), [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-        std::vector<char> piece(std::min(length, kPiece));
-        file->clear();
-        file->seekg(static_cast<std::streamoff>(offset));
-        file->read(piece.data(), static_cast<std::streamsize>(piece.size()));
-        return file->gcount() > 0 &&
-               sink.write(piece.data(), static_cast<std::size_t>(file->gcount()));
-      });
+  const bool in_campaign = fs::exists(folder.parent_path() / "campaign.json", error);
+  page.insert(end + 1,
+              std::string{"\n<nav style=\"padding-top:10px;font-size:13px\"><a href=\"../\" "
+                          "style=\"color:inherit\">← "} +
+                  (in_campaign ? "the campaign" : "all flights") + "</a></nav>");
+  return page;
 }
 
-/// A page in another site's name must not read flights (DNS rebinding).
-bool is_ours(const std::string& host) {
-  const std::string name = host.substr(0, host.rfind(':'));
-  return name == kLoopback || name == "localhost";
+Answer file_answer(const fs::path& root, const fs::path& path) {
+  const std::string type = type_of(path);
+  std::error_code error;
+  if (type == kHtml && fs::file_size(path, error) <= kLargestPage && !error)
+    return {.type = type,
+            .body = with_way_back(io::read_file(path), root, path.parent_path()),
+            .policy = std::string{kPage} + kStrangersPage};
+  const bool seen = type.starts_with("image/") || type.starts_with("video/");
+  return {.type = type, .file = path, .policy = seen ? kPicture : ""};
 }
 
-void send_page(const fs::path& folder, httplib::Response& response) {
+Answer page_answer(const fs::path& root, const fs::path& folder) {
   switch (io::viewable(folder)) {
     case io::Viewable::kFlight:
-      return send_file(folder / "report.html", response);
+      break;
     case io::Viewable::kCampaign:
-      return response.set_content(io::campaign_page(folder), "text/html; charset=utf-8");
+      return {.type = kHtml,
+              .body = with_way_back(io::campaign_page(folder), root, folder),
+              .policy = kPage};
     case io::Viewable::kFolder:
-      return response.set_content(io::folder_page(folder), "text/html; charset=utf-8");
+      return {.type = kHtml,
+              .body = with_way_back(io::folder_page(folder), root, folder),
+              .policy = kPage};
   }
+  return file_answer(root, folder / "report.html");
 }
 
-void answer(const fs::path& root, const httplib::Request& request, httplib::Response& response) {
+Answer answer(const fs::path& root, const Request& request) {
   const auto path = served(root, request.path);
-  if (!path) return refuse(response, 404, "not found");
+  if (!path) return refusal(404, "not found");
   std::error_code error;
-  if (!fs::is_directory(*path, error)) return send_file(*path, response);
-  if (request.path.back() != '/') {  // else the page's links would be one folder off
-    return response.set_redirect(request.target.substr(0, request.target.find('?')) + "/", 301);
-  }
   try {
-    send_page(*path, response);
+    if (!fs::is_directory(*path, error)) return file_answer(root, *path);
+    if (request.path.back() != '/')  // else the page's links would be one folder off
+      return {.status = 301, .location = request.target + "/"};
+    return page_answer(root, *path);
   } catch (const std::runtime_error& why) {
-    refuse(response, 404, why.what());
+    return refusal(404, why.what());
   }
 }
 
@@ -124,67 +132,16 @@ std::optional<fs::path> served(const fs::path& root, std::string_view path) {
 }
 
 struct FlightServer::Parts {
-  fs::path root;
-  httplib::Server http;
-  std::thread thread;
+  HttpListener http;
 };
 
-FlightServer::FlightServer(const fs::path& folder) : parts_{std::make_unique<Parts>()} {
-  parts_->root = fs::canonical(folder);
-  httplib::Server& http = parts_->http;
-  http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  http.set_read_timeout(kPatience);
-  http.set_write_timeout(kPatience);
-  http.set_keep_alive_timeout(kPatience);
-  http.set_payload_max_length(0);
-  // Not SO_REUSEPORT, the library's own: two would share a port.
-  http.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  http.set_default_headers({{"X-Content-Type-Options", "nosniff"},
-                            {"Cross-Origin-Resource-Policy", "same-origin"},
-                            {"Referrer-Policy", "no-referrer"},
-                            {"Cache-Control", "no-store"}});
-  http.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
-    using Handled = httplib::Server::HandlerResponse;
-    if (request.method != "GET" && request.method != "HEAD") {
-      response.set_header("Allow", "GET, HEAD");
-      refuse(response, 405, "only GET and HEAD");
-      return Handled::Handled;
-    }
-    if (!is_ours(request.get_header_value("Host"))) {
-      refuse(response, 403, "ask for 127.0.0.1");
-      return Handled::Handled;
-    }
-    return Handled::Unhandled;
-  });
-  http.set_exception_handler([](const httplib::Request&, httplib::Response& response, const auto&) {
-    refuse(response, 500, "an error");
-  });
-  http.Get(".*",
-           [root = parts_->root](const httplib::Request& request, httplib::Response& response) {
-             answer(root, request, response);
-           });
-}
+FlightServer::FlightServer(const fs::path& folder)
+    : parts_{new Parts{HttpListener{[root = fs::canonical(folder)](const Request& request) {
+        return answer(root, request);
+      }}}} {}
 
-FlightServer::~FlightServer() {
-  parts_->http.stop();
-  if (parts_->thread.joinable()) parts_->thread.join();
-}
+FlightServer::~FlightServer() = default;
 
-int FlightServer::start(int port) {
-  httplib::Server& http = parts_->http;
-  if (port == 0)
-    port = http.bind_to_any_port(kLoopback);
-  else if (!http.bind_to_port(kLoopback, port))
-    port = -1;
-  if (port < 0)
-    throw std::runtime_error(std::string{kLoopback} +
-                             ": this port cannot be had: " + std::strerror(errno));
-  parts_->thread = std::thread{[&http] { http.listen_after_bind(); }};
-  while (!http.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds{1});
-  return port;
-}
+int FlightServer::start(int port) { return parts_->http.start(port); }
 
 }  // namespace gatefly::server

@@ -27,6 +27,7 @@ class Body {
 
   [[nodiscard]] const BodyState& state() const { return state_; }
   [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] double battery_v() const { return forces_.voltage(); }  ///< Under load [V].
 
   /// What the body touches now ("gate 3", "floor", "obstacle 7", "wall"), if anything.
   [[nodiscard]] std::optional<std::string> contact() const;

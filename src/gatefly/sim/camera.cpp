@@ -44,7 +44,8 @@ Eye eye_of(const BodyPose& pose, const Eigen::Vector3d& p_BC) {
 
 struct CameraRenderer::Impl {
   Impl(const World& world, const CameraTruth& truth, const LightConditions& light,
-       std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads)
+       std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads,
+       const std::function<void()>& while_baking)
       : camera{truth},
         scene{make_scene(world)},
         standing{scene.moved.begin(),
@@ -52,7 +53,7 @@ struct CameraRenderer::Impl {
         visible{{&scene.fixed, &standing}},
         lamps_out{light.out},
         solid{{&scene.solid}, scene.walkers_at(0.0).size()},
-        shader{lit(light, cache_dir, bake_threads)},
+        shader{lit(light, cache_dir, bake_threads, while_baking)},
         sensor{truth, light, seed},
         pixels{truth,
                {.samples = truth.fast ? 1 : kSamples,
@@ -81,7 +82,8 @@ struct CameraRenderer::Impl {
     return hidden ? *without_gate : visible;
   }
 
-  Shader lit(const LightConditions& light, const std::filesystem::path& cache_dir, int threads);
+  Shader lit(const LightConditions& light, const std::filesystem::path& cache_dir, int threads,
+             const std::function<void()>& while_baking);
   [[nodiscard]] std::vector<Eye> eyes(const LensRays& lens, double t_start,
                                       std::span<const BodyPose> history) const;
   template <class Take>
@@ -111,11 +113,12 @@ struct CameraRenderer::Impl {
 };
 
 Shader CameraRenderer::Impl::lit(const LightConditions& light,
-                                 const std::filesystem::path& cache_dir, int threads) {
+                                 const std::filesystem::path& cache_dir, int threads,
+                                 const std::function<void()>& while_baking) {
   const RayScene fixed{{&scene.fixed}};
-  const LightMap map = fixed_light(scene, fixed, cache_dir, threads);
+  const LightMap map = fixed_light(scene, fixed, cache_dir, threads, while_baking);
   bake_seconds = map.bake_seconds;
-  return {scene, map, moved_light(scene, fixed, map), light};
+  return {scene, map, moved_light(scene, fixed, map, while_baking), light};
 }
 
 /// One for each line and sample. A single ray is cast in the middle of the exposure.
@@ -188,8 +191,10 @@ BodyPose interpolated(std::span<const BodyPose> history, double t) {
 
 CameraRenderer::CameraRenderer(const World& world, const CameraTruth& camera,
                                const LightConditions& light, std::uint64_t seed,
-                               const std::filesystem::path& cache_dir, int bake_threads)
-    : impl_{std::make_unique<Impl>(world, camera, light, seed, cache_dir, bake_threads)} {}
+                               const std::filesystem::path& cache_dir, int bake_threads,
+                               const std::function<void()>& while_baking)
+    : impl_{std::make_unique<Impl>(world, camera, light, seed, cache_dir, bake_threads,
+                                   while_baking)} {}
 
 CameraRenderer::~CameraRenderer() = default;
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -33,9 +34,11 @@ class CameraRenderer final : public Sight {
  public:
   /// Builds the scene. The light map of the static room (walls, obstacles, clutter; one per light
   /// group, independent of the seed) is baked, or read from `cache_dir` under a hash of the scene.
+  /// @param while_baking  called some twenty times a second; may throw to stop; may be empty.
   /// @throws std::runtime_error when Embree cannot start.
   CameraRenderer(const World& world, const CameraTruth& camera, const LightConditions& light,
-                 std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads);
+                 std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads,
+                 const std::function<void()>& while_baking = {});
   ~CameraRenderer() override;
 
   /// One frame, `stored_width * stored_height * 2` bytes of UYVY.

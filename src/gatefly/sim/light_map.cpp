@@ -8,7 +8,9 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <stop_token>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include <Eigen/Geometry>
@@ -32,9 +34,27 @@ SurfacePoint node_point(const Rectangle& r, float u, float v) {
 
 using NodeFunction = std::function<NodeLight(const SurfacePoint&, NodeRandom)>;
 
-/// Evaluates `light` at all nodes of one rectangle.
-void fill(const Rectangle& r, std::uint64_t pass, const NodeFunction& light,
+/// Some nodes of a rectangle, counted from its first: milliseconds of work even in a large hall.
+struct Piece {
+  const Rectangle* rectangle;
+  int from, to;
+};
+
+std::vector<Piece> pieces_of(const std::vector<Rectangle>& rectangles) {
+  constexpr int kMost = 64;
+  std::vector<Piece> pieces;
+  for (const Rectangle& r : rectangles) {
+    const int step = r.flat ? r.nodes() : kMost;
+    for (int from = 0; from < r.nodes(); from += step)
+      pieces.push_back({&r, from, std::min(from + step, r.nodes())});
+  }
+  return pieces;
+}
+
+/// Evaluates `light` at the nodes of one piece.
+void fill(const Piece& piece, std::uint64_t pass, const NodeFunction& light,
           std::vector<NodeLight>& nodes) {
+  const Rectangle& r = *piece.rectangle;
   const auto random = [&](int node) {
     return NodeRandom{(pass << 40) + static_cast<std::uint64_t>(node)};
   };
@@ -43,29 +63,53 @@ void fill(const Rectangle& r, std::uint64_t pass, const NodeFunction& light,
     std::fill_n(begin, r.nodes(), light(node_point(r, 0.5f, 0.5f), random(r.first_node)));
     return;
   }
-  for (int j = 0; j <= r.cells_v; ++j) {
-    for (int i = 0; i <= r.cells_u; ++i) {
-      const int k = j * (r.cells_u + 1) + i;
-      const float u = static_cast<float>(i) / static_cast<float>(r.cells_u);
-      const float v = static_cast<float>(j) / static_cast<float>(r.cells_v);
-      begin[k] = light(node_point(r, u, v), random(r.first_node + k));
-    }
+  for (int k = piece.from; k < piece.to; ++k) {
+    const int i = k % (r.cells_u + 1), j = k / (r.cells_u + 1);
+    const float u = static_cast<float>(i) / static_cast<float>(r.cells_u);
+    const float v = static_cast<float>(j) / static_cast<float>(r.cells_v);
+    begin[k] = light(node_point(r, u, v), random(r.first_node + k));
   }
 }
 
-/// Fills all rectangles, each by whichever thread is free: the result does not depend on which.
+/// Calls a function now and then, however often it could: it may be as slow as a lock.
+class NowAndThen {
+ public:
+  explicit NowAndThen(const std::function<void()>& call) : call_{call} {}
+  void operator()() {
+    const auto now = std::chrono::steady_clock::now();  // no result depends on it
+    if (!call_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds{50};
+    call_();
+  }
+
+ private:
+  const std::function<void()>& call_;
+  std::chrono::steady_clock::time_point next_{};
+};
+
+/// Fills all rectangles, piece by piece, each by whichever thread is free: the result does not depend
+/// on which. What `while_baking` throws ends the other threads, too.
 std::vector<NodeLight> filled(const std::vector<Rectangle>& rectangles, std::uint64_t pass,
-                              int threads, const NodeFunction& light) {
+                              int threads, const std::function<void()>& while_baking,
+                              const NodeFunction& light) {
   std::vector<NodeLight> nodes(static_cast<std::size_t>(Scene::nodes(rectangles)));
+  const std::vector<Piece> pieces = pieces_of(rectangles);
   std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < rectangles.size(); i = next++)
-      fill(rectangles[i], pass, light, nodes);
+  const auto help = [&](const std::stop_token& stop) {
+    for (std::size_t i = next++; i < pieces.size() && !stop.stop_requested(); i = next++)
+      fill(pieces[i], pass, light, nodes);
   };
-  std::vector<std::thread> helpers;
-  for (int t = 1; t < threads; ++t) helpers.emplace_back(work);
-  work();
-  for (std::thread& helper : helpers) helper.join();
+  std::vector<std::jthread> helpers;
+  try {
+    for (int t = 1; t < threads; ++t) helpers.emplace_back(help);
+  } catch (const std::system_error&) {  // no more threads to be had: it takes longer
+  }
+  NowAndThen ask{while_baking};
+  for (std::size_t i = next++; i < pieces.size(); i = next++) {
+    ask();
+    fill(pieces[i], pass, light, nodes);
+  }
+  for (std::jthread& helper : helpers) helper.join();
   return nodes;
 }
 
@@ -98,17 +142,18 @@ void add(std::vector<NodeLight>& sum, const std::vector<NodeLight>& other) {
     for (std::size_t c = 0; c < sum[k].size(); ++c) sum[k][c] += other[k][c];
 }
 
-std::vector<NodeLight> baked(const Scene& scene, const RayScene& rays, int threads) {
+std::vector<NodeLight> baked(const Scene& scene, const RayScene& rays, int threads,
+                             const std::function<void()>& while_baking) {
   const Baker baker{scene, rays};
   std::vector<NodeLight> sum =
-      filled(scene.fixed, 1, threads,
+      filled(scene.fixed, 1, threads, while_baking,
              [&](const SurfacePoint& at, NodeRandom random) { return baker.direct(at, random); });
   std::vector<NodeLight> last = sum;
   for (std::uint64_t bounce = 2; bounce <= 3; ++bounce) {
     const std::vector<NodeLight> from = std::move(last);
-    last = filled(scene.fixed, bounce, threads, [&](const SurfacePoint& at, NodeRandom random) {
-      return baker.bounced(at, random, from);
-    });
+    last = filled(
+        scene.fixed, bounce, threads, while_baking,
+        [&](const SurfacePoint& at, NodeRandom random) { return baker.bounced(at, random, from); });
     smooth(scene.fixed, last);
     add(sum, last);
   }
@@ -171,7 +216,8 @@ std::string file_name(std::uint64_t hash) {
 }  // namespace
 
 LightMap fixed_light(const Scene& scene, const RayScene& rays,
-                     const std::filesystem::path& cache_dir, int threads) {
+                     const std::filesystem::path& cache_dir, int threads,
+                     const std::function<void()>& while_baking) {
   const std::uint64_t hash = scene.fixed_hash() ^ (kVersion * 0x9E3779B97F4A7C15ull);
   const std::filesystem::path path = cache_dir / file_name(hash);
   LightMap map;
@@ -179,20 +225,22 @@ LightMap fixed_light(const Scene& scene, const RayScene& rays,
   if (!cache_dir.empty() && read_cache(path, hash, map.nodes)) return map;
   // Only the report of how long it took sees this clock.
   const auto start = std::chrono::steady_clock::now();
-  map.nodes = baked(scene, rays, threads);
+  map.nodes = baked(scene, rays, threads, while_baking);
   map.bake_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!cache_dir.empty()) write_cache(path, hash, map.nodes);
   return map;
 }
 
-LightMap moved_light(const Scene& scene, const RayScene& rays, const LightMap& fixed) {
+LightMap moved_light(const Scene& scene, const RayScene& rays, const LightMap& fixed,
+                     const std::function<void()>& while_baking) {
   const Baker baker{scene, rays};
   LightMap map;
-  map.nodes = filled(scene.moved, 4, 1, [&](const SurfacePoint& at, NodeRandom random) {
-    return baker.direct(at, random);
-  });
-  add(map.nodes, filled(scene.moved, 5, 1, [&](const SurfacePoint& at, NodeRandom random) {
+  map.nodes =
+      filled(scene.moved, 4, 1, while_baking,
+             [&](const SurfacePoint& at, NodeRandom random) { return baker.direct(at, random); });
+  add(map.nodes,
+      filled(scene.moved, 5, 1, while_baking, [&](const SurfacePoint& at, NodeRandom random) {
         return baker.bounced(at, random, fixed.nodes);
       }));
   return map;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "gatefly/sim/baker.hpp"
@@ -26,10 +27,14 @@ struct LightMap {
 /// `cache_dir` under a hash of the scene. A damaged file is baked again; a directory that cannot be
 /// written to is no error, an empty name means no cache.
 /// @param rays  of scene.fixed alone.
+/// @param while_baking  called some twenty times a second by the caller's thread; may throw to stop;
+///     may be empty.
 [[nodiscard]] LightMap fixed_light(const Scene& scene, const RayScene& rays,
-                                   const std::filesystem::path& cache_dir, int threads);
+                                   const std::filesystem::path& cache_dir, int threads,
+                                   const std::function<void()>& while_baking = {});
 
 /// The same for `scene.moved`, lit by the fixed scene; moved things neither shade nor light others.
-[[nodiscard]] LightMap moved_light(const Scene& scene, const RayScene& rays, const LightMap& fixed);
+[[nodiscard]] LightMap moved_light(const Scene& scene, const RayScene& rays, const LightMap& fixed,
+                                   const std::function<void()>& while_baking = {});
 
 }  // namespace gatefly::sim

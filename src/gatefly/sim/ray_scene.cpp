@@ -96,13 +96,33 @@ RTCGeometry attach(RTCDevice device, RTCScene scene, std::span<const Rectangle> 
       geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4 * count));
   auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(unsigned), count));
-  if (count > 0 && (vertex == nullptr || index == nullptr))
-    throw std::runtime_error("camera: Embree has no memory for the scene");
+  if (count > 0 && (vertex == nullptr || index == nullptr)) {
+    rtcReleaseGeometry(geometry);
+    throw std::runtime_error("camera: no memory for the scene (Embree)");
+  }
   write(rectangles, vertex);
   for (unsigned i = 0; i < 4 * count; ++i) index[i] = i;
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
   return geometry;
+}
+
+std::runtime_error failed(RTCError why) {
+  switch (why) {
+    case RTC_ERROR_OUT_OF_MEMORY:
+      return std::runtime_error("camera: no memory for the scene (Embree)");
+    case RTC_ERROR_UNSUPPORTED_CPU:
+      return std::runtime_error("camera: Embree needs AVX2, which this processor has not");
+    default:
+      return std::runtime_error("camera: Embree fails, error " +
+                                std::to_string(static_cast<int>(why)));
+  }
+}
+
+/// Embree says no by itself: what is committed without memory is just empty.
+void check(RTCDevice device) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error != RTC_ERROR_NONE) throw failed(error);
 }
 
 constexpr unsigned kMoving = 1;  // geometry number of what moves
@@ -141,9 +161,16 @@ void RayScene::occluded(RTCRay& ray) const {
 RayScene::RayScene(const std::vector<const std::vector<Rectangle>*>& lists, std::size_t moving) {
   // One instruction set and one thread: the same tree, the same hits, wherever AVX2 exists.
   device_ = rtcNewDevice("isa=avx2,threads=1");
-  if (device_ == nullptr)
-    throw std::runtime_error("camera: Embree does not start (needs AVX2), error " +
-                             std::to_string(static_cast<int>(rtcGetDeviceError(nullptr))));
+  if (device_ == nullptr) throw failed(rtcGetDeviceError(nullptr));
+  try {
+    build(lists, moving);
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+void RayScene::build(const std::vector<const std::vector<Rectangle>*>& lists, std::size_t moving) {
   std::vector<Rectangle> all;
   for (const auto* list : lists) all.insert(all.end(), list->begin(), list->end());
   still_ = static_cast<unsigned>(all.size() - moving);
@@ -151,10 +178,12 @@ RayScene::RayScene(const std::vector<const std::vector<Rectangle>*>& lists, std:
   rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
   rtcReleaseGeometry(attach(device_, scene_, {all.data(), still_}, 0));
   rtcCommitScene(scene_);
+  check(device_);
   if (moving == 0) return;
   moving_ = rtcNewScene(device_);
   moving_quads_ = attach(device_, moving_, {all.data() + still_, moving}, kMoving);
   rtcCommitScene(moving_);
+  check(device_);
 }
 
 void RayScene::move(std::span<const Rectangle> rectangles) {
@@ -166,7 +195,9 @@ void RayScene::move(std::span<const Rectangle> rectangles) {
   rtcCommitScene(moving_);
 }
 
-RayScene::~RayScene() {
+RayScene::~RayScene() { release(); }
+
+void RayScene::release() {
   if (moving_quads_ != nullptr) rtcReleaseGeometry(moving_quads_);
   if (moving_ != nullptr) rtcReleaseScene(moving_);
   if (scene_ != nullptr) rtcReleaseScene(scene_);

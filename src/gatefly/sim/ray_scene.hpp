@@ -29,7 +29,7 @@ class RayScene {
   };
 
   /// @param moving  how many of the last rectangles `move` may put elsewhere.
-  /// @throws std::runtime_error when Embree cannot start.
+  /// @throws std::runtime_error when Embree cannot start, or has no memory.
   explicit RayScene(const std::vector<const std::vector<Rectangle>*>& lists,
                     std::size_t moving = 0);
   ~RayScene();
@@ -47,6 +47,9 @@ class RayScene {
   void occluded(RTCRay& ray) const;
 
  private:
+  void build(const std::vector<const std::vector<Rectangle>*>& lists, std::size_t moving);
+  void release();
+
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   RTCScene moving_ = nullptr;  ///< Null where nothing moves.

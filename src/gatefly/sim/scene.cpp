@@ -19,6 +19,7 @@ namespace gatefly::sim {
 namespace {
 
 constexpr double kNodeSpacing = 0.25;  // of the light map [m]
+constexpr int kMostNodes = 2'500'000;  // 0.4 GB, minutes to bake
 constexpr double kFlatBelow = 0.35;    // longest edge that one value of light serves [m]
 constexpr Color kPoleColor{0.34f, 0.13f, 0.09f};
 constexpr Color kFootColor{0.06f, 0.06f, 0.065f};
@@ -211,6 +212,10 @@ void SceneBuilder::rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3
   r.first_node = Scene::nodes(list);
   r.cells_u = cells(first.norm());
   r.cells_v = cells(second.norm());
+  if (r.nodes() > kMostNodes - r.first_node)
+    throw std::length_error(
+        "the room is too large for pictures: its light map would have more than " +
+        std::to_string(kMostNodes) + " points");
   r.flat = std::max(first.norm(), second.norm()) < kFlatBelow;
   r.gate = gate_;
   r.bar = bars_;

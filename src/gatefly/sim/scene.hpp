@@ -80,7 +80,8 @@ struct Scene {
 ///
 /// Clutter is generated from fixed random numbers: a room looks the same in every race. It
 /// stays inside obstacle footprints, within 0.4 m of the walls, flat on the floor or above 2.6 m.
-/// @throws std::invalid_argument for a look that there is not.
+/// @throws std::invalid_argument for a look that there is not, std::length_error for a room so large
+///     that its light map would take more than minutes and half a gigabyte: about 150 x 150 m.
 [[nodiscard]] Scene make_scene(const World& world);
 
 /// An upright frame on the floor: local a, b horizontal, h height above the floor [m].

@@ -26,6 +26,7 @@ class TwinBody {
 
   [[nodiscard]] const BodyState& state() const { return state_; }
   [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] double battery_v() const { return forces_.voltage(); }  ///< Under load [V].
 
   /// What the body touches now ("gate 3 left bar", "floor", "obstacle 7"), if anything.
   [[nodiscard]] std::optional<std::string> contact() const;

@@ -30,13 +30,15 @@ sim::BodyPose pose_of(double t, const Eigen::Vector3d& p_EB, const Attitude& att
 }
 
 /// Every exposure of an ideal race, with the motion during it.
-std::vector<Moment> moments_of_race(closed_loop::RaceConfig race) {
+std::vector<Moment> moments_of_race(closed_loop::RaceConfig race,
+                                    const std::function<void()>& between) {
   constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
   race.vision = closed_loop::Vision::kIdeal;
   race.pilot.track.laps = 1;  // the others look alike
   std::vector<sim::BodyPose> poses;
   std::vector<double> starts;
   (void)closed_loop::fly(race, [&](const Tick& tick) {
+    if (between) between();
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     poses.push_back(pose_of(t, tick.truth.p_EB, tick.truth.attitude));
     if (tick.exposed && tick.truth.p_EB.z() < -kFlying) starts.push_back(*tick.exposed);
@@ -68,12 +70,13 @@ bool is_free(const sim::Sight& sight, const Eigen::Vector3d& p_E) {
 
 class AroundTheRoom {
  public:
-  AroundTheRoom(const sim::SimConfig& day, std::uint64_t seed)
-      : day_{day}, sight_{day.world}, stream_{seed, "poses"} {}
+  AroundTheRoom(const sim::SimConfig& day, std::uint64_t seed, const std::function<void()>& between)
+      : day_{day}, sight_{day.world}, stream_{seed, "poses"}, between_{between} {}
 
   Moment next() {
     const Eigen::Vector2d half = 0.5 * day_.world.room_size.head<2>();
     for (;;) {
+      if (between_) between_();
       const auto index = static_cast<std::size_t>(
           stream_.uniform(0.0, static_cast<double>(day_.world.gates.size())));
       const sim::WorldGate& gate = day_.world.gates[index];
@@ -111,6 +114,7 @@ class AroundTheRoom {
   const sim::SimConfig& day_;
   sim::SolidSight sight_;
   sim::Stream stream_;
+  const std::function<void()>& between_;
 };
 
 /// The same motion seen by a camera that is held otherwise.
@@ -137,15 +141,16 @@ std::vector<Moment> chosen(std::vector<Moment> moments, std::size_t count, sim::
   return kept;
 }
 
-std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, std::size_t count) {
+std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, std::size_t count,
+                                   const std::function<void()>& between) {
   sim::Stream stream{race.identity.seed, "pictures"};
   const auto from_race =
       count - static_cast<std::size_t>(std::lround(order.around * static_cast<double>(count)));
   std::vector<Moment> moments;
-  if (from_race > 0) moments = chosen(moments_of_race(race.config), from_race, stream);
+  if (from_race > 0) moments = chosen(moments_of_race(race.config, between), from_race, stream);
   if (order.shake > 0.0)
     for (Moment& moment : moments) shake(moment, order.shake, stream);
-  AroundTheRoom around{race.config.sim, race.identity.seed};
+  AroundTheRoom around{race.config.sim, race.identity.seed, between};
   while (moments.size() < count) moments.push_back(around.next());
   return moments;
 }
@@ -172,17 +177,17 @@ std::size_t days_of(const PictureOrder& order) {
 }
 
 void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t day,
-                const std::function<bool(Picture&&)>& each) {
+                const std::function<bool(Picture&&)>& each, const std::function<void()>& between) {
   Race race = maker.race(order.first_seed + day);
   if (order.varied) race.config.sim.world.look = look_of_day(race.config.sim.world.look, day);
   const std::size_t first = day * order.per_day;
   const std::size_t count = std::min(order.per_day, order.pictures - first);
-  const std::vector<Moment> moments = moments_of_day(race, order, count);
+  const std::vector<Moment> moments = moments_of_day(race, order, count, between);
   if (order.varied) vary(race.config.sim, race.identity.seed, places_of(moments));
   if (order.without_gates)
     for (sim::WorldGate& gate : race.config.sim.world.gates) gate.missing = true;
   const sim::SimConfig& s = race.config.sim;
-  sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1};
+  sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1, between};
   const double middle = 0.5 * (s.camera.exposure + s.camera.readout);
   for (std::size_t i = 0; i < moments.size(); ++i) {
     const Moment& moment = moments[i];

@@ -44,8 +44,11 @@ struct Picture {
 /// looking anywhere, moving at up to 2.5 m/s. Each meters its own light.
 /// @param day  from 0; the last one may have fewer pictures.
 /// @param each  takes a picture; false stops.
+/// @param between  called often, also while the room's light is baked; may throw to stop; may be
+///     empty.
 void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t day,
-                const std::function<bool(Picture&&)>& each);
+                const std::function<bool(Picture&&)>& each,
+                const std::function<void()>& between = {});
 
 /// How many days an order takes.
 [[nodiscard]] std::size_t days_of(const PictureOrder& order);

@@ -13,6 +13,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/xxh64.hpp"
 #include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/scene.hpp"
 #include "gatefly/simulated_race/built_from.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
@@ -48,6 +49,18 @@ void refuse_unflyable(const io::Config& config) {
     fail("vehicle.min_rotor_radps", v.min_speed, "must be less than its mass to come down");
 }
 
+/// Pictures take a light map, and that takes memory and time by the room's area.
+void refuse_too_large_for_pictures(const sim::World& world, const fs::path& path) {
+  try {
+    (void)sim::make_scene(world);
+  } catch (const std::length_error& error) {
+    const Eigen::Vector3d& size = world.room_size;
+    throw std::runtime_error(path.string() + ": room.size_m = [" + io::text_of(size.x()) + ", " +
+                             io::text_of(size.y()) + ", " + io::text_of(size.z()) + "]: " +
+                             error.what() + "; one of 100 x 100 m fits, --vision ideal needs none");
+  }
+}
+
 std::string fingerprint_of(const io::RaceIdentity& race,
                            const std::map<std::string, std::string>& inputs) {
   nlohmann::json all{
@@ -74,6 +87,8 @@ RaceMaker::RaceMaker(const RaceArguments& given) {
 
   const int laps = file.track.laps;
   nominal(config, path, std::move(file), given.vision);
+  if (nominal_.vision == closed_loop::Vision::kRendered)
+    refuse_too_large_for_pictures(nominal_.sim.world, path);
   inputs_ = flight_inputs(arguments, config, path, laps);
   identity_.configuration = fingerprint_of(identity_, inputs_);
 

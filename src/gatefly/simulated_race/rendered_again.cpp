@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "gatefly/closed_loop/frames_again.hpp"
 #include "gatefly/files/image_file.hpp"
@@ -14,8 +15,9 @@ namespace gatefly::tasks {
 namespace {
 
 struct Renderer {
-  explicit Renderer(const RecordedFlight& f)
+  Renderer(const RecordedFlight& f, std::function<void()> w)
       : flight{f},
+        while_baking{std::move(w)},
         config{RaceMaker::of_flight(f.folder.directory)
                    .race(seed_of_flight(f.folder.directory))
                    .config.sim},
@@ -31,7 +33,7 @@ struct Renderer {
     const std::size_t row = flight.folder.images.at(i).log_row;
     if (!frames || row < frames->ticks())
       frames = std::make_unique<closed_loop::FramesAgain>(
-          config, [this](std::size_t tick) { return motors(tick); });
+          config, [this](std::size_t tick) { return motors(tick); }, while_baking);
     const auto bytes = frames->picture_of(row);
     // Without one, as another version's camera may have it, the last stays: its hash is another.
     if (!bytes.empty()) picture.bytes.assign(bytes.begin(), bytes.end());
@@ -48,6 +50,7 @@ struct Renderer {
   }
 
   const RecordedFlight& flight;
+  std::function<void()> while_baking;
   sim::SimConfig config;
   io::ImageFile picture;
   std::unique_ptr<closed_loop::FramesAgain> frames;
@@ -55,8 +58,9 @@ struct Renderer {
 
 }  // namespace
 
-flight_log::PictureSource rendered_again(const RecordedFlight& flight) {
-  const auto renderer = std::make_shared<Renderer>(flight);
+flight_log::PictureSource rendered_again(const RecordedFlight& flight,
+                                         const std::function<void()>& while_baking) {
+  const auto renderer = std::make_shared<Renderer>(flight, while_baking);
   return [renderer](std::size_t i) -> const io::ImageFile& { return (*renderer)(i); };
 }
 

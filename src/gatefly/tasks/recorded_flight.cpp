@@ -17,14 +17,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAgain& render_again) {
+flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAgain& render_again,
+                                    const std::function<void()>& now_and_then) {
   const int width = flight.config.camera.stored_width(),
             height = flight.config.camera.stored_height();
   switch (flight.pictures) {
     case flight_log::Pictures::kFilm:
       return flight_log::pictures_in_film(flight.folder, width, height);
     case flight_log::Pictures::kHashes:
-      if (render_again) return render_again(flight);
+      if (render_again) return render_again(flight, now_and_then);
       throw std::runtime_error(
           flight.folder.directory.string() +
           ": keeps no pictures; to render them again takes a gatefly with the simulator (or fly it "
@@ -80,7 +81,7 @@ flight_log::ReplayResult replayed(
     const std::function<void(const flight_log::ReplayedTick&)>& on_tick) {
   flight_log::HashCheck hashes;
   const auto load_picture = flight_log::upright(
-      flight_log::checked(source_of(flight, render_again), flight.folder, hashes),
+      flight_log::checked(source_of(flight, render_again, on_picture), flight.folder, hashes),
       flight.config.camera.stored_rotation_deg);
   const auto watched = [&](std::size_t picture) {
     if (on_picture) on_picture();

@@ -39,11 +39,13 @@ struct RecordedFlight {
 [[nodiscard]] RecordedFlight read_flight(const ReplayArguments& arguments);
 
 /// How pictures that were not kept are rendered again: simulated_race/rendered_again.hpp. A gatefly
-/// without the simulator has nobody for it.
-using RenderAgain = std::function<flight_log::PictureSource(const RecordedFlight&)>;
+/// without the simulator has nobody for it. The second is called now and then and may throw to stop.
+using RenderAgain =
+    std::function<flight_log::PictureSource(const RecordedFlight&, const std::function<void()>&)>;
 
 /// Flies it again, by the pilot or the filter that was asked for.
-/// @param on_picture  called before each picture is read; may throw to stop; may be empty.
+/// @param on_picture  called before each picture is read, and often while a room's light is baked for
+///     them; may throw to stop; may be empty.
 /// @param on_tick  called after every step; may be empty.
 /// @throws std::runtime_error one line: a picture cannot be read, the track cannot be flown.
 [[nodiscard]] flight_log::ReplayResult replayed(
