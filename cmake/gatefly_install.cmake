@@ -37,6 +37,13 @@ if(GATEFLY_PROGRAM)
     file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/gatefly)
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/gatefly/${folder} SYMBOLIC)
   endforeach()
+  # What pages try things on, under the names that they have in the sources.
+  foreach(folder tests/courses tests/replay/oval_flight)
+    get_filename_component(above ${folder} DIRECTORY)
+    install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_DATADIR}/gatefly/${above} COMPONENT data)
+    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/gatefly/${above})
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${PROJECT_BINARY_DIR}/share/gatefly/${folder} SYMBOLIC)
+  endforeach()
   # Of viewer/, what npm built from it: report.html and the licences of what is in it.
   install(DIRECTORY viewer/built/ DESTINATION ${CMAKE_INSTALL_DATADIR}/gatefly/viewer COMPONENT data)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/viewer/built ${PROJECT_BINARY_DIR}/share/gatefly/viewer SYMBOLIC)

@@ -70,7 +70,7 @@ Picture read(const fs::path& path, const io::Config& config) {
 Pictures named_pictures(const BenchOptions& options, const io::Config& config) {
   auto pictures = std::make_shared<std::vector<Picture>>();
   for (const std::string& name : options.pictures) {
-    const fs::path path = io::find_data(name, options.data);
+    const fs::path path = data_at(name, options.data);
     std::error_code error;
     if (fs::exists(path, error)) {
       for (const fs::path& file : io::picture_files(path)) pictures->push_back(read(file, config));
@@ -85,7 +85,7 @@ Pictures named_pictures(const BenchOptions& options, const io::Config& config) {
 Pictures real_pictures(const BenchOptions& options, const io::Config& config, std::size_t most) {
   auto pictures = std::make_shared<std::vector<Picture>>();
   for (const char* set : {"basement580", "cyberzoo"}) {
-    const fs::path folder = io::find_data(fs::path{"tudelft_bebop_gates"} / set, options.data);
+    const fs::path folder = data_at(fs::path{"tudelft_bebop_gates"} / set, options.data);
     std::error_code error;
     if (!fs::is_directory(folder, error)) continue;
     const auto files = io::picture_files(folder);

@@ -44,7 +44,7 @@ void complain(const std::string& what) { std::cerr << "gatefly calibrate: " << w
 std::vector<fs::path> all_files(const CalibrateOptions& options) {
   std::vector<fs::path> files;
   for (const std::string& path : options.paths)
-    for (const fs::path& file : io::picture_files(io::find_data(path, options.data)))
+    for (const fs::path& file : io::picture_files(data_at(path, options.data)))
       files.push_back(file);
   return files;
 }
@@ -100,7 +100,7 @@ void add_tilt(CameraFile& camera, const CalibrateOptions& options,
               std::vector<std::string>& comments) {
   if (options.tilt_from.empty()) return;
   const io::Config config = load(options.common);
-  const fs::path path = io::find_data(options.tilt_from, options.data);
+  const fs::path path = data_at(options.tilt_from, options.data);
   const io::Labels labels = gate_labels(path);
   try {
     const FoundMount found = mount_from(path, labels, camera.lens,
@@ -122,7 +122,7 @@ int convert(const CalibrateOptions& options) {
   if (options.out.empty())
     throw std::runtime_error("--from " + options.from +
                              ": --out is missing: where to (- for stdout)");
-  const fs::path path = io::find_data(options.from, options.data);
+  const fs::path path = data_at(options.from, options.data);
   CameraFile camera = read_camera(path, options.camera);
   std::vector<std::string> comments{"From " + path.filename().string() + " by gatefly calibrate."};
   add_tilt(camera, options, comments);
@@ -135,7 +135,7 @@ int convert(const CalibrateOptions& options) {
 void expect_sensible(const CalibrateOptions& options) {
   std::vector<fs::path> inputs = all_files(options);
   for (const std::string& input : {options.from, options.tilt_from})
-    if (!input.empty()) inputs.push_back(io::find_data(input, options.data));
+    if (!input.empty()) inputs.push_back(data_at(input, options.data));
   check_outputs({{"--out", options.out, {"camera of gatefly calibrate", "by gatefly calibrate"}},
                  {"--report", options.report, io::kOurPng}},
                 inputs, options.common);
@@ -150,7 +150,7 @@ void expect_sensible(const CalibrateOptions& options) {
 /// How the camera stores pictures, as a flight shows where corner lists and flags do not say it.
 std::optional<int> rotation_by_flight(const Boards& boards, const CalibrateOptions& options) {
   if (!boards.listed || options.rotate_deg || options.tilt_from.empty()) return std::nullopt;
-  const fs::path flight = io::find_data(options.tilt_from, options.data);
+  const fs::path flight = data_at(options.tilt_from, options.data);
   if (!fs::is_directory(flight)) return std::nullopt;
   const io::Config config = load(options.common);
   return stored_rotation_of(flight, boards.size_px, config.pilot.detector, config.pilot.gate_color);
@@ -174,7 +174,7 @@ void answer_with(const Boards& boards, const CalibrateOptions& options) {
   const std::optional<int> by_flight = rotation_by_flight(boards, options);
   if (by_flight)
     comments.push_back("stored_rotation_deg: so the gates of " +
-                       io::find_data(options.tilt_from, options.data).filename().string() +
+                       data_at(options.tilt_from, options.data).filename().string() +
                        " are where its labels have them.");
   CameraFile camera{short_lens(answer.best().fit),
                     answer.size_px,

@@ -364,7 +364,10 @@ void declare_campaign(Command& command) {
   command.option("--out", options->out, "folder for the campaign [out/campaign-TRACK]").path("DIR");
   command.flag("--json", options->json, "print campaign.json instead of a screen");
   add_race_options(command, options->race);
-  command.runs([options] { return campaign(*options); });
+  command.runs([options] {
+    take_drone(options->race.drone, options->race.common);
+    return campaign(*options);
+  });
 }
 
 }  // namespace gatefly::cli

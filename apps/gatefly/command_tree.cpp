@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include "gatefly/config/faults.hpp"
@@ -97,7 +98,11 @@ std::vector<CommandInfo> whole_tree(std::vector<CommandInfo> here) {
 }
 
 Words words_for_shells() {
-  Words words{shipped("tracks"), shipped("configs"), {}, {}};
+  Words words{
+      shipped("tracks"), shipped("configs"), shipped("cameras"), shipped("vehicles"), {}, {}};
+  // A name that is a camera's and a vehicle's is not taken: io::find_config.
+  std::set_symmetric_difference(words.cameras.begin(), words.cameras.end(), words.vehicles.begin(),
+                                words.vehicles.end(), std::back_inserter(words.configs));
   for (const auto& key : io::config_keys()) words.keys.push_back(key.rule.name);
   words.keys.push_back(io::randomize_level_rule().name);
   for (const auto& key : io::randomize_keys()) words.keys.push_back(key.rule.name);

@@ -18,7 +18,7 @@ inline constexpr const char* kPrintCommands = "--print-commands";
 
 /// What a shell may suggest besides commands and flags.
 struct Words {
-  std::vector<std::string> tracks, configs, keys, experiments;
+  std::vector<std::string> tracks, configs, cameras, vehicles, keys, experiments;
 };
 
 /// All commands of gatefly, those of gatefly-lab with their flags: it is asked for them.

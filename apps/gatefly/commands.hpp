@@ -80,6 +80,10 @@ void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem:
 /// What a configuration has to say, on stderr.
 void say_notes(const std::vector<std::string>& notes);
 
+/// io::find_data(), saying so when what was called ../shared/data/X lies elsewhere.
+[[nodiscard]] std::filesystem::path data_at(const std::filesystem::path& path,
+                                            const std::string& data);
+
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
 [[nodiscard]] io::Config load(const CommonOptions& options);
 

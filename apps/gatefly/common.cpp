@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <initializer_list>
 #include <iostream>
+#include <set>
 #include <string_view>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "gatefly/files/pictures.hpp"
 #include "gatefly/files/printed.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -111,6 +113,15 @@ void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem:
   const auto configs = io::config_files(options.configs);
   inputs.insert(inputs.end(), configs.begin(), configs.end());
   io::check_outputs(outputs, inputs, options.force);
+}
+
+std::filesystem::path data_at(const std::filesystem::path& path, const std::string& data) {
+  const std::filesystem::path found = io::find_data(path, data);
+  static std::set<std::filesystem::path> said;
+  if (found != path && io::below_shared_data(path) != path && said.insert(path).second)
+    std::cerr << "gatefly: " << path.string() << ": is not there, taken from " << found.string()
+              << '\n';
+  return found;
 }
 
 io::Config load(const CommonOptions& options) {

@@ -32,6 +32,9 @@ Suggested suggested(const CommandInfo& command, const FlagInfo& flag, const Word
   if (is("--config")) return {words.configs, true};
   if (is_set(flag)) return keys_of(words);
   if (is("--track") || flag.value == "TRACK") return {words.tracks, true};
+  if (flag.value == "CAMERA") return {words.cameras, true};
+  if (flag.value == "VEHICLE") return {words.vehicles, true};
+  if (flag.value == "KEY") return {words.keys};
   if (command.name == "reproduce" && flag.names.empty()) return {words.experiments};
   if (flag.value.starts_with("DIR")) return {{}, false, true};
   if (flag.value.starts_with("FILE") || flag.value == "PATH" || flag.value == "TEXT")

@@ -154,7 +154,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
   std::map<std::string, fs::path> folder_of;
   bool warned = false;
   for (const std::string& path : options.paths) try {
-      const fs::path found = io::find_data(path, options.data);
+      const fs::path found = data_at(path, options.data);
       const std::vector<fs::path> pictures = io::picture_files(found);
       if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
       for (const fs::path& file : pictures) {
@@ -275,7 +275,7 @@ int detect(const DetectOptions& options) {
     throw std::runtime_error("--debug " + options.debug +
                              ": --annotate draws there, too; name another folder");
   std::vector<fs::path> inputs;
-  for (const std::string& path : options.paths) inputs.push_back(io::find_data(path, options.data));
+  for (const std::string& path : options.paths) inputs.push_back(data_at(path, options.data));
   check_outputs({{"--csv", csv, {"table of detections", "image,gate,tl_u,"}}}, inputs,
                 options.common);
   CommonOptions common = options.common;

@@ -48,7 +48,7 @@ nlohmann::ordered_json as_json(const DragFit& fit) {
 std::vector<fs::path> flight_folders(const IdentifyOptions& options) {
   std::vector<fs::path> folders;
   for (const std::string& given : options.flights) {
-    const fs::path path = io::find_data(given, options.data);
+    const fs::path path = data_at(given, options.data);
     if (!fs::is_directory(path)) throw std::runtime_error(given + ": there is no such folder");
     if (io::log_in(path)) {
       folders.push_back(path);

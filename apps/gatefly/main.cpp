@@ -146,7 +146,7 @@ void print_commands(const CLI::App& app) {
 int run_main(std::span<char*> given) {
   CLI::App app{"Flies a drone through a course of gates with one camera, an IMU and a sonar.",
                "gatefly"};
-  app.set_version_flag("--version", std::string{"gatefly "} + GATEFLY_VERSION);
+  app.set_version_flag("-V,--version", std::string{"gatefly "} + GATEFLY_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help (or: gatefly help "
@@ -179,6 +179,10 @@ int run_main(std::span<char*> given) {
       std::cerr << "gatefly " << name << ": " << kNoSimulator << '\n';
       return kUnusable;
     }
+  }
+  if (arguments.size() == 1) {  // as the shell's newcomer types it
+    std::cout << app.help();
+    return kDone;
   }
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());

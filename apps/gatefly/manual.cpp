@@ -81,11 +81,12 @@ std::string manual_page(const std::vector<CommandInfo>& tree) {
       "\n.Dt GATEFLY 1\n.Os\n.Sh NAME\n.Nm gatefly\n.Nd flies a drone through gates with one "
       "camera, an IMU and a "
       "sonar\n"
-      ".Sh SYNOPSIS\n.Nm\n.Ar COMMAND\n.Op Ar ...\n.Nm\n.Cm help\n.Op Ar COMMAND\n"
+      ".Sh SYNOPSIS\n.Nm\n.Ar COMMAND\n.Op Ar ...\n.Nm\n.Cm help\n.Op Ar COMMAND\n.Nm\n.Fl V\n"
       ".Sh DESCRIPTION\n"
       "A simulator with a rendered camera, replay of recorded flights, and one\n"
       "pilot for both; gates in pictures, cameras calibrated, colours tuned, and\n"
       "the experiments of a paper reproduced.\n"
+      "Without arguments it prints its help.\n"
       "This is version " GATEFLY_VERSION ".\n";
   for (const CommandInfo& command : tree) text += section(command);
   return text +

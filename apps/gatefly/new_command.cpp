@@ -31,7 +31,9 @@ std::string content(const NewOptions& options) {
   if (options.random) return io::random_course(static_cast<std::uint64_t>(*options.random));
   if (kind == "track") return io::new_track();
   if (kind == "camera")
-    return "# A camera for gatefly: --config FILE.\n" + (kHowToKeep + io::new_config("camera"));
+    return "# A camera for gatefly: --camera FILE.\n" + (kHowToKeep + io::new_config("camera"));
+  if (kind == "vehicle")
+    return "# A vehicle for gatefly: --vehicle FILE.\n" + (kHowToKeep + io::new_vehicle());
   return "# A configuration for gatefly: --config FILE.\n" + (kHowToKeep + io::new_config());
 }
 
@@ -48,10 +50,11 @@ int make_new(const NewOptions& options) {
   io::check_outputs(std::vector<io::Output>{{"FILE", file, {"new file", "# A"}}}, {}, true);
   io::write_file(file, content(options));
   if (io::is_stdout(file) || options.common.quiet) return kDone;
-  const std::string next = options.kind == "track" ? "gatefly track " + file + " checks it"
-                           : options.kind == "camera"
-                               ? "gatefly detect --config " + file + " takes it"
-                               : "gatefly fly --config " + file + " takes it";
+  const std::string next =
+      options.kind == "track"     ? "gatefly track " + file + " checks it"
+      : options.kind == "camera"  ? "gatefly detect --config " + file + " takes it"
+      : options.kind == "vehicle" ? "gatefly fly --vehicle " + file + " takes it"
+                                  : "gatefly fly --config " + file + " takes it";
   std::cout << file << ": written; " << next << '\n';
   return kDone;
 }
@@ -67,7 +70,7 @@ void declare_new(Command& command) {
       "Exit code 0: written; 2: unusable arguments, or FILE is there already.");
   command.option("KIND", options->kind, "what to start")
       .required()
-      .one_of({"track", "camera", "config"});
+      .one_of({"track", "camera", "vehicle", "config"});
   command.option("FILE", options->file, "where to [KIND.toml]; - prints").path();
   command
       .option("--random", options->random,

@@ -26,6 +26,8 @@ void add_race_options(Command& command, RaceOptions& options) {
               "detector's statistics, fast")
       .one_of({"rendered", "ideal"})
       .show_default();
+  add_drone(command, options.drone);
+  add_speed(command, options.drone);
   add_common(command, options.common);
 }
 

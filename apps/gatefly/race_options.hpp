@@ -7,17 +7,19 @@
 #include "gatefly/simulated_race/race_maker.hpp"
 
 #include "commands.hpp"
+#include "drone_options.hpp"
 
 namespace gatefly::cli {
 
 /// What `fly` and `campaign` are told about a race, but its seed.
 struct RaceOptions {
   CommonOptions common;
+  DroneOptions drone;
   std::string track = "showroom", vision = "rendered";
   std::optional<int> laps;
 };
 
-/// --laps, --vision and the flags that every subcommand has.
+/// --laps, --vision, --camera, --vehicle, --speed and the flags that every subcommand has.
 void add_race_options(Command& command, RaceOptions& options);
 
 /// The races that these options mean; says what the configuration has to say.

@@ -25,6 +25,7 @@
 #include "gatefly/simulated_race/varied_look.hpp"
 
 #include "commands.hpp"
+#include "drone_options.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -33,6 +34,7 @@ namespace fs = std::filesystem;
 
 struct RenderOptions {
   CommonOptions common;
+  DroneOptions drone;
   std::string track = "showroom", recording = "jpeg", out;
   int frames = 0, per_day = 40, jobs = 0;
   double around = 30.0;
@@ -303,8 +305,13 @@ void declare_render(Command& command) {
   command.option("--jobs", options->jobs, "threads [one a core]").between(1, 1024);
   command.flag("--json", options->json, "print render.json");
   command.option("--out", options->out, "folder [out/pictures-TRACK]").path("DIR");
+  add_drone(command, options->drone);
+  add_speed(command, options->drone);
   add_common(command, options->common);
-  command.runs([options] { return render(*options); });
+  command.runs([options] {
+    take_drone(options->drone, options->common);
+    return render(*options);
+  });
 }
 
 }  // namespace gatefly::cli

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
@@ -15,8 +16,10 @@
 #include "gatefly/pages/page.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
 #include "gatefly/tasks/replay_report.hpp"
+#include "gatefly/tasks/tum_file.hpp"
 
 #include "commands.hpp"
+#include "drone_options.hpp"
 #include "render_again.hpp"
 
 namespace gatefly::cli {
@@ -24,12 +27,15 @@ namespace {
 
 struct ReplayOptions {
   CommonOptions common;
+  DroneOptions drone;
   tasks::ReplayArguments replay;
-  std::string csv, out;
+  std::string csv, tum, out;
   bool json = false;
 };
 
 namespace fs = std::filesystem;
+
+constexpr io::OutputKind kTum{"trajectory", "timestamp tx ty tz qx qy qz qw"};
 
 /// The page of a flight that is flown again: report.html and summary.json in a folder of its own.
 class ReplayPage {
@@ -100,14 +106,32 @@ class ReplayPage {
   io::FlightPage page_;
 };
 
+/// The estimated trajectory, and the true one if the log has it.
+void write_tum(const ReplayOptions& options, const fs::path& truth_path,
+               const tasks::RecordedFlight& flight, const flight_log::ReplayResult& result) {
+  std::vector<io::FileContent> files{{options.tum, tasks::tum_of_estimates(result)}};
+  const auto truth = tasks::tum_of_truth(flight.folder);
+  if (truth) files.push_back({truth_path, truth->text});
+  io::write_files(files);
+  if (options.common.quiet || (truth && truth->has_attitude)) return;
+  std::cerr << "gatefly replay: " << (truth ? truth_path.string() : flight.folder.log.string())
+            << (truth ? ": the log has no true attitude, each is 0 0 0 1\n"
+                      : ": has no true position, only the estimate is written\n");
+}
+
 int replay(const ReplayOptions& options) {
   const bool rows_on_stdout = io::is_stdout(options.csv);
   if (options.json && rows_on_stdout)
     throw std::runtime_error("--json and --csv " + options.csv + ": both want stdout; name a file");
-  check_outputs(
-      {{"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}}},
-      {io::find_data(options.replay.directory, options.replay.data), options.replay.track},
-      options.common);
+  if (io::is_stdout(options.tum))
+    throw std::runtime_error("--tum " + options.tum + ": writes two files; name one");
+  const fs::path truth =
+      options.tum.empty() ? fs::path{} : tasks::tum_truth_path(fs::path{options.tum});
+  check_outputs({{"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}},
+                 {"--tum", options.tum, kTum},
+                 {"--tum", truth, kTum}},
+                {data_at(options.replay.directory, options.replay.data), options.replay.track},
+                options.common);
   if (!options.out.empty()) {
     io::check_output_folder("--out", options.out);
     io::refuse_foreign_folder(options.out, "summary.json", {"replay", "\"kind\": \"replay\""},
@@ -126,6 +150,7 @@ int replay(const ReplayOptions& options) {
                         if (page) page->record(tick, given.estimator != "drag");
                       });
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
+  if (!options.tum.empty()) write_tum(options, truth, flight, result);
 
   const tasks::ReplayReport report = tasks::report_of(flight, given, result);
   if (page) page->write(report, given, result);
@@ -139,7 +164,10 @@ int replay(const ReplayOptions& options) {
               << io::amount(result.estimates.size(), "sample") << ", "
               << io::amount(result.pictures.size(), "picture") << ", all numbers "
               << (result.finite ? "finite" : "NOT finite") << '\n';
-    if (report.visible)
+    if (report.next_gate)  // the same words as fly's
+      std::cout << "  detection       " << report.next_gate->shown
+                << " show the next gate whole: in " << report.next_gate->found << " found\n";
+    else if (report.visible)
       std::cout
           << "  gate found      in " << report.visible->found << " of " << report.visible->shown
           << " pictures in flight that show a gate of the map whole, the next one or another\n";
@@ -166,6 +194,7 @@ void declare_replay(Command& command) {
   auto options = std::make_shared<ReplayOptions>();
   command.footer(
       "Example:\n  gatefly replay out/showroom-1 --csv estimates.csv\n"
+      "  gatefly replay out/showroom-1 --tum est.txt   # then: evo_ape tum est.truth.txt est.txt\n"
       "  gatefly replay tudelft_bebop_flights/flight_11 --json\n\n"
       "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml "
       "and\n"
@@ -194,13 +223,20 @@ void declare_replay(Command& command) {
       .path("DIR");
   command.option("--csv", options->csv, "write estimates.csv (- for stdout)").path("FILE");
   command
+      .option("--tum", options->tum,
+              "write the estimated trajectory for evo (timestamp tx ty tz qx qy qz qw); with a "
+              "true position in the log also FILE.truth beside it: est.txt, est.truth.txt")
+      .path("FILE");
+  command
       .option("--out", options->out,
               "folder for report.html, the flight as a page for a browser, and summary.json")
       .path("DIR");
   command.flag("--json", options->json, "print JSON");
+  add_drone(command, options->drone);
   add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] {
+    take_drone(options->drone, options->common);
     options->replay.config = options->common;
     return replay(*options);
   });

@@ -136,11 +136,11 @@ void warn_of_unknown(const io::ScoreInput& input) {
 int score(const ScoreOptions& options) {
   (void)load(options.common);  // a wrong --config or --set is an error here as everywhere
   const io::Rule rule = io::rule_of(options.rule);
-  const auto detections = io::read_detections(io::find_data(options.detections, options.data));
-  const io::Labels labels = io::read_labels(io::find_data(options.labels, options.data));
+  const auto detections = io::read_detections(data_at(options.detections, options.data));
+  const io::Labels labels = io::read_labels(data_at(options.labels, options.data));
   const io::Labels ignored = options.ignore.empty()
                                  ? io::Labels{}
-                                 : io::read_labels(io::find_data(options.ignore, options.data));
+                                 : io::read_labels(data_at(options.ignore, options.data));
   const io::ScoreInput input = io::brought_together(labels, detections, ignored, rule);
   const io::Score result = io::score(input.pictures, rule, options.nearest);
   warn_of_unknown(input);

@@ -68,7 +68,7 @@ void complain(const std::string& what) { std::cerr << "gatefly tune: " << what <
 std::vector<fs::path> all_files(const TuneOptions& options) {
   std::vector<fs::path> files;
   for (const std::string& path : options.images) {
-    const fs::path found = io::find_data(path, options.data);
+    const fs::path found = data_at(path, options.data);
     for (const fs::path& file : io::picture_files(found)) files.push_back(file);
     if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
   }
@@ -92,10 +92,9 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
   Material material;
   const bool labelled = !options.labels.empty();
   std::map<std::string, std::vector<Quad>> gates, ignored;
-  if (labelled)
-    gates = gates_by_picture(io::read_labels(io::find_data(options.labels, options.data)));
+  if (labelled) gates = gates_by_picture(io::read_labels(data_at(options.labels, options.data)));
   if (!options.ignore.empty())
-    ignored = gates_by_picture(io::read_labels(io::find_data(options.ignore, options.data)));
+    ignored = gates_by_picture(io::read_labels(data_at(options.ignore, options.data)));
   std::unordered_set<std::string> contents, names;
   const std::vector<fs::path> files = all_files(options);
   tasks::Upright upright(config);
@@ -247,10 +246,9 @@ void check_outputs_of(const TuneOptions& options, const io::Config& config) {
     throw std::runtime_error("--out " + options.out +
                              ": must be the name of a file, three others are written beside it");
   std::vector<fs::path> inputs;
-  for (const std::string& image : options.images)
-    inputs.push_back(io::find_data(image, options.data));
+  for (const std::string& image : options.images) inputs.push_back(data_at(image, options.data));
   for (const std::string& input : {options.labels, options.ignore, config.gate.color_table})
-    if (!input.empty()) inputs.push_back(io::find_data(input, options.data));
+    if (!input.empty()) inputs.push_back(data_at(input, options.data));
   const io::OutputKind ours{"configuration of gatefly tune", "by gatefly tune"};
   check_outputs({{"--out", options.out, ours},
                  {"--out", beside(options.out, kColors), ours},

@@ -33,6 +33,7 @@ class Help(Cli):
         result = self.run_it("--version")
         self.assertEqual(result.returncode, 0)
         self.assertRegex(result.stdout, r"^gatefly \d+\.\d+\.\d+\n$")
+        self.assertEqual(self.run_it("-V").stdout, result.stdout)
 
 
 class Words(Cli):
@@ -61,8 +62,10 @@ class Words(Cli):
 
 
 class CommandLine(Cli):
-    def test_no_command(self):
-        self.assertIn("--help", self.refused())
+    def test_no_command_is_help(self):
+        bare = self.run_it()
+        self.assertEqual((bare.returncode, bare.stdout, bare.stderr), (0, self.run_it("--help").stdout, ""))
+        self.assertIn("--help", self.refused("--quiet"))
 
     def test_unknown_command_suggests_the_nearest(self):
         self.assertIn("did you mean 'fly'", self.refused("flyy", "showroom"))
@@ -169,6 +172,63 @@ class Configuration(Cli):
         self.assertIn("did you mean 'camera.tilt_deg'?", self.config_file("[detector]\ntilt_deg = 3\n"))
         self.assertIn("did you mean 'camera.tilt_deg'?", self.refused("config", "--set", "tilt_deg=3"))
         self.assertIn("must be a section", self.config_file("camera = 3\n"))
+
+    def test_a_key_of_another_section_is_suggested_by_its_last_part(self):
+        error = self.refused("config", "--set", "sim.wind_mps=0.1")
+        self.assertIn("did you mean 'randomize.wind_mps' or 'faults.wind_mps'?", error)
+        self.assertIn("did you mean 'control.speed_mps'?", self.refused("config", "--set", "vehicle.speed=1"))
+        self.assertIn("did you mean 'camera.tilt_deg'?", self.refused("config", "camera.tlit_deg"))
+
+    def test_one_key_is_told_with_unit_bounds_and_source(self):
+        said = self.run_it("config", "control.speed_mps").stdout
+        self.assertRegex(said, r"^control.speed_mps = 1\.\d+\n  unit     m/s\n  what     .*\n  allowed  a number in 0\.2\.\.10\n  source   default: ")
+        told = json.loads(self.run_it("config", "control.speed_mps", "--json", "--set", "control.speed_mps=1.25").stdout)
+        self.assertEqual((told["key"], told["value"], told["unit"], told["source"]), ("control.speed_mps", 1.25, "m/s", "set by --set"))
+        self.assertIn("= the track's\n", self.run_it("config", "randomize.wind_mps").stdout)
+        self.assertEqual(self.run_it("config", "control.speed_mps", "--quiet").stdout.count("\n"), 1)
+        self.assertIn("config camera: is not a known key", self.refused("config", "camera"))
+
+    def test_filter_shows_what_is_about_a_word_and_is_a_configuration(self):
+        wind = self.run_it("config", "--filter", "WIND")
+        self.assertIn("wind_mps", wind.stdout)
+        keys = [line for line in wind.stdout.splitlines() if line and not line.startswith("[")]
+        self.assertTrue(keys and all("wind" in line.lower() for line in keys), wind.stdout)
+        tilt = tomllib.loads(self.run_it("config", "--filter", "camera.tilt").stdout)
+        self.assertEqual(list(tilt["camera"]), ["tilt_deg"])
+        none = self.run_it("config", "--filter", "xyzzy")
+        self.assertEqual((none.returncode, none.stdout, none.stderr), (1, "", "gatefly config: no key is about 'xyzzy'\n"))
+        self.assertEqual(json.loads(self.run_it("config", "--filter", "camera.tilt", "--json").stdout)[0]["key"], "camera.tilt_deg")
+
+    def test_cameras_and_vehicles_are_configurations_too(self):
+        for name, key, value in (("racer", "mass_kg", 0.87), ("vehicles/racer.toml", "mass_kg", 0.87)):
+            self.assertEqual(json.loads(self.run_it("config", "--json", "--config", name).stdout)["vehicle"][key], value)
+        self.assertEqual(json.loads(self.run_it("config", "--json", "--config", "grandprix").stdout)["camera"]["tilt_deg"], -20)
+        self.assertIn("bebop: is a camera and a vehicle; say cameras/bebop.toml or vehicles/bebop.toml", self.refused("config", "--config", "bebop"))
+        error = self.refused("config", "--config", "racre")
+        self.assertIn("nor a name in configs/, cameras/, vehicles/ (there are: basement,", error)
+        self.assertIn("did you mean 'racer'?", error)
+
+    def test_camera_vehicle_and_speed_are_short_for_config_and_set(self):
+        cut = ("--vision", "ideal", "--set", "sim.timeout_s=1", "--json")
+        short = json.loads(self.run_it("fly", "oval", "--camera", "wide-usb", "--vehicle", "racer", "--speed", "1.25", *cut).stdout)
+        whole = json.loads(self.run_it("fly", "oval", "--config", "cameras/wide-usb.toml", "--config", "vehicles/racer.toml",
+                                       "--set", "control.speed_mps=1.25", *cut).stdout)
+        self.assertEqual(short["config"], whole["config"])
+        self.assertEqual((short["config"]["camera"]["size_px"], short["config"]["vehicle"]["mass_kg"], short["config"]["control"]["speed_mps"]),
+                         ([640, 480], 0.87, 1.25))
+        mine = self.file("mine.toml", "[camera]\ntilt_deg = 3\n")
+        for command in (("fly", "oval"), ("campaign", "oval", "--runs", "1"), ("render", "oval", "--frames", "1")):
+            self.assertIn("--speed", self.refused(*command, "--speed", "100"))
+            self.assertIn("no such file, nor a name in cameras/", self.refused(*command, "--camera", "racer"))
+            self.assertIn("--vehicle cameras/bebop.toml: has no [vehicle]", self.refused(*command, "--vehicle", "cameras/bebop.toml"))
+            self.assertIn("give one of them", self.refused(*command, "--speed", "1", "--set", "control.speed_mps=1.5"))
+        tilted = json.loads(self.run_it("fly", "oval", "--config", "cameras/grandprix.toml", "--camera", mine, *cut).stdout)
+        self.assertEqual(tilted["config"]["camera"]["tilt_deg"], 3)  # goes over --config
+
+    def test_a_campaign_says_how_to_fly_one_of_them_again(self):
+        self.run_it("campaign", "oval", "--runs", "1", "--vision", "ideal", "--vehicle", "racer", "--speed", "1.25", "--set", "sim.timeout_s=1")
+        replay = json.loads((self.folder / "out" / "campaign-oval-ideal" / "campaign.json").read_text())["replay"]
+        self.assertIn("--config vehicles/racer.toml --set sim.timeout_s=1 --set control.speed_mps=1.25", replay)
 
     def test_an_unknown_section_lists_those_there_are(self):
         self.assertIn("[xyz] is not a known section (there are: ahrs, camera,", self.config_file("[xyz]\na = 3\n"))
@@ -322,10 +382,14 @@ class New(Cli):
 
     def test_a_new_camera_and_configuration_change_nothing(self):
         defaults = self.run_it("config", "--json").stdout
-        for kind in ("camera", "config"):
+        for kind in ("camera", "vehicle", "config"):
             self.new(kind)
             self.assertEqual(self.run_it("config", "--json", "--config", kind + ".toml").stdout, defaults)
         self.assertEqual(list(tomllib.loads(self.new("camera", "-"))), ["camera"])
+        vehicle = tomllib.loads(self.new("vehicle", "-"))
+        racer = tomllib.loads((ROOT / "vehicles" / "racer.toml").read_text(encoding="utf-8"))
+        for section, keys in racer.items():  # all that describes a drone
+            self.assertLessEqual(set(keys), set(vehicle[section]), section)
         sections = tomllib.loads(self.new("config", "-"))
         sections.setdefault("randomize", {})
         self.assertEqual({name: set(keys) for name, keys in sections.items()},
@@ -341,7 +405,7 @@ class New(Cli):
         self.assertEqual((self.folder / "mine.toml").read_text(encoding="utf-8"), self.new("track", "-"))
 
     def test_what_is_no_kind_and_no_place_is_refused(self):
-        self.assertIn("{track,camera,config}", self.refused("new", "drone"))
+        self.assertIn("{track,camera,vehicle,config}", self.refused("new", "drone"))
         self.assertIn("KIND", self.refused("new"))
 
 

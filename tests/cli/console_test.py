@@ -136,7 +136,7 @@ _gatefly; printf '%s\\n' "${{COMPREPLY[@]}}" """
         self.assertEqual(self.completed("gatefly", "fly", "--vision", ""), {"rendered", "ideal"})
         self.assertEqual(self.completed("gatefly", "fly", "--vision", "=", "r"), {"rendered"})
         self.assertEqual(self.completed("gatefly", "calibrate", "--to", "k"), {"kalibr"})  # the sibling's
-        self.assertEqual(self.completed("gatefly", "new", ""), {"track", "camera", "config"})
+        self.assertEqual(self.completed("gatefly", "new", ""), {"track", "camera", "vehicle", "config"})
         self.assertEqual(self.completed("gatefly", "config", "--set", "control.speed"), {"control.speed_mps"})
         self.assertEqual(self.completed("gatefly", "help", "sc"), {"score"})
 
@@ -145,6 +145,11 @@ _gatefly; printf '%s\\n' "${{COMPREPLY[@]}}" """
         (self.folder / "pictures").mkdir()
         self.assertLessEqual({"oval", "showroom", "mine.toml"}, self.completed("gatefly", "fly", ""))
         self.assertLessEqual({"basement", "mine.toml"}, self.completed("gatefly", "detect", "--config", ""))
+        self.assertLessEqual({"wide-usb", "mine.toml"}, self.completed("gatefly", "fly", "--camera", ""))
+        self.assertNotIn("racer", self.completed("gatefly", "fly", "--camera", ""))
+        self.assertLessEqual({"racer", "bebop"}, self.completed("gatefly", "replay", "--vehicle", ""))
+        self.assertIn("racer", self.completed("gatefly", "fly", "--config", "r"))
+        self.assertEqual(self.completed("gatefly", "config", "control.speed"), {"control.speed_mps"})
         self.assertEqual(self.completed("gatefly", "fly", "--out", "p"), {"pictures"})
         self.assertEqual(self.completed("gatefly", "fly", "--out", "m"), set())  # a folder is asked for
         self.assertIn("roc-fitness", self.completed("gatefly", "reproduce", "roc-"))

@@ -7,6 +7,7 @@ Nothing here renders but the few seconds of Video.
 usage: fly_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -36,6 +37,28 @@ class IdealVision(Cli):
                           "summary.json", "track.toml"])
         self.assertEqual(*((self.folder / name / "flight.mcap").read_bytes() for name in ("one", "two")))
         self.assertIn("--frames: a flight with --vision ideal has none", self.refused("fly", "oval", "--vision", "ideal", "--frames"))
+
+    def test_what_it_cost_is_told_by_processor_by_clock_and_in_memory(self):
+        screen = self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1").stdout
+        cost = re.search(r"\n  cost +(\S+) s of CPU a second of flight; in all (\S+) s of CPU, (\S+) s by the clock; (\d+) MB of memory at most\n", screen)
+        self.assertTrue(cost, screen)
+        self.assertGreater(float(cost[1]), 0)  # of two digits, however small
+        whole = json.loads((self.folder / "out" / "oval-1" / "summary.json").read_text())["timings"]["whole_flight"]
+        self.assertAlmostEqual(float(cost[1]), whole["cpu_s_per_flight_s"], delta=0.06 * whole["cpu_s_per_flight_s"])
+        self.assertEqual((cost[2], cost[3]), (f"{whole['cpu_s']:.1f}", f"{whole['wall_s']:.1f}"))
+        self.assertAlmostEqual(float(cost[4]), whole["peak_memory_mb"], delta=0.51)
+        self.assertTrue(5 < whole["peak_memory_mb"] < 200, whole)
+
+    def test_tracks_are_listed(self):
+        lines = self.run_it("fly", "--list").stdout.splitlines()
+        self.assertEqual(len(lines), 1 + len(list(ROOT.glob("tracks/*.toml"))))
+        self.assertRegex("\n".join(lines), r"\noval +2 +3  14 x 10 x 4 +bebop\n")
+        self.assertRegex("\n".join(lines), r"\ngrandprix .* bebop; made for --camera grandprix\n")
+        (self.folder / "tracks").mkdir()
+        self.file("tracks/mine.toml", "laps = 3\n")
+        listed = {track["name"]: track for track in json.loads(self.run_it("fly", "--list", "--json").stdout)}
+        self.assertEqual((listed["showroom"]["gates"], listed["showroom"]["laps"]), (5, 3))
+        self.assertIn("mine.toml", listed["mine"]["error"])
 
     def test_a_flight_without_pictures_is_not_replayed(self):
         self.assertEqual(self.run_it("fly", "oval", "--vision", "ideal", "--laps", "1", "--out", "blind").returncode, 0)

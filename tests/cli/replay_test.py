@@ -6,6 +6,7 @@ usage: replay_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import gzip
 import json
+import math
 import os
 import pathlib
 import re
@@ -65,6 +66,43 @@ class Replay(Cli):
         answer = json.loads(self.run_it("replay", self.flight, "--json").stdout)
         self.assertEqual((answer["pictures_from"], answer["pictures_other"]), ("rendered", 0))
         self.assertEqual(answer["pictures_checked"], answer["pictures"])
+
+    def test_it_counts_found_gates_as_the_flight_did(self):
+        flown = json.loads((self.flight / "summary.json").read_text())["detection"]
+        self.assertGreater(flown["with_gate_visible"], 10)
+        replayed = json.loads(self.run_it("replay", self.flight, "--json").stdout)
+        self.assertEqual(replayed["next_gate"], {"shown": flown["with_gate_visible"], "found": flown["true_positives"]})
+        words = f"{flown['with_gate_visible']} show the next gate whole: in {flown['true_positives']} found"
+        self.assertIn(words, self.run_it("replay", self.flight).stdout)
+        blind = json.loads(self.run_it("replay", self.flight, "--json", "--set", "detector.min_score=9").stdout)
+        self.assertEqual(blind["next_gate"], {"shown": flown["with_gate_visible"], "found": 0})
+
+    def test_trajectories_are_written_as_evo_reads_them(self):
+        result = self.run_it("replay", self.flight, "--tum", "est.txt", "--csv", "est.csv")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        estimate, truth = ([[float(word) for word in line.split()] for line in (self.folder / name).read_text().splitlines()[1:]]
+                           for name in ("est.txt", "est.truth.txt"))
+        header, *rows = (self.folder / "est.csv").read_text().splitlines()
+        log = gzip.decompress((self.flight / "log_si.csv.gz").read_bytes()).decode().splitlines()
+        of_log = dict(zip(log[0].split(","), log[-1].split(",")))
+        self.assertEqual({len(estimate), len(truth), len(rows)}, {len(log) - 1})
+        self.assertEqual([row[0] for row in estimate], [row[0] for row in truth])
+        self.assertEqual(estimate[-1][:4], [float(cell) for cell in rows[-1].split(",")[:4]])
+        self.assertEqual(truth[-1][1:4], [float(of_log[name]) for name in ("ot_x_m", "ot_y_m", "ot_z_m")])
+        for row, prefix in ((estimate[-1], "est"), (truth[-1], "true")):  # qx qy qz qw: body to north, east, down
+            x, y, z, w = row[4:]
+            self.assertAlmostEqual(x * x + y * y + z * z + w * w, 1, places=12)
+            self.assertAlmostEqual(math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)), float(of_log[prefix + "_yaw_rad"]), places=9)
+            self.assertAlmostEqual(math.asin(2 * (w * y - z * x)), float(of_log[prefix + "_pitch_rad"]), places=9)
+        self.assertEqual(self.run_it("replay", self.flight, "--tum", "est.txt").returncode, 0)  # its own kind is replaced
+
+    def test_a_trajectory_replaces_nothing_of_the_users(self):
+        copy = self.copy()
+        for path in (copy / "log_si.csv", copy / "images.csv"):
+            self.assertIn(path.name, self.refused("replay", copy, "--tum", path, "--force"))
+        self.file("est.truth.txt", "notes\n")
+        self.assertIn("est.truth.txt", self.refused("replay", copy, "--tum", "est.txt"))
+        self.assertIn("writes two files", self.refused("replay", copy, "--tum", "-"))
 
     def test_another_pilot_sees_the_same_pictures(self):
         answer = json.loads(self.run_it("replay", self.flight, "--json", "--set", "control.speed_mps=1.1", "--set",
@@ -235,6 +273,16 @@ class Replay(Cli):
         for given, variable in ((("--data", self.flight.parent), ""), ((), str(self.flight.parent))):
             self.assertEqual(self.run_it("replay", "flight", *given, GATEFLY_DATA=variable).returncode, 0)
         self.assertIn("no-such-folder", self.refused("replay", "flight", "--data", "no-such-folder"))
+
+    def test_what_pages_call_shared_data_is_looked_for_where_the_data_is(self):
+        result = self.run_it("replay", "../shared/data/flight", GATEFLY_DATA=str(self.flight.parent))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, f"gatefly: ../shared/data/flight: is not there, taken from {self.flight}\n")
+        self.assertIn("../shared/data/other", self.refused("replay", "../shared/data/other", GATEFLY_DATA=str(self.flight.parent)))
+
+    def test_what_pages_try_things_on_comes_with_the_program(self):
+        self.assertEqual(self.run_it("replay", "tests/replay/oval_flight").returncode, 0)
+        self.assertEqual(self.run_it("track", "tests/courses/spiral.toml").returncode, 0)
 
     def test_a_flight_with_a_fitted_colour_table_carries_it(self):
         colors = "\n".join(f"{name} = {16 * [1024 * 'h']}" for name in ("absolute", "relative"))

@@ -39,13 +39,15 @@ REDUCED = {
     "fly showroom --laps 1": IDEAL,
     "fly showroom --laps 1 --video": IDEAL,
     "fly oval --vision ideal": "",
-    "fly grandprix --config cameras/grandprix.toml": IDEAL,
-    "fly oval --config vehicles/racer.toml --vision ideal": "",
+    "fly grandprix --camera grandprix": IDEAL,
+    "fly oval --vehicle racer --vision ideal": "",
+    "fly oval --vehicle racer --speed 1.8 --vision ideal": "",
+    "fly --list": "",
     "fly mine.toml --vision ideal": "",
     "fly mine.toml": IDEAL,
     'fly oval --vision ideal --set "faults.camera_out_s=[10, 2]"': "",
-    "fly oval --set control.speed_mps=1.3": IDEAL,
-    "fly oval --set randomize.level=none": IDEAL,
+    "fly oval --speed 1.3 --out out/oval-slower": IDEAL,
+    "fly oval --set randomize.level=none --out out/oval-nominal": IDEAL,
     "fly --set control.speed_mps=1.4 --config my.toml": IDEAL,
     "campaign showroom --runs 100 --vision ideal --out out/days": ("--runs 100", "--runs 2"),
     "campaign oval --runs 40 --vision ideal": ("--runs 40", "--runs 2"),
@@ -59,6 +61,7 @@ REDUCED = {
     "replay out/mine": "",
     "replay my_flight --track mine.toml --config camera.toml": "",
     "replay tests/replay/oval_flight --csv estimates.csv": "",
+    "replay tests/replay/oval_flight --tum est.txt": "",
     "replay ../shared/data/tudelft_bebop_flights/flight_11": "",
     "replay tudelft_bebop_flights/flight_11": "",
     "identify my_flights/": "",
@@ -257,7 +260,7 @@ class Commands(unittest.TestCase):
                                       timeout=3600, check=False)
                 allowed = {0, 1} if name in MAY_END_WITH_1 else {0}
                 self.assertIn(done.returncode, allowed, f"run as: gatefly {run}\n{done.stdout[-800:]}{done.stderr[-800:]}")
-                for flag in ("--out", "--csv", "--draw", "--annotate"):
+                for flag in ("--out", "--csv", "--tum", "--draw", "--annotate"):
                     words = shlex.split(run.split(" > ")[0])
                     if flag in words:
                         self.assertTrue((folder / words[words.index(flag) + 1]).exists(), f"{flag}: not written")
@@ -269,7 +272,22 @@ def add_tests():
             setattr(Commands, f"test_{page.stem.lower()}", lambda self, page=page: self.run_page(page))
 
 
+def folder_of(command):
+    """Where a documented flight goes."""
+    words = shlex.split(command)[1:]
+    if "--out" in words:
+        return words[words.index("--out") + 1]
+    track = words[0] if words and not words[0].startswith("-") else "showroom"
+    return f"out/{pathlib.Path(track).stem}-{words[words.index('--seed') + 1] if '--seed' in words else 1}"
+
+
 class Table(unittest.TestCase):
+    def test_the_first_race_replaces_none_of_its_flights(self):
+        flights = [command for _, command in commands_of(ROOT / "docs" / "first_race.md")
+                   if command.startswith("fly ") and "--list" not in command]
+        self.assertGreater(len(flights), 3)
+        self.assertEqual(len({folder_of(command) for command in flights}), len(flights), flights)
+
     def test_every_reduced_command_is_still_documented(self):
         said = {re.sub(r"\s+>.*$", "", command) for page in pages() for _, command in commands_of(page)}
         self.assertEqual([command for command in REDUCED if command not in said], [])

@@ -84,6 +84,14 @@ class Installed(unittest.TestCase):
             self.assertTrue((elsewhere / "out" / "oval-1" / "report.html").exists())
             self.assertIn("eyes-real", run(program, "reproduce", "--list", cwd=elsewhere, env=env))
 
+    def test_what_pages_try_things_on_is_there(self):
+        elsewhere = self.folder / "samples"
+        elsewhere.mkdir()
+        program = self.prefix / "bin" / "gatefly"
+        run(program, "replay", "tests/replay/oval_flight", "--csv", "estimates.csv", cwd=elsewhere)
+        run(program, "detect", "tests/replay/oval_flight", "--config", "cameras/bebop.toml", "--csv", "found.csv", cwd=elsewhere)
+        run(program, "track", "tests/courses/spiral.toml", cwd=elsewhere)
+
     def test_what_man_shells_and_editors_read_is_there(self):
         for path in ("man/man1/gatefly.1", "bash-completion/completions/gatefly", "fish/vendor_completions.d/gatefly.fish",
                      "gatefly/schemas/track.schema.json", "gatefly/schemas/config.schema.json"):

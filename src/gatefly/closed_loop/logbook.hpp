@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "gatefly/closed_loop/consistency.hpp"
@@ -29,6 +30,9 @@ class Logbook {
   /// One in which a picture arrived, exposed around `pose`.
   void looked(const Pilot& pilot, const sim::BodyPose& pose, const sim::Sight& sight);
   void motors(const Command& command, double now);
+
+  /// Where the next gate really is in the last picture: Scorer::wanted().
+  [[nodiscard]] const std::optional<Quad>& next_gate() const { return scorer_.wanted(); }
 
   void fill(RaceResult& result) const;
   /// Of a race that is over and not finished.

@@ -186,7 +186,9 @@ class FlightIn final : public AnyFlight {
   [[nodiscard]] Tick tick() const override {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
-    return {sensors_, command_, pilot_, truth_of(arena_.simulator.body), picture, exposed, took_};
+    const auto next_gate = looks_ ? book_.next_gate() : std::nullopt;
+    return {sensors_, command_, pilot_, truth_of(arena_.simulator.body),
+            picture,  exposed,  took_,  next_gate};
   }
 
   void stop() override { result_.stop_reason = kStopped; }

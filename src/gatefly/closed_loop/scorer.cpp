@@ -56,11 +56,11 @@ void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int targ
                    const sim::Sight& scene) {
   ++frames_, careful_ += sighting.careful;
   const sim::WorldGate& gate_to_fly = world_.gates[static_cast<std::size_t>(target)];
-  const auto wanted = visible_gate(pose, gate_to_fly, &scene);
-  with_gate_ += wanted.has_value();
+  wanted_ = visible_gate(pose, gate_to_fly, &scene);
+  with_gate_ += wanted_.has_value();
   bool hit = false;
   for (const auto& detection : sighting.detections) {
-    if (wanted && !hit && overlaps(detection.corners_px, *wanted, 0.7)) {
+    if (wanted_ && !hit && overlaps(detection.corners_px, *wanted_, 0.7)) {
       hit = true;
       continue;
     }

@@ -28,6 +28,8 @@ class Scorer {
   [[nodiscard]] std::string taken_of(const sim::BodyPose& pose, const Sighting& sighting,
                                      int target) const;
 
+  /// The target in the last frame: nullopt when it was not whole or hidden.
+  [[nodiscard]] const std::optional<Quad>& wanted() const { return wanted_; }
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] int frames_with_gate() const { return with_gate_; }  ///< Target whole and unhidden.
   [[nodiscard]] int true_positives() const { return true_; }
@@ -44,6 +46,7 @@ class Scorer {
  private:
   sim::World world_;
   sim::CameraTruth camera_;
+  std::optional<Quad> wanted_;
   int frames_ = 0, with_gate_ = 0, true_ = 0, false_ = 0, careful_ = 0;
 };
 

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iomanip>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "gatefly/config/check_config.hpp"
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/faults.hpp"
+#include "gatefly/config/key_names.hpp"
 #include "gatefly/config/randomize.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/shipped_files.hpp"
@@ -23,14 +22,6 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<std::string> key_names() {
-  std::vector<std::string> names{"randomize.level"};
-  for (const auto& key : config_keys()) names.push_back(key.rule.name);
-  for (const auto& key : randomize_keys()) names.push_back(key.rule.name);
-  for (const auto& key : fault_keys()) names.push_back(key.rule.name);
-  return names;
-}
-
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t");
   return first == std::string::npos ? ""
@@ -41,30 +32,6 @@ std::vector<std::string> section_names() {
   std::set<std::string> sections;
   for (const std::string& name : key_names()) sections.insert(name.substr(0, name.find('.')));
   return {sections.begin(), sections.end()};
-}
-
-/// What somebody who wrote `name` meant: the key of that name in another section, or of a like name
-/// in this one, or any like it.
-std::string key_suggestion(const std::string& name) {
-  constexpr std::size_t kLongest = 100;  // nobody meant one of ours by a longer one
-  if (name.size() > kLongest) return ", gatefly config --show lists them all";
-  const auto section = name.substr(0, name.find('.') + 1);  // "" when there is none
-  const std::string last = name.substr(section.size());
-  std::vector<std::string> same, beside;
-  for (const std::string& key : key_names()) {
-    if (key.substr(key.find('.') + 1) == last) same.push_back(key);
-    if (!section.empty() && key.starts_with(section)) beside.push_back(key.substr(section.size()));
-  }
-  if (!same.empty()) return ", did you mean '" + nearest(name, same) + "'?";
-  // speed for speed_mps: the beginning, without the unit
-  std::vector<std::string> longer;
-  for (const std::string& key : beside)
-    if (!last.empty() && key.starts_with(last + "_")) longer.push_back(key);
-  if (!longer.empty()) return ", did you mean '" + section + nearest(last, longer) + "'?";
-  if (!suggestion(last, beside).empty())
-    return ", did you mean '" + section + nearest(last, beside) + "'?";
-  const std::string any = beside.empty() ? suggestion(name, key_names()) : "";
-  return any.empty() ? ", gatefly config --show lists them all" : any;
 }
 
 /// A file named in another is looked for beside it; named by --set (file ""), where it says.
@@ -236,18 +203,6 @@ void check(const Config& c) {
                              ", must be 0, 90, 180 or 270");
 }
 
-/// As a configuration file has it: whole, with every digit, where a message would cut it.
-std::string written(const json& value) {
-  if (value.is_number_float()) return text_of(value.get<double>());
-  if (value.is_array()) {
-    std::vector<std::string> items;
-    for (const json& item : value) items.push_back(written(item));
-    return "[" + joined(items) + "]";
-  }
-  return value.is_string() ? value.dump(-1, ' ', false, json::error_handler_t::replace)
-                           : shown(value);
-}
-
 void read_color_table(Config& c) {
   if (c.gate.color_table.empty()) return;
   try {
@@ -289,41 +244,8 @@ void check_config(const std::string& content, const std::string& name) {
 
 std::vector<std::filesystem::path> config_files(std::span<const std::string> names) {
   std::vector<std::filesystem::path> files{find_toml("default", "configs")};
-  for (const std::string& name : names) files.push_back(find_toml(name, "configs"));
+  for (const std::string& name : names) files.push_back(find_config(name));
   return files;
-}
-
-std::string show(const Config& config) {
-  std::ostringstream text;
-  std::string section;
-  const auto line = [&](const KeyRule& rule, const std::string& value, const std::string& source,
-                        const std::string& before = "") {
-    const std::string& name = rule.name;
-    const auto dot = name.find('.');
-    if (name.substr(0, dot) != section) {
-      text << (section.empty() ? "" : "\n") << '[' << (section = name.substr(0, dot)) << "]\n";
-    }
-    const auto set_by = config.set_by.find(name);
-    const std::string unit = unit_of(name);
-    text << std::left << std::setw(28) << before + name.substr(dot + 1) << " = " << std::setw(22)
-         << value << "  # " << (unit.empty() ? "" : unit + ", ") << rule.what << "; "
-         << (set_by == config.set_by.end() ? "default: " + source : "set by " + set_by->second)
-         << '\n';
-  };
-  for (const auto& key : config_keys()) line(key.rule, written(key.get(config)), key.rule.source);
-  const auto line_or_track = [&](const KeyRule& rule) {
-    const bool is_fault = rule.name.starts_with("faults.");
-    const json& over = is_fault ? config.faults : config.randomize;
-    const std::string key = rule.name.substr(rule.name.find('.') + 1);
-    if (over.contains(key))
-      line(rule, written(over[key]), "");
-    else
-      line(rule, "\"track's\"", "the track file's", "# ");
-  };
-  line_or_track(randomize_level_rule());
-  for (const auto& key : randomize_keys()) line_or_track(key.rule);
-  for (const auto& key : fault_keys()) line_or_track(key.rule);
-  return text.str();
 }
 
 json as_json(const Config& config) {

@@ -6,31 +6,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "gatefly/config/allowed_values.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
 namespace gatefly::io {
 namespace {
-
-std::string allowed(const KeyRule& rule) {
-  const std::string range = text_of(rule.low) + ".." + text_of(rule.high);
-  switch (rule.kind) {
-    case KeyRule::Kind::kNumber:
-      return "a number in " + range;
-    case KeyRule::Kind::kInteger:
-      return "a whole number in " + range;
-    case KeyRule::Kind::kNumbers:
-      return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") +
-             range;
-    case KeyRule::Kind::kNumberOrList:
-      return "a number or a list of at most " + std::to_string(rule.count) + ", in " + range;
-    case KeyRule::Kind::kFile:
-      return "the name of a file, or \"\" for none";
-    case KeyRule::Kind::kText:
-      break;
-  }
-  return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
-}
 
 // 315.0 is as whole as 315.
 bool is_whole(const nlohmann::json& value) {
@@ -71,10 +52,30 @@ bool fits(const KeyRule& rule, const nlohmann::json& value) {
 
 }  // namespace
 
+std::string allowed_values(const KeyRule& rule) {
+  const std::string range = text_of(rule.low) + ".." + text_of(rule.high);
+  switch (rule.kind) {
+    case KeyRule::Kind::kNumber:
+      return "a number in " + range;
+    case KeyRule::Kind::kInteger:
+      return "a whole number in " + range;
+    case KeyRule::Kind::kNumbers:
+      return std::to_string(rule.count) + (rule.whole ? " whole numbers in " : " numbers in ") +
+             range;
+    case KeyRule::Kind::kNumberOrList:
+      return "a number or a list of at most " + std::to_string(rule.count) + ", in " + range;
+    case KeyRule::Kind::kFile:
+      return "the name of a file, or \"\" for none";
+    case KeyRule::Kind::kText:
+      break;
+  }
+  return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
+}
+
 nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value, const std::string& where) {
   if (!fits(rule, value))
     throw std::runtime_error(where + ": " + rule.name + " = " + shown(value) + ", must be " +
-                             allowed(rule));
+                             allowed_values(rule));
   return value;
 }
 

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <iomanip>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/config/shown_keys.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/toml_file.hpp"
 
@@ -23,6 +25,14 @@ std::string line(const std::string& name, const std::string& value, const std::s
   text << std::left << std::setw(38) << (left_out ? "# " : "") + name + " = " + value << "  # "
        << what << '\n';
   return text.str();
+}
+
+/// Of configs/default.toml the keys that are wanted.
+template <class Wanted>
+std::string file_with(const Wanted& wanted) {
+  std::vector<ShownKey> keys = shown_keys(load_config(config_files({})));
+  std::erase_if(keys, [&](const ShownKey& key) { return !wanted(key.name); });
+  return as_file(keys);
 }
 
 std::string section_lines(std::string_view section) {
@@ -134,15 +144,29 @@ std::string new_track() {
 }
 
 std::string new_config(const std::string& section) {
-  const Config config = load_config(config_files({}));
-  std::istringstream all{show(config)};
-  std::string text, now;
-  for (std::string each; std::getline(all, each);) {
-    if (each.starts_with('[')) now = each.substr(1, each.find(']') - 1);
-    if (section.empty() || now == section) text += each + '\n';
-  }
-  if (!section.empty()) text.erase(text.find_last_not_of('\n') + 1) += '\n';
-  return text;
+  return file_with(
+      [&](const std::string& key) { return section.empty() || key.starts_with(section + "."); });
+}
+
+std::string new_vehicle() {
+  static const std::set<std::string> of_a_vehicle{"sim.size_m",
+                                                  "sim.propeller_radius_m",
+                                                  "sim.rotor_time_constant_ms",
+                                                  "sim.rotor_drag_per_s",
+                                                  "sim.body_drag_per_m",
+                                                  "sim.inertia_ratio",
+                                                  "sim.air_moment_nms_per_m",
+                                                  "sim.battery_capacity_ah",
+                                                  "sim.battery_full_v",
+                                                  "sim.battery_empty_v",
+                                                  "sim.battery_resistance_ohm",
+                                                  "sim.hover_power_w",
+                                                  "sim.electronics_power_w",
+                                                  "sim.sag_time_s",
+                                                  "filter.drag_per_s"};
+  return file_with([](const std::string& key) {
+    return key.starts_with("vehicle.") || of_a_vehicle.contains(key);
+  });
 }
 
 }  // namespace gatefly::io

@@ -34,4 +34,8 @@ inline constexpr std::size_t kMaxGates = 200, kMaxObstacles = 1000;
 /// configs/default.toml's values with every key explained; of one [section] when it is not "".
 [[nodiscard]] std::string new_config(const std::string& section = "");
 
+/// The same of a vehicle: [vehicle], what the simulator takes for true of it, the pilot's idea of
+/// its drag.
+[[nodiscard]] std::string new_vehicle();
+
 }  // namespace gatefly::io

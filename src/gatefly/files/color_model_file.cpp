@@ -24,7 +24,7 @@ char letter_of(int value) {
   return kLetters[static_cast<std::size_t>(std::clamp(steps + kZero, 0, 63))];
 }
 
-std::string text_of(const std::string& name, const Values& values) {
+std::string toml_line(const std::string& name, const Values& values) {
   std::string text = name + " = [\n";
   for (std::size_t row = 0; row < ColorModel::kLuma; ++row) {
     text += "  \"";
@@ -58,7 +58,7 @@ std::string color_model_text(const ColorModel& model, const std::string& about) 
          "configuration.\nversion = " +
          std::to_string(kVersion) + "\nabout = " +
          nlohmann::json(about).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
-         "\n" + text_of("absolute", model.absolute) + text_of("relative", model.relative);
+         "\n" + toml_line("absolute", model.absolute) + text_of("relative", model.relative);
 }
 
 ColorModel read_color_model(const std::filesystem::path& path) {

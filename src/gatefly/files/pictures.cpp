@@ -59,9 +59,18 @@ fs::path find_data(const fs::path& path, const std::string& data) {
   std::error_code error;
   if (!data.empty() && !fs::is_directory(data, error))
     throw std::runtime_error("--data " + data + ": there is no such folder");
-  if (path.is_absolute() || fs::exists(path, error)) return path;
+  if (path.empty() || path.is_absolute() || fs::exists(path, error)) return path;
   const fs::path folder = !data.empty() ? fs::path{data} : data_folder();
-  return fs::exists(folder / path, error) ? folder / path : path;
+  for (const fs::path& candidate : {folder / path, folder / below_shared_data(path)})
+    if (fs::exists(candidate, error)) return candidate;
+  const fs::path shipped = shipped_dir();
+  return !shipped.empty() && fs::exists(shipped / path, error) ? shipped / path : path;
+}
+
+fs::path below_shared_data(const fs::path& path) {
+  const fs::path shared{"../shared/data"};
+  const fs::path inside = path.lexically_normal().lexically_relative(shared);
+  return inside.empty() || *inside.begin() == ".." ? path : inside;
 }
 
 }  // namespace gatefly::io

@@ -17,11 +17,15 @@ namespace gatefly::io {
 /// mean; "" when there are none, or the path is no folder.
 [[nodiscard]] std::string left_out_of(const std::filesystem::path& path);
 
-/// A path as it is given, when it is there; else below the folder of real data, when it is there.
+/// A path as it is given, when it is there; else below the folder of real data, "../shared/data/X" as
+/// X; else in what gatefly comes with ("tests/replay/oval_flight").
 ///
 /// Real data: `data` if not empty, else $GATEFLY_DATA, else the sibling folder ../shared/data.
 /// @throws std::runtime_error `data` is given, but no folder.
 [[nodiscard]] std::filesystem::path find_data(const std::filesystem::path& path,
                                               const std::string& data);
+
+/// X of "../shared/data/X", which is what pages call the folder of real data; other paths as they are.
+[[nodiscard]] std::filesystem::path below_shared_data(const std::filesystem::path& path);
 
 }  // namespace gatefly::io

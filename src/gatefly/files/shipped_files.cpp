@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdlib>
+#include <optional>
 #include <set>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -45,6 +47,55 @@ std::vector<fs::path> share_folders() {
   return folders;
 }
 
+const fs::path& shipped() {
+  static const fs::path folder = shipped_dir();
+  return folder;
+}
+
+/// Where names of a folder are looked for: here first.
+std::vector<fs::path> places_of(const std::string& folder) {
+  std::vector<fs::path> places{fs::path{folder}};
+  if (!shipped().empty()) places.push_back(shipped() / folder);
+  return places;
+}
+
+/// A file by its path, here or in what gatefly comes with ("cameras/bebop.toml").
+std::optional<fs::path> by_path(const std::string& name) {
+  std::error_code error;
+  if (fs::is_regular_file(name, error)) return name;
+  if (!shipped().empty() && fs::is_regular_file(shipped() / name, error)) return shipped() / name;
+  return std::nullopt;
+}
+
+std::optional<fs::path> by_name(const std::string& name, const std::string& folder) {
+  std::error_code error;
+  for (const fs::path& place : places_of(folder))
+    if (const fs::path file = place / (name + ".toml"); fs::is_regular_file(file, error))
+      return file;
+  return std::nullopt;
+}
+
+/// What is no regular file: a pipe such as bash's <(...), or a device; a link to nowhere is nothing.
+/// @throws std::runtime_error saying which names there are.
+fs::path other_file(const std::string& name, std::span<const std::string> folders) {
+  std::error_code error;
+  const fs::file_status status = fs::status(name, error);
+  if (fs::is_directory(status)) throw std::runtime_error(name + ": is a folder, not a file");
+  if (fs::exists(status)) return name;
+  std::vector<std::string> names;
+  for (const std::string& folder : folders) {
+    const auto here = toml_names(folder);
+    names.insert(names.end(), here.begin(), here.end());
+  }
+  throw std::runtime_error(
+      (name.empty() ? "\"\"" : name) + ": no such file, nor a name in " + joined(folders, "/, ") +
+      "/ (there are: " + joined(names) + ")" + suggestion(name, names) +
+      (shipped().empty() ? "; the files that gatefly comes with are missing: no "
+                           "share/gatefly above " +
+                               this_binary().string() + " or in $XDG_DATA_DIRS"
+                         : ""));
+}
+
 }  // namespace
 
 fs::path shipped_dir() {
@@ -68,34 +119,31 @@ fs::path data_folder() {
   return variable != nullptr ? variable : "../shared/data";
 }
 
-fs::path find_toml(const std::string& name, const std::string& folder) {
+std::vector<std::string> toml_names(const std::string& folder) {
   std::error_code error;
-  if (fs::is_regular_file(name, error)) return name;
-
-  static const fs::path shipped = shipped_dir();
-  std::vector<fs::path> places{fs::path{folder}};
-  if (!shipped.empty()) {
-    if (fs::is_regular_file(shipped / name, error)) return shipped / name;  // cameras/bebop.toml
-    places.push_back(shipped / folder);
-  }
   std::set<std::string> names;
-  for (const fs::path& place : places) {
-    const fs::path candidate = place / (name + ".toml");
-    if (fs::is_regular_file(candidate, error)) return candidate;
+  for (const fs::path& place : places_of(folder))
     for (const auto& entry : fs::directory_iterator(place, error))
       if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
-  }
-  // Not a folder: a pipe such as bash's <(...), or a device. A link to nowhere does not exist.
-  const fs::file_status status = fs::status(name, error);
-  if (fs::is_directory(status)) throw std::runtime_error(name + ": is a folder, not a file");
-  if (fs::exists(status)) return name;
-  const std::vector<std::string> list{names.begin(), names.end()};
-  throw std::runtime_error((name.empty() ? "\"\"" : name) + ": no such file, nor a name in " +
-                           folder + "/ (there are: " + joined(list) + ")" + suggestion(name, list) +
-                           (shipped.empty() ? "; the files that gatefly comes with are missing: no "
-                                              "share/gatefly above " +
-                                                  this_binary().string() + " or in $XDG_DATA_DIRS"
-                                            : ""));
+  return {names.begin(), names.end()};
+}
+
+fs::path find_toml(const std::string& name, const std::string& folder) {
+  if (const auto file = by_path(name)) return *file;
+  if (const auto file = by_name(name, folder)) return *file;
+  return other_file(name, std::vector{folder});
+}
+
+fs::path find_config(const std::string& name) {
+  if (const auto file = by_path(name)) return *file;
+  if (const auto file = by_name(name, "configs")) return *file;
+  const auto camera = by_name(name, "cameras"), vehicle = by_name(name, "vehicles");
+  if (camera && vehicle)
+    throw std::runtime_error(name + ": is a camera and a vehicle; say cameras/" + name +
+                             ".toml or vehicles/" + name + ".toml");
+  if (camera) return *camera;
+  if (vehicle) return *vehicle;
+  return other_file(name, std::vector<std::string>{"configs", "cameras", "vehicles"});
 }
 
 }  // namespace gatefly::io

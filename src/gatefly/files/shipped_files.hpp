@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 // What gatefly comes with (tracks, configurations, cameras, vehicles, the report's page), and the folders it uses.
 namespace gatefly::io {
@@ -23,5 +24,12 @@ namespace gatefly::io {
 /// `folder`: ./folder first, then what gatefly comes with.
 /// @throws std::runtime_error listing the names there are.
 [[nodiscard]] std::filesystem::path find_toml(const std::string& name, const std::string& folder);
+
+/// A configuration by its path, or by its name in configs/, else in cameras/ or vehicles/.
+/// @throws std::runtime_error listing the names there are; or naming both when two are meant.
+[[nodiscard]] std::filesystem::path find_config(const std::string& name);
+
+/// The names that find_toml() finds in a folder, sorted.
+[[nodiscard]] std::vector<std::string> toml_names(const std::string& folder);
 
 }  // namespace gatefly::io

@@ -133,6 +133,26 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   return samples;
 }
 
+/// All corners of the next gate, or none.
+class NextGate {
+ public:
+  explicit NextGate(const Csv& csv) {
+    for (const char* name : kNextGateColumns) columns_.emplace_back(csv, name);
+  }
+  [[nodiscard]] std::optional<Quad> at(std::size_t row) const {
+    Quad quad;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const auto value = columns_[i].at(row);
+      if (!value) return std::nullopt;
+      quad[i / 2][static_cast<Eigen::Index>(i % 2)] = *value;
+    }
+    return quad;
+  }
+
+ private:
+  std::vector<Column> columns_;
+};
+
 /// A picture arrives in its row: exactly so in our own flights, which tell nanoseconds.
 void expect_at_its_row(const Csv& csv, std::size_t i, nanoseconds time, nanoseconds row_time) {
   const nanoseconds most = csv.has("t_ns") ? nanoseconds{0} : nanoseconds{100'000'000};
@@ -153,6 +173,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
   const std::vector<nanoseconds> times = times_of(csv);
   const auto hashes =
       csv.has("xxh64") ? csv.texts("xxh64") : std::vector<std::string>(names.size());
+  const NextGate next_gate(csv);
 
   std::vector<FlightImage> images;
   std::set<std::string> known;
@@ -175,7 +196,8 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
     images.push_back({.path = directory / name,
                       .time = times[i],
                       .log_row = static_cast<std::size_t>(row),
-                      .xxh64 = hash});
+                      .xxh64 = hash,
+                      .next_gate_px = next_gate.at(i)});
     if (i > 0 && images[i].log_row < images[i - 1].log_row)
       throw std::runtime_error(csv.place(i) + ": log_row runs backwards");
     expect_at_its_row(csv, i, times[i], samples[images[i].log_row].time);

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/detection/quad.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sensing/imu.hpp"
 
@@ -42,6 +43,9 @@ struct FlightImage {
   std::chrono::nanoseconds time{0};  ///< Of arrival: the time of its log row in our own flights.
   std::size_t log_row = 0;           ///< From 0: the sample in whose tick it arrives.
   std::optional<std::uint64_t> xxh64 = std::nullopt;  ///< Of its bytes as stored; our own flights.
+  /// Where the next gate's corners really are in it [px, upright], where it shows that gate whole and
+  /// unhidden; our own flights.
+  std::optional<Quad> next_gate_px = std::nullopt;
 };
 
 struct FlightFolder {
@@ -50,6 +54,12 @@ struct FlightFolder {
   std::vector<FlightSample> samples;  ///< Ascending in time.
   std::vector<FlightImage> images;    ///< Ascending in log_row.
 };
+
+/// Columns of images.csv that say where the next gate really is: top left, top right, bottom right,
+/// bottom left.
+inline constexpr std::array<const char*, 8> kNextGateColumns{
+    "next_tl_u_px", "next_tl_v_px", "next_tr_u_px", "next_tr_v_px",
+    "next_br_u_px", "next_br_v_px", "next_bl_u_px", "next_bl_v_px"};
 
 /// The frames of a flight in one film without loss.
 inline constexpr const char* kFrameFilm = "frames.mkv";

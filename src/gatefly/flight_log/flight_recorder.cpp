@@ -77,6 +77,15 @@ std::vector<std::uint8_t> planes_of(std::span<const std::uint8_t> uyvy) {
   return planes;
 }
 
+/// ",u,v" of each corner; empty cells where the next gate is not shown whole.
+std::string corners_of(const std::optional<Quad>& gate) {
+  if (!gate) return std::string(kNextGateColumns.size(), ',');
+  std::string cells;
+  for (const Eigen::Vector2d& corner : *gate)
+    cells += "," + text_of(corner.x()) + "," + text_of(corner.y());
+  return cells;
+}
+
 /// A folder that may be replaced: not where we are, and not somebody else's.
 fs::path checked(fs::path out) {
   std::error_code error;
@@ -115,7 +124,9 @@ FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
   detections_.open(folder_.path() / "detections.csv", std::ios::binary);
   buffer_.reserve(kPiece + 4096);
   buffer_ = kHeader;
-  images_ << "image,t_s,log_row,t_ns,xxh64\n";
+  images_ << "image,t_s,log_row,t_ns,xxh64";
+  for (const char* column : kNextGateColumns) images_ << ',' << column;
+  images_ << '\n';
   detections_ << detections_header();
   check(keep.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
   check(images_.good(), "images.csv");
@@ -207,7 +218,7 @@ void FlightRecorder::record_frame(const Tick& tick) {
   std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
   if (film_) film_->add(planes_of(tick.frame));
   images_ << name.data() << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count()
-          << ',' << text_of_xxh64(xxh64(tick.frame)) << '\n';
+          << ',' << text_of_xxh64(xxh64(tick.frame)) << corners_of(tick.next_gate_px) << '\n';
   check(images_.good(), "images.csv");
 
   int rank = 0;

@@ -30,6 +30,9 @@ struct Tick {
   std::optional<double> exposed = std::nullopt;
   /// Wall-clock of the pilot's step [s]; not the same in two flights of one seed.
   std::optional<double> took = std::nullopt;
+  /// Where the next gate's corners really are in what the pilot sees now [px, upright]; nothing
+  /// unless it shows the gate whole and unhidden.
+  std::optional<Quad> next_gate_px = std::nullopt;
 };
 
 }  // namespace gatefly

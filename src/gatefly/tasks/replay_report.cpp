@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/tasks/replay_report.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -81,6 +82,23 @@ std::optional<Rate> against_geometry(const RecordedFlight& flight,
   return rate;
 }
 
+std::optional<Rate> against_next_gate(const RecordedFlight& flight,
+                                      const flight_log::ReplayResult& result) {
+  constexpr double kPart = 0.7;  // of both areas, as closed_loop/scorer counts
+  Rate rate;
+  for (const auto& row : result.pictures) {
+    const auto& gate = flight.folder.images[row.picture].next_gate_px;
+    if (!gate) continue;
+    ++rate.shown;
+    const auto& detections = row.sighting.detections;
+    rate.found += std::any_of(detections.begin(), detections.end(), [&](const auto& detection) {
+      return overlaps(detection.corners_px, *gate, kPart);
+    });
+  }
+  if (rate.shown == 0) return std::nullopt;
+  return rate;
+}
+
 std::optional<Comparison> compared(const RecordedFlight& flight, const ReplayArguments& arguments,
                                    const flight_log::ReplayResult& result) {
   const auto& samples = flight.folder.samples;
@@ -134,6 +152,7 @@ ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& argu
   ReplayReport report;
   report.labelled = against_labels(flight, result);
   report.visible = against_geometry(flight, result, arguments.heading_offset_deg * kDegree);
+  report.next_gate = against_next_gate(flight, result);
   report.comparison = compared(flight, arguments, result);
   report.why_no_fix = why_no_fix(result);
   report.other_pictures = other_pictures(flight, result.hashes);
@@ -158,12 +177,15 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
                       {"rmse_samples", result.rmse_samples},
                       {"labelled", nullptr},
                       {"visible", nullptr},
+                      {"next_gate", nullptr},
                       {"same_as_recorded", nullptr}};
   if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
   if (report.labelled)
     json["labelled"] = {{"shown", report.labelled->shown}, {"found", report.labelled->found}};
   if (report.visible)
     json["visible"] = {{"shown", report.visible->shown}, {"found", report.visible->found}};
+  if (report.next_gate)
+    json["next_gate"] = {{"shown", report.next_gate->shown}, {"found", report.next_gate->found}};
   if (report.comparison) json["same_as_recorded"] = !report.comparison->first_other;
   if (report.comparison && report.comparison->first_other)
     json["first_difference_row"] = *report.comparison->first_other;

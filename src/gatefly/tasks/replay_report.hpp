@@ -31,6 +31,9 @@ struct ReplayReport {
   /// Against the geometry: where true position, the log's own attitude and the measured gate say
   /// that the whole gate is in the picture.
   std::optional<Rate> visible;
+  /// As `gatefly fly` counts: pictures that show the recorded pilot's next gate whole, and of them
+  /// those in which it was found now. Where images.csv says where it is: in our own flights.
+  std::optional<Rate> next_gate;
   std::optional<Comparison> comparison;  ///< Where the log has the recorded pilot's estimates.
   std::string why_no_fix;                ///< Many gates and no fix: why; "" where all is well.
   std::string pictures_from;             ///< "files", "film", "rendered", "none".

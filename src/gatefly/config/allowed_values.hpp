@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "gatefly/config/schema.hpp"
+
+namespace gatefly::io {
+
+/// What a key may hold, in words: "a whole number in 1..100", "one of "full", "fast"".
+[[nodiscard]] std::string allowed_values(const KeyRule& rule);
+
+}  // namespace gatefly::io
