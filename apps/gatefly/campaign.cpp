@@ -47,7 +47,7 @@ struct Shard {
   std::uint64_t index = 1, count = 1;
 };
 
-constexpr std::uint64_t kMostShards = 1'000'000;  // as --runs
+constexpr std::uint64_t kMostParts = 1'000'000;  // as --runs
 
 Shard shard_of(const std::string& text) {
   if (text.empty()) return {};
@@ -55,10 +55,10 @@ Shard shard_of(const std::string& text) {
   char slash = '\0', rest = '\0';
   std::istringstream stream(text);
   if (!(stream >> shard.index >> slash >> shard.count) || slash != '/' || stream >> rest ||
-      shard.index < 1 || shard.index > shard.count || shard.count > kMostShards ||
+      shard.index < 1 || shard.index > shard.count || shard.count > kMostParts ||
       text.find('-') != std::string::npos)
     throw std::runtime_error("--shard " + text + ": must be i/n with 1 <= i <= n <= " +
-                             std::to_string(kMostShards) + ", e.g. 2/5");
+                             std::to_string(kMostParts) + ", e.g. 2/5");
   return shard;
 }
 

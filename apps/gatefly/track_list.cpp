@@ -17,15 +17,15 @@ namespace gatefly::cli {
 namespace {
 
 /// A track as the list has it; `wrong` when it cannot be read.
-struct Listed {
+struct ShippedTrack {
   std::string name, wrong;
   int gates = 0, laps = 0;
   Eigen::Vector3d room = Eigen::Vector3d::Zero();
   std::string camera;  ///< Made for it; else the configuration's own does.
 };
 
-Listed listed(const std::string& name, const std::vector<std::string>& cameras) {
-  Listed track{.name = name, .wrong = {}, .camera = {}};
+ShippedTrack listed(const std::string& name, const std::vector<std::string>& cameras) {
+  ShippedTrack track{.name = name, .wrong = {}, .camera = {}};
   try {
     const io::TrackFile file = io::read_track(io::find_track(name));
     track.gates = static_cast<int>(file.track.gates.size());
@@ -38,19 +38,19 @@ Listed listed(const std::string& name, const std::vector<std::string>& cameras) 
   return track;
 }
 
-std::string size_of(const Listed& track) {
+std::string size_of(const ShippedTrack& track) {
   return io::text_of(track.room.x(), 3) + " x " + io::text_of(track.room.y(), 3) + " x " +
          io::text_of(track.room.z(), 3);
 }
 
-void print(const std::vector<Listed>& tracks, const std::string& camera) {
+void print(const std::vector<ShippedTrack>& tracks, const std::string& camera) {
   const auto line = [](const std::string& name, const std::string& gates, const std::string& laps,
                        const std::string& room, const std::string& with) {
     std::cout << std::left << std::setw(16) << name << std::right << std::setw(5) << gates
               << std::setw(6) << laps << "  " << std::left << std::setw(18) << room << with << '\n';
   };
   line("track", "gates", "laps", "room [m]", "camera");
-  for (const Listed& track : tracks) {
+  for (const ShippedTrack& track : tracks) {
     if (track.wrong.empty())
       line(track.name, std::to_string(track.gates), std::to_string(track.laps), size_of(track),
            camera + (track.camera.empty() ? "" : "; made for --camera " + track.camera));
@@ -60,9 +60,9 @@ void print(const std::vector<Listed>& tracks, const std::string& camera) {
   }
 }
 
-nlohmann::ordered_json as_json(const std::vector<Listed>& tracks, const std::string& camera) {
+nlohmann::ordered_json as_json(const std::vector<ShippedTrack>& tracks, const std::string& camera) {
   auto list = nlohmann::ordered_json::array();
-  for (const Listed& track : tracks) {
+  for (const ShippedTrack& track : tracks) {
     nlohmann::ordered_json json{{"name", track.name}};
     if (track.wrong.empty()) {
       json["gates"] = track.gates;
@@ -86,7 +86,7 @@ int list_tracks(const CommonOptions& options, bool json) {
   const std::string camera =
       named == config.set_by.end() ? "bebop" : named->second.substr(0, named->second.rfind(':'));
   const auto cameras = io::toml_names("cameras");
-  std::vector<Listed> tracks;
+  std::vector<ShippedTrack> tracks;
   for (const std::string& name : io::toml_names("tracks")) tracks.push_back(listed(name, cameras));
   if (json)
     std::cout << as_json(tracks, camera).dump(2) << '\n';

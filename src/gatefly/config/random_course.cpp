@@ -145,7 +145,7 @@ std::string heading_line(double heading) {
   return "heading_deg = " + fixed(std::round(heading / kDegree) + 0.0, 1) + "\n";
 }
 
-std::string text_of(const Course& course, std::uint64_t seed) {
+std::string track_text(const Course& course, std::uint64_t seed) {
   const Track& track = course.track;
   std::string text = "# A course drawn at random: gatefly new track --random " +
                      std::to_string(seed) +
@@ -176,7 +176,7 @@ std::string text_of(const Course& course, std::uint64_t seed) {
 std::string random_course(std::uint64_t seed) {
   Dice dice{seed};
   for (int tries = 0; tries < 10000; ++tries)
-    if (const auto course = drawn(dice)) return text_of(*course, seed);
+    if (const auto course = drawn(dice)) return track_text(*course, seed);
   throw std::logic_error("random_course: no valid course in 10000 draws");
 }
 

@@ -58,7 +58,7 @@ std::string color_model_text(const ColorModel& model, const std::string& about) 
          "configuration.\nversion = " +
          std::to_string(kVersion) + "\nabout = " +
          nlohmann::json(about).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
-         "\n" + toml_line("absolute", model.absolute) + text_of("relative", model.relative);
+         "\n" + toml_line("absolute", model.absolute) + toml_line("relative", model.relative);
 }
 
 ColorModel read_color_model(const std::filesystem::path& path) {
