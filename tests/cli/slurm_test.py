@@ -5,34 +5,9 @@
 usage: slurm_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import os
+import shutil
 
-from program import Cli, main
-
-# Understands of sbatch's command line what is asked of it; SBATCH_SKIPS names an array task that is lost.
-SBATCH = """#!/bin/bash
-set -u
-array= script=
-for word; do
-  case "$word" in
-    --version) echo "slurm-wlm 22.05.8"; exit 0 ;;
-    --array=*) array=${word#--array=} ;;
-    --chdir=*) cd "${word#--chdir=}" ;;
-    --*) ;;
-    *) script=$word ;;
-  esac
-done
-echo "$*" >> "$SBATCH_LOG"
-[[ $array == *-* ]] && array=$(seq -s, "${array%-*}" "${array#*-}")
-if [[ -n $array ]]; then
-  for task in ${array//,/ }; do
-    [[ ${SBATCH_SKIPS:-} == "$task" ]] || SLURM_ARRAY_TASK_ID=$task bash "$script" >> "$SBATCH_LOG" 2>&1
-  done
-else
-  bash "$script" >> "$SBATCH_LOG" 2>&1
-fi
-wc -l < "$SBATCH_LOG"
-"""
-
+from program import ROOT, Cli, main
 
 class Slurm(Cli):
     FLIGHTS = ("campaign", "oval", "--vision", "ideal", "--laps", "1", "--runs", "5", "--first-seed", "11")
@@ -41,8 +16,7 @@ class Slurm(Cli):
         super().setUp()
         programs = self.folder / "bin"
         programs.mkdir()
-        (programs / "sbatch").write_text(SBATCH)
-        (programs / "sbatch").chmod(0o755)
+        shutil.copy(ROOT / "tests" / "support" / "sbatch", programs)
         self.slurm = {"PATH": f"{programs}:{os.environ['PATH']}", "SBATCH_LOG": str(self.folder / "sbatch.log")}
 
     def answer(self, *arguments, **variables):

@@ -73,6 +73,9 @@ REDUCED = {
     "calibrate --from camchain.yaml --camera cam0 --out camera.toml": "",
     "calibrate --from camera.toml --to ros --out camera_info.yaml": "",
     "calibrate pictures/ --pattern 9x6 --square-m 0.03 --zero k3 --model brown-conrady --to kalibr --out kalibr.yaml": "",
+    "campaign oval --runs 24 --first-seed 1 --slurm 8 --out out/big": ("--runs 24 --first-seed 1 --slurm 8",
+                                                                            "--runs 2 --first-seed 1 --slurm 2 --laps 1 " + IDEAL),
+    "campaign --resume out/big": "",
     "bench --quick": ("--quick", "--quick --stage snakes --pictures gate"),
 }
 # Of the script ./gatefly alone; CI itself runs the first, tests/install what the second makes.
@@ -198,6 +201,7 @@ class Reader:
         shutil.copy(self.frame, folder / "photo.jpg")
         (folder / "my.toml").write_text("[camera]\nlatency_ms = 25\n")
         (folder / "gatefly").symlink_to(GATEFLY)
+        (folder / "sbatch").symlink_to(ROOT / "tests" / "support" / "sbatch")  # no cluster here
         for name in ("tests", "tracks", "cameras"):
             (folder / name).symlink_to(ROOT / name)
         # what an earlier page has made, where this one does not make it
