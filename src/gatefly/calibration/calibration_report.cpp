@@ -81,7 +81,7 @@ void write_counts(std::ostream& out, const Calibration& answer, const Boards& bo
       << fixed(100.0 * answer.coverage, 0) << " % of the way to the picture's corners\n\n";
 }
 
-Json parameters_of(const ModelResult& result) {
+Json parameters_json(const ModelResult& result) {
   Json parameters = Json::object();
   const auto names = parameter_names(result.fit.model);
   for (std::size_t p = 0; p < names.size(); ++p) {
@@ -99,7 +99,7 @@ Json models_of(const Calibration& answer) {
     models.push_back({{"model", name_of(result.fit.model)},
                       {"rms_px", number(result.rms_px)},
                       {"held_out_px", number(result.held_out_px)},
-                      {"parameters", parameters_of(result)},
+                      {"parameters", parameters_json(result)},
                       {"failure", result.failure}});
   return models;
 }

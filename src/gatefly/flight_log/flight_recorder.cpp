@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kPiece = 1 << 20;  // [bytes]
 
-constexpr const char* kHeader =
+constexpr const char* kLogHeader =
     "t_ns,t_s,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2,sonar_m,baro_"
     "m,"
     "ot_x_m,ot_y_m,ot_z_m,ot_vx_mps,ot_vy_mps,ot_vz_mps,true_roll_rad,true_pitch_rad,true_yaw_rad,"
@@ -123,7 +123,7 @@ FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
   images_.open(folder_.path() / "images.csv", std::ios::binary);
   detections_.open(folder_.path() / "detections.csv", std::ios::binary);
   buffer_.reserve(kPiece + 4096);
-  buffer_ = kHeader;
+  buffer_ = kLogHeader;
   images_ << "image,t_s,log_row,t_ns,xxh64";
   for (const char* column : kNextGateColumns) images_ << ',' << column;
   images_ << '\n';

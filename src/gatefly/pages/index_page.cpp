@@ -63,10 +63,10 @@ std::string address_of(const std::string& path) {
 
 /// A member of an object that may be anything.
 const nlohmann::json& at(const nlohmann::json& object, const char* key) {
-  static const nlohmann::json kNothing;
-  if (!object.is_object()) return kNothing;
+  static const nlohmann::json kNoValue;
+  if (!object.is_object()) return kNoValue;
   const auto found = object.find(key);
-  return found == object.end() ? kNothing : *found;
+  return found == object.end() ? kNoValue : *found;
 }
 
 std::string text_at(const nlohmann::json& object, const char* key) {

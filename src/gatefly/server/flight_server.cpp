@@ -73,10 +73,13 @@ std::string with_way_back(std::string page, const fs::path& root, const fs::path
 Answer file_answer(const fs::path& root, const fs::path& path) {
   const std::string type = type_of(path);
   std::error_code error;
-  if (type == kHtml && fs::file_size(path, error) <= kLargestPage && !error)
+  if (type == kHtml && fs::file_size(path, error) <= kLargestPage && !error) {
+    std::string policy = kPage;
+    policy += kStrangersPage;
     return {.type = type,
             .body = with_way_back(io::read_file(path), root, path.parent_path()),
-            .policy = std::string{kPage} + kStrangersPage};
+            .policy = policy};
+  }
   const bool seen = type.starts_with("image/") || type.starts_with("video/");
   return {.type = type, .file = path, .policy = seen ? kPicture : ""};
 }
