@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 include(gatefly_precompiled)
 
-# gatefly_module(<folder> [COLD] [PUBLIC <header>...] [INSTALLED_WITH gatefly|gatefly-files]
+# gatefly_module(<folder> [COLD] [TOGETHER] [PUBLIC <header>...] [INSTALLED_WITH gatefly|gatefly-files]
 #                DEPENDS <target>... [PRIVATE_DEPENDS <target>...])
 #
 # One folder of src/gatefly/ is one library gatefly::<folder>. DEPENDS is the architecture, written
@@ -9,10 +9,11 @@ include(gatefly_precompiled)
 # not listed here. Sources and headers are found by name, in subfolders, too.
 #
 # COLD: no time is spent in here, only wasted on optimising it.
+# TOGETHER: the first flight waits for it to be compiled: gatefly_compiled_together().
 # INSTALLED_WITH: which of the two installed libraries it is part of: the flight code, or what reads its files.
 # PUBLIC: headers that are installed. The others are internal: nothing public includes them, and they change as they like.
 function(gatefly_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "INSTALLED_WITH" "PUBLIC;DEPENDS;PRIVATE_DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD;TOGETHER" "INSTALLED_WITH" "PUBLIC;DEPENDS;PRIVATE_DEPENDS")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
 
   if(sources)
@@ -25,6 +26,9 @@ function(gatefly_module name)
       gatefly_precompiled(gatefly_${name} cold)
     else()
       gatefly_precompiled(gatefly_${name} hot)
+    endif()
+    if(arg_TOGETHER)
+      gatefly_compiled_together(gatefly_${name})
     endif()
   else()
     set(scope INTERFACE)
