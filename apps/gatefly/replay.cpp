@@ -58,7 +58,7 @@ class ReplayPage {
     const std::string name = fs::weakly_canonical(flight_.folder.directory).filename().string();
     nlohmann::ordered_json told{{"kind", "replay"},
                                 {"flight", name},
-                                {"estimator", given.estimator},
+                                {"estimator", tasks::estimator_of(given, flight_.pilot)},
                                 {"track", track.name},
                                 {"version", GATEFLY_VERSION},
                                 {"gates_passed", result.gates_passed},
@@ -113,7 +113,7 @@ int replay(const ReplayOptions& options) {
   if (!options.out.empty()) page.emplace(options.out, flight);
   const flight_log::ReplayResult result =
       tasks::replayed(flight, given, {}, render_again(), [&](const flight_log::ReplayedTick& tick) {
-        if (page) page->record(tick, given.estimator != "drag");
+        if (page) page->record(tick, given.estimator == "imu15");
       });
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
 
@@ -142,12 +142,15 @@ int replay(const ReplayOptions& options) {
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
+    if (result.divergence)
+      std::cout << "  diverged        at " << result.divergence->since << " s: "
+                << eskf::text_of(result.divergence->why) << '\n';
     if (report.comparison)
       std::cout << "  recorded flight " << tasks::text_of(*report.comparison, flight) << '\n';
   }
   const bool came_out =
       !report.comparison || !report.comparison->first_other || report.comparison->told;
-  return result.finite && came_out ? kDone : kAnswerIsNo;
+  return result.finite && came_out && !result.divergence ? kDone : kAnswerIsNo;
 }
 
 }  // namespace
@@ -171,9 +174,9 @@ void declare_replay(Command& command) {
                  "instead of the folder's own: a name in tracks/ or a file");
   command
       .option("--estimator", options->replay.estimator,
-              "drag: the 7-state filter; imu15: the classic inertial one beside it, for comparison")
-      .one_of({"drag", "imu15"})
-      .show_default();
+              "eskf: wind, gates and camera are states; drag: the 7-state filter; imu15: the classic "
+              "inertial one beside it, for comparison [the flight's filter.model]")
+      .one_of({"drag", "eskf", "imu15"});
   command
       .option("--heading-offset-deg", options->replay.heading_offset_deg,
               "real logs: motion capture's heading minus the log's own (differs by flight)")

@@ -22,7 +22,7 @@ struct PilotConfig {
   /// Which box is whose: any mixture can be configured.
   DetectorMode detector_mode = DetectorMode::kOurs;
   Scheme pose_scheme = Scheme::kOurs;
-  FilterModel filter_model = FilterModel::kOurs;
+  FilterModel filter_model = FilterModel::kDrag;
   Scheme control_scheme = Scheme::kOurs;
   Track track;
   CameraRig camera;
@@ -34,6 +34,7 @@ struct PilotConfig {
   AhrsParams ahrs;
   DragFilterParams filter;
   PaperFilterParams paper_filter;
+  eskf::Params error_state;  ///< For FilterModel::kOurs; what else is known stands below.
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
   LateralParams lateral;
