@@ -133,7 +133,8 @@ void bind_replay(py::module_& m) {
       "flies.\n\n"
       "Folders of `gatefly fly` carry their track and configuration; others use the track and the "
       "configuration\n'flights'. estimator: 'eskf', 'drag', or 'imu15', the classic "
-      "inertial filter beside it; '': what the flight is configured with.\nheading_offset_deg: of real logs, motion capture's heading "
+      "inertial filter beside it; '': what the flight is configured with.\nheading_offset_deg: of "
+      "real logs, motion capture's heading "
       "minus "
       "the log's own.",
       py::arg("folder"), py::arg("config") = py::none(), py::arg("settings") = py::none(),

@@ -143,8 +143,8 @@ int replay(const ReplayOptions& options) {
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
     if (result.divergence)
-      std::cout << "  diverged        at " << result.divergence->since << " s: "
-                << eskf::text_of(result.divergence->why) << '\n';
+      std::cout << "  diverged        at " << result.divergence->since
+                << " s: " << eskf::text_of(result.divergence->why) << '\n';
     if (report.comparison)
       std::cout << "  recorded flight " << tasks::text_of(*report.comparison, flight) << '\n';
   }
@@ -173,9 +173,10 @@ void declare_replay(Command& command) {
   command.option("--track", options->replay.track,
                  "instead of the folder's own: a name in tracks/ or a file");
   command
-      .option("--estimator", options->replay.estimator,
-              "eskf: wind, gates and camera are states; drag: the 7-state filter; imu15: the classic "
-              "inertial one beside it, for comparison [the flight's filter.model]")
+      .option(
+          "--estimator", options->replay.estimator,
+          "eskf: wind, gates and camera are states; drag: the 7-state filter; imu15: the classic "
+          "inertial one beside it, for comparison [the flight's filter.model]")
       .one_of({"drag", "eskf", "imu15"});
   command
       .option("--heading-offset-deg", options->replay.heading_offset_deg,

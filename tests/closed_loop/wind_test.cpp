@@ -30,7 +30,8 @@ TEST(Wind, RacesFinishInADraughtAndThePilotKnowsHowWrongItIs) {
   double nees = 0.0, cpu = 0.0;
   constexpr int kRaces = 6;
   for (int race = 0; race < kRaces; ++race) {
-    const auto result = flown_in_wind(FilterModel::kOurs, 0.3, 1301 + static_cast<std::uint64_t>(race));
+    const auto result =
+        flown_in_wind(FilterModel::kOurs, 0.3, 1301 + static_cast<std::uint64_t>(race));
     finished += result.finished;
     nees += result.consistency.nees.sum_per_dof / std::max(1, result.consistency.nees.samples);
     cpu += result.cpu_seconds;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,8 +16,6 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
-
-#include <Eigen/Cholesky>
 
 #include "support/generators.hpp"
 #include "support/matchers.hpp"
@@ -39,8 +38,12 @@ eskf::Setup setup_for(std::size_t gates = 1) {
   setup.R_BC = camera_mount(0.3).matrix;
   setup.camera = {{0.1, 0, 0}, 0.006};
   // White corners: what the flight below draws.
-  setup.params.sight = {.own = 0.7, .together = 0.0, .size = 0.0, .lasting = 0.0,
-                        .lasting_size = 0.0, .jitter = 0.001};
+  setup.params.sight = {.own = 0.7,
+                        .together = 0.0,
+                        .size = 0.0,
+                        .lasting = 0.0,
+                        .lasting_size = 0.0,
+                        .jitter = 0.001};
   setup.params.noise.gust_adaptation = 0.0;
   setup.params.priors.gust = 0.2;
   return setup;
@@ -107,8 +110,8 @@ class Flight {
     const Vector3d wanted = 1.0 * (goal - truth.p_EB) - 1.5 * truth.v_E;
     const double follow = kDt / 0.15;
     pitch_ += follow * (-0.1 * wanted.x() - pitch_), roll_ += follow * (0.1 * wanted.y() - roll_);
-    const Eigen::Matrix3d R =
-        tilted_ * rotation_z(0.3 * std::sin(0.4 * t)) * rotation_EB(Attitude{roll_, pitch_, 0.0}).matrix;
+    const Eigen::Matrix3d R = tilted_ * rotation_z(0.3 * std::sin(0.4 * t)) *
+                              rotation_EB(Attitude{roll_, pitch_, 0.0}).matrix;
     const Vector3d turn = turn_of(truth.R_EB.transpose() * R);
     const Eigen::Matrix3d middle = truth.R_EB * rotation_of(0.5 * turn);
     const double left = gust_left(truth, kDt, params);
@@ -148,8 +151,8 @@ class Flight {
     const auto corners = gate_corners_G(1.0 + x.gates[0].size);
     for (std::size_t i = 0; i < 4; ++i) {
       const Vector3d p_E = x.gates[0].p_EG + rotation_z(x.gates[0].yaw_EG) * corners[i];
-      const Vector3d c = x.R_BC.transpose() *
-                         (x.R_EB.transpose() * (p_E - x.p_EB) - setup_.camera.p_BC);
+      const Vector3d c =
+          x.R_BC.transpose() * (x.R_EB.transpose() * (p_E - x.p_EB) - setup_.camera.p_BC);
       if (c.z() < 0.3) return;
       const double slope2 = c.head<2>().squaredNorm() / (c.z() * c.z());
       const double a = 1.0 + x.focal + x.bend * slope2;
@@ -222,16 +225,16 @@ TEST(ErrorStateFilter, AFixWithoutDelayIsTheSameThroughTheRingAsAtOnce) {
   Nominal x = filter.now();
   const auto corners = gate_corners_G(1.0);
   for (std::size_t i = 0; i < 4; ++i) {
-    const Vector3d c = x.R_BC.transpose() *
-                       (x.R_EB.transpose() * (x.gates[0].p_EG + corners[i] - x.p_EB) -
-                        setup.camera.p_BC);
+    const Vector3d c =
+        x.R_BC.transpose() *
+        (x.R_EB.transpose() * (x.gates[0].p_EG + corners[i] - x.p_EB) - setup.camera.p_BC);
     (void)sight.features.push_back(
         {.which = static_cast<std::uint8_t>(i),
          .bearing_C = (c.normalized() + Vector3d{0.004, -0.002, 0.0}).normalized()});
   }
   Covariance P = filter.covariance();
-  ASSERT_TRUE(correct_by_gate(x, P, sight, setup.map[0].shape, 0.0, setup.camera,
-                              setup.params.sight));
+  ASSERT_TRUE(
+      correct_by_gate(x, P, sight, setup.map[0].shape, 0.0, setup.camera, setup.params.sight));
   ASSERT_TRUE(filter.correct({&sight, 1}));
   EXPECT_THAT(filter.now().p_EB, IsNear(x.p_EB, 1e-9));
   EXPECT_THAT(filter.now().v_E, IsNear(x.v_E, 1e-9));
@@ -287,8 +290,8 @@ TEST(Landmarks, KeepWhatWasFoundOfAGateThatHasLostItsSlot) {
 }
 
 TEST(Landmarks, AGateThatTheMapHasTwiceIsOne) {
-  std::vector<Landmark> map{{{5, 0, -1.5}, 0.1, {}}, {{0, 5, -1.5}, 1.0, {}},
-                            {{5, 0, -1.5}, 0.1 + kPi, {}}};
+  std::vector<Landmark> map{
+      {{5, 0, -1.5}, 0.1, {}}, {{0, 5, -1.5}, 1.0, {}}, {{5, 0, -1.5}, 0.1 + kPi, {}}};
   const Landmarks landmarks{map, {}};
   EXPECT_EQ(landmarks.size(), 2u);
   const auto back = landmarks.face_of({5, 0, -1.5}, 0.1 + kPi);

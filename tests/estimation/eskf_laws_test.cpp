@@ -88,8 +88,15 @@ TEST(EskfProcess, TransitionMatchesCentralDifferences) {
 TEST(EskfProcess, CovarianceIsCarriedAsTheTransitionSaysAndStaysOne) {
   for_all(50, [](Rng& rng) {
     Params params;
-    params.noise = {.position = 0, .accel = 0, .accel_z = 0, .attitude = 0, .gyro_scale = 0,
-                    .accel_bias = 0, .gyro_bias = 0, .wind = 0, .drag = 0};
+    params.noise = {.position = 0,
+                    .accel = 0,
+                    .accel_z = 0,
+                    .attitude = 0,
+                    .gyro_scale = 0,
+                    .accel_bias = 0,
+                    .gyro_bias = 0,
+                    .wind = 0,
+                    .drag = 0};
     params.sight.lasting = params.sight.lasting_size = 0.0;
     Nominal x = any_belief(rng);
     x.gust_sigma = 0.0;
@@ -138,8 +145,9 @@ GateSight sight_from(const Nominal& x, GateSight::Quality quality, bool bars) {
   const double half = 0.5 * (kGate.side - kGate.bar);
   for (std::size_t i = 0; i < (bars ? 2u : 4u); ++i) {
     const Vector3d p_G = bars ? Vector3d{0, i == 0 ? -half : half, 0.2} : corners[i];
-    const Vector3d c = x.R_BC.transpose() *
-                       (x.R_EB.transpose() * (x.gates[0].p_EG + R_EG * p_G - x.p_EB) - kCamera.p_BC);
+    const Vector3d c =
+        x.R_BC.transpose() *
+        (x.R_EB.transpose() * (x.gates[0].p_EG + R_EG * p_G - x.p_EB) - kCamera.p_BC);
     (void)sight.features.push_back(
         {.kind = bars ? Feature::Kind::kBar : Feature::Kind::kCorner,
          .which = static_cast<std::uint8_t>(i),

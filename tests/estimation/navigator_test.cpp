@@ -169,7 +169,8 @@ TEST(OwnFilter, AllocatesNothingOnceBuilt) {
   eskf::GateSight sight{.features = {}};
   for (std::uint8_t i = 0; i < 4; ++i)
     (void)sight.features.push_back(
-        {.which = i, .bearing_C = Vector3d{i == 1 || i == 2 ? 0.1 : -0.1, i < 2 ? -0.1 : 0.1, 1.0}});
+        {.which = i,
+         .bearing_C = Vector3d{i == 1 || i == 2 ? 0.1 : -0.1, i < 2 ? -0.1 : 0.1, 1.0}});
   const test::NothingAllocated watch;
   for (int i = 0; i < 600; ++i) {
     drone.fly(1);

@@ -51,8 +51,8 @@ TEST(PointBearing, JacobiansMatchCentralDifferences) {
     const CameraPose camera = any_camera(rng);
     const Vector3d point = any_point(rng, camera);
     const Vector3d truly =
-        (camera.R_BC.transpose() *
-         (camera.R_EB.transpose() * (point - camera.p_EB) - camera.p_BC)).normalized();
+        (camera.R_BC.transpose() * (camera.R_EB.transpose() * (point - camera.p_EB) - camera.p_BC))
+            .normalized();
     const Vector3d seen = (truly + test::any_vector3(rng, 0.03)).normalized();
     const auto at = point_bearing(point, seen, camera);
     ASSERT_TRUE(at.has_value());
@@ -83,8 +83,8 @@ TEST(LineBearing, JacobiansMatchCentralDifferencesOnTheLine) {
     const Vector3d point = any_point(rng, camera);
     const Vector3d along = Vector3d::UnitZ();
     const Vector3d seen =
-        (camera.R_BC.transpose() *
-         (camera.R_EB.transpose() * (point - camera.p_EB) - camera.p_BC)).normalized();
+        (camera.R_BC.transpose() * (camera.R_EB.transpose() * (point - camera.p_EB) - camera.p_BC))
+            .normalized();
     const Vector3d elsewhere = point + rng.uniform(-0.5, 0.5) * along;  // where on it is not known
     const auto at = line_bearing(elsewhere, along, seen, camera);
     if (!at) return test::not_a_case();
@@ -108,8 +108,8 @@ TEST(LineBearing, DoesNotAskWhereOnTheLineItWasSeen) {
   const Vector3d foot{4, 0.5, 1.0};
   for (const double height : {-1.5, -0.5, 0.4}) {
     const Vector3d there = foot + height * Vector3d::UnitZ();
-    const auto seen =
-        line_bearing(foot, Vector3d::UnitZ(), (camera.R_BC.transpose() * there).normalized(), camera);
+    const auto seen = line_bearing(foot, Vector3d::UnitZ(),
+                                   (camera.R_BC.transpose() * there).normalized(), camera);
     ASSERT_TRUE(seen.has_value());
     EXPECT_NEAR(seen->residual, 0.0, 1e-12) << height;
     EXPECT_NEAR(seen->distance, there.norm(), 1e-9);

@@ -205,10 +205,11 @@ Keys estimation_keys() {
         "process noise of the yaw gyro's bias [rad/s/√s]", "ours"),
       k("ahrs.start_heading_sigma_deg", 0, 90, AT(pilot.ahrs.start_heading_sigma),
         "heading on the pad, one sigma", "ours", kDegree),
-      choice<Config>("filter.model", {"ours", "drag", "paper"}, AT(filter_model),
-                     "ours: wind, gates, mount and delay are states; drag: air speed counts as ground "
-                     "speed; paper: a fix counts as of now, as filter.fix_sigma_m",
-                     "with memory and systematic errors"),
+      choice<Config>(
+          "filter.model", {"ours", "drag", "paper"}, AT(filter_model),
+          "ours: wind, gates, mount and delay are states; drag: air speed counts as ground "
+          "speed; paper: a fix counts as of now, as filter.fix_sigma_m",
+          "with memory and systematic errors"),
       k("filter.fix_sigma_m", 0.001, 10, AT(pilot.paper_filter.fix_sigma),
         "model paper: error of a fix, one sigma", "Li18 code: R 1.1, 0.1, 0.5"),
       k("filter.leg_sigma_m", 0.001, 10, AT(pilot.paper_filter.leg_sigma),

@@ -86,8 +86,10 @@ void Navigator::predict_ours(const Imu& imu, bool usable) {
   if (usable) last_imu_sample_ = imu;
   if (dt_ <= 0.0) return;
   if (!ours_->has_started()) {
-    eskf::Start start{.p_EB = start_p_EB_, .R_EB = ahrs_.R_EB().matrix,
-                      .gyro_bias = ahrs_.gyro_bias(), .rest_accel_B = {}};
+    eskf::Start start{.p_EB = start_p_EB_,
+                      .R_EB = ahrs_.R_EB().matrix,
+                      .gyro_bias = ahrs_.gyro_bias(),
+                      .rest_accel_B = {}};
     if (ahrs_.rest_samples() > 0)
       start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
     ours_->start(start, time_ - dt_);
@@ -221,7 +223,8 @@ double Navigator::nearness() const {
 // where the drone is.
 Eigen::Vector3d Navigator::p_EB() const {
   const Eigen::Matrix3d R_EG = rotation_z(gate_.yaw_EG);
-  if (!flies_ours()) return gate_.p_EG + R_EG * (ours_ ? relative(start_p_EB_) : filter().position());
+  if (!flies_ours())
+    return gate_.p_EG + R_EG * (ours_ ? relative(start_p_EB_) : filter().position());
   const Eigen::Vector3d by_gate = gate_.p_EG + R_EG * ours_->p_GB();
   const double near = nearness();
   Eigen::Vector3d p_EB = near * by_gate + (1.0 - near) * ours_->now().p_EB;
@@ -291,7 +294,8 @@ Eigen::Vector3d Navigator::gyro_bias() const {
 Eigen::Vector3d Navigator::velocity_sigma() const {
   if (flies_ours()) {
     const Eigen::Matrix3d& R = ours_->now().R_EB;
-    const Eigen::Matrix3d C = R.transpose() * ours_->covariance().block<3, 3>(eskf::kV, eskf::kV) * R;
+    const Eigen::Matrix3d C =
+        R.transpose() * ours_->covariance().block<3, 3>(eskf::kV, eskf::kV) * R;
     return C.diagonal().cwiseMax(0.0).cwiseSqrt();
   }
   // Eq. (14): what the bias does to drag's velocity
@@ -303,9 +307,9 @@ Eigen::Vector3d Navigator::velocity_sigma() const {
 
 Eigen::Vector3d Navigator::accel_bias_sigma() const {
   const auto sigma = [&](int i) {
-    return flies_ours() ? ours_->sigma(eskf::kAccelBias + i)
-                        : std::sqrt(filter().covariance()(drag_model::kBiasX + i,
-                                                          drag_model::kBiasX + i));
+    return flies_ours()
+               ? ours_->sigma(eskf::kAccelBias + i)
+               : std::sqrt(filter().covariance()(drag_model::kBiasX + i, drag_model::kBiasX + i));
   };
   return {sigma(0), sigma(1), sigma(2)};
 }

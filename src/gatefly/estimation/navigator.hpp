@@ -23,7 +23,7 @@ struct GateFrame {
 
 /// Whose filter it is.
 enum class FilterModel {
-  kDrag,   ///< Li18's drag filter with memory and systematic errors: takes air speed for ground speed.
+  kDrag,  ///< Li18's drag filter with memory and systematic errors: takes air speed for ground speed.
   kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; no systematic errors.
   kOurs,   ///< One error-state filter: wind, gates, mount and delay are states (eskf).
 };
@@ -64,7 +64,7 @@ struct NavigationState {
   double since_imu = 0.0;      ///< Since a usable IMU sample [s].
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
-  int rest_samples = 0;        ///< Of the rest calibration.
+  int rest_samples = 0;  ///< Of the rest calibration.
 };
 
 /// The estimation ring: attitude, low pass, drag filter with its memory, velocity and heights, wired
@@ -143,13 +143,13 @@ class Navigator {
   void doubt();
 
   // What is known of the estimate, whichever filter flies:
-  [[nodiscard]] Eigen::Matrix3d covariance_GB() const;    ///< Of the position [m²].
-  [[nodiscard]] Eigen::Vector3d accel_bias() const;       ///< [m/s²]
-  [[nodiscard]] Eigen::Vector3d gyro_bias() const;        ///< [rad/s]
-  [[nodiscard]] Eigen::Vector3d velocity_sigma() const;   ///< Body axes [m/s].
-  [[nodiscard]] Eigen::Vector3d accel_bias_sigma() const; ///< [m/s²]
-  [[nodiscard]] double tilt_sigma() const;                ///< [rad]
-  [[nodiscard]] double heading_sigma() const;             ///< [rad]
+  [[nodiscard]] Eigen::Matrix3d covariance_GB() const;     ///< Of the position [m²].
+  [[nodiscard]] Eigen::Vector3d accel_bias() const;        ///< [m/s²]
+  [[nodiscard]] Eigen::Vector3d gyro_bias() const;         ///< [rad/s]
+  [[nodiscard]] Eigen::Vector3d velocity_sigma() const;    ///< Body axes [m/s].
+  [[nodiscard]] Eigen::Vector3d accel_bias_sigma() const;  ///< [m/s²]
+  [[nodiscard]] double tilt_sigma() const;                 ///< [rad]
+  [[nodiscard]] double heading_sigma() const;              ///< [rad]
   [[nodiscard]] const Ahrs& ahrs() const { return ahrs_; }
   [[nodiscard]] const DragFilter& filter() const { return filter_.now(); }
   [[nodiscard]] double time() const { return time_; }  ///< Of the last sample [s].

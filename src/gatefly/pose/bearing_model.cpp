@@ -24,8 +24,7 @@ Eigen::Matrix<double, 2, 3> tangents(const Eigen::Vector3d& seen) {
 std::optional<PointBearing> point_bearing(const Eigen::Vector3d& point_E,
                                           const Eigen::Vector3d& seen_C, const CameraPose& camera) {
   const Eigen::Vector3d d_E = point_E - camera.p_EB;
-  const Eigen::Vector3d c =
-      camera.R_BC.transpose() * (camera.R_EB.transpose() * d_E - camera.p_BC);
+  const Eigen::Vector3d c = camera.R_BC.transpose() * (camera.R_EB.transpose() * d_E - camera.p_BC);
   if (!(c.z() > kNearest)) return std::nullopt;
   const double slope2 = c.head<2>().squaredNorm() / (c.z() * c.z());
   const double a = 1.0 + camera.focal + camera.bend * slope2;
@@ -39,8 +38,7 @@ std::optional<PointBearing> point_bearing(const Eigen::Vector3d& point_E,
   // ∂c'/∂c, whose bend part is of a's dependence on c.
   const double k = 2.0 * camera.bend / (c.z() * c.z());
   Eigen::Matrix3d lens = Eigen::Vector3d{a, a, 1.0}.asDiagonal();
-  lens.topRows<2>() +=
-      c.head<2>() * Eigen::RowVector3d{k * c.x(), k * c.y(), -k * slope2 * c.z()};
+  lens.topRows<2>() += c.head<2>() * Eigen::RowVector3d{k * c.x(), k * c.y(), -k * slope2 * c.z()};
   const Eigen::Matrix<double, 2, 3> by_c = by_drawn * lens;
 
   PointBearing out;

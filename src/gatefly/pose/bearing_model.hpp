@@ -9,10 +9,10 @@ namespace gatefly {
 
 /// A camera at one moment, as believed, with what its calibration may have wrong.
 struct CameraPose {
-  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Matrix3d R_EB = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d R_BC = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< [m]
   /// The lens draws a point at slope t from the axis as if it were at t (1 + focal + bend t²).
   double focal = 0.0, bend = 0.0;
 };
@@ -24,10 +24,10 @@ struct CameraPose {
 /// rotation_of(error), in the earth's axes for R_EB (from the left), in the camera's for R_BC
 /// (from the right).
 struct PointBearing {
-  Eigen::Vector2d residual;                  ///< Seen less predicted [rad].
-  Eigen::Matrix<double, 2, 3> by_point;      ///< Of the point [rad/m]; the body's is its negative.
-  Eigen::Matrix<double, 2, 3> by_turn;       ///< Of R_EB.
-  Eigen::Matrix<double, 2, 3> by_mount;      ///< Of R_BC.
+  Eigen::Vector2d residual;              ///< Seen less predicted [rad].
+  Eigen::Matrix<double, 2, 3> by_point;  ///< Of the point [rad/m]; the body's is its negative.
+  Eigen::Matrix<double, 2, 3> by_turn;   ///< Of R_EB.
+  Eigen::Matrix<double, 2, 3> by_mount;  ///< Of R_BC.
   Eigen::Vector2d by_focal, by_bend;
 };
 

@@ -24,7 +24,9 @@ std::optional<GateSight> sight_of(std::span<const Point> points, GateSight::Qual
   sight.quality = quality;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Point& point : points) middle += point.px / static_cast<double>(points.size());
-  const auto across = [&](double u) { return std::clamp(u / picture.image_width - 0.5, -0.5, 0.5); };
+  const auto across = [&](double u) {
+    return std::clamp(u / picture.image_width - 0.5, -0.5, 0.5);
+  };
   sight.time =
       picture.arrival - picture.timing.latency + across(middle.x()) * picture.timing.readout;
   for (const Point& point : points) {

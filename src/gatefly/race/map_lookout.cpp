@@ -35,11 +35,10 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
   const double width = sensors.seen ? sensors.seen->image_width : sensors.image->width();
-  const View view{sensors, course, navigator,
-                  {params_.camera, params_.timing, navigator.time(), width}};
+  const View view{
+      sensors, course, navigator, {params_.camera, params_.timing, navigator.time(), width}};
   std::optional<Quad> bars;
-  sighting_.detections =
-      whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
+  sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
   sighting_.seen = !sighting_.detections.empty();
   take_whole_gates(view);
   const double x = navigator.error_state()->p_GB().x();
@@ -151,9 +150,8 @@ void MapLookout::take_parts(const View& view) {
                  detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
     sighting_.lower_corners = part->lower_corners(), bars = part->bars;
   }
-  if (sighting_.lower_corners &&
-      take_part(view, sight_of(*sighting_.lower_corners, view.picture), map_.max_lower_nis,
-                Sighting::Source::kCorners))
+  if (sighting_.lower_corners && take_part(view, sight_of(*sighting_.lower_corners, view.picture),
+                                           map_.max_lower_nis, Sighting::Source::kCorners))
     return;
   sighting_.bars = bars;
   if (bars)
@@ -196,8 +194,7 @@ void MapLookout::describe_fix(const GateDetection& gate, const View& view) {
   FixOnCourse& used = sighting_.fix.emplace();
   used.p_EB = map.p_EG + R_EG * (fix->p_GB + ago * (R_GE * x.v_E));
   used.covariance = R_EG * fix->covariance * R_EG.transpose();
-  if (fix->yaw_error)
-    used.yaw = wrap_angle(view.navigator.state().attitude.yaw + *fix->yaw_error);
+  if (fix->yaw_error) used.yaw = wrap_angle(view.navigator.state().attitude.yaw + *fix->yaw_error);
   used.yaw_sigma = std::sqrt(fix->yaw_variance + map_yaw * map_yaw);
 }
 

@@ -12,16 +12,16 @@ namespace gatefly {
 
 /// When a sighting is taken for a gate of the map.
 struct MapSightParams {
-  double max_nis = 25.0;         ///< Of 8 rows: 1 in 600 of the right ones. [chi-square]
-  double max_lower_nis = 16.0;   ///< Of 4 rows: 1 in 300.
-  double max_bars_nis = 11.0;    ///< Of 2 rows: 1 in 250.
-  double unsure_nis = 14.0;      ///< The limit for detections that are not sure: 1 in 12.
-  double confirm_above = 17.0;   ///< A second one of the same gate has to agree: 1 in 33.
-  double margin = 3.0;           ///< Next best explanation so much less probable, −2 ln p. [estimate]
-  double blind_after = 1.0;      ///< Nothing seen for so long: two have to agree [s].
-  double confirm_within = 0.3;   ///< [s]
-  int lost_after = 8;            ///< So many sure detections refused in a row, ...
-  double lost_time = 0.7;        ///< ... over so long: the position is in doubt [s]. [estimate]
+  double max_nis = 25.0;        ///< Of 8 rows: 1 in 600 of the right ones. [chi-square]
+  double max_lower_nis = 16.0;  ///< Of 4 rows: 1 in 300.
+  double max_bars_nis = 11.0;   ///< Of 2 rows: 1 in 250.
+  double unsure_nis = 14.0;     ///< The limit for detections that are not sure: 1 in 12.
+  double confirm_above = 17.0;  ///< A second one of the same gate has to agree: 1 in 33.
+  double margin = 3.0;       ///< Next best explanation so much less probable, −2 ln p. [estimate]
+  double blind_after = 1.0;  ///< Nothing seen for so long: two have to agree [s].
+  double confirm_within = 0.3;  ///< [s]
+  int lost_after = 8;           ///< So many sure detections refused in a row, ...
+  double lost_time = 0.7;       ///< ... over so long: the position is in doubt [s]. [estimate]
 };
 
 /// The pilot's eye for the filter that has the map among its states: every gate it sees corrects, not
@@ -64,7 +64,7 @@ class MapLookout {
   struct {
     int face = -1;
     double time = -1e3;
-  } pending_;  ///< Seen once, and not believed before it is seen again.
+  } pending_;               ///< Seen once, and not believed before it is seen again.
   double last_any_ = -1e3;  ///< A gate was taken in [s].
   int refused_ = 0;         ///< Sure detections since then.
   int quick_looks_ = 0;

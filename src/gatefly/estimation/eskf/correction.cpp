@@ -43,8 +43,8 @@ void correct_by_drag(Nominal& x, Covariance& P, const Interval& interval, const 
 }
 
 bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma) {
-  constexpr double kFarthest = 5.0;   // sigmas
-  constexpr double kDoubt = 0.003;    // [m²] A floor that keeps disagreeing wins in the end.
+  constexpr double kFarthest = 5.0;  // sigmas
+  constexpr double kDoubt = 0.003;   // [m²] A floor that keeps disagreeing wins in the end.
   const Scalar<1> m{.residual = -height - x.p_EB.z(),
                     .states = {kP + 2},
                     .jacobian = {1.0},

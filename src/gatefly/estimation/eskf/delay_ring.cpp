@@ -7,8 +7,7 @@
 namespace gatefly::eskf {
 
 DelayRing::DelayRing(std::size_t ticks)
-    : ticks_(std::max<std::size_t>(2, ticks)),
-      spacing_{(ticks_.size() + kMost - 3) / (kMost - 2)} {
+    : ticks_(std::max<std::size_t>(2, ticks)), spacing_{(ticks_.size() + kMost - 3) / (kMost - 2)} {
   spacing_ = std::max<std::size_t>(1, spacing_);
   kept_.resize(ticks_.size() / spacing_ + 2);
 }

@@ -35,7 +35,8 @@ void set_variances(Covariance& P, const Params& params, double radians_per_px) {
   put3(kGyroBias, Eigen::Vector3d::Constant(p.gyro_bias));
   put3(kAccelBias, p.accel_bias);
   put3(kMount, p.mount);
-  for (int i = 0; i < 2; ++i) put(kGust + i, p.gust), put(kWind + i, p.wind), put(kDrag + i, p.drag);
+  for (int i = 0; i < 2; ++i)
+    put(kGust + i, p.gust), put(kWind + i, p.wind), put(kDrag + i, p.drag);
   put(kFocal, p.focal), put(kBend, p.bend), put(kDelay, p.delay);
   const double lasting = radians_per_px * params.sight.lasting;
   put3(kCorner, {lasting, lasting, radians_per_px * params.sight.lasting_size});
@@ -125,8 +126,8 @@ std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight
   const auto i = ring_.at(sight.time);
   if (!i) return std::nullopt;
   const Tick& tick = ring_[*i];
-  const bool fresh = sight.quality == GateSight::Quality::kWhole &&
-                     tick.x.corner_of != eskf::face_of(sight);
+  const bool fresh =
+      sight.quality == GateSight::Quality::kWhole && tick.x.corner_of != eskf::face_of(sight);
   const auto rows = gate_rows(tick.x, sight, landmarks_.shape(sight.slot), sight.time - tick.time,
                               fresh, setup_.camera, setup_.params.sight);
   if (!rows) return std::nullopt;
@@ -201,6 +202,8 @@ Eigen::Matrix3d ErrorStateFilter::covariance_GB(bool of_heading) const {
   return 0.5 * (out + out.transpose());
 }
 
-double ErrorStateFilter::sigma(int state) const { return std::sqrt(std::max(0.0, P_(state, state))); }
+double ErrorStateFilter::sigma(int state) const {
+  return std::sqrt(std::max(0.0, P_(state, state)));
+}
 
 }  // namespace gatefly::eskf

@@ -33,7 +33,7 @@ struct Start {
 /// Ours; replaces Li18 §3.3. Drag is measured, not integrated: air speed and ground speed are apart.
 /// A picture is fused when it was exposed, and what followed is done again (DelayRing). Equations:
 /// docs/derivations/error_state_filter.md. No clock, no libm; allocates when it is made, and never
-/// after. Cost: bench/README.md.
+/// after. Cost: docs/paper/results.md#wind.
 class ErrorStateFilter {
  public:
   explicit ErrorStateFilter(const Setup& setup);
@@ -62,9 +62,9 @@ class ErrorStateFilter {
   // Relative to the target:
   [[nodiscard]] int target_slot() const { return landmarks_.slot_of(target_.landmark); }
   [[nodiscard]] bool target_behind() const { return target_.behind; }
-  [[nodiscard]] double target_yaw() const;           ///< As believed [rad].
+  [[nodiscard]] double target_yaw() const;  ///< As believed [rad].
   [[nodiscard]] const GateBelief& target() const;
-  [[nodiscard]] Eigen::Vector3d p_GB() const;        ///< [m]
+  [[nodiscard]] Eigen::Vector3d p_GB() const;  ///< [m]
   /// @param of_heading  whether the gate's direction counts: in its plane it does not.
   [[nodiscard]] Eigen::Matrix3d covariance_GB(bool of_heading = true) const;
 

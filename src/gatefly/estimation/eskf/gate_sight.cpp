@@ -96,8 +96,8 @@ bool put_bar(GateRows& rows, int row, const Feature& feature, const Moment& mome
   const double half = 0.5 * (shape.side - shape.bar);
   const Eigen::Vector3d nominal_E = R_EG * Eigen::Vector3d{0, feature.which == 0 ? -half : half, 0};
   const Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E;
-  const auto seen = line_bearing(gate.p_EG + arm_E, Eigen::Vector3d::UnitZ(), feature.bearing_C,
-                                 moment.camera);
+  const auto seen =
+      line_bearing(gate.p_EG + arm_E, Eigen::Vector3d::UnitZ(), feature.bearing_C, moment.camera);
   if (!seen) return false;
   Seen<1> one;
   one.residual(0) = seen->residual;
@@ -138,8 +138,8 @@ void add_noise(GateRows& rows, const Nominal& x, const GateSight& sight, bool fr
     rows.noise(r, r) = rows.noise(r + 1, r + 1) = squared(own * px);
     row += 2;
   }
-  rows.noise += squared(noise.jitter) * rows.jacobian.col(cDelay) *
-                rows.jacobian.col(cDelay).transpose();
+  rows.noise +=
+      squared(noise.jitter) * rows.jacobian.col(cDelay) * rows.jacobian.col(cDelay).transpose();
   if (sight.quality == GateSight::Quality::kPart) return;
   const Shared shared = shared_by(sight);
   Eigen::Vector3d variance{squared(noise.together * px), squared(noise.together * px),

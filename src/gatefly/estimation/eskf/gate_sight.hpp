@@ -30,8 +30,8 @@ struct GateSight {
   enum class Quality : std::uint8_t { kWhole, kPart };  ///< Of a whole gate, or of one cut off.
   double time = 0.0;  ///< Of its exposure, by the delay as told [s].
   Quality quality = Quality::kWhole;
-  int slot = 0;        ///< Which gate it is taken for ...
-  bool behind = false; ///< ... seen from behind.
+  int slot = 0;         ///< Which gate it is taken for ...
+  bool behind = false;  ///< ... seen from behind.
   FixedList<Feature, 4> features;
 };
 
@@ -63,8 +63,7 @@ struct GateRows {
 /// @param fresh  lasting errors of the corners are another gate's: they count as noise.
 [[nodiscard]] std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight,
                                                 const GateShape& gate, double offset, bool fresh,
-                                                const CameraModel& camera,
-                                                const SightNoise& noise);
+                                                const CameraModel& camera, const SightNoise& noise);
 
 /// Squared Mahalanobis distance of a sighting, with what tells hypotheses apart.
 struct Innovation {

@@ -13,8 +13,7 @@ constexpr double kSamePlace = 0.3;  // [m] Two gates cannot stand so near each o
 constexpr std::size_t kBehind = 2;  // So many of the last gates stay in view when turning round.
 
 bool is_same(const Landmark& a, const Landmark& b) {
-  return (a.p_EG - b.p_EG).norm() < kSamePlace &&
-         std::abs(gatefly::sin(a.yaw_EG - b.yaw_EG)) < 0.5;
+  return (a.p_EG - b.p_EG).norm() < kSamePlace && std::abs(gatefly::sin(a.yaw_EG - b.yaw_EG)) < 0.5;
 }
 
 }  // namespace
@@ -33,8 +32,7 @@ Landmarks::Face Landmarks::face_of(const Eigen::Vector3d& p_EG, double yaw_EG) c
   for (std::size_t i = 1; i < known_.size(); ++i)
     if ((known_[i].map.p_EG - p_EG).norm() < (known_[face.landmark].map.p_EG - p_EG).norm())
       face.landmark = i;
-  if (!known_.empty())
-    face.behind = gatefly::cos(yaw_EG - known_[face.landmark].map.yaw_EG) < 0.0;
+  if (!known_.empty()) face.behind = gatefly::cos(yaw_EG - known_[face.landmark].map.yaw_EG) < 0.0;
   return face;
 }
 

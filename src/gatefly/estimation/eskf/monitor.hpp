@@ -15,12 +15,12 @@ enum class Divergence {
 };
 
 struct MonitorParams {
-  double window = 1.0;     ///< Innovations of so long are summed ... [s]
-  double beyond = 1.0;     ///< ... and may be beyond their bound for so long [s].
-  double bound = 3.0902;   ///< 99.9 % of a normal number, one side.
-  double unfit = 2.0;      ///< Gates may be seen for so long and none taken in [s].
-  double pause = 0.5;      ///< Not seen for so long: it begins anew [s].
-  int least = 10;          ///< So many of them at least.
+  double window = 1.0;    ///< Innovations of so long are summed ... [s]
+  double beyond = 1.0;    ///< ... and may be beyond their bound for so long [s].
+  double bound = 3.0902;  ///< 99.9 % of a normal number, one side.
+  double unfit = 2.0;     ///< Gates may be seen for so long and none taken in [s].
+  double pause = 0.5;     ///< Not seen for so long: it begins anew [s].
+  int least = 10;         ///< So many of them at least.
 };
 
 /// Watches what becomes of sightings, and says when the filter has diverged.
