@@ -142,6 +142,8 @@ int replay(const ReplayOptions& options) {
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
+    if (result.findings)
+      std::cout << "  found           " << tasks::text_of(result.findings) << '\n';
     if (result.divergence)
       std::cout << "  diverged        at " << result.divergence->since
                 << " s: " << eskf::text_of(result.divergence->why) << '\n';

@@ -67,6 +67,8 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     result.commands.push_back(command);
   }
   result.divergence = pilot.divergence();
+  const eskf::ErrorStateFilter* filter = pilot.navigator().error_state();
+  if (filter != nullptr && filter->has_started()) result.findings = eskf::findings_of(*filter);
   result.gates_passed = pilot.estimate().gates_passed;
   if (result.rmse_samples > 0) result.rmse = (error2 / result.rmse_samples).cwiseSqrt();
   return result;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/estimation/eskf/findings.hpp"
 #include "gatefly/flight_log/recording.hpp"
 #include "gatefly/race/pilot.hpp"
 
@@ -38,6 +39,7 @@ struct ReplayResult {
   Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
   int rmse_samples = 0;                            ///< 0: the log has no truth there.
   std::optional<eskf::Monitor::Verdict> divergence;  ///< Told without truth.
+  std::optional<eskf::Findings> findings;            ///< Of the filter of kOurs, at the end.
   HashCheck hashes;  ///< Of the pictures, where the recording has hashes; for who loads them.
 };
 

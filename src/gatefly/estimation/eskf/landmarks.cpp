@@ -19,10 +19,11 @@ bool is_same(const Landmark& a, const Landmark& b) {
 }  // namespace
 
 Landmarks::Landmarks(std::span<const Landmark> map, const Priors& priors) : priors_{priors} {
-  for (const Landmark& gate : map) {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Landmark& gate = map[i];
     const bool known = std::any_of(known_.begin(), known_.end(),
                                    [&](const Known& k) { return is_same(k.map, gate); });
-    if (!known) known_.push_back({gate, {}, Sigmas::Zero(), -1});
+    if (!known) known_.push_back({gate, {}, Sigmas::Zero(), -1, i});
   }
   slots_ = static_cast<int>(std::min(known_.size(), kMaxGates));
 }

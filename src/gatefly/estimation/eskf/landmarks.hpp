@@ -37,6 +37,8 @@ class Landmarks {
   [[nodiscard]] std::size_t size() const { return known_.size(); }
   [[nodiscard]] int slots() const { return slots_; }
   [[nodiscard]] const Landmark& map(std::size_t landmark) const { return known_[landmark].map; }
+  /// The first of the map's gates that stands there.
+  [[nodiscard]] std::size_t first_of(std::size_t landmark) const { return known_[landmark].first; }
   [[nodiscard]] int slot_of(std::size_t landmark) const { return known_[landmark].slot; }
   [[nodiscard]] std::size_t in_slot(int slot) const {
     return in_slot_[static_cast<std::size_t>(slot)];
@@ -57,6 +59,7 @@ class Landmarks {
     GateBelief belief;
     Sigmas sigmas = Sigmas::Zero();
     int slot = -1;
+    std::size_t first = 0;  ///< Index on the map.
   };
   [[nodiscard]] bool wanted(std::size_t landmark, std::size_t target) const;
   void put_in(std::size_t landmark, int slot, Nominal& x, Covariance& P);
