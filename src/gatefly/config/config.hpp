@@ -44,7 +44,7 @@ struct Config {
   /// Whose method each stage uses: detector.mode ("paper", "flown": Li18's two, with their own colours and
   /// numbers), pose.model, filter.model, control.mode.
   std::string detector_mode = "ours";
-  std::string pose_model = "ours", filter_model = "drag", control_mode = "ours",
+  std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
               indi_effectiveness = "fixed";
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
   nlohmann::json faults = nlohmann::json::object();     ///< Put over the track's [faults].

@@ -365,6 +365,10 @@ Keys vehicle_keys() {
       k("vehicle.rotor_time_constant_ms", 1, 500, AT(vehicle.rotor_time_constant),
         "lag of the rotors, as the pilot's model has it", "Li18 code: 0.1 a sample", kMilli),
       k("vehicle.imu_hz", 50, 4000, AT(rates.imu_hz), "IMU samples a second", "Li18 flight code"),
+      choice<Config>("vehicle.sonar", {"yes", "none"}, AT(rates.sonar),
+                     "none: height comes from gates and IMU", "Bebop"),
+      choice<Config>("vehicle.baro", {"yes", "none"}, AT(rates.baro),
+                     "none: height comes from gates and IMU", "Bebop"),
       k("vehicle.sonar_hz", 1, 200, AT(rates.sonar_hz), "sonar readings a second", "Bebop"),
       k("vehicle.baro_hz", 1, 200, AT(rates.baro_hz), "barometer readings a second", "Bebop"),
   };

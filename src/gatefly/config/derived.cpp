@@ -140,6 +140,8 @@ PilotConfig pilot_config(const Config& config) {
   pilot.vehicle = config.vehicle;
   pilot.imu_hz = config.rates.imu_hz;
   pilot.altimeter.sonar_hz = config.rates.sonar_hz;
+  pilot.uses_sonar = config.rates.sonar != "none";
+  pilot.uses_baro = config.rates.baro != "none";
   return pilot;
 }
 

@@ -123,13 +123,23 @@ void Navigator::predict_attitude(const Imu& imu, double time) {
 
 void Navigator::measure_heights(const std::optional<double>& sonar,
                                 const std::optional<double>& baro) {
-  const auto fuse = [&](const std::optional<Height>& height) {
-    if (height) correct_height(height->value, height->sigma);
+  const auto fuse = [&](const std::optional<Height>& height, Trust& trust) {
+    if (height) take_height(*height, trust);
   };
-  if (baro && std::abs(*baro) < 1000.0) fuse(altimeter_.baro(*baro, time_));
+  if (baro && std::abs(*baro) < 1000.0) fuse(altimeter_.baro(*baro, time_), baro_);
   const double upright = flies_ours() ? ours_->now().R_EB(2, 2) : ahrs_.R_EB().matrix(2, 2);
   if (sonar && *sonar > 0.0 && *sonar < 100.0 && upright > 0.85)
-    fuse(altimeter_.sonar(*sonar * upright, -p_EB().z(), time_));
+    fuse(altimeter_.sonar(*sonar * upright, -p_EB().z(), time_), sonar_);
+}
+
+// A sensor that is metres off while gates are seen is no height sensor (a sonar that hears its rotors).
+void Navigator::take_height(const Height& height, Trust& trust) {
+  constexpr int kLeaveAfter = 40;       // 2 s at 20 Hz. [estimate]
+  constexpr double kGatesWithin = 1.0;  // [s]
+  if (!ours_) return correct_height(height.value, height.sigma);
+  if (trust.left) return;
+  trust.refused = ours_->correct_height(height.value, height.sigma) ? 0 : trust.refused + 1;
+  trust.left = trust.refused >= kLeaveAfter && time_ - last_gate_ < kGatesWithin;
 }
 
 void Navigator::correct_height(double height, double sigma) {
@@ -156,6 +166,7 @@ Fusion Navigator::correct(const Fix& fix, double time, bool may_restart) {
 
 bool Navigator::correct(std::span<const eskf::GateSight> sights, bool of_target) {
   if (!ours_ || !ours_->correct(sights)) return false;
+  last_gate_ = time_;
   if (of_target) last_fix_ = time_;
   return true;
 }

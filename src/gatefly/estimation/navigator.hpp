@@ -148,8 +148,11 @@ class Navigator {
   [[nodiscard]] Eigen::Vector3d gyro_bias() const;         ///< [rad/s]
   [[nodiscard]] Eigen::Vector3d velocity_sigma() const;    ///< Body axes [m/s].
   [[nodiscard]] Eigen::Vector3d accel_bias_sigma() const;  ///< [m/s²]
-  [[nodiscard]] double tilt_sigma() const;                 ///< [rad]
-  [[nodiscard]] double heading_sigma() const;              ///< [rad]
+  /// Sonar, barometer: contradicts what gates show for long, and is left.
+  [[nodiscard]] bool has_left_sonar() const { return sonar_.left; }
+  [[nodiscard]] bool has_left_baro() const { return baro_.left; }
+  [[nodiscard]] double tilt_sigma() const;     ///< [rad]
+  [[nodiscard]] double heading_sigma() const;  ///< [rad]
   [[nodiscard]] const Ahrs& ahrs() const { return ahrs_; }
   [[nodiscard]] const DragFilter& filter() const { return filter_.now(); }
   [[nodiscard]] double time() const { return time_; }  ///< Of the last sample [s].
@@ -163,6 +166,12 @@ class Navigator {
   [[nodiscard]] double nearness() const;
   [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
   [[nodiscard]] Eigen::Vector3d v_B() const;
+  /// What a height sensor has been worth.
+  struct Trust {
+    int refused = 0;    ///< In a row.
+    bool left = false;  ///< Found out: it is not asked any more.
+  };
+  void take_height(const Height& height, Trust& trust);
   bool advance(const Imu& imu, double time);
   void restart_filter(const Eigen::Vector3d& accel_bias);
   [[nodiscard]] Eigen::Vector3d relative(const Eigen::Vector3d& p_EB) const;
@@ -174,6 +183,8 @@ class Navigator {
   VelocityObserver velocity_;
   std::optional<eskf::ErrorStateFilter> ours_;
   Imu last_imu_sample_;
+  Trust sonar_, baro_;
+  double last_gate_ = -1e3;  ///< When any gate was taken in [s].
   Altimeter altimeter_;
   drag_model::Input input_;
   GateFrame gate_;

@@ -57,7 +57,9 @@ Pilot::Pilot(const PilotConfig& config)
     : map_uncertainty_{map_uncertainty(config)},
       navigator_{navigator_params(config)},
       parts_{std::make_unique<Parts>(config)},
-      phase_params_{phase_params(config)} {
+      phase_params_{phase_params(config)},
+      uses_sonar_{config.uses_sonar},
+      uses_baro_{config.uses_baro} {
   check_latency(config);
   const Track& track = config.track;
   navigator_.start({track.start.x(), track.start.y(), 0.0}, track.start_heading,
@@ -87,7 +89,8 @@ void Pilot::navigate(const Sensors& sensors) {
     navigator_.rest(sensors.imu, time);
   } else {
     navigator_.predict(sensors.imu, time);
-    navigator_.measure_heights(sensors.sonar, sensors.baro);
+    navigator_.measure_heights(uses_sonar_ ? sensors.sonar : std::nullopt,
+                               uses_baro_ ? sensors.baro : std::nullopt);
   }
 }
 

@@ -56,6 +56,7 @@ class Pilot {
   Navigator navigator_;
   std::unique_ptr<Parts> parts_;
   PhaseParams phase_params_;
+  bool uses_sonar_, uses_baro_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
 };
