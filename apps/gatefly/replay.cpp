@@ -9,6 +9,7 @@
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/findings_json.hpp"
 #include "gatefly/pages/flight_page.hpp"
 #include "gatefly/pages/page.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
@@ -143,7 +144,7 @@ int replay(const ReplayOptions& options) {
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
     if (result.findings)
-      std::cout << "  found           " << tasks::text_of(result.findings) << '\n';
+      std::cout << "  found           " << flight_log::text_of(result.findings) << '\n';
     if (result.divergence)
       std::cout << "  diverged        at " << result.divergence->since
                 << " s: " << eskf::text_of(result.divergence->why) << '\n';

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/report/summary.hpp"
 
+#include "gatefly/flight_log/findings_json.hpp"
+
 namespace gatefly::io {
 
 nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race) {
@@ -49,6 +51,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
                        {"true_positives", result.true_positives},
                        {"false_positives", result.false_positives},
                        {"careful_searches", result.careful_searches}};
+  json["found"] = flight_log::as_json(result.findings);
   json["searches"] = result.searches;
   json["flight_time_s"] = result.flight_time;
   json["timings"] = timings;

@@ -11,6 +11,7 @@
 
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/scoring.hpp"
+#include "gatefly/flight_log/findings_json.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
@@ -160,33 +161,13 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
                       {"labelled", nullptr},
                       {"visible", nullptr},
                       {"same_as_recorded", nullptr},
-                      {"diverged", nullptr},
-                      {"found", nullptr}};
+                      {"diverged", nullptr}};
   if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
   if (report.labelled)
     json["labelled"] = {{"shown", report.labelled->shown}, {"found", report.labelled->found}};
   if (report.visible)
     json["visible"] = {{"shown", report.visible->shown}, {"found", report.visible->found}};
-  if (result.findings) {
-    const eskf::Findings& found = *result.findings;
-    const auto pair = [](const eskf::Found& one, double unit) {
-      return nlohmann::json{one.value / unit, one.sigma / unit};
-    };
-    json["found"] = {{"camera_tilt_deg", pair(found.tilt, kDegree)},
-                     {"camera_pan_deg", pair(found.pan, kDegree)},
-                     {"camera_roll_deg", pair(found.roll, kDegree)},
-                     {"latency_ms", pair({-found.delay.value, found.delay.sigma}, 1e-3)},
-                     {"focal", pair(found.focal, 1.0)},
-                     {"wind_north_mps", pair(found.wind_north, 1.0)},
-                     {"wind_east_mps", pair(found.wind_east, 1.0)},
-                     {"gates_off", nlohmann::json::array()}};
-    for (const eskf::GateOff& gate : found.off)
-      json["found"]["gates_off"].push_back(
-          {{"gate", gate.gate + 1},
-           {"along_right_down_m", {gate.offset.x(), gate.offset.y(), gate.offset.z()}},
-           {"turned_deg", gate.turned / kDegree},
-           {"sigma_m", gate.sigma}});
-  }
+  json["found"] = flight_log::as_json(result.findings);
   if (result.divergence)
     json["diverged"] = {{"since_s", result.divergence->since},
                         {"why", eskf::text_of(result.divergence->why)}};
@@ -203,27 +184,6 @@ std::string text_of(const Comparison& comparison, const RecordedFlight& flight) 
   if (comparison.told) return from + ", as --config, --set or --track want it";
   const std::string why = difference_in(flight.config, flight.folder.directory);
   return from + (why.empty() ? ": a file of the folder or the program has changed" : ": " + why);
-}
-
-std::string text_of(const std::optional<eskf::Findings>& findings) {
-  if (!findings) return "";
-  std::ostringstream text;
-  text << std::fixed << std::showpos;
-  const auto put = [&text](const char* what, const eskf::Found& found, double unit, int digits,
-                           const char* name) {
-    text << what << std::setprecision(digits) << found.value / unit << std::noshowpos << " ("
-         << found.sigma / unit << std::showpos << ")" << name;
-  };
-  put("camera tilt ", findings->tilt, kDegree, 1, "°");
-  put(", pan ", findings->pan, kDegree, 1, "°");
-  put(", pictures ", findings->delay, 1e-3, 0, " ms younger");
-  put(", focal ", findings->focal, 0.01, 1, " %");
-  for (const eskf::GateOff& gate : findings->off)
-    text << std::setprecision(2) << "; gate " << std::noshowpos << gate.gate + 1 << std::showpos
-         << " is not where the map has it: " << gate.offset.x() << " m along its way, "
-         << gate.offset.y() << " m right, turned " << std::setprecision(0) << gate.turned / kDegree
-         << "°";
-  return text.str();
 }
 
 const char* name_of(Sighting::Source source) {

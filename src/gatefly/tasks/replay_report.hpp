@@ -47,9 +47,6 @@ struct ReplayReport {
 /// "the same estimates, to the bit", or from where on they are others, and why.
 [[nodiscard]] std::string text_of(const Comparison& comparison, const RecordedFlight& flight);
 
-/// What the filter has found of camera, air and map, in a line; "" when it looks for none of it.
-[[nodiscard]] std::string text_of(const std::optional<eskf::Findings>& findings);
-
 /// "predict", "corners", "bars": the column `source` of estimates.csv.
 [[nodiscard]] const char* name_of(Sighting::Source source);
 
