@@ -41,8 +41,8 @@ eskf::Setup setup_for(std::size_t gates = 1) {
   setup.params.sight = {.own = 0.7,
                         .together = 0.0,
                         .size = 0.0,
-                        .lasting = 0.0,
-                        .lasting_size = 0.0,
+                        .lasting = 0.01,
+                        .lasting_size = 0.01,
                         .jitter = 0.001};
   setup.params.noise.gust_adaptation = 0.0;
   setup.params.priors.gust = 0.2;
@@ -178,10 +178,10 @@ class Flight {
   ErrorStateFilter filter;
 };
 
-// 60 flights, 9 degrees of freedom, after 5 and 15 s: the mean of 540 squared normal numbers is within
-// 0.76 and 1.26 with a probability of 99.99 %; a little more is left for what is not linear.
+// 30 flights, 9 degrees of freedom, after 5 and 15 s: the mean of 270 squared normal numbers is within
+// 0.68 and 1.36 with a probability of 99.99 %; a little more is left for what is not linear.
 TEST(ErrorStateFilter, KnowsHowWrongItIsInFlightsOfItsOwnKind) {
-  constexpr int kFlights = 60;
+  constexpr int kFlights = 30;
   std::array<double, 2> sum{};
   for (int flight = 0; flight < kFlights; ++flight) {
     Flight one{setup_for(), 1000 + static_cast<std::uint64_t>(flight)};
@@ -192,18 +192,18 @@ TEST(ErrorStateFilter, KnowsHowWrongItIsInFlightsOfItsOwnKind) {
     EXPECT_THAT(one.filter.covariance(), IsCovariance());
   }
   for (const double mean : sum) {
-    EXPECT_GT(mean, 0.72);
-    EXPECT_LT(mean, 1.35);
+    EXPECT_GT(mean, 0.65);
+    EXPECT_LT(mean, 1.45);
   }
 }
 
 TEST(ErrorStateFilter, FindsWindMountAndBiasFromOrdinaryFlying) {
   double wind = 0.0, tilt = 0.0, bias = 0.0;
-  constexpr int kFlights = 20;
+  constexpr int kFlights = 12;
   const Priors priors = setup_for().params.priors;
   for (int flight = 0; flight < kFlights; ++flight) {
     Flight one{setup_for(), 2000 + static_cast<std::uint64_t>(flight)};
-    while (one.t < 30.0) one.step();
+    while (one.t < 20.0) one.step();
     const Nominal& x = one.filter.now();
     wind += (x.wind - one.truth.wind).squaredNorm() / (2 * kFlights);
     tilt += std::pow(turn_of(x.R_BC.transpose() * one.truth.R_BC).x(), 2) / kFlights;

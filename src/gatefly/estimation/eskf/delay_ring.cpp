@@ -47,7 +47,7 @@ std::optional<std::size_t> DelayRing::at(double time) const {
   std::size_t i = newest();
   while (i > first && std::abs((*this)[i - 1].time - time) <= std::abs((*this)[i].time - time)) --i;
   const double step = (*this)[i].time - (*this)[i - 1].time;
-  if (std::abs((*this)[i].time - time) > step + 1e-9) return std::nullopt;
+  if (!(std::abs((*this)[i].time - time) <= step + 1e-9)) return std::nullopt;
   return i;
 }
 
