@@ -5,6 +5,8 @@
 #include <cmath>
 #include <variant>
 
+#include <Eigen/Geometry>
+
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
 
