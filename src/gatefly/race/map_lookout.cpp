@@ -12,10 +12,16 @@ namespace {
 
 constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
 
+// Recorded pictures may come at 5 Hz only, and a gate is not found in each.
+constexpr double kPause = 0.9;  // [s]
+constexpr int kLeast = 6;
+
 }  // namespace
 
 MapLookout::MapLookout(const LookoutParams& params)
-    : params_{params}, detector_{params.detector, params.detector_mode} {}
+    : params_{params},
+      detector_{params.detector, params.detector_mode},
+      monitor_{{.pause = kPause, .least = kLeast}} {}
 
 GateDetections MapLookout::whole_gates(const Sensors& sensors, const LookFor& look_for) {
   if (sensors.seen) return sensors.seen->gates;
