@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/replay.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -30,9 +31,10 @@ struct Replay {
 
 Replay replay(const py::object& folder, const py::object& config, const py::object& settings,
               const py::object& track, const std::string& estimator, double heading_offset_deg) {
-  if (estimator != "drag" && estimator != "imu15")
+  const auto& names = tasks::estimator_names();
+  if (!estimator.empty() && std::find(names.begin(), names.end(), estimator) == names.end())
     throw std::runtime_error("estimator = '" + io::one_line(estimator) +
-                             "', must be 'drag' or 'imu15'");
+                             "', must be 'drag', 'eskf' or 'imu15'");
   tasks::ReplayArguments arguments{.config = config_arguments(config, settings),
                                    .directory = path_of(folder, "folder"),
                                    .track = track.is_none() ? "" : path_of(track, "track"),
@@ -130,12 +132,13 @@ void bind_replay(py::module_& m) {
       "Feeds the flight in a folder (log_si.csv, images.csv, pictures) to the very pilot that "
       "flies.\n\n"
       "Folders of `gatefly fly` carry their track and configuration; others use the track and the "
-      "configuration\n'flights'. estimator: 'drag', the pilot's own, or 'imu15', the classic "
-      "inertial filter beside it.\nheading_offset_deg: of real logs, motion capture's heading "
+      "configuration\n'flights'. estimator: 'eskf', 'drag', or 'imu15', the classic "
+      "inertial filter beside it; '': what the flight is configured with.\nheading_offset_deg: of "
+      "real logs, motion capture's heading "
       "minus "
       "the log's own.",
       py::arg("folder"), py::arg("config") = py::none(), py::arg("settings") = py::none(),
-      py::arg("track") = py::none(), py::arg("estimator") = "drag",
+      py::arg("track") = py::none(), py::arg("estimator") = "",
       py::arg("heading_offset_deg") = tasks::ReplayArguments{}.heading_offset_deg);
 }
 

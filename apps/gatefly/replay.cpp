@@ -12,6 +12,7 @@
 #include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/findings_json.hpp"
 #include "gatefly/pages/flight_page.hpp"
 #include "gatefly/pages/page.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
@@ -66,7 +67,7 @@ class ReplayPage {
     const std::string name = fs::weakly_canonical(flight_.folder.directory).filename().string();
     nlohmann::ordered_json told{{"kind", "replay"},
                                 {"flight", name},
-                                {"estimator", given.estimator},
+                                {"estimator", tasks::estimator_of(given, flight_.pilot)},
                                 {"track", track.name},
                                 {"version", GATEFLY_VERSION},
                                 {"gates_passed", result.gates_passed},
@@ -147,7 +148,7 @@ int replay(const ReplayOptions& options) {
       tasks::replayed(flight, given, stop_if_interrupted, render_again(),
                       [&](const flight_log::ReplayedTick& tick) {
                         stop_if_interrupted();
-                        if (page) page->record(tick, given.estimator != "drag");
+                        if (page) page->record(tick, given.estimator == "imu15");
                       });
   if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
   if (!options.tum.empty()) write_tum(options, truth, flight, result);
@@ -180,12 +181,17 @@ int replay(const ReplayOptions& options) {
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
+    if (result.findings)
+      std::cout << "  found           " << flight_log::text_of(result.findings) << '\n';
+    if (result.divergence)
+      std::cout << "  diverged        at " << result.divergence->since
+                << " s: " << eskf::text_of(result.divergence->why) << '\n';
     if (report.comparison)
       std::cout << "  recorded flight " << tasks::text_of(*report.comparison, flight) << '\n';
   }
   const bool came_out =
       !report.comparison || !report.comparison->first_other || report.comparison->told;
-  return result.finite && came_out ? kDone : kAnswerIsNo;
+  return result.finite && came_out && !result.divergence ? kDone : kAnswerIsNo;
 }
 
 }  // namespace
@@ -209,10 +215,11 @@ void declare_replay(Command& command) {
   command.option("--track", options->replay.track,
                  "instead of the folder's own: a name in tracks/ or a file");
   command
-      .option("--estimator", options->replay.estimator,
-              "drag: the 7-state filter; imu15: the classic inertial one beside it, for comparison")
-      .one_of({"drag", "imu15"})
-      .show_default();
+      .option(
+          "--estimator", options->replay.estimator,
+          "eskf: wind, gates and camera are states; drag: the 7-state filter; imu15: the classic "
+          "inertial one beside it, for comparison [the flight's filter.model]")
+      .one_of({"drag", "eskf", "imu15"});
   command
       .option("--heading-offset-deg", options->replay.heading_offset_deg,
               "real logs: motion capture's heading minus the log's own (differs by flight)")

@@ -245,7 +245,8 @@ class Replay(Cli):
         path.write_text(settings + "pose.white_px=0.35\n", encoding="utf-8")
         result = self.run_it("replay", "flight")
         self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stdout + result.stderr)
-        path.write_text(settings + "pose.white_px=0.5\n", encoding="utf-8")
+        # What the fixes' errors are is the drag filter's business: without the sonar the estimates are others.
+        path.write_text(settings + "pose.white_px=0.5\nvehicle.sonar=none\n", encoding="utf-8")
         self.assertIn("pose.random_sigma_px is 0.5, was 0.35 in flight", self.run_it("replay", "flight").stdout)
 
     def test_a_summary_that_is_nonsense_does_not_say_the_seed(self):

@@ -156,6 +156,47 @@ TEST(Navigator, AllocatesNothingOnceBuilt) {
   test::expect_that_allocations_are_counted();
 }
 
+NavigatorParams with_map() {
+  NavigatorParams params;
+  params.model = FilterModel::kOurs;
+  for (int i = 0; i < 12; ++i) params.ours.map.push_back({{4.0 + 3.0 * i, 1, -1.5}, 0.5, {}});
+  return params;
+}
+
+// Pictures that say where it stands, which is behind what it would see: still they are worked through.
+TEST(OwnFilter, AllocatesNothingOnceBuilt) {
+  Rested drone{with_map()};
+  eskf::GateSight sight{.features = {}};
+  for (std::uint8_t i = 0; i < 4; ++i)
+    (void)sight.features.push_back(
+        {.which = i,
+         .bearing_C = Vector3d{i == 1 || i == 2 ? 0.1 : -0.1, i < 2 ? -0.1 : 0.1, 1.0}});
+  const test::NothingAllocated watch;
+  for (int i = 0; i < 600; ++i) {
+    drone.fly(1);
+    sight.time = drone.t - 0.08;
+    if (i % 34 == 33) (void)drone.navigator.error_state()->innovation_of(sight);
+    if (i % 34 == 33) (void)drone.navigator.correct({&sight, 1}, true);
+    if (i % 26 == 0) drone.navigator.measure_heights(0.1, 0.1);
+    if (i % 100 == 0) drone.navigator.change_gate({{4.0 + 0.03 * i, 1, -1.5}, 0.5}, {});
+    (void)drone.navigator.state();
+    (void)drone.navigator.covariance_GB();
+  }
+}
+
+// At rest nothing moves it; in flight drag is air speed, which is not yet ground speed.
+TEST(OwnFilter, StandsWhereItWasToldAndFliesByTheImu) {
+  Rested drone{with_map()};
+  EXPECT_THAT(drone.navigator.state().p_EB, IsNear(Vector3d{0.3, -0.2, 0.0}, 1e-9));
+  EXPECT_THAT(drone.navigator.state().p_GB,
+              IsNear(Vector3d{rotation_z(-0.5) * Vector3d{-3.7, -1.2, 1.5}}, 1e-9));
+  drone.fly(512);
+  EXPECT_THAT(drone.navigator.state().p_EB, IsNear(Vector3d{0.3, -0.2, 0.0}, 0.05));
+  EXPECT_NEAR(drone.navigator.state().attitude.yaw, 0.4, 1e-3);
+  EXPECT_GT(drone.navigator.velocity_sigma().x(), 0.01);
+  EXPECT_GT(drone.navigator.heading_sigma(), 0.05);
+}
+
 NavigatorParams as_paper() {
   NavigatorParams params;
   params.model = FilterModel::kPaper;

@@ -34,7 +34,7 @@ class Replay(Case):
     def test_what_cannot_be_replayed_is_refused(self):
         self.assertIn("nowhere", self.refused(gatefly.Error, gatefly.replay, self.folder / "nowhere"))
         self.refused(gatefly.Error, gatefly.replay, self.folder)
-        self.assertIn("must be 'drag' or 'imu15'", self.refused(gatefly.Error, gatefly.replay, FLIGHT, estimator="best"))
+        self.assertIn("must be 'drag', 'eskf' or 'imu15'", self.refused(gatefly.Error, gatefly.replay, FLIGHT, estimator="best"))
         self.assertIn("tracks/", self.refused(gatefly.Error, gatefly.replay, FLIGHT, track="nowhere"))
         self.refused(TypeError, gatefly.replay, 3)
         (self.folder / "log_si.csv").write_text("t_s\n1\n", encoding="utf-8")

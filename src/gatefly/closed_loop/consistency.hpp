@@ -16,7 +16,7 @@ struct ChiSquareCount {
   double sum_per_dof = 0.0;  ///< Of chi-square / degrees of freedom; its mean should be 1.
   int inside = 0;            ///< In the middle 95 % of the distribution.
 
-  /// dof 1 to 3; others are not counted.
+  /// dof 1 to 8; others are not counted.
   void add(double chi2, int dof);
 };
 

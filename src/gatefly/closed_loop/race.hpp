@@ -13,6 +13,7 @@
 
 #include "gatefly/closed_loop/consistency.hpp"
 #include "gatefly/closed_loop/why_lost.hpp"
+#include "gatefly/estimation/eskf/findings.hpp"
 #include "gatefly/flight_log/tick.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/world/sim_config.hpp"
@@ -63,7 +64,8 @@ struct RaceResult {
   std::vector<Eigen::Vector2d> gate_offsets;  ///< Lateral, vertical (down) at each pass [m].
   /// Earth frame, first to last gate [m].
   Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();
-  Consistency consistency;  ///< Whether the pilot knew how wrong it was.
+  Consistency consistency;                 ///< Whether the pilot knew how wrong it was.
+  std::optional<eskf::Findings> findings;  ///< Of camera, air and map, by the filter of kOurs.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
   int careful_searches = 0;  ///< Frames that the pilot searched carefully.
   int searches = 0;          ///< How often the pilot had to look for a gate.

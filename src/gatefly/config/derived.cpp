@@ -117,7 +117,9 @@ PilotConfig pilot_config(const Config& config) {
 
   pilot.detector_mode = detector_mode_of(config.detector_mode);
   pilot.pose_scheme = scheme_of(config.pose_model);
-  pilot.filter_model = config.filter_model == "paper" ? FilterModel::kPaper : FilterModel::kOurs;
+  pilot.filter_model = config.filter_model == "paper"  ? FilterModel::kPaper
+                       : config.filter_model == "drag" ? FilterModel::kDrag
+                                                       : FilterModel::kOurs;
   pilot.control_scheme = scheme_of(config.control_mode);
   pilot.indi.adaptive = config.indi_effectiveness == "adaptive";
 
@@ -138,6 +140,8 @@ PilotConfig pilot_config(const Config& config) {
   pilot.vehicle = config.vehicle;
   pilot.imu_hz = config.rates.imu_hz;
   pilot.altimeter.sonar_hz = config.rates.sonar_hz;
+  pilot.uses_sonar = config.rates.sonar != "none";
+  pilot.uses_baro = config.rates.baro != "none";
   return pilot;
 }
 

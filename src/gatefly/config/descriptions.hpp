@@ -43,6 +43,7 @@ using VehicleDescription = VehicleParams;
 /// [vehicle]: how often its sensors speak.
 struct SensorRates {
   double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
+  std::string sonar = "yes", baro = "yes";  ///< "none": the pilot has to do without.
 };
 
 /// [gate] and [color]: a gate where no file says otherwise.

@@ -20,6 +20,14 @@ bool is_usable(const Imu& imu) {
          imu.gyro_B.cwiseAbs().maxCoeff() < 100.0 && imu.accel_B.cwiseAbs().maxCoeff() < 400.0;
 }
 
+// Between the gate's own frame, near it, and the map's, far from it. [ours: docs/paper/deviations.md]
+constexpr double kOwnFrame = 1.0, kMapFrame = 4.0;  // [m]
+
+eskf::Setup at_rate(eskf::Setup setup, const NavigatorParams& params) {
+  setup.imu_hz = params.imu_hz, setup.memory = params.filter_memory;
+  return setup;
+}
+
 AhrsParams at_rate(AhrsParams params, double imu_hz) {
   params.imu_hz = imu_hz;
   return params;
@@ -33,7 +41,10 @@ Navigator::Navigator(const NavigatorParams& params)
       accel_filter_{params.accel_cutoff_hz, params.imu_hz},
       filter_{params.filter, moments_for(params.filter_memory, params.imu_hz)},
       velocity_{params.velocity},
-      altimeter_{params.altimeter} {}
+      altimeter_{params.altimeter} {
+  if (params.model == FilterModel::kOurs && !params.ours.map.empty())
+    ours_.emplace(at_rate(params.ours, params));
+}
 
 void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& gate,
                       const MapUncertainty& uncertainty) {
@@ -41,6 +52,7 @@ void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& 
   gate_ = gate;
   uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
   ahrs_.start(yaw);
+  if (ours_) ours_->set_target(gate.p_EG, gate.yaw_EG);
   restart_filter(Eigen::Vector3d::Zero());
 }
 
@@ -69,8 +81,27 @@ void Navigator::restart_filter(const Eigen::Vector3d& accel_bias) {
                 time_);
 }
 
+// The first sample of the flight ends the rest: what rest has taught is where the filter starts.
+void Navigator::predict_ours(const Imu& imu, bool usable) {
+  if (usable) last_imu_sample_ = imu;
+  if (dt_ <= 0.0) return;
+  if (!ours_->has_started()) {
+    eskf::Start start{.p_EB = start_p_EB_,
+                      .R_EB = ahrs_.R_EB().matrix,
+                      .gyro_bias = ahrs_.gyro_bias(),
+                      .rest_accel_B = {}};
+    if (ahrs_.rest_samples() > 0)
+      start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
+    ours_->start(start, time_ - dt_);
+  }
+  ours_->predict(last_imu_sample_, dt_, time_);
+  altimeter_.climb(-dt_ * ours_->now().v_E.z());
+}
+
 void Navigator::predict(const Imu& imu, double time) {
-  if (advance(imu, time)) {
+  const bool new_sample = advance(imu, time);
+  if (ours_) return predict_ours(imu, new_sample);
+  if (new_sample) {
     input_.accel_B = accel_filter_.update(imu.accel_B);
     ahrs_.update(imu, velocity_.v_B(), dt_);
     const Attitude attitude = ahrs_.attitude();
@@ -92,16 +123,27 @@ void Navigator::predict_attitude(const Imu& imu, double time) {
 
 void Navigator::measure_heights(const std::optional<double>& sonar,
                                 const std::optional<double>& baro) {
-  const auto fuse = [&](const std::optional<Height>& height) {
-    if (height) correct_height(height->value, height->sigma);
+  const auto fuse = [&](const std::optional<Height>& height, Trust& trust) {
+    if (height) take_height(*height, trust);
   };
-  if (baro && std::abs(*baro) < 1000.0) fuse(altimeter_.baro(*baro, time_));
-  const double upright = ahrs_.R_EB().matrix(2, 2);
+  if (baro && std::abs(*baro) < 1000.0) fuse(altimeter_.baro(*baro, time_), baro_);
+  const double upright = flies_ours() ? ours_->now().R_EB(2, 2) : ahrs_.R_EB().matrix(2, 2);
   if (sonar && *sonar > 0.0 && *sonar < 100.0 && upright > 0.85)
-    fuse(altimeter_.sonar(*sonar * upright, -p_EB().z(), time_));
+    fuse(altimeter_.sonar(*sonar * upright, -p_EB().z(), time_), sonar_);
+}
+
+// A sensor that is metres off while gates are seen is no height sensor (a sonar that hears its rotors).
+void Navigator::take_height(const Height& height, Trust& trust) {
+  constexpr int kLeaveAfter = 40;       // 2 s at 20 Hz. [estimate]
+  constexpr double kGatesWithin = 1.0;  // [s]
+  if (!ours_) return correct_height(height.value, height.sigma);
+  if (trust.left) return;
+  trust.refused = ours_->correct_height(height.value, height.sigma) ? 0 : trust.refused + 1;
+  trust.left = trust.refused >= kLeaveAfter && time_ - last_gate_ < kGatesWithin;
 }
 
 void Navigator::correct_height(double height, double sigma) {
+  if (ours_) return static_cast<void>(ours_->correct_height(height, sigma));
   const double floor_z = -gate_.p_EG.z();  // the floor, in the gate's frame
   (void)filter_.correct_altitude(floor_z - height, sigma, uncertainty_.height);
 }
@@ -120,6 +162,17 @@ Fusion Navigator::correct(const Fix& fix, double time, bool may_restart) {
       filter_.correct(as_fused(fix), is_paper() ? time_ : time, may_restart && !is_paper());
   if (fusion == Fusion::kAccepted || fusion == Fusion::kRestarted) last_fix_ = time_;
   return fusion;
+}
+
+bool Navigator::correct(std::span<const eskf::GateSight> sights, bool of_target) {
+  if (!ours_ || !ours_->correct(sights)) return false;
+  last_gate_ = time_;
+  if (of_target) last_fix_ = time_;
+  return true;
+}
+
+void Navigator::doubt() {
+  if (ours_) ours_->doubt();
 }
 
 void Navigator::correct_heading(double error, double variance) {
@@ -154,6 +207,7 @@ void Navigator::change_gate(const GateFrame& gate, const MapUncertainty& uncerta
   gate_ = gate;
   if (is_paper()) filter_.reset_position(filter().position().head<2>(), params_.paper.leg_sigma);
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - gate.yaw_EG);
+  if (ours_) ours_->set_target(gate.p_EG, gate.yaw_EG);
 }
 
 void Navigator::begin_leg(const Eigen::Vector2d& p_EB) {
@@ -170,8 +224,23 @@ Eigen::Vector3d Navigator::relative(const Eigen::Vector3d& p_EB) const {
   return rotation_z(-gate_.yaw_EG) * (p_EB - gate_.p_EG);
 }
 
+// 1 in the gate, 0 far from it.
+double Navigator::nearness() const {
+  const double distance = (ours_->now().p_EB - ours_->target().p_EG).head<2>().norm();
+  return std::clamp((kMapFrame - distance) / (kMapFrame - kOwnFrame), 0.0, 1.0);
+}
+
+// Where the plan has its path: near a gate as far from the map's gate as from the real one, elsewhere
+// where the drone is.
 Eigen::Vector3d Navigator::p_EB() const {
-  return gate_.p_EG + rotation_z(gate_.yaw_EG) * filter().position();
+  const Eigen::Matrix3d R_EG = rotation_z(gate_.yaw_EG);
+  if (!flies_ours())
+    return gate_.p_EG + R_EG * (ours_ ? relative(start_p_EB_) : filter().position());
+  const Eigen::Vector3d by_gate = gate_.p_EG + R_EG * ours_->p_GB();
+  const double near = nearness();
+  Eigen::Vector3d p_EB = near * by_gate + (1.0 - near) * ours_->now().p_EB;
+  p_EB.z() = by_gate.z();
+  return p_EB;
 }
 
 // Eq. (14) as it is for the paper: with the vibration, without a model's lag.
@@ -183,20 +252,87 @@ Eigen::Vector3d Navigator::v_B() const {
 NavigationState Navigator::state() const {
   NavigationState now;
   now.time = time_, now.dt = dt_;
-  now.R_EB = ahrs_.R_EB();
-  now.attitude = attitude_of(now.R_EB);
-  now.rate_B = ahrs_.rate_B();
-  now.p_EB = p_EB();
-  now.v_B = v_B();
-  now.v_E = now.R_EB * now.v_B;
-  now.p_GB = filter().position();
-  const Eigen::Matrix3d R_GB = rotation_z(-gate_.yaw_EG) * now.R_EB.matrix;
-  now.v_GB = R_GB * now.v_B;
-  now.lateral_sigma = filter().lateral_sigma();
   now.since_fix = since_fix();
   now.since_imu = time_ - last_imu_;
   now.rest_samples = ahrs_.rest_samples();
+  now.p_EB = p_EB();
+  if (flies_ours()) {
+    describe_ours(now);
+    return now;
+  }
+  now.R_EB = ahrs_.R_EB();
+  now.attitude = attitude_of(now.R_EB);
+  now.rate_B = ahrs_.rate_B();
+  now.v_B = v_B();
+  now.v_E = now.R_EB * now.v_B;
+  now.p_GB = ours_ ? relative(start_p_EB_) : filter().position();
+  const Eigen::Matrix3d R_GB = rotation_z(-gate_.yaw_EG) * now.R_EB.matrix;
+  now.v_GB = R_GB * now.v_B;
+  now.lateral_sigma = filter().lateral_sigma();
   return now;
+}
+
+// In the map's axes, which near the gate are turned as the gate is.
+void Navigator::describe_ours(NavigationState& now) const {
+  const eskf::Nominal& x = ours_->now();
+  const double turned = wrap_angle(gate_.yaw_EG - ours_->target_yaw());
+  const Eigen::Matrix3d R_ME = rotation_z(nearness() * turned);
+  now.R_EB.matrix = R_ME * x.R_EB;
+  now.attitude = attitude_of(now.R_EB);
+  now.rate_B = x.rate_B;
+  now.v_E = R_ME * x.v_E;
+  now.v_B = x.R_EB.transpose() * x.v_E;
+  now.p_GB = ours_->p_GB();
+  now.v_GB = rotation_z(-ours_->target_yaw()) * x.v_E;
+  now.lateral_sigma = std::sqrt(std::max(0.0, ours_->covariance_GB(false)(1, 1)));
+  now.wind_E = (R_ME.topLeftCorner<2, 2>() * (x.wind + x.gust)).eval();
+}
+
+Eigen::Matrix3d Navigator::covariance_GB() const {
+  if (flies_ours()) return ours_->covariance_GB();
+  return filter().covariance().topLeftCorner<3, 3>();
+}
+
+Eigen::Vector3d Navigator::accel_bias() const {
+  if (flies_ours()) return ours_->now().accel_bias;
+  return filter().state().segment<3>(drag_model::kBiasX);
+}
+
+Eigen::Vector3d Navigator::gyro_bias() const {
+  return flies_ours() ? ours_->now().gyro_bias : ahrs_.gyro_bias();
+}
+
+Eigen::Vector3d Navigator::velocity_sigma() const {
+  if (flies_ours()) {
+    const Eigen::Matrix3d& R = ours_->now().R_EB;
+    const Eigen::Matrix3d C =
+        R.transpose() * ours_->covariance().block<3, 3>(eskf::kV, eskf::kV) * R;
+    return C.diagonal().cwiseMax(0.0).cwiseSqrt();
+  }
+  // Eq. (14): what the bias does to drag's velocity
+  const Eigen::Vector3d bias = accel_bias_sigma();
+  const Eigen::Vector2d drag = filter().params().model.drag.cwiseAbs();
+  const double vertical = filter().covariance()(drag_model::kVz, drag_model::kVz);
+  return {bias.x() / drag.x(), bias.y() / drag.y(), std::sqrt(vertical)};
+}
+
+Eigen::Vector3d Navigator::accel_bias_sigma() const {
+  const auto sigma = [&](int i) {
+    return flies_ours()
+               ? ours_->sigma(eskf::kAccelBias + i)
+               : std::sqrt(filter().covariance()(drag_model::kBiasX + i, drag_model::kBiasX + i));
+  };
+  return {sigma(0), sigma(1), sigma(2)};
+}
+
+double Navigator::tilt_sigma() const {
+  if (!flies_ours()) return ahrs_.tilt_sigma();
+  return std::sqrt(0.5 * (ours_->covariance()(eskf::kTheta, eskf::kTheta) +
+                          ours_->covariance()(eskf::kTheta + 1, eskf::kTheta + 1)));
+}
+
+double Navigator::heading_sigma() const {
+  return flies_ours() ? ours_->sigma(eskf::kTheta + 2) : ahrs_.heading_sigma();
 }
 
 }  // namespace gatefly

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/delayed_filter.hpp"
+#include "gatefly/estimation/eskf/error_state_filter.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/estimation/velocity_observer.hpp"
 
@@ -21,8 +23,9 @@ struct GateFrame {
 
 /// Whose filter it is.
 enum class FilterModel {
-  kOurs,
+  kDrag,  ///< Li18's drag filter with memory and systematic errors: takes air speed for ground speed.
   kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; no systematic errors.
+  kOurs,   ///< One error-state filter: wind, gates, mount and delay are states (eskf).
 };
 
 /// Li18's filter, where it is not a number of DragFilterParams. [Li18 flight code, March 2018]
@@ -32,8 +35,9 @@ struct PaperFilterParams {
 };
 
 struct NavigatorParams {
-  FilterModel model = FilterModel::kOurs;
+  FilterModel model = FilterModel::kDrag;
   PaperFilterParams paper;
+  eskf::Setup ours;  ///< For kOurs; rate and memory are those below.
   AhrsParams ahrs;
   DragFilterParams filter;
   VelocityObserverParams velocity;
@@ -58,7 +62,9 @@ struct NavigationState {
   double lateral_sigma = 0.0;  ///< Of p_GB.y, without what is gone in the gate itself [m].
   double since_fix = 1e3;      ///< Since a fix was accepted [s].
   double since_imu = 0.0;      ///< Since a usable IMU sample [s].
-  int rest_samples = 0;        ///< Of the rest calibration.
+  /// Air over ground, where the filter knows it [m/s].
+  Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
+  int rest_samples = 0;  ///< Of the rest calibration.
 };
 
 /// The estimation ring: attitude, low pass, drag filter with its memory, velocity and heights, wired
@@ -126,6 +132,27 @@ class Navigator {
   [[nodiscard]] NavigationState state() const;
   [[nodiscard]] Eigen::Vector3d p_EB() const;
   [[nodiscard]] const GateFrame& gate() const { return gate_; }
+
+  /// The filter whose wind and gates are states; nullptr for the other models.
+  [[nodiscard]] const eskf::ErrorStateFilter* error_state() const {
+    return ours_ ? &*ours_ : nullptr;
+  }
+  /// Sightings of one picture, for kOurs. False: none was taken in.
+  bool correct(std::span<const eskf::GateSight> sights, bool of_target);
+  /// See ErrorStateFilter::doubt.
+  void doubt();
+
+  // What is known of the estimate, whichever filter flies:
+  [[nodiscard]] Eigen::Matrix3d covariance_GB() const;     ///< Of the position [m²].
+  [[nodiscard]] Eigen::Vector3d accel_bias() const;        ///< [m/s²]
+  [[nodiscard]] Eigen::Vector3d gyro_bias() const;         ///< [rad/s]
+  [[nodiscard]] Eigen::Vector3d velocity_sigma() const;    ///< Body axes [m/s].
+  [[nodiscard]] Eigen::Vector3d accel_bias_sigma() const;  ///< [m/s²]
+  /// Sonar, barometer: contradicts what gates show for long, and is left.
+  [[nodiscard]] bool has_left_sonar() const { return sonar_.left; }
+  [[nodiscard]] bool has_left_baro() const { return baro_.left; }
+  [[nodiscard]] double tilt_sigma() const;     ///< [rad]
+  [[nodiscard]] double heading_sigma() const;  ///< [rad]
   [[nodiscard]] const Ahrs& ahrs() const { return ahrs_; }
   [[nodiscard]] const DragFilter& filter() const { return filter_.now(); }
   [[nodiscard]] double time() const { return time_; }  ///< Of the last sample [s].
@@ -133,8 +160,18 @@ class Navigator {
   [[nodiscard]] double since_fix() const { return time_ - last_fix_; }
 
  private:
+  [[nodiscard]] bool flies_ours() const { return ours_ && ours_->has_started(); }
+  void predict_ours(const Imu& imu, bool usable);
+  void describe_ours(NavigationState& now) const;
+  [[nodiscard]] double nearness() const;
   [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
   [[nodiscard]] Eigen::Vector3d v_B() const;
+  /// What a height sensor has been worth.
+  struct Trust {
+    int refused = 0;    ///< In a row.
+    bool left = false;  ///< Found out: it is not asked any more.
+  };
+  void take_height(const Height& height, Trust& trust);
   bool advance(const Imu& imu, double time);
   void restart_filter(const Eigen::Vector3d& accel_bias);
   [[nodiscard]] Eigen::Vector3d relative(const Eigen::Vector3d& p_EB) const;
@@ -144,6 +181,10 @@ class Navigator {
   LowPass accel_filter_;
   DelayedFilter filter_;
   VelocityObserver velocity_;
+  std::optional<eskf::ErrorStateFilter> ours_;
+  Imu last_imu_sample_;
+  Trust sonar_, baro_;
+  double last_gate_ = -1e3;  ///< When any gate was taken in [s].
   Altimeter altimeter_;
   drag_model::Input input_;
   GateFrame gate_;

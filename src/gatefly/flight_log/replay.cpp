@@ -22,12 +22,21 @@ bool is_finite(const Estimate& e) {
          std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
 }
 
+PilotConfig with_filter_of(PilotConfig config, Estimator estimator) {
+  if (estimator == Estimator::kEskf) config.filter_model = FilterModel::kOurs;
+  const bool other = config.filter_model == FilterModel::kOurs;
+  // The inertial filter is fed with fixes, as the drag filter is.
+  if (other && (estimator == Estimator::kDrag || estimator == Estimator::kImu15))
+    config.filter_model = FilterModel::kDrag;
+  return config;
+}
+
 }  // namespace
 
 ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
                     const std::function<Image(std::size_t)>& load_picture, Estimator estimator,
                     const std::function<void(const ReplayedTick&)>& on_tick) {
-  Pilot pilot{config};
+  Pilot pilot{with_filter_of(config, estimator)};
   InertialFollower inertial;
   ReplayResult result;
   result.estimates.reserve(ticks.size());
@@ -57,6 +66,9 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     result.estimates.push_back(row);
     result.commands.push_back(command);
   }
+  result.divergence = pilot.divergence();
+  const eskf::ErrorStateFilter* filter = pilot.navigator().error_state();
+  if (filter != nullptr && filter->has_started()) result.findings = eskf::findings_of(*filter);
   result.gates_passed = pilot.estimate().gates_passed;
   if (result.rmse_samples > 0) result.rmse = (error2 / result.rmse_samples).cwiseSqrt();
   return result;

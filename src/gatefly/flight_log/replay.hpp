@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/estimation/eskf/findings.hpp"
 #include "gatefly/flight_log/recording.hpp"
 #include "gatefly/race/pilot.hpp"
 
@@ -37,12 +38,16 @@ struct ReplayResult {
   std::optional<double> last_gate;  ///< When the pilot thought it passed the last gate [s].
   Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
   int rmse_samples = 0;                            ///< 0: the log has no truth there.
+  std::optional<eskf::Monitor::Verdict> divergence;  ///< Told without truth.
+  std::optional<eskf::Findings> findings;            ///< Of the filter of kOurs, at the end.
   HashCheck hashes;  ///< Of the pictures, where the recording has hashes; for who loads them.
 };
 
 /// Whose estimates a replay reports.
 enum class Estimator {
-  kDrag,  ///< The pilot's own.
+  kPilots,  ///< That of the filter the pilot is configured with.
+  kDrag,    ///< The 7-state drag filter's.
+  kEskf,    ///< The error-state filter's, whose states are also wind, gates, mount and delay.
   /// The classic inertial filter's, fed with what the pilot sees; the pilot flies on by its own.
   kImu15,
 };

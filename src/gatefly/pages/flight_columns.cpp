@@ -145,16 +145,10 @@ void put_sigmas(RowWriter& row, const PageTick& tick) {
     return;
   }
   const Navigator& navigator = tick.pilot.navigator();
-  const DragFilter& filter = navigator.filter();
-  const auto sigma = [&](int state) { return std::sqrt(filter.covariance()(state, state)); };
-  const Eigen::Vector2d drag = filter.params().model.drag.cwiseAbs();
-  // Eq. (14): what the bias does to drag's velocity
-  row.put(Eigen::Vector3d{sigma(drag_model::kBiasX) / drag.x(),
-                          sigma(drag_model::kBiasY) / drag.y(), sigma(drag_model::kVz)});
-  row.put(Eigen::Vector3d{sigma(drag_model::kBiasX), sigma(drag_model::kBiasY),
-                          sigma(drag_model::kBiasZ)});
-  row.put(navigator.ahrs().tilt_sigma());
-  row.put(navigator.ahrs().heading_sigma());
+  row.put(navigator.velocity_sigma());
+  row.put(navigator.accel_bias_sigma());
+  row.put(navigator.tilt_sigma());
+  row.put(navigator.heading_sigma());
 }
 
 void put_command(RowWriter& row, const PageTick& tick, const Estimate& e) {

@@ -7,9 +7,46 @@
 
 namespace gatefly {
 
+namespace {
+
+// Of one pixel on the lens' axis [rad].
+double radians_per_px(const AnyCamera& lens) {
+  const auto on_axis = lens.project({0, 0, 1});
+  if (!on_axis) return eskf::CameraModel{}.radians_per_px;
+  const auto a = lens.bearing(*on_axis), b = lens.bearing(*on_axis + Eigen::Vector2d{1, 0});
+  return a && b ? (*b - *a).norm() : eskf::CameraModel{}.radians_per_px;
+}
+
+eskf::Setup error_state_setup(const PilotConfig& config) {
+  eskf::Setup setup;
+  setup.params = config.error_state;
+  setup.params.drag = config.filter.model.drag;
+  setup.params.gravity = config.filter.model.gravity;
+  setup.params.priors.position = config.filter.start_sigma;
+  setup.params.priors.heading = config.ahrs.start_heading_sigma;
+  setup.params.priors.map = config.map_sigma;
+  setup.params.priors.map_height = config.gate_height_sigma;
+  setup.params.priors.map_yaw = config.gate_yaw_sigma;
+  for (const MapGate& gate : config.track.gates)
+    setup.map.push_back({gate.p_EG, gate.yaw_EG, {gate.side, gate.bar}});
+  setup.R_BC = config.camera.R_BC.matrix;
+  setup.camera = {config.camera.p_BC, radians_per_px(config.camera.lens)};
+  return setup;
+}
+
+}  // namespace
+
+// Positions alone are all that the paper's eye gives: the drag filter takes those.
+FilterModel filter_model(const PilotConfig& config) {
+  const bool fixes_only = config.pose_scheme == Scheme::kPaper;
+  const bool ours = config.filter_model == FilterModel::kOurs;
+  return ours && fixes_only ? FilterModel::kDrag : config.filter_model;
+}
+
 NavigatorParams navigator_params(const PilotConfig& config) {
   NavigatorParams params;
-  params.model = config.filter_model;
+  params.model = filter_model(config);
+  if (params.model == FilterModel::kOurs) params.ours = error_state_setup(config);
   params.paper = config.paper_filter;
   params.ahrs = config.ahrs;
   params.filter = config.filter;

@@ -16,6 +16,8 @@ namespace gatefly {
 [[nodiscard]] GuidanceParams guidance_params(const PilotConfig& config);
 [[nodiscard]] IndiParams indi_params(const PilotConfig& config);
 [[nodiscard]] PhaseParams phase_params(const PilotConfig& config);
+/// The filter that flies: the configured one, or the one that takes what the pose gives.
+[[nodiscard]] FilterModel filter_model(const PilotConfig& config);
 [[nodiscard]] MapUncertainty map_uncertainty(const PilotConfig& config);
 
 /// @throws std::invalid_argument when pictures arrive later than the filter remembers.

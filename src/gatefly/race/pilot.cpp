@@ -6,6 +6,7 @@
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/guidance.hpp"
 #include "gatefly/race/lookout.hpp"
+#include "gatefly/race/map_lookout.hpp"
 #include "gatefly/race/paper/paper_guidance.hpp"
 #include "gatefly/race/paper/paper_lookout.hpp"
 #include "gatefly/race/part_params.hpp"
@@ -13,7 +14,7 @@
 namespace gatefly {
 namespace {
 
-using EitherLookout = std::variant<Lookout, PaperLookout>;
+using EitherLookout = std::variant<Lookout, PaperLookout, MapLookout>;
 using EitherGuidance = std::variant<Guidance, PaperGuidance>;
 
 Course course_of(const PilotConfig& config) {
@@ -23,6 +24,7 @@ Course course_of(const PilotConfig& config) {
 
 EitherLookout lookout_of(const PilotConfig& config) {
   if (config.pose_scheme == Scheme::kPaper) return PaperLookout{lookout_params(config)};
+  if (filter_model(config) == FilterModel::kOurs) return MapLookout{lookout_params(config)};
   return Lookout{lookout_params(config)};
 }
 
@@ -55,7 +57,9 @@ Pilot::Pilot(const PilotConfig& config)
     : map_uncertainty_{map_uncertainty(config)},
       navigator_{navigator_params(config)},
       parts_{std::make_unique<Parts>(config)},
-      phase_params_{phase_params(config)} {
+      phase_params_{phase_params(config)},
+      uses_sonar_{config.uses_sonar},
+      uses_baro_{config.uses_baro} {
   check_latency(config);
   const Track& track = config.track;
   navigator_.start({track.start.x(), track.start.y(), 0.0}, track.start_heading,
@@ -85,7 +89,8 @@ void Pilot::navigate(const Sensors& sensors) {
     navigator_.rest(sensors.imu, time);
   } else {
     navigator_.predict(sensors.imu, time);
-    navigator_.measure_heights(sensors.sonar, sensors.baro);
+    navigator_.measure_heights(uses_sonar_ ? sensors.sonar : std::nullopt,
+                               uses_baro_ ? sensors.baro : std::nullopt);
   }
 }
 
@@ -99,6 +104,11 @@ void Pilot::look(const Sensors& sensors) {
 bool Pilot::finished() const { return parts_->course.finished(); }
 int Pilot::target_gate() const { return parts_->course.target(); }
 const RacePlan& Pilot::plan() const { return parts_->course.plan(); }
+
+std::optional<eskf::Monitor::Verdict> Pilot::divergence() const {
+  const auto* lookout = std::get_if<MapLookout>(&parts_->lookout);
+  return lookout != nullptr ? lookout->monitor().verdict() : std::nullopt;
+}
 
 const Sighting& Pilot::sighting() const {
   return std::visit([](const auto& l) -> const Sighting& { return l.sighting(); }, parts_->lookout);
@@ -169,15 +179,14 @@ std::array<double, 4> Pilot::motors(const AttitudeCommand& attitude) {
 
 Estimate Pilot::estimate() const {
   const NavigationState now = navigator_.state();
-  const DragFilter& filter = navigator_.filter();
   Estimate e;
   e.p_EB = now.p_EB;
   e.v_E = now.v_E;
   e.attitude = now.attitude;
-  e.accel_bias = filter.state().segment<3>(drag_model::kBiasX);
-  e.gyro_bias = navigator_.ahrs().gyro_bias();
+  e.accel_bias = navigator_.accel_bias();
+  e.gyro_bias = navigator_.gyro_bias();
   e.p_GB = now.p_GB;
-  e.covariance_GB = filter.covariance().topLeftCorner<3, 3>();
+  e.covariance_GB = navigator_.covariance_GB();
   e.gates_passed = parts_->course.passed();
   return e;
 }

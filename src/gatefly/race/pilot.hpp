@@ -3,8 +3,10 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <variant>
 
+#include "gatefly/estimation/eskf/monitor.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/race/messages.hpp"
 #include "gatefly/race/path.hpp"
@@ -32,6 +34,8 @@ class Pilot {
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
   [[nodiscard]] const Sighting& sighting() const;
+  /// That the filter has diverged, told without any truth; only the filter of kOurs knows.
+  [[nodiscard]] std::optional<eskf::Monitor::Verdict> divergence() const;
   [[nodiscard]] bool finished() const;
   [[nodiscard]] bool landed() const { return std::holds_alternative<Landed>(phase_); }
   [[nodiscard]] int target_gate() const;
@@ -52,6 +56,7 @@ class Pilot {
   Navigator navigator_;
   std::unique_ptr<Parts> parts_;
   PhaseParams phase_params_;
+  bool uses_sonar_, uses_baro_;
   Phase phase_ = OnGround{};
   AbortReason abort_reason_ = AbortReason::kNone;
 };

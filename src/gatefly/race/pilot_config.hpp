@@ -22,7 +22,7 @@ struct PilotConfig {
   /// Which box is whose: any mixture can be configured.
   DetectorMode detector_mode = DetectorMode::kOurs;
   Scheme pose_scheme = Scheme::kOurs;
-  FilterModel filter_model = FilterModel::kOurs;
+  FilterModel filter_model = FilterModel::kDrag;
   Scheme control_scheme = Scheme::kOurs;
   Track track;
   CameraRig camera;
@@ -34,6 +34,7 @@ struct PilotConfig {
   AhrsParams ahrs;
   DragFilterParams filter;
   PaperFilterParams paper_filter;
+  eskf::Params error_state;  ///< For FilterModel::kOurs; what else is known stands below.
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
   LateralParams lateral;
@@ -47,7 +48,8 @@ struct PilotConfig {
   CourseParams course;
   PhaseParams
       phase;  ///< Its rest_samples are of an IMU at 512 Hz: the rest lasts as long at any rate.
-  double imu_hz = 512.0;        ///< Nominal rate of the IMU. [Li18 flight code]
+  double imu_hz = 512.0;                     ///< Nominal rate of the IMU. [Li18 flight code]
+  bool uses_sonar = true, uses_baro = true;  ///< What the drone has, and may be believed.
   double filter_memory = 0.25;  ///< So late a picture may come [s]. [ours: twice a Bebop's latency]
   double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [ours]
   double gate_height_sigma = 0.05;  ///< Of a gate's centre [m]. [docs/simulation.md]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/report/summary.hpp"
 
+#include "gatefly/flight_log/findings_json.hpp"
 #include "gatefly/report/loss_report.hpp"
 
 namespace gatefly::io {
@@ -54,6 +55,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
                        {"true_positives", result.true_positives},
                        {"false_positives", result.false_positives},
                        {"careful_searches", result.careful_searches}};
+  json["found"] = flight_log::as_json(result.findings);
   json["searches"] = result.searches;
   json["flight_time_s"] = result.flight_time;
   json["timings"] = timings;

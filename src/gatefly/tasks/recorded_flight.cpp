@@ -39,6 +39,13 @@ flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAg
   return flight_log::pictures_in_files(flight.folder, width, height);
 }
 
+flight_log::Estimator estimator_named(const std::string& name) {
+  if (name == "drag") return flight_log::Estimator::kDrag;
+  if (name == "eskf") return flight_log::Estimator::kEskf;
+  if (name == "imu15") return flight_log::Estimator::kImu15;
+  return flight_log::Estimator::kPilots;
+}
+
 }  // namespace
 
 RecordedFlight read_flight(const ReplayArguments& arguments) {
@@ -80,6 +87,16 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
   return flight;
 }
 
+const std::vector<std::string>& estimator_names() {
+  static const std::vector<std::string> names{"drag", "eskf", "imu15"};
+  return names;
+}
+
+std::string estimator_of(const ReplayArguments& arguments, const PilotConfig& pilot) {
+  if (!arguments.estimator.empty()) return arguments.estimator;
+  return pilot.filter_model == FilterModel::kOurs ? "eskf" : "drag";
+}
+
 flight_log::ReplayResult replayed(
     const RecordedFlight& flight, const ReplayArguments& arguments,
     const std::function<void()>& on_picture, const RenderAgain& render_again,
@@ -94,9 +111,7 @@ flight_log::ReplayResult replayed(
   };
   try {
     auto result = flight_log::replay(flight.pilot, flight.ticks, watched,
-                                     arguments.estimator == "drag" ? flight_log::Estimator::kDrag
-                                                                   : flight_log::Estimator::kImu15,
-                                     on_tick);
+                                     estimator_named(arguments.estimator), on_tick);
     result.hashes = hashes;
     return result;
   } catch (const std::invalid_argument& error) {

@@ -19,7 +19,8 @@ struct ReplayArguments {
   std::string directory;  ///< log_si.csv, images.csv, pictures.
   std::string track;      ///< Instead of the folder's own: a name or a file; "": none.
   std::string data;       ///< Where a directory is looked for that is not here; "": default.
-  std::string estimator = "drag";  ///< Or "imu15": the classic inertial filter beside it.
+  /// "drag", "eskf", "imu15": whose estimates; "": those of the filter that the flight is configured with.
+  std::string estimator;
   /// Real logs: motion capture's heading minus the log's own [deg]; differs by flight.
   double heading_offset_deg = 11.5;
 };
@@ -34,6 +35,12 @@ struct RecordedFlight {
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
   std::vector<std::string> notes;  ///< What the configuration has to say to its user.
 };
+
+/// The names of estimators that may be asked for.
+[[nodiscard]] const std::vector<std::string>& estimator_names();
+
+/// Whose estimates a replay gives: what was asked for, else what the configuration flies.
+[[nodiscard]] std::string estimator_of(const ReplayArguments& arguments, const PilotConfig& pilot);
 
 /// @throws std::runtime_error one line: unreadable, damaged, not whole.
 [[nodiscard]] RecordedFlight read_flight(const ReplayArguments& arguments);

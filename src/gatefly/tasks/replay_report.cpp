@@ -12,6 +12,7 @@
 
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/scoring.hpp"
+#include "gatefly/flight_log/findings_json.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
@@ -102,7 +103,8 @@ std::optional<Rate> against_next_gate(const RecordedFlight& flight,
 std::optional<Comparison> compared(const RecordedFlight& flight, const ReplayArguments& arguments,
                                    const flight_log::ReplayResult& result) {
   const auto& samples = flight.folder.samples;
-  if (!samples.front().est_p_EB || arguments.estimator != "drag") return std::nullopt;
+  const bool own = estimator_of(arguments, flight.pilot) == estimator_of({}, flight.pilot);
+  if (!samples.front().est_p_EB || !own) return std::nullopt;
   Comparison comparison{.first_other = {},
                         .told = !arguments.config.configs.empty() ||
                                 !arguments.config.settings.empty() || !arguments.track.empty()};
@@ -178,7 +180,8 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
                       {"labelled", nullptr},
                       {"visible", nullptr},
                       {"next_gate", nullptr},
-                      {"same_as_recorded", nullptr}};
+                      {"same_as_recorded", nullptr},
+                      {"diverged", nullptr}};
   if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
   if (report.labelled)
     json["labelled"] = {{"shown", report.labelled->shown}, {"found", report.labelled->found}};
@@ -186,6 +189,10 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
     json["visible"] = {{"shown", report.visible->shown}, {"found", report.visible->found}};
   if (report.next_gate)
     json["next_gate"] = {{"shown", report.next_gate->shown}, {"found", report.next_gate->found}};
+  json["found"] = flight_log::as_json(result.findings);
+  if (result.divergence)
+    json["diverged"] = {{"since_s", result.divergence->since},
+                        {"why", eskf::text_of(result.divergence->why)}};
   if (report.comparison) json["same_as_recorded"] = !report.comparison->first_other;
   if (report.comparison && report.comparison->first_other)
     json["first_difference_row"] = *report.comparison->first_other;

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "gatefly/estimation/eskf/gate_sight.hpp"
+#include "gatefly/estimation/eskf/process.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
+
+namespace gatefly::eskf {
+
+inline constexpr std::size_t kMaxSamples = 16;  ///< That one tick may combine.
+
+/// A height as it was measured.
+struct HeightSeen {
+  double height = 0.0, sigma = 0.0;  ///< [m]
+};
+
+/// One step of the filter: what came in, and what was believed at its end.
+struct Tick {
+  double time = 0.0;  ///< Of its end [s].
+  FixedList<Sample, kMaxSamples> samples;
+  FixedList<HeightSeen, 4> heights;
+  FixedList<GateSight, 6> sights;
+  bool doubted = false;  ///< See ErrorStateFilter::doubt.
+  Nominal x;
+};
+
+/// The last ticks, and the covariance at the end of some of them: from there what followed can be done
+/// again.
+///
+/// Covariances are large, so that at most kMost are kept, evenly spaced: less than 1 MB.
+/// Allocates when it is made, and never after.
+class DelayRing {
+ public:
+  static constexpr std::size_t kMost = 20;
+
+  /// @param ticks  that are kept, at least 2.
+  explicit DelayRing(std::size_t ticks);
+
+  /// What was before no longer counts; `tick` is the first.
+  void restart(const Tick& tick, const Covariance& P);
+  /// The next tick, empty; its belief is the one before's.
+  Tick& push();
+  /// P at the end of tick `index`, for later, if that one is kept.
+  void keep(std::size_t index, const Covariance& P);
+
+  [[nodiscard]] std::size_t newest() const { return count_ - 1; }
+  [[nodiscard]] std::size_t oldest() const;
+  Tick& operator[](std::size_t index) { return ticks_[index % ticks_.size()]; }
+  const Tick& operator[](std::size_t index) const { return ticks_[index % ticks_.size()]; }
+  /// The last tick not after `index` whose covariance is kept.
+  [[nodiscard]] std::size_t kept_before(std::size_t index) const;
+  [[nodiscard]] const Covariance& covariance(std::size_t index) const {
+    return kept_[(index / spacing_) % kept_.size()];
+  }
+
+  /// The tick nearest to `time`; one that can be done again.
+  [[nodiscard]] std::optional<std::size_t> at(double time) const;
+
+ private:
+  [[nodiscard]] bool is_kept(std::size_t index) const { return index % spacing_ == 0; }
+
+  std::vector<Tick> ticks_;
+  std::vector<Covariance> kept_;
+  std::size_t spacing_ = 1, count_ = 0, first_ = 0;
+};
+
+}  // namespace gatefly::eskf

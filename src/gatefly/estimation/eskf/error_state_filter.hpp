@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "gatefly/estimation/eskf/delay_ring.hpp"
+#include "gatefly/estimation/eskf/landmarks.hpp"
+
+namespace gatefly::eskf {
+
+/// How the filter is set up; the map and the camera are the team's, the rest is in Params.
+struct Setup {
+  Params params;
+  std::vector<Landmark> map;
+  Eigen::Matrix3d R_BC = Eigen::Matrix3d::Identity();  ///< The mount as told.
+  CameraModel camera;
+  double imu_hz = 512.0, memory = 0.25;  ///< Rate of the IMU; so late a picture may come [s].
+};
+
+/// What the drone knows when it stands on the pad.
+struct Start {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R_EB = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< Found at rest [rad/s].
+  /// Mean specific force at rest; none: it was not at rest [m/s²].
+  std::optional<Eigen::Vector3d> rest_accel_B;
+};
+
+/// One error-state Kalman filter for all that is unknown in an ordinary flight: the motion, the IMU's
+/// biases, wind and gusts, drag, the camera's mount, lens and delay, and every gate's place.
+///
+/// Ours; replaces Li18 §3.3. Drag is measured, not integrated: air speed and ground speed are apart.
+/// A picture is fused when it was exposed, and what followed is done again (DelayRing). Equations:
+/// docs/derivations/error_state_filter.md. No clock, no libm; allocates when it is made, and never
+/// after. Cost: docs/paper/results.md#wind.
+class ErrorStateFilter {
+ public:
+  explicit ErrorStateFilter(const Setup& setup);
+
+  void start(const Start& start, double time);
+  [[nodiscard]] bool has_started() const { return started_; }
+
+  /// One IMU sample of `dt` that ends at `time` [s].
+  void predict(const Imu& imu, double dt, double time);
+
+  /// A height above the floor [m]; of now. False: refused.
+  bool correct_height(double height, double sigma);
+
+  /// How far a sighting is from what is expected; its slot and face are a hypothesis.
+  [[nodiscard]] std::optional<Innovation> innovation_of(const GateSight& sight) const;
+
+  /// Takes in sightings, each at its own moment. False: none was of a moment that is remembered.
+  bool correct(std::span<const GateSight> sights);
+
+  /// Sightings disagree with the position for long: it is less certain than it says.
+  void doubt();
+
+  /// Positions will be asked for relative to this gate: see Landmarks::bring_in.
+  void set_target(const Eigen::Vector3d& p_EG, double yaw_EG);
+
+  // Relative to the target:
+  [[nodiscard]] int target_slot() const { return landmarks_.slot_of(target_.landmark); }
+  [[nodiscard]] bool target_behind() const { return target_.behind; }
+  [[nodiscard]] double target_yaw() const;  ///< As believed [rad].
+  [[nodiscard]] const GateBelief& target() const;
+  [[nodiscard]] Eigen::Vector3d p_GB() const;  ///< [m]
+  /// @param of_heading  whether the gate's direction counts: in its plane it does not.
+  [[nodiscard]] Eigen::Matrix3d covariance_GB(bool of_heading = true) const;
+
+  [[nodiscard]] const Nominal& now() const { return now_; }
+  /// Of now; of at most one tick ago, that is.
+  [[nodiscard]] const Covariance& covariance() const { return P_; }
+  [[nodiscard]] double sigma(int state) const;
+  [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
+  [[nodiscard]] const Setup& setup() const { return setup_; }
+
+ private:
+  void take_in(Tick& tick);
+  void do_again(std::size_t from);
+  void catch_up();
+
+  Setup setup_;
+  Landmarks landmarks_;
+  DelayRing ring_;
+  std::size_t per_tick_;
+  FixedList<Sample, kMaxSamples> pending_;  ///< Since the last tick.
+  Covariance P_;
+  Nominal now_;
+  Landmarks::Face target_;
+  bool started_ = false;
+};
+
+}  // namespace gatefly::eskf

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/estimation/eskf/params.hpp"
+#include "gatefly/estimation/eskf/state.hpp"
+#include "gatefly/geometry/fixed_list.hpp"
+
+namespace gatefly::eskf {
+
+/// A corner or a side bar of a gate, as seen.
+struct Feature {
+  enum class Kind : std::uint8_t { kCorner, kBar };
+  Kind kind = Kind::kCorner;
+  /// Corner: 0 to 3, clockwise from the top left one; bar: 0 left, 1 right, as they show.
+  std::uint8_t which = 0;
+  double late = 0.0;  ///< Exposed after the middle of the gate [s].
+  Eigen::Vector3d bearing_C = Eigen::Vector3d::UnitZ();      ///< By the calibration as it is.
+  Eigen::Vector2d from_middle_px = Eigen::Vector2d::Zero();  ///< From the middle of all of them.
+};
+
+/// What one picture shows of one gate: any corners and bars of it.
+struct GateSight {
+  enum class Quality : std::uint8_t { kWhole, kPart };  ///< Of a whole gate, or of one cut off.
+  double time = 0.0;  ///< Of its exposure, by the delay as told [s].
+  Quality quality = Quality::kWhole;
+  int slot = 0;         ///< Which gate it is taken for ...
+  bool behind = false;  ///< ... seen from behind.
+  FixedList<Feature, 4> features;
+};
+
+/// The map's own of a gate in a slot: what no state changes.
+struct GateShape {
+  double side = 1.0, bar = 0.05;  ///< [m]
+};
+
+/// How the camera hangs and what it is told to do.
+struct CameraModel {
+  Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< [m]
+  double radians_per_px = 0.006;                   ///< Near the axis.
+};
+
+/// A linearised sighting: rows of residual, of a Jacobian with few columns, of noise.
+struct GateRows {
+  static constexpr int kColumns = 23, kMaxRows = 8;
+  using Residual = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
+  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, kColumns, 0, kMaxRows, kColumns>;
+  using Noise = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxRows>;
+  std::array<int, kColumns> states{};  ///< Which error each column of the Jacobian is of.
+  Residual residual;
+  Jacobian jacobian;  ///< Of the prediction.
+  Noise noise;
+};
+
+/// What `sight` says at belief `x`, `offset` [s] after it. Nullopt: the gate is not before the
+/// camera.
+/// @param fresh  lasting errors of the corners are another gate's: they count as noise.
+[[nodiscard]] std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight,
+                                                const GateShape& gate, double offset, bool fresh,
+                                                const CameraModel& camera, const SightNoise& noise);
+
+/// Squared Mahalanobis distance of a sighting, with what tells hypotheses apart.
+struct Innovation {
+  double nis = 0.0;      ///< rᵀ S⁻¹ r
+  double log_det = 0.0;  ///< ln|S|, but for a constant.
+  int rows = 0;
+};
+[[nodiscard]] std::optional<Innovation> innovation(const Covariance& P, const GateRows& rows);
+
+/// Iterated Kalman update: linearised again where it has led to. False: nothing has changed.
+bool correct_by_gate(Nominal& x, Covariance& P, const GateSight& sight, const GateShape& gate,
+                     double offset, const CameraModel& camera, const SightNoise& noise);
+
+/// Which face of which gate: what Nominal::corner_of holds.
+[[nodiscard]] inline int face_of(const GateSight& sight) {
+  return 2 * sight.slot + (sight.behind ? 1 : 0);
+}
+
+}  // namespace gatefly::eskf

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/estimation/eskf/landmarks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::eskf {
+namespace {
+
+constexpr double kSamePlace = 0.3;  // [m] Two gates cannot stand so near each other.
+constexpr std::size_t kBehind = 2;  // So many of the last gates stay in view when turning round.
+
+bool is_same(const Landmark& a, const Landmark& b) {
+  return (a.p_EG - b.p_EG).norm() < kSamePlace && std::abs(gatefly::sin(a.yaw_EG - b.yaw_EG)) < 0.5;
+}
+
+}  // namespace
+
+Landmarks::Landmarks(std::span<const Landmark> map, const Priors& priors) : priors_{priors} {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Landmark& gate = map[i];
+    const bool known = std::any_of(known_.begin(), known_.end(),
+                                   [&](const Known& k) { return is_same(k.map, gate); });
+    if (!known) known_.push_back({gate, {}, Sigmas::Zero(), -1, i});
+  }
+  slots_ = static_cast<int>(std::min(known_.size(), kMaxGates));
+}
+
+Landmarks::Face Landmarks::face_of(const Eigen::Vector3d& p_EG, double yaw_EG) const {
+  Face face;
+  for (std::size_t i = 1; i < known_.size(); ++i)
+    if ((known_[i].map.p_EG - p_EG).norm() < (known_[face.landmark].map.p_EG - p_EG).norm())
+      face.landmark = i;
+  if (!known_.empty()) face.behind = gatefly::cos(yaw_EG - known_[face.landmark].map.yaw_EG) < 0.0;
+  return face;
+}
+
+void Landmarks::reset(Nominal& x, Covariance& P) {
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    Known& gate = known_[i];
+    gate.belief = {gate.map.p_EG, gate.map.yaw_EG, 0.0};
+    gate.sigmas << priors_.map, priors_.map, priors_.map_height, priors_.map_yaw, priors_.map_size;
+    gate.slot = -1;
+  }
+  for (int slot = 0; slot < slots_; ++slot) put_in(static_cast<std::size_t>(slot), slot, x, P);
+}
+
+void Landmarks::put_in(std::size_t landmark, int slot, Nominal& x, Covariance& P) {
+  Known& gate = known_[landmark];
+  gate.slot = slot;
+  in_slot_[static_cast<std::size_t>(slot)] = landmark;
+  x.gates[static_cast<std::size_t>(slot)] = gate.belief;
+  P.middleRows<kPerGate>(gate_at(slot)).setZero();
+  P.middleCols<kPerGate>(gate_at(slot)).setZero();
+  P.diagonal().segment<kPerGate>(gate_at(slot)) = gate.sigmas.cwiseAbs2();
+}
+
+void Landmarks::take_out(int slot, const Nominal& x, const Covariance& P) {
+  Known& gate = known_[in_slot(slot)];
+  gate.belief = x.gates[static_cast<std::size_t>(slot)];
+  gate.sigmas = P.diagonal().segment<kPerGate>(gate_at(slot)).cwiseMax(0.0).cwiseSqrt();
+  gate.slot = -1;
+}
+
+bool Landmarks::wanted(std::size_t landmark, std::size_t target) const {
+  const std::size_t ahead = (landmark + known_.size() - target) % known_.size();
+  return ahead + kBehind < kMaxGates || ahead + kBehind >= known_.size();
+}
+
+bool Landmarks::bring_in(std::size_t target, Nominal& x, Covariance& P) {
+  if (known_.size() <= kMaxGates) return false;
+  bool changed = false;
+  for (std::size_t landmark = 0; landmark < known_.size(); ++landmark) {
+    if (known_[landmark].slot >= 0 || !wanted(landmark, target)) continue;
+    int slot = 0;
+    while (slot < slots_ && wanted(in_slot(slot), target)) ++slot;
+    if (slot == slots_) break;
+    take_out(slot, x, P);
+    put_in(landmark, slot, x, P);
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace gatefly::eskf

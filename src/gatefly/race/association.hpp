@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "gatefly/detection/gate_detection.hpp"
+#include "gatefly/estimation/eskf/error_state_filter.hpp"
+#include "gatefly/pose/gate_fix.hpp"
+#include "gatefly/race/race_params.hpp"
+
+// Which gate of the map, and which face of it, a detection is.
+namespace gatefly {
+
+/// A camera's pictures: what turns pixels into sightings.
+struct PictureClock {
+  const CameraRig& camera;
+  const CameraTiming& timing;
+  double arrival = 0.0;        ///< [s]
+  double image_width = 315.0;  ///< [px]
+};
+
+/// Nullopt: a corner is outside of the lens' field of view.
+[[nodiscard]] std::optional<eskf::GateSight> sight_of(const Quad& corners_px,
+                                                      const PictureClock& picture);
+[[nodiscard]] std::optional<eskf::GateSight> sight_of(const LowerCorners& lower,
+                                                      const PictureClock& picture);
+[[nodiscard]] std::optional<eskf::GateSight> sight_of(const GateBars& bars,
+                                                      const PictureClock& picture);
+
+/// A sighting with the hypothesis that explains it best.
+struct Associated {
+  eskf::GateSight sight;
+  eskf::Innovation innovation;
+  double margin = 0.0;  ///< The next best one's −2 ln p is so much greater.
+};
+
+/// The most probable of all gates that have a slot, and both faces of each; nullopt when none is
+/// within `max_nis`.
+[[nodiscard]] std::optional<Associated> associate(const eskf::ErrorStateFilter& filter,
+                                                  const eskf::GateSight& sight, double max_nis);
+
+}  // namespace gatefly

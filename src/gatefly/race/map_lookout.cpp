@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/map_lookout.hpp"
+
+#include <cmath>
+
+#include "gatefly/geometry/gate_corners.hpp"
+#include "gatefly/geometry/rotation_vector.hpp"
+#include "gatefly/race/seen_fix.hpp"
+
+namespace gatefly {
+namespace {
+
+constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
+
+// Recorded pictures may come at 5 Hz only, and a gate is not found in each.
+constexpr double kPause = 0.9;  // [s]
+constexpr int kLeast = 6;
+
+}  // namespace
+
+MapLookout::MapLookout(const LookoutParams& params)
+    : params_{params},
+      detector_{params.detector, params.detector_mode},
+      monitor_{{.pause = kPause, .least = kLeast}} {}
+
+GateDetections MapLookout::whole_gates(const Sensors& sensors, const LookFor& look_for) {
+  if (sensors.seen) return sensors.seen->gates;
+  const GatesInView view = detector_.look(*sensors.image, params_.gate_color, look_for);
+  sighting_.careful = sighting_.careful || view.careful;
+  GateDetections whole;
+  for (const GateDetection& gate : view.gates)
+    if (gate.whole) (void)whole.push_back(with_outer_corners(gate, params_));
+  return whole;
+}
+
+void MapLookout::look(const Sensors& sensors, bool looking, const Course& course,
+                      Navigator& navigator) {
+  sighting_.seen = false;
+  if (!sensors.image && !sensors.seen) return;
+  sighting_ = {};
+  if (!sensors.seen && sensors.image->empty()) return;
+  if (!looking || navigator.error_state() == nullptr) return;
+  const double width = sensors.seen ? sensors.seen->image_width : sensors.image->width();
+  const View view{
+      sensors, course, navigator, {params_.camera, params_.timing, navigator.time(), width}};
+  std::optional<Quad> bars;
+  sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
+  sighting_.seen = !sighting_.detections.empty();
+  take_whole_gates(view);
+  const double x = navigator.error_state()->p_GB().x();
+  if (sighting_.source == Sighting::Source::kNone && x > -params_.sight.parts_from && x < 0.0)
+    take_parts(view);
+}
+
+// Looking carefully costs a hundred times as much. It is for gates that are expected, not found, and
+// sometimes in case the estimate is wrong.
+LookFor MapLookout::look_for(const View& view, std::optional<Quad>& bars) {
+  LookFor look{.gates = LookFor::Gates::kStandingOut};
+  const double since = view.navigator.time() - last_any_;
+  bars = since < params_.sight.expect_for ? expected_bars(view) : std::nullopt;
+  if (bars) look.expected_bars = &*bars;
+  const bool is_lost = since > params_.sight.expect_for ||
+                       (bars && view.navigator.since_fix() > params_.sight.careful_after);
+  look.quick = !is_lost && ++quick_looks_ < params_.sight.careful_every;
+  if (!look.quick) quick_looks_ = 0, look.gates = LookFor::Gates::kAll;
+  return look;
+}
+
+// Middle lines of the target's bars as the picture should show them; nullopt: out of view.
+std::optional<Quad> MapLookout::expected_bars(const View& view) const {
+  constexpr double kNearest = 0.4;  // before the lens [m]
+  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  const eskf::Nominal& x = filter.now();
+  const double ago = params_.timing.latency - x.delay;
+  const Eigen::Matrix3d R_EB = x.R_EB * rotation_of(-ago * x.rate_B);
+  const Eigen::Vector3d p_EB = x.p_EB - ago * x.v_E;
+  const MapGate& gate = view.course.gate();
+  const Image& image = *view.sensors.image;
+  const Eigen::Matrix3d R_EG = rotation_z(filter.target_yaw());
+  const auto corners = gate_corners_G(gate.side - gate.bar);
+  Quad bars;
+  bool in_view = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector3d p_B =
+        R_EB.transpose() * (filter.target().p_EG + R_EG * corners[i] - p_EB);
+    const Eigen::Vector3d p_C = x.R_BC.transpose() * (p_B - params_.camera.p_BC);
+    const auto px = p_C.z() > kNearest ? params_.camera.lens.project(p_C) : std::nullopt;
+    if (!px) return std::nullopt;
+    bars[i] = *px;
+    in_view = in_view || (px->x() >= 0.0 && px->y() >= 0.0 && px->x() <= image.width() - 1.0 &&
+                          px->y() <= image.height() - 1.0);
+  }
+  if (!in_view) return std::nullopt;
+  return bars;
+}
+
+bool MapLookout::is_target(const eskf::GateSight& sight, const View& view) const {
+  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  return sight.slot == filter.target_slot() && sight.behind == filter.target_behind();
+}
+
+// After a blind leg, and where it is improbable, a second one has to agree.
+bool MapLookout::believed(const Associated& seen, const GateDetection& gate, bool blind) {
+  const double nis = seen.innovation.nis;
+  if (seen.margin < map_.margin) return false;
+  if (gate.fitness < params_.sight.sure && nis > map_.unsure_nis) return false;
+  if (!blind && nis < map_.confirm_above) return true;
+  const int face = eskf::face_of(seen.sight);
+  const double since = seen.sight.time - pending_.time;
+  const bool again = pending_.face == face && since > 0.01 && since < map_.confirm_within;
+  pending_.face = face, pending_.time = seen.sight.time;
+  return again;
+}
+
+void MapLookout::take_whole_gates(const View& view) {
+  Navigator& navigator = view.navigator;
+  const bool blind = navigator.time() - last_any_ > map_.blind_after;
+  FixedList<eskf::GateSight, GateDetections::kCapacity> taken;
+  bool of_target = false;
+  for (std::size_t i = 0; i < sighting_.detections.size(); ++i) {
+    const GateDetection& gate = sighting_.detections[i];
+    const auto sight = sight_of(gate.corners_px, view.picture);
+    if (!sight) continue;
+    const auto seen = associate(*navigator.error_state(), *sight, map_.max_nis);
+    if (!seen) {
+      if (gate.fitness > params_.sight.sure) ++refused_, monitor_.refused(navigator.time());
+      continue;
+    }
+    const bool target = is_target(seen->sight, view);
+    sighting_.offered = sighting_.offered || target;
+    if (!believed(*seen, gate, blind)) continue;
+    (void)taken.push_back(seen->sight);
+    monitor_.taken(seen->innovation.nis, seen->innovation.rows, navigator.time());
+    if (!target) continue;
+    of_target = true;
+    sighting_.used = static_cast<int>(i);
+    sighting_.nis = seen->innovation.nis, sighting_.nis_dof = seen->innovation.rows;
+  }
+  if (!taken.empty() && navigator.correct({taken.begin(), taken.size()}, of_target)) {
+    last_any_ = navigator.time(), refused_ = 0;
+    if (!of_target) return;
+    sighting_.source = Sighting::Source::kCorners;
+    describe_fix(sighting_.detections[static_cast<std::size_t>(sighting_.used)], view);
+  } else if (refused_ >= map_.lost_after && navigator.time() - last_any_ > map_.lost_time) {
+    navigator.doubt();
+    refused_ = 0;
+  }
+}
+
+// Near the target the lower corners or the side bars of it are enough.
+void MapLookout::take_parts(const View& view) {
+  std::optional<GateBars> bars;
+  if (view.sensors.seen) {
+    sighting_.lower_corners = view.sensors.seen->lower_corners, bars = view.sensors.seen->bars;
+  } else if (const auto part =
+                 detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
+    sighting_.lower_corners = part->lower_corners(), bars = part->bars;
+  }
+  if (sighting_.lower_corners && take_part(view, sight_of(*sighting_.lower_corners, view.picture),
+                                           map_.max_lower_nis, Sighting::Source::kCorners))
+    return;
+  sighting_.bars = bars;
+  if (bars)
+    (void)take_part(view, sight_of(*bars, view.picture), map_.max_bars_nis,
+                    Sighting::Source::kBars);
+}
+
+bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
+                           Sighting::Source source) {
+  if (!sight) return false;
+  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  sight->slot = filter.target_slot(), sight->behind = filter.target_behind();
+  const auto innovation = filter.innovation_of(*sight);
+  sighting_.offered = true;
+  if (!innovation || !(innovation->nis < max_nis)) return false;
+  if (!view.navigator.correct({&*sight, 1}, true)) return false;
+  last_any_ = view.navigator.time(), refused_ = 0;
+  sighting_.source = source;
+  sighting_.nis = innovation->nis, sighting_.nis_dof = innovation->rows;
+  return true;
+}
+
+// What the picture alone says of the position: for other filters, and for who looks on.
+void MapLookout::describe_fix(const GateDetection& gate, const View& view) {
+  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  const eskf::Nominal& x = filter.now();
+  const double ago = params_.timing.latency - x.delay;
+  const Eigen::Matrix3d R_GE = rotation_z(-filter.target_yaw());
+  PoseParams pose = params_.pose;
+  const double tilt = view.navigator.tilt_sigma(), map_yaw = params_.gate_yaw_sigma;
+  pose.attitude_sigma = std::sqrt(pose.attitude_sigma * pose.attitude_sigma + tilt * tilt);
+  CameraRig rig = params_.camera;
+  rig.R_BC.matrix = x.R_BC;
+  const auto fix =
+      map_fix_from_corners(gate.corners_px, {R_GE * x.R_EB * rotation_of(-ago * x.rate_B)},
+                           view.course.gate().side, rig, pose);
+  if (!fix) return;
+  const MapGate& map = view.course.gate();
+  const Eigen::Matrix3d R_EG = rotation_z(map.yaw_EG);
+  FixOnCourse& used = sighting_.fix.emplace();
+  used.p_EB = map.p_EG + R_EG * (fix->p_GB + ago * (R_GE * x.v_E));
+  used.covariance = R_EG * fix->covariance * R_EG.transpose();
+  if (fix->yaw_error) used.yaw = wrap_angle(view.navigator.state().attitude.yaw + *fix->yaw_error);
+  used.yaw_sigma = std::sqrt(fix->yaw_variance + map_yaw * map_yaw);
+}
+
+}  // namespace gatefly

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "gatefly/detection/gate_detector.hpp"
+#include "gatefly/estimation/eskf/monitor.hpp"
+#include "gatefly/race/association.hpp"
+#include "gatefly/race/lookout.hpp"
+
+namespace gatefly {
+
+/// When a sighting is taken for a gate of the map.
+struct MapSightParams {
+  double max_nis = 25.0;        ///< Of 8 rows: 1 in 600 of the right ones. [chi-square]
+  double max_lower_nis = 16.0;  ///< Of 4 rows: 1 in 300.
+  double max_bars_nis = 11.0;   ///< Of 2 rows: 1 in 250.
+  double unsure_nis = 14.0;     ///< The limit for detections that are not sure: 1 in 12.
+  double confirm_above = 17.0;  ///< A second one of the same gate has to agree: 1 in 33.
+  double margin = 3.0;       ///< Next best explanation so much less probable, −2 ln p. [estimate]
+  double blind_after = 1.0;  ///< Nothing seen for so long: two have to agree [s].
+  double confirm_within = 0.3;  ///< [s]
+  int lost_after = 8;           ///< So many sure detections refused in a row, ...
+  double lost_time = 0.7;       ///< ... over so long: the position is in doubt [s]. [estimate]
+};
+
+/// The pilot's eye for the filter that has the map among its states: every gate it sees corrects, not
+/// only the one it flies to.
+///
+/// Allocates nothing once built.
+class MapLookout {
+ public:
+  explicit MapLookout(const LookoutParams& params);
+
+  /// See Lookout::look.
+  void look(const Sensors& sensors, bool looking, const Course& course, Navigator& navigator);
+  [[nodiscard]] const Sighting& sighting() const { return sighting_; }
+  /// Whether the filter has diverged, judged by what became of sightings.
+  [[nodiscard]] const eskf::Monitor& monitor() const { return monitor_; }
+
+ private:
+  struct View {
+    const Sensors& sensors;
+    const Course& course;
+    Navigator& navigator;
+    PictureClock picture;
+  };
+  [[nodiscard]] LookFor look_for(const View& view, std::optional<Quad>& bars);
+  [[nodiscard]] std::optional<Quad> expected_bars(const View& view) const;
+  [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, const LookFor& look_for);
+  void take_whole_gates(const View& view);
+  void take_parts(const View& view);
+  bool take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
+                 Sighting::Source source);
+  [[nodiscard]] bool believed(const Associated& seen, const GateDetection& gate, bool blind);
+  void describe_fix(const GateDetection& gate, const View& view);
+  [[nodiscard]] bool is_target(const eskf::GateSight& sight, const View& view) const;
+
+  LookoutParams params_;
+  MapSightParams map_;
+  GateDetector detector_;
+  Sighting sighting_;
+  eskf::Monitor monitor_;
+  struct {
+    int face = -1;
+    double time = -1e3;
+  } pending_;               ///< Seen once, and not believed before it is seen again.
+  double last_any_ = -1e3;  ///< A gate was taken in [s].
+  int refused_ = 0;         ///< Sure detections since then.
+  int quick_looks_ = 0;
+};
+
+}  // namespace gatefly

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/race/association.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
+
+namespace gatefly {
+namespace {
+
+using Eigen::Vector3d;
+
+// Three gates; a drone that hovers at (0, 0, -1.5) and looks north.
+struct Scene {
+  Scene() : filter{setup()} {
+    rig.R_BC = camera_mount(0.0);
+    filter.start({.p_EB = {0, 0, -1.5}, .rest_accel_B = {}}, 0.0);
+    for (int i = 1; i <= 100; ++i) filter.predict({Vector3d::Zero(), {0, 0, -9.81}}, kDt, i * kDt);
+  }
+  static eskf::Setup setup() {
+    eskf::Setup setup;
+    setup.map = {{{5, 0, -1.5}, 0.0, {}}, {{8, 2.5, -1.5}, kPi, {}}, {{-5, 0, -1.5}, 0.0, {}}};
+    setup.R_BC = camera_mount(0.0).matrix;
+    return setup;
+  }
+
+  /// What a gate at `p_EG`, looked at from the side that faces south, would show.
+  [[nodiscard]] std::optional<eskf::GateSight> sight(const Vector3d& p_EG) const {
+    Quad corners;
+    const auto at = gate_corners_G(1.0);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vector3d p_B = p_EG + at[i] - Vector3d{0, 0, -1.5};
+      corners[i] = rig.lens.project(rig.R_BC.matrix.transpose() * p_B).value();
+    }
+    return sight_of(corners, {rig, timing, 100 * kDt + 0.02, 315.0});
+  }
+
+  static constexpr double kDt = 1.0 / 512;
+  CameraRig rig;
+  CameraTiming timing{.latency = 0.044, .readout = 0.0};
+  eskf::ErrorStateFilter filter;
+};
+
+TEST(Association, TellsWhichGateAndWhichFaceOfIt) {
+  const Scene scene;
+  const auto ahead = associate(scene.filter, *scene.sight({5, 0, -1.5}), 25.0);
+  ASSERT_TRUE(ahead.has_value());
+  EXPECT_EQ(ahead->sight.slot, 0);
+  EXPECT_FALSE(ahead->sight.behind);
+  EXPECT_GT(ahead->margin, 3.0);
+  const auto other = associate(scene.filter, *scene.sight({8, 2.5, -1.5}), 25.0);
+  ASSERT_TRUE(other.has_value());
+  EXPECT_EQ(other->sight.slot, 1);
+  EXPECT_TRUE(other->sight.behind) << "it is flown through southwards";
+}
+
+TEST(Association, AGateWhereTheMapHasNoneIsNone) {
+  const Scene scene;
+  EXPECT_FALSE(associate(scene.filter, *scene.sight({5, -3.0, -1.5}), 25.0).has_value());
+  EXPECT_FALSE(associate(scene.filter, *scene.sight({2.5, 0.0, -1.5}), 25.0).has_value());
+}
+
+TEST(Association, LowerCornersAndBarsAreSightingsToo) {
+  const Scene scene;
+  const PictureClock clock{scene.rig, scene.timing, 1.0, 315.0};
+  const auto lower = sight_of(LowerCorners{{100, 120}, {200, 120}, 1.0}, clock);
+  ASSERT_TRUE(lower.has_value());
+  EXPECT_EQ(lower->features.size(), 2u);
+  EXPECT_EQ(lower->features[0].which, 3) << "bottom left";
+  EXPECT_EQ(lower->features[1].which, 2) << "bottom right";
+  const auto bars = sight_of(GateBars{{100, 80}, {200, 80}}, clock);
+  ASSERT_TRUE(bars.has_value());
+  EXPECT_EQ(bars->features[0].kind, eskf::Feature::Kind::kBar);
+  EXPECT_NEAR(bars->time, 1.0 - 0.044, 1e-9);
+}
+
+}  // namespace
+}  // namespace gatefly
