@@ -109,9 +109,7 @@ AttitudeCommand Guidance::hold(const Eigen::Vector2d& p_E, double yaw, double dt
       slow * (p_E - now.p_EB.head<2>()).cwiseMax(-p.max_distance).cwiseMin(p.max_distance);
   hold_integral_ =
       (hold_integral_ + p.integral * dt * off).cwiseMax(-p.max_integral).cwiseMin(p.max_integral);
-  // What the wind pushes is leant against.
-  Eigen::Vector2d accel =
-      p.stiffness * off + hold_integral_ - p.damping * v_E + params_.drag.x() * now.wind_E;
+  Eigen::Vector2d accel = p.stiffness * off + hold_integral_ - p.damping * v_E;
   const double most = slow < 1.0 ? p.max_braking : p.max_accel;
   const double norm = accel.norm();
   if (norm > most) accel *= most / norm;
@@ -148,13 +146,10 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   return speed;
 }
 
-// θ_0 is the pitch that flies `speed` against drag, which is of the speed through the air; the rest
-// brings the speed there.
+// θ_0 is the pitch that flies `speed` against drag; the rest brings the speed there.
 double Guidance::pitch_for_speed(double speed, const NavigationState& now) const {
   const SpeedParams& p = params_.speed;
-  const auto [sine, cosine] = sincos(now.attitude.yaw);
-  const double tail_wind = cosine * now.wind_E.x() + sine * now.wind_E.y();
-  const double trim = atan(params_.drag.x() * (speed - tail_wind) / params_.gravity);
+  const double trim = atan(params_.drag.x() * speed / params_.gravity);
   return std::clamp(trim + p.pitch_gain * (now.v_B.x() - speed), -p.max_pitch, -p.min_pitch);
 }
 
@@ -162,8 +157,7 @@ double Guidance::cross_track_roll(const PathPoint& here, const NavigationState& 
   const auto [sine, cosine] = sincos(here.heading);
   const Eigen::Vector2d right{-sine, cosine};
   return lateral_roll(right.dot(now.p_EB.head<2>() - here.position), right.dot(now.v_E.head<2>()),
-                      params_.lateral) +
-         params_.drag.y() * right.dot(now.wind_E) / params_.gravity;  // leans against the wind
+                      params_.lateral);
 }
 
 // Specific thrust that holds the height z at the rate vz, both down.
