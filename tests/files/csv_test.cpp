@@ -63,9 +63,10 @@ TEST(Csv, ErrorsNameFileLineAndColumn) {
 
 TEST(Csv, OfAThousandColumnsAndMoreIsRefusedUnread) {
   const test::TempFolder folder;
-  EXPECT_THAT(
-      test::error_of([&] { (void)Csv(folder.file("a.csv", std::string(10'000'000, ',') + "\n")); }),
-      HasSubstr("a.csv:1: has more than 1000 columns"));
+  std::string content(10'000'000, ',');
+  content += '\n';
+  EXPECT_THAT(test::error_of([&] { (void)Csv(folder.file("a.csv", content)); }),
+              HasSubstr("a.csv:1: has more than 1000 columns"));
 }
 
 }  // namespace
