@@ -40,7 +40,9 @@ TEST(Printable, HasNothingThatATerminalObeys) {
 
 TEST(OneLine, IsPrintableAndWholeLetters) {
   EXPECT_EQ(one_line("a\nb\tc\x1b"), "a b c ");
-  const std::string cut = one_line(std::string(100, 'x') + "東京東京東京", 105);
+  std::string name(100, 'x');
+  name += "東京東京東京";
+  const std::string cut = one_line(name, 105);
   EXPECT_TRUE(is_printable(cut));
   EXPECT_LE(cut.size(), 105u);
   EXPECT_THAT(cut, EndsWith("..."));
