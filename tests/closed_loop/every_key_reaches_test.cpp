@@ -74,7 +74,7 @@ void take_pictures(const sim::SimConfig& config, const std::vector<sim::BodyPose
 
 Records flown(const sim::SimConfig& config) {
   Records records;
-  IdealSimulator simulator{config};
+  IdealSimulator simulator{config, {}};
   SensorSuite suite{config};
   Stopwatch watch{"camera"};
   const int steps = physics_steps(config.sensors.imu_hz);

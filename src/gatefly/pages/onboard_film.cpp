@@ -12,9 +12,9 @@ namespace gatefly::io {
 namespace {
 
 constexpr int kLargestFilmSide = 320;  // [px]
-constexpr double kAimed = 0.9;     // of kMostBytes: the encoder does not hit its rate exactly
-constexpr double kBest = 600e3;    // more shows nothing more [bit/s]
-constexpr double kKeyEvery = 10;   // a jump decodes this many pictures at most
+constexpr double kAimed = 0.9;         // of kMostBytes: the encoder does not hit its rate exactly
+constexpr double kBest = 600e3;        // more shows nothing more [bit/s]
+constexpr double kKeyEvery = 10;       // a jump decodes this many pictures at most
 
 /// Of a picture with so many pixels a line; even, as the encoder wants it.
 int side_of(int pixels, int step) { return ((pixels + step - 1) / step + 1) & ~1; }
