@@ -46,7 +46,9 @@ closed_loop::RaceConfig race_on(const std::string& track, int laps, closed_loop:
 }
 
 SimulatedLaps simulated_laps(const std::string& track, int laps, std::uint64_t seed) {
-  const closed_loop::RaceConfig race = race_on(track, laps, closed_loop::Vision::kIdeal, seed);
+  // The drag filter is studied on laps that it flew itself.
+  const closed_loop::RaceConfig race =
+      race_on(track, laps, closed_loop::Vision::kIdeal, seed, false, {}, {"filter.model=drag"});
   SimulatedLaps flown;
   flown.accel_bias = race.sim.sensors.accel_bias + race.sim.sensors.flight_bias;
   double done = 1e9;

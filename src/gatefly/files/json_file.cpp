@@ -80,8 +80,9 @@ std::string range_text(std::uint64_t low, std::uint64_t high) {
 }
 
 bool is_whole(const Json& value, std::uint64_t low, std::uint64_t high) {
-  return value.is_number_unsigned() && value.get<std::uint64_t>() >= low &&
-         value.get<std::uint64_t>() <= high;
+  if (!value.is_number_unsigned() && !(value.is_number_integer() && value.get<std::int64_t>() >= 0))
+    return false;
+  return value.get<std::uint64_t>() >= low && value.get<std::uint64_t>() <= high;
 }
 
 bool is_number_or_null(const Json& value) { return value.is_number() || value.is_null(); }
