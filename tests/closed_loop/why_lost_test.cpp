@@ -303,6 +303,8 @@ TEST(WhyLost, AGateThatWasMovedAndIsNotSeenIsTheMaps) {
       rotation_z(race.sim.world.gates[0].yaw_EG) * Vector3d{0, -0.45, 0};
   race.sim.faults.camera_out = {0.0, 1e3};
   race.pilot.phase.goes_around = false;
+  race.pilot.filter_model =
+      FilterModel::kDrag;  // blind from the start it comes to gate 1, and touches it
   const RaceResult result = lost(race);
   ASSERT_TRUE(result.why_lost.has_value());
   EXPECT_EQ(result.why_lost->cause, WhyLost::Cause::kMap) << result.crash_object;
@@ -330,6 +332,7 @@ TEST(Flight, AfterACrashTheWorldGoesOnWithoutThePilotAndTheResultStays) {
   race.sim.wind.mean = {0.0, 0.6};
   race.sim.faults.camera_out = {0.0, 1e3};
   race.pilot.phase.goes_around = false;
+  race.pilot.filter_model = FilterModel::kDrag;  // takes the wind for its own motion, and crashes
   Flight flight{race};
   EXPECT_FALSE(flight.fall()) << "it flies";
   while (flight.step()) {
