@@ -60,7 +60,7 @@ std::string merge_script(const SlurmCampaign& campaign, const fs::path& folder) 
   return text + " --out " + shell_quoted(fs::absolute(campaign.out).string()) + "\n";
 }
 
-/// What sbatch prints. @throws std::runtime_error with its last line.
+/// Runs sbatch and answers the last line it prints. @throws std::runtime_error with its last line.
 std::string sbatch(std::vector<std::string> words) {
   words.insert(words.begin(), "sbatch");
   using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;

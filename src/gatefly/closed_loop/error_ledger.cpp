@@ -6,7 +6,7 @@
 namespace gatefly::closed_loop {
 namespace {
 
-/// What the filter has taken of a fix.
+/// The share of a fix that entered the estimate.
 Eigen::Matrix3d gain(const Eigen::Matrix3d& P, const ErrorLedger::Fix& fix) {
   if (!fix.has_height) {
     Eigen::Matrix3d K = Eigen::Matrix3d::Zero();

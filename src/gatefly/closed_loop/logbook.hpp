@@ -35,7 +35,7 @@ class Logbook {
   [[nodiscard]] const std::optional<Quad>& next_gate() const { return scorer_.wanted(); }
 
   void fill(RaceResult& result) const;
-  /// Of a race that is over and not finished.
+  /// The reason; only for a race that ended unfinished.
   [[nodiscard]] WhyLost why_lost(const Pilot& pilot, const RaceResult& result) const;
 
  private:

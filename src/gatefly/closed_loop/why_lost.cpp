@@ -24,7 +24,7 @@ std::optional<std::size_t> number_after(std::string_view text, std::string_view 
   return number - 1;
 }
 
-/// Where a miss is measured from.
+/// The reference that a miss is measured from.
 struct Aim {
   Eigen::Vector3d p_E;  ///< By the map [m].
   double heading = 0.0;

@@ -43,7 +43,7 @@ struct LossMoment {
   LooksSinceFix looks{};
 };
 
-/// Where the race was lost against: what stood and what was planned.
+/// The surroundings of the loss: what stood there and what was planned.
 struct LossPlace {
   const sim::World& world;
   const Track& map;

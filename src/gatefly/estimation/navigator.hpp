@@ -166,7 +166,7 @@ class Navigator {
   [[nodiscard]] double nearness() const;
   [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
   [[nodiscard]] Eigen::Vector3d v_B() const;
-  /// What a height sensor has been worth.
+  /// How far a height sensor agrees with the gates.
   struct Trust {
     int refused = 0;    ///< In a row.
     bool left = false;  ///< Found out: it is not asked any more.

@@ -9,7 +9,7 @@ namespace gatefly {
 
 namespace {
 
-// Of one pixel on the lens' axis [rad].
+// The angle of one pixel on the lens' axis [rad].
 double radians_per_px(const AnyCamera& lens) {
   const auto on_axis = lens.project({0, 0, 1});
   if (!on_axis) return eskf::CameraModel{}.radians_per_px;

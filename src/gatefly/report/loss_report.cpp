@@ -100,7 +100,7 @@ std::string shares(const WhyLost& why) {
   return estimate_told ? text : text + (text.empty() ? "" : "; ") + notes[0];
 }
 
-/// What happened, without why.
+/// The outcome in words, without its cause.
 std::string event(const WhyLost& why, const closed_loop::RaceResult& r) {
   switch (why.how) {
     case How::kContact: {

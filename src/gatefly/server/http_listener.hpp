@@ -10,7 +10,7 @@
 
 namespace gatefly::server {
 
-/// What a request gets.
+/// The answer to a request.
 struct Answer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";

@@ -14,7 +14,7 @@ namespace gatefly::tasks {
 
 [[nodiscard]] std::string tum_of_estimates(const flight_log::ReplayResult& result);
 
-/// What really was.
+/// The true motion, where the log has it.
 struct TumTruth {
   std::string text;
   bool has_attitude = false;  ///< Else each is the identity, 0 0 0 1.

@@ -18,7 +18,7 @@ struct Setup {
   double imu_hz = 512.0, memory = 0.25;  ///< Rate of the IMU; so late a picture may come [s].
 };
 
-/// What the drone knows when it stands on the pad.
+/// The belief on the pad, before take-off.
 struct Start {
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_EB = Eigen::Matrix3d::Identity();

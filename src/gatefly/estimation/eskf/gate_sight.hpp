@@ -25,7 +25,7 @@ struct Feature {
   Eigen::Vector2d from_middle_px = Eigen::Vector2d::Zero();  ///< From the middle of all of them.
 };
 
-/// What one picture shows of one gate: any corners and bars of it.
+/// One gate in one picture: any of its corners and bars.
 struct GateSight {
   enum class Quality : std::uint8_t { kWhole, kPart };  ///< Of a whole gate, or of one cut off.
   double time = 0.0;  ///< Of its exposure, by the delay as told [s].

@@ -8,7 +8,7 @@
 
 namespace gatefly::eskf {
 
-/// Where each error stands in the state vector. Gates follow from kGates on, kPerGate each.
+/// The index of each error in the state vector. Gates follow from kGates on, kPerGate each.
 enum Index : int {
   kP = 0,           ///< Position in E [m].
   kV = 3,           ///< Velocity in E [m/s].
@@ -25,7 +25,7 @@ enum Index : int {
   kCorner = 27,     ///< What lasts of a gate's corners' errors: right, down, size [rad].
   kGates = 30
 };
-/// Of one gate: place in E [m], direction [rad], relative size.
+/// The errors of one gate: place in E [m], direction [rad], relative size.
 enum GateIndex : int { kGateP = 0, kGateYaw = 3, kGateSize = 4, kPerGate = 5 };
 
 inline constexpr std::size_t kMaxGates = 8;  ///< At a time; see Landmarks.
