@@ -38,13 +38,12 @@ eskf::Setup setup_for(std::size_t gates = 1) {
   setup.R_BC = camera_mount(0.3).matrix;
   setup.camera = {{0.1, 0, 0}, 0.006};
   // White corners: what the flight below draws.
-  setup.params.sight = {.own = 0.7,
-                        .together = 0.0,
-                        .size = 0.0,
-                        .lasting = 0.01,
-                        .lasting_size = 0.01,
-                        .jitter = 0.001};
-  setup.params.noise.gust_adaptation = 0.0;
+  setup.params.sight = {
+      .own = 0.7, .together = 0.0, .size = 0.0, .lasting = 0.01, .lasting_size = 0.01};
+  // The flight below shakes as its own noise does.
+  Noise& noise = setup.params.noise;
+  noise.shaking = {2.0 * noise.drag_measurement + noise.accel_z, 3.0 * noise.attitude};
+  noise.gust_adaptation = 0.0;
   setup.params.priors.gust = 0.2;
   return setup;
 }
@@ -147,7 +146,7 @@ class Flight {
     Nominal x = then->second;
     const double rest = at - then->first;
     x.p_EB += rest * x.v_E, x.R_EB = x.R_EB * rotation_of(rest * x.rate_B);
-    GateSight sight{.time = told, .features = {}};
+    GateSight sight{.time = told, .jitter = 0.001, .features = {}};
     const auto corners = gate_corners_G(1.0 + x.gates[0].size);
     for (std::size_t i = 0; i < 4; ++i) {
       const Vector3d p_E = x.gates[0].p_EG + rotation_z(x.gates[0].yaw_EG) * corners[i];

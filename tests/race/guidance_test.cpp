@@ -59,6 +59,22 @@ TEST(Guidance, PitchHoldsTheSpeed) {
   EXPECT_GT(on_straight(state_at({2, 0, -1.5}, 2.4)).pitch, trim + 0.05);
 }
 
+// Drag pushes as hard as the air moves past it: wind that is known is leant against, by what drag makes of
+// it; wind that may be none is not.
+TEST(Guidance, LeansAgainstWindThatItIsSureOf) {
+  const GuidanceParams params;
+  NavigationState calm = state_at({2, 0, -1.5}, params.cruise), windy = calm;
+  windy.wind_E = {-0.6, 0.8};  // from ahead, to the right
+  EXPECT_NEAR(on_straight(windy).roll, params.drag.y() * 0.8 / params.gravity, 1e-9);
+  EXPECT_NEAR(on_straight(windy).pitch,
+              std::atan(params.drag.x() * (params.cruise + 0.6) / params.gravity), 1e-9);
+  windy.wind_variance = 0.5;
+  EXPECT_NEAR(on_straight(windy).roll, 0.5 * params.drag.y() * 0.8 / params.gravity, 1e-9);
+  windy.wind_variance = 1.1;
+  EXPECT_EQ(on_straight(windy).roll, on_straight(calm).roll);
+  EXPECT_EQ(on_straight(windy).pitch, on_straight(calm).pitch);
+}
+
 TEST(Guidance, ThrustCarriesTheWeightAndMore) {
   EXPECT_NEAR(on_straight(state_at({2, 0, -1.5}, 1.7)).thrust, 9.81, 0.4);
   EXPECT_GT(on_straight(state_at({2, 0, -1.0}, 1.7)).thrust, 11.0) << "too low: climb";

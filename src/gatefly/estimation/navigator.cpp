@@ -286,6 +286,7 @@ void Navigator::describe_ours(NavigationState& now) const {
   now.v_GB = rotation_z(-ours_->target_yaw()) * x.v_E;
   now.lateral_sigma = std::sqrt(std::max(0.0, ours_->covariance_GB(false)(1, 1)));
   now.wind_E = (R_ME.topLeftCorner<2, 2>() * (x.wind + x.gust)).eval();
+  now.wind_variance = ours_->variance_of_air(0) + ours_->variance_of_air(1);
 }
 
 Eigen::Matrix3d Navigator::covariance_GB() const {

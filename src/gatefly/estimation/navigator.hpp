@@ -64,6 +64,7 @@ struct NavigationState {
   double since_imu = 0.0;      ///< Since a usable IMU sample [s].
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
+  double wind_variance = 0.0;  ///< Of both components of that together [m²/s²].
   int rest_samples = 0;  ///< Of the rest calibration.
 };
 

@@ -20,7 +20,7 @@ constexpr double kKeyEvery = 10;       // a jump decodes this many pictures at m
 int side_of(int pixels, int step) { return ((pixels + step - 1) / step + 1) & ~1; }
 
 int step_of(const Image& image) {
-  return (std::max(image.width(), image.height()) + kLargestFilmSide - 1) / kLargestSide;
+  return (std::max(image.width(), image.height()) + kLargestFilmSide - 1) / kLargestFilmSide;
 }
 
 std::vector<std::string> vp8(double bits_per_second) {

@@ -22,6 +22,7 @@ std::optional<GateSight> sight_of(std::span<const Point> points, GateSight::Qual
                                   const PictureClock& picture) {
   GateSight sight;
   sight.quality = quality;
+  sight.jitter = picture.jitter;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Point& point : points) middle += point.px / static_cast<double>(points.size());
   const auto across = [&](double u) {

@@ -17,6 +17,7 @@ struct PictureClock {
   const CameraTiming& timing;
   double arrival = 0.0;        ///< [s]
   double image_width = 315.0;  ///< [px]
+  double jitter = 0.010;       ///< Of the arrival, one standard deviation [s].
 };
 
 /// Nullopt: a corner is outside of the lens' field of view.

@@ -18,6 +18,14 @@ double decayed(double x) {
   return y;
 }
 
+// The wind as far as it is known: shrunk towards none by what of it may be the estimate's error
+// (James and Stein 1961).
+Eigen::Vector2d sure_wind(const NavigationState& now) {
+  const double square = now.wind_E.squaredNorm();
+  if (!(square > now.wind_variance)) return Eigen::Vector2d::Zero();
+  return (1.0 - now.wind_variance / square) * now.wind_E;
+}
+
 }  // namespace
 
 AttitudeCommand Guidance::command(Phase& phase, const NavigationState& now, const Course& course) {
@@ -113,6 +121,7 @@ AttitudeCommand Guidance::hold(const Eigen::Vector2d& p_E, double yaw, double dt
   const double most = slow < 1.0 ? p.max_braking : p.max_accel;
   const double norm = accel.norm();
   if (norm > most) accel *= most / norm;
+  accel += params_.drag.x() * sure_wind(now);  // leans against it
   const auto [sine, cosine] = sincos(now.attitude.yaw);
   const double forward = cosine * accel.x() + sine * accel.y();
   const double right = -sine * accel.x() + cosine * accel.y();
@@ -146,18 +155,22 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   return speed;
 }
 
-// θ_0 is the pitch that flies `speed` against drag; the rest brings the speed there.
+// θ_0 is the pitch that flies `speed` over the ground against drag, wind from behind taken off; the
+// rest brings the speed there.
 double Guidance::pitch_for_speed(double speed, const NavigationState& now) const {
   const SpeedParams& p = params_.speed;
-  const double trim = atan(params_.drag.x() * speed / params_.gravity);
+  const auto [sine, cosine] = sincos(now.attitude.yaw);
+  const double air = speed - Eigen::Vector2d{cosine, sine}.dot(sure_wind(now));
+  const double trim = atan(params_.drag.x() * air / params_.gravity);
   return std::clamp(trim + p.pitch_gain * (now.v_B.x() - speed), -p.max_pitch, -p.min_pitch);
 }
 
 double Guidance::cross_track_roll(const PathPoint& here, const NavigationState& now) const {
   const auto [sine, cosine] = sincos(here.heading);
   const Eigen::Vector2d right{-sine, cosine};
-  return lateral_roll(right.dot(now.p_EB.head<2>() - here.position), right.dot(now.v_E.head<2>()),
-                      params_.lateral);
+  const double lean = params_.drag.y() * right.dot(sure_wind(now)) / params_.gravity;
+  return lean + lateral_roll(right.dot(now.p_EB.head<2>() - here.position),
+                             right.dot(now.v_E.head<2>()), params_.lateral);
 }
 
 // Specific thrust that holds the height z at the rate vz, both down.

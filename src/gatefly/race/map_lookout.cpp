@@ -38,11 +38,14 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   sighting_.seen = false;
   if (!sensors.image && !sensors.seen) return;
   sighting_ = {};
+  arrivals_.arrived(navigator.time());
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
   const double width = sensors.seen ? sensors.seen->image_width : sensors.image->width();
-  const View view{
-      sensors, course, navigator, {params_.camera, params_.timing, navigator.time(), width}};
+  const View view{sensors,
+                  course,
+                  navigator,
+                  {params_.camera, params_.timing, navigator.time(), width, arrivals_.sigma()}};
   std::optional<Quad> bars;
   sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
   sighting_.seen = !sighting_.detections.empty();

@@ -5,6 +5,7 @@
 
 #include "gatefly/detection/gate_detector.hpp"
 #include "gatefly/estimation/eskf/monitor.hpp"
+#include "gatefly/race/arrival_jitter.hpp"
 #include "gatefly/race/association.hpp"
 #include "gatefly/race/lookout.hpp"
 
@@ -61,6 +62,7 @@ class MapLookout {
   GateDetector detector_;
   Sighting sighting_;
   eskf::Monitor monitor_;
+  ArrivalJitter arrivals_;
   struct {
     int face = -1;
     double time = -1e3;

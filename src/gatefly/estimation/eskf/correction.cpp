@@ -34,7 +34,7 @@ DragMeasurement drag_measurement(const Nominal& x, const Interval& interval, int
           .jacobian = {k * body(0), k * body(1), k * body(2), by_turn(0), by_turn(1), by_turn(2),
                        1.0, -k * body(0), -k * body(1), -k * body(0), -k * body(1),
                        params.drag(axis) * speed},
-          .variance = params.noise.drag_measurement / interval.dt};
+          .variance = x.accel_shaking * params.noise.drag_measurement / interval.dt};
 }
 
 void correct_by_drag(Nominal& x, Covariance& P, const Interval& interval, const Params& params) {

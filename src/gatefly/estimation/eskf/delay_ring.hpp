@@ -25,6 +25,7 @@ struct Tick {
   FixedList<HeightSeen, 4> heights;
   FixedList<GateSight, 6> sights;
   bool doubted = false;  ///< See ErrorStateFilter::doubt.
+  double accel_shaking = 1.0, gyro_shaking = 1.0;  ///< See Nominal.
   Nominal x;
 };
 

@@ -54,6 +54,7 @@ ErrorStateFilter::ErrorStateFilter(const Setup& setup)
     : setup_{setup},
       landmarks_{setup.map, setup.params.priors},
       ring_{ticks_for(setup)},
+      vibration_{setup.params.noise},
       per_tick_{samples_per_tick(setup.imu_hz)} {
   const int n = gate_at(landmarks_.slots());
   P_.setIdentity(n, n);
@@ -74,18 +75,21 @@ void ErrorStateFilter::start(const Start& start, double time) {
   tick.time = time, tick.x = now_;
   ring_.restart(tick, P_);
   pending_.clear();
+  vibration_ = Vibration{params.noise};
   started_ = true;
 }
 
 void ErrorStateFilter::predict(const Imu& imu, double dt, double time) {
   if (!started_ || !(dt > 0.0)) return;
   const Sample sample{imu, dt};
+  vibration_.add(sample);
   propagate(now_, sample, setup_.params.gravity);
   (void)pending_.push_back(sample);
   if (pending_.size() < per_tick_) return;
   Tick& tick = ring_.push();
   tick.time = time;
   tick.samples = pending_;
+  tick.accel_shaking = vibration_.accel(), tick.gyro_shaking = vibration_.gyro();
   pending_.clear();
   take_in(tick);
   ring_.keep(ring_.newest(), P_);
@@ -96,6 +100,7 @@ void ErrorStateFilter::predict(const Imu& imu, double dt, double time) {
 void ErrorStateFilter::take_in(Tick& tick) {
   const Params& params = setup_.params;
   const std::span<const Sample> samples{tick.samples.begin(), tick.samples.size()};
+  tick.x.accel_shaking = tick.accel_shaking, tick.x.gyro_shaking = tick.gyro_shaking;
   eskf::predict(tick.x, P_, samples, params, setup_.camera.radians_per_px);
   correct_by_drag(tick.x, P_, mean_of(samples), params);
   for (const HeightSeen& seen : tick.heights)
@@ -200,6 +205,11 @@ Eigen::Matrix3d ErrorStateFilter::covariance_GB(bool of_heading) const {
   C.bottomRightCorner<4, 4>() = P_.block<4, 4>(gate, gate);
   const Eigen::Matrix3d out = J * C * J.transpose();
   return 0.5 * (out + out.transpose());
+}
+
+double ErrorStateFilter::variance_of_air(int axis) const {
+  return P_(kGust + axis, kGust + axis) + P_(kWind + axis, kWind + axis) +
+         2.0 * P_(kGust + axis, kWind + axis);
 }
 
 double ErrorStateFilter::sigma(int state) const {

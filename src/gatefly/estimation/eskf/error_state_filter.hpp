@@ -6,6 +6,7 @@
 
 #include "gatefly/estimation/eskf/delay_ring.hpp"
 #include "gatefly/estimation/eskf/landmarks.hpp"
+#include "gatefly/estimation/eskf/vibration.hpp"
 
 namespace gatefly::eskf {
 
@@ -72,6 +73,8 @@ class ErrorStateFilter {
   /// Of now; of at most one tick ago, that is.
   [[nodiscard]] const Covariance& covariance() const { return P_; }
   [[nodiscard]] double sigma(int state) const;
+  /// Of wind and gust together, north (0) or east (1) [m²/s²].
+  [[nodiscard]] double variance_of_air(int axis) const;
   [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
   [[nodiscard]] const Setup& setup() const { return setup_; }
 
@@ -83,6 +86,7 @@ class ErrorStateFilter {
   Setup setup_;
   Landmarks landmarks_;
   DelayRing ring_;
+  Vibration vibration_;
   std::size_t per_tick_;
   FixedList<Sample, kMaxSamples> pending_;  ///< Since the last tick.
   Covariance P_;

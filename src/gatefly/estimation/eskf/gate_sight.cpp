@@ -139,7 +139,7 @@ void add_noise(GateRows& rows, const Nominal& x, const GateSight& sight, bool fr
     row += 2;
   }
   rows.noise +=
-      squared(noise.jitter) * rows.jacobian.col(cDelay) * rows.jacobian.col(cDelay).transpose();
+      squared(sight.jitter) * rows.jacobian.col(cDelay) * rows.jacobian.col(cDelay).transpose();
   if (sight.quality == GateSight::Quality::kPart) return;
   const Shared shared = shared_by(sight);
   Eigen::Vector3d variance{squared(noise.together * px), squared(noise.together * px),
@@ -187,6 +187,18 @@ double natural_log(double value) {
          2.0 * z * (1.0 + z2 * (1.0 / 3 + z2 * (1.0 / 5 + z2 * (1.0 / 7 + z2 / 9))));
 }
 
+// How much greater than told the noise is that innovations y show, after one more picture: where the
+// likelihood of y is greatest in R's scale, yᵀ S⁻¹ R S⁻¹ y = tr(R S⁻¹).
+double learnt_spread(double spread, const GateRows::Residual& y, const GateRows& rows,
+                     const Eigen::LLT<GateRows::Noise>& S, const SightNoise& noise) {
+  constexpr double kMost = 4.0;  // One picture that is no gate says no more than this.
+  const GateRows::Residual z = S.solve(y);
+  const double seen = z.dot(rows.noise * z), told = S.solve(rows.noise).trace();
+  if (!(told > 0.0)) return spread;
+  const double next = spread * (1.0 + noise.spread_gain * (std::min(seen / told, kMost) - 1.0));
+  return std::clamp(next, 1.0, noise.most_spread);
+}
+
 // Nothing is known of what lasts of another gate's corners.
 void forget_corner(Nominal& x, Covariance& P, int face, const CameraModel& camera,
                    const SightNoise& noise) {
@@ -224,6 +236,7 @@ std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight, cons
     row += corner ? 2 : 1;
   }
   add_noise(rows, x, sight, fresh, camera, noise);
+  rows.noise *= x.spread;
   if (!rows.residual.allFinite() || !rows.jacobian.allFinite()) return std::nullopt;
   return rows;
 }
@@ -249,6 +262,7 @@ bool correct_by_gate(Nominal& x, Covariance& P, const GateSight& sight, const Ga
   Nominal at = x;
   ErrorVector error = ErrorVector::Zero(P.rows());
   Spread W;
+  double spread_then = x.spread;
   for (int i = 0; i < kIterations; ++i) {
     const auto rows = gate_rows(at, sight, gate, offset, false, camera, noise);
     if (!rows) return false;
@@ -259,11 +273,13 @@ bool correct_by_gate(Nominal& x, Covariance& P, const GateSight& sight, const Ga
     for (int c = 0; c < GateRows::kColumns; ++c)
       y += rows->jacobian.col(c) * error(rows->states[static_cast<std::size_t>(c)]);
     error = PHt * llt.solve(y);
+    if (whole) spread_then = learnt_spread(x.spread, y, *rows, llt, noise);
     W = llt.matrixL().solve(PHt.transpose()).transpose();
     at = prior;
     add(at, error);
   }
   x = at;
+  x.spread = spread_then;
   for (Eigen::Index r = 0; r < W.cols(); ++r)
     for (Eigen::Index j = 0; j < P.cols(); ++j) P.col(j) -= W(j, r) * W.col(r);
   return true;

@@ -28,7 +28,8 @@ struct Feature {
 /// One gate in one picture: any of its corners and bars.
 struct GateSight {
   enum class Quality : std::uint8_t { kWhole, kPart };  ///< Of a whole gate, or of one cut off.
-  double time = 0.0;  ///< Of its exposure, by the delay as told [s].
+  double time = 0.0;      ///< Of its exposure, by the delay as told [s].
+  double jitter = 0.010;  ///< Of that, one standard deviation [s]. [a tick of a driver]
   Quality quality = Quality::kWhole;
   int slot = 0;         ///< Which gate it is taken for ...
   bool behind = false;  ///< ... seen from behind.

@@ -26,6 +26,12 @@ struct Priors {
   double map_yaw = 0.06, map_size = 0.012;  ///< [rad], relative. [by eye; built frames]
 };
 
+/// How an IMU shakes: the white part of its samples, summed over the axes, as spectral densities.
+struct Shaking {
+  double accel = 17.5 / 512.0;   ///< [(m/s²)²/Hz] [median of ten recorded flights, 512 Hz]
+  double gyro = 0.0175 / 512.0;  ///< [(rad/s)²/Hz] [the same]
+};
+
 /// What changes, spectral densities [unit²/s], and what sensors err by.
 struct Noise {
   double position = 1e-5;
@@ -39,6 +45,9 @@ struct Noise {
   double gust_length = 1.7;         ///< [m] [MIL-F-8785C at 1.7 m height]
   double gust_adaptation = 0.3;     ///< [1/s] Gusts' strength is learnt so fast. [estimate]
   double least_gust = 0.04, greatest_gust = 1.5;  ///< [m/s] [office air .03-.08]
+  Shaking shaking{};  ///< What the densities of accelerometer, gyro and drag are for ...
+  double least_shaking = 0.25, most_shaking = 16.0;  ///< ... and how far they follow today's.
+  double shaking_lasts = 1.0;                        ///< Found over so long [s].
 };
 
 /// How far off corners are found [px]; the detector's own, on labelled and rendered pictures.
@@ -48,7 +57,9 @@ struct SightNoise {
   double lasting = 0.4, lasting_size = 0.45, lasts = 4.0;  ///< ... and what stays, for so long [s].
   double part = 1.6, bars = 4.0;  ///< A corner of a cut-off gate; a bar's middle.
   double bar_lean = 0.03;         ///< What a bar's middle is off [m].
-  double jitter = 0.010;          ///< Of the pictures' delay [s]. [a tick of a driver]
+  /// Residuals may show so much more of it, as a variance. [estimate: three times as far off]
+  double most_spread = 9.0;
+  double spread_gain = 0.02;  ///< A picture counts so much in that. [2 s at 25 Hz]
 };
 
 struct Params {

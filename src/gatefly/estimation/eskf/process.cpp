@@ -59,8 +59,8 @@ void add_noise(const Nominal& x, Covariance& P, const Interval& interval, double
   const auto grow = [&P](int i, double variance) { P(i, i) += variance; };
   for (int i = 0; i < 3; ++i) {
     const double turned = noise.gyro_scale * rate_E(i);
-    grow(kV + i, (i < 2 ? noise.accel : noise.accel_z) * dt);
-    grow(kTheta + i, (noise.attitude + turned * turned) * dt);
+    grow(kV + i, x.accel_shaking * (i < 2 ? noise.accel : noise.accel_z) * dt);
+    grow(kTheta + i, (x.gyro_shaking * noise.attitude + turned * turned) * dt);
     grow(kGyroBias + i, noise.gyro_bias * dt);
     grow(kAccelBias + i, noise.accel_bias * dt);
   }

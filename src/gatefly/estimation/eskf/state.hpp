@@ -55,6 +55,9 @@ struct Nominal {
   // Not states of the filter, but of this moment, too:
   Eigen::Vector3d rate_B = Eigen::Vector3d::Zero();  ///< Bias removed [rad/s].
   double gust_sigma = 0.0;  ///< How strong gusts are, found from the states [m/s].
+  double spread = 1.0;      ///< Variance of the corners' errors, relative; found from residuals.
+  /// How strongly accelerometer and gyro shake, as a variance, relative; found from their samples.
+  double accel_shaking = 1.0, gyro_shaking = 1.0;
   int corner_of = -1;       ///< Whose errors `corner` are: 2 slot + face; -1: nobody's.
 };
 
