@@ -65,7 +65,7 @@ struct NavigationState {
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
   double wind_variance = 0.0;  ///< Of both components of that together [m²/s²].
-  int rest_samples = 0;  ///< Of the rest calibration.
+  int rest_samples = 0;        ///< Of the rest calibration.
 };
 
 /// The estimation ring: attitude, low pass, drag filter with its memory, velocity and heights, wired

@@ -24,7 +24,7 @@ struct Tick {
   FixedList<Sample, kMaxSamples> samples;
   FixedList<HeightSeen, 4> heights;
   FixedList<GateSight, 6> sights;
-  bool doubted = false;  ///< See ErrorStateFilter::doubt.
+  bool doubted = false;                            ///< See ErrorStateFilter::doubt.
   double accel_shaking = 1.0, gyro_shaking = 1.0;  ///< See Nominal.
   Nominal x;
 };
