@@ -96,7 +96,7 @@ class IdealVision(Cli):
 class WhyLost(Cli):
     def test_a_lost_race_says_why_and_a_finished_one_nothing(self):
         fly = ("fly", "oval", "--vision", "ideal", "--laps", "1", "--out")
-        result = self.run_it(*fly, "lost", "--set", "faults.camera_out_s=[0, 300]", "--set", "randomize.wind_mps=0.5")
+        result = self.run_it(*fly, "lost", "--set", "faults.camera_out_s=[0, 300]", "--set", "randomize.wind_mps=1.0")
         self.assertEqual(result.returncode, 1, result.stderr)
         summary = json.loads((self.folder / "lost" / "summary.json").read_text())
         why = summary["why_lost"]

@@ -35,7 +35,13 @@ TEST(ArrivalJitter, LostPicturesAreNone) {
 TEST(ArrivalJitter, KeepsWithinItsBounds) {
   EXPECT_EQ(ArrivalJitter{}.sigma(), ArrivalJitter::kLeast);
   EXPECT_EQ(found(30.0, 0.0), ArrivalJitter::kLeast);
-  EXPECT_EQ(found(2.0, 0.2), ArrivalJitter::kMost);
+}
+
+TEST(ArrivalJitter, PicturesThatComeAsTheyLikeAreNoWorseThanItsBound) {
+  ArrivalJitter arrivals;
+  double time = 0.0;
+  for (int i = 0; i < 40; ++i) arrivals.arrived(time += 0.1 + 0.2 * (i % 3));
+  EXPECT_EQ(arrivals.sigma(), ArrivalJitter::kMost);
 }
 
 TEST(ArrivalJitter, TimeThatStandsStillOrRunsBackIsNoInterval) {
