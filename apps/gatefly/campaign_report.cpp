@@ -36,6 +36,20 @@ std::string probability(double p) {
 
 std::string percent(double part) { return fixed(100.0 * part, 1) + " %"; }
 
+/// What is left of each error after the first lap, RMS over races.
+void print_found(const nlohmann::ordered_json& result) {
+  const auto found = result.value("found_after_lap_1", nlohmann::ordered_json::object());
+  std::string left;
+  for (const auto& [key, words] :
+       {std::pair{"camera_tilt_deg", "tilt ° "}, std::pair{"heading_deg", "heading ° "},
+        std::pair{"thrust_percent", "thrust % "}, std::pair{"latency_ms", "latency ms "}})
+    if (found.contains(key))
+      left += (left.empty() ? "" : ", ") + std::string{words} +
+              fixed(found.at(key).at("rms").get<double>(), 1) + " (" +
+              fixed(found.at(key).at("rms_in_sigmas").get<double>(), 2) + " sigma)";
+  if (!left.empty()) print_line("after lap 1", "RMS left of " + left);
+}
+
 }  // namespace
 
 void print_campaign(const nlohmann::ordered_json& campaign, const std::filesystem::path& out,
@@ -70,10 +84,14 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
                    percent(count.at("inside_95")) + " inside the 95 % bounds");
   };
   consistent("consistency", "nees", "NEES / degree of freedom");
+  if (consistency.contains("nees_median_of_races") && consistency.at("nees").at("samples") != 0)
+    line("", "median of the races' own NEES " +
+                 fixed(consistency.at("nees_median_of_races").get<double>(), 2));
   consistent("", "nis", "NIS / degree of freedom");
   if (consistency.at("divergences") != 0)
     line("",
          consistency.at("divergences").dump() + " times > 1 m off for > 1 s with a gate in view");
+  print_found(result);
   constexpr std::size_t kShown = 8;
   const auto& causes = result.at("causes");
   for (std::size_t i = 0; i < std::min(kShown, causes.size()); ++i) {

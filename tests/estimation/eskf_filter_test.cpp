@@ -68,7 +68,7 @@ class Flight {
     truth.drag = {p.drag * normal(rng_), p.drag * normal(rng_)};
     truth.R_BC = setup.R_BC * rotation_of(drawn(rng_, p.mount));
     truth.focal = p.focal * normal(rng_), truth.bend = p.bend * normal(rng_);
-    truth.delay = p.delay * normal(rng_);
+    truth.delay = p.delay * normal(rng_), truth.thrust = p.thrust * normal(rng_);
     for (std::size_t i = 0; i < setup.map.size(); ++i)
       truth.gates[i] = {setup.map[i].p_EG + drawn(rng_, {p.map, p.map, p.map_height}),
                         setup.map[i].yaw_EG + p.map_yaw * normal(rng_), p.map_size * normal(rng_)};
@@ -82,7 +82,7 @@ class Flight {
   void step() {
     t += kDt;
     move();
-    filter.predict(imu_, kDt, t);
+    filter.predict(imu_, kDt, t, thrust_);
     history_.push_back({t, truth});
     if (++ticks_ % 26 == 0) filter.correct_height(-truth.p_EB.z() + 0.04 * normal(rng_), 0.04);
     if (ticks_ % 34 == 0) see();
@@ -124,6 +124,10 @@ class Flight {
     for (int i = 0; i < 2; ++i)  // what drag leaves out moves the drone, too
       force(i) = params.drag(i) * (1 + truth.drag(i)) * air_B(i) +
                  std::sqrt((noise.drag_measurement - noise.accel) * kHz) * normal(rng_);
+    // Rotors are told more or less than that, and give it not quite.
+    thrust_ =
+        (-force.z() + std::sqrt((noise.thrust_measurement - noise.accel_z) * kHz) * normal(rng_)) /
+        (1.0 + truth.thrust);
     const Vector3d a = middle * force + Vector3d{0, 0, params.gravity};
     truth.p_EB += kDt * truth.v_E + 0.5 * kDt * kDt * a;
     truth.v_E += kDt * a;
@@ -168,7 +172,7 @@ class Flight {
   eskf::Setup setup_;
   Rng rng_;
   Eigen::Matrix3d tilted_;
-  double roll_ = 0.0, pitch_ = 0.0;
+  double roll_ = 0.0, pitch_ = 0.0, thrust_ = 0.0;
   long ticks_ = 0;
   Imu imu_;
   std::vector<std::pair<double, Nominal>> history_;
@@ -196,8 +200,8 @@ TEST(ErrorStateFilter, KnowsHowWrongItIsInFlightsOfItsOwnKind) {
   }
 }
 
-TEST(ErrorStateFilter, FindsWindMountAndBiasFromOrdinaryFlying) {
-  double wind = 0.0, tilt = 0.0, bias = 0.0;
+TEST(ErrorStateFilter, FindsWindMountThrustAndBiasFromOrdinaryFlying) {
+  double wind = 0.0, tilt = 0.0, bias = 0.0, thrust = 0.0, thrust_nees = 0.0;
   constexpr int kFlights = 12;
   const Priors priors = setup_for().params.priors;
   for (int flight = 0; flight < kFlights; ++flight) {
@@ -206,11 +210,18 @@ TEST(ErrorStateFilter, FindsWindMountAndBiasFromOrdinaryFlying) {
     const Nominal& x = one.filter.now();
     wind += (x.wind - one.truth.wind).squaredNorm() / (2 * kFlights);
     tilt += std::pow(turn_of(x.R_BC.transpose() * one.truth.R_BC).x(), 2) / kFlights;
+    const double off = x.thrust - one.truth.thrust;
+    thrust += off * off / kFlights;
+    thrust_nees += std::pow(off / one.filter.sigma(kThrust), 2) / kFlights;
     bias += (x.accel_bias - one.truth.accel_bias).head<2>().squaredNorm() / (2 * kFlights);
   }
   EXPECT_LT(std::sqrt(wind), 0.5 * priors.wind);
   EXPECT_LT(std::sqrt(tilt), 0.5 * priors.mount.x());
   EXPECT_LT(std::sqrt(bias), 0.3 * priors.accel_bias.x());
+  EXPECT_LT(std::sqrt(thrust), 0.01);
+  // The mean of 12 squared normal numbers: within .2 and 2.7 with a probability of 99.8 %.
+  EXPECT_GT(thrust_nees, 0.2);
+  EXPECT_LT(thrust_nees, 2.7);
 }
 
 TEST(ErrorStateFilter, AFixWithoutDelayIsTheSameThroughTheRingAsAtOnce) {

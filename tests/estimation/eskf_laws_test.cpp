@@ -136,6 +136,42 @@ TEST(EskfDrag, JacobianMatchesCentralDifferences) {
   });
 }
 
+TEST(EskfThrust, JacobianMatchesCentralDifferences) {
+  constexpr double kH = 1e-5;
+  for_all(100, [](Rng& rng) {
+    const Params params;
+    const Nominal x = any_belief(rng);
+    const Interval interval{
+        {test::any_vector3(rng, 1.0), test::any_vector3(rng, 3.0)}, 0.01, rng.uniform(6.0, 14.0)};
+    const ThrustMeasurement at = thrust_measurement(x, interval, params);
+    ErrorVector H = ErrorVector::Zero(kStates);
+    for (std::size_t i = 0; i < at.states.size(); ++i) H(at.states[i]) = at.jacobian[i];
+    for (int i = 0; i < kStates; ++i) {
+      const double high = thrust_measurement(with(x, i, kH), interval, params).residual;
+      const double low = thrust_measurement(with(x, i, -kH), interval, params).residual;
+      EXPECT_NEAR(H(i), -(high - low) / (2 * kH), 1e-7) << "state " << i;
+    }
+  });
+}
+
+// On the pad the floor carries; at idle rotors do not; and nobody may know what was commanded.
+TEST(EskfThrust, SaysNothingWhereRotorsDoNotCarryTheDrone) {
+  const Params params;
+  Nominal x;
+  Covariance P = Eigen::MatrixXd::Identity(kStates, kStates);
+  const auto changed = [&](double height, double thrust) {
+    Nominal y = x;
+    Covariance Q = P;
+    y.p_EB.z() = -height;
+    correct_by_thrust(y, Q, {{Vector3d::Zero(), {0, 0, -10.8}}, 0.01, thrust}, params);
+    return Q != P;
+  };
+  EXPECT_TRUE(changed(1.5, 9.8));
+  EXPECT_FALSE(changed(0.05, 9.8));
+  EXPECT_FALSE(changed(1.5, 2.0));
+  EXPECT_FALSE(changed(1.5, 0.0));
+}
+
 // The gate as it would show from where the drone is believed to be.
 GateSight sight_from(const Nominal& x, GateSight::Quality quality, bool bars) {
   GateSight sight;

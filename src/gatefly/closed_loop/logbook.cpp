@@ -33,6 +33,7 @@ void Logbook::flown(const Pilot& pilot, const sim::BodyState& truth, double now,
   searches_ += searching && !was_searching_;
   was_searching_ = searching;
   if (racing) consistency_.update(belief_of(pilot, has_looked_), truth.p_EB, now);
+  if (racing) discoveries_.update(pilot, truth, now, passes_.size());
   if (racing)
     loss_.update(pilot, truth, now, static_cast<int>(passes_.size()),
                  has_looked_ ? &scorer_ : nullptr);
@@ -62,6 +63,7 @@ void Logbook::fill(RaceResult& result) const {
   if (error_count_ > 0) result.estimation_rmse = (error2_ / error_count_).cwiseSqrt();
   result.searches = searches_;
   result.consistency = consistency_.result();
+  result.discoveries = discoveries_.result();
   result.frames = scorer_.frames();
   result.frames_with_gate = scorer_.frames_with_gate();
   result.true_positives = scorer_.true_positives();

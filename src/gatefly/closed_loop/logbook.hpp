@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gatefly/closed_loop/consistency.hpp"
+#include "gatefly/closed_loop/discoveries.hpp"
 #include "gatefly/closed_loop/loss_watch.hpp"
 #include "gatefly/closed_loop/race.hpp"
 #include "gatefly/closed_loop/scorer.hpp"
@@ -19,6 +20,7 @@ class Logbook {
   explicit Logbook(const RaceConfig& config)
       : scorer_{config.sim.world, config.sim.camera},
         consistency_{config.sim.world.gates, config.pilot.track},
+        discoveries_{config.pilot, config.sim},
         loss_{config.sim.world, config.pilot.track},
         gates_per_lap_{config.sim.world.gates.size()} {}
 
@@ -41,6 +43,7 @@ class Logbook {
  private:
   Scorer scorer_;
   ConsistencyWatch consistency_;
+  DiscoveryWatch discoveries_;
   LossWatch loss_;
   std::size_t gates_per_lap_;
   std::vector<sim::GatePass> passes_;

@@ -82,7 +82,7 @@ void Navigator::restart_filter(const Eigen::Vector3d& accel_bias) {
 }
 
 // The first sample of the flight ends the rest: what rest has taught is where the filter starts.
-void Navigator::predict_ours(const Imu& imu, bool usable) {
+void Navigator::predict_ours(const Imu& imu, bool usable, double thrust) {
   if (usable) last_imu_sample_ = imu;
   if (dt_ <= 0.0) return;
   if (!ours_->has_started()) {
@@ -94,13 +94,14 @@ void Navigator::predict_ours(const Imu& imu, bool usable) {
       start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
     ours_->start(start, time_ - dt_);
   }
-  ours_->predict(last_imu_sample_, dt_, time_);
+  thrust_ += std::min(1.0, dt_ / params_.rotor_time_constant) * (thrust - thrust_);
+  ours_->predict(last_imu_sample_, dt_, time_, thrust > 0.0 ? thrust_ : 0.0);
   altimeter_.climb(-dt_ * ours_->now().v_E.z());
 }
 
-void Navigator::predict(const Imu& imu, double time) {
+void Navigator::predict(const Imu& imu, double time, double thrust) {
   const bool new_sample = advance(imu, time);
-  if (ours_) return predict_ours(imu, new_sample);
+  if (ours_) return predict_ours(imu, new_sample, thrust);
   if (new_sample) {
     input_.accel_B = accel_filter_.update(imu.accel_B);
     ahrs_.update(imu, velocity_.v_B(), dt_);
@@ -169,6 +170,10 @@ bool Navigator::correct(std::span<const eskf::GateSight> sights, bool of_target)
   last_gate_ = time_;
   if (of_target) last_fix_ = time_;
   return true;
+}
+
+void Navigator::replace_target(const GateFrame& place, double sigma, double yaw_sigma) {
+  if (ours_) ours_->replace_target(place.p_EG, place.yaw_EG, sigma, yaw_sigma);
 }
 
 void Navigator::doubt() {
@@ -287,6 +292,7 @@ void Navigator::describe_ours(NavigationState& now) const {
   now.lateral_sigma = std::sqrt(std::max(0.0, ours_->covariance_GB(false)(1, 1)));
   now.wind_E = (R_ME.topLeftCorner<2, 2>() * (x.wind + x.gust)).eval();
   now.wind_variance = ours_->variance_of_air(0) + ours_->variance_of_air(1);
+  now.thrust_found = x.thrust;
 }
 
 Eigen::Matrix3d Navigator::covariance_GB() const {

@@ -42,9 +42,10 @@ struct NavigatorParams {
   DragFilterParams filter;
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
-  double imu_hz = 512.0;          ///< Nominal rate of the IMU. [Li18 flight code]
-  double accel_cutoff_hz = 20.0;  ///< Low-pass before the drag model. [Li18 flight code]
-  double filter_memory = 0.25;    ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
+  double imu_hz = 512.0;                ///< Nominal rate of the IMU. [Li18 flight code]
+  double rotor_time_constant = 0.0185;  ///< [s] [Li18 flight code]
+  double accel_cutoff_hz = 20.0;        ///< Low-pass before the drag model. [Li18 flight code]
+  double filter_memory = 0.25;  ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
 };
 
 /// What is believed of the drone's motion at one moment; plain values.
@@ -65,6 +66,7 @@ struct NavigationState {
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
   double wind_variance = 0.0;  ///< Of both components of that together [m²/s²].
+  double thrust_found = 0.0;   ///< Rotors give so much more than commanded, relative.
   int rest_samples = 0;        ///< Of the rest calibration.
 };
 
@@ -89,7 +91,9 @@ class Navigator {
 
   /// One IMU sample in flight. Not usable: the last one goes on. A repeated or older time stamp lets
   /// no time pass.
-  void predict(const Imu& imu, double time);
+  /// @param thrust  specific, that the rotors were commanded to give [m/s²]; 0: not known. Only kOurs
+  ///     asks.
+  void predict(const Imu& imu, double time, double thrust = 0.0);
 
   /// The same for an IMU that hangs on no multirotor: without drag no velocity is known, and only
   /// the attitude goes on.
@@ -140,6 +144,8 @@ class Navigator {
   }
   /// Sightings of one picture, for kOurs. False: none was taken in.
   bool correct(std::span<const eskf::GateSight> sights, bool of_target);
+  /// See ErrorStateFilter::replace_target.
+  void replace_target(const GateFrame& place, double sigma, double yaw_sigma);
   /// See ErrorStateFilter::doubt.
   void doubt();
 
@@ -162,7 +168,7 @@ class Navigator {
 
  private:
   [[nodiscard]] bool flies_ours() const { return ours_ && ours_->has_started(); }
-  void predict_ours(const Imu& imu, bool usable);
+  void predict_ours(const Imu& imu, bool usable, double thrust);
   void describe_ours(NavigationState& now) const;
   [[nodiscard]] double nearness() const;
   [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
@@ -184,6 +190,7 @@ class Navigator {
   VelocityObserver velocity_;
   std::optional<eskf::ErrorStateFilter> ours_;
   Imu last_imu_sample_;
+  double thrust_ = 0.0;  ///< That the rotors give by now, as commanded [m/s²].
   Trust sonar_, baro_;
   double last_gate_ = -1e3;  ///< When any gate was taken in [s].
   Altimeter altimeter_;

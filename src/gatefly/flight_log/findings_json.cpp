@@ -19,6 +19,7 @@ nlohmann::ordered_json as_json(const std::optional<eskf::Findings>& findings) {
             {"camera_roll_deg", pair(findings->roll, kDegree)},
             {"latency_ms", pair({-findings->delay.value, findings->delay.sigma}, 1e-3)},
             {"focal", pair(findings->focal, 1.0)},
+            {"thrust", pair(findings->thrust, 1.0)},
             {"wind_north_mps", pair(findings->wind_north, 1.0)},
             {"wind_east_mps", pair(findings->wind_east, 1.0)},
             {"gates_off", Json::array()}};
@@ -44,6 +45,7 @@ std::string text_of(const std::optional<eskf::Findings>& findings) {
   put(", pan ", findings->pan, kDegree, 1, "°");
   put(", pictures ", findings->delay, 1e-3, 0, " ms younger");
   put(", focal ", findings->focal, 0.01, 1, " %");
+  put(", thrust ", findings->thrust, 0.01, 1, " %");
   for (const eskf::GateOff& gate : findings->off)
     text << std::setprecision(2) << "; gate " << std::noshowpos << gate.gate + 1 << std::showpos
          << " is not where the map has it: " << gate.offset.x() << " m along its way, "

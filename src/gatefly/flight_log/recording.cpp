@@ -72,6 +72,12 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarSt
                                  .baro = sample.baro},
                      .picture = std::nullopt,
                      .p_EB = sample.true_p_EB});
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    Sensors& sensors = ticks[i].sensors;
+    sensors.looks_on = true;
+    if (!folder.samples[i].motors) continue;
+    sensors.motors = i > 0 ? folder.samples[i - 1].motors : std::array<double, 4>{};
+  }
   if (!has_height(folder)) add_sonar(ticks, folder, sonar);
   if (const auto row = take_off_row(folder)) ticks[*row].sensors.lifted = true;
   for (std::size_t i = 0; i < folder.images.size(); ++i) {

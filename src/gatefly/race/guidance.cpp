@@ -176,7 +176,7 @@ double Guidance::cross_track_roll(const PathPoint& here, const NavigationState& 
 // Specific thrust that holds the height z at the rate vz, both down.
 double Guidance::thrust(double z, double vz, const NavigationState& now) {
   const double up = altitude_.step(z, vz, now.p_EB.z(), now.v_E.z(), now.dt, params_.altitude);
-  return thrust_for(params_.gravity + up, now.R_EB.matrix(2, 2));
+  return thrust_for(params_.gravity + up, now.R_EB.matrix(2, 2)) / (1.0 + now.thrust_found);
 }
 
 // A critically damped decay that starts after the roll's lag.

@@ -126,11 +126,15 @@ void MapLookout::take_whole_gates(const View& view) {
     if (!sight) continue;
     const auto seen = associate(*navigator.error_state(), *sight, map_.max_nis);
     if (!seen) {
-      if (gate.fitness > params_.sight.sure) ++refused_, monitor_.refused(navigator.time());
+      if (gate.fitness > params_.sight.sure) {
+        ++refused_, monitor_.refused(navigator.time());
+        note_stray(gate, view);
+      }
       continue;
     }
     const bool target = is_target(seen->sight, view);
     sighting_.offered = sighting_.offered || target;
+    if (target) stray_.target_seen();
     if (!believed(*seen, gate, blind)) continue;
     (void)taken.push_back(seen->sight);
     monitor_.taken(seen->innovation.nis, seen->innovation.rows, navigator.time());
@@ -148,6 +152,24 @@ void MapLookout::take_whole_gates(const View& view) {
     navigator.doubt();
     refused_ = 0;
   }
+}
+
+// A gate where the map has none, again and again, while the one flown to does not show where it should:
+// it is that one.
+void MapLookout::note_stray(const GateDetection& gate, const View& view) {
+  constexpr double kSigma = 0.3, kYawSigma = 0.2;  // [m] [rad]
+  Navigator& navigator = view.navigator;
+  const eskf::ErrorStateFilter& filter = *navigator.error_state();
+  if (!stray_.expects_target(filter, params_.camera.p_BC)) return;
+  const double ago = params_.timing.latency - filter.now().delay;
+  const auto place =
+      place_of(gate.corners_px, view.course.gate().side, filter, ago, params_.camera, params_.pose);
+  if (!place) return;
+  stray_.seen(*place, navigator.time());
+  const auto instead = stray_.instead_of(navigator.gate());
+  if (!instead) return;
+  navigator.replace_target(*instead, kSigma, kYawSigma);
+  stray_.target_seen();
 }
 
 // Near the target the lower corners or the side bars of it are enough.

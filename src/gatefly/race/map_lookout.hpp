@@ -8,6 +8,7 @@
 #include "gatefly/race/arrival_jitter.hpp"
 #include "gatefly/race/association.hpp"
 #include "gatefly/race/lookout.hpp"
+#include "gatefly/race/stray_gate.hpp"
 
 namespace gatefly {
 
@@ -54,6 +55,7 @@ class MapLookout {
   bool take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
                  Sighting::Source source);
   [[nodiscard]] bool believed(const Associated& seen, const GateDetection& gate, bool blind);
+  void note_stray(const GateDetection& gate, const View& view);
   void describe_fix(const GateDetection& gate, const View& view);
   [[nodiscard]] bool is_target(const eskf::GateSight& sight, const View& view) const;
 
@@ -63,6 +65,7 @@ class MapLookout {
   Sighting sighting_;
   eskf::Monitor monitor_;
   ArrivalJitter arrivals_;
+  StrayGate stray_;
   struct {
     int face = -1;
     double time = -1e3;

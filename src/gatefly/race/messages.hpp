@@ -35,8 +35,11 @@ struct Sensors {
   /// Arrived now, exposed `latency` ago; read in this call only.
   std::optional<Image> image = std::nullopt;
   std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
-  /// Another pilot flies, as in the replay of its log, and has taken off: the rest is over.
-  bool lifted = false;
+  /// Another pilot flies, as in the replay of a log: this one's commands do not reach the rotors ...
+  bool looks_on = false;
+  bool lifted = false;  ///< ... that one has taken off: the rest is over ...
+  /// ... and what it commanded, if that is known; see Command::motors.
+  std::optional<std::array<double, 4>> motors = std::nullopt;
 };
 
 /// What the drone does next.

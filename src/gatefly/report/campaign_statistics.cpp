@@ -2,6 +2,7 @@
 #include "gatefly/report/campaign_statistics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -99,6 +100,56 @@ nlohmann::ordered_json ranked(const Seeds& seeds) {
   return json;
 }
 
+constexpr std::array kFound{"camera_tilt_deg", "heading_deg", "thrust_percent", "latency_ms"};
+
+void read_discoveries(const JsonObject& summary, RunRow& row) {
+  if (summary.has("found_after_lap_1")) {
+    const JsonObject found = summary.object("found_after_lap_1");
+    for (const char* name : kFound) {
+      const JsonObject one = found.object(name);
+      row.found.push_back({one.number("error"), one.number("sigma")});
+    }
+  }
+  if (summary.has("map_reports"))
+    row.map_reports = static_cast<int>(summary.objects("map_reports", 1000).size());
+}
+
+std::string found_cells(const RunRow& row) {
+  std::string cells;
+  for (std::size_t i = 0; i < kFound.size(); ++i)
+    cells += i < row.found.size() ? "," + cell(row.found[i].error) + "," + cell(row.found[i].sigma)
+                                  : ",,";
+  return cells + "," + std::to_string(row.map_reports);
+}
+
+/// RMS over races of what is left of each error after the first lap, and in its own sigmas.
+nlohmann::ordered_json found_by_all(const std::vector<RunRow>& rows) {
+  nlohmann::ordered_json json;
+  for (std::size_t i = 0; i < kFound.size(); ++i) {
+    double squares = 0.0, in_sigmas = 0.0;
+    int n = 0;
+    for (const RunRow& row : rows) {
+      if (i >= row.found.size() || !(row.found[i].sigma > 0.0)) continue;
+      const double error = row.found[i].error, relative = error / row.found[i].sigma;
+      squares += error * error, in_sigmas += relative * relative, ++n;
+    }
+    if (n == 0) continue;
+    json[kFound[i]] = {
+        {"races", n}, {"rms", std::sqrt(squares / n)}, {"rms_in_sigmas", std::sqrt(in_sigmas / n)}};
+  }
+  return json;
+}
+
+/// The middle one of the races' own means: of them half are more consistent.
+double median_nees(const std::vector<RunRow>& rows) {
+  std::vector<double> means;
+  for (const RunRow& row : rows)
+    if (row.consistency.nees.samples > 0) means.push_back(mean_of(row.consistency.nees));
+  if (means.empty()) return 0.0;
+  std::sort(means.begin(), means.end());
+  return quantile(means, 0.5);
+}
+
 }  // namespace
 
 RunRow row_of(const nlohmann::ordered_json& json, const std::string& file) {
@@ -114,6 +165,7 @@ RunRow row_of(const nlohmann::ordered_json& json, const std::string& file) {
   row.cause = cause_of(summary);
   row.rmse = summary.numbers_or_null("estimation_rmse_m", 3);
   read_loss(summary, row);
+  read_discoveries(summary, row);
   row.frames = detection.count("frames");
   row.true_positives = detection.count("true_positives");
   row.false_positives = detection.count("false_positives");
@@ -142,7 +194,9 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
       "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
       "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
       "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,map_cm,"
-      "detection_cm,since_fix_s,commit,configuration\n";
+      "detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,"
+      "heading_error_deg,heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,"
+      "latency_error_ms,latency_sigma_ms,map_reports\n";
   for (const RunRow& r : rows) {
     csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
            "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," + cell(r.mean_speed) +
@@ -153,7 +207,7 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
     for (const auto& count : {r.consistency.nees, r.consistency.nis})
       csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
     csv += "," + std::to_string(r.consistency.divergences) + loss_cells(r) + "," + cell(r.commit) +
-           "," + cell(r.configuration) + "\n";
+           "," + cell(r.configuration) + found_cells(r) + "\n";
   }
   return csv;
 }
@@ -184,6 +238,10 @@ nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   json["race_time_s"] = quantiles(times);
   json["mean_speed_mps"] = quantiles(speeds);
   json["consistency"] = pooled(rows);
+  json["consistency"]["nees_median_of_races"] = median_nees(rows);
+  json["found_after_lap_1"] = found_by_all(rows);
+  json["races_with_map_reports"] =
+      std::count_if(rows.begin(), rows.end(), [](const RunRow& r) { return r.map_reports > 0; });
   json["causes"] = ranked(causes);
   json["lost_by"] = ranked(whys);
   return json;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gatefly/closed_loop/consistency.hpp"
+#include "gatefly/closed_loop/discoveries.hpp"
 
 namespace gatefly::io {
 
@@ -30,6 +31,10 @@ struct RunRow {
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
   std::string commit, configuration;     ///< "" when an older summary does not say.
   closed_loop::Consistency consistency;  ///< Nothing in it when an older summary has none.
+  /// After the first lap: error and sigma of the camera's tilt [deg], the heading [deg], the thrust
+  /// [%], the latency [ms]; empty when nobody says.
+  std::vector<closed_loop::FoundError> found;
+  int map_reports = 0;  ///< Gates of which it said that the map has them elsewhere.
 };
 
 /// @param file  whose content it is, in messages.

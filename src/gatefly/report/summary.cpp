@@ -2,9 +2,36 @@
 #include "gatefly/report/summary.hpp"
 
 #include "gatefly/flight_log/findings_json.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/report/loss_report.hpp"
 
 namespace gatefly::io {
+
+namespace {
+
+nlohmann::ordered_json found_after_lap(const closed_loop::Discoveries& found) {
+  if (!found.after_lap) return nullptr;
+  const auto pair = [](const closed_loop::FoundError& one, double unit) {
+    return nlohmann::ordered_json{{"error", one.error / unit}, {"sigma", one.sigma / unit}};
+  };
+  return {{"camera_tilt_deg", pair(found.after_lap->camera_tilt, kDegree)},
+          {"heading_deg", pair(found.after_lap->heading, kDegree)},
+          {"thrust_percent", pair(found.after_lap->thrust, 0.01)},
+          {"latency_ms", pair(found.after_lap->latency, 1e-3)}};
+}
+
+nlohmann::ordered_json map_reports(const closed_loop::Discoveries& found) {
+  auto json = nlohmann::ordered_json::array();
+  for (const closed_loop::MapReport& report : found.map_reports)
+    json.push_back(
+        {{"gate", report.gate + 1},
+         {"t_s", report.time},
+         {"along_right_down_m", {report.offset.x(), report.offset.y(), report.offset.z()}},
+         {"before_its_plane", report.before_its_plane}});
+  return json;
+}
+
+}  // namespace
 
 nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race) {
   using Json = nlohmann::ordered_json;
@@ -56,6 +83,9 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
                        {"false_positives", result.false_positives},
                        {"careful_searches", result.careful_searches}};
   json["found"] = flight_log::as_json(result.findings);
+  json["found_after_lap_1"] = found_after_lap(result.discoveries);
+  json["map_reports"] = map_reports(result.discoveries);
+  json["gate_rmse_m"] = result.discoveries.gate_rmse;
   json["searches"] = result.searches;
   json["flight_time_s"] = result.flight_time;
   json["timings"] = timings;

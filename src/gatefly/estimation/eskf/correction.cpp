@@ -42,6 +42,22 @@ void correct_by_drag(Nominal& x, Covariance& P, const Interval& interval, const 
   learn_gust(x, P, interval.dt, params.noise);
 }
 
+ThrustMeasurement thrust_measurement(const Nominal& x, const Interval& interval,
+                                     const Params& params) {
+  const double expected = x.accel_bias.z() - (1.0 + x.thrust) * interval.thrust;
+  return {.residual = interval.mean.accel_B.z() - expected,
+          .states = {kAccelBias + 2, kThrust},
+          .jacobian = {1.0, -interval.thrust},
+          .variance = x.accel_shaking * params.noise.thrust_measurement / interval.dt};
+}
+
+void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, const Params& params) {
+  constexpr double kLifts = 0.15;  // [m] Below that the floor pushes back.
+  constexpr double kLeast = 0.5;   // of gravity: rotors that idle say nothing
+  if (interval.thrust < kLeast * params.gravity || -x.p_EB.z() < kLifts) return;
+  correct(x, P, thrust_measurement(x, interval, params));
+}
+
 bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma) {
   constexpr double kFarthest = 5.0;  // sigmas
   constexpr double kDoubt = 0.003;   // [m²] A floor that keeps disagreeing wins in the end.

@@ -40,6 +40,16 @@ using DragMeasurement = Scalar<12>;
 /// Both axes of it, and what that says about how strong gusts are.
 void correct_by_drag(Nominal& x, Covariance& P, const Interval& interval, const Params& params);
 
+/// What the rotors were commanded to, measured by the accelerometer: f_z = b_z - (1 + τ) u.
+///
+/// At hover τ and b_z show together; gates tell b_z, and with it the thrust that hovering takes.
+using ThrustMeasurement = Scalar<2>;
+[[nodiscard]] ThrustMeasurement thrust_measurement(const Nominal& x, const Interval& interval,
+                                                   const Params& params);
+
+/// That, where the thrust is known and the rotors carry the drone: on the pad the floor does.
+void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, const Params& params);
+
 /// A height above the floor [m]. False: more than five sigmas off, and left.
 bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma);
 

@@ -37,7 +37,7 @@ void set_variances(Covariance& P, const Params& params, double radians_per_px) {
   put3(kMount, p.mount);
   for (int i = 0; i < 2; ++i)
     put(kGust + i, p.gust), put(kWind + i, p.wind), put(kDrag + i, p.drag);
-  put(kFocal, p.focal), put(kBend, p.bend), put(kDelay, p.delay);
+  put(kFocal, p.focal), put(kBend, p.bend), put(kDelay, p.delay), put(kThrust, p.thrust);
   const double lasting = radians_per_px * params.sight.lasting;
   put3(kCorner, {lasting, lasting, radians_per_px * params.sight.lasting_size});
 }
@@ -79,9 +79,9 @@ void ErrorStateFilter::start(const Start& start, double time) {
   started_ = true;
 }
 
-void ErrorStateFilter::predict(const Imu& imu, double dt, double time) {
+void ErrorStateFilter::predict(const Imu& imu, double dt, double time, double thrust) {
   if (!started_ || !(dt > 0.0)) return;
-  const Sample sample{imu, dt};
+  const Sample sample{imu, dt, std::isfinite(thrust) ? std::max(0.0, thrust) : 0.0};
   vibration_.add(sample);
   propagate(now_, sample, setup_.params.gravity);
   (void)pending_.push_back(sample);
@@ -102,7 +102,9 @@ void ErrorStateFilter::take_in(Tick& tick) {
   const std::span<const Sample> samples{tick.samples.begin(), tick.samples.size()};
   tick.x.accel_shaking = tick.accel_shaking, tick.x.gyro_shaking = tick.gyro_shaking;
   eskf::predict(tick.x, P_, samples, params, setup_.camera.radians_per_px);
-  correct_by_drag(tick.x, P_, mean_of(samples), params);
+  const Interval interval = mean_of(samples);
+  correct_by_drag(tick.x, P_, interval, params);
+  correct_by_thrust(tick.x, P_, interval, params);
   for (const HeightSeen& seen : tick.heights)
     (void)correct_by_height(tick.x, P_, seen.height, seen.sigma);
   for (const GateSight& sight : tick.sights)
@@ -177,6 +179,24 @@ void ErrorStateFilter::set_target(const Eigen::Vector3d& p_EG, double yaw_EG) {
   tick.x.gates = now_.gates;
   tick.sights.clear(), tick.heights.clear();
   ring_.restart(tick, P_);
+}
+
+void ErrorStateFilter::replace_target(const Eigen::Vector3d& p_EG, double yaw_EG, double sigma,
+                                      double yaw_sigma) {
+  if (!started_ || target_slot() < 0) return;
+  const int slot = target_slot(), at = gate_at(slot);
+  const Priors& priors = setup_.params.priors;
+  Tick tick = ring_[ring_.newest()];
+  GateBelief& gate = tick.x.gates[static_cast<std::size_t>(slot)];
+  gate = {p_EG, wrap_angle(yaw_EG - (target_.behind ? kPi : 0.0)), 0.0};
+  P_.middleRows<kPerGate>(at).setZero();
+  P_.middleCols<kPerGate>(at).setZero();
+  P_.diagonal().segment<kPerGate>(at) << sigma * sigma, sigma * sigma, sigma * sigma,
+      yaw_sigma * yaw_sigma, priors.map_size * priors.map_size;
+  // What was seen before was taken for another place: it is not done again.
+  tick.sights.clear(), tick.heights.clear();
+  ring_.restart(tick, P_);
+  catch_up();
 }
 
 const GateBelief& ErrorStateFilter::target() const {

@@ -43,7 +43,8 @@ class ErrorStateFilter {
   [[nodiscard]] bool has_started() const { return started_; }
 
   /// One IMU sample of `dt` that ends at `time` [s].
-  void predict(const Imu& imu, double dt, double time);
+  /// @param thrust  specific, as commanded, with the rotors' lag [m/s²]; 0: not known.
+  void predict(const Imu& imu, double dt, double time, double thrust = 0.0);
 
   /// A height above the floor [m]; of now. False: refused.
   bool correct_height(double height, double sigma);
@@ -56,6 +57,10 @@ class ErrorStateFilter {
 
   /// Sightings disagree with the position for long: it is less certain than it says.
   void doubt();
+
+  /// The target stands elsewhere than the map says: there, known to `sigma` [m] and `yaw_sigma` [rad]
+  /// on the floor plan. What it told of everything else is forgotten.
+  void replace_target(const Eigen::Vector3d& p_EG, double yaw_EG, double sigma, double yaw_sigma);
 
   /// Positions will be asked for relative to this gate: see Landmarks::bring_in.
   void set_target(const Eigen::Vector3d& p_EG, double yaw_EG);

@@ -46,6 +46,7 @@ Findings findings_of(const ErrorStateFilter& filter) {
   found.roll = {mount.z(), filter.sigma(kMount + 2)};
   found.delay = {x.delay, filter.sigma(kDelay)};
   found.focal = {x.focal, filter.sigma(kFocal)};
+  found.thrust = {x.thrust, filter.sigma(kThrust)};
   found.wind_north = {x.wind.x(), filter.sigma(kWind)};
   found.wind_east = {x.wind.y(), filter.sigma(kWind + 1)};
   for (int slot = 0; slot < filter.landmarks().slots(); ++slot)

@@ -23,6 +23,7 @@ struct Findings {
   Found tilt, pan, roll;              ///< Of the camera: down, to the right, clockwise [rad].
   Found delay;                        ///< Pictures are so much younger than told [s].
   Found focal;                        ///< Relative.
+  Found thrust;                       ///< Relative: rotors give so much more than commanded.
   Found wind_north, wind_east;        ///< Mean wind, air over ground [m/s].
   FixedList<GateOff, kMaxGates> off;  ///< Only those beyond what a map may err by.
 };

@@ -19,6 +19,7 @@ struct Priors {
   double rest_accel = 0.05;       ///< What rest shows of it, and flight changes [m/s²]. [estimate]
   double wind = 0.5, gust = 0.6;  ///< [m/s]. [doors and fans .3; found from above: estimate]
   double drag = 0.12;             ///< Relative. [14 recorded flights: .48-.61]
+  double thrust = 0.10;  ///< Relative. [hover throttle by eye, a battery's charge: estimate]
   Eigen::Vector3d mount = Eigen::Vector3d{2.0, 1.0, 1.0} * kDegree;  ///< Tilt, pan, roll. [bracket]
   double focal = 0.015, bend = 0.02;        ///< Relative. [calibrations of one lens: k 1.03-1.08]
   double delay = 0.010;                     ///< [s] [third of a picture's period at 30 Hz]
@@ -41,9 +42,13 @@ struct Noise {
   double accel_bias = 1e-5, gyro_bias = 4e-8;  ///< [warm-up within minutes: estimate]
   double wind = 3e-4;                          ///< [draughts last for minutes: estimate]
   double drag = 1e-5;
+  double thrust = 1e-5;             ///< [a battery sags by a tenth in two minutes]
   double drag_measurement = 0.004;  ///< [(m/s²)²/Hz] [20 Hz band .13-.18 m/s² of real flights]
-  double gust_length = 1.7;         ///< [m] [MIL-F-8785C at 1.7 m height]
-  double gust_adaptation = 0.3;     ///< [1/s] Gusts' strength is learnt so fast. [estimate]
+  /// [(m/s²)²/Hz]. Rotors through moving air, near the floor, in a climb: their thrust is known no
+  /// better than to 0.2 m/s² over a second. [estimate]
+  double thrust_measurement = 0.05;
+  double gust_length = 1.7;      ///< [m] [MIL-F-8785C at 1.7 m height]
+  double gust_adaptation = 0.3;  ///< [1/s] Gusts' strength is learnt so fast. [estimate]
   double least_gust = 0.04, greatest_gust = 1.5;  ///< [m/s] [office air .03-.08]
   Shaking shaking{};  ///< What the densities of accelerometer, gyro and drag are for ...
   double least_shaking = 0.25, most_shaking = 16.0;  ///< ... and how far they follow today's.

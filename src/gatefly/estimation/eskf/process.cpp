@@ -70,6 +70,7 @@ void add_noise(const Nominal& x, Covariance& P, const Interval& interval, double
     grow(kDrag + i, noise.drag * dt);
     grow(kGust + i, x.gust_sigma * x.gust_sigma * (1.0 - keep * keep));
   }
+  grow(kThrust, noise.thrust * dt);
 }
 
 }  // namespace
@@ -88,12 +89,16 @@ void propagate(Nominal& x, const Sample& sample, double gravity) {
 
 Interval mean_of(std::span<const Sample> samples) {
   Interval all;
+  bool knows_thrust = true;
   for (const Sample& one : samples) {
     all.mean.gyro_B += one.dt * one.imu.gyro_B;
     all.mean.accel_B += one.dt * one.imu.accel_B;
+    all.thrust += one.dt * one.thrust;
     all.dt += one.dt;
+    knows_thrust = knows_thrust && one.thrust > 0.0;
   }
-  if (all.dt > 0.0) all.mean.gyro_B /= all.dt, all.mean.accel_B /= all.dt;
+  if (all.dt > 0.0) all.mean.gyro_B /= all.dt, all.mean.accel_B /= all.dt, all.thrust /= all.dt;
+  if (!knows_thrust) all.thrust = 0.0;
   return all;
 }
 

@@ -16,6 +16,8 @@ namespace gatefly::eskf {
 struct Sample {
   Imu imu;
   double dt = 0.0;  ///< [s]
+  /// Specific thrust that was commanded, with the rotors' lag [m/s²]; 0: nobody knows.
+  double thrust = 0.0;
 };
 
 /// Position, velocity, attitude after one sample: v̇ = R (f − b_a) + g, Ṙ = R [ω − b_g].
@@ -24,7 +26,8 @@ void propagate(Nominal& x, const Sample& sample, double gravity);
 /// Several samples that count as one, of their mean.
 struct Interval {
   Imu mean;
-  double dt = 0.0;  ///< [s]
+  double dt = 0.0;      ///< [s]
+  double thrust = 0.0;  ///< [m/s²]; 0: not known of all of them.
 };
 [[nodiscard]] Interval mean_of(std::span<const Sample> samples);
 

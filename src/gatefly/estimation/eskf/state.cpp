@@ -18,6 +18,7 @@ void add(Nominal& x, const ErrorVector& error) {
   x.R_BC = x.R_BC * rotation_of(error.segment<3>(kMount));
   x.focal += error(kFocal), x.bend += error(kBend), x.delay += error(kDelay);
   x.corner += error.segment<3>(kCorner);
+  x.thrust += error(kThrust);
   const int gates = (static_cast<int>(error.size()) - kGates) / kPerGate;
   for (int slot = 0; slot < gates; ++slot) {
     GateBelief& gate = x.gates[static_cast<std::size_t>(slot)];

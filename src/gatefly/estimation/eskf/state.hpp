@@ -23,7 +23,8 @@ enum Index : int {
   kBend = 25,       ///< ... and of its bend: with the slope's square. See CameraPose.
   kDelay = 26,      ///< Pictures are so much younger than told [s].
   kCorner = 27,     ///< What lasts of a gate's corners' errors: right, down, size [rad].
-  kGates = 30
+  kThrust = 30,     ///< Relative, of the thrust that a command gives.
+  kGates = 31
 };
 /// The errors of one gate: place in E [m], direction [rad], relative size.
 enum GateIndex : int { kGateP = 0, kGateYaw = 3, kGateSize = 4, kPerGate = 5 };
@@ -49,6 +50,7 @@ struct Nominal {
   Eigen::Vector2d gust = Eigen::Vector2d::Zero(), wind = Eigen::Vector2d::Zero();
   Eigen::Vector2d drag = Eigen::Vector2d::Zero();  ///< Relative error of k_x, k_y.
   double focal = 0.0, bend = 0.0, delay = 0.0;
+  double thrust = 0.0;  ///< Rotors give 1 + thrust times what was commanded.
   Eigen::Vector3d corner = Eigen::Vector3d::Zero();
   std::array<GateBelief, kMaxGates> gates{};
 

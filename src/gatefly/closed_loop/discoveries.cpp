@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/closed_loop/discoveries.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gatefly/estimation/eskf/findings.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::closed_loop {
+namespace {
+
+constexpr double kReportPeriod = 0.05;  // A pilot's findings are read so often [s].
+constexpr double kThrustTime = 1.0;     // The true thrust is a mean over so long [s].
+
+double tilt_down(const Eigen::Matrix3d& R_BC) { return atan2(R_BC(2, 2), R_BC(0, 2)); }
+
+double heading_of(const Eigen::Matrix3d& R_EB) { return atan2(R_EB(1, 0), R_EB(0, 0)); }
+
+}  // namespace
+
+void DiscoveryWatch::update(const Pilot& pilot, const sim::BodyState& state, double now,
+                            std::size_t passes) {
+  const eskf::ErrorStateFilter* filter = pilot.navigator().error_state();
+  const bool flies = filter != nullptr && filter->has_started();
+  if (flies) follow_thrust(state, now);
+  const auto target = static_cast<std::size_t>(pilot.target_gate());
+  if (passes > passes_) {
+    result_.gate_rmse.push_back(samples_ > 0 ? std::sqrt(squares_ / samples_) : 0.0);
+    squares_ = 0.0, samples_ = 0, passes_ = passes;
+    if (flies && passes == truth_.world.gates.size()) note_lap(*filter, state);
+  }
+  if (target != passes_ % truth_.world.gates.size())
+    return;  // the pilot is elsewhere in the course
+  const sim::WorldGate& gate = truth_.world.gates[target];
+  const Eigen::Vector3d p_GB = rotation_z(-gate.yaw_EG) * (state.p_EB - gate.p_EG);
+  squares_ += (pilot.estimate().p_GB - p_GB).head<2>().squaredNorm(), ++samples_;
+  if (flies && now >= next_report_) note_reports(*filter, now, passes);
+}
+
+// What an accelerometer without errors reads, against what these rotor speeds give by the data sheet.
+void DiscoveryWatch::follow_thrust(const sim::BodyState& state, double now) {
+  const double dt = std::clamp(now - last_, 0.0, kThrustTime);
+  last_ = now;
+  double squares = 0.0;
+  for (const double speed : state.rotor_speed) squares += speed * speed;
+  const double told = told_.vehicle.thrust_coefficient * squares / told_.vehicle.mass;
+  if (told > 0.5 * kGravity)
+    thrust_ += dt / kThrustTime * (-state.specific_force_B.z() / told - 1.0 - thrust_);
+}
+
+void DiscoveryWatch::note_reports(const eskf::ErrorStateFilter& filter, double now,
+                                  std::size_t passes) {
+  next_report_ = now + kReportPeriod;
+  for (const eskf::GateOff& off : eskf::findings_of(filter).off) {
+    const auto same = [&](const MapReport& report) { return report.gate == off.gate; };
+    const auto& reports = result_.map_reports;
+    if (std::any_of(reports.begin(), reports.end(), same)) continue;
+    result_.map_reports.push_back({off.gate, now, off.offset, passes <= off.gate});
+  }
+}
+
+void DiscoveryWatch::note_lap(const eskf::ErrorStateFilter& filter, const sim::BodyState& state) {
+  const eskf::Nominal& x = filter.now();
+  Discoveries::AfterLap& found = result_.after_lap.emplace();
+  found.camera_tilt = {wrap_angle(tilt_down(x.R_BC) - truth_.camera.tilt_down),
+                       filter.sigma(eskf::kMount)};
+  found.heading = {wrap_angle(heading_of(x.R_EB) - heading_of(sim::R_EB_of(state.q_EB))),
+                   filter.sigma(eskf::kTheta + 2)};
+  found.thrust = {x.thrust - thrust_, filter.sigma(eskf::kThrust)};
+  const double latency =
+      truth_.sensors.camera_latency + 0.5 * (truth_.camera.exposure + truth_.camera.readout);
+  found.latency = {told_.camera_timing.latency - x.delay - latency, filter.sigma(eskf::kDelay)};
+}
+
+}  // namespace gatefly::closed_loop
