@@ -120,14 +120,14 @@ class Flight {
     Vector3d air = truth.v_E;
     air.head<2>() -= truth.wind + truth.gust;
     const Vector3d air_B = middle.transpose() * air;
-    Vector3d force{0, 0, -params.gravity + wanted.z()};
+    // Rotors are told so much, and give more or less than that, and not quite.
+    thrust_ = (params.gravity - wanted.z()) / (1.0 + truth.thrust);
+    Vector3d force{0, 0,
+                   -(1.0 + truth.thrust) * thrust_ +
+                       std::sqrt((noise.thrust_measurement - noise.accel_z) * kHz) * normal(rng_)};
     for (int i = 0; i < 2; ++i)  // what drag leaves out moves the drone, too
       force(i) = params.drag(i) * (1 + truth.drag(i)) * air_B(i) +
                  std::sqrt((noise.drag_measurement - noise.accel) * kHz) * normal(rng_);
-    // Rotors are told more or less than that, and give it not quite.
-    thrust_ =
-        (-force.z() + std::sqrt((noise.thrust_measurement - noise.accel_z) * kHz) * normal(rng_)) /
-        (1.0 + truth.thrust);
     const Vector3d a = middle * force + Vector3d{0, 0, params.gravity};
     truth.p_EB += kDt * truth.v_E + 0.5 * kDt * kDt * a;
     truth.v_E += kDt * a;

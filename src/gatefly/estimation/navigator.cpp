@@ -94,8 +94,7 @@ void Navigator::predict_ours(const Imu& imu, bool usable, double thrust) {
       start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
     ours_->start(start, time_ - dt_);
   }
-  thrust_ += std::min(1.0, dt_ / params_.rotor_time_constant) * (thrust - thrust_);
-  ours_->predict(last_imu_sample_, dt_, time_, thrust > 0.0 ? thrust_ : 0.0);
+  ours_->predict(last_imu_sample_, dt_, time_, thrust);
   altimeter_.climb(-dt_ * ours_->now().v_E.z());
 }
 

@@ -42,10 +42,9 @@ struct NavigatorParams {
   DragFilterParams filter;
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
-  double imu_hz = 512.0;                ///< Nominal rate of the IMU. [Li18 flight code]
-  double rotor_time_constant = 0.0185;  ///< [s] [Li18 flight code]
-  double accel_cutoff_hz = 20.0;        ///< Low-pass before the drag model. [Li18 flight code]
-  double filter_memory = 0.25;  ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
+  double imu_hz = 512.0;          ///< Nominal rate of the IMU. [Li18 flight code]
+  double accel_cutoff_hz = 20.0;  ///< Low-pass before the drag model. [Li18 flight code]
+  double filter_memory = 0.25;    ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
 };
 
 /// What is believed of the drone's motion at one moment; plain values.
@@ -91,8 +90,7 @@ class Navigator {
 
   /// One IMU sample in flight. Not usable: the last one goes on. A repeated or older time stamp lets
   /// no time pass.
-  /// @param thrust  specific, that the rotors were commanded to give [m/s²]; 0: not known. Only kOurs
-  ///     asks.
+  /// @param thrust  specific, that the rotors should give by now [m/s²]; 0: not known. Only kOurs asks.
   void predict(const Imu& imu, double time, double thrust = 0.0);
 
   /// The same for an IMU that hangs on no multirotor: without drag no velocity is known, and only
@@ -190,7 +188,6 @@ class Navigator {
   VelocityObserver velocity_;
   std::optional<eskf::ErrorStateFilter> ours_;
   Imu last_imu_sample_;
-  double thrust_ = 0.0;  ///< That the rotors give by now, as commanded [m/s²].
   Trust sonar_, baro_;
   double last_gate_ = -1e3;  ///< When any gate was taken in [s].
   Altimeter altimeter_;

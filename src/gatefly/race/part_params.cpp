@@ -53,7 +53,6 @@ NavigatorParams navigator_params(const PilotConfig& config) {
   params.velocity = config.velocity;
   params.altimeter = config.altimeter;
   params.imu_hz = config.imu_hz;
-  params.rotor_time_constant = config.vehicle.rotor_time_constant;
   params.filter_memory = config.filter_memory;
   return params;
 }

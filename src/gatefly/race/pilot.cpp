@@ -58,7 +58,7 @@ Pilot::Pilot(const PilotConfig& config)
       navigator_{navigator_params(config)},
       parts_{std::make_unique<Parts>(config)},
       phase_params_{phase_params(config)},
-      vehicle_{config.vehicle},
+      thrust_{config.vehicle},
       uses_sonar_{config.uses_sonar},
       uses_baro_{config.uses_baro} {
   check_latency(config);
@@ -87,21 +87,16 @@ Command Pilot::step(const Sensors& sensors) {
 
 void Pilot::navigate(const Sensors& sensors) {
   const double time = std::chrono::duration<double>(sensors.time).count();
+  const bool knows_motors = !sensors.looks_on || sensors.motors;
+  const double thrust =
+      knows_motors ? thrust_.update(sensors.looks_on ? *sensors.motors : motors_, time) : 0.0;
   if (std::holds_alternative<OnGround>(phase_)) {
     navigator_.rest(sensors.imu, time);
   } else {
-    navigator_.predict(sensors.imu, time, commanded_thrust(sensors));
+    navigator_.predict(sensors.imu, time, thrust);
     navigator_.measure_heights(uses_sonar_ ? sensors.sonar : std::nullopt,
                                uses_baro_ ? sensors.baro : std::nullopt);
   }
-}
-
-// What the rotors were last told to give, by whoever flies [m/s²]; 0: nobody knows.
-double Pilot::commanded_thrust(const Sensors& sensors) const {
-  if (sensors.looks_on && !sensors.motors) return 0.0;
-  double squares = 0.0;
-  for (const double speed : sensors.looks_on ? *sensors.motors : motors_) squares += speed * speed;
-  return vehicle_.thrust_coefficient * squares / vehicle_.mass;
 }
 
 void Pilot::look(const Sensors& sensors) {

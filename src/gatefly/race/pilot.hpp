@@ -6,6 +6,7 @@
 #include <optional>
 #include <variant>
 
+#include "gatefly/control/rotor_thrust.hpp"
 #include "gatefly/estimation/eskf/monitor.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/race/messages.hpp"
@@ -51,13 +52,12 @@ class Pilot {
   [[nodiscard]] Situation situation() const;
   AttitudeCommand guide();
   std::array<double, 4> motors(const AttitudeCommand& attitude);
-  [[nodiscard]] double commanded_thrust(const Sensors& sensors) const;
 
   MapUncertainty map_uncertainty_;
   Navigator navigator_;
   std::unique_ptr<Parts> parts_;
   PhaseParams phase_params_;
-  VehicleParams vehicle_;
+  RotorThrust thrust_;
   std::array<double, 4> motors_{};  ///< As last commanded [rad/s].
   bool uses_sonar_, uses_baro_;
   Phase phase_ = OnGround{};

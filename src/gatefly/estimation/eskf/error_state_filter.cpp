@@ -23,6 +23,13 @@ std::size_t ticks_for(const Setup& setup) {
   return static_cast<std::size_t>(std::ceil(setup.memory * tick_hz)) + 4;
 }
 
+// Ticks in 20 ms: over twice that a rate is a mean; what the rotors shake is less by five then.
+std::size_t ticks_nearby(const Setup& setup) {
+  constexpr double kHalf = 0.02;  // [s]
+  const double tick_hz = setup.imu_hz / static_cast<double>(samples_per_tick(setup.imu_hz));
+  return static_cast<std::size_t>(std::max(1L, std::lround(kHalf * tick_hz)));
+}
+
 void set_variances(Covariance& P, const Params& params, double radians_per_px) {
   const Priors& p = params.priors;
   const auto put3 = [&P](int i, const Eigen::Vector3d& sigma) {
@@ -55,7 +62,8 @@ ErrorStateFilter::ErrorStateFilter(const Setup& setup)
       landmarks_{setup.map, setup.params.priors},
       ring_{ticks_for(setup)},
       vibration_{setup.params.noise},
-      per_tick_{samples_per_tick(setup.imu_hz)} {
+      per_tick_{samples_per_tick(setup.imu_hz)},
+      near_{ticks_nearby(setup)} {
   const int n = gate_at(landmarks_.slots());
   P_.setIdentity(n, n);
 }
@@ -91,13 +99,14 @@ void ErrorStateFilter::predict(const Imu& imu, double dt, double time, double th
   tick.samples = pending_;
   tick.accel_shaking = vibration_.accel(), tick.gyro_shaking = vibration_.gyro();
   pending_.clear();
-  take_in(tick);
+  take_in(ring_.newest());
   ring_.keep(ring_.newest(), P_);
   now_ = tick.x;
 }
 
 // All of a tick, from the belief before it (in tick.x and P_).
-void ErrorStateFilter::take_in(Tick& tick) {
+void ErrorStateFilter::take_in(std::size_t index) {
+  Tick& tick = ring_[index];
   const Params& params = setup_.params;
   const std::span<const Sample> samples{tick.samples.begin(), tick.samples.size()};
   tick.x.accel_shaking = tick.accel_shaking, tick.x.gyro_shaking = tick.gyro_shaking;
@@ -107,10 +116,27 @@ void ErrorStateFilter::take_in(Tick& tick) {
   correct_by_thrust(tick.x, P_, interval, params);
   for (const HeightSeen& seen : tick.heights)
     (void)correct_by_height(tick.x, P_, seen.height, seen.sigma);
+  if (!tick.sights.empty()) tick.x.rate_B = rate_around(index);
   for (const GateSight& sight : tick.sights)
     (void)correct_by_gate(tick.x, P_, sight, landmarks_.shape(sight.slot), sight.time - tick.time,
                           setup_.camera, params.sight);
+  if (!tick.sights.empty()) tick.x.rate_B = samples.back().imu.gyro_B - tick.x.gyro_bias;
   if (tick.doubted) widen(P_);
+}
+
+// How the drone turned around the end of a tick, without the rotors' shaking. A picture's delay is told
+// from how it moves with this rate: noise in it would make every delay look shorter than it is.
+Eigen::Vector3d ErrorStateFilter::rate_around(std::size_t index) const {
+  const Nominal& x = ring_[index].x;
+  // As many ticks after as before: the mean over them is of the moment between.
+  const std::size_t near = std::min({near_, ring_.newest() - index, index - ring_.oldest()});
+  Eigen::Vector3d turned = Eigen::Vector3d::Zero();
+  double time = 0.0;
+  for (std::size_t i = index + 1 - near; i <= index + near; ++i) {
+    const Interval interval = mean_of({ring_[i].samples.begin(), ring_[i].samples.size()});
+    turned += interval.dt * interval.mean.gyro_B, time += interval.dt;
+  }
+  return time > 0.0 ? Eigen::Vector3d{turned / time - x.gyro_bias} : x.rate_B;
 }
 
 bool ErrorStateFilter::correct_height(double height, double sigma) {
@@ -133,10 +159,12 @@ std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight
   const auto i = ring_.at(sight.time);
   if (!i) return std::nullopt;
   const Tick& tick = ring_[*i];
+  Nominal x = tick.x;
+  x.rate_B = rate_around(*i);
   const bool fresh =
-      sight.quality == GateSight::Quality::kWhole && tick.x.corner_of != eskf::face_of(sight);
-  const auto rows = gate_rows(tick.x, sight, landmarks_.shape(sight.slot), sight.time - tick.time,
-                              fresh, setup_.camera, setup_.params.sight);
+      sight.quality == GateSight::Quality::kWhole && x.corner_of != eskf::face_of(sight);
+  const auto rows = gate_rows(x, sight, landmarks_.shape(sight.slot), sight.time - tick.time, fresh,
+                              setup_.camera, setup_.params.sight);
   if (!rows) return std::nullopt;
   return innovation(ring_.covariance(ring_.kept_before(*i)), *rows);
 }
@@ -158,7 +186,7 @@ void ErrorStateFilter::do_again(std::size_t from) {
   P_ = ring_.covariance(kept);
   for (std::size_t i = kept + 1; i <= last; ++i) {
     ring_[i].x = ring_[i - 1].x;
-    take_in(ring_[i]);
+    take_in(i);
     ring_.keep(i, P_);
   }
   catch_up();

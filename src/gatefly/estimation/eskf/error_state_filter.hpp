@@ -84,7 +84,8 @@ class ErrorStateFilter {
   [[nodiscard]] const Setup& setup() const { return setup_; }
 
  private:
-  void take_in(Tick& tick);
+  void take_in(std::size_t index);
+  [[nodiscard]] Eigen::Vector3d rate_around(std::size_t index) const;
   void do_again(std::size_t from);
   void catch_up();
 
@@ -92,7 +93,7 @@ class ErrorStateFilter {
   Landmarks landmarks_;
   DelayRing ring_;
   Vibration vibration_;
-  std::size_t per_tick_;
+  std::size_t per_tick_, near_;
   FixedList<Sample, kMaxSamples> pending_;  ///< Since the last tick.
   Covariance P_;
   Nominal now_;
