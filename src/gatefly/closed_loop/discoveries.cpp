@@ -61,16 +61,27 @@ void DiscoveryWatch::note_reports(const eskf::ErrorStateFilter& filter, double n
   }
 }
 
+// The tilt that a camera with the told lens must have to see the same in its middle: a principal point
+// that is off shows as a tilt, and cannot be told from one.
+double DiscoveryWatch::true_tilt() const {
+  const auto middle_px = told_.camera.lens.project(Eigen::Vector3d::UnitZ());
+  const auto axis_C = middle_px ? truth_.camera.lens.bearing(*middle_px) : std::nullopt;
+  if (!axis_C) return truth_.camera.tilt_down;
+  const Eigen::Vector3d axis_B = camera_mount(truth_.camera.tilt_down) * *axis_C;
+  return atan2(axis_B.z(), axis_B.x());
+}
+
 void DiscoveryWatch::note_lap(const eskf::ErrorStateFilter& filter, const sim::BodyState& state) {
   const eskf::Nominal& x = filter.now();
   Discoveries::AfterLap& found = result_.after_lap.emplace();
-  found.camera_tilt = {wrap_angle(tilt_down(x.R_BC) - truth_.camera.tilt_down),
-                       filter.sigma(eskf::kMount)};
+  found.camera_tilt = {wrap_angle(tilt_down(x.R_BC) - true_tilt()), filter.sigma(eskf::kMount)};
   found.heading = {wrap_angle(heading_of(x.R_EB) - heading_of(sim::R_EB_of(state.q_EB))),
                    filter.sigma(eskf::kTheta + 2)};
   found.thrust = {x.thrust - thrust_, filter.sigma(eskf::kThrust)};
-  const double latency =
-      truth_.sensors.camera_latency + 0.5 * (truth_.camera.exposure + truth_.camera.readout);
+  // Jitter only ever delays: the mean of half a normal number.
+  const double jitter = 0.798 * truth_.sensors.latency_jitter;
+  const double latency = truth_.sensors.camera_latency + jitter +
+                         0.5 * (truth_.camera.exposure + truth_.camera.readout);
   found.latency = {told_.camera_timing.latency - x.delay - latency, filter.sigma(eskf::kDelay)};
 }
 

@@ -55,6 +55,7 @@ class DiscoveryWatch {
   [[nodiscard]] const Discoveries& result() const { return result_; }
 
  private:
+  [[nodiscard]] double true_tilt() const;
   void follow_thrust(const sim::BodyState& state, double now);
   void note_reports(const eskf::ErrorStateFilter& filter, double now, std::size_t passes);
   void note_lap(const eskf::ErrorStateFilter& filter, const sim::BodyState& state);

@@ -196,7 +196,7 @@ double learnt_spread(double spread, const GateRows::Residual& y, const GateRows&
   const double seen = z.dot(rows.noise * z), told = S.solve(rows.noise).trace();
   if (!(told > 0.0)) return spread;
   const double next = spread * (1.0 + noise.spread_gain * (std::min(seen / told, kMost) - 1.0));
-  return std::clamp(next, 1.0, noise.most_spread);
+  return std::clamp(next, noise.least_spread, noise.most_spread);
 }
 
 // Nothing is known of what lasts of another gate's corners.

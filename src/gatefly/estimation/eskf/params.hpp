@@ -42,11 +42,10 @@ struct Noise {
   double accel_bias = 1e-5, gyro_bias = 4e-8;  ///< [warm-up within minutes: estimate]
   double wind = 3e-4;                          ///< [draughts last for minutes: estimate]
   double drag = 1e-5;
-  double thrust = 1e-5;             ///< [a battery sags by a tenth in two minutes]
+  double thrust = 1e-6;             ///< [a battery sags by a tenth in two minutes]
   double drag_measurement = 0.004;  ///< [(m/s²)²/Hz] [20 Hz band .13-.18 m/s² of real flights]
-  /// [(m/s²)²/Hz]. Rotors through moving air, near the floor, in a climb: their thrust is known no
-  /// better than to 0.2 m/s² over a second. [estimate]
-  double thrust_measurement = 0.05;
+  /// [(m/s²)²/Hz] [the accelerometer's own, and half of that for rotors in moving air: estimate]
+  double thrust_measurement = 0.006;
   double gust_length = 1.7;      ///< [m] [MIL-F-8785C at 1.7 m height]
   double gust_adaptation = 0.3;  ///< [1/s] Gusts' strength is learnt so fast. [estimate]
   double least_gust = 0.04, greatest_gust = 1.5;  ///< [m/s] [office air .03-.08]
@@ -62,8 +61,8 @@ struct SightNoise {
   double lasting = 0.4, lasting_size = 0.45, lasts = 4.0;  ///< ... and what stays, for so long [s].
   double part = 1.6, bars = 4.0;  ///< A corner of a cut-off gate; a bar's middle.
   double bar_lean = 0.03;         ///< What a bar's middle is off [m].
-  /// Residuals may show so much more of it, as a variance. [estimate: three times as far off]
-  double most_spread = 9.0;
+  /// Residuals may show so much more or less of it, as a variance. [estimate: three times as far off]
+  double least_spread = 0.5, most_spread = 9.0;
   double spread_gain = 0.02;  ///< A picture counts so much in that. [2 s at 25 Hz]
 };
 
