@@ -13,8 +13,7 @@ namespace gatefly {
 std::optional<GateFrame> place_of(const Quad& corners_px, double side,
                                   const eskf::ErrorStateFilter& filter, double ago,
                                   const CameraRig& rig, const PoseParams& pose) {
-  constexpr double kAnyYaw =
-      0.4;  // [rad] Nothing is known of its direction but the face that shows.
+  constexpr double kAnyYaw = 0.8;  // [rad] Its direction is free, but for the face that shows.
   const eskf::Nominal& x = filter.now();
   const Eigen::Matrix3d R_EB = x.R_EB * rotation_of(-ago * x.rate_B);
   const double target_yaw = filter.target_yaw();
