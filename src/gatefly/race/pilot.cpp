@@ -86,9 +86,9 @@ Command Pilot::step(const Sensors& sensors) {
 void Pilot::navigate(const Sensors& sensors) {
   const double time = std::chrono::duration<double>(sensors.time).count();
   if (std::holds_alternative<OnGround>(phase_)) {
-    navigator_.rest(sensors.imu, time);
+    navigator_.rest(sensors.imu, time, sensors.navigation_imu);
   } else {
-    navigator_.predict(sensors.imu, time);
+    navigator_.predict(sensors.imu, time, sensors.navigation_imu);
     navigator_.measure_heights(uses_sonar_ ? sensors.sonar : std::nullopt,
                                uses_baro_ ? sensors.baro : std::nullopt);
   }

@@ -6,6 +6,8 @@
 
 #include "gatefly/estimation/eskf/delay_ring.hpp"
 #include "gatefly/estimation/eskf/landmarks.hpp"
+#include "gatefly/estimation/eskf/look_ahead.hpp"
+#include "gatefly/estimation/eskf/slow_imu.hpp"
 #include "gatefly/estimation/eskf/vibration.hpp"
 
 namespace gatefly::eskf {
@@ -17,6 +19,8 @@ struct Setup {
   Eigen::Matrix3d R_BC = Eigen::Matrix3d::Identity();  ///< The mount as told.
   CameraModel camera;
   double imu_hz = 512.0, memory = 0.25;  ///< Rate of the IMU; so late a picture may come [s].
+  /// Not 0: the IMU is an autopilot's, about so many samples a second come, without stamps.
+  double slow_imu_hz = 0.0;
 };
 
 /// The belief on the pad, before take-off.
@@ -44,6 +48,12 @@ class ErrorStateFilter {
 
   /// One IMU sample of `dt` that ends at `time` [s].
   void predict(const Imu& imu, double dt, double time);
+
+  // The same by an IMU that is slow (Setup::slow_imu_hz):
+  /// A sample without a stamp, that arrives at `time` [s]. Before the start it sets the clock only.
+  void predict_slow(const Imu& imu, double time);
+  /// Until the next one: now() is carried on to `time` by a fast gyro, the filter is not.
+  void look_ahead(const Eigen::Vector3d& gyro_B, double time);
 
   /// A height above the floor [m]; of now. False: refused.
   bool correct_height(double height, double sigma);
@@ -79,6 +89,7 @@ class ErrorStateFilter {
   [[nodiscard]] const Setup& setup() const { return setup_; }
 
  private:
+  void advance(const Sample& sample, double time);
   void take_in(Tick& tick);
   void do_again(std::size_t from);
   void catch_up();
@@ -87,6 +98,8 @@ class ErrorStateFilter {
   Landmarks landmarks_;
   DelayRing ring_;
   Vibration vibration_;
+  std::optional<SlowImu> slow_;
+  LookAhead ahead_;
   std::size_t per_tick_;
   FixedList<Sample, kMaxSamples> pending_;  ///< Since the last tick.
   Covariance P_;
