@@ -42,6 +42,18 @@ void bind_sensors(py::module_& m) {
       .def_property_readonly(
           "accel_B", [](const Sensors& s) { return array_of(s.imu.accel_B); },
           "Specific force [m/s^2]: (0, 0, -9.81) at rest.")
+      .def_property_readonly(
+          "navigation_gyro_B",
+          [](const Sensors& s) {
+            return s.navigation_imu ? py::object{array_of(s.navigation_imu->gyro_B)} : py::none();
+          },
+          "An autopilot's gyro, which the estimator gets [rad/s]; None where none arrived.")
+      .def_property_readonly(
+          "navigation_accel_B",
+          [](const Sensors& s) {
+            return s.navigation_imu ? py::object{array_of(s.navigation_imu->accel_B)} : py::none();
+          },
+          "Its accelerometer [m/s^2]; None where none arrived.")
       .def_readonly("sonar", &Sensors::sonar, "Range along body z [m]; None where none arrived.")
       .def_readonly("baro", &Sensors::baro, "Height above the pad [m]; None where none arrived.");
 }

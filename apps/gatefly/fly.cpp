@@ -124,11 +124,13 @@ int fly(const FlyOptions& options) {
   if (options.frames) io::require_ffmpeg_for("--frames");
   std::string empty_page = io::shipped_page();
   catch_interrupt();
-  io::FlightRecorder recorder(out, {.packed_log = pictures,
-                                    .frames = options.frames,
-                                    .stored_width = race.config.sim.camera.stored_width,
-                                    .stored_height = race.config.sim.camera.stored_height,
-                                    .frames_per_second = race.config.sim.sensors.camera_hz});
+  io::FlightRecorder recorder(out,
+                              {.packed_log = pictures,
+                               .frames = options.frames,
+                               .stored_width = race.config.sim.camera.stored_width,
+                               .stored_height = race.config.sim.camera.stored_height,
+                               .frames_per_second = race.config.sim.sensors.camera_hz,
+                               .navigation_imu = race.config.sim.sensors.autopilot_imu_hz > 0});
   io::FlightPage page(
       std::move(empty_page), io::page_course(race.config.pilot, race.config.sim, pictures),
       pictures && io::OnboardFilm::possible() ? recorder.place_for("onboard.webm") : fs::path{});

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "gatefly/closed_loop/autopilot_imu.hpp"
 #include "gatefly/closed_loop/stopwatch.hpp"
 #include "gatefly/race/messages.hpp"
 #include "gatefly/sim/body_state.hpp"
@@ -96,7 +97,9 @@ class SensorSuite {
         camera_{config},
         imu_hz_{config.sensors.imu_hz},
         sonar_every_{every(config.sensors.sonar_hz)},
-        baro_every_{every(config.sensors.baro_hz)} {}
+        baro_every_{every(config.sensors.baro_hz)} {
+    if (config.sensors.autopilot_imu_hz > 0.0) autopilot_.emplace(config.sensors, config.seed);
+  }
 
   /// Until the next IMU sample [s].
   [[nodiscard]] double next_interval() { return imu_.next_interval(); }
@@ -111,6 +114,7 @@ class SensorSuite {
     Sensors sensors;
     sensors.time = faults_.stamp(now);
     sensors.imu = faults_.broken(imu_.measure(state, dt), now);
+    if (autopilot_) sensors.navigation_imu = autopilot_->pass_on(sensors.imu, now);
     if (tick % sonar_every_ == 0)
       sensors.sonar = faults_.broken(sonar_.measure(state, &simulator.sight()), now);
     if (tick % baro_every_ == 0)
@@ -128,6 +132,7 @@ class SensorSuite {
 
   sim::SensorFaults faults_;
   sim::ImuModel imu_;
+  std::optional<AutopilotImu> autopilot_;
   sim::SonarModel sonar_;
   sim::BaroModel baro_;
   CameraFeed camera_;

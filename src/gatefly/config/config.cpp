@@ -183,8 +183,38 @@ void check_distortion(const Config& c) {
                            " with camera.model = \"" + c.camera.model + "\"");
 }
 
+/// An autopilot's IMU comes as often as a filter of ours can use it, not more often than the vehicle's.
+void check_autopilot_imu(const Config& c) {
+  constexpr double kSlowest = 25.0;  // [Hz]
+  const auto fail = [&](const std::string& key, double value, const std::string& must) {
+    const auto who = c.set_by.find(key);
+    throw std::runtime_error((who == c.set_by.end() ? "default" : who->second) + ": " + key +
+                             " = " + text_of(value) + ", must be " + must);
+  };
+  const double vehicle_hz = c.rates.imu_hz;
+  const std::string vehicle = "vehicle.imu_hz = " + text_of(vehicle_hz);
+  const sim::SensorTruth& sim = c.sim.sensors;
+  for (const auto& [key, hz] : {std::pair{"filter.imu_hz", c.rates.filter_imu_hz},
+                                std::pair{"sim.autopilot_imu_hz", sim.autopilot_imu_hz}}) {
+    if (!(hz > 0.0)) continue;
+    if (hz < kSlowest) fail(key, hz, "0 or in 25..512");
+    if (hz > vehicle_hz) fail(key, hz, "at most " + vehicle);
+    if (c.filter_model != "ours")
+      fail(key, hz, "0 with filter.model = \"" + c.filter_model + "\", which takes every sample");
+    if (c.pose_model != "ours")
+      fail(key, hz,
+           "0 with pose.model = \"" + c.pose_model + "\", whose filter takes every sample");
+  }
+  if (!(sim.autopilot_imu_hz > 0.0)) return;
+  for (const auto& [key, cutoff] :
+       {std::pair{"sim.autopilot_gyro_cutoff_hz", sim.autopilot_gyro_cutoff},
+        std::pair{"sim.autopilot_accel_cutoff_hz", sim.autopilot_accel_cutoff}})
+    if (!(cutoff < 0.5 * vehicle_hz)) fail(key, cutoff, "less than half of " + vehicle);
+}
+
 void check(const Config& c) {
   check_distortion(c);
+  check_autopilot_imu(c);
   ordered(c, "pose.min_bars_distance_m", c.pilot.pose.min_bars_distance, "pose.max_bars_distance_m",
           c.pilot.pose.max_bars_distance);
   ordered(c, "vehicle.min_rotor_radps", c.vehicle.min_speed, "vehicle.max_rotor_radps",

@@ -263,6 +263,10 @@ Keys estimation_keys() {
         "without a good echo for so long, the barometer alone decides which one is good", "ours"),
       k("filter.velocity_pull_per_s", 0, 50, AT(pilot.velocity.pull),
         "gain that pulls the integrated velocity to that of drag", "ours"),
+      k("filter.imu_hz", 0, 512, AT(rates.filter_imu_hz),
+        "model ours: samples a second of an autopilot's IMU, without stamps, that it estimates by, "
+        "at least 25; 0: by every sample of the vehicle's, or as sim.autopilot_imu_hz says",
+        "none"),
       k("filter.memory_ms", 20, 2000, AT(pilot.filter_memory), "how late a picture may arrive",
         "ours", kMilliseconds),
   };

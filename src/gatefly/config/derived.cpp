@@ -139,6 +139,9 @@ PilotConfig pilot_config(const Config& config) {
 
   pilot.vehicle = config.vehicle;
   pilot.imu_hz = config.rates.imu_hz;
+  // The nominal rate is told, as that of the vehicle's IMU is.
+  pilot.filter_imu_hz = config.rates.filter_imu_hz > 0.0 ? config.rates.filter_imu_hz
+                                                         : config.sim.sensors.autopilot_imu_hz;
   pilot.altimeter.sonar_hz = config.rates.sonar_hz;
   pilot.uses_sonar = config.rates.sonar != "none";
   pilot.uses_baro = config.rates.baro != "none";

@@ -43,6 +43,7 @@ using VehicleDescription = VehicleParams;
 /// [vehicle]: how often its sensors speak.
 struct SensorRates {
   double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
+  double filter_imu_hz = 0.0;               ///< Of what the estimator gets, if it is another IMU.
   std::string sonar = "yes", baro = "yes";  ///< "none": the pilot has to do without.
 };
 

@@ -24,12 +24,16 @@ bool is_usable(const Imu& imu) {
 constexpr double kOwnFrame = 1.0, kMapFrame = 4.0;  // [m]
 
 eskf::Setup at_rate(eskf::Setup setup, const NavigatorParams& params) {
-  setup.imu_hz = params.imu_hz, setup.memory = params.filter_memory;
+  setup.imu_hz = params.imu_hz, setup.slow_imu_hz = params.slow_imu_hz;
+  setup.memory = params.filter_memory;
   return setup;
 }
 
-AhrsParams at_rate(AhrsParams params, double imu_hz) {
-  params.imu_hz = imu_hz;
+// Of the samples that it is taught by: see Navigator::rest.
+AhrsParams ahrs_params(const NavigatorParams& navigator) {
+  AhrsParams params = navigator.ahrs;
+  const bool slow = navigator.model == FilterModel::kOurs && navigator.slow_imu_hz > 0.0;
+  params.imu_hz = slow ? navigator.slow_imu_hz : navigator.imu_hz;
   return params;
 }
 
@@ -37,7 +41,7 @@ AhrsParams at_rate(AhrsParams params, double imu_hz) {
 
 Navigator::Navigator(const NavigatorParams& params)
     : params_{params},
-      ahrs_{at_rate(params.ahrs, params.imu_hz)},
+      ahrs_{ahrs_params(params)},
       accel_filter_{params.accel_cutoff_hz, params.imu_hz},
       filter_{params.filter, moments_for(params.filter_memory, params.imu_hz)},
       velocity_{params.velocity},
@@ -59,7 +63,7 @@ void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& 
 // False when the sample says nothing new.
 bool Navigator::advance(const Imu& imu, double time) {
   const double dt = started_ ? time - time_ : 1.0 / params_.imu_hz;
-  if (!started_) last_imu_ = time;
+  if (!started_) last_imu_ = last_slow_ = time;
   started_ = true;
   dt_ = dt > 0.0 ? std::min(dt, kLongestStep) : 0.0;
   if (dt_ > 0.0) time_ = time;
@@ -68,10 +72,12 @@ bool Navigator::advance(const Imu& imu, double time) {
   return dt_ > 0.0;
 }
 
-void Navigator::rest(const Imu& imu, double time) {
-  if (!advance(imu, time)) return;
-  ahrs_.update_at_rest(imu);
-  accel_filter_.update(imu.accel_B);
+void Navigator::rest(const Imu& imu, double time, const std::optional<Imu>& slow) {
+  const bool fresh = advance(imu, time), taken = is_slow() && take_slow(slow);
+  if (is_slow() ? !taken : !fresh) return;
+  const Imu& sample = taken ? *slow : imu;
+  ahrs_.update_at_rest(sample);
+  accel_filter_.update(sample.accel_B);
   restart_filter(is_paper() ? Eigen::Vector3d::Zero() : ahrs_.accel_bias());
 }
 
@@ -82,25 +88,44 @@ void Navigator::restart_filter(const Eigen::Vector3d& accel_bias) {
 }
 
 // The first sample of the flight ends the rest: what rest has taught is where the filter starts.
-void Navigator::predict_ours(const Imu& imu, bool usable, double thrust) {
+void Navigator::start_ours() {
+  eskf::Start start{.p_EB = start_p_EB_,
+                    .R_EB = ahrs_.R_EB().matrix,
+                    .gyro_bias = ahrs_.gyro_bias(),
+                    .rest_accel_B = {}};
+  if (ahrs_.rest_samples() > 0)
+    start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
+  ours_->start(start, time_ - dt_);
+}
+
+// False when none has come, or it is not usable: as if none had.
+bool Navigator::take_slow(const std::optional<Imu>& slow) {
+  if (!slow || !is_usable(*slow) || dt_ <= 0.0) return false;
+  ours_->predict_slow(*slow, time_, mean_thrust_);
+  last_slow_ = time_, thrust_time_ = 0.0;
+  return true;
+}
+
+void Navigator::predict_ours(const Imu& imu, bool usable, const std::optional<Imu>& slow,
+                             double thrust) {
   if (usable) last_imu_sample_ = imu;
   if (dt_ <= 0.0) return;
-  if (!ours_->has_started()) {
-    eskf::Start start{.p_EB = start_p_EB_,
-                      .R_EB = ahrs_.R_EB().matrix,
-                      .gyro_bias = ahrs_.gyro_bias(),
-                      .rest_accel_B = {}};
-    if (ahrs_.rest_samples() > 0)
-      start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
-    ours_->start(start, time_ - dt_);
+  if (!ours_->has_started()) start_ours();
+  if (is_slow()) {
+    thrust_time_ += dt_;
+    mean_thrust_ += std::min(1.0, dt_ / thrust_time_) * (thrust - mean_thrust_);
+    (void)take_slow(slow);
+    ours_->look_ahead(last_imu_sample_.gyro_B, time_);
+  } else {
+    ours_->predict(last_imu_sample_, dt_, time_, thrust);
   }
-  ours_->predict(last_imu_sample_, dt_, time_, thrust);
   altimeter_.climb(-dt_ * ours_->now().v_E.z());
 }
 
-void Navigator::predict(const Imu& imu, double time, double thrust) {
+void Navigator::predict(const Imu& imu, double time, const std::optional<Imu>& slow,
+                        double thrust) {
   const bool new_sample = advance(imu, time);
-  if (ours_) return predict_ours(imu, new_sample, thrust);
+  if (ours_) return predict_ours(imu, new_sample, slow, thrust);
   if (new_sample) {
     input_.accel_B = accel_filter_.update(imu.accel_B);
     ahrs_.update(imu, velocity_.v_B(), dt_);
@@ -257,7 +282,7 @@ NavigationState Navigator::state() const {
   NavigationState now;
   now.time = time_, now.dt = dt_;
   now.since_fix = since_fix();
-  now.since_imu = time_ - last_imu_;
+  now.since_imu = time_ - (is_slow() ? std::min(last_imu_, last_slow_) : last_imu_);
   now.rest_samples = ahrs_.rest_samples();
   now.p_EB = p_EB();
   if (flies_ours()) {

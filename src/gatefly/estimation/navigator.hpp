@@ -42,7 +42,9 @@ struct NavigatorParams {
   DragFilterParams filter;
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
-  double imu_hz = 512.0;          ///< Nominal rate of the IMU. [Li18 flight code]
+  double imu_hz = 512.0;  ///< Nominal rate of the IMU. [Li18 flight code]
+  /// Not 0: kOurs gets an autopilot's IMU, without stamps, about so often [Hz].
+  double slow_imu_hz = 0.0;
   double accel_cutoff_hz = 20.0;  ///< Low-pass before the drag model. [Li18 flight code]
   double filter_memory = 0.25;    ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
 };
@@ -86,12 +88,15 @@ class Navigator {
              const MapUncertainty& uncertainty = {});
 
   /// One IMU sample while the drone stands still: teaches biases. Not usable: not used.
-  void rest(const Imu& imu, double time);
+  /// @param slow  of an autopilot, where one arrives (NavigatorParams::slow_imu_hz): it teaches alone.
+  void rest(const Imu& imu, double time, const std::optional<Imu>& slow = std::nullopt);
 
   /// One IMU sample in flight. Not usable: the last one goes on. A repeated or older time stamp lets
   /// no time pass.
+  /// @param slow  as for rest(). The filter goes on by it alone; `imu` is who steers by.
   /// @param thrust  specific, that the rotors should give by now [m/s²]; 0: not known. Only kOurs asks.
-  void predict(const Imu& imu, double time, double thrust = 0.0);
+  void predict(const Imu& imu, double time, const std::optional<Imu>& slow = std::nullopt,
+               double thrust = 0.0);
 
   /// The same for an IMU that hangs on no multirotor: without drag no velocity is known, and only
   /// the attitude goes on.
@@ -166,7 +171,10 @@ class Navigator {
 
  private:
   [[nodiscard]] bool flies_ours() const { return ours_ && ours_->has_started(); }
-  void predict_ours(const Imu& imu, bool usable, double thrust);
+  [[nodiscard]] bool is_slow() const { return ours_ && params_.slow_imu_hz > 0.0; }
+  bool take_slow(const std::optional<Imu>& slow);
+  void start_ours();
+  void predict_ours(const Imu& imu, bool usable, const std::optional<Imu>& slow, double thrust);
   void describe_ours(NavigationState& now) const;
   [[nodiscard]] double nearness() const;
   [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
@@ -188,6 +196,8 @@ class Navigator {
   VelocityObserver velocity_;
   std::optional<eskf::ErrorStateFilter> ours_;
   Imu last_imu_sample_;
+  /// Since the last slow sample: thrust commanded [m/s²], and how long that is [s].
+  double mean_thrust_ = 0.0, thrust_time_ = 0.0;
   Trust sonar_, baro_;
   double last_gate_ = -1e3;  ///< When any gate was taken in [s].
   Altimeter altimeter_;
@@ -195,7 +205,7 @@ class Navigator {
   GateFrame gate_;
   MapUncertainty uncertainty_;
   Eigen::Vector3d start_p_EB_ = Eigen::Vector3d::Zero();
-  double time_ = 0.0, dt_ = 0.0, last_imu_ = 0.0, last_fix_ = -1e3;
+  double time_ = 0.0, dt_ = 0.0, last_imu_ = 0.0, last_slow_ = 0.0, last_fix_ = -1e3;
   bool started_ = false;
 };
 

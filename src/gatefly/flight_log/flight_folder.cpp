@@ -88,6 +88,13 @@ class Motors {
   std::array<Column, 4> columns_;
 };
 
+/// All six or none.
+std::optional<Imu> imu_of(const std::optional<Eigen::Vector3d>& gyro_B,
+                          const std::optional<Eigen::Vector3d>& accel_B) {
+  if (!gyro_B || !accel_B) return std::nullopt;
+  return Imu{*gyro_B, *accel_B};
+}
+
 std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   const Csv csv(path, path.extension() == ".gz" ? read_gzip(path) : read_file(path));
   if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
@@ -111,6 +118,8 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
       est_v(csv, "est_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple est_angles(csv, "est_", {"roll_rad", "pitch_rad", "yaw_rad"});
   const Motors motors(csv);
+  const Triple nav_gyro(csv, "nav_gyro_", {"p_radps", "q_radps", "r_radps"}),
+      nav_accel(csv, "nav_acc_", {"x_mps2", "y_mps2", "z_mps2"});
 
   std::vector<FlightSample> samples(csv.rows());
   for (std::size_t row = 0; row < samples.size(); ++row) {
@@ -128,7 +137,8 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
         .est_v_E = est_v.at(row),
         .est_attitude = est_angles.attitude(row),
         .motors = motors.at(row),
-        .battery_v = battery.at(row)};
+        .battery_v = battery.at(row),
+        .navigation_imu = imu_of(nav_gyro.at(row), nav_accel.at(row))};
   }
   return samples;
 }

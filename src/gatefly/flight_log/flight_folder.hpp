@@ -35,6 +35,8 @@ struct FlightSample {
   /// Commanded rotor speeds [rad/s]: left front, right front, right back, left back.
   std::optional<std::array<double, 4>> motors = std::nullopt;
   std::optional<double> battery_v = std::nullopt;  ///< [V]; simulator only.
+  /// What the estimator got from an autopilot, where it did in this tick.
+  std::optional<Imu> navigation_imu = std::nullopt;
 };
 
 /// One row of images.csv.
@@ -60,6 +62,11 @@ struct FlightFolder {
 inline constexpr std::array<const char*, 8> kNextGateColumns{
     "next_tl_u_px", "next_tl_v_px", "next_tr_u_px", "next_tr_v_px",
     "next_br_u_px", "next_br_v_px", "next_bl_u_px", "next_bl_v_px"};
+
+/// Columns of log_si.csv for FlightSample::navigation_imu; empty in ticks without.
+inline constexpr std::array<const char*, 6> kNavigationImuColumns{
+    "nav_gyro_p_radps", "nav_gyro_q_radps", "nav_gyro_r_radps",
+    "nav_acc_x_mps2",   "nav_acc_y_mps2",   "nav_acc_z_mps2"};
 
 /// The frames of a flight in one film without loss.
 inline constexpr const char* kFrameFilm = "frames.mkv";

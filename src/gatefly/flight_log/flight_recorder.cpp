@@ -31,7 +31,7 @@ constexpr const char* kLogHeader =
     "rad,"
     "cmd_roll_rad,cmd_pitch_rad,cmd_yaw_rad,cmd_thrust_mps2,"
     "motor_lf_radps,motor_rf_radps,motor_rb_radps,motor_lb_radps,phase,target_gate,gates_passed,"
-    "battery_v\n";
+    "battery_v";
 
 double seconds(std::chrono::nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
 
@@ -124,6 +124,9 @@ FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
   detections_.open(folder_.path() / "detections.csv", std::ios::binary);
   buffer_.reserve(kPiece + 4096);
   buffer_ = kLogHeader;
+  if (keep.navigation_imu)
+    for (const char* column : kNavigationImuColumns) buffer_ += std::string{","} + column;
+  buffer_ += '\n';
   images_ << "image,t_s,log_row,t_ns,xxh64";
   for (const char* column : kNextGateColumns) images_ << ',' << column;
   images_ << '\n';
@@ -166,6 +169,15 @@ void FlightRecorder::append(const Attitude& attitude) {
   append(Eigen::Vector3d{attitude.roll, attitude.pitch, attitude.yaw});
 }
 
+void FlightRecorder::append(const std::optional<Imu>& imu) {
+  if (!imu) {
+    buffer_.append(kNavigationImuColumns.size(), ',');
+    return;
+  }
+  append(imu->gyro_B);
+  append(imu->accel_B);
+}
+
 void FlightRecorder::flush(bool all) {
   if (buffer_.size() < kPiece && !all) return;
   if (keep_.packed_log)
@@ -205,6 +217,7 @@ void FlightRecorder::record(const Tick& tick) {
              std::to_string(tick.pilot.target_gate()) + "," +
              std::to_string(estimate.gates_passed) + ",";
   append_if(tick.truth.battery_v);
+  if (keep_.navigation_imu) append(sensors.navigation_imu);
   buffer_.back() = '\n';
   flush(false);
 

@@ -27,6 +27,7 @@ struct Keep {
   bool frames = false;
   int stored_width = 0, stored_height = 0;  ///< Of a frame [px].
   double frames_per_second = 25.0;  ///< Of the film, about; when each came is in images.csv.
+  bool navigation_imu = false;      ///< The log has columns for what the estimator got beside.
 };
 
 /// Writes a flight while it is flown: log_si.csv, images.csv, frames or hashes of them, and what the
@@ -62,6 +63,7 @@ class FlightRecorder {
   void append(double value);
   void append(const Eigen::Vector3d& value);
   void append(const Attitude& attitude);
+  void append(const std::optional<Imu>& imu);
   void record_frame(const Tick& tick);
   void flush(bool all);
   void check(bool good, const std::filesystem::path& path) const;

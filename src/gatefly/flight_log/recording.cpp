@@ -68,6 +68,7 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarSt
   for (const io::FlightSample& sample : folder.samples)
     ticks.push_back({.sensors = {.time = sample.time,
                                  .imu = sample.imu,
+                                 .navigation_imu = sample.navigation_imu,
                                  .sonar = sample.sonar,
                                  .baro = sample.baro},
                      .picture = std::nullopt,

@@ -43,6 +43,10 @@ FilterModel filter_model(const PilotConfig& config) {
   return ours && fixes_only ? FilterModel::kDrag : config.filter_model;
 }
 
+double slow_imu_hz(const PilotConfig& config) {
+  return filter_model(config) == FilterModel::kOurs ? config.filter_imu_hz : 0.0;
+}
+
 NavigatorParams navigator_params(const PilotConfig& config) {
   NavigatorParams params;
   params.model = filter_model(config);
@@ -53,6 +57,7 @@ NavigatorParams navigator_params(const PilotConfig& config) {
   params.velocity = config.velocity;
   params.altimeter = config.altimeter;
   params.imu_hz = config.imu_hz;
+  params.slow_imu_hz = slow_imu_hz(config);
   params.filter_memory = config.filter_memory;
   return params;
 }
@@ -99,8 +104,8 @@ PhaseParams phase_params(const PilotConfig& config) {
     params.go_after = config.paper_control.take_off;
     params.goes_around = false;
   }
-  params.rest_samples =
-      static_cast<int>(std::lround(config.phase.rest_samples * config.imu_hz / kUsualHz));
+  const double slow = slow_imu_hz(config), hz = slow > 0.0 ? slow : config.imu_hz;
+  params.rest_samples = static_cast<int>(std::lround(config.phase.rest_samples * hz / kUsualHz));
   return params;
 }
 

@@ -18,6 +18,8 @@ namespace gatefly {
 [[nodiscard]] PhaseParams phase_params(const PilotConfig& config);
 /// The filter that flies: the configured one, or the one that takes what the pose gives.
 [[nodiscard]] FilterModel filter_model(const PilotConfig& config);
+/// Nominal rate of the IMU without stamps that its filter estimates by; 0: there is none [Hz].
+[[nodiscard]] double slow_imu_hz(const PilotConfig& config);
 [[nodiscard]] MapUncertainty map_uncertainty(const PilotConfig& config);
 
 /// @throws std::invalid_argument when pictures arrive later than the filter remembers.

@@ -91,9 +91,9 @@ void Pilot::navigate(const Sensors& sensors) {
   const double thrust =
       knows_motors ? thrust_.update(sensors.looks_on ? *sensors.motors : motors_, time) : 0.0;
   if (std::holds_alternative<OnGround>(phase_)) {
-    navigator_.rest(sensors.imu, time);
+    navigator_.rest(sensors.imu, time, sensors.navigation_imu);
   } else {
-    navigator_.predict(sensors.imu, time, thrust);
+    navigator_.predict(sensors.imu, time, sensors.navigation_imu, thrust);
     navigator_.measure_heights(uses_sonar_ ? sensors.sonar : std::nullopt,
                                uses_baro_ ? sensors.baro : std::nullopt);
   }

@@ -48,7 +48,9 @@ struct PilotConfig {
   CourseParams course;
   PhaseParams
       phase;  ///< Its rest_samples are of an IMU at 512 Hz: the rest lasts as long at any rate.
-  double imu_hz = 512.0;                     ///< Nominal rate of the IMU. [Li18 flight code]
+  double imu_hz = 512.0;  ///< Nominal rate of the IMU. [Li18 flight code]
+  /// Nominal rate of Sensors::navigation_imu, which kOurs estimates by then; 0: by Sensors::imu.
+  double filter_imu_hz = 0.0;
   bool uses_sonar = true, uses_baro = true;  ///< What the drone has, and may be believed.
   double filter_memory = 0.25;  ///< So late a picture may come [s]. [ours: twice a Bebop's latency]
   double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [ours]

@@ -32,6 +32,10 @@ void refuse_unflyable(const io::Config& config) {
         std::to_string(config.camera.height) + "], but pictures are stored " +
         std::to_string(config.camera.stored_width()) +
         " px wide (camera.stored_rotation_deg): must be even to fly, for UYVY");
+  if (config.rates.filter_imu_hz > 0.0 && !(config.sim.sensors.autopilot_imu_hz > 0.0))
+    throw std::runtime_error("filter.imu_hz = " + io::text_of(config.rates.filter_imu_hz) +
+                             ", but nobody hands on such an IMU: sim.autopilot_imu_hz = 0, must be "
+                             "25..512 to fly");
   constexpr double kGravity = 9.81, kToSpare = 1.1;  // [with less no seed finishes the oval]
   const io::VehicleDescription& v = config.vehicle;
   const auto lifts = [&](double speed) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/tasks/recorded_flight.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -37,6 +38,20 @@ flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAg
       break;
   }
   return flight_log::pictures_in_files(flight.folder, width, height);
+}
+
+/// A pilot that estimates by another IMU than it steers by would never leave the ground without.
+void expect_navigation_imu(const RecordedFlight& flight) {
+  const auto& samples = flight.folder.samples;
+  if (!(flight.pilot.filter_imu_hz > 0.0) ||
+      std::any_of(samples.begin(), samples.end(),
+                  [](const io::FlightSample& sample) { return sample.navigation_imu.has_value(); }))
+    return;
+  throw std::runtime_error(flight.folder.log.string() + ": has no " +
+                           io::kNavigationImuColumns.front() + " ... " +
+                           io::kNavigationImuColumns.back() +
+                           ", the IMU that filter.imu_hz (or sim.autopilot_imu_hz) = " +
+                           io::text_of(flight.pilot.filter_imu_hz) + " is about");
 }
 
 flight_log::Estimator estimator_named(const std::string& name) {
@@ -81,6 +96,7 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
     flight.pilot.track.start_heading =
         wrap_angle(samples.front().ahrs->yaw + arguments.heading_offset_deg * kDegree);
   flight.ticks = flight_log::ticks_of(flight.folder);
+  expect_navigation_imu(flight);
   flight.pictures = flight_log::where_pictures_are(flight.folder);
   if (!flight.simulated && flight.pictures == flight_log::Pictures::kHashes)
     flight.pictures = flight_log::Pictures::kFiles;  // nobody can render what was no simulation

@@ -72,9 +72,14 @@ struct SensorTruth {
   double noise_scale = 1.0;
   double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
   double imu_jitter = 3.0e-4;  ///< Of the sampling interval [s].
-  double sonar_noise = 0.015;  ///< [m]
-  double sonar_max = 5.0;      ///< [m]
-  double sonar_loss = 0.0;     ///< Part of the echoes that never come back.
+  /// An autopilot hands its IMU on, so often, low-passed (0: raw), later by the jitter's size; 0: none
+  /// does. [Betaflight: gyro 100-250 Hz, accelerometer 25 Hz; MSP 23-92 a second]
+  double autopilot_imu_hz = 0.0;
+  double autopilot_gyro_cutoff = 100.0, autopilot_accel_cutoff = 25.0;  ///< [Hz]
+  double autopilot_imu_jitter = 0.003;                                  ///< [s]
+  double sonar_noise = 0.015;                                           ///< [m]
+  double sonar_max = 5.0;                                               ///< [m]
+  double sonar_loss = 0.0;    ///< Part of the echoes that never come back.
   double sonar_double = 0.0;  ///< Part of them that come by way of the drone's belly: twice as far.
   double baro_noise = 0.15;   ///< [m]
   double baro_drift = 0.10;   ///< Random walk [m/√(10 s)].

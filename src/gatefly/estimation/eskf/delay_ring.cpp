@@ -40,14 +40,15 @@ std::size_t DelayRing::oldest() const {
 
 std::size_t DelayRing::kept_before(std::size_t index) const { return index / spacing_ * spacing_; }
 
-std::optional<std::size_t> DelayRing::at(double time) const {
+std::optional<std::size_t> DelayRing::at(double time, double beyond) const {
   // The one before must be there, with a covariance before that.
   const std::size_t first = kept_before(oldest() + spacing_ - 1) + 1;
   if (newest() < first) return std::nullopt;
   std::size_t i = newest();
   while (i > first && std::abs((*this)[i - 1].time - time) <= std::abs((*this)[i].time - time)) --i;
   const double step = (*this)[i].time - (*this)[i - 1].time;
-  if (!(std::abs((*this)[i].time - time) <= step + 1e-9)) return std::nullopt;
+  const double most = time > (*this)[i].time ? std::max(step, beyond) : step;
+  if (!(std::abs((*this)[i].time - time) <= most + 1e-9)) return std::nullopt;
   return i;
 }
 

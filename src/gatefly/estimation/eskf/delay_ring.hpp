@@ -11,6 +11,7 @@
 
 namespace gatefly::eskf {
 
+inline constexpr double kTickHz = 128.0;  ///< Covariance and drag: 4 samples of 512 Hz. [ours]
 inline constexpr std::size_t kMaxSamples = 16;  ///< That one tick may combine.
 
 /// A height as it was measured.
@@ -59,7 +60,8 @@ class DelayRing {
   }
 
   /// The tick nearest to `time`; one that can be done again.
-  [[nodiscard]] std::optional<std::size_t> at(double time) const;
+  /// @param beyond  so much younger than the newest it may be, if a tick is shorter [s].
+  [[nodiscard]] std::optional<std::size_t> at(double time, double beyond = 0.0) const;
 
  private:
   [[nodiscard]] bool is_kept(std::size_t index) const { return index % spacing_ == 0; }

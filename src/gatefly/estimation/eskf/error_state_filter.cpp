@@ -11,7 +11,20 @@
 namespace gatefly::eskf {
 namespace {
 
-constexpr double kTickHz = 128.0;  // covariance and drag: 4 samples of 512 Hz. [ours]
+// Samples that the filter itself takes, in a second.
+double rate_of(const Setup& setup) {
+  if (!(setup.slow_imu_hz > 0.0)) return setup.imu_hz;
+  return setup.slow_imu_hz * SlowImu::pieces_in(1.0 / setup.slow_imu_hz);
+}
+
+// So much younger than the last sample a picture may be [s].
+double beyond_of(const Setup& setup) {
+  return setup.slow_imu_hz > 0.0 ? 2.0 / setup.slow_imu_hz : 0.0;
+}
+
+Vibration vibration_of(const Setup& setup) {
+  return Vibration{setup.params.noise, setup.slow_imu_hz > 0.0};
+}
 
 std::size_t samples_per_tick(double imu_hz) {
   const double samples = std::clamp(imu_hz / kTickHz, 1.0, static_cast<double>(kMaxSamples));
@@ -19,14 +32,14 @@ std::size_t samples_per_tick(double imu_hz) {
 }
 
 std::size_t ticks_for(const Setup& setup) {
-  const double tick_hz = setup.imu_hz / static_cast<double>(samples_per_tick(setup.imu_hz));
+  const double hz = rate_of(setup), tick_hz = hz / static_cast<double>(samples_per_tick(hz));
   return static_cast<std::size_t>(std::ceil(setup.memory * tick_hz)) + 4;
 }
 
 // Ticks in 20 ms: over twice that a rate is a mean; what the rotors shake is less by five then.
 std::size_t ticks_nearby(const Setup& setup) {
   constexpr double kHalf = 0.02;  // [s]
-  const double tick_hz = setup.imu_hz / static_cast<double>(samples_per_tick(setup.imu_hz));
+  const double hz = rate_of(setup), tick_hz = hz / static_cast<double>(samples_per_tick(hz));
   return static_cast<std::size_t>(std::max(1L, std::lround(kHalf * tick_hz)));
 }
 
@@ -61,9 +74,10 @@ ErrorStateFilter::ErrorStateFilter(const Setup& setup)
     : setup_{setup},
       landmarks_{setup.map, setup.params.priors},
       ring_{ticks_for(setup)},
-      vibration_{setup.params.noise},
-      per_tick_{samples_per_tick(setup.imu_hz)},
+      vibration_{vibration_of(setup)},
+      per_tick_{samples_per_tick(rate_of(setup))},
       near_{ticks_nearby(setup)} {
+  if (setup.slow_imu_hz > 0.0) slow_.emplace(setup.slow_imu_hz);
   const int n = gate_at(landmarks_.slots());
   P_.setIdentity(n, n);
 }
@@ -80,10 +94,11 @@ void ErrorStateFilter::start(const Start& start, double time) {
   (void)landmarks_.bring_in(target_.landmark, now_, P_);
   if (start.rest_accel_B) correct_by_rest(now_, P_, *start.rest_accel_B, params);
   Tick tick;
-  tick.time = time, tick.x = now_;
+  tick.time = slow_ && slow_->clock().runs() ? slow_->clock().time() : time, tick.x = now_;
   ring_.restart(tick, P_);
   pending_.clear();
-  vibration_ = Vibration{params.noise};
+  vibration_ = vibration_of(setup_);
+  ahead_.restart({0, 0, -params.gravity}, tick.time);
   started_ = true;
 }
 
@@ -91,6 +106,33 @@ void ErrorStateFilter::predict(const Imu& imu, double dt, double time, double th
   if (!started_ || !(dt > 0.0)) return;
   const Sample sample{imu, dt, std::isfinite(thrust) ? std::max(0.0, thrust) : 0.0};
   vibration_.add(sample);
+  advance(sample, time);
+}
+
+void ErrorStateFilter::predict_slow(const Imu& imu, double time, double thrust) {
+  slow_->add(imu, time);
+  if (!started_) return;
+  const auto pieces = slow_->pieces();
+  if (!pieces.empty()) vibration_.add({imu, slow_->clock().interval()});
+  const double end = slow_->clock().time();
+  double left = 0.0;
+  for (const Sample& piece : pieces) left += piece.dt;
+  for (Sample piece : pieces) {
+    piece.thrust = std::isfinite(thrust) ? std::max(0.0, thrust) : 0.0;
+    left -= piece.dt;
+    advance(piece, end - left);
+  }
+  ahead_.restart(imu.accel_B - ring_[ring_.newest()].x.accel_bias, end);
+  catch_up();
+}
+
+void ErrorStateFilter::look_ahead(const Eigen::Vector3d& gyro_B, double time) {
+  if (!started_) return;
+  ahead_.turn(gyro_B - now_.gyro_bias, time);
+  catch_up();
+}
+
+void ErrorStateFilter::advance(const Sample& sample, double time) {
   propagate(now_, sample, setup_.params.gravity);
   (void)pending_.push_back(sample);
   if (pending_.size() < per_tick_) return;
@@ -142,6 +184,7 @@ Eigen::Vector3d ErrorStateFilter::rate_around(std::size_t index) const {
 bool ErrorStateFilter::correct_height(double height, double sigma) {
   if (!started_ || !std::isfinite(height) || !(sigma > 0.0)) return false;
   Tick& tick = ring_[ring_.newest()];
+  if (slow_) height += now_.p_EB.z() - tick.x.p_EB.z();  // of a slow tick, which may be long ago
   (void)tick.heights.push_back({height, sigma});
   const bool good = correct_by_height(tick.x, P_, height, sigma);
   ring_.keep(ring_.newest(), P_);
@@ -152,11 +195,12 @@ bool ErrorStateFilter::correct_height(double height, double sigma) {
 void ErrorStateFilter::catch_up() {
   now_ = ring_[ring_.newest()].x;
   for (const Sample& sample : pending_) propagate(now_, sample, setup_.params.gravity);
+  if (slow_) ahead_.carry(now_, setup_.params.gravity);
 }
 
 std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight) const {
   if (!started_) return std::nullopt;
-  const auto i = ring_.at(sight.time);
+  const auto i = ring_.at(sight.time, beyond_of(setup_));
   if (!i) return std::nullopt;
   const Tick& tick = ring_[*i];
   Nominal x = tick.x;
@@ -172,7 +216,7 @@ std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight
 bool ErrorStateFilter::correct(std::span<const GateSight> sights) {
   std::optional<std::size_t> first;
   for (const GateSight& sight : sights) {
-    const auto i = started_ ? ring_.at(sight.time) : std::nullopt;
+    const auto i = started_ ? ring_.at(sight.time, beyond_of(setup_)) : std::nullopt;
     if (!i || !ring_[*i].sights.push_back(sight)) continue;
     first = first ? std::min(*first, *i) : *i;
   }

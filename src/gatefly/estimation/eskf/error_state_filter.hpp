@@ -6,6 +6,8 @@
 
 #include "gatefly/estimation/eskf/delay_ring.hpp"
 #include "gatefly/estimation/eskf/landmarks.hpp"
+#include "gatefly/estimation/eskf/look_ahead.hpp"
+#include "gatefly/estimation/eskf/slow_imu.hpp"
 #include "gatefly/estimation/eskf/vibration.hpp"
 
 namespace gatefly::eskf {
@@ -17,6 +19,8 @@ struct Setup {
   Eigen::Matrix3d R_BC = Eigen::Matrix3d::Identity();  ///< The mount as told.
   CameraModel camera;
   double imu_hz = 512.0, memory = 0.25;  ///< Rate of the IMU; so late a picture may come [s].
+  /// Not 0: the IMU is an autopilot's, about so many samples a second come, without stamps.
+  double slow_imu_hz = 0.0;
 };
 
 /// The belief on the pad, before take-off.
@@ -45,6 +49,13 @@ class ErrorStateFilter {
   /// One IMU sample of `dt` that ends at `time` [s].
   /// @param thrust  specific, as commanded, with the rotors' lag [m/s²]; 0: not known.
   void predict(const Imu& imu, double dt, double time, double thrust = 0.0);
+
+  // The same by an IMU that is slow (Setup::slow_imu_hz):
+  /// A sample without a stamp, that arrives at `time` [s]. Before the start it sets the clock only.
+  /// @param thrust  as for predict(), its mean since the last sample.
+  void predict_slow(const Imu& imu, double time, double thrust = 0.0);
+  /// Until the next one: now() is carried on to `time` by a fast gyro, the filter is not.
+  void look_ahead(const Eigen::Vector3d& gyro_B, double time);
 
   /// A height above the floor [m]; of now. False: refused.
   bool correct_height(double height, double sigma);
@@ -84,6 +95,7 @@ class ErrorStateFilter {
   [[nodiscard]] const Setup& setup() const { return setup_; }
 
  private:
+  void advance(const Sample& sample, double time);
   void take_in(std::size_t index);
   [[nodiscard]] Eigen::Vector3d rate_around(std::size_t index) const;
   void do_again(std::size_t from);
@@ -93,6 +105,8 @@ class ErrorStateFilter {
   Landmarks landmarks_;
   DelayRing ring_;
   Vibration vibration_;
+  std::optional<SlowImu> slow_;
+  LookAhead ahead_;
   std::size_t per_tick_, near_;
   FixedList<Sample, kMaxSamples> pending_;  ///< Since the last tick.
   Covariance P_;

@@ -4,27 +4,54 @@
 #include <algorithm>
 
 namespace gatefly::eskf {
+namespace {
+
+using Eigen::Vector3d;
+
+// The white part's variance, all axes together, of samples in a row.
+double second_differences(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  return (a - 2.0 * b + c).squaredNorm() / 6.0;
+}
+double third_differences(const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                         const Vector3d& d) {
+  return (a - 3.0 * b + 3.0 * c - d).squaredNorm() / 20.0;
+}
+
+}  // namespace
+
+Vibration::Vibration(const Noise& noise, bool slow)
+    : usual_{noise.shaking},
+      least_{noise.least_shaking},
+      most_{noise.most_shaking},
+      lasts_{noise.shaking_lasts},
+      slow_{slow} {
+  if (!slow) return;
+  usual_ = {2.0 * noise.accel + noise.accel_z, 3.0 * noise.attitude};
+  least_ = 1.0;
+}
 
 void Vibration::add(const Sample& sample) {
   const Imu& now = sample.imu;
-  const auto white = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                         const Eigen::Vector3d& c) {
-    return (a - 2.0 * b + c).squaredNorm() / 6.0 * sample.dt;
+  const auto white = [&](Vector3d Imu::*part) {
+    const double variance =
+        slow_ ? third_differences(now.*part, last_.*part, before_last_.*part, first_.*part)
+              : second_differences(now.*part, last_.*part, before_last_.*part);
+    return variance * sample.dt;
   };
   // A sample that repeats the one before (lost on its way) says nothing.
   if (count_ > 0 && now.accel_B == last_.accel_B && now.gyro_B == last_.gyro_B) return;
-  if (count_ >= 2) {
-    const double gain = std::min(1.0, sample.dt / noise_.shaking_lasts);
+  if (count_ >= (slow_ ? 3 : 2)) {
+    const double gain = std::min(1.0, sample.dt / lasts_);
     const auto follow = [&](double& factor, double seen) {
       // One bad sample is not vibration: it counts as no more than ten times what is usual.
       factor += gain * (std::min(seen, 10.0 * factor) - factor);
-      factor = std::clamp(factor, noise_.least_shaking, noise_.most_shaking);
+      factor = std::clamp(factor, least_, most_);
     };
-    follow(accel_, white(now.accel_B, last_.accel_B, before_last_.accel_B) / noise_.shaking.accel);
-    follow(gyro_, white(now.gyro_B, last_.gyro_B, before_last_.gyro_B) / noise_.shaking.gyro);
+    follow(accel_, white(&Imu::accel_B) / usual_.accel);
+    follow(gyro_, white(&Imu::gyro_B) / usual_.gyro);
   }
-  before_last_ = last_, last_ = now;
-  count_ = std::min(count_ + 1, 2);
+  first_ = before_last_, before_last_ = last_, last_ = now;
+  count_ = std::min(count_ + 1, 3);
 }
 
 }  // namespace gatefly::eskf

@@ -11,20 +11,25 @@ namespace gatefly::eskf {
 /// How strongly an IMU shakes in this flight, against the flights that the noise was measured on.
 ///
 /// Ours. Second differences of the samples leave out what the drone does: of white noise of variance
-/// σ² they have 6 σ², of a motion of frequency ω its (ω dt)⁴. No clock, no libm.
+/// σ² they have 6 σ², of a motion of frequency ω its (ω dt)⁴. Of a slow IMU's, which is an autopilot's,
+/// third ones are taken, 20 σ² and (ω dt)⁶: vibration that aliasing has folded down moves attitude and
+/// velocity as white noise does, so that what they have is compared with the densities themselves.
+/// Less than these is nothing that it could show, low-passed as it is. No clock, no libm.
 class Vibration {
  public:
-  explicit Vibration(const Noise& noise) : noise_{noise} {}
+  explicit Vibration(const Noise& noise, bool slow = false);
 
   void add(const Sample& sample);
 
-  // Variances relative to Noise::shaking, within its bounds; 1 before anything is known.
+  // Variances relative to the usual ones, within Noise's bounds; 1 before anything is known.
   [[nodiscard]] double accel() const { return accel_; }
   [[nodiscard]] double gyro() const { return gyro_; }
 
  private:
-  Noise noise_;
-  Imu last_, before_last_;
+  Shaking usual_;
+  double least_, most_, lasts_;
+  bool slow_;
+  Imu last_, before_last_, first_;  ///< The last three samples, the youngest first.
   int count_ = 0;
   double accel_ = 1.0, gyro_ = 1.0;
 };
