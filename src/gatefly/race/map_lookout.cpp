@@ -126,10 +126,8 @@ void MapLookout::take_whole_gates(const View& view) {
     if (!sight) continue;
     const auto seen = associate(*navigator.error_state(), *sight, map_.max_nis);
     if (!seen) {
-      if (gate.fitness > params_.sight.sure) {
-        ++refused_, monitor_.refused(navigator.time());
-        note_stray(gate, view);
-      }
+      if (gate.fitness > params_.sight.sure) ++refused_, monitor_.refused(navigator.time());
+      if (gate.fitness > StrayParams{}.least_fitness) note_stray(gate, view);
       continue;
     }
     const bool target = is_target(seen->sight, view);
@@ -149,7 +147,8 @@ void MapLookout::take_whole_gates(const View& view) {
     sighting_.source = Sighting::Source::kCorners;
     describe_fix(sighting_.detections[static_cast<std::size_t>(sighting_.used)], view);
   } else if (refused_ >= map_.lost_after && navigator.time() - last_any_ > map_.lost_time) {
-    navigator.doubt();
+    // Gates at one place again and again, by a drone that knows where it is: they may be what is off.
+    if (!stray_.is_followed(navigator.time())) navigator.doubt();
     refused_ = 0;
   }
 }
@@ -165,7 +164,8 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   const auto place =
       place_of(gate.corners_px, view.course.gate().side, filter, ago, params_.camera, params_.pose);
   if (!place) return;
-  stray_.seen(*place, navigator.time());
+  const double sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
+  stray_.seen(*place, sigma, navigator.time());
   const auto instead = stray_.instead_of(navigator.gate());
   if (!instead) return;
   navigator.replace_target(*instead, kSigma, kYawSigma);

@@ -32,12 +32,13 @@ std::optional<GateFrame> place_of(const Quad& corners_px, double side,
   return place;
 }
 
-void StrayGate::seen(const GateFrame& place, double time) {
+void StrayGate::seen(const GateFrame& place, double sigma, double time) {
   const bool goes_on = count_ > 0 && time - last_ < params_.pause &&
                        (place.p_EG - mean_.p_EG).norm() < params_.one_place;
-  if (!goes_on) mean_ = place, count_ = 0, first_ = time;
+  if (!goes_on) mean_ = place, sigma_ = sigma, count_ = 0, first_ = time;
   ++count_;
   last_ = time;
+  sigma_ = std::min(sigma_, sigma);
   const double part = 1.0 / count_;
   mean_.p_EG += part * (place.p_EG - mean_.p_EG);
   mean_.yaw_EG = wrap_angle(mean_.yaw_EG + part * wrap_angle(place.yaw_EG - mean_.yaw_EG));
@@ -46,8 +47,9 @@ void StrayGate::seen(const GateFrame& place, double time) {
 std::optional<GateFrame> StrayGate::instead_of(const GateFrame& map) const {
   if (count_ < params_.least || last_ - first_ < params_.least_for) return std::nullopt;
   const Eigen::Vector3d off = mean_.p_EG - map.p_EG;
-  const bool may_be = off.head<2>().norm() < params_.farthest &&
-                      std::abs(off.z()) < params_.height &&
+  const double far = off.head<2>().norm();
+  const bool may_be = far > params_.least_off && far > params_.own_sigmas * sigma_ &&
+                      far < params_.farthest && std::abs(off.z()) < params_.height &&
                       std::abs(wrap_angle(mean_.yaw_EG - map.yaw_EG)) < params_.turned;
   if (!may_be) return std::nullopt;
   return mean_;
@@ -56,8 +58,6 @@ std::optional<GateFrame> StrayGate::instead_of(const GateFrame& map) const {
 bool StrayGate::expects_target(const eskf::ErrorStateFilter& filter,
                                const Eigen::Vector3d& p_BC) const {
   const eskf::Nominal& x = filter.now();
-  const double sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
-  if (!(sigma < params_.position_sigma)) return false;
   const Eigen::Vector3d p_BG = x.R_EB.transpose() * (filter.target().p_EG - x.p_EB);
   const Eigen::Vector3d p_CG = x.R_BC.transpose() * (p_BG - p_BC);
   return p_CG.norm() < params_.within && p_CG.z() > gatefly::cos(params_.in_view) * p_CG.norm();

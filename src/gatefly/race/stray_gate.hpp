@@ -13,16 +13,20 @@ namespace gatefly {
 
 /// When a gate that the map does not have is the one that is flown to, standing elsewhere.
 struct StrayParams {
-  int least = 6;           ///< Seen so often at one place, ...
-  double least_for = 0.3;  ///< ... over so long [s], ...
-  double pause = 0.5;  ///< ... without a pause of so long [s]. [estimate: 5 Hz pictures have 0.2]
-  double one_place = 0.6;       ///< Two sightings nearer than this are of one gate [m].
-  double farthest = 3.5;        ///< A team places its gates better than this [m]. [estimate]
-  double height = 0.6;          ///< And their heights [m].
-  double turned = 0.9;          ///< And their directions [rad].
-  double in_view = 0.7;         ///< The target should show this near to the camera's axis [rad].
-  double within = 6.0;          ///< And at most so far away [m].
-  double position_sigma = 0.5;  ///< A drone that knows less of where it is blames itself [m].
+  int least = 4;            ///< Seen so often at one place, ...
+  double least_for = 0.25;  ///< ... over so long [s], ...
+  double pause = 4.0;       ///< ... without a pause of so long [s].
+  double one_place = 0.6;   ///< Two sightings nearer than this are of one gate [m].
+  double least_off = 0.8;   ///< Less is what a map may err by; the filter finds that by itself [m].
+  double farthest = 3.5;    ///< A team places its gates better than this [m]. [estimate]
+  double height = 0.6;      ///< And their heights [m].
+  double turned = 0.9;      ///< And their directions [rad].
+  double in_view = 0.7;     ///< The target should show this near to the camera's axis [rad].
+  double within = 9.0;      ///< And at most so far away [m].
+  double decided_after = 1.5;  ///< What is not the target by then never is [s].
+  /// A drone blames itself for what is off by less than so many sigmas of its own place. [estimate]
+  double own_sigmas = 2.2;
+  double least_fitness = 0.6;  ///< Of a detection; clutter does not repeat at one place.
 };
 
 /// Where a detected gate stands, by its corners alone and by where the drone is; its direction is free.
@@ -40,11 +44,16 @@ class StrayGate {
  public:
   explicit StrayGate(const StrayParams& params = {}) : params_{params} {}
 
-  void seen(const GateFrame& place, double time);
+  /// @param sigma  of the drone's own place then [m].
+  void seen(const GateFrame& place, double sigma, double time);
   /// The target was recognised: it stands where it is believed to.
   void target_seen() { count_ = 0; }
   /// The place of the target after all; nullopt: not certain, or too far from `map`.
   [[nodiscard]] std::optional<GateFrame> instead_of(const GateFrame& map) const;
+  /// Whether something has been seen at one place lately, and it is not decided yet what it is.
+  [[nodiscard]] bool is_followed(double time) const {
+    return count_ > 1 && time - last_ < params_.pause && time - first_ < params_.decided_after;
+  }
   /// Whether the target ought to be in the picture now, the drone knowing where it is.
   [[nodiscard]] bool expects_target(const eskf::ErrorStateFilter& filter,
                                     const Eigen::Vector3d& p_BC) const;
@@ -53,7 +62,7 @@ class StrayGate {
   StrayParams params_;
   GateFrame mean_;
   int count_ = 0;
-  double first_ = 0.0, last_ = 0.0;
+  double first_ = 0.0, last_ = 0.0, sigma_ = 0.0;
 };
 
 }  // namespace gatefly
