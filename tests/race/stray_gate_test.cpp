@@ -37,8 +37,10 @@ TEST(StrayGate, IsTheTargetOnceItWasSeenAtOnePlaceOftenEnough) {
 }
 
 TEST(StrayGate, IsForgottenWhenTheTargetIsSeen) {
-  StrayGate stray = seen_at(beside(2.0), 5);
-  stray.target_seen();
+  StrayGate stray = seen_at(beside(2.0), 4);
+  stray.target_seen(0);
+  EXPECT_TRUE(stray.was_recognised(0));
+  EXPECT_FALSE(stray.was_recognised(1));
   stray.seen(beside(2.0), kSigma, 5 * kPeriod);
   EXPECT_FALSE(stray.instead_of(kMap));
 }

@@ -16,6 +16,11 @@ constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Par
 constexpr double kPause = 0.9;  // [s]
 constexpr int kLeast = 6;
 
+std::size_t filter_target(const Navigator& navigator) {
+  const eskf::ErrorStateFilter& filter = *navigator.error_state();
+  return filter.landmarks().in_slot(filter.target_slot());
+}
+
 }  // namespace
 
 MapLookout::MapLookout(const LookoutParams& params)
@@ -132,7 +137,7 @@ void MapLookout::take_whole_gates(const View& view) {
     }
     const bool target = is_target(seen->sight, view);
     sighting_.offered = sighting_.offered || target;
-    if (target) stray_.target_seen();
+    if (target) stray_.target_seen(filter_target(navigator));
     if (!believed(*seen, gate, blind)) continue;
     (void)taken.push_back(seen->sight);
     monitor_.taken(seen->innovation.nis, seen->innovation.rows, navigator.time());
@@ -159,7 +164,8 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   constexpr double kSigma = 0.3, kYawSigma = 0.2;  // [m] [rad]
   Navigator& navigator = view.navigator;
   const eskf::ErrorStateFilter& filter = *navigator.error_state();
-  if (!stray_.expects_target(filter, params_.camera.p_BC)) return;
+  const std::size_t target = filter_target(navigator);
+  if (stray_.was_recognised(target) || !stray_.expects_target(filter, params_.camera.p_BC)) return;
   const double ago = params_.timing.latency - filter.now().delay;
   const auto place =
       place_of(gate.corners_px, view.course.gate().side, filter, ago, params_.camera, params_.pose);
@@ -169,7 +175,7 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   const auto instead = stray_.instead_of(navigator.gate());
   if (!instead) return;
   navigator.replace_target(*instead, kSigma, kYawSigma);
-  stray_.target_seen();
+  stray_.target_seen(target);
 }
 
 // Near the target the lower corners or the side bars of it are enough.

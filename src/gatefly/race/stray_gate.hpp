@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
@@ -13,10 +15,10 @@ namespace gatefly {
 
 /// When a gate that the map does not have is the one that is flown to, standing elsewhere.
 struct StrayParams {
-  int least = 4;            ///< Seen so often at one place, ...
+  int least = 5;            ///< Seen so often at one place, ...
   double least_for = 0.25;  ///< ... over so long [s], ...
   double pause = 4.0;       ///< ... without a pause of so long [s].
-  double one_place = 0.6;   ///< Two sightings nearer than this are of one gate [m].
+  double one_place = 0.5;   ///< Two sightings nearer than this are of one gate [m].
   double least_off = 0.8;   ///< Less is what a map may err by; the filter finds that by itself [m].
   double farthest = 3.5;    ///< A team places its gates better than this [m]. [estimate]
   double height = 0.6;      ///< And their heights [m].
@@ -46,8 +48,15 @@ class StrayGate {
 
   /// @param sigma  of the drone's own place then [m].
   void seen(const GateFrame& place, double sigma, double time);
-  /// The target was recognised: it stands where it is believed to.
-  void target_seen() { count_ = 0; }
+  /// The target was recognised: it stands where it is believed to, now and in later laps.
+  /// @param gate  which one, of the map.
+  void target_seen(std::size_t gate) {
+    count_ = 0;
+    if (gate < 64) recognised_ |= std::uint64_t{1} << gate;
+  }
+  [[nodiscard]] bool was_recognised(std::size_t gate) const {
+    return gate < 64 && (recognised_ >> gate & 1) != 0;
+  }
   /// The place of the target after all; nullopt: not certain, or too far from `map`.
   [[nodiscard]] std::optional<GateFrame> instead_of(const GateFrame& map) const;
   /// Whether something has been seen at one place lately, and it is not decided yet what it is.
@@ -62,6 +71,7 @@ class StrayGate {
   StrayParams params_;
   GateFrame mean_;
   int count_ = 0;
+  std::uint64_t recognised_ = 0;  ///< Gates of the map, a bit each.
   double first_ = 0.0, last_ = 0.0, sigma_ = 0.0;
 };
 
