@@ -12,6 +12,7 @@ namespace gatefly::eskf {
 namespace {
 
 constexpr double kBeyond = 3.0;   // sigmas of the map: 1 in 90 gates of a true one
+constexpr double kTwisted = 4.0;  // of its direction, which a few corners from the side tell badly
 constexpr double kCertain = 3.0;  // and so many of its own: or nobody has looked
 
 // Nullopt: as the map may have it, or not known well enough.
@@ -29,7 +30,7 @@ std::optional<GateOff> gate_off(const ErrorStateFilter& filter, int slot) {
   const double far = off.offset.head<2>().norm(), turned = std::abs(off.turned);
   const bool moved = far > kBeyond * priors.map && far > kCertain * off.sigma;
   const bool twisted =
-      turned > kBeyond * priors.map_yaw && turned > kCertain * filter.sigma(at + kGateYaw);
+      turned > kTwisted * priors.map_yaw && turned > kCertain * filter.sigma(at + kGateYaw);
   if (!moved && !twisted) return std::nullopt;
   return off;
 }
