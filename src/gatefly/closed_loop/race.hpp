@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/closed_loop/consistency.hpp"
+#include "gatefly/closed_loop/truth_of_findings.hpp"
 #include "gatefly/closed_loop/why_lost.hpp"
 #include "gatefly/estimation/eskf/findings.hpp"
 #include "gatefly/flight_log/tick.hpp"
@@ -66,6 +67,7 @@ struct RaceResult {
   Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();
   Consistency consistency;                 ///< Whether the pilot knew how wrong it was.
   std::optional<eskf::Findings> findings;  ///< Of camera, air and map, by the filter of kOurs.
+  TruthOfFindings truth;                   ///< Of what the filter looks for.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
   int careful_searches = 0;  ///< Frames that the pilot searched carefully.
   int searches = 0;          ///< How often the pilot had to look for a gate.
