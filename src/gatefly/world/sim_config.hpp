@@ -203,8 +203,8 @@ struct Wind {
   double gust = 0.0;           ///< Standard deviation of each horizontal axis [m/s].
   double gust_length = 1.7;    ///< Of the gusts along the wind and across [m; ours: a hall].
   double gust_vertical = 0.5;  ///< Vertical / horizontal standard deviation [ours].
-  Jet jet;
-  Shear shear;
+  Jet jet{};
+  Shear shear{};
   double wash = 0.0;  ///< Part of the nominal wash that comes back from walls.
 };
 
