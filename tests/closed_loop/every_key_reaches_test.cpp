@@ -168,7 +168,7 @@ const std::map<std::string, Effect>& effects() {
       {"randomize.shear_per_s", {0.2, {kAccel, kBaro}, kMotion}},
       // Started in the jet, and beside a wall.
       {"randomize.jet_mps", {1.0, {kAccel, kBaro}, kMotion, {{"start_position_m", 2}}, 1001}},
-      {"randomize.wash", {1.0, {kAccel, kBaro}, kMotion, {{"start_position_m", 2}}, 1001}},
+      {"randomize.wash", {1.0, {kAccel}, kMotion, {{"start_position_m", 2}}, 1010}},
       // IMU, sonar
       {"randomize.accel_bias_mps2", {0.5, {kAccel}}},
       {"randomize.flight_bias_mps2", {0.5, {kAccel}}},
