@@ -128,6 +128,7 @@ struct Effect {
   std::vector<Channel> must;      ///< These show it ...
   std::vector<Channel> may = {};  ///< ... these may, all others must not.
   json with = json::object();     ///< Other keys of the section, set before and after.
+  std::uint64_t seed = 1003;      ///< One that shows it.
 };
 
 // A body that moves otherwise may show it anywhere but in the clock and the camera's schedule.
@@ -164,6 +165,10 @@ const std::map<std::string, Effect>& effects() {
       {"randomize.sag_percent", {15, {kAccel}, kMotion}},
       {"randomize.wind_mps", {0.5, {kAccel, kBaro}, kMotion}},
       {"randomize.gust_mps", {1.0, {kAccel, kBaro}, kMotion}},
+      {"randomize.shear_per_s", {0.2, {kAccel, kBaro}, kMotion}},
+      // Started in the jet, and beside a wall.
+      {"randomize.jet_mps", {1.0, {kAccel, kBaro}, kMotion, {{"start_position_m", 2}}, 1001}},
+      {"randomize.wash", {1.0, {kAccel}, kMotion, {{"start_position_m", 2}}, 1010}},
       // IMU, sonar
       {"randomize.accel_bias_mps2", {0.5, {kAccel}}},
       {"randomize.flight_bias_mps2", {0.5, {kAccel}}},
@@ -180,6 +185,7 @@ const std::map<std::string, Effect>& effects() {
       {"faults.camera_out_s", {{0.8, 0.5}, {kArrivals}}},
       {"faults.camera_stuck_s", {{0.8, 0.8}, {kSeen}}},
       {"faults.camera_delay_ms", {40, {kArrivals}}},
+      {"faults.camera_tilt_deg", {5, {kSeen, kPictures}}},
       {"faults.light_out_s", {{1.0, 9}, {kSeen, kPictures}}},
       {"faults.hue_deg", {120, {kPictures}}},
       // IMU
@@ -202,13 +208,16 @@ const std::map<std::string, Effect>& effects() {
       // gates
       {"faults.moved_gate", {1, {kSeen, kPictures}, {}, {{"gate_moved_m", {0.3, 0.3, 0}}}}},
       {"faults.gate_moved_m", {{0.3, 0.3, 0}, {kSeen, kPictures}, {}, {{"moved_gate", 1}}}},
+      {"faults.gate_aside_m", {0.5, {kSeen, kPictures}, {}, {{"moved_gate", -1}}}},
       {"faults.gate_turned_deg", {20, {kSeen, kPictures}, {}, {{"moved_gate", 1}}}},
       {"faults.missing_gate", {1, {kSeen, kPictures}}},
       // Pictures show a gate that ideal vision hides.
       {"faults.hidden_gate", {1, {kSeen}, {kPictures}, {{"gate_hidden_m", 1.0}}}},
       {"faults.gate_hidden_m", {1.0, {kSeen}, {kPictures}, {{"hidden_gate", 1}}}},
       {"faults.false_gates", {8, {kPictures}, {kSeen, kSonar}}},
-      // rotors, battery, air
+      // start, rotors, battery, air
+      {"faults.start_heading_deg", {6, {kSeen, kPictures}, kMotion}},
+      {"faults.hover_thrust_percent", {10, {kAccel}, kMotion}},
       {"faults.thrust_loss_percent", {10, {kAccel}, kMotion}},
       {"faults.weak_rotor", {2, {kAccel, kGyro}, kMotion, {{"thrust_loss_percent", 5}}}},
       {"faults.thrust_loss_s", {{1.0, 0.5}, {kAccel}, kMotion, {{"thrust_loss_percent", 10}}}},
@@ -219,11 +228,11 @@ const std::map<std::string, Effect>& effects() {
 }
 
 /// A day on which nothing is varied but what is said.
-sim::SimConfig day_with(const json& randomize, const json& faults) {
-  sim::SimConfig nominal = test::race_on("oval", 1003, 1, {}, "none").sim;
+sim::SimConfig day_with(const json& randomize, const json& faults, std::uint64_t seed) {
+  sim::SimConfig nominal = test::race_on("oval", seed, 1, {}, "none").sim;
   // Something to lose and to jitter, so that each key alone shows.
   nominal.faults = io::with_faults({}, faults, "here");
-  return sim::drawn(nominal, io::randomized({}, randomize, "here"), 1003);
+  return sim::drawn(nominal, io::randomized({}, randomize, "here"), seed);
 }
 
 sim::SimConfig day_with(const std::string& name, const Effect& effect, bool set) {
@@ -231,7 +240,8 @@ sim::SimConfig day_with(const std::string& name, const Effect& effect, bool set)
   json table = effect.with;
   if (set) table[name.substr(dot + 1)] = effect.value;
   const bool is_fault = name.starts_with("faults.");
-  return day_with(is_fault ? json::object() : table, is_fault ? table : json::object());
+  return day_with(is_fault ? json::object() : table, is_fault ? table : json::object(),
+                  effect.seed);
 }
 
 TEST(EveryKey, HasAnEffectNamedHere) {

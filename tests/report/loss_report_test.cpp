@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/report/summary.hpp"
 
 namespace gatefly::io {
@@ -92,6 +93,21 @@ TEST(LossJson, HoldsTheNumbersAndIsNullWhenFinished) {
   EXPECT_DOUBLE_EQ(json.at("since_fix_s"), 1.8);
   EXPECT_EQ(json.at("wind_from"), "the left");
   EXPECT_TRUE(summary(closed_loop::RaceResult{}, {}).at("why_lost").is_null());
+}
+
+TEST(Summary, SaysTheTruthUnderTheNamesOfWhatIsFound) {
+  closed_loop::RaceResult result;
+  result.truth.tilt = 5 * kDegree, result.truth.latency = -0.020, result.truth.moved_gate = 3;
+  result.findings.emplace();
+  const auto json = summary(result, {}), truth = json.at("truth");
+  EXPECT_NEAR(truth.at("camera_tilt_deg").get<double>(), 5.0, 1e-9);
+  EXPECT_NEAR(truth.at("latency_ms").get<double>(), -20.0, 1e-9);
+  EXPECT_EQ(truth.at("moved_gate"), 3);
+  for (const char* both :
+       {"camera_tilt_deg", "camera_pan_deg", "camera_roll_deg", "latency_ms", "focal"}) {
+    EXPECT_TRUE(truth.contains(both)) << both;
+    EXPECT_TRUE(json.at("found").contains(both)) << both;
+  }
 }
 
 TEST(Summary, HasNoSpeedAndNoErrorBeforeTheFirstGate) {

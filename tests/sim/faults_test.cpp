@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/world/faults.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -101,6 +102,62 @@ TEST(GateFaults, AMovedGateStandsElsewhereThanInTheMap) {
   EXPECT_EQ(real.world.gates[0].p_EG, config.world.gates[0].p_EG);
   EXPECT_THAT(real.world.gates[1].p_EG, IsNear(Eigen::Vector3d{6.3, -0.5, -1.4}, 1e-12));
   EXPECT_EQ(real.world.gates[1].yaw_EG, 0.2);
+}
+
+TEST(GateFaults, AGateIsMovedToItsOwnRightHoweverItStands) {
+  SimConfig config = two_gates();
+  config.world.gates[1].yaw_EG = 90 * kDegree;  // flown to the east: its right is south
+  config.faults = {.moved_gate = 2, .gate_moved = {0.0, 0.0, 0.2}, .gate_aside = 0.5};
+  EXPECT_THAT(drawn(config, {}, 1).world.gates[1].p_EG,
+              IsNear(Eigen::Vector3d{5.5, 0.0, -1.3}, 1e-12));
+}
+
+TEST(GateFaults, TheSeedDrawsWhichGateIsMovedAndTheTruthSaysWhich) {
+  SimConfig config = two_gates();
+  config.world.gates.push_back({.p_EG = {9, 0, -1.5}});
+  config.faults = {.moved_gate = -1, .gate_aside = 0.5};
+  std::array<int, 3> drawn_of{};
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const SimConfig real = drawn(config, {}, seed);
+    ASSERT_GE(real.faults.moved_gate, 1);
+    ASSERT_LE(real.faults.moved_gate, 3);
+    const auto moved = static_cast<std::size_t>(real.faults.moved_gate - 1);
+    ++drawn_of[moved];
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(real.world.gates[i].p_EG.y(), i == moved ? 0.5 : 0.0) << "seed " << seed;
+  }
+  for (const int times : drawn_of) EXPECT_GE(times, 8);  // 20 are expected
+}
+
+TEST(Faults, OffsetsOfMountAndStartAddToWhatTheSeedDraws) {
+  SimConfig config = two_gates();
+  const Randomize sigma = randomize_level("race");
+  const SimConfig usual = drawn(config, sigma, 4);
+  config.faults = {.camera_tilt = -5 * kDegree, .start_heading = 5 * kDegree};
+  const SimConfig real = drawn(config, sigma, 4);
+  EXPECT_NEAR(real.camera.tilt_down - usual.camera.tilt_down, -5 * kDegree, 1e-12);
+  EXPECT_NEAR(real.start.heading - usual.start.heading, 5 * kDegree, 1e-12);
+}
+
+TEST(Faults, PicturesComeYoungerThanToldButNotBeforeReadOutHasEnded) {
+  SimConfig config = two_gates();
+  config.faults.camera_delay = -0.020;
+  EXPECT_NEAR(drawn(config, {}, 1).sensors.camera_latency, 0.010, 1e-12);
+  config.faults.camera_delay = -0.050;
+  EXPECT_EQ(drawn(config, {}, 1).sensors.camera_latency, 0.0);
+}
+
+// x more of the thrust command: the rotor speed that hovered gives 1 / (1 + x) of the weight.
+TEST(Faults, HoveringTakesSoMuchMoreOrLessThrust) {
+  const SimConfig told = two_gates();
+  for (const double more : {0.10, -0.10, 1.0}) {
+    SimConfig config = told;
+    config.faults.hover_thrust = more;
+    const SimConfig real = drawn(config, {}, 1);
+    EXPECT_NEAR(real.vehicle.thrust_coefficient * (1.0 + more), told.vehicle.thrust_coefficient,
+                1e-18);
+    EXPECT_EQ(real.vehicle.mass, told.vehicle.mass);
+  }
 }
 
 TEST(GateFaults, AnotherHueIsTurnedAboutTheGreyAxis) {

@@ -163,6 +163,9 @@ Numbers numbers_of(const SimConfig& config) {
   put(n, "wind.mean", wind.mean);
   put(n, "wind.gust", wind.gust);
   put(n, "wind.shape", std::array{wind.gust_length, wind.gust_vertical});
+  put(n, "wind.jet", std::array{wind.jet.speed, wind.jet.width});
+  put(n, "wind.shear", wind.shear.rate);
+  put(n, "wind.wash", wind.wash);
   return n;
 }
 
@@ -173,7 +176,7 @@ SimConfig nominal_day() {
                         {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0, .color = {0.3, 0.4, 0.6}}};
   config.world.obstacles = {{{1.0, -3.0}, {1.5, 0.6}, 0.5, 0.0, 1.9, false}};
   config.start = {{0.5, -0.5}, 0.3};
-  config.wind = {{0.2, -0.1}, 0.3};
+  config.wind = {.mean = {0.2, -0.1}, .gust = 0.3};
   config.vehicle.sag = 0.04;
   config.sensors.flight_bias = {0.01, 0.02, 0.03};
   config.sensors.gyro_drift = {0.001, 0.002, 0.003};
@@ -291,6 +294,9 @@ const std::vector<Draw>& draws() {
       {"latency_jitter", &Randomize::latency_jitter, 0.01, kAddsItself, {{"latency_jitter"}}},
       {"wind", &Randomize::wind, 0.5, kAdds, {{"wind.mean.0"}, {"wind.mean.1"}}},
       {"gust", &Randomize::gust, 1.0, kAddsItself, {{"wind.gust"}}},
+      {"jet", &Randomize::jet, 0.3, kAddsItself, {{"wind.jet.0"}}},
+      {"shear", &Randomize::shear, 0.1, kAddsItself, {{"wind.shear"}}},
+      {"wash", &Randomize::wash, 0.5, kAddsItself, {{"wind.wash"}}},
       {"imbalance",
        &Randomize::imbalance,
        0.3,
@@ -354,12 +360,12 @@ TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
   Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
-         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, decoys, people] =
-      sigma;
-  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,
-                                  &m9,  &m10, &m11, &m12, &m13, &m14, &m15, &m16, &m17,
-                                  &m18, &m19, &m20, &m21, &m22, &m23, &m24, &m25, &m26,
-                                  &m27, &m28, &m29, &m30, &m31, &m32, &m33};
+         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35, m36,
+         decoys, people] = sigma;
+  const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,
+                                  &m10, &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19,
+                                  &m20, &m21, &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29,
+                                  &m30, &m31, &m32, &m33, &m34, &m35, &m36};
   // These have tests of their own below.
   static_assert(std::is_same_v<decltype(decoys), int>);
   static_assert(std::is_same_v<decltype(people), int>);
@@ -592,6 +598,73 @@ TEST(Decoys, ARoomWithoutSpaceForThemGetsFewer) {
   Randomize sigma;
   sigma.decoys = 3;
   EXPECT_TRUE(drawn(config, sigma, 1).world.decoys.empty());
+}
+
+/// On which side of a jet's axis, seen along it: right is positive.
+double side_of(const Jet& jet, const Eigen::Vector2d& p) {
+  return (rotation_z(-jet.heading).topLeftCorner<2, 2>() * (p - jet.through)).y();
+}
+
+TEST(Draughts, AJetCrossesALegWhoseEndsLieOnEitherSide) {
+  SimConfig nominal = nominal_day();
+  nominal.world.gates.push_back({.p_EG = {4.0, -5.0, -1.5}});
+  Randomize sigma = all_draws();
+  sigma.jet = 0.3;
+  std::set<std::size_t> legs;
+  int from_left = 0;
+  constexpr int kSeeds = 200;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const SimConfig real = drawn(nominal, sigma, seed);
+    const Jet& jet = real.wind.jet;
+    const Eigen::Vector2d blows = rotation_z(jet.heading).col(0).head<2>();
+    bool crossed = false;
+    for (std::size_t i = 0; i + 1 < real.world.gates.size(); ++i) {
+      const Eigen::Vector2d from = real.world.gates[i].p_EG.head<2>(),
+                            way = real.world.gates[i + 1].p_EG.head<2>() - from;
+      const double part = (jet.through - from).dot(way) / way.squaredNorm();
+      if ((from + part * way - jet.through).norm() > 1e-9) continue;
+      crossed = true, legs.insert(i);
+      EXPECT_LT(side_of(jet, from) * side_of(jet, from + way), 0.0) << "seed " << seed;
+      EXPECT_NEAR(part, 0.5, 0.25);
+      EXPECT_LE(std::abs(blows.dot(way.normalized())), 0.5 + 1e-9) << "30 degrees aslant at most";
+      from_left += way.x() * blows.y() - way.y() * blows.x() > 0.0 ? 1 : 0;
+    }
+    EXPECT_TRUE(crossed) << "seed " << seed;
+  }
+  EXPECT_EQ(legs.size(), 2u);
+  EXPECT_NEAR(from_left, kSeeds / 2, 4 * std::sqrt(kSeeds / 4.0));
+}
+
+TEST(Draughts, OfOneGateTheJetCrossesTheWayThere) {
+  SimConfig nominal = nominal_day();
+  nominal.world.gates.resize(1);
+  Randomize sigma;
+  sigma.jet = 0.3;
+  const SimConfig real = drawn(nominal, sigma, 5);
+  EXPECT_LT(side_of(real.wind.jet, real.start.position) *
+                side_of(real.wind.jet, real.world.gates[0].p_EG.head<2>()),
+            0.0);
+}
+
+TEST(Draughts, AShearStandsStillInTheMiddleOfTheGatesAndBlowsAnyWay) {
+  Randomize sigma;
+  sigma.shear = 0.1;
+  Eigen::Vector2d sum{0, 0};
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const Shear shear = drawn(nominal_day(), sigma, seed).wind.shear;
+    EXPECT_LT((shear.middle - Eigen::Vector2d{-0.5, 1.5}).norm(), 1e-12);
+    sum += rotation_z(shear.heading).col(0).head<2>();
+  }
+  EXPECT_LT(sum.norm(), 3 * std::sqrt(200.0));
+}
+
+TEST(Draughts, AtLevelRaceAndBelowThereAreNone) {
+  for (const char* level : {"none", "race"}) {
+    const Wind wind = drawn(nominal_day(), randomize_level(level), 3).wind;
+    EXPECT_EQ(wind.jet.speed, 0.0);
+    EXPECT_EQ(wind.shear.rate, 0.0);
+    EXPECT_EQ(wind.wash, 0.0);
+  }
 }
 
 SimConfig with(const AnyCamera& lens) {

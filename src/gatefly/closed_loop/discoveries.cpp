@@ -14,8 +14,6 @@ namespace {
 constexpr double kReportPeriod = 0.05;  // A pilot's findings are read so often [s].
 constexpr double kThrustTime = 1.0;     // The true thrust is a mean over so long [s].
 
-double tilt_down(const Eigen::Matrix3d& R_BC) { return atan2(R_BC(2, 2), R_BC(0, 2)); }
-
 double heading_of(const Eigen::Matrix3d& R_EB) { return atan2(R_EB(1, 0), R_EB(0, 0)); }
 
 }  // namespace
@@ -29,11 +27,10 @@ void DiscoveryWatch::update(const Pilot& pilot, const sim::BodyState& state, dou
   if (passes > passes_) {
     result_.gate_rmse.push_back(samples_ > 0 ? std::sqrt(squares_ / samples_) : 0.0);
     squares_ = 0.0, samples_ = 0, passes_ = passes;
-    if (flies && passes == truth_.world.gates.size()) note_lap(*filter, state);
+    if (flies && passes == gates_.size()) note_lap(*filter, state);
   }
-  if (target != passes_ % truth_.world.gates.size())
-    return;  // the pilot is elsewhere in the course
-  const sim::WorldGate& gate = truth_.world.gates[target];
+  if (target != passes_ % gates_.size()) return;  // the pilot is elsewhere in the course
+  const sim::WorldGate& gate = gates_[target];
   const Eigen::Vector3d p_GB = rotation_z(-gate.yaw_EG) * (state.p_EB - gate.p_EG);
   squares_ += (pilot.estimate().p_GB - p_GB).head<2>().squaredNorm(), ++samples_;
   if (flies && now >= next_report_) note_reports(*filter, now, passes);
@@ -45,7 +42,7 @@ void DiscoveryWatch::follow_thrust(const sim::BodyState& state, double now) {
   last_ = now;
   double squares = 0.0;
   for (const double speed : state.rotor_speed) squares += speed * speed;
-  const double told = told_.vehicle.thrust_coefficient * squares / told_.vehicle.mass;
+  const double told = vehicle_.thrust_coefficient * squares / vehicle_.mass;
   if (told > 0.5 * kGravity)
     thrust_ += dt / kThrustTime * (-state.specific_force_B.z() / told - 1.0 - thrust_);
 }
@@ -61,28 +58,20 @@ void DiscoveryWatch::note_reports(const eskf::ErrorStateFilter& filter, double n
   }
 }
 
-// The tilt that a camera with the told lens must have to see the same in its middle: a principal point
-// that is off shows as a tilt, and cannot be told from one.
-double DiscoveryWatch::true_tilt() const {
-  const auto middle_px = told_.camera.lens.project(Eigen::Vector3d::UnitZ());
-  const auto axis_C = middle_px ? truth_.camera.lens.bearing(*middle_px) : std::nullopt;
-  if (!axis_C) return truth_.camera.tilt_down;
-  const Eigen::Vector3d axis_B = camera_mount(truth_.camera.tilt_down) * *axis_C;
-  return atan2(axis_B.z(), axis_B.x());
-}
-
 void DiscoveryWatch::note_lap(const eskf::ErrorStateFilter& filter, const sim::BodyState& state) {
   const eskf::Nominal& x = filter.now();
+  const eskf::Findings findings = eskf::findings_of(filter);
+  const auto against = [](const eskf::Found& found, double truth) {
+    return FoundError{found.value - truth, found.sigma};
+  };
   Discoveries::AfterLap& found = result_.after_lap.emplace();
-  found.camera_tilt = {wrap_angle(tilt_down(x.R_BC) - true_tilt()), filter.sigma(eskf::kMount)};
+  // A principal point that is off cannot be told from a tilt.
+  found.camera_tilt = against(findings.tilt, truth_.tilt + truth_.center_as_tilt);
   found.heading = {wrap_angle(heading_of(x.R_EB) - heading_of(sim::R_EB_of(state.q_EB))),
                    filter.sigma(eskf::kTheta + 2)};
-  found.thrust = {x.thrust - thrust_, filter.sigma(eskf::kThrust)};
-  // Jitter only ever delays: the mean of half a normal number.
-  const double jitter = 0.798 * truth_.sensors.latency_jitter;
-  const double latency = truth_.sensors.camera_latency + jitter +
-                         0.5 * (truth_.camera.exposure + truth_.camera.readout);
-  found.latency = {told_.camera_timing.latency - x.delay - latency, filter.sigma(eskf::kDelay)};
+  found.thrust = against(findings.thrust, thrust_);
+  found.latency = against({-findings.delay.value, findings.delay.sigma},
+                          truth_.latency + truth_.latency_jitter);
 }
 
 }  // namespace gatefly::closed_loop

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/closed_loop/truth_of_findings.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/referee.hpp"
@@ -55,13 +56,13 @@ class DiscoveryWatch {
   [[nodiscard]] const Discoveries& result() const { return result_; }
 
  private:
-  [[nodiscard]] double true_tilt() const;
   void follow_thrust(const sim::BodyState& state, double now);
   void note_reports(const eskf::ErrorStateFilter& filter, double now, std::size_t passes);
   void note_lap(const eskf::ErrorStateFilter& filter, const sim::BodyState& state);
 
-  PilotConfig told_;
-  sim::SimConfig truth_;
+  VehicleParams vehicle_;  ///< As told.
+  std::vector<sim::WorldGate> gates_;
+  TruthOfFindings truth_;
   Discoveries result_;
   double thrust_ = 0.0, last_ = 0.0;  ///< Relative, of the rotors' true one; when it was taken [s].
   double squares_ = 0.0, next_report_ = 0.0;

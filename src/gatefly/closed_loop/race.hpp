@@ -13,6 +13,7 @@
 
 #include "gatefly/closed_loop/consistency.hpp"
 #include "gatefly/closed_loop/discoveries.hpp"
+#include "gatefly/closed_loop/truth_of_findings.hpp"
 #include "gatefly/closed_loop/why_lost.hpp"
 #include "gatefly/estimation/eskf/findings.hpp"
 #include "gatefly/flight_log/tick.hpp"
@@ -68,6 +69,7 @@ struct RaceResult {
   Consistency consistency;                 ///< Whether the pilot knew how wrong it was.
   Discoveries discoveries;                 ///< What the pilot found out in flight, and when.
   std::optional<eskf::Findings> findings;  ///< Of camera, air and map, by the filter of kOurs.
+  TruthOfFindings truth;                   ///< Of what the filter looks for.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
   int careful_searches = 0;  ///< Frames that the pilot searched carefully.
   int searches = 0;          ///< How often the pilot had to look for a gate.

@@ -30,8 +30,10 @@ std::vector<Key<sim::Faults>> make_keys() {
       k("camera_out_s", 0, kLongest, AT(camera_out), "no pictures: from, for how long"),
       k("camera_stuck_s", 0, kLongest, AT(camera_stuck),
         "the last picture again with new stamps: from, for how long"),
-      k("camera_delay_ms", 0, 1000, AT(camera_delay), "pictures later than the calibration says",
+      k("camera_delay_ms", -1000, 1000, AT(camera_delay),
+        "pictures later than the calibration says; negative: younger, not before read-out's end",
         kMilliseconds),
+      k("camera_tilt_deg", -45, 45, AT(camera_tilt), "camera tilted down by so much more", kDegree),
       k("light_out_s", 0, kLongest, AT(light_out), "all lamps at 2 %: from, for how long"),
       k("hue_deg", -180, 180, AT(hue), "gates of another hue than the configuration's", kDegree),
       k("imu_stuck_s", 0, kLongest, AT(imu_stuck), "the last IMU sample again: from, for how long"),
@@ -46,13 +48,19 @@ std::vector<Key<sim::Faults>> make_keys() {
       k("time_jump_s", -kLongest, kLongest, AT(time_jump), "the clock jumps: when, by how much"),
       k("sonar_drop_percent", 0, 100, AT(sonar_drop), "sonar readings that never arrive", kPercent),
       k("sonar_out_s", 0, kLongest, AT(sonar_out), "no sonar: from, for how long"),
-      k("moved_gate", 0, 100, AT(moved_gate), "the gate that is not where the map says; 0: none"),
+      k("moved_gate", -1, 100, AT(moved_gate),
+        "the gate that is not where the map says; 0: none; -1: one that the seed draws"),
       k("gate_moved_m", -20, 20, AT(gate_moved), "by how much: north, east, down"),
+      k("gate_aside_m", -20, 20, AT(gate_aside), "and by how much to its own right"),
       k("gate_turned_deg", -180, 180, AT(gate_turned), "and turned clockwise", kDegree),
       k("missing_gate", 0, 100, AT(missing_gate), "the gate that is not there; 0: none"),
       k("hidden_gate", 0, 100, AT(hidden_gate), "the gate that is seen late; 0: none"),
       k("gate_hidden_m", 0, 100, AT(gate_hidden), "not from farther away than this"),
       k("false_gates", 0, 20, AT(false_gates), "gates like the others that are not in the map"),
+      k("start_heading_deg", -180, 180, AT(start_heading), "turned clockwise on the pad", kDegree),
+      k("hover_thrust_percent", -50, 100, AT(hover_thrust),
+        "so much more of the thrust command to hover: rotors give 1 / (1 + this) of their thrust",
+        kPercent),
       k("thrust_loss_percent", 0, 100, AT(thrust_loss), "thrust lost", kPercent),
       k("weak_rotor", 0, 4, AT(weak_rotor),
         "by one rotor (front left, front right, back right, back left); 0: by all"),
@@ -106,7 +114,8 @@ void expect_gates_of(const sim::Faults& faults, std::size_t gates, const std::st
     if (number > static_cast<int>(gates))
       throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
                                ", but " + track + " has " + amount(gates, "gate") +
-                               ", must be in 0.." + std::to_string(gates));
+                               ", must be in " + text_of(find(name)->rule.low) + ".." +
+                               std::to_string(gates));
 }
 
 }  // namespace gatefly::io

@@ -103,6 +103,16 @@ std::vector<Key<sim::Randomize>> make_keys() {
       sigma(
           "gust_mps", "gusts", 5, [](auto& r) -> auto& { return r.gust; }),
       sigma(
+          "jet_mps",
+          "air across the way between two gates, 1 m wide (where is drawn, not how much)", 5,
+          [](auto& r) -> auto& { return r.jet; }),
+      sigma(
+          "shear_per_s", "air that is faster the farther from the middle (whereto is drawn)", 2,
+          [](auto& r) -> auto& { return r.shear; }),
+      sigma(
+          "wash", "part of the own wash that comes back from walls within 1 m (not drawn)", 1,
+          [](auto& r) -> auto& { return r.wash; }),
+      sigma(
           "imbalance_percent", "vibration of each rotor", 100,
           [](auto& r) -> auto& { return r.imbalance; }, kPercent),
       sigma(

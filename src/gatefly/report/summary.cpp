@@ -6,8 +6,23 @@
 #include "gatefly/report/loss_report.hpp"
 
 namespace gatefly::io {
-
 namespace {
+
+/// The names of "found", where it has one.
+nlohmann::ordered_json truth_json(const closed_loop::TruthOfFindings& truth) {
+  constexpr double kMillisecond = 1e-3;
+  return {{"camera_tilt_deg", truth.tilt / kDegree},
+          {"camera_pan_deg", truth.pan / kDegree},
+          {"camera_roll_deg", truth.roll / kDegree},
+          {"center_as_tilt_deg", truth.center_as_tilt / kDegree},
+          {"center_as_pan_deg", truth.center_as_pan / kDegree},
+          {"latency_ms", truth.latency / kMillisecond},
+          {"latency_jitter_ms", truth.latency_jitter / kMillisecond},
+          {"focal", truth.focal},
+          {"start_heading_deg", truth.start_heading / kDegree},
+          {"hover_thrust", truth.hover_thrust},
+          {"moved_gate", truth.moved_gate}};
+}
 
 nlohmann::ordered_json found_after_lap(const closed_loop::Discoveries& found) {
   if (!found.after_lap) return nullptr;
@@ -83,6 +98,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
                        {"false_positives", result.false_positives},
                        {"careful_searches", result.careful_searches}};
   json["found"] = flight_log::as_json(result.findings);
+  json["truth"] = truth_json(result.truth);
   json["found_after_lap_1"] = found_after_lap(result.discoveries);
   json["map_reports"] = map_reports(result.discoveries);
   json["gate_rmse_m"] = result.discoveries.gate_rmse;

@@ -35,9 +35,8 @@ double ground_effect(double height, double radius, double side) {
 
 Forces::Forces(const SimConfig& config)
     : vehicle_{config.vehicle},
-      wind_{config.wind},
       faults_{config.faults},
-      gusts_{config.wind, config.seed},
+      air_{config},
       hover_speed_{std::sqrt(vehicle_.mass * kGravity / 4 / vehicle_.thrust_coefficient)} {
   const Battery& b = vehicle_.battery;
   const double power = b.hover_power + b.electronics;
@@ -84,19 +83,16 @@ void Forces::advance(const std::array<double, 4>& command, const BodyState& stat
     thrust_ += near_floor * thrust;
     mean_speed_ += 0.25 * speed;
   }
-  Eigen::Vector2d mean = wind_.mean;
-  if (within(faults_.wind_during, time)) mean += faults_.wind;
-  gusts_.advance((state.v_E.head<2>() - mean).norm(), dt);
-  wind_E_ = Eigen::Vector3d{mean.x(), mean.y(), 0.0} + gusts_.velocity_E();
+  air_.advance(state, mean_speed_ / hover_speed_, time, dt);
   // The air pushes on rotors and frame away from where the body goes.
-  const Eigen::Vector3d air_B = R_EB_of(state.q_EB).transpose() * (state.v_E - wind_E_);
+  const Eigen::Vector3d air_B = R_EB_of(state.q_EB).transpose() * (state.v_E - wind_E());
   torque_B_ += mean_speed_ / hover_speed_ *
                Eigen::Vector3d{-v.air_moment.x() * air_B.y(), v.air_moment.y() * air_B.x(), 0.0};
 }
 
 Eigen::Vector3d Forces::force_B(const Eigen::Matrix3d& R_EB, const Eigen::Vector3d& v_E) const {
   // Drag: in the rotor plane proportional to rotor speed, and of the body with speed².
-  const Eigen::Vector3d air_B = R_EB.transpose() * (v_E - wind_E_);
+  const Eigen::Vector3d air_B = R_EB.transpose() * (v_E - wind_E());
   const Eigen::Vector3d drag_B =
       vehicle_.mass * ((mean_speed_ / hover_speed_) * vehicle_.rotor_drag.cwiseProduct(air_B) -
                        vehicle_.body_drag * air_B.norm() * air_B);

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/sim/air.hpp"
 #include "gatefly/sim/body_state.hpp"
-#include "gatefly/sim/gusts.hpp"
 #include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::sim {
@@ -19,15 +19,15 @@ class Forces {
  public:
   explicit Forces(const SimConfig& config);
 
-  /// Rotors, battery and gusts after another `dt` [s] with commanded rotor speeds [rad/s], for a
+  /// Rotors, battery and air after another `dt` [s] with commanded rotor speeds [rad/s], for a
   /// body that is where `state` says; once a step. Non-finite commands stop the rotor.
   void advance(const std::array<double, 4>& command, const BodyState& state, double time,
                double dt);
 
   [[nodiscard]] const std::array<double, 4>& rotor_speed() const { return rotor_speed_; }
   [[nodiscard]] const Eigen::Vector3d& torque_B() const { return torque_B_; }  ///< [N m]
-  /// The air, earth frame [m/s].
-  [[nodiscard]] const Eigen::Vector3d& wind_E() const { return wind_E_; }
+  /// The air around the body, earth frame [m/s].
+  [[nodiscard]] const Eigen::Vector3d& wind_E() const { return air_.velocity_E(); }
   /// Thrust and drag on a body that flies so [N].
   [[nodiscard]] Eigen::Vector3d force_B(const Eigen::Matrix3d& R_EB,
                                         const Eigen::Vector3d& v_E) const;
@@ -38,16 +38,14 @@ class Forces {
   void drain(double dt);
 
   VehicleTruth vehicle_;
-  Wind wind_;
   Faults faults_;
-  Gusts gusts_;
+  Air air_;
   double hover_speed_;
   double full_voltage_ = 0.0, sagged_voltage_ = 0.0;  ///< Hovering: at first, after sag_time [V].
   double charge_ = 1.0, voltage_ = 0.0;               ///< Part of the capacity, [V].
   std::array<double, 4> rotor_speed_{};
   double thrust_ = 0.0, mean_speed_ = 0.0;
   Eigen::Vector3d torque_B_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d wind_E_ = Eigen::Vector3d::Zero();
 };
 
 /// Thrust near the floor / far from it, rotors of `radius` at `height` above it, `side` apart along

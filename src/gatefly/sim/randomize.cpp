@@ -133,6 +133,56 @@ void add_false_gates(World& world, int count, Stream& stream) {
   }
 }
 
+/// A jet across a leg of the course, gate to gate, of a course of one from the start: its axis has
+/// one end of the leg on either side, so whoever flies the leg crosses it, by whatever way.
+void lay_jet(SimConfig& real, double speed) {
+  const auto& gates = real.world.gates;
+  if (!(speed > 0.0) || gates.empty()) return;
+  constexpr double kAslant = 30.0 * kDegree;
+  Stream stream{real.seed, "jet"};
+  const std::size_t legs = std::max<std::size_t>(gates.size() - 1, 1);
+  const auto leg = static_cast<std::size_t>(stream.uniform(0.0, static_cast<double>(legs)));
+  const bool from_start = gates.size() == 1;
+  const WorldGate& to = gates[from_start ? 0 : leg + 1];
+  const Eigen::Vector2d from = from_start ? real.start.position : gates[leg].p_EG.head<2>();
+  const Eigen::Vector2d way = to.p_EG.head<2>() - from;
+  // Two gates in one place are crossed along the second one's plane.
+  const double heading = way.isZero() ? to.yaw_EG : gatefly::atan2(way.y(), way.x());
+  const double side = stream.uniform() < 0.5 ? -0.5 * kPi : 0.5 * kPi;
+  Jet& jet = real.wind.jet;
+  jet.through = from + stream.uniform(0.25, 0.75) * way;
+  jet.heading = wrap_angle(heading + side + stream.uniform(-kAslant, kAslant));
+  jet.speed += speed;
+}
+
+/// A shear about the middle of all gates.
+void lay_shear(SimConfig& real, double rate) {
+  const auto& gates = real.world.gates;
+  if (!(rate > 0.0) || gates.empty()) return;
+  Stream stream{real.seed, "shear"};
+  Shear& shear = real.wind.shear;
+  shear.middle.setZero();
+  for (const WorldGate& gate : gates)
+    shear.middle += gate.p_EG.head<2>() / static_cast<double>(gates.size());
+  shear.heading = stream.uniform(-kPi, kPi);
+  shear.rate += rate;
+}
+
+void move_gate(SimConfig& real) {
+  Faults& faults = real.faults;
+  auto& gates = real.world.gates;
+  if (faults.moved_gate < 0 && !gates.empty()) {
+    Stream which{real.seed, "moved gate"};
+    faults.moved_gate = 1 + static_cast<int>(which.uniform(0.0, static_cast<double>(gates.size())));
+  }
+  const auto number = static_cast<std::size_t>(faults.moved_gate);
+  if (number < 1 || number > gates.size()) return;
+  WorldGate& gate = gates[number - 1];
+  gate.p_EG +=
+      faults.gate_moved + rotation_z(gate.yaw_EG) * Eigen::Vector3d{0, faults.gate_aside, 0};
+  gate.yaw_EG += faults.gate_turned;
+}
+
 /// The faults that last: they change the truth. Those with a time are left to whom they happen.
 void break_it(SimConfig& real) {
   const Faults& faults = real.faults;
@@ -140,8 +190,7 @@ void break_it(SimConfig& real) {
     const bool there = number > 0 && number <= static_cast<int>(real.world.gates.size());
     return there ? &real.world.gates[static_cast<std::size_t>(number - 1)] : nullptr;
   };
-  if (WorldGate* moved = gate(faults.moved_gate))
-    moved->p_EG += faults.gate_moved, moved->yaw_EG += faults.gate_turned;
+  move_gate(real);
   if (WorldGate* missing = gate(faults.missing_gate)) missing->missing = true;
   if (WorldGate* hidden = gate(faults.hidden_gate)) hidden->hidden_beyond = faults.gate_hidden;
   for (WorldGate& each : real.world.gates) each.color = hue_turned(each.color, faults.hue);
@@ -149,7 +198,10 @@ void break_it(SimConfig& real) {
   add_false_gates(real.world, faults.false_gates, stream);
   real.light.out = faults.light_out;
   real.vehicle.sag += faults.battery_sag;
-  real.sensors.camera_latency += faults.camera_delay;
+  real.vehicle.thrust_coefficient /= 1.0 + faults.hover_thrust;
+  real.start.heading += faults.start_heading;
+  real.camera.tilt_down += faults.camera_tilt;
+  real.sensors.camera_latency = std::max(0.0, real.sensors.camera_latency + faults.camera_delay);
   real.sensors.frame_loss += faults.camera_drop;
   real.sensors.sonar_loss += faults.sonar_drop;
 }
@@ -251,6 +303,9 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
   Stream wind{seed, "wind level"};
   real.wind.mean += Eigen::Vector2d{wind.normal_cut(sigma.wind), wind.normal_cut(sigma.wind)};
   real.wind.gust += sigma.gust;
+  lay_jet(real, sigma.jet);
+  lay_shear(real, sigma.shear);
+  real.wind.wash += sigma.wash;
   break_it(real);
   return real;
 }

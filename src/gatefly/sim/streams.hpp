@@ -15,11 +15,12 @@ inline constexpr std::array kStreams{
     std::string_view{"start"}, std::string_view{"camera"}, std::string_view{"vehicle"},
     std::string_view{"bias"}, std::string_view{"imbalance"}, std::string_view{"warming"},
     std::string_view{"wind level"}, std::string_view{"false gates"}, std::string_view{"colors"},
-    std::string_view{"people"},
+    std::string_view{"people"}, std::string_view{"jet"}, std::string_view{"shear"},
+    std::string_view{"moved gate"},
     // tick by tick
     std::string_view{"imu"}, std::string_view{"imu rumble"}, std::string_view{"autopilot imu"},
     std::string_view{"sonar"}, std::string_view{"baro"}, std::string_view{"wind"},
-    std::string_view{"camera schedule"},
+    std::string_view{"wash"}, std::string_view{"camera schedule"},
     // ideal vision
     std::string_view{"ideal gate "}, std::string_view{"ideal aslant "},
     std::string_view{"ideal hidden "}, std::string_view{"ideal crooked "},

@@ -42,6 +42,7 @@ Randomize randomize_level(const std::string& level) {
   hard.saturation = 0.35;
   hard.frame_loss = 0.10, hard.latency_jitter = 0.030;
   hard.wind = 0.5, hard.gust = 1.0;
+  hard.jet = 0.5, hard.shear = 0.1, hard.wash = 1.0;
   hard.imbalance = 0.6, hard.accel_warming = 0.15, hard.gyro_warming = 0.15 * kDegree;
   hard.sonar_loss = 0.15, hard.sonar_double = 0.01;
   hard.decoys = 6, hard.people = 6;

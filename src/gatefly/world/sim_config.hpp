@@ -185,12 +185,32 @@ struct StartTruth {
   double heading = 0.0;            ///< [rad]
 };
 
-/// Moving air: a mean and Dryden's gusts (MIL-F-8785C).
+/// Air from a door, an opening or a fan: a straight jet that stays where it is, the same all along
+/// and at every height.
+struct Jet {
+  Eigen::Vector2d through{0, 0};  ///< A place on its axis [m].
+  double heading = 0.0;           ///< It blows that way [rad].
+  double speed = 0.0;             ///< On its axis [m/s].
+  double width = 1.0;             ///< Between the places where half of that blows [m].
+};
+
+/// Horizontal air that moves one way and is the faster the farther aside: with the heading to the
+/// right of the middle, against it to the left, not at all in between.
+struct Shear {
+  Eigen::Vector2d middle{0, 0};  ///< [m]
+  double heading = 0.0;          ///< [rad]
+  double rate = 0.0;             ///< Speed for each metre aside [1/s].
+};
+
+/// Moving air: a mean, Dryden's gusts (MIL-F-8785C), and what buildings add. [docs/simulation.md]
 struct Wind {
   Eigen::Vector2d mean{0, 0};  ///< Towards north, east [m/s].
   double gust = 0.0;           ///< Standard deviation of each horizontal axis [m/s].
   double gust_length = 1.7;    ///< Of the gusts along the wind and across [m; ours: a hall].
   double gust_vertical = 0.5;  ///< Vertical / horizontal standard deviation [ours].
+  Jet jet{};
+  Shear shear{};
+  double wash = 0.0;  ///< Part of the nominal wash that comes back from walls.
 };
 
 /// Everything the simulator needs, already drawn for one seed.
