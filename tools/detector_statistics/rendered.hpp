@@ -12,6 +12,7 @@ namespace gatefly::measuring {
 /// Pictures of a course's days: windows of consecutive ones, along races flown by ideal vision.
 struct Order {
   std::string track;
+  std::vector<std::string> configs{};  ///< The camera, if not the Bebop's.
   std::uint64_t first_seed = 1001;
   int days = 20;
   int windows = 3;    ///< A day, evenly spread over the race.

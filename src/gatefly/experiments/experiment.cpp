@@ -35,7 +35,7 @@ std::span<const Experiment> all() {
   static const Deviation kSnakeSearch{"snake-search", "snakes in strides"};
   static const Deviation kSpeed{"speed", "speed held by pitch"};
   static const Deviation kTable2{"table-2", "Table 2 holds variances"};
-  static const std::array<Experiment, 25> list{{
+  static const std::array<Experiment, 26> list{{
       {"roc-length",
        "hits against false positives over the minimum length σ_L",
        roc_length,
@@ -86,6 +86,12 @@ std::span<const Experiment> all() {
       {"other-camera",
        "another hall, a wide lens, JPEG: gates found with colours learnt from ten pictures",
        other_camera,
+       false,
+       {kCarefulSearch},
+       true},
+      {"wide-gates",
+       "gates of wide boards by a camera tilted up: found by corners in view and distance",
+       wide_gates,
        false,
        {kCarefulSearch},
        true},

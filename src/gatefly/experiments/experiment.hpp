@@ -107,5 +107,6 @@ Result full_track(const Options& options);
 Result paper_vs_ours(const Options& options);
 Result twin_liveliness(const Options& options);
 Result other_camera(const Options& options);
+Result wide_gates(const Options& options);
 
 }  // namespace gatefly::experiments
