@@ -72,7 +72,8 @@ void run_wide(const Arguments& given) {
               .configs = {"cameras/grandprix.toml"},
               .first_seed = 1001,
               .days = given.days,
-              .ideal = given.ideal},
+              .ideal = given.ideal,
+              .paper = false},
              looks);
   std::fprintf(stderr, "\n");
   m::print(given.ideal ? "wide gates, drawn by ideal vision" : "wide gates, rendered",

@@ -98,14 +98,15 @@ bool parts_agree(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// One day of one course.
 class DayOfLooking {
  public:
-  DayOfLooking(const tasks::Race& race, int day, int first_window, bool ideal, LooksOfBoth& looks)
+  DayOfLooking(const tasks::Race& race, const Order& order, int day, int first_window,
+               LooksOfBoth& looks)
       : config_{race.config},
         sim_{race.config.sim},
         day_{day},
         window_{first_window},
         looks_{looks},
         places_{sim::places_of(sim_.world, sim_.seed)} {
-    if (ideal) {
+    if (order.ideal) {
       sight_ = std::make_unique<sim::SolidSight>(sim_.world);
       for (const char* name : {"ours", "paper"}) {
         sim::IdealVisionParams params = sim_.ideal_vision;
@@ -118,7 +119,8 @@ class DayOfLooking {
                                                         sim_.seed, sim_.cache_dir, 1);
     }
     const LookoutParams params = lookout_params(config_.pilot);
-    eyes_.emplace_back(kOurs, params), eyes_.emplace_back(kPaper, params);
+    eyes_.emplace_back(kOurs, params);
+    if (order.paper) eyes_.emplace_back(kPaper, params);
     for (Looks& each : looks_) each.days[day_] = light();
   }
 
@@ -186,7 +188,7 @@ class DayOfLooking {
     if (renderer_) renderer_->render(++frame_, moment.start, history, bytes_);
     const Image image{bytes_.data(), PixelFormat::kUyvy, sim_.camera.stored_width,
                       sim_.camera.stored_height, sim_.camera.stored_rotation};
-    for (std::size_t d = 0; d < kDetectors; ++d) {
+    for (std::size_t d = 0; d < eyes_.size(); ++d) {
       const Answer answer =
           renderer_ ? eyes_[d].look(image, scene.target ? std::optional{scene.target->corners_px}
                                                         : std::nullopt)
@@ -388,10 +390,10 @@ void look_at(const Order& order, LooksOfBoth& looks) {
   for (int i = 0; i < order.days; ++i, ++day) {
     const tasks::Race race = maker.race(order.first_seed + static_cast<std::uint64_t>(i));
     Flown flight = flown(race.config);
-    keep_15_hz(flight, race.config.sim.camera.rate);
+    keep_15_hz(flight, race.config.sim.sensors.camera_hz);
     std::fprintf(stderr, "\r%-20s seed %llu ", order.track.c_str(),
                  static_cast<unsigned long long>(race.identity.seed));
-    DayOfLooking looking{race, day, window, order.ideal, looks};
+    DayOfLooking looking{race, order, day, window, looks};
     const auto count = flight.moments.size();
     const auto length = std::min(count, static_cast<std::size_t>(order.pictures));
     if (length == 0) continue;

@@ -19,6 +19,7 @@ struct Order {
   int pictures = 30;  ///< A window.
   /// Ideal vision in place of pictures: measures what was drawn by the rules of what is measured.
   bool ideal = false;
+  bool paper = true;  ///< The paper's detector looks, too.
 };
 
 /// Adds what both detectors see on a course. Days and windows are numbered on.

@@ -86,7 +86,7 @@ struct DetectorStatistics {
   Finds decoys;                                  ///< Things of the gate's colour.
   Finds places;                                  ///< Spots of the room.
   Quantiles alarm_side_px{};                     ///< Of false alarms at decoys and places.
-  Cuts cuts{};  ///< Instead of `lower` where gates are wide.
+  Cuts cuts{};                                   ///< Instead of `lower` where gates are wide.
   Parts lower;  ///< The lower corners of gates cut off above, within reach.
   Parts bars;   ///< Side bars, within reach; the error is that across.
   /// How well each field of a detection tells gates from what is none: the real detector's on
