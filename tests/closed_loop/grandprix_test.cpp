@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wide gates through the camera of the Grand Prix's drones: cameras/imx477.toml.
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "gatefly/closed_loop/race.hpp"
@@ -9,8 +11,18 @@
 namespace gatefly::closed_loop {
 namespace {
 
+/// As `gatefly fly grandprix --camera imx477`: the pilot knows the track's gates.
+RaceConfig imx477_race(const std::string& level = "") {
+  const io::Config config = io::load_config(io::config_files({"imx477"}));
+  RaceConfig race = test::race_on("grandprix", 1001, 1, {"imx477"}, level);
+  const Track track = race.pilot.track;
+  race.pilot = io::on_course(config, io::read_track(io::find_track("grandprix"))).pilot;
+  race.pilot.track = track;
+  return race;
+}
+
 TEST(Imx477, IsToldToThePilotAndSimulatedAlike) {
-  const RaceConfig race = test::race_on("grandprix", 1001, 1, {"imx477"}, "none");
+  const RaceConfig race = imx477_race("none");
   const sim::CameraTruth& truth = race.sim.camera;
   EXPECT_EQ(truth.width(), 640);
   EXPECT_EQ(truth.height(), 360);
@@ -25,7 +37,7 @@ TEST(Imx477, IsToldToThePilotAndSimulatedAlike) {
 }
 
 TEST(Imx477, FliesALapOfTheGrandPrixOnIdealVision) {
-  RaceConfig race = test::race_on("grandprix", 1001, 1, {"imx477"});
+  RaceConfig race = imx477_race();
   race.vision = Vision::kIdeal;
   const RaceResult result = fly(race, {});
   EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
@@ -34,7 +46,7 @@ TEST(Imx477, FliesALapOfTheGrandPrixOnIdealVision) {
 
 // Rendered pictures cost four times the Bebop's: the way to the first gate, and through it.
 TEST(Imx477, FliesThroughTheFirstGateOnRenderedPictures) {
-  RaceConfig race = test::race_on("grandprix", 1001, 1, {"imx477"});
+  RaceConfig race = imx477_race();
   const RaceResult result =
       fly(race, [](const Tick& tick) { return tick.pilot.estimate().gates_passed < 1; });
   EXPECT_EQ(result.gates_passed, 1) << result.stop_reason << ' ' << result.crash_object;

@@ -70,7 +70,9 @@ WideLooks looks_of(const tasks::RaceMaker& maker, const tasks::PictureOrder& ord
 /// Part of the looks that found their gate.
 struct Share {
   int looks = 0, found = 0;
-  [[nodiscard]] double rate() const { return looks > 0 ? found / double(looks) : std::nan(""); }
+  [[nodiscard]] double rate() const {
+    return looks > 0 ? static_cast<double>(found) / looks : std::nan("");
+  }
   [[nodiscard]] std::string text() const {
     return std::to_string(found) + " of " + std::to_string(looks) +
            (looks > 0 ? " (" + fixed(rate(), 2) + ")" : "");
@@ -143,7 +145,8 @@ void add_errors(const WideLooks& all, Result& result) {
   median("corner error, four corners, median", "corner_error_px", whole, 1.0, " px");
   median("corner error, cut gates, median", "cut_corner_error_px", cut, 1.0, " px");
   median("error of the scale, median", "scale_error_percent", scale, 100.0, " %");
-  const double wrong = all.wrong.size() / double(std::max<std::size_t>(1, all.pictures));
+  const double wrong = static_cast<double>(all.wrong.size()) /
+                       static_cast<double>(std::max<std::size_t>(1, all.pictures));
   result.table.push_back(
       {"detections that are no gate", "-",
        std::to_string(all.wrong.size()) + " in " + io::amount(all.pictures, "picture")});

@@ -46,6 +46,7 @@ bool in_sight(const Sight& sight, const Eigen::Vector3d& eye_E, const Eigen::Vec
 
 std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Exposure& exposure) {
   GateView view;
+  view.corners_px.fill(Eigen::Vector2d::Zero());  // of those behind the camera, too
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   const Eigen::Vector3d eye_E = exposure.eye_E(), to_gate = gate.p_EG - eye_E;
   view.distance = to_gate.norm();
