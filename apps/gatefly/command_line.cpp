@@ -138,6 +138,9 @@ Flag Command::option(const char* name, double& value, const char* help) {
 Flag Command::option(const char* name, std::optional<int>& value, const char* help) {
   return Flag{number<int>(app_, name, value, help)};
 }
+Flag Command::option(const char* name, std::optional<std::uint64_t>& value, const char* help) {
+  return Flag{number<std::uint64_t>(app_, name, value, help)};
+}
 Flag Command::option(const char* name, std::optional<double>& value, const char* help) {
   return Flag{number<double>(app_, name, value, help)};
 }

@@ -72,6 +72,7 @@ class Command {
   Flag option(const char* name, std::uint64_t& value, const char* help);
   Flag option(const char* name, double& value, const char* help);
   Flag option(const char* name, std::optional<int>& value, const char* help);
+  Flag option(const char* name, std::optional<std::uint64_t>& value, const char* help);
   Flag option(const char* name, std::optional<double>& value, const char* help);
   /// A flag without a value.
   Flag flag(const char* name, bool& value, const char* help);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -29,6 +30,7 @@ struct ReproduceOptions {
   std::vector<std::string> names;
   bool list = false, all = false, quick = false, json = false;
   std::string data, out = "out/reproduce";
+  std::optional<std::uint64_t> first_seed;
 };
 
 std::vector<std::string> names_of_all() {
@@ -70,6 +72,25 @@ std::vector<Experiment> chosen(const ReproduceOptions& options) {
       list.push_back(experiment);
   }
   return list;
+}
+
+/// A seed that would not be heeded is refused.
+void check_first_seed(const std::vector<Experiment>& list, const ReproduceOptions& options) {
+  if (!options.first_seed) return;
+  std::vector<std::string> takers;
+  for (const Experiment& experiment : experiments::all())
+    if (experiment.takes_seeds) takers.push_back(experiment.name);
+  for (const Experiment& experiment : list)
+    if (!experiment.takes_seeds)
+      throw std::runtime_error("reproduce: --first-seed " + std::to_string(*options.first_seed) +
+                               ": " + experiment.name + " takes none, only " + io::joined(takers) +
+                               " do");
+}
+
+/// What to type for this result again.
+std::string command_of(const Experiment& experiment, const ReproduceOptions& options) {
+  return "gatefly reproduce " + experiment.name + (options.quick ? " --quick" : "") +
+         (options.first_seed ? " --first-seed " + std::to_string(*options.first_seed) : "");
 }
 
 /// A letter may be several bytes of UTF-8.
@@ -147,6 +168,7 @@ int reproduce(const ReproduceOptions& options) {
   (void)load(options.common);  // a wrong --config or --set is an error here as everywhere
   if (options.list) return print_list(options.json);
   const std::vector<Experiment> list = chosen(options);
+  check_first_seed(list, options);
   auto folders = taken_folders(list, options);
   const io::Output page{"--out", page_of(options), {"page of results", experiments::kPageMark}};
   io::check_outputs({&page, 1}, {}, options.common.force);
@@ -158,6 +180,7 @@ int reproduce(const ReproduceOptions& options) {
     Progress progress(options.common.quiet, 0.25);
     const experiments::Options told{.data = options.data,
                                     .quick = options.quick,
+                                    .first_seed = options.first_seed,
                                     .progress =
                                         [&](double part, const std::string& text) {
                                           if (progress.due(part))
@@ -170,9 +193,7 @@ int reproduce(const ReproduceOptions& options) {
       const double seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       write(result, *folders[i]);
-      entries.push_back(experiments::entry_of(
-          experiment, result,
-          "gatefly reproduce " + experiment.name + (options.quick ? " --quick" : "")));
+      entries.push_back(experiments::entry_of(experiment, result, command_of(experiment, options)));
       progress.clear();
       if (!options.json) print_table(experiment, result, seconds, folder_of(experiment, options));
       answer[experiment.name] = std::move(result.json);
@@ -205,6 +226,8 @@ void declare_reproduce(Command& command) {
   command.flag("--list", options->list, "what there is");
   command.flag("--all", options->all, "every experiment");
   command.flag("--quick", options->quick, "fewer points and repeats: seconds instead of minutes");
+  command.option("--first-seed", options->first_seed,
+                 "where the seeds begin [the experiment's own; see its result.json]");
   command
       .option("--data", options->data, "folder of real data [$GATEFLY_DATA, else ../shared/data]")
       .path("DIR");

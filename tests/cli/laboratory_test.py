@@ -349,6 +349,18 @@ class Reproduce(Cli):
         self.assertIn("did you mean 'roc-length'", self.refused("reproduce", "roc-lenght"))
         self.assertIn("--all", self.refused("reproduce"))
 
+    def test_a_first_seed_is_heeded_or_refused(self):
+        run = lambda seed: self.run_it("reproduce", "other-camera", "--quick", "--json", "--first-seed", seed, "--force")
+        done = run("1201")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["other-camera"]["first_seed"], 1201)
+        self.assertIn(",1201,", (self.folder / "out/reproduce/other-camera/result.csv").read_text())
+        self.assertIn("--first-seed 1201", (self.folder / "out/reproduce/report.html").read_text())
+        error = self.refused("reproduce", "other-camera", "pose-bars", "--first-seed", "1201")
+        self.assertIn("--first-seed 1201: pose-bars takes none, only ", error)
+        self.assertIn("other-camera", error)
+        self.refused("reproduce", "other-camera", "--first-seed", "-1")
+
     def test_without_data_one_line_and_nothing_written(self):
         for name in self.NAMES:
             error = self.refused("reproduce", name, GATEFLY_DATA=str(self.folder / "nowhere"))

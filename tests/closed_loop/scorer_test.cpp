@@ -91,6 +91,29 @@ TEST(VisibleGate, OnlyWholeAndFromTheFront) {
   EXPECT_FALSE(scene.visible()) << "too near to be whole";
 }
 
+// 315 x 160 upright, however it is stored: a gate at the right border is in view, one below the lower
+// border is not. Turned by 90 or 270 degrees the picture is stored 160 wide.
+TEST(VisibleGate, IsInsideTheUprightPictureHoweverItIsStored) {
+  for (const int rotation : {0, 90, 180, 270}) {
+    Scene scene;
+    const bool turned = rotation % 180 != 0;
+    scene.camera.stored_rotation = rotation;
+    scene.pose.p_EB.z() = -8.0;  // the floor is far below
+    scene.camera.stored_width = turned ? 160 : 315, scene.camera.stored_height = turned ? 315 : 160;
+    const auto seen_at = [&](double u, double v) {  // a square of 42 px around there
+      scene.world.gates[0].p_EG = {4, 4 * (u - 157) / 168, -8.0 + 4 * (v - 80) / 168};
+      return scene.visible().has_value();
+    };
+    for (const double u : {22.0, 157.0, 200.0, 292.0})
+      for (const double v : {22.0, 80.0, 137.0})
+        EXPECT_TRUE(seen_at(u, v)) << u << ' ' << v << " stored " << rotation;
+    for (const double u : {20.0, 294.0})
+      EXPECT_FALSE(seen_at(u, 80)) << u << " stored " << rotation;
+    for (const double v : {20.0, 139.0, 200.0})
+      EXPECT_FALSE(seen_at(157, v)) << v << " stored " << rotation;
+  }
+}
+
 TEST(VisibleGate, AHiddenCornerHidesIt) {
   Scene scene;
   scene.world.obstacles = {{{2.0, 0.25}, {0.1, 0.1}, 0.0, 0.0, 1.5, false}};

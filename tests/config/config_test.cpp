@@ -305,7 +305,8 @@ TEST(Config, ShippedFilesLoad) {
   for (const char* name :
        {"configs/default.toml", "configs/flights.toml", "configs/li18.toml", "cameras/bebop.toml",
         "cameras/bebop-brown.toml", "cameras/wide-usb.toml", "cameras/grandprix.toml",
-        "cameras/global-shutter.toml", "vehicles/bebop.toml", "vehicles/racer.toml"})
+        "cameras/global-shutter.toml", "cameras/imx477.toml", "vehicles/bebop.toml",
+        "vehicles/racer.toml"})
     EXPECT_NO_THROW((void)load_config(Files{shipped_dir() / name})) << name;
 }
 

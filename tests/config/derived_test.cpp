@@ -84,6 +84,21 @@ TEST(Derived, AGatesColourHasOneSource) {
   EXPECT_EQ(on_course(Told({"detector.mode=flown"}).config, track_of({blue})).notes.size(), 1u);
 }
 
+// Boards of 0.22 of the side are looked for as such, without anything being said but the track.
+TEST(Derived, AGatesShapeIsTheTracksUnlessTheConfigurationHasOne) {
+  TrackFile wide;
+  wide.world.gates = {{.side = 2.7, .bar = 0.6}};
+  const Config on_wide = on_course(Told({}).config, wide);
+  EXPECT_DOUBLE_EQ(on_wide.pilot.detector.bar_ratio, 0.6 / 2.7);
+  EXPECT_DOUBLE_EQ(on_wide.pilot.detector.corner_scale, 2.7 / 2.1);
+  const Config told = Told({"gate.side_m=2.0", "gate.bar_m=0.3"}).config;
+  EXPECT_DOUBLE_EQ(on_course(told, wide).pilot.detector.bar_ratio, 0.15);
+  const Config usual = Told({}).config;
+  EXPECT_DOUBLE_EQ(
+      on_course(usual, track_of({Eigen::Vector3d{0.95, 0.40, 0.12}})).pilot.detector.bar_ratio,
+      usual.pilot.detector.bar_ratio);
+}
+
 // From the middle of the exposure of the middle line to arrival: half of exposure and read-out, all
 // of the way.
 TEST(Derived, ThePilotsLatencyIsHalfOfExposureAndReadoutAndAllOfTheWay) {

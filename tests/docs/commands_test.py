@@ -40,6 +40,7 @@ REDUCED = {
     "fly showroom --laps 1 --video": IDEAL,
     "fly oval --vision ideal": "",
     "fly grandprix --camera grandprix": IDEAL,
+    "fly grandprix --camera imx477 --vision ideal": "",
     "fly oval --vehicle racer --vision ideal": "",
     "fly oval --vehicle racer --speed 1.8 --vision ideal": "",
     "fly --list": "",

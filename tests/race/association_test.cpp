@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/association.hpp"
 
+#include <array>
+#include <tuple>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,15 +29,18 @@ struct Scene {
     return setup;
   }
 
-  /// What a gate at `p_EG`, looked at from the side that faces south, would show.
-  [[nodiscard]] std::optional<eskf::GateSight> sight(const Vector3d& p_EG) const {
+  /// Where the corners of a gate at `p_EG` show, looked at from the side that faces south.
+  [[nodiscard]] Quad corners(const Vector3d& p_EG) const {
     Quad corners;
     const auto at = gate_corners_G(1.0);
     for (std::size_t i = 0; i < 4; ++i) {
       const Vector3d p_B = p_EG + at[i] - Vector3d{0, 0, -1.5};
       corners[i] = rig.lens.project(rig.R_BC.matrix.transpose() * p_B).value();
     }
-    return sight_of(corners, {rig, timing, 100 * kDt + 0.02, 315.0});
+    return corners;
+  }
+  [[nodiscard]] std::optional<eskf::GateSight> sight(const Vector3d& p_EG) const {
+    return sight_of(corners(p_EG), {rig, timing, 100 * kDt + 0.02, 315.0});
   }
 
   static constexpr double kDt = 1.0 / 512;
@@ -74,6 +80,31 @@ TEST(Association, LowerCornersAndBarsAreSightingsToo) {
   ASSERT_TRUE(bars.has_value());
   EXPECT_EQ(bars->features[0].kind, eskf::Feature::Kind::kBar);
   EXPECT_NEAR(bars->time, 1.0 - 0.044, 1e-9);
+}
+
+// Any corners of a gate that the border cuts: those of fitness 0 are not in view.
+TEST(Association, TwoOrThreeCornersOfACutGateAreASighting) {
+  const Scene scene;
+  const PictureClock clock{scene.rig, scene.timing, 100 * Scene::kDt + 0.02, 315.0};
+  const auto corners = scene.corners({5, 0, -1.5});
+  const auto seen = [&](std::array<double, 4> fitness) {
+    return sight_of_cut({.corners_px = corners, .corner_fitness = fitness, .whole = false}, clock);
+  };
+  for (const auto& [fitness, first, count] : {std::tuple{std::array<double, 4>{1, 1, 0, 0}, 0, 2u},
+                                              {{0, 1, 1, 0}, 1, 2u},
+                                              {{1, 0, 1, 0}, 0, 2u},
+                                              {{0, 1, 1, 1}, 1, 3u}}) {
+    const auto sight = seen(fitness);
+    ASSERT_TRUE(sight.has_value());
+    ASSERT_EQ(sight->features.size(), count);
+    EXPECT_EQ(sight->features[0].which, first);
+    EXPECT_EQ(sight->quality, eskf::GateSight::Quality::kPart);
+    const auto innovation = scene.filter.innovation_of(*sight);
+    ASSERT_TRUE(innovation.has_value());
+    EXPECT_EQ(innovation->rows, static_cast<int>(2 * count));
+    EXPECT_LT(innovation->nis, 4.0) << "where the gate is";
+  }
+  EXPECT_FALSE(seen({0, 0, 1, 0})) << "one corner says too little";
 }
 
 }  // namespace

@@ -127,6 +127,33 @@ TEST(Scene, AGatesBarsEncloseItsOpeningInItsColour) {
   EXPECT_LT((low + half).cwiseAbs().maxCoeff(), 1e-5);
 }
 
+// The picture as the collisions: the upper one of two stacked gates has no pole in the lower opening,
+// and no foot on the floor there.
+TEST(Scene, NoPoleIsSeenInAnOpeningOfStackedGates) {
+  World world;
+  world.room_size = {20, 20, 8};
+  for (const double height : {1.5, 4.6})
+    world.gates.push_back(
+        {.p_EG = {0.1 * height, 0.1, -height}, .yaw_EG = 0.6, .side = 2.7, .bar = 0.6});
+  const auto seen_in_lower = [&] {
+    const WorldGate& gate = world.gates[0];
+    const double in = 0.5 * gate.side - gate.bar;
+    const Scene scene = make_scene(world);
+    int count = 0;
+    for (const auto* list : {&scene.moved, &scene.solid})
+      for (const Rectangle& r : *list) {
+        const Eigen::Vector3d middle =
+            (r.corner + 0.5f * (r.edge_u + r.edge_v)).cast<double>() - gate.p_EG;
+        const Eigen::Vector3d p_G = rotation_z(-gate.yaw_EG) * middle;
+        count += std::abs(p_G.x()) < 1.0 && std::abs(p_G.y()) < in && p_G.z() > -in;
+      }
+    return count;
+  };
+  const int with_both = seen_in_lower();
+  world.gates.pop_back();
+  EXPECT_EQ(with_both, seen_in_lower());
+}
+
 TEST(SceneBuilder, ABoxShowsItsFacesOutwardsAndNoneOnTheFloor) {
   Scene scene;
   SceneBuilder builder{scene};

@@ -2,7 +2,11 @@
 #include "gatefly/sim/solids.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +51,77 @@ TEST(Solids, EveryGateHasFourBarsAndAPoleByName) {
             (std::vector<std::string>{"north wall", "south wall", "east wall", "west wall",
                                       "ceiling", "gate 1 left bar", "gate 1 right bar",
                                       "gate 1 upper bar", "gate 1 lower bar", "gate 1 pole"}));
+}
+
+/// Two gates of the same size, one above the other, so much room between their frames.
+World stacked(double between, Stream& draw) {
+  World world;
+  world.room_size = {20, 20, 12};
+  const auto off = [&] { return 0.25 * draw.uniform(-1.0, 1.0); };  // 2.5 sigma of level race
+  const double side = draw.uniform(1.0, 2.7), bar = draw.uniform(0.05, 0.22) * side;
+  const double yaw = draw.uniform(-3.0, 3.0);
+  const double low = draw.uniform(0.5 * side, 2.0);
+  world.gates = {{.p_EG = {off(), off(), -low}, .yaw_EG = yaw, .side = side, .bar = bar},
+                 {.p_EG = {off(), off(), -low - side - between},
+                  .yaw_EG = yaw + 3.1,
+                  .side = side,
+                  .bar = bar}};
+  if (draw.uniform() < 0.5) std::swap(world.gates[0], world.gates[1]);
+  return world;
+}
+
+// Whatever carries the upper one of stacked gates, it does not stand in the lower one's opening.
+TEST(Solids, NothingStandsInAnOpeningOfStackedGates) {
+  Stream draw{11, "stacked gates"};
+  for (int i = 0; i < 60; ++i) {
+    const World world = stacked(0.2 + draw.uniform(), draw);
+    const SolidSight sight{world};
+    for (const WorldGate& gate : world.gates) {
+      const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
+      const double in = 0.5 * gate.side - gate.bar - 1e-3;
+      for (int k = 0; k < 200; ++k) {
+        const Eigen::Vector3d before_G{-1.0, draw.uniform(-in, in), draw.uniform(-in, in)};
+        EXPECT_FALSE(sight.occluded(gate.p_EG + R_EG * before_G,
+                                    gate.p_EG + R_EG * (before_G + Eigen::Vector3d{2.0, 0, 0})))
+            << i << ": " << before_G.transpose();
+      }
+    }
+  }
+}
+
+TEST(Solids, AnUpperGateIsCarriedByTheFrameBeneathItAndOthersByTheFloor) {
+  Stream draw{12, "stacked gates"};
+  for (const double between : {0.0, 0.5}) {
+    World world = stacked(between, draw);
+    const auto poles = [&] {
+      std::vector<std::array<double, 2>> heights;
+      for (const Solid& solid : solids_of(world))
+        if (solid.name.ends_with(" pole"))
+          heights.push_back({-solid.center_E.z() - 0.5 * solid.size.z(),
+                             -solid.center_E.z() + 0.5 * solid.size.z()});
+      std::sort(heights.begin(), heights.end());
+      return heights;
+    };
+    std::sort(world.gates.begin(), world.gates.end(),
+              [](const auto& a, const auto& b) { return a.p_EG.z() > b.p_EG.z(); });
+    WorldGate &lower = world.gates[0], &upper = world.gates[1];
+    lower.p_EG.z() = -0.5 * lower.side - 0.3;
+    upper.p_EG.z() = lower.p_EG.z() - lower.side - between;
+    const double lower_top = -lower.p_EG.z() + 0.5 * lower.side;
+    const auto both = poles();
+    ASSERT_EQ(both.size(), between > 0.0 ? 2u : 1u);
+    EXPECT_NEAR(both[0][0], 0.0, 1e-12);
+    if (between > 0.0) {
+      EXPECT_NEAR(both[1][0], lower_top, 1e-9);
+      EXPECT_NEAR(both[1][1], lower_top + between, 1e-9);
+    }
+    lower.missing = true;  // nothing is left to carry it
+    ASSERT_EQ(poles().size(), 1u);
+    EXPECT_NEAR(poles()[0][0], 0.0, 1e-12);
+    lower.missing = false;
+    upper.p_EG.head<2>() += Eigen::Vector2d{2.0, 2.0};  // beside it
+    for (const auto& pole : poles()) EXPECT_NEAR(pole[0], 0.0, 1e-12);
+  }
 }
 
 TEST(SolidSight, ARayEndsWhereTheFirstSolidBegins) {

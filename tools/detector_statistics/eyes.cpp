@@ -32,7 +32,8 @@ std::vector<GateDetection> Eye::whole(const Image& image, LookFor::Gates wanted)
 }
 
 Answer Eye::look(const Image& image, const std::optional<Quad>& target) {
-  Answer answer{.gates = whole(image, LookFor::Gates::kStandingOut), .lower = {}, .bars = {}};
+  Answer answer{
+      .gates = whole(image, LookFor::Gates::kStandingOut), .lower = {}, .bars = {}, .cut = {}};
   const bool convincing =
       target && std::any_of(answer.gates.begin(), answer.gates.end(), [&](const GateDetection& g) {
         return overlaps(g.corners_px, *target, kSame);
@@ -43,7 +44,7 @@ Answer Eye::look(const Image& image, const std::optional<Quad>& target) {
       image, params_.gate_color, {.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo});
   if (view.part) {
     answer.bars = view.part->bars;
-    if (!is_paper_) answer.lower = view.part->lower_corners();
+    if (!is_paper_) answer.lower = view.part->lower_corners(), answer.cut = view.part->gate;
   }
   return answer;
 }

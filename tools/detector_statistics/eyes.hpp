@@ -16,6 +16,7 @@ struct Answer {
   std::vector<GateDetection> gates;  ///< Whole ones, outer corners.
   std::optional<LowerCorners> lower;
   std::optional<GateBars> bars;
+  std::optional<GateDetection> cut;  ///< A gate that the border cuts.
 };
 
 /// A detector used as the pilot uses it: ours looks everywhere when the gate that is flown to does

@@ -17,7 +17,9 @@ const char* name_of(Kind kind) {
                                                    "lower corners of gates cut off above",
                                                    "side bars",
                                                    "false lower corners",
-                                                   "false side bars"};
+                                                   "false side bars",
+                                                   "gates that the border cuts",
+                                                   "false cut gates"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

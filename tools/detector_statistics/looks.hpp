@@ -25,6 +25,7 @@ struct Look {
   bool hit = false;
   double fitness = 0.0;  ///< Of a hit, as all below.
   Quad truth{}, seen{};
+  std::array<bool, 4> in_view{};  ///< Of kCut: which corners are.
 };
 
 /// What is looked at.
@@ -41,6 +42,8 @@ enum class Kind {
   kBars,        ///< A near gate's side bars.
   kFalseLower,  ///< Picture by picture: lower corners that are none.
   kFalseBars,
+  kCut,       ///< A gate that the border cuts, within reach, by its corners in view.
+  kFalseCut,  ///< Picture by picture: corners of one that are none.
   kCount
 };
 constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::kCount);

@@ -25,6 +25,7 @@ constexpr double kPartsFrom = 4.5;   // SightParams::parts_from: nearer than thi
 constexpr double kLowerReach = 3.3;  // [m]
 constexpr double kBarsReach = 1.7;   // [m]
 constexpr double kSameParts = 20.0;  // [px]
+constexpr double kSameCut = 0.1;     // ... or this much of the side
 constexpr double kOfGate = 0.15;     // shares this much with a gate: it is a crooked frame of it
 constexpr double kAgain = 0.07;      // from here to there it is the same place [rad]
 
@@ -53,6 +54,15 @@ Flown flown(closed_loop::RaceConfig race) {
   return flight;
 }
 
+/// Every so manieth picture, so that lags are the Bebop's.
+void keep_15_hz(Flown& flight, double rate) {
+  const auto every = static_cast<std::size_t>(std::max(1.0, std::round(rate / 15.0)));
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < flight.moments.size(); i += every)
+    flight.moments[kept++] = flight.moments[i];
+  flight.moments.resize(kept);
+}
+
 /// What is in a picture, whoever looks.
 struct Scene {
   std::vector<sim::GateView> gates;
@@ -69,6 +79,18 @@ std::optional<Kind> kind_of(const sim::GateView& view, const sim::GateView* larg
   return std::nullopt;
 }
 
+/// Whether two or more corners are reported and all of them are this gate's.
+bool is_of(const GateDetection& cut, const sim::GateView& view) {
+  int count = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!(cut.corner_fitness[i] > 0.0)) continue;
+    const double off = (cut.corners_px[i] - view.corners_px[i]).norm();
+    if (!view.drawn[i] || off > std::max(kSameParts, kSameCut * view.side_px)) return false;
+    ++count;
+  }
+  return count >= 2;
+}
+
 bool parts_agree(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return (a - b).norm() < kSameParts;
 }
@@ -76,14 +98,15 @@ bool parts_agree(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// One day of one course.
 class DayOfLooking {
  public:
-  DayOfLooking(const tasks::Race& race, int day, int first_window, bool ideal, LooksOfBoth& looks)
+  DayOfLooking(const tasks::Race& race, const Order& order, int day, int first_window,
+               LooksOfBoth& looks)
       : config_{race.config},
         sim_{race.config.sim},
         day_{day},
         window_{first_window},
         looks_{looks},
         places_{sim::places_of(sim_.world, sim_.seed)} {
-    if (ideal) {
+    if (order.ideal) {
       sight_ = std::make_unique<sim::SolidSight>(sim_.world);
       for (const char* name : {"ours", "paper"}) {
         sim::IdealVisionParams params = sim_.ideal_vision;
@@ -96,7 +119,8 @@ class DayOfLooking {
                                                         sim_.seed, sim_.cache_dir, 1);
     }
     const LookoutParams params = lookout_params(config_.pilot);
-    eyes_.emplace_back(kOurs, params), eyes_.emplace_back(kPaper, params);
+    eyes_.emplace_back(kOurs, params);
+    if (order.paper) eyes_.emplace_back(kPaper, params);
     for (Looks& each : looks_) each.days[day_] = light();
   }
 
@@ -163,8 +187,8 @@ class DayOfLooking {
     const Scene scene = scene_of(moment, exposure, history);
     if (renderer_) renderer_->render(++frame_, moment.start, history, bytes_);
     const Image image{bytes_.data(), PixelFormat::kUyvy, sim_.camera.stored_width,
-                      sim_.camera.stored_height, 90};
-    for (std::size_t d = 0; d < kDetectors; ++d) {
+                      sim_.camera.stored_height, sim_.camera.stored_rotation};
+    for (std::size_t d = 0; d < eyes_.size(); ++d) {
       const Answer answer =
           renderer_ ? eyes_[d].look(image, scene.target ? std::optional{scene.target->corners_px}
                                                         : std::nullopt)
@@ -181,6 +205,10 @@ class DayOfLooking {
       answer.gates.push_back({.corners_px = gate.corners_px, .fitness = gate.fitness});
     if (seen.lower) answer.lower = LowerCorners{seen.lower->left_px, seen.lower->right_px, 1.0};
     if (seen.bars) answer.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
+    if (!seen.cut) return answer;
+    answer.cut = GateDetection{.corners_px = seen.cut->corners_px};
+    for (std::size_t i = 0; i < 4; ++i)
+      answer.cut->corner_fitness[i] = seen.cut->seen[i] ? 1.0 : 0.0;
     return answer;
   }
 
@@ -276,7 +304,7 @@ class DayOfLooking {
       if (answer.lower && parts_agree(answer.lower->bottom_left_px, c[3]) &&
           parts_agree(answer.lower->bottom_right_px, c[2]))
         lower_is_of_gate = true;
-      if (!lower_asked && view.only_lower_corners && view.distance < kLowerReach) {
+      if (!lower_asked && view.only_lower_corners && view.distance < kLowerReach * target_side_) {
         lower_asked = true;
         Look look = look_of(step, view.gate, c);
         look.hit = lower_is_of_gate;
@@ -289,7 +317,7 @@ class DayOfLooking {
       if (answer.bars && std::abs(answer.bars->left_px.x() - left.x()) < kSameParts &&
           std::abs(answer.bars->right_px.x() - right.x()) < kSameParts)
         bars_are_of_gate = true;
-      if (bars_asked || view.distance > kBarsReach) continue;
+      if (bars_asked || view.distance > kBarsReach * target_side_) continue;
       bars_asked = true;
       Look look = look_of(step, view.gate, {left, right, right, left});
       look.hit = bars_are_of_gate;
@@ -297,7 +325,8 @@ class DayOfLooking {
       looks[Kind::kBars].push_back(look);
     }
     // The pilot asks for parts near the gate only.
-    if (detector == kOurs && scene.target_distance > kPartsFrom) return;
+    if (detector == kOurs && scene.target_distance > kPartsFrom * target_side_) return;
+    cut(answer, scene, looks, step);
     Look lower = look_of(step, 0, {}), bars = look_of(step, 0, {});
     lower.hit = answer.lower && !lower_is_of_gate;
     if (lower.hit)
@@ -307,8 +336,37 @@ class DayOfLooking {
     looks[Kind::kFalseLower].push_back(lower), looks[Kind::kFalseBars].push_back(bars);
   }
 
+  /// The nearest gate that the border cuts.
+  void cut(const Answer& answer, const Scene& scene, Looks& looks, int step) const {
+    const auto is_cut = [](const sim::GateView& view) {
+      return sim::cut_kind(view.seen).has_value();
+    };
+    const auto nearest = std::find_if(scene.gates.begin(), scene.gates.end(), is_cut);
+    if (nearest != scene.gates.end() && nearest->distance < kPartsFrom * target_side_) {
+      Look look = look_of(step, nearest->gate, nearest->corners_px);
+      look.side_px = nearest->side_px, look.in_view = nearest->seen;
+      look.hit = answer.cut && is_of(*answer.cut, *nearest);
+      for (std::size_t i = 0; look.hit && i < 4; ++i)
+        look.hit = !nearest->seen[i] || answer.cut->corner_fitness[i] > 0.0;
+      if (look.hit) look.seen = answer.cut->corners_px;
+      looks[Kind::kCut].push_back(look);
+    }
+    Look wrong = look_of(step, 0, {});
+    const auto& fitness = answer.cut ? answer.cut->corner_fitness : std::array<double, 4>{};
+    wrong.hit =
+        std::count_if(fitness.begin(), fitness.end(), [](double f) { return f > 0.0; }) > 1 &&
+        std::none_of(scene.gates.begin(), scene.gates.end(),
+                     [&](const auto& view) { return is_of(*answer.cut, view); });
+    if (wrong.hit) wrong.seen = answer.cut->corners_px;
+    looks[Kind::kFalseCut].push_back(wrong);
+  }
+
   const closed_loop::RaceConfig& config_;
   const sim::SimConfig& sim_;
+  /// Reaches are of gates of 1 m; of wide ones they grow with the side.
+  const double target_side_ = sim::build_of(sim_.world.gates) == sim::GateBuild::kWide
+                                  ? config_.pilot.track.gates.front().side
+                                  : 1.0;
   int day_, window_;
   LooksOfBoth& looks_;
   std::vector<sim::Place> places_;
@@ -323,15 +381,19 @@ class DayOfLooking {
 }  // namespace
 
 void look_at(const Order& order, LooksOfBoth& looks) {
-  const tasks::RaceMaker maker{{.config = {}, .track = order.track, .vision = "ideal", .laps = {}}};
+  const tasks::RaceMaker maker{{.config = {.configs = order.configs, .settings = {}},
+                                .track = order.track,
+                                .vision = "ideal",
+                                .laps = {}}};
   const auto& days = looks[kOurs].days;
   int day = days.empty() ? 0 : days.rbegin()->first + 1, window = 1000 * day;
   for (int i = 0; i < order.days; ++i, ++day) {
     const tasks::Race race = maker.race(order.first_seed + static_cast<std::uint64_t>(i));
-    const Flown flight = flown(race.config);
+    Flown flight = flown(race.config);
+    keep_15_hz(flight, race.config.sim.sensors.camera_hz);
     std::fprintf(stderr, "\r%-20s seed %llu ", order.track.c_str(),
                  static_cast<unsigned long long>(race.identity.seed));
-    DayOfLooking looking{race, day, window, order.ideal, looks};
+    DayOfLooking looking{race, order, day, window, looks};
     const auto count = flight.moments.size();
     const auto length = std::min(count, static_cast<std::size_t>(order.pictures));
     if (length == 0) continue;

@@ -63,6 +63,34 @@ sim::Parts parts_of(const std::vector<Look>& looks, const std::vector<Look>& wro
           .false_staying = staying_of(wrong, Share::kEachItsOwn)};
 }
 
+sim::Cuts cuts_of(const std::vector<Look>& looks, const std::vector<Look>& wrong) {
+  constexpr std::array<double, 3> kCutSizes{160.0, 300.0, 1e9};  // [px]
+  constexpr std::size_t kFewCuts = 12;
+  sim::Cuts cuts{.staying = staying_of(looks, Share::kEachItsOwn),
+                 .false_rate = rate_of(wrong),
+                 .false_staying = staying_of(wrong, Share::kEachItsOwn)};
+  for (std::size_t kind = 0; kind < cuts.kinds.size(); ++kind) {
+    std::vector<Look> of_kind;
+    for (const Look& look : looks)
+      if (sim::cut_kind(look.in_view) == static_cast<sim::CutKind>(kind)) of_kind.push_back(look);
+    double from = 0.0;
+    for (std::size_t bin = 0; bin < kCutSizes.size(); ++bin) {
+      std::vector<Look> there;
+      for (const Look& look : of_kind)
+        if (look.side_px >= from && look.side_px < kCutSizes[bin]) there.push_back(look);
+      from = kCutSizes[bin];
+      if (there.size() < kFewCuts) there = of_kind;
+      std::vector<double> errors;
+      for (const Look& look : there)
+        for (std::size_t i = 0; look.hit && i < 4; ++i)
+          for (int axis = 0; look.in_view[i] && axis < 2; ++axis)
+            errors.push_back(look.seen[i][axis] - look.truth[i][axis]);
+      cuts.kinds[kind][bin] = {kCutSizes[bin], rate_of(there), sigma_of(errors)};
+    }
+  }
+  return cuts;
+}
+
 double per_picture(const Looks& looks) {
   return looks.pictures > 0 ? static_cast<double>(looks.alarms.size()) / looks.pictures : 0.0;
 }
@@ -98,6 +126,21 @@ std::string text(const std::array<sim::SizeBin, kSizes.size()>& bins) {
   return "{{" + list + "}}";
 }
 
+std::string text_if_any(const sim::Cuts& cuts) {
+  if (cuts.kinds[0][0].below_px == 0.0) return "";
+  std::string kinds;
+  for (const sim::CutBins& bins : cuts.kinds) {
+    kinds += "{{";
+    for (const sim::CutBin& bin : bins)
+      kinds += "{.below_px = " + text(bin.below_px) + ", .rate = " + text(bin.rate) +
+               ", .sigma_px = " + text(bin.sigma_px) + "},";
+    kinds += "}},\n";
+  }
+  return ",\n.cuts = {.kinds = {{" + kinds + "}}, .staying = " + text(cuts.staying) +
+         ", .false_rate = " + text(cuts.false_rate) +
+         ", .false_staying = " + text(cuts.false_staying) + "}";
+}
+
 std::string text(const sim::DetectorStatistics& s) {
   const sim::CornerErrors& c = s.corners;
   std::string told;
@@ -112,7 +155,7 @@ std::string text(const sim::DetectorStatistics& s) {
          ",\n.crooked_high = " + text(s.crooked_high) + ",\n.two_gates = " + text(s.two_gates) +
          ",\n.decoys = " + text(s.decoys) + ",\n.places = " + text(s.places) +
          ",\n.alarm_side_px = {" + text(s.alarm_side_px) + "},\n.lower = " + text(s.lower) +
-         ",\n.bars = " + text(s.bars) + ",\n.told = {" + told + "}\n}";
+         ",\n.bars = " + text(s.bars) + text_if_any(s.cuts) + ",\n.told = {" + told + "}\n}";
 }
 
 void print_line(const char* what, const std::vector<Look>& looks) {
@@ -217,6 +260,7 @@ sim::DetectorStatistics fitted(const Looks& rendered, const Looks& real) {
   s.told = told_of(rendered);
   s.lower = parts_of(rendered[Kind::kLower], rendered[Kind::kFalseLower], false);
   s.bars = parts_of(rendered[Kind::kBars], rendered[Kind::kFalseBars], true);
+  s.cuts = cuts_of(rendered[Kind::kCut], rendered[Kind::kFalseCut]);
   return s;
 }
 
@@ -257,16 +301,18 @@ void print(const std::string& title, const sim::DetectorStatistics& s) {
   std::printf("\n%s = %s\n", title.c_str(), text(s).c_str());
 }
 
-std::string header_of(const sim::DetectorStatistics& ours, const sim::DetectorStatistics& paper,
-                      const std::string& measured_on) {
+std::string header_of(const std::vector<NamedTable>& tables, const std::string& measured_on) {
+  std::string text_of_tables;
+  for (const NamedTable& table : tables)
+    text_of_tables +=
+        "inline const DetectorStatistics " + table.name + text(table.statistics) + ";\n\n";
   return "// SPDX-License-Identifier: Apache-2.0\n// Written by "
          "tools/detector_statistics/renew.sh: "
          "do not edit. Measured on " +
          measured_on +
          ".\n#pragma once\n\n#include \"gatefly/sim/detector_statistics.hpp\"\n\nnamespace "
-         "gatefly::sim {\n\ninline const DetectorStatistics kOurDetector" +
-         text(ours) + ";\n\ninline const DetectorStatistics kPapersDetector" + text(paper) +
-         ";\n\n}  // namespace gatefly::sim\n";
+         "gatefly::sim {\n\n" +
+         text_of_tables + "}  // namespace gatefly::sim\n";
 }
 
 }  // namespace gatefly::measuring

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "gatefly/sim/detector_statistics.hpp"
 
@@ -17,9 +18,12 @@ namespace gatefly::measuring {
 void print(const std::string& title, const Looks& looks);
 void print(const std::string& title, const sim::DetectorStatistics& statistics);
 
-/// The header that the simulator reads.
-[[nodiscard]] std::string header_of(const sim::DetectorStatistics& ours,
-                                    const sim::DetectorStatistics& paper,
+/// A table of the header that the simulator reads.
+struct NamedTable {
+  std::string name;
+  sim::DetectorStatistics statistics;
+};
+[[nodiscard]] std::string header_of(const std::vector<NamedTable>& tables,
                                     const std::string& measured_on);
 
 }  // namespace gatefly::measuring

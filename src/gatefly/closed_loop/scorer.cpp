@@ -23,9 +23,9 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners_G[i];
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
-    // Upright size: the stored picture is turned.
-    if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.stored_height - 1 ||
-        px->y() > camera_.stored_width - 1)
+    // Of the upright picture, however it is stored.
+    if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.width() - 1 ||
+        px->y() > camera_.height() - 1)
       return std::nullopt;
     quad[i] = *px;
     // A little before the corner, so that the gate does not hide itself.

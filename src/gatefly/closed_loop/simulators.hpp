@@ -66,6 +66,10 @@ struct IdealSimulator {
     if (seen.lower)
       gates.lower_corners = LowerCorners{seen.lower->left_px, seen.lower->right_px, 1.0};
     if (seen.bars) gates.bars = GateBars{seen.bars->left_px, seen.bars->right_px};
+    if (!seen.cut) return;
+    GateDetection& cut = gates.cut.emplace(GateDetection{.corners_px = seen.cut->corners_px});
+    cut.fitness = 1.0, cut.whole = false;
+    for (std::size_t i = 0; i < 4; ++i) cut.corner_fitness[i] = seen.cut->seen[i] ? 1.0 : 0.0;
   }
   [[nodiscard]] std::span<const std::uint8_t> picture() const { return {}; }
 

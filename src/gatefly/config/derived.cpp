@@ -96,6 +96,11 @@ bool names_color(const GateDescription& gate) {
 
 Config on_course(Config config, const TrackFile& track) {
   const auto& gates = track.world.gates;
+  const bool told = config.set_by.contains("gate.side_m") || config.set_by.contains("gate.bar_m");
+  if (!told && !gates.empty()) {
+    config.gate.side = gates.front().side, config.gate.bar = gates.front().bar;
+    config.pilot = pilot_config(config);
+  }
   if (!names_color(config.gate) && !gates.empty() &&
       !speaks_for_gate(looked_for(config), gates.front().color)) {
     config.gate.rgb = shown(gates.front().color);

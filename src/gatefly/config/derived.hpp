@@ -13,7 +13,8 @@ namespace gatefly::io {
 /// The pilot's own settings with what camera, vehicle and gate mean to it; without a track.
 [[nodiscard]] PilotConfig pilot_config(const Config& config);
 
-/// `config` for one course: where it has no colour but the generic orange, the track's gates have.
+/// `config` for one course: where it has no colour but the generic orange, or says nothing of a gate's
+/// side and bars, the track's gates do (its first one's side and bars).
 /// Adds a note that names the gates that the pilot cannot tell by its colour.
 [[nodiscard]] Config on_course(Config config, const TrackFile& track);
 

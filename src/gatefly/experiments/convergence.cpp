@@ -189,9 +189,10 @@ Result convergence(const Options& options) {
   options.progress(0.0, "the classic filter's noises");
   const baseline::Imu15Params classic = tuned_for_bias(options);
   const std::size_t count = options.quick ? kQuickRuns : kRuns;
+  const std::uint64_t first = first_seed(options, kFirstSeed, kFirstSeed);
   std::vector<FlightCurves> flights(count);
   in_pieces(count, options,
-            [&](std::size_t i) { flights[i] = curves_of(kFirstSeed + i, list, classic); });
+            [&](std::size_t i) { flights[i] = curves_of(first + i, list, classic); });
   std::erase_if(flights, [](const FlightCurves& flight) { return !is_whole(flight); });
   if (flights.empty()) throw std::runtime_error("convergence: no flight lasts 20 s");
   std::vector<BothFilters> pairs(list.size());
@@ -204,7 +205,7 @@ Result convergence(const Options& options) {
   Result result{.table = {{std::to_string(count) + " flights, 20 s long after the first fix", "-",
                            std::to_string(flights.size())}},
                 .json = {{"runs", count},
-                         {"first_seed", kFirstSeed},
+                         {"first_seed", first},
                          {"lasting_20_s", flights.size()},
                          {"imu15",
                           {{"accel_noise", classic.accel_noise},

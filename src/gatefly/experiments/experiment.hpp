@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@ using io::number;  // ... and all JSON holds them
 struct Options {
   std::string data;    ///< Folder of real data; "": $GATEFLY_DATA, else ../shared/data.
   bool quick = false;  ///< Fewer points and repeats: seconds instead of minutes.
+  std::optional<std::uint64_t> first_seed = {};  ///< Instead of the experiment's own.
   std::function<void(double part, const std::string& text)> progress = [](double,
                                                                           const std::string&) {};
   std::function<bool()> stopped = [] { return false; };  ///< Asked often; true ends it by Stopped.
@@ -60,6 +63,7 @@ struct Experiment {
   Result (*run)(const Options& options);
   bool needs_data = true;  ///< Else it is simulated, or says what it leaves out without.
   std::vector<Deviation> deviations = {};
+  bool takes_seeds = false;  ///< One after the other, from Options::first_seed on.
 };
 
 /// All that there are, in the paper's order.
@@ -68,6 +72,11 @@ struct Experiment {
 /// Runs one, and marks the results of a quick run: `"quick"` in the JSON, a stamp on each picture.
 /// @throws Stopped, and what the experiment throws.
 [[nodiscard]] Result run(const Experiment& experiment, const Options& options);
+
+/// The seed to begin with: the one that was asked for, else the experiment's own in full (kept for
+/// reports) or of a quick run (one that was tuned on).
+[[nodiscard]] std::uint64_t first_seed(const Options& options, std::uint64_t reported,
+                                       std::uint64_t looked_at);
 
 /// A folder below the real data. @throws std::runtime_error saying how to name it when it is not
 /// there.
@@ -98,5 +107,6 @@ Result full_track(const Options& options);
 Result paper_vs_ours(const Options& options);
 Result twin_liveliness(const Options& options);
 Result other_camera(const Options& options);
+Result wide_gates(const Options& options);
 
 }  // namespace gatefly::experiments

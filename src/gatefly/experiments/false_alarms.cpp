@@ -43,7 +43,7 @@ Negatives rendered_ones(const char* track, const Options& options) {
                       .recording = io::Recording::kJpeg,
                       .shake_deg = 4.0,
                       .settings = {}};
-  const TwinOrder order{.first_seed = options.quick ? kLookedAt : kReported,
+  const TwinOrder order{.first_seed = first_seed(options, kReported, kLookedAt),
                         .days = 17,
                         .per_day = 10,
                         .without_gates = true};

@@ -170,7 +170,7 @@ Result full_track(const Options& options) {
   for (auto& each : days) each.all.resize(tries);
   in_pieces(who.size() * tries, options, [&](std::size_t i) {
     days[i / tries].all[i % tries] =
-        flown(who[i / tries], (options.quick ? kLookedAt : kReported) + i % tries, options);
+        flown(who[i / tries], first_seed(options, kReported, kLookedAt) + i % tries, options);
   });
   const Track track = race_on("showroom-li18", 0, Vision::kIdeal, 1).pilot.track;
 

@@ -208,7 +208,8 @@ io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color
 Result other_camera(const Options& options) {
   constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.flown,
                                io::kLight.estimate};
-  const Order order = options.quick ? kQuick : kFull;
+  Order order = options.quick ? kQuick : kFull;
+  order.first_seed = first_seed(options, kFull.first_seed, kQuick.first_seed);
   Result result{.table = {},
                 .json = {{"rule", "overlap70, every gate"},
                          {"least_side_px", HallPicture::kLeastSide},

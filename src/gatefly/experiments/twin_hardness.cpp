@@ -65,8 +65,9 @@ std::vector<Group> groups() {
 }
 
 TwinOrder order_of(const Group& group, const Options& options) {
-  if (options.quick) return {.first_seed = kLookedAt, .days = 30, .per_day = 20};
-  return {.first_seed = kReported, .days = 100, .per_day = group.rooms.size() > 1 ? 20u : 30u};
+  const std::uint64_t first = first_seed(options, kReported, kLookedAt);
+  if (options.quick) return {.first_seed = first, .days = 30, .per_day = 20};
+  return {.first_seed = first, .days = 100, .per_day = group.rooms.size() > 1 ? 20u : 30u};
 }
 
 /// Both sides of a room.

@@ -30,8 +30,6 @@ constexpr std::uint64_t kReported = 2701,
 constexpr double kAllowed = 0.30;          // of the real median
 constexpr int kLapFlights = 4, kLaps = 5, kQuickLaps = 2;
 
-std::uint64_t first_seed(const Options& options) { return options.quick ? kLookedAt : kReported; }
-
 /// One quantity of all flights, real and simulated in the same order.
 struct Quantity {
   std::string key, name;
@@ -215,11 +213,12 @@ io::Plot ratios(const std::vector<Quantity>& quantities) {
 /// simulated.
 void add_laps(Comparisons& all, const Options& options) {
   const RecordedArcs takes = recorded_arcs(options);
-  const SimulatedArcs flown = simulated_arcs({.level = "race",
-                                              .flights = options.quick ? 1 : kLapFlights,
-                                              .laps = options.quick ? kQuickLaps : kLaps,
-                                              .first_seed = first_seed(options)},
-                                             options);
+  const SimulatedArcs flown =
+      simulated_arcs({.level = "race",
+                      .flights = options.quick ? 1 : kLapFlights,
+                      .laps = options.quick ? kQuickLaps : kLaps,
+                      .first_seed = first_seed(options, kReported, kLookedAt)},
+                     options);
   for (const bool entry : {true, false}) {
     Quantity& q = all.of(
         entry ? "lap_entry_speed_mps" : "lap_exit_speed_mps",
@@ -244,7 +243,8 @@ Result twin_liveliness(const Options& options) {
   for (std::size_t i = 0; i < count; ++i) {
     if (options.stopped()) throw Stopped{};
     options.progress(0.8 * static_cast<double>(i) / static_cast<double>(count), flights[i].name);
-    const LivelyFlight simulated = flown_again(flights[i], day(first_seed(options) + i));
+    const LivelyFlight simulated =
+        flown_again(flights[i], day(first_seed(options, kReported, kLookedAt) + i));
     all.add(flights[i], simulated);
     if (i > 0) continue;
     const LivelyFlight& real = flights[i];
@@ -263,7 +263,8 @@ Result twin_liveliness(const Options& options) {
 
   Result result{.table = {}, .json = {}, .csv = {}, .picture = io::Canvas(1, 1)};
   report(all.quantities(), result);
-  result.json["flights"] = count, result.json["first_seed"] = first_seed(options);
+  result.json["flights"] = count,
+  result.json["first_seed"] = first_seed(options, kReported, kLookedAt);
   plots.push_back(ratios(all.quantities()));
   result.picture = io::draw_sheet(plots, 2);
   return result;

@@ -52,6 +52,15 @@ std::optional<GateSight> sight_of(const Quad& corners_px, const PictureClock& pi
   return sight_of(points, GateSight::Quality::kWhole, picture);
 }
 
+std::optional<GateSight> sight_of_cut(const GateDetection& cut, const PictureClock& picture) {
+  FixedList<Point, 4> points;
+  for (std::uint8_t i = 0; i < 4; ++i)
+    if (cut.corner_fitness[i] > 0.0)
+      (void)points.push_back({Feature::Kind::kCorner, i, cut.corners_px[i]});
+  if (points.size() < 2) return std::nullopt;
+  return sight_of({points.begin(), points.size()}, GateSight::Quality::kPart, picture);
+}
+
 std::optional<GateSight> sight_of(const LowerCorners& lower, const PictureClock& picture) {
   const std::array<Point, 2> points{{{Feature::Kind::kCorner, 3, lower.bottom_left_px},
                                      {Feature::Kind::kCorner, 2, lower.bottom_right_px}}};

@@ -56,8 +56,8 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   sighting_.seen = !sighting_.detections.empty();
   take_whole_gates(view);
   const double x = navigator.error_state()->p_GB().x();
-  if (sighting_.source == Sighting::Source::kNone && x > -params_.sight.parts_from && x < 0.0)
-    take_parts(view);
+  const double from = params_.sight.parts_from * course.gate().side;
+  if (sighting_.source == Sighting::Source::kNone && x > -from && x < 0.0) take_parts(view);
 }
 
 // Looking carefully costs a hundred times as much. It is for gates that are expected, not found, and
@@ -178,18 +178,27 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   stray_.target_seen(target);
 }
 
-// Near the target the lower corners or the side bars of it are enough.
+// Near the target any two corners of it are enough, or its side bars.
 void MapLookout::take_parts(const View& view) {
   std::optional<GateBars> bars;
+  std::optional<GateDetection> cut;
   if (view.sensors.seen) {
     sighting_.lower_corners = view.sensors.seen->lower_corners, bars = view.sensors.seen->bars;
+    cut = view.sensors.seen->cut;
   } else if (const auto part =
                  detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
-    sighting_.lower_corners = part->lower_corners(), bars = part->bars;
+    sighting_.lower_corners = part->lower_corners(), bars = part->bars, cut = part->gate;
   }
   if (sighting_.lower_corners && take_part(view, sight_of(*sighting_.lower_corners, view.picture),
                                            map_.max_lower_nis, Sighting::Source::kCorners))
     return;
+  if (cut && !sighting_.lower_corners) {
+    const auto sight = sight_of_cut(*cut, view.picture);
+    const bool three = sight && sight->features.size() > 2;
+    if (take_part(view, sight, three ? map_.max_three_nis : map_.max_lower_nis,
+                  Sighting::Source::kCorners))
+      return;
+  }
   sighting_.bars = bars;
   if (bars)
     (void)take_part(view, sight_of(*bars, view.picture), map_.max_bars_nis,

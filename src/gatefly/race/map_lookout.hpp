@@ -16,6 +16,7 @@ namespace gatefly {
 struct MapSightParams {
   double max_nis = 25.0;        ///< Of 8 rows: 1 in 600 of the right ones. [chi-square]
   double max_lower_nis = 16.0;  ///< Of 4 rows: 1 in 300.
+  double max_three_nis = 20.0;  ///< Of 6 rows: 1 in 360.
   double max_bars_nis = 11.0;   ///< Of 2 rows: 1 in 250.
   double unsure_nis = 14.0;     ///< The limit for detections that are not sure: 1 in 12.
   double confirm_above = 17.0;  ///< A second one of the same gate has to agree: 1 in 33.

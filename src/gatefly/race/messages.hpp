@@ -23,7 +23,9 @@ struct SeenGates {
   std::optional<LowerCorners> lower_corners =
       std::nullopt;                             ///< Its upper bar is above the picture.
   std::optional<GateBars> bars = std::nullopt;  ///< One too near to be whole.
-  int image_width = 315;                        ///< Of the upright picture [px].
+  /// One that the border cuts: a corner of fitness 0 is not in view.
+  std::optional<GateDetection> cut = std::nullopt;
+  int image_width = 315;  ///< Of the upright picture [px].
 };
 
 /// What arrives in one tick. Everything but the IMU is slower and mostly absent.

@@ -31,7 +31,9 @@ struct SightParams {
   double tell_apart = 1.5;
   /// Below this confidence a detection counts where a gate is expected only. [ours]
   double sure = 0.9;
-  double parts_from = 4.5;  ///< Nearer than this the upper bar may be cut off [m]. [ours]
+  /// Nearer than this the upper bar of a gate of 1 m may be cut off; of others by their side [m].
+  /// [ours]
+  double parts_from = 4.5;
   /// The estimate says where the gate shows for so long after a fix [s]. [ours: .24 m off after 2 s]
   double expect_for = 2.0;
   /// A gate that should show is looked for carefully from so long after a fix on [s], ... [ours]

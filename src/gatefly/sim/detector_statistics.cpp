@@ -4,11 +4,20 @@
 #include <stdexcept>
 
 #include "gatefly/sim/detector_tables.hpp"
+#include "gatefly/sim/wide_gates_table.hpp"
 
 namespace gatefly::sim {
 
-const DetectorStatistics& statistics_of(const std::string& detector) {
-  if (detector == "ours") return kOurDetector;
+GateBuild build_of(std::span<const WorldGate> gates) {
+  constexpr double kBetween = 0.11;  // of the side: thin ones have 0.05, wide ones 0.22
+  double share = 0.0;
+  for (const WorldGate& gate : gates)
+    share += gate.bar / gate.side / static_cast<double>(gates.size());
+  return share > kBetween ? GateBuild::kWide : GateBuild::kThin;
+}
+
+const DetectorStatistics& statistics_of(const std::string& detector, GateBuild build) {
+  if (detector == "ours") return build == GateBuild::kWide ? kOurDetectorOfWideGates : kOurDetector;
   if (detector == "paper") return kPapersDetector;
   throw std::invalid_argument("detector \"" + detector + "\", must be ours or paper");
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 
+#include "gatefly/sim/gates_in_view.hpp"
 #include "gatefly/sim/told_apart.hpp"
 
 namespace gatefly::sim {
@@ -54,6 +56,22 @@ struct Parts {
   Staying false_staying;
 };
 
+/// Gates of one kind that the border cuts, smaller than `below_px` (GateView::side_px).
+struct CutBin {
+  double below_px = 0.0;
+  double rate = 0.0;      ///< Part of them of which all corners in view are found.
+  double sigma_px = 0.0;  ///< Of each corner, each axis.
+};
+using CutBins = std::array<CutBin, 3>;  ///< Ascending.
+
+/// Wide gates that the border cuts, by any two or three corners of them.
+struct Cuts {
+  std::array<CutBins, kCutKinds> kinds{};  ///< By CutKind.
+  Staying staying;
+  double false_rate = 0.0;  ///< Part of the pictures with one that is none.
+  Staying false_staying;
+};
+
 /// What a detector does, in numbers: all that ideal vision knows about it.
 struct DetectorStatistics {
   std::array<SizeBin, 5> gates;   ///< The largest whole one of a picture, by its size, ascending.
@@ -68,6 +86,7 @@ struct DetectorStatistics {
   Finds decoys;                                  ///< Things of the gate's colour.
   Finds places;                                  ///< Spots of the room.
   Quantiles alarm_side_px{};                     ///< Of false alarms at decoys and places.
+  Cuts cuts{};                                   ///< Instead of `lower` where gates are wide.
   Parts lower;  ///< The lower corners of gates cut off above, within reach.
   Parts bars;   ///< Side bars, within reach; the error is that across.
   /// How well each field of a detection tells gates from what is none: the real detector's on
@@ -75,8 +94,18 @@ struct DetectorStatistics {
   Fields told{};
 };
 
-/// Measured: tools/detector_statistics, which writes detector_tables.hpp.
+/// The gates that a table was measured with.
+enum class GateBuild {
+  kThin,  ///< Of 1 m, bars of 5 cm, by the Bebop's camera.
+  kWide,  ///< Of 2.7 m, boards of 0.6 m, by a camera of 640 px tilted up: cameras/grandprix.toml.
+};
+/// The table that fits these gates best, by the width of their bars.
+[[nodiscard]] GateBuild build_of(std::span<const WorldGate> gates);
+
+/// Measured: tools/detector_statistics, which writes detector_tables.hpp and wide_gates_table.hpp.
+/// The paper's detector has the table of thin gates only.
 /// @throws std::invalid_argument for another name than "ours" and "paper".
-[[nodiscard]] const DetectorStatistics& statistics_of(const std::string& detector);
+[[nodiscard]] const DetectorStatistics& statistics_of(const std::string& detector,
+                                                      GateBuild build = GateBuild::kThin);
 
 }  // namespace gatefly::sim

@@ -7,10 +7,20 @@
 #include "gatefly/sim/body_state.hpp"
 
 namespace gatefly::sim {
+namespace {
+
+double px_per_radian_of(const AnyCamera& lens) {
+  constexpr double kStep = 0.01;  // [rad]
+  const auto axis = lens.project({0, 0, 1}), beside = lens.project({kStep, 0, 1});
+  return axis && beside ? (*beside - *axis).norm() / kStep : 0.0;
+}
+
+}  // namespace
 
 Exposure::Exposure(const CameraTruth& camera, double t_start, std::span<const BodyPose> history)
     : camera_{camera},
       start_{t_start + 0.5 * camera.exposure},
+      px_per_radian_{px_per_radian_of(camera.lens)},
       history_{history},
       R_BC_{camera_mount(camera.tilt_down).matrix} {
   at(start_ + 0.5 * camera.readout);

@@ -21,6 +21,8 @@ class Exposure {
 
   [[nodiscard]] int width() const { return camera_.width(); }
   [[nodiscard]] int height() const { return camera_.height(); }
+  /// On the lens' axis.
+  [[nodiscard]] double px_per_radian() const { return px_per_radian_; }
   /// Where the camera is; after project() at the time of what was projected.
   [[nodiscard]] const Eigen::Vector3d& eye_E() const { return eye_E_; }
 
@@ -40,7 +42,7 @@ class Exposure {
   }
 
   const CameraTruth& camera_;
-  double start_;
+  double start_, px_per_radian_;
   std::span<const BodyPose> history_;
   Eigen::Matrix3d R_BC_, R_CE_;
   Eigen::Vector3d eye_E_;

@@ -46,6 +46,7 @@ bool in_sight(const Sight& sight, const Eigen::Vector3d& eye_E, const Eigen::Vec
 
 std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Exposure& exposure) {
   GateView view;
+  view.corners_px.fill(Eigen::Vector2d::Zero());  // of those behind the camera, too
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   const Eigen::Vector3d eye_E = exposure.eye_E(), to_gate = gate.p_EG - eye_E;
   view.distance = to_gate.norm();
@@ -59,10 +60,17 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
     const Eigen::Vector3d corner_E = gate.p_EG + gate.side * (R_EG * corners_G[i]);
     const auto px = exposure.project(corner_E);
     if (!px) continue;
-    view.corners_px[i] = *px;
+    view.corners_px[i] = *px, view.drawn[i] = true;
     above[i] = px->y() < 0.0;
     seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E);
   }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d inner_E =
+        gate.p_EG + (gate.side - 2.0 * gate.bar) * (R_EG * corners_G[i]);
+    const auto px = exposure.project(inner_E);
+    view.inner_seen[i] = px && exposure.inside(*px) && in_sight(sight, eye_E, inner_E);
+  }
+  view.side_px = exposure.px_per_radian() * gate.side / view.distance;
   view.seen = seen;
   view.whole = seen[0] && seen[1] && seen[2] && seen[3];
   view.only_lower_corners = above[0] && above[1] && seen[2] && seen[3];
@@ -95,6 +103,19 @@ std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camer
 
 int seen_corners(const GateView& view) {
   return static_cast<int>(std::count(view.seen.begin(), view.seen.end(), true));
+}
+
+std::optional<CutKind> cut_kind(const std::array<bool, 4>& seen) {
+  switch (std::count(seen.begin(), seen.end(), true)) {
+    case 2:
+      if (seen[0] && seen[1]) return CutKind::kUpper;
+      if (seen[2] && seen[3]) return CutKind::kLower;
+      return seen[0] == seen[2] ? CutKind::kDiagonal : CutKind::kSide;
+    case 3:
+      return CutKind::kThree;
+    default:
+      return std::nullopt;
+  }
 }
 
 const GateView* largest_of(std::span<const GateView> views) {

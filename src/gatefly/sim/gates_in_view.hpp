@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,13 +22,23 @@ struct GateView {
   bool whole = false;               ///< All four corners are in the picture and in sight.
   bool only_lower_corners = false;  ///< The lower two are, the upper two are above the picture.
   std::array<Eigen::Vector2d, 4> corners_px{};  ///< Outer ones, clockwise from top-left as seen.
+  std::array<bool, 4> drawn{};                  ///< Before the lens, in the picture or not.
   std::array<bool, 4> seen{};                   ///< In the picture, and nothing before it.
+  std::array<bool, 4> inner_seen{};             ///< The opening's corners: the same.
+  /// Of its side, as it would look face to face, on the lens' axis [px].
+  double side_px = 0.0;
   /// Middle of the left and right bar's part in view.
   std::optional<std::array<Eigen::Vector2d, 2>> bars_px;
 };
 
 /// How many of its corners are seen.
 [[nodiscard]] int seen_corners(const GateView& view);
+
+/// Which corners of a gate that the border cuts are seen.
+enum class CutKind { kUpper, kLower, kSide, kDiagonal, kThree };
+inline constexpr std::size_t kCutKinds = 5;
+/// Nullopt: fewer than two, or all four.
+[[nodiscard]] std::optional<CutKind> cut_kind(const std::array<bool, 4>& seen);
 
 /// Which gates the camera sees, and where. Each corner at the time its own column is exposed.
 ///

@@ -33,11 +33,18 @@ const SizeBin& bin_of(const std::array<SizeBin, 5>& bins, double side_px) {
   return bins.back();
 }
 
+const CutBin& cut_bin_of(const CutBins& bins, double side_px) {
+  for (const CutBin& bin : bins)
+    if (side_px < bin.below_px) return bin;
+  return bins.back();
+}
+
 DetectorStatistics with_false_alarms(DetectorStatistics statistics, double factor) {
   for (Finds* each :
        {&statistics.crooked, &statistics.two_gates, &statistics.decoys, &statistics.places})
     each->rate *= factor;
   statistics.lower.false_rate *= factor, statistics.bars.false_rate *= factor;
+  statistics.cuts.false_rate *= factor;
   return statistics;
 }
 
@@ -47,7 +54,8 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
                          const IdealVisionParams& params, std::uint64_t seed, const Sight& sight)
     : world_{world},
       camera_{camera},
-      statistics_{with_false_alarms(statistics_of(params.detector), params.false_alarms)},
+      build_{build_of(world.gates)},
+      statistics_{with_false_alarms(statistics_of(params.detector, build_), params.false_alarms)},
       one_answer_{params.detector == "paper"},
       outliers_{params.outliers},
       sight_{sight},
@@ -62,6 +70,7 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
       at_places_{seed, "ideal place", statistics_.places.staying, false},
       lower_{seed, "ideal lower", statistics_.lower.staying, true},
       bars_{seed, "ideal bars", statistics_.bars.staying, true},
+      cut_{seed, "ideal cut", statistics_.cuts.staying, true},
       right_{seed, "ideal right", {0.0, statistics_.corners.stays, statistics_.corners.time}, true},
       down_{seed, "ideal down", {0.0, statistics_.corners.stays, statistics_.corners.time}, true},
       size_{seed, "ideal size", {0.0, statistics_.corners.stays, statistics_.corners.time}, true},
@@ -70,7 +79,10 @@ IdealVision::IdealVision(const World& world, const CameraTruth& camera,
                    {}},
       false_bars_{"ideal false bars where",
                   {seed, "ideal false bars", statistics_.bars.false_staying, false},
-                  {}} {
+                  {}},
+      false_cut_{"ideal false cut where",
+                 {seed, "ideal false cut", statistics_.cuts.false_staying, false},
+                 {}} {
   world_.gates.insert(world_.gates.end(), world.false_gates.begin(), world.false_gates.end());
 }
 
@@ -88,6 +100,7 @@ SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history)
   add_frames_of_gates(views, t_start, seen);
   add_alarms(t_start, history, seen);
   add_parts(views, t_start, seen);
+  add_cut(views, t_start, seen);
   std::stable_sort(seen.gates.begin(), seen.gates.end(),
                    [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
   if (one_answer_ && seen.gates.size() > 1) seen.gates.resize(1);
@@ -236,27 +249,55 @@ void IdealVision::add_parts(const std::vector<GateView>& views, double t, SeenPi
   const auto noise = [&] { return draw.normal(); };
   double surplus = 0.0;
   for (const GateView& view : views) {  // the nearest of each kind
-    if (!seen.lower && view.only_lower_corners && view.distance < kLowerCornersReach &&
+    if (!seen.lower && view.only_lower_corners && view.distance < reach(kLowerCornersReach, view) &&
         lower_.happens(view.gate, lower.rate, t, surplus)) {
       const Eigen::Vector2d left{noise(), noise()}, right{noise(), noise()};
       seen.lower = {view.corners_px[3] + lower.sigma_px * left,
                     view.corners_px[2] + lower.sigma_px * right};
     }
-    if (!seen.bars && view.bars_px && view.distance < kBarsReach &&
+    if (!seen.bars && view.bars_px && view.distance < reach(kBarsReach, view) &&
         bars_.happens(view.gate, bars.rate, t, surplus)) {
       const Eigen::Vector2d left{bars.sigma_px * noise(), 0.0}, right{bars.sigma_px * noise(), 0.0};
       seen.bars = {(*view.bars_px)[0] + left, (*view.bars_px)[1] + right};
     }
   }
-  add_false_pair(false_lower_, lower, t, seen.lower);
-  add_false_pair(false_bars_, bars, t, seen.bars);
+  add_false_pair(false_lower_, lower.false_rate, t, seen.lower);
+  add_false_pair(false_bars_, bars.false_rate, t, seen.bars);
 }
 
 // A part is one thing or another: what is none comes in place of the gate's.
-void IdealVision::add_false_pair(FalsePair& kind, const Parts& parts, double t,
+// Of the largest gate that the border cuts, as the part search gives one a picture.
+void IdealVision::add_cut(const std::vector<GateView>& views, double t, SeenPicture& seen) {
+  double surplus = 0.0;
+  for (const GateView& view : views) {
+    const auto kind = cut_kind(view.seen);
+    if (!kind) continue;
+    const CutBin& bin =
+        cut_bin_of(statistics_.cuts.kinds[static_cast<std::size_t>(*kind)], view.side_px);
+    if (!cut_.happens(view.gate, bin.rate, t, surplus)) continue;
+    Draws draw = draws("ideal cut corners", view.gate, t);
+    seen.cut = {view.corners_px, view.seen};
+    for (Eigen::Vector2d& corner : seen.cut->corners_px)
+      corner += bin.sigma_px * Eigen::Vector2d{draw.normal(), draw.normal()};
+    return;
+  }
+  std::optional<SeenPicture::Pair> wrong;
+  add_false_pair(false_cut_, statistics_.cuts.false_rate, t, wrong);
+  if (wrong)
+    seen.cut = {{wrong->left_px, wrong->right_px, wrong->right_px, wrong->left_px},
+                {true, true, false, false}};
+}
+
+double IdealVision::reach(double of_1_m, const GateView& view) const {
+  return build_ == GateBuild::kWide
+             ? of_1_m * world_.gates[static_cast<std::size_t>(view.gate)].side
+             : of_1_m;
+}
+
+void IdealVision::add_false_pair(FalsePair& kind, double rate, double t,
                                  std::optional<SeenPicture::Pair>& pair) {
   double surplus = 0.0;
-  if (!kind.luck.happens(0, parts.false_rate, t, surplus)) {
+  if (!kind.luck.happens(0, rate, t, surplus)) {
     kind.pair.reset();
     return;
   }

@@ -31,6 +31,12 @@ struct SeenPicture {
   std::vector<Gate> gates;    ///< Best first, what is no gate among them.
   std::optional<Pair> lower;  ///< The outer lower corners of a gate cut off above.
   std::optional<Pair> bars;   ///< A near gate's side bars.
+  /// A wide gate that the border cuts: its corners, and which of them are seen.
+  struct Cut {
+    std::array<Eigen::Vector2d, 4> corners_px;
+    std::array<bool, 4> seen{};
+  };
+  std::optional<Cut> cut;
 };
 
 /// Detections without pictures: what is in view, with the misses, errors and false alarms of a
@@ -71,20 +77,24 @@ class IdealVision {
   void add_frames_of_gates(const std::vector<GateView>& views, double t, SeenPicture& seen);
   void add_alarms(double t, std::span<const BodyPose> history, SeenPicture& seen);
   void add_parts(const std::vector<GateView>& views, double t, SeenPicture& seen);
-  void add_false_pair(FalsePair& kind, const Parts& parts, double t,
+  void add_cut(const std::vector<GateView>& views, double t, SeenPicture& seen);
+  void add_false_pair(FalsePair& kind, double rate, double t,
                       std::optional<SeenPicture::Pair>& pair);
+  /// A part of this gate counts within so many metres, of a gate of 1 m [m].
+  [[nodiscard]] double reach(double of_1_m, const GateView& view) const;
 
   World world_;
   CameraTruth camera_;
+  GateBuild build_;
   DetectorStatistics statistics_;
   bool one_answer_;  ///< As the paper's flown detector gives.
   double outliers_;
   const Sight& sight_;
   std::uint64_t seed_;
   std::vector<Place> places_;
-  Lucks gates_, aslant_, hidden_, crooked_, two_gates_, decoys_, at_places_, lower_, bars_;
+  Lucks gates_, aslant_, hidden_, crooked_, two_gates_, decoys_, at_places_, lower_, bars_, cut_;
   Lucks right_, down_, size_;  ///< The error that a gate's corners share.
-  FalsePair false_lower_, false_bars_;
+  FalsePair false_lower_, false_bars_, false_cut_;
 };
 
 }  // namespace gatefly::sim

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/gate_pole.hpp"
 #include "gatefly/sim/people.hpp"
 #include "gatefly/sim/scene_figure.hpp"
 
@@ -63,22 +64,26 @@ int painted(SceneBuilder& builder, const WorldGate& gate, const GatePaint& paint
   return builder.matt(fresh, Pattern::kGrain, worn, kCells);
 }
 
+/// What a gate is made of.
+struct GateMaterials {
+  int bars = 0, pole = 0, foot = 0;
+};
+
 /// Four bars, of which that part of their width is coloured; pole and foot plate.
-void add_gate(SceneBuilder& builder, const WorldGate& gate, double width, int bars, int pole,
-              int foot) {
+void add_gate(SceneBuilder& builder, const WorldGate& gate, const GatePole& pole, double width,
+              const GateMaterials& material) {
   const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
   const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - width * gate.bar,
                d = gate.depth() / 2;
   builder.bars(true);
-  builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, bars);
-  builder.box(frame, {-d, -half, height - half}, {d, half, height - in}, bars);
-  builder.box(frame, {-d, -half, height - in}, {d, -in, height + in}, bars);
-  builder.box(frame, {-d, in, height - in}, {d, half, height + in}, bars);
+  builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, material.bars);
+  builder.box(frame, {-d, -half, height - half}, {d, half, height - in}, material.bars);
+  builder.box(frame, {-d, -half, height - in}, {d, -in, height + in}, material.bars);
+  builder.box(frame, {-d, in, height - in}, {d, half, height + in}, material.bars);
   builder.bars(false);
-  const double lower = height - half;
-  if (lower < 0.05) return;
-  builder.box(frame, {-0.012, -0.012, 0.0}, {0.012, 0.012, lower}, pole);
-  builder.box(frame, {-0.15, -0.15, 0.0}, {0.15, 0.15, 0.05}, foot);
+  if (pole.length() < 0.05) return;
+  builder.box(frame, {-0.012, -0.012, pole.bottom}, {0.012, 0.012, pole.top}, material.pole);
+  if (pole.on_floor()) builder.box(frame, {-0.15, -0.15, 0.0}, {0.15, 0.15, 0.05}, material.foot);
 }
 
 using Dresser = void (*)(SceneBuilder&, const World&);
@@ -317,7 +322,8 @@ Scene make_scene(const World& world) {
     builder.layer(layer);
     const auto add = [&](const WorldGate& gate) {
       const double width = layer == SceneBuilder::Layer::kMoved ? world.paint.width : 1.0;
-      add_gate(builder, gate, width, painted(builder, gate, world.paint), pole, foot);
+      add_gate(builder, gate, pole_of(gate, world), width,
+               {painted(builder, gate, world.paint), pole, foot});
     };
     for (std::size_t i = 0; i < world.gates.size(); ++i) {
       builder.gate(static_cast<int>(i));

@@ -8,6 +8,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/gate_pole.hpp"
 
 namespace gatefly::sim {
 namespace {
@@ -36,7 +37,8 @@ void add_room(std::vector<Solid>& solids, const World& world) {
   solids.push_back({"ceiling", {c.x(), c.y(), -h - out}, {a, b, kWall}});
 }
 
-void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGate& gate) {
+void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGate& gate,
+              const World& world) {
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   const double off = 0.5 * (gate.side - gate.bar);
   const auto bar = [&](const char* which, double y, double z, double width, double height) {
@@ -49,10 +51,11 @@ void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGa
   bar("right bar", off, 0, gate.bar, gate.side);
   bar("upper bar", 0, -off, gate.side, gate.bar);
   bar("lower bar", 0, off, gate.side, gate.bar);
-  const double below = -gate.p_EG.z() - 0.5 * gate.side;
-  if (below > 0.02)
-    solids.push_back(solid_of(
-        name + " pole", {gate.p_EG.head<2>(), {kGatePole, kGatePole}, 0.0, 0.0, below, true}));
+  const GatePole pole = pole_of(gate, world);
+  if (pole.length() > 0.02)
+    solids.push_back(
+        solid_of(name + " pole",
+                 {gate.p_EG.head<2>(), {kGatePole, kGatePole}, 0.0, pole.bottom, pole.top, true}));
 }
 
 /// Where along a ray a box or pole around the origin is entered; infinity when it is not. 0 from
@@ -89,9 +92,10 @@ std::vector<Solid> solids_of(const World& world) {
   std::vector<Solid> solids;
   add_room(solids, world);
   for (std::size_t i = 0; i < world.gates.size(); ++i)
-    if (!world.gates[i].missing) add_gate(solids, "gate " + std::to_string(i + 1), world.gates[i]);
+    if (!world.gates[i].missing)
+      add_gate(solids, "gate " + std::to_string(i + 1), world.gates[i], world);
   for (std::size_t i = 0; i < world.false_gates.size(); ++i)
-    add_gate(solids, "false gate " + std::to_string(i + 1), world.false_gates[i]);
+    add_gate(solids, "false gate " + std::to_string(i + 1), world.false_gates[i], world);
   for (std::size_t i = 0; i < world.obstacles.size(); ++i)
     solids.push_back(solid_of("obstacle " + std::to_string(i + 1), world.obstacles[i]));
   for (std::size_t i = 0; i < world.decoys.size(); ++i)

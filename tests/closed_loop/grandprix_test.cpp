@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wide gates through the camera of the Grand Prix's drones: cameras/imx477.toml.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/closed_loop/race.hpp"
+
+#include "support/race_setup.hpp"
+
+namespace gatefly::closed_loop {
+namespace {
+
+/// As `gatefly fly grandprix --camera imx477`: the pilot knows the track's gates.
+RaceConfig imx477_race(const std::string& level = "") {
+  const io::Config config = io::load_config(io::config_files({"imx477"}));
+  RaceConfig race = test::race_on("grandprix", 1001, 1, {"imx477"}, level);
+  const Track track = race.pilot.track;
+  race.pilot = io::on_course(config, io::read_track(io::find_track("grandprix"))).pilot;
+  race.pilot.track = track;
+  return race;
+}
+
+TEST(Imx477, IsToldToThePilotAndSimulatedAlike) {
+  const RaceConfig race = imx477_race("none");
+  const sim::CameraTruth& truth = race.sim.camera;
+  EXPECT_EQ(truth.width(), 640);
+  EXPECT_EQ(truth.height(), 360);
+  EXPECT_DOUBLE_EQ(truth.p_BC.x(), 0.12);
+  EXPECT_DOUBLE_EQ(truth.p_BC.y(), 0.02);
+  EXPECT_TRUE(race.pilot.camera.p_BC.isApprox(truth.p_BC));
+  const Eigen::Vector3d corner{0.7, 0.4, 1.0};  // near the picture's corner
+  const auto drawn = truth.lens.project(corner), told = race.pilot.camera.lens.project(corner);
+  ASSERT_TRUE(drawn && told);
+  EXPECT_LT((*drawn - *told).norm(), 1e-9);
+  EXPECT_GT((*drawn - Eigen::Vector2d(322 + 425 * 0.7, 168 + 425 * 0.4)).norm(), 5.0) << "bent";
+}
+
+TEST(Imx477, FliesALapOfTheGrandPrixOnIdealVision) {
+  RaceConfig race = imx477_race();
+  race.vision = Vision::kIdeal;
+  const RaceResult result = fly(race, {});
+  EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
+  EXPECT_EQ(result.gates_passed, 4);
+}
+
+// Rendered pictures cost four times the Bebop's: the way to the first gate, and through it.
+TEST(Imx477, FliesThroughTheFirstGateOnRenderedPictures) {
+  RaceConfig race = imx477_race();
+  const RaceResult result =
+      fly(race, [](const Tick& tick) { return tick.pilot.estimate().gates_passed < 1; });
+  EXPECT_EQ(result.gates_passed, 1) << result.stop_reason << ' ' << result.crash_object;
+  EXPECT_GT(result.true_positives, 40);
+  EXPECT_GT(result.true_positives, result.frames_with_gate / 2);
+}
+
+}  // namespace
+}  // namespace gatefly::closed_loop
