@@ -6,6 +6,8 @@
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
+#include "gatefly/smoothing/alignment.hpp"
 #include "gatefly/smoothing/smoother.hpp"
 
 namespace gatefly::cli {
@@ -13,29 +15,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Squared errors of filter and smoother over the same rows.
-struct Errors {
-  Vector3d filter = Vector3d::Zero(), smoothed = Vector3d::Zero();
-  int rows = 0;
-
-  void add(const Vector3d& of_filter, const Vector3d& of_smoother) {
-    filter += of_filter.cwiseAbs2(), smoothed += of_smoother.cwiseAbs2();
-    ++rows;
-  }
-  [[nodiscard]] Vector3d rms(const Vector3d& sum) const {
-    return (sum / std::max(1, rows)).cwiseSqrt();
-  }
-};
-
 nlohmann::json as_list(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-std::string in_words(const Errors& errors) {
-  const Vector3d f = errors.rms(errors.filter), s = errors.rms(errors.smoothed);
+nlohmann::json as_json(const smoothing::Alignment& a) {
+  return {{"rmse_m", as_list(a.rms)}, {"lag_ms", 1e3 * a.lag}, {"turned_deg", a.turned / kDegree}};
+}
+
+std::string one_beside_other(const Vector3d& filter, const Vector3d& smoothed) {
   std::string text;
   for (int axis = 0; axis < 3; ++axis)
-    text += std::string{axis > 0 ? ", " : ""} + "xyz"[axis] + ' ' + io::fixed(f(axis), 3) + " | " +
-            io::fixed(s(axis), 3);
-  return text + " m, together " + io::fixed(f.norm(), 3) + " | " + io::fixed(s.norm(), 3);
+    text += std::string{axis > 0 ? ", " : ""} + "xyz"[axis] + ' ' + io::fixed(filter(axis), 3) +
+            " | " + io::fixed(smoothed(axis), 3);
+  return text + " m, together " + io::fixed(filter.norm(), 3) + " | " +
+         io::fixed(smoothed.norm(), 3);
 }
 
 class Follower : public FlightSmoother {
@@ -48,7 +40,6 @@ class Follower : public FlightSmoother {
         seen = {filter->landmarks().in_slot(filter->target_slot()), filter->target_behind(),
                 filter->now().p_EB};
     }
-    seen.on_map = static_cast<std::size_t>(tick.pilot.target_gate());
     rows_.push_back(seen);
   }
 
@@ -61,22 +52,39 @@ class Follower : public FlightSmoother {
     const auto path = smoothing::smooth(watch_.intake(), {}, now_and_then);
     SmoothedFlight out;
     out.estimates = result.estimates;
-    Errors in_room, at_gate;
+    std::vector<smoothing::Place> filtered, found, truth;
+    Vector3d filter2 = Vector3d::Zero(), found2 = Vector3d::Zero();
+    int rows = 0;
     for (std::size_t i = 0; i < out.estimates.size(); ++i) {
       flight_log::EstimateRow& row = out.estimates[i];
-      const Estimate by_filter = row.estimate;
       const eskf::Nominal x = smoothing::at(path, row.t);
       put(x, path, rows_[i], row.estimate);
-      const auto& truth = flight.ticks[i].p_EB;
+      filtered.push_back({row.t, rows_[i].p_EB}), found.push_back({row.t, x.p_EB});
+      const auto& p_EB = flight.ticks[i].p_EB;
       const bool counts = result.first_fix && row.t >= *result.first_fix &&
                           !(result.last_gate && row.t >= *result.last_gate);
-      if (!truth || !counts) continue;
-      in_room.add(rows_[i].p_EB - *truth, x.p_EB - *truth);
-      const MapGate& gate = flight.pilot.track.gates[rows_[i].on_map];
-      const Vector3d true_GB = rotation_z(-gate.yaw_EG) * (*truth - gate.p_EG);
-      at_gate.add(by_filter.p_GB - true_GB, row.estimate.p_GB - true_GB);
+      if (!p_EB || !counts) continue;
+      filter2 += (rows_[i].p_EB - *p_EB).cwiseAbs2(), found2 += (x.p_EB - *p_EB).cwiseAbs2();
+      ++rows;
+      // Motion capture comes less often than the IMU: the row in which it is new.
+      if (truth.empty() || truth.back().p_EB != *p_EB) truth.push_back({row.t, *p_EB});
     }
-    tell(out, path, in_room, at_gate, flight.simulated);
+    out.json = {{"passes", path.passes},    {"settled", path.settled}, {"rmse_samples", rows},
+                {"filter_rmse_m", nullptr}, {"rmse_m", nullptr},       {"filter_aligned", nullptr},
+                {"aligned", nullptr}};
+    if (!path.settled)
+      out.lines.push_back("smoothed        has not settled after " + std::to_string(path.passes) +
+                          " passes: take it with care");
+    if (rows == 0) return out;
+    const Vector3d of_filter = (filter2 / rows).cwiseSqrt(), of_all = (found2 / rows).cwiseSqrt();
+    out.json["filter_rmse_m"] = as_list(of_filter), out.json["rmse_m"] = as_list(of_all);
+    out.lines.push_back("filter|smoothed rms " + one_beside_other(of_filter, of_all));
+    const auto a = smoothing::aligned(filtered, truth), b = smoothing::aligned(found, truth);
+    if (!a || !b) return out;
+    out.json["filter_aligned"] = as_json(*a), out.json["aligned"] = as_json(*b);
+    out.lines.push_back("        aligned rms " + one_beside_other(a->rms, b->rms) +
+                        ": but for a shift, a heading and a lag of the truth (" +
+                        io::fixed(1e3 * b->lag, 0) + " ms)");
     return out;
   }
 
@@ -86,7 +94,6 @@ class Follower : public FlightSmoother {
     std::size_t landmark = 0;
     bool behind = false;
     Vector3d p_EB = Vector3d::Zero();
-    std::size_t on_map = 0;  ///< The target's index.
   };
 
   static void put(const eskf::Nominal& x, const smoothing::Smoothed& path, const Seen& seen,
@@ -96,26 +103,6 @@ class Follower : public FlightSmoother {
     estimate.accel_bias = x.accel_bias, estimate.gyro_bias = x.gyro_bias;
     const eskf::GateBelief& gate = path.gates[seen.landmark];
     estimate.p_GB = rotation_z(-gate.yaw_EG - (seen.behind ? kPi : 0.0)) * (x.p_EB - gate.p_EG);
-  }
-
-  // The map's gates are where truth has them only if somebody measured both: in recorded flights.
-  static void tell(SmoothedFlight& out, const smoothing::Smoothed& path, const Errors& in_room,
-                   const Errors& at_gate, bool simulated) {
-    out.json = {
-        {"passes", path.passes},    {"settled", path.settled}, {"rmse_samples", in_room.rows},
-        {"filter_rmse_m", nullptr}, {"rmse_m", nullptr},       {"filter_gate_rmse_m", nullptr},
-        {"gate_rmse_m", nullptr}};
-    if (!path.settled)
-      out.lines.push_back("smoothed        has not settled after " + std::to_string(path.passes) +
-                          " passes: take it with care");
-    if (in_room.rows == 0) return;
-    out.json["filter_rmse_m"] = as_list(in_room.rms(in_room.filter));
-    out.json["rmse_m"] = as_list(in_room.rms(in_room.smoothed));
-    out.lines.push_back("filter|smoothed rms " + in_words(in_room) + ", in the room");
-    if (simulated) return;
-    out.json["filter_gate_rmse_m"] = as_list(at_gate.rms(at_gate.filter));
-    out.json["gate_rmse_m"] = as_list(at_gate.rms(at_gate.smoothed));
-    out.lines.push_back("                rms " + in_words(at_gate) + ", from the gate");
   }
 
   smoothing::IntakeWatch watch_;

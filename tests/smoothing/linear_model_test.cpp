@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The smoother's linear models are the filter's.
+#include "gatefly/smoothing/linear_model.hpp"
+
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/rotation_vector.hpp"
-#include "gatefly/smoothing/linear_model.hpp"
 
 #include "support/generators.hpp"
 

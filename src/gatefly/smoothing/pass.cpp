@@ -32,6 +32,11 @@ void carry(Eigen::MatrixXd& M, const Transition& F, const BaseVector& kept) {
     if (kept(i) != 1.0) M.row(i) *= kept(i), M.col(i) *= kept(i);
 }
 
+// What a height is off, a floor that is not flat or air that rotors push down, is off in the next ones, too:
+// so many count as one. Half a second of a sonar; a filter forgets its first heights, a smoother adds up all.
+// [ours: tests/closed_loop/smoothed_race_test]
+constexpr double kHeightsAlike = 10.0;
+
 void symmetric(Eigen::MatrixXd& M) { M = (0.5 * (M + M.transpose())).eval(); }
 
 }  // namespace
@@ -100,7 +105,7 @@ void Pass::measure(std::size_t tick) {
     const Rows rows = rows_of(Scalar<1>{.residual = -seen.height - x.p_EB.z(),
                                         .states = {kP + 2},
                                         .jacobian = {1.0},
-                                        .variance = seen.sigma * seen.sigma});
+                                        .variance = kHeightsAlike * seen.sigma * seen.sigma});
     if (is_height(rows)) take(rows);
   }
   for (const GateSight& sight : taken.sights) {

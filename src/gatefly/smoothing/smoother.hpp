@@ -34,7 +34,7 @@ struct Smoothed {
 };
 
 struct SmootherParams {
-  int most_passes = 8;
+  int most_passes = 20;
   double certainty_period = 0.125;  ///< Between two certainties [s].
 };
 
