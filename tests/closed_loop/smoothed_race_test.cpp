@@ -44,53 +44,47 @@ struct Flown {
   Intake intake;
 };
 
-Flown flown(const closed_loop::RaceConfig &race) {
+Flown flown(const closed_loop::RaceConfig& race) {
   Flown flight;
   smoothing::IntakeWatch watch;
-  flight.result = closed_loop::fly(race, [&](const Tick &tick) {
-    watch.update(*tick.pilot.navigator().error_state(),
-                 tick.sensors.seen.has_value());
+  flight.result = closed_loop::fly(race, [&](const Tick& tick) {
+    watch.update(*tick.pilot.navigator().error_state(), tick.sensors.seen.has_value());
     if (watch.has_started())
-      flight.rows.push_back(
-          {1e-9 * static_cast<double>(tick.sensors.time.count()),
-           static_cast<std::size_t>(tick.pilot.target_gate()), tick.truth.p_EB,
-           tick.pilot.estimate().p_GB});
+      flight.rows.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()),
+                             static_cast<std::size_t>(tick.pilot.target_gate()), tick.truth.p_EB,
+                             tick.pilot.estimate().p_GB});
     return true;
   });
   flight.intake = watch.intake();
   return flight;
 }
 
-Vector3d from_gate(const Vector3d &p_EG, double yaw_EG, const Vector3d &p_EB) {
+Vector3d from_gate(const Vector3d& p_EG, double yaw_EG, const Vector3d& p_EB) {
   return rotation_z(-yaw_EG) * (p_EB - p_EG);
 }
 
-Vector3d truth_of(const Row &row, const closed_loop::RaceConfig &race) {
-  const sim::WorldGate &gate = race.sim.world.gates[row.target];
+Vector3d truth_of(const Row& row, const closed_loop::RaceConfig& race) {
+  const sim::WorldGate& gate = race.sim.world.gates[row.target];
   return from_gate(gate.p_EG, gate.yaw_EG, row.true_p_EB);
 }
 
-Vector3d smoothed_at(const Row &row, const Smoothed &smoothed,
-                     const Vector3d &p_EB) {
-  const eskf::GateBelief &gate = smoothed.gates[row.target];
+Vector3d smoothed_at(const Row& row, const Smoothed& smoothed, const Vector3d& p_EB) {
+  const eskf::GateBelief& gate = smoothed.gates[row.target];
   return from_gate(gate.p_EG, gate.yaw_EG, p_EB);
 }
 
 // NEES of the place relative to the next gate, north and east of it, which the
 // gates show.
-double mean_nees(const Flown &flight, const Smoothed &smoothed,
-                 const closed_loop::RaceConfig &race) {
+double mean_nees(const Flown& flight, const Smoothed& smoothed,
+                 const closed_loop::RaceConfig& race) {
   double sum = 0.0;
-  for (const smoothing::Certainty &certainty : smoothed.certainties) {
-    const smoothing::Moment &moment = smoothed.path[certainty.moment];
-    const auto row =
-        std::lower_bound(flight.rows.begin(), flight.rows.end(), moment.time,
-                         [](const Row &r, double t) { return r.time < t; });
-    if (row == flight.rows.end())
-      continue;
+  for (const smoothing::Certainty& certainty : smoothed.certainties) {
+    const smoothing::Moment& moment = smoothed.path[certainty.moment];
+    const auto row = std::lower_bound(flight.rows.begin(), flight.rows.end(), moment.time,
+                                      [](const Row& r, double t) { return r.time < t; });
+    if (row == flight.rows.end()) continue;
     const Vector3d p = smoothed_at(*row, smoothed, moment.x.p_EB);
-    const Eigen::Matrix3d R_GE =
-        rotation_z(-smoothed.gates[row->target].yaw_EG);
+    const Eigen::Matrix3d R_GE = rotation_z(-smoothed.gates[row->target].yaw_EG);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, certainty.P.rows());
     const int gate = eskf::gate_at(static_cast<int>(row->target));
     J.leftCols<3>() = R_GE;
@@ -113,7 +107,7 @@ TEST(SmoothedRace, IsAtMostSevenTenthsAsFarFromTheGateAsTheFilter) {
     const Smoothed smoothed = smoothing::smooth(flight.intake);
     EXPECT_TRUE(smoothed.settled) << seed;
     double filter2 = 0.0, smoother2 = 0.0;
-    for (const Row &row : flight.rows) {
+    for (const Row& row : flight.rows) {
       const Vector3d truth = truth_of(row, race);
       filter2 += (row.p_GB - truth).squaredNorm();
       const Vector3d p_EB = smoothing::at(smoothed, row.time).p_EB;
@@ -130,28 +124,22 @@ TEST(SmoothedRace, IsAtMostSevenTenthsAsFarFromTheGateAsTheFilter) {
 
 // Another flight through the same room: other noise of the sensors, the same
 // gates, drone and camera.
-closed_loop::RaceConfig again(closed_loop::RaceConfig race,
-                              std::uint64_t noise) {
+closed_loop::RaceConfig again(closed_loop::RaceConfig race, std::uint64_t noise) {
   race.sim.seed = noise;
   return race;
 }
 
 /// Errors of a map's gates, without what all of them have in common.
-Eigen::VectorXd errors_within(const Track &map, const sim::World &world,
-                              const Intake &intake) {
-  Eigen::VectorXd errors(eskf::gate_at(static_cast<int>(map.gates.size())) -
-                         eskf::kGates);
+Eigen::VectorXd errors_within(const Track& map, const sim::World& world, const Intake& intake) {
+  Eigen::VectorXd errors(eskf::gate_at(static_cast<int>(map.gates.size())) - eskf::kGates);
   Eigen::VectorXd information = errors;
   for (std::size_t i = 0; i < map.gates.size(); ++i) {
-    const MapGate &gate = map.gates[i];
+    const MapGate& gate = map.gates[i];
     const Eigen::Index at = eskf::kPerGate * static_cast<Eigen::Index>(i);
     errors.segment<eskf::kPerGate>(at) << gate.p_EG - world.gates[i].p_EG,
-        wrap_angle(gate.yaw_EG - world.gates[i].yaw_EG),
-        gate.side / world.gates[i].side - 1.0;
+        wrap_angle(gate.yaw_EG - world.gates[i].yaw_EG), gate.side / world.gates[i].side - 1.0;
     information.segment<eskf::kPerGate>(at) =
-        prior_of(eskf::Landmark{}, intake.setup.params.priors)
-            .cwiseAbs2()
-            .cwiseInverse();
+        prior_of(eskf::Landmark{}, intake.setup.params.priors).cwiseAbs2().cwiseInverse();
   }
   return smoothing::without_common(intake.landmarks, information) * errors;
 }
@@ -163,13 +151,12 @@ struct Taught {
   double worst = 0.0;
 };
 
-Taught taught_by_two(const closed_loop::RaceConfig &race) {
+Taught taught_by_two(const closed_loop::RaceConfig& race) {
   Taught taught;
   std::vector<FlightMap> maps;
   for (std::uint64_t noise : {race.sim.seed, race.sim.seed + 50}) {
     taught.intake = flown(again(race, noise)).intake;
-    maps.push_back(
-        smoothing::map_of(smoothing::smooth(taught.intake), taught.intake));
+    maps.push_back(smoothing::map_of(smoothing::smooth(taught.intake), taught.intake));
   }
   const auto map = smoothing::fused(maps, taught.intake.setup.params.priors);
   taught.map = smoothing::with_map(race.pilot.track, map, taught.intake);
@@ -186,13 +173,11 @@ TEST(SmoothedRace, TwoRacesTeachWhereTheGatesReallyStand) {
     const auto race = ideal_race(seed);
     const Taught taught = taught_by_two(race);
     EXPECT_LT(taught.worst, 4.0) << seed;
-    const auto old =
-        errors_within(race.pilot.track, race.sim.world, taught.intake);
+    const auto old = errors_within(race.pilot.track, race.sim.world, taught.intake);
     const auto now = errors_within(taught.map, race.sim.world, taught.intake);
     for (std::size_t gate = 0; gate < taught.map.gates.size(); ++gate)
       for (int axis = 0; axis < 2; ++axis, ++numbers) {
-        const Eigen::Index i =
-            eskf::kPerGate * static_cast<Eigen::Index>(gate) + axis;
+        const Eigen::Index i = eskf::kPerGate * static_cast<Eigen::Index>(gate) + axis;
         const double sigma = (*taught.map.gates[gate].position_sigma)(axis);
         before += old(i) * old(i), after += now(i) * now(i);
         in_sigmas += now(i) * now(i) / (sigma * sigma);
@@ -203,14 +188,13 @@ TEST(SmoothedRace, TwoRacesTeachWhereTheGatesReallyStand) {
     with_learnt.pilot.track = taught.map;
     const Flown flight = flown(with_learnt);
     finished += flight.result.finished;
-    EXPECT_EQ((*flight.intake.setup.map[2].sigmas)(1),
-              taught.map.gates[2].position_sigma->y());
+    EXPECT_EQ((*flight.intake.setup.map[2].sigmas)(1), taught.map.gates[2].position_sigma->y());
   }
   EXPECT_LT(after, 0.5 * 0.5 * before);
-  EXPECT_GT(in_sigmas / numbers, 0.3); // 30 numbers that are not independent
+  EXPECT_GT(in_sigmas / numbers, 0.3);  // 30 numbers that are not independent
   EXPECT_LT(in_sigmas / numbers, 2.5);
   EXPECT_EQ(finished, 3);
 }
 
-} // namespace
-} // namespace gatefly
+}  // namespace
+}  // namespace gatefly

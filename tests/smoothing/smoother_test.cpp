@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -126,6 +127,47 @@ TEST(Smoother, TakesInEverySampleAndEverySightingOnce) {
   }
   EXPECT_EQ(samples, 6u * 512u);
   EXPECT_EQ(sights, 45u);  // every 34th sample after the third second
+}
+
+// Twelve gates and eight slots: with each target the filter's memory may begin anew.
+TEST(Smoother, TakesInEverySampleOnceWhenGatesChangeSlots) {
+  eskf::Setup setup = one_gate();
+  for (int i = 1; i < 12; ++i)
+    setup.map.push_back({{4.0 + 3.0 * i, 2.0 * i, 0.0}, 0.0, {1.0, 0.05}});
+  eskf::ErrorStateFilter filter{setup};
+  IntakeWatch watch;
+  Rng rng{12};
+  const Vector3d up{0, 0, -setup.params.gravity};
+  filter.start({.rest_accel_B = up}, 0.0);
+  std::vector<std::size_t> seen;  // which landmarks, in order
+  std::size_t target = 0;
+  for (int i = 1; i <= 6 * 512; ++i) {
+    const double t = kDt * i;
+    filter.predict({.gyro_B = Vector3d::Zero(), .accel_B = up}, kDt, t);
+    const bool sees = i % 37 == 0;
+    if (sees) {
+      eskf::GateSight sight = sight_of_gate(setup, t - 0.05, rng);
+      sight.slot = filter.target_slot();
+      if (filter.correct({&sight, 1})) seen.push_back(target);
+    }
+    if (i % 256 == 0) {
+      target = static_cast<std::size_t>(i / 256) % 12;
+      filter.set_target(setup.map[target].p_EG, 0.0);
+    }
+    watch.update(filter, sees);
+  }
+  std::size_t samples = 0;
+  std::vector<std::size_t> taken;
+  double before = 0.0;
+  for (const eskf::Tick& tick : watch.intake().ticks) {
+    EXPECT_GT(tick.time, before);
+    before = tick.time, samples += tick.samples.size();
+    for (const eskf::GateSight& sight : tick.sights)
+      taken.push_back(static_cast<std::size_t>(sight.slot));
+  }
+  EXPECT_EQ(samples, 6u * 512u);
+  EXPECT_EQ(taken, seen);
+  EXPECT_GT(*std::max_element(seen.begin(), seen.end()), 8u);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ Eigen::VectorXd prior_information(std::span<const Landmark> gates, const Priors&
   Eigen::VectorXd information(kPerGate * static_cast<Eigen::Index>(gates.size()));
   for (std::size_t i = 0; i < gates.size(); ++i)
     information.segment<kPerGate>(kPerGate * static_cast<Eigen::Index>(i)) =
-        prior_of(gates[i], priors).cwiseAbs2().cwiseInverse();
+        prior_of(gates[i], priors).cwiseMax(kLeastPrior).cwiseAbs2().cwiseInverse();
   return information;
 }
 

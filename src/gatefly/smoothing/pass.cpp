@@ -58,7 +58,8 @@ void Pass::start() {
     e_.segment<3>(at + kGateP) = map.p_EG - gate.p_EG;
     e_(at + kGateYaw) = wrap_angle(map.yaw_EG - gate.yaw_EG);
     e_(at + kGateSize) = -gate.size;
-    P_.diagonal().segment<kPerGate>(at) = prior_of(map, intake_.setup.params.priors).cwiseAbs2();
+    P_.diagonal().segment<kPerGate>(at) =
+        prior_of(map, intake_.setup.params.priors).cwiseMax(kLeastPrior).cwiseAbs2();
   }
   e_start_ = e_, P_start_ = P_;
   corner_of_ = -1;

@@ -11,6 +11,9 @@
 
 namespace gatefly::smoothing {
 
+/// A map may be told to be exact, an inverse may not [m], [rad].
+inline constexpr double kLeastPrior = 1e-4;
+
 /// The belief at one moment by all that was measured, before it and after.
 struct Moment {
   double time = 0.0;  ///< [s]
@@ -41,7 +44,7 @@ struct SmootherParams {
 /// The most probable flight, given all that the filter took in and its models: Gauss-Newton, each step a
 /// Kalman filter forwards and its adjoint backwards (Bryson and Frazier 1963; Bell 1994).
 ///
-/// Equations: docs/derivations/smoother.md. Allocates some 6 kB a tick.
+/// Equations: docs/derivations/smoother.md. Takes some 10 kB a tick, 100 MB for 80 s of the showroom.
 /// @param now_and_then  called often; may throw to stop; may be empty.
 [[nodiscard]] Smoothed smooth(const Intake& intake, const SmootherParams& params = {},
                               const std::function<void()>& now_and_then = {});
