@@ -44,6 +44,7 @@ void declare_identify(Command& command);
 void declare_bench(Command& command);
 void declare_calibrate(Command& command);
 void declare_tune(Command& command);
+void declare_map(Command& command);
 void declare_new(Command& command);
 void declare_track(Command& command);
 void declare_doctor(Command& command);
@@ -54,7 +55,8 @@ void declare_completion(Command& command);
 /// A subcommand that is compiled into this program.
 struct CommandHere {
   std::string_view name;
-  void (*declare)(Command& command);  ///< nullptr: needs the simulator, which was left out.
+  void (*declare)(Command& command);      ///< nullptr: needs the simulator, which was left out.
+  const char* laboratory_flag = nullptr;  ///< With this flag it is the laboratory's.
 };
 /// Which these are: commands_of_gatefly.cpp, commands_of_gatefly_lab.cpp. What one flies and looks
 /// with is in `gatefly`; what takes a laboratory's libraries (Ceres, OpenCV) in `gatefly-lab`, which

@@ -5,12 +5,13 @@
 
 #include "commands.hpp"
 #include "render_again.hpp"
+#include "smoothing.hpp"
 
 namespace gatefly::cli {
 
 std::span<const CommandHere> commands_here() {
   static constexpr std::array kHere{
-      CommandHere{"fly", declare_fly},           CommandHere{"replay", declare_replay},
+      CommandHere{"fly", declare_fly},           CommandHere{"replay", declare_replay, "--smooth"},
       CommandHere{"detect", declare_detect},     CommandHere{"score", declare_score},
       CommandHere{"campaign", declare_campaign}, CommandHere{"config", declare_config},
       CommandHere{"new", declare_new},           CommandHere{"track", declare_track},
@@ -21,5 +22,7 @@ std::span<const CommandHere> commands_here() {
 }
 
 tasks::RenderAgain render_again() { return tasks::rendered_again; }
+
+std::unique_ptr<FlightSmoother> flight_smoother() { return nullptr; }
 
 }  // namespace gatefly::cli

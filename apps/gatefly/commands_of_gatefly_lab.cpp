@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
+#include "gatefly/simulated_race/rendered_again.hpp"
+
 #include "commands.hpp"
+#include "render_again.hpp"
 
 namespace gatefly::cli {
 
@@ -9,9 +12,12 @@ std::span<const CommandHere> commands_here() {
   static constexpr std::array kHere{
       CommandHere{"calibrate", declare_calibrate}, CommandHere{"tune", declare_tune},
       CommandHere{"reproduce", declare_reproduce}, CommandHere{"identify", declare_identify},
-      CommandHere{"bench", declare_bench},
+      CommandHere{"bench", declare_bench},         CommandHere{"map", declare_map},
+      CommandHere{"replay", declare_replay},  // with --smooth
   };
   return kHere;
 }
+
+tasks::RenderAgain render_again() { return tasks::rendered_again; }
 
 }  // namespace gatefly::cli

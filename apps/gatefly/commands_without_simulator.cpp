@@ -16,7 +16,7 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"view", declare_view},     CommandHere{"completion", declare_completion},
       CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
       CommandHere{"render", nullptr},        CommandHere{"reproduce", nullptr},
-      CommandHere{"bench", nullptr},
+      CommandHere{"bench", nullptr},         CommandHere{"map", declare_map},
   };
   return kHere;
 }

@@ -74,6 +74,7 @@ constexpr std::array kCommands{
     Listed{"campaign", "many seeded races: how often, how fast, and what went wrong"},
     Listed{"reproduce", "the paper's figures and tables, \"paper | ours\""},
     Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights"},
+    Listed{"map", "a course as recorded flights have learnt it, with how sure that is"},
     Listed{"bench", "the stage-by-stage cost, each beside its baseline"},
     Listed{"new", "a commented track, camera or configuration to start from"},
     Listed{"track", "checks and draws a course: can it be flown, how long, how fast"},
@@ -101,6 +102,14 @@ int call_sibling(const std::string& name, char** argv) {
                     ? ": was built without it\n"
                     : ": is not there; build it, or start gatefly by ./gatefly\n");
   return kUnusable;
+}
+
+bool is_for_laboratory(const CommandHere& command, std::span<char* const> arguments) {
+  return command.laboratory_flag != nullptr &&
+         std::any_of(arguments.begin(), arguments.end(), [&](const char* argument) {
+           const std::string_view given{argument};
+           return given.substr(0, given.find('=')) == command.laboratory_flag;
+         });
 }
 
 /// "help fly" is "fly --help", "version" is "--version", "help --man" the manual page; ends with a
@@ -174,7 +183,8 @@ int run_main(std::span<char*> given) {
       return kUnusable;
     }
     const CommandHere* here = find_here(name);
-    if (here == nullptr) return call_sibling(name, arguments.data());
+    if (here == nullptr || is_for_laboratory(*here, arguments))
+      return call_sibling(name, arguments.data());
     if (here->declare == nullptr) {
       std::cerr << "gatefly " << name << ": " << kNoSimulator << '\n';
       return kUnusable;

@@ -22,6 +22,7 @@
 #include "commands.hpp"
 #include "drone_options.hpp"
 #include "render_again.hpp"
+#include "smoothing.hpp"
 
 namespace gatefly::cli {
 namespace {
@@ -31,7 +32,7 @@ struct ReplayOptions {
   DroneOptions drone;
   tasks::ReplayArguments replay;
   std::string csv, tum, out;
-  bool json = false;
+  bool json = false, smooth = false;
 };
 
 namespace fs = std::filesystem;
@@ -120,6 +121,19 @@ void write_tum(const ReplayOptions& options, const fs::path& truth_path,
                       : ": has no true position, only the estimate is written\n");
 }
 
+/// The smoother goes over the models of one filter, which has to have flown.
+std::unique_ptr<FlightSmoother> smoother_for(const ReplayOptions& options,
+                                             const tasks::RecordedFlight& flight) {
+  if (!options.smooth) return nullptr;
+  const std::string estimator = tasks::estimator_of(options.replay, flight.pilot);
+  if (estimator != "eskf")
+    throw std::runtime_error(
+        "--smooth: smooths the estimator eskf, this is " + estimator +
+        (options.replay.estimator.empty() ? " (filter.model); add" : "; give") +
+        " --estimator eskf");
+  return flight_smoother();
+}
+
 int replay(const ReplayOptions& options) {
   const bool rows_on_stdout = io::is_stdout(options.csv);
   if (options.json && rows_on_stdout)
@@ -142,6 +156,7 @@ int replay(const ReplayOptions& options) {
   const tasks::RecordedFlight flight = tasks::read_flight(given);
   say_notes(flight.notes);
   catch_interrupt();
+  const auto smoother = smoother_for(options, flight);
   std::optional<ReplayPage> page;
   if (!options.out.empty()) page.emplace(options.out, flight);
   const flight_log::ReplayResult result =
@@ -149,9 +164,17 @@ int replay(const ReplayOptions& options) {
                       [&](const flight_log::ReplayedTick& tick) {
                         stop_if_interrupted();
                         if (page) page->record(tick, given.estimator == "imu15");
+                        if (smoother) smoother->follow(tick);
                       });
-  if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(result));
-  if (!options.tum.empty()) write_tum(options, truth, flight, result);
+  SmoothedFlight smoothed;
+  flight_log::ReplayResult told;  // what the tables say
+  told.estimates = result.estimates;
+  if (smoother) {
+    smoothed = smoother->smoothed(flight, result, stop_if_interrupted);
+    told.estimates = smoothed.estimates;
+  }
+  if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(told));
+  if (!options.tum.empty()) write_tum(options, truth, flight, told);
 
   const tasks::ReplayReport report = tasks::report_of(flight, given, result);
   if (page) page->write(report, given, result);
@@ -159,7 +182,9 @@ int replay(const ReplayOptions& options) {
   if (!report.other_pictures.empty())
     std::cerr << "gatefly replay: " << report.other_pictures << '\n';
   if (options.json) {
-    std::cout << io::json_text(tasks::as_json(report, given, result));
+    nlohmann::json answer = tasks::as_json(report, given, result);
+    if (smoother) answer["smoothed"] = smoothed.json;
+    std::cout << io::json_text(answer);
   } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << given.directory << ": "
               << io::amount(result.estimates.size(), "sample") << ", "
@@ -181,6 +206,7 @@ int replay(const ReplayOptions& options) {
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
+    for (const std::string& line : smoothed.lines) std::cout << "  " << line << '\n';
     if (result.findings)
       std::cout << "  found           " << flight_log::text_of(result.findings) << '\n';
     if (result.divergence)
@@ -201,7 +227,8 @@ void declare_replay(Command& command) {
   command.footer(
       "Example:\n  gatefly replay out/showroom-1 --csv estimates.csv\n"
       "  gatefly replay out/showroom-1 --tum est.txt   # then: evo_ape tum est.truth.txt est.txt\n"
-      "  gatefly replay tudelft_bebop_flights/flight_11 --json\n\n"
+      "  gatefly replay tudelft_bebop_flights/flight_11 --json\n"
+      "  gatefly replay out/showroom-1 --smooth --csv smoothed.csv\n\n"
       "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml "
       "and\n"
       "configs/flights.toml. Exit code 0: done; 1: a number was not finite, or a flight of gatefly "
@@ -238,6 +265,10 @@ void declare_replay(Command& command) {
       .option("--out", options->out,
               "folder for report.html, the flight as a page for a browser, and summary.json")
       .path("DIR");
+  command.flag(
+      "--smooth", options->smooth,
+      "afterwards the most probable flight by all that was measured, before each moment and "
+      "after: --csv and --tum write that one, a reference where there is no motion capture");
   command.flag("--json", options->json, "print JSON");
   add_drone(command, options->drone);
   add_force(command, options->common);

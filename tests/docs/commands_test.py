@@ -63,6 +63,8 @@ REDUCED = {
     "replay my_flight --track mine.toml --config camera.toml": "",
     "replay tests/replay/oval_flight --csv estimates.csv": "",
     "replay tests/replay/oval_flight --tum est.txt": "",
+    "replay tests/replay/oval_flight --smooth --csv smoothed.csv": "",
+    "map tests/replay/oval_flight --out learnt.toml": "",
     "replay ../shared/data/tudelft_bebop_flights/flight_11": "",
     "replay tudelft_bebop_flights/flight_11": "",
     "identify my_flights/": "",

@@ -106,6 +106,23 @@ std::optional<GateExit> read_exit(Table& gate) {
   return exit;
 }
 
+/// How well a gate is known, where its file says so.
+struct GateSigmas {
+  std::optional<Eigen::Vector3d> position;
+  std::optional<double> yaw, side;
+};
+
+GateSigmas read_sigmas(Section& gate) {
+  GateSigmas sigmas;
+  if (gate.has("position_sigma_m")) {
+    const auto p = gate.numbers("position_sigma_m", 3);
+    sigmas.position = Eigen::Vector3d{p[0], p[1], p[2]};
+  }
+  if (gate.has("heading_sigma_deg")) sigmas.yaw = gate.number("heading_sigma_deg") * kDegree;
+  if (gate.has("side_sigma_m")) sigmas.side = gate.number("side_sigma_m");
+  return sigmas;
+}
+
 void read_gate(Section table, const GateDescription& defaults, TrackFile& track) {
   const auto p = table.numbers("position_m", 3);
   const double yaw = table.heading();
@@ -113,6 +130,7 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
   const double bar = table.number("bar_m", defaults.bar);
   const Eigen::Vector3d color = read_color(table, defaults);
   const auto exit = read_exit(table.table());
+  const GateSigmas sigmas = read_sigmas(table);
   table.refuse_others();
 
   if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
@@ -126,8 +144,14 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
                "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");
 
   const Eigen::Vector3d center{p[0], p[1], p[2]};
-  track.track.gates.push_back(
-      {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .exit = exit});
+  track.track.gates.push_back({.p_EG = center,
+                               .yaw_EG = yaw,
+                               .side = side,
+                               .bar = bar,
+                               .exit = exit,
+                               .position_sigma = sigmas.position,
+                               .yaw_sigma = sigmas.yaw,
+                               .side_sigma = sigmas.side});
   track.world.gates.push_back(
       {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
 }

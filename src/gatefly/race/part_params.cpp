@@ -17,6 +17,16 @@ double radians_per_px(const AnyCamera& lens) {
   return a && b ? (*b - *a).norm() : eskf::CameraModel{}.radians_per_px;
 }
 
+eskf::Landmark landmark_of(const MapGate& gate, const eskf::Priors& priors) {
+  eskf::Landmark landmark{gate.p_EG, gate.yaw_EG, {gate.side, gate.bar}};
+  eskf::GateSigmas sigmas = eskf::prior_of(landmark, priors);
+  if (gate.position_sigma) sigmas.head<3>() = *gate.position_sigma;
+  if (gate.yaw_sigma) sigmas(eskf::kGateYaw) = *gate.yaw_sigma;
+  if (gate.side_sigma) sigmas(eskf::kGateSize) = *gate.side_sigma / gate.side;
+  landmark.sigmas = sigmas;
+  return landmark;
+}
+
 eskf::Setup error_state_setup(const PilotConfig& config) {
   eskf::Setup setup;
   setup.params = config.error_state;
@@ -28,7 +38,7 @@ eskf::Setup error_state_setup(const PilotConfig& config) {
   setup.params.priors.map_height = config.gate_height_sigma;
   setup.params.priors.map_yaw = config.gate_yaw_sigma;
   for (const MapGate& gate : config.track.gates)
-    setup.map.push_back({gate.p_EG, gate.yaw_EG, {gate.side, gate.bar}});
+    setup.map.push_back(landmark_of(gate, setup.params.priors));
   setup.R_BC = config.camera.R_BC.matrix;
   setup.camera = {config.camera.p_BC, radians_per_px(config.camera.lens)};
   return setup;

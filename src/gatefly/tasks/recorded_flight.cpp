@@ -84,6 +84,7 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
                               : flight.simulated       ? directory / "track.toml"
                                                        : io::find_track("flights");
   const io::TrackFile track = io::read_track(track_path, flight.config.gate);
+  flight.track_file = track_path;
   if (flight.simulated) flight.config = io::on_course(std::move(flight.config), track);
   flight.pilot = flight.config.pilot;
   flight.pilot.track = track.track;

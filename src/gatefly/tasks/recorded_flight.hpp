@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ struct RecordedFlight {
   io::Config config;
   PilotConfig pilot;
   io::FlightFolder folder;
+  std::filesystem::path track_file;  ///< The pilot's track comes from.
   std::vector<flight_log::RecordedTick> ticks;
   flight_log::Pictures pictures = flight_log::Pictures::kNone;  ///< Where they are.
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.

@@ -51,6 +51,8 @@ class DelayRing {
 
   [[nodiscard]] std::size_t newest() const { return count_ - 1; }
   [[nodiscard]] std::size_t oldest() const;
+  /// Ticks that are kept; the content of one stays until so many later another takes its place.
+  [[nodiscard]] std::size_t capacity() const { return ticks_.size(); }
   Tick& operator[](std::size_t index) { return ticks_[index % ticks_.size()]; }
   const Tick& operator[](std::size_t index) const { return ticks_[index % ticks_.size()]; }
   /// The last tick not after `index` whose covariance is kept.

@@ -62,12 +62,6 @@ void set_variances(Covariance& P, const Params& params, double radians_per_px) {
   put3(kCorner, {lasting, lasting, radians_per_px * params.sight.lasting_size});
 }
 
-void widen(Covariance& P) {
-  constexpr double kPlace = 0.25, kSpeed = 0.04, kHeading = 9e-4;  // [m²] [m²/s²] [rad²]
-  for (int i = 0; i < 2; ++i) P(kP + i, kP + i) += kPlace, P(kV + i, kV + i) += kSpeed;
-  P(kTheta + 2, kTheta + 2) += kHeading;
-}
-
 }  // namespace
 
 ErrorStateFilter::ErrorStateFilter(const Setup& setup)

@@ -93,6 +93,8 @@ class ErrorStateFilter {
   [[nodiscard]] double variance_of_air(int axis) const;
   [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
   [[nodiscard]] const Setup& setup() const { return setup_; }
+  /// What was taken in of late, by the moment it was measured.
+  [[nodiscard]] const DelayRing& recent() const { return ring_; }
 
  private:
   void advance(const Sample& sample, double time);

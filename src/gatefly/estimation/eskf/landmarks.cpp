@@ -18,12 +18,17 @@ bool is_same(const Landmark& a, const Landmark& b) {
 
 }  // namespace
 
+GateSigmas prior_of(const Landmark& gate, const Priors& priors) {
+  if (gate.sigmas) return *gate.sigmas;
+  return {priors.map, priors.map, priors.map_height, priors.map_yaw, priors.map_size};
+}
+
 Landmarks::Landmarks(std::span<const Landmark> map, const Priors& priors) : priors_{priors} {
   for (std::size_t i = 0; i < map.size(); ++i) {
     const Landmark& gate = map[i];
     const bool known = std::any_of(known_.begin(), known_.end(),
                                    [&](const Known& k) { return is_same(k.map, gate); });
-    if (!known) known_.push_back({gate, {}, Sigmas::Zero(), -1, i});
+    if (!known) known_.push_back({gate, {}, GateSigmas::Zero(), -1, i});
   }
   slots_ = static_cast<int>(std::min(known_.size(), kMaxGates));
 }
@@ -41,7 +46,7 @@ void Landmarks::reset(Nominal& x, Covariance& P) {
   for (std::size_t i = 0; i < known_.size(); ++i) {
     Known& gate = known_[i];
     gate.belief = {gate.map.p_EG, gate.map.yaw_EG, 0.0};
-    gate.sigmas << priors_.map, priors_.map, priors_.map_height, priors_.map_yaw, priors_.map_size;
+    gate.sigmas = prior_of(gate.map, priors_);
     gate.slot = -1;
   }
   for (int slot = 0; slot < slots_; ++slot) put_in(static_cast<std::size_t>(slot), slot, x, P);

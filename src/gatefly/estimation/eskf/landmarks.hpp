@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,12 +13,18 @@
 
 namespace gatefly::eskf {
 
+using GateSigmas = Eigen::Matrix<double, kPerGate, 1>;
+
 /// A gate as the map has it.
 struct Landmark {
   Eigen::Vector3d p_EG = Eigen::Vector3d::Zero();  ///< Centre of the opening [m].
   double yaw_EG = 0.0;                             ///< [rad]
   GateShape shape;
+  std::optional<GateSigmas> sigmas = {};  ///< Of an error; without, the priors say how well.
 };
+
+/// How well a gate of the map is known before take-off, one standard deviation each.
+[[nodiscard]] GateSigmas prior_of(const Landmark& gate, const Priors& priors);
 
 /// The gates of the map: what is believed of each, and which of them are states of the filter.
 ///
@@ -53,11 +60,10 @@ class Landmarks {
   bool bring_in(std::size_t target, Nominal& x, Covariance& P);
 
  private:
-  using Sigmas = Eigen::Matrix<double, kPerGate, 1>;
   struct Known {
     Landmark map;
     GateBelief belief;
-    Sigmas sigmas = Sigmas::Zero();
+    GateSigmas sigmas = GateSigmas::Zero();
     int slot = -1;
     std::size_t first = 0;  ///< Index on the map.
   };

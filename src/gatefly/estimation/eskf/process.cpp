@@ -107,6 +107,12 @@ double gust_left(const Nominal& x, double dt, const Params& params) {
   return left_after(dt * std::max(params.slowest_air, air) / params.noise.gust_length);
 }
 
+void widen(Covariance& P) {
+  constexpr double kPlace = 0.25, kSpeed = 0.04, kHeading = 9e-4;  // [m²] [m²/s²] [rad²]
+  for (int i = 0; i < 2; ++i) P(kP + i, kP + i) += kPlace, P(kV + i, kV + i) += kSpeed;
+  P(kTheta + 2, kTheta + 2) += kHeading;
+}
+
 Transition transition(const Nominal& x, const Interval& interval, const Params& params) {
   const double dt = interval.dt;
   const Eigen::Vector3d rate = interval.mean.gyro_B - x.gyro_bias;

@@ -43,6 +43,9 @@ using Transition = Eigen::Matrix<double, kMoving, kMoving>;
 void predict(Nominal& x, Covariance& P, std::span<const Sample> samples, const Params& params,
              double radians_per_px);
 
+/// The position is in doubt: place, speed and heading are less certain than they were.
+void widen(Covariance& P);
+
 /// How much of a gust is left after the interval. No libm: e^-x by its own series.
 [[nodiscard]] double gust_left(const Nominal& x, double dt, const Params& params);
 
