@@ -222,8 +222,10 @@ void declare_replay(Command& command) {
       .one_of({"drag", "eskf", "imu15"});
   command
       .option("--heading-offset-deg", options->replay.heading_offset_deg,
-              "real logs: motion capture's heading minus the log's own (differs by flight)")
+              "real logs: the map's heading minus the log's own, where somebody knows it")
       .show_default();
+  command.flag("--true-height", options->replay.true_height,
+               "a log without sonar and barometer: height from its true positions");
   command
       .option("--data", options->replay.data,
               "where a DIR is looked for that is not here [$GATEFLY_DATA]")

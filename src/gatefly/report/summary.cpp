@@ -2,6 +2,7 @@
 #include "gatefly/report/summary.hpp"
 
 #include "gatefly/flight_log/findings_json.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/report/loss_report.hpp"
 
 namespace gatefly::io {
@@ -56,6 +57,15 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
                        {"false_positives", result.false_positives},
                        {"careful_searches", result.careful_searches}};
   json["found"] = flight_log::as_json(result.findings);
+  json["diverged"] = nullptr;
+  if (result.divergence)
+    json["diverged"] = {{"since_s", result.divergence->since},
+                        {"why", eskf::text_of(result.divergence->why)}};
+  json["true_gates"] = Json::array();
+  for (const sim::WorldGate& gate : result.true_gates)
+    json["true_gates"].push_back(
+        {{"position_m", {gate.p_EG.x(), gate.p_EG.y(), gate.p_EG.z()}},
+         {"heading_deg", gate.yaw_EG / kDegree}});
   json["searches"] = result.searches;
   json["flight_time_s"] = result.flight_time;
   json["timings"] = timings;

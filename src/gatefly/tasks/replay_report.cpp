@@ -142,6 +142,18 @@ std::string other_pictures(const RecordedFlight& flight, const flight_log::HashC
          " or another kind of processor renders them otherwise, or the folder was changed";
 }
 
+nlohmann::json as_json(const flight_log::ChiSquareCount& count) {
+  if (count.samples == 0) return nullptr;
+  return {{"samples", count.samples},
+          {"mean_per_dof", count.sum_per_dof / count.samples},
+          {"inside", static_cast<double>(count.inside) / count.samples}};
+}
+
+nlohmann::json as_json(const flight_log::FrameErrors& errors) {
+  const Eigen::Vector3d rms = errors.rms();
+  return {{"rms_m", {rms.x(), rms.y(), rms.z()}}, {"nees", as_json(errors.nees)}};
+}
+
 const char* name_of(flight_log::Pictures pictures) {
   constexpr std::array<const char*, 4> kNames{"none", "files", "film", "rendered"};
   return kNames[static_cast<std::size_t>(pictures)];
@@ -181,8 +193,13 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
                       {"visible", nullptr},
                       {"next_gate", nullptr},
                       {"same_as_recorded", nullptr},
+                      {"gate_frame", nullptr},
+                      {"earth_frame", nullptr},
+                      {"nis", as_json(result.score.nis)},
                       {"diverged", nullptr}};
   if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
+  if (result.score.gate.samples > 0) json["gate_frame"] = as_json(result.score.gate);
+  if (result.score.earth.samples > 0) json["earth_frame"] = as_json(result.score.earth);
   if (report.labelled)
     json["labelled"] = {{"shown", report.labelled->shown}, {"found", report.labelled->found}};
   if (report.visible)
