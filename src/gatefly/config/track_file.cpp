@@ -113,10 +113,6 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
   const double bar = table.number("bar_m", defaults.bar);
   const Eigen::Vector3d color = read_color(table, defaults);
   const auto exit = read_exit(table.table());
-  const bool surveyed = table.has("surveyed_m");
-  const auto found = surveyed ? table.numbers("surveyed_m", 3) : p;
-  const double found_yaw =
-      wrap_angle(table.number("surveyed_heading_deg", yaw / kDegree) * kDegree);
   table.refuse_others();
 
   if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
@@ -132,9 +128,6 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
   const Eigen::Vector3d center{p[0], p[1], p[2]};
   track.track.gates.push_back(
       {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .exit = exit});
-  track.surveyed.push_back(track.track.gates.back());
-  track.surveyed.back().p_EG = {found[0], found[1], found[2]};
-  track.surveyed.back().yaw_EG = found_yaw;
   track.world.gates.push_back(
       {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
 }

@@ -18,8 +18,6 @@ struct TrackFile {
   Track track;       ///< The pilot's map.
   sim::World world;  ///< The same as nominal truth; `sim::drawn` moves it.
   sim::StartTruth start;
-  /// The pilot's gates as they were found to stand, where the file says so; else as on the map.
-  std::vector<MapGate> surveyed;
   sim::Randomize randomize;  ///< Level of the file with its overrides.
   sim::Faults faults;
 };

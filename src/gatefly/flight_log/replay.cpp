@@ -68,7 +68,12 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
       row.source = pilot.sighting().source;
       result.pictures.push_back({*tick.picture, t, pilot.sighting()});
       scorer.add_sighting(pilot.sighting());
-      if (row.source != Sighting::Source::kNone && !result.first_fix) result.first_fix = t;
+      if (row.source != Sighting::Source::kNone) {
+        if (!result.first_fix) result.first_fix = t;
+        if (pilot.navigator().error_state() != nullptr)
+          result.known_to = std::sqrt(
+              pilot.estimate().covariance_GB.diagonal().head<2>().cwiseMax(0.0).maxCoeff());
+      }
     }
     if (pilot.finished() && !result.last_gate) result.last_gate = t;
     result.finite = result.finite && is_finite(command) && is_finite(row.estimate);

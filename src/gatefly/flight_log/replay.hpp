@@ -40,6 +40,9 @@ struct ReplayResult {
   Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
   int rmse_samples = 0;                            ///< 0: the log has no truth there.
   ReplayScore score;                               ///< In the same time.
+  /// How sure the filter of kOurs was after the last sighting that it took, across the floor from the
+  /// gate, one standard deviation [m].
+  std::optional<double> known_to;
   std::optional<eskf::Monitor::Verdict> divergence;  ///< Told without truth.
   std::optional<eskf::Findings> findings;            ///< Of the filter of kOurs, at the end.
   HashCheck hashes;  ///< Of the pictures, where the recording has hashes; for who loads them.

@@ -11,6 +11,12 @@ void FrameErrors::add(const Eigen::Vector3d& error) {
   sum += error, squares += error.cwiseAbs2(), ++samples;
 }
 
+void FrameErrors::add(const FrameErrors& other) {
+  sum += other.sum, squares += other.squares, samples += other.samples;
+  nees.samples += other.nees.samples, nees.sum_per_dof += other.nees.sum_per_dof;
+  nees.inside += other.nees.inside;
+}
+
 Eigen::Vector3d FrameErrors::rms() const {
   return samples > 0 ? (squares / samples).cwiseSqrt().eval() : Eigen::Vector3d::Zero().eval();
 }

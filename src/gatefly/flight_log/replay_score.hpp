@@ -18,20 +18,21 @@ struct FrameErrors {
   ChiSquareCount nees;  ///< 3 degrees of freedom, 20 Hz; none where the filter has no covariance.
 
   void add(const Eigen::Vector3d& error);
+  void add(const FrameErrors& other);
   [[nodiscard]] Eigen::Vector3d rms() const;
   [[nodiscard]] Eigen::Vector3d deviation() const;
 };
 
 /// What a replay's estimates are off by, and whether they know it.
 struct ReplayScore {
-  FrameErrors gate;   ///< From the gate as believed, against from the gate as it stands: what flies.
-  FrameErrors earth;  ///< In the frame of the map and of the truth.
+  FrameErrors gate;  ///< From the gate as believed, against from the gate as it stands: what flies.
+  FrameErrors earth;   ///< In the frame of the map and of the truth.
   ChiSquareCount nis;  ///< Of every sighting that was taken.
 };
 
 /// An estimate of one moment, as far as it is scored.
 struct ScoredEstimate {
-  double t = 0.0;  ///< [s]
+  double t = 0.0;                                                                  ///< [s]
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), p_GB = Eigen::Vector3d::Zero();  ///< [m]
   std::optional<Eigen::Matrix3d> covariance_EB, covariance_GB;                     ///< [m²]
 };

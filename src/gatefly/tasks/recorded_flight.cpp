@@ -75,7 +75,7 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
   if (flight.simulated)
     flight.pilot.track.laps = laps_of_flight(directory).value_or(track.track.laps);
 
-  flight.true_gates = flight.simulated ? true_gates_of_flight(directory) : track.surveyed;
+  flight.true_gates = flight.simulated ? true_gates_of_flight(directory) : track.track.gates;
   if (flight.true_gates.size() != flight.pilot.track.gates.size()) flight.true_gates.clear();
 
   // A real log: heading from its own AHRS, plus what somebody knows it to be off.
@@ -115,9 +115,9 @@ flight_log::ReplayResult replayed(
     return load_picture(picture);
   };
   try {
-    auto result = flight_log::replay(flight.pilot, flight.ticks, watched,
-                                     estimator_named(arguments.estimator), on_tick,
-                                     flight.true_gates);
+    auto result =
+        flight_log::replay(flight.pilot, flight.ticks, watched,
+                           estimator_named(arguments.estimator), on_tick, flight.true_gates);
     result.hashes = hashes;
     return result;
   } catch (const std::invalid_argument& error) {

@@ -33,7 +33,9 @@ struct RecordedFlight {
   PilotConfig pilot;
   io::FlightFolder folder;
   std::vector<flight_log::RecordedTick> ticks;
-  std::vector<MapGate> true_gates;  ///< As they stand, in the map's order; empty: nobody knows.
+  /// As they stand, in the map's order: of a simulated flight what its summary says, of a real one the
+  /// map, which nobody knows better. Empty: an older flight, which does not say.
+  std::vector<MapGate> true_gates;
   flight_log::Pictures pictures = flight_log::Pictures::kNone;  ///< Where they are.
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
   std::vector<std::string> notes;  ///< What the configuration has to say to its user.

@@ -105,6 +105,8 @@ void ErrorStateFilter::take_in(Tick& tick) {
   correct_by_drag(tick.x, P_, mean_of(samples), params);
   for (const HeightSeen& seen : tick.heights)
     (void)correct_by_height(tick.x, P_, seen.height, seen.sigma);
+  for (const PositionSeen& seen : tick.positions)
+    correct_by_position(tick.x, P_, seen.p_EB, seen.sigma);
   for (const GateSight& sight : tick.sights)
     (void)correct_by_gate(tick.x, P_, sight, landmarks_.shape(sight.slot), sight.time - tick.time,
                           setup_.camera, params.sight);
@@ -119,6 +121,16 @@ bool ErrorStateFilter::correct_height(double height, double sigma) {
   ring_.keep(ring_.newest(), P_);
   catch_up();
   return good;
+}
+
+bool ErrorStateFilter::correct_position(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
+  if (!started_ || !p_EB.allFinite() || !(sigma.minCoeff() > 0.0)) return false;
+  Tick& tick = ring_[ring_.newest()];
+  if (!tick.positions.push_back({p_EB, sigma})) return false;
+  correct_by_position(tick.x, P_, p_EB, sigma);
+  ring_.keep(ring_.newest(), P_);
+  catch_up();
+  return true;
 }
 
 void ErrorStateFilter::catch_up() {
@@ -175,7 +187,7 @@ void ErrorStateFilter::set_target(const Eigen::Vector3d& p_EG, double yaw_EG) {
   // Slots have changed: what was before was of other gates.
   Tick tick = ring_[ring_.newest()];
   tick.x.gates = now_.gates;
-  tick.sights.clear(), tick.heights.clear();
+  tick.sights.clear(), tick.heights.clear(), tick.positions.clear();
   ring_.restart(tick, P_);
 }
 

@@ -32,8 +32,7 @@ GateOff gate_off(const ErrorStateFilter& filter, int slot) {
 bool is_off(const GateOff& off, const Priors& priors) {
   const double far = off.offset.head<2>().norm(), turned = std::abs(off.turned);
   const bool moved = far > kBeyond * priors.map && far > kCertain * off.sigma;
-  const bool twisted =
-      turned > kBeyond * priors.map_yaw && turned > kCertain * off.turned_sigma;
+  const bool twisted = turned > kBeyond * priors.map_yaw && turned > kCertain * off.turned_sigma;
   return moved || twisted;
 }
 

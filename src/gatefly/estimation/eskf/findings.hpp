@@ -21,11 +21,11 @@ struct GateOff {
 
 /// What the filter has found of all that it was told, against what it was told.
 struct Findings {
-  Found tilt, pan, roll;              ///< Of the camera: down, to the right, clockwise [rad].
-  Found delay;                        ///< Pictures are so much younger than told [s].
-  Found focal;                        ///< Relative.
-  Found heading;                      ///< The drone's, clockwise: corrections altogether [rad].
-  Found wind_north, wind_east;        ///< Mean wind, air over ground [m/s].
+  Found tilt, pan, roll;                ///< Of the camera: down, to the right, clockwise [rad].
+  Found delay;                          ///< Pictures are so much younger than told [s].
+  Found focal;                          ///< Relative.
+  Found heading;                        ///< The drone's, clockwise: corrections altogether [rad].
+  Found wind_north, wind_east;          ///< Mean wind, air over ground [m/s].
   FixedList<GateOff, kMaxGates> gates;  ///< All that are states.
   FixedList<GateOff, kMaxGates> off;    ///< Only those beyond what a map may err by.
 };
