@@ -59,7 +59,7 @@ struct Nominal {
   /// How strongly accelerometer and gyro shake, as a variance, relative; found from their samples.
   double accel_shaking = 1.0, gyro_shaking = 1.0;
   double turned = 0.0;  ///< Heading by which corrections have turned it altogether [rad].
-  int corner_of = -1;  ///< Whose errors `corner` are: 2 slot + face; -1: nobody's.
+  int corner_of = -1;   ///< Whose errors `corner` are: 2 slot + face; -1: nobody's.
 };
 
 /// Takes in errors that were found.
