@@ -30,7 +30,8 @@ struct Replay {
 };
 
 Replay replay(const py::object& folder, const py::object& config, const py::object& settings,
-              const py::object& track, const std::string& estimator, double heading_offset_deg) {
+              const py::object& track, const std::string& estimator, double heading_offset_deg,
+              bool true_height) {
   const auto& names = tasks::estimator_names();
   if (!estimator.empty() && std::find(names.begin(), names.end(), estimator) == names.end())
     throw std::runtime_error("estimator = '" + io::one_line(estimator) +
@@ -40,7 +41,8 @@ Replay replay(const py::object& folder, const py::object& config, const py::obje
                                    .track = track.is_none() ? "" : path_of(track, "track"),
                                    .data = "",
                                    .estimator = estimator,
-                                   .heading_offset_deg = heading_offset_deg};
+                                   .heading_offset_deg = heading_offset_deg,
+                                   .true_height = true_height};
   Replay replay{
       .arguments = arguments, .flight = tasks::read_flight(arguments), .result = {}, .report = {}};
   warn(replay.flight.notes);
@@ -134,12 +136,15 @@ void bind_replay(py::module_& m) {
       "Folders of `gatefly fly` carry their track and configuration; others use the track and the "
       "configuration\n'flights'. estimator: 'eskf', 'drag', or 'imu15', the classic "
       "inertial filter beside it; '': what the flight is configured with.\nheading_offset_deg: of "
-      "real logs, motion capture's heading "
+      "real logs, the map's heading "
       "minus "
-      "the log's own.",
+      "the log's own.\ntrue_height: a log without sonar and barometer gets its height from its "
+      "true "
+      "positions.",
       py::arg("folder"), py::arg("config") = py::none(), py::arg("settings") = py::none(),
       py::arg("track") = py::none(), py::arg("estimator") = "",
-      py::arg("heading_offset_deg") = tasks::ReplayArguments{}.heading_offset_deg);
+      py::arg("heading_offset_deg") = tasks::ReplayArguments{}.heading_offset_deg,
+      py::arg("true_height") = false);
 }
 
 }  // namespace gatefly::python

@@ -206,18 +206,22 @@ int replay(const ReplayOptions& options) {
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()
                 << ", z " << result.rmse.z() << " m, from the first fix to the last gate\n";
+    std::cout << tasks::text_of(result.score);
     for (const std::string& line : smoothed.lines) std::cout << "  " << line << '\n';
     if (result.findings)
       std::cout << "  found           " << flight_log::text_of(result.findings) << '\n';
     if (result.divergence)
       std::cout << "  diverged        at " << result.divergence->since
                 << " s: " << eskf::text_of(result.divergence->why) << '\n';
+    if (!report.unknown.empty())
+      std::cout << "  position        unknown: " << report.unknown << '\n';
     if (report.comparison)
       std::cout << "  recorded flight " << tasks::text_of(*report.comparison, flight) << '\n';
   }
   const bool came_out =
       !report.comparison || !report.comparison->first_other || report.comparison->told;
-  return result.finite && came_out && !result.divergence ? kDone : kAnswerIsNo;
+  const bool known = !result.divergence && report.unknown.empty();
+  return result.finite && came_out && known ? kDone : kAnswerIsNo;
 }
 
 }  // namespace
@@ -231,9 +235,12 @@ void declare_replay(Command& command) {
       "  gatefly replay out/showroom-1 --smooth --csv smoothed.csv\n\n"
       "Folders of gatefly fly carry their track and configuration; others use tracks/flights.toml "
       "and\n"
-      "configs/flights.toml. Exit code 0: done; 1: a number was not finite, or a flight of gatefly "
-      "fly came out "
-      "otherwise; 2: unusable input.");
+      "configs/flights.toml. Exit code 0: done; 1: the filter has diverged or knows no position, "
+      "by "
+      "its own\n"
+      "account; a number was not finite; or a flight of gatefly fly came out otherwise; 2: "
+      "unusable "
+      "input.");
   command
       .option("DIR", options->replay.directory,
               "flight folder: log_si.csv or log_si.csv.gz, images.csv, pictures")
@@ -249,8 +256,10 @@ void declare_replay(Command& command) {
       .one_of({"drag", "eskf", "imu15"});
   command
       .option("--heading-offset-deg", options->replay.heading_offset_deg,
-              "real logs: motion capture's heading minus the log's own (differs by flight)")
+              "real logs: the map's heading minus the log's own, where somebody knows it")
       .show_default();
+  command.flag("--true-height", options->replay.true_height,
+               "a log without sonar and barometer: height from its true positions");
   command
       .option("--data", options->replay.data,
               "where a DIR is looked for that is not here [$GATEFLY_DATA]")

@@ -77,6 +77,30 @@ class Replay(Cli):
         blind = json.loads(self.run_it("replay", self.flight, "--json", "--set", "detector.min_score=9").stdout)
         self.assertEqual(blind["next_gate"], {"shown": flown["with_gate_visible"], "found": 0})
 
+    def test_errors_are_counted_from_the_gate_and_in_earth_axes(self):
+        answer = json.loads(self.run_it("replay", self.flight, "--json").stdout)
+        for frame in ("gate_frame", "earth_frame"):
+            self.assertEqual(len(answer[frame]["rms_m"]), 3)
+            self.assertLess(max(answer[frame]["rms_m"]), 0.5)
+            self.assertGreater(answer[frame]["nees"]["samples"], 5)
+        self.assertGreater(answer["nis"]["samples"], 5)
+        self.assertLess(answer["known_to_m"], 0.5)
+        self.assertIsNone(answer["unknown"])
+        self.assertEqual(len(answer["found"]["heading_deg"]), 2)
+        stood = json.loads((self.flight / "summary.json").read_text())["true_gates"]
+        self.assertEqual([sorted(gate) for gate in stood], 2 * [["heading_deg", "position_m"]])
+        text = self.run_it("replay", self.flight).stdout
+        for words in ("from the gate   rms x", "in earth axes   rms x", "NEES/3", "NIS/dof", "heading "):
+            self.assertIn(words, text)
+        # An older flight does not say where its gates stood.
+        older = self.edited("summary.json", lambda text: text.replace('"true_gates"', '"other"'))
+        self.assertIsNone(json.loads(self.run_it("replay", older, "--json").stdout)["gate_frame"])
+
+    def test_who_sees_nothing_says_that_the_position_is_unknown(self):
+        blind = self.run_it("replay", self.flight, "--set", "detector.min_score=9")
+        self.assertEqual(blind.returncode, 1, blind.stderr)
+        self.assertIn("unknown: no gate of the map was seen in ", blind.stdout)
+
     def test_trajectories_are_written_as_evo_reads_them(self):
         result = self.run_it("replay", self.flight, "--tum", "est.txt", "--csv", "est.csv")
         self.assertEqual((result.returncode, result.stderr), (0, ""))

@@ -251,6 +251,26 @@ TEST(ErrorStateFilter, AFixWithoutDelayIsTheSameThroughTheRingAsAtOnce) {
   EXPECT_THAT(filter.covariance(), IsNear(P, 1e-12));
 }
 
+// As motion capture gives it, where no gate is on the map at all.
+TEST(ErrorStateFilter, APositionIsTakenInAndStays) {
+  eskf::Setup setup = setup_for(0);
+  ErrorStateFilter filter{setup};
+  EXPECT_FALSE(filter.correct_position(Vector3d::Zero(), Vector3d::Ones())) << "has not started";
+  filter.start({}, 0.0);
+  const Imu still{.gyro_B = Vector3d::Zero(), .accel_B = {0, 0, -setup.params.gravity}};
+  const Vector3d place{0.2, -0.1, -0.05};
+  double t = 0.0;
+  for (int i = 0; i < 64; ++i) filter.predict(still, kDt, t += kDt);
+  EXPECT_TRUE(filter.correct_position(place, Vector3d::Constant(0.01)));
+  EXPECT_THAT(filter.covariance(), IsCovariance());
+  EXPECT_LT((filter.now().p_EB - place).norm(), 0.03);
+  EXPECT_LT(filter.sigma(kP), 0.0101);
+  const Vector3d before = filter.now().p_EB;
+  EXPECT_FALSE(filter.correct_position(Vector3d::Constant(std::nan("")), Vector3d::Ones()));
+  EXPECT_FALSE(filter.correct_position(place, Vector3d::Zero()));
+  EXPECT_EQ(filter.now().p_EB, before);
+}
+
 TEST(ErrorStateFilter, RefusesAPictureThatIsOlderThanItRemembers) {
   Flight flight{setup_for(), 7};
   while (flight.t < 2.0) flight.step();

@@ -45,6 +45,26 @@ TEST(EskfMonitor, GatesThatFitNowhereForTwoSecondsAreAndOneThatFitsBetweenThemEn
   EXPECT_FALSE(found.verdict().has_value());
 }
 
+// Ten pictures at 5 Hz show what was in view for two seconds, the one that the first shows included.
+TEST(EskfMonitor, TenSlowPicturesAreTwoSeconds) {
+  Monitor ten{{.pause = 0.9, .least = 6}}, nine{{.pause = 0.9, .least = 6}};
+  for (int i = 0; i < 11; ++i) {
+    ten.looked(0.2 * i), nine.looked(0.2 * i);
+    if (i > 0) ten.refused(0.2 * i);
+    if (i > 1) nine.refused(0.2 * i);
+  }
+  EXPECT_TRUE(ten.verdict().has_value());
+  EXPECT_FALSE(nine.verdict().has_value());
+}
+
+// After a long time without any picture nobody knows since when the gate has been in view.
+TEST(EskfMonitor, APauseBetweenPicturesIsNoTimeInView) {
+  Monitor monitor{{.pause = 0.9, .least = 2}};
+  monitor.looked(0.0);
+  for (const double t : {1.5, 2.0, 3.0}) monitor.looked(t), monitor.refused(t);
+  EXPECT_FALSE(monitor.verdict().has_value());
+}
+
 TEST(EskfMonitor, AFalseAlarmNowAndThenIsNone) {
   Monitor monitor;
   for (double t = 0.0; t < 60.0; t += 0.7) monitor.refused(t);

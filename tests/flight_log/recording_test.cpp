@@ -105,11 +105,15 @@ TEST(TicksOf, APictureBeyondTheLogIsRefusedByName) {
               HasSubstr("late.jpg: arrives in row 4 of a log of 4"));
 }
 
+TEST(TicksOf, TruthStaysOutUnlessItIsAskedFor) {
+  EXPECT_THAT(rows_with_sonar(ticks_of(hovering(20))), ElementsAre());
+}
+
 TEST(TicksOf, WithoutAnyHeightEachNewTruthStandsInForTheSonarOnce) {
   io::FlightFolder folder = hovering(20);
   for (std::size_t i = 7; i < 20; ++i) folder.samples[i].true_p_EB->z() = -2.5;
   for (std::size_t i = 12; i < 20; ++i) folder.samples[i].true_p_EB->x() = 1.1;
-  const auto ticks = ticks_of(folder);
+  const auto ticks = ticks_of(folder, SonarStandIn{});
   EXPECT_THAT(rows_with_sonar(ticks), ElementsAre(0, 7, 12));
   EXPECT_EQ(ticks[0].sensors.sonar, 2.0);
   EXPECT_EQ(ticks[12].sensors.sonar, 2.5);
@@ -126,19 +130,19 @@ TEST(TicksOf, OneHeightOfItsOwnAnywhereAndTruthStaysOut) {
   io::FlightFolder sonar = hovering(20), baro = hovering(20);
   sonar.samples[7].sonar = 1.9;
   baro.samples[3].baro = 1.9;
-  EXPECT_THAT(rows_with_sonar(ticks_of(sonar)), ElementsAre(7));
-  EXPECT_THAT(rows_with_sonar(ticks_of(baro)), ElementsAre());
+  EXPECT_THAT(rows_with_sonar(ticks_of(sonar, SonarStandIn{})), ElementsAre(7));
+  EXPECT_THAT(rows_with_sonar(ticks_of(baro, SonarStandIn{})), ElementsAre());
 }
 
 TEST(TicksOf, TheStandInIsARangeAlongTheBodysAxis) {
   io::FlightFolder folder = hovering(1);
   folder.samples[0].ahrs = Attitude{.roll = 60.0 * kDegree};
-  EXPECT_NEAR(ticks_of(folder)[0].sensors.sonar.value(), 4.0, 1e-12);
+  EXPECT_NEAR(ticks_of(folder, SonarStandIn{})[0].sensors.sonar.value(), 4.0, 1e-12);
   folder.samples[0].true_attitude = Attitude{.pitch = 60.0 * kDegree};  // goes before the AHRS's
   folder.samples[0].ahrs = Attitude{};
-  EXPECT_NEAR(ticks_of(folder)[0].sensors.sonar.value(), 4.0, 1e-12);
+  EXPECT_NEAR(ticks_of(folder, SonarStandIn{})[0].sensors.sonar.value(), 4.0, 1e-12);
   folder.samples[0].true_attitude = Attitude{.roll = kPi};
-  EXPECT_FALSE(ticks_of(folder)[0].sensors.sonar.has_value()) << "it looks up";
+  EXPECT_FALSE(ticks_of(folder, SonarStandIn{})[0].sensors.sonar.has_value()) << "it looks up";
 }
 
 TEST(TicksOf, NoTruthOrOnTheFloorNoStandIn) {

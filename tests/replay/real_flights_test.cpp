@@ -49,6 +49,39 @@ TEST(RealFlight, TheInertialFilterFollowsElevenOnThePilotsFixes) {
   EXPECT_LT(inertial.rmse.y(), 0.4);
 }
 
+/// As plain `gatefly replay` does it: the filter that finds heading, tilt and delay by itself, without a
+/// height.
+flight_log::ReplayResult plain(const fs::path& directory) {
+  const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
+  const io::FlightFolder folder = io::read_flight_folder(directory);
+  PilotConfig pilot = config.pilot;
+  pilot.track = io::read_track(io::find_track("flights")).track;
+  pilot.track.start_heading = folder.samples.front().ahrs.value().yaw;
+  const auto load =
+      flight_log::upright(flight_log::pictures_in_files(folder, config.camera.stored_width(),
+                                                        config.camera.stored_height()),
+                          config.camera.stored_rotation_deg);
+  return flight_log::replay(pilot, flight_log::ticks_of(folder), load, flight_log::Estimator::kEskf,
+                            {}, pilot.track.gates);
+}
+
+// Nothing is told of a flight but its own sensors, the gate and where the drone was put.
+TEST(RealFlight, EightFlightsFindTheirGateByThemselvesAndTheTwoElsewhereSaySo) {
+  if (!fs::exists(flights()))
+    GTEST_SKIP() << "no real flights at " << flights() << " (set GATEFLY_DATA)";
+  for (int flight = 3; flight <= 12; ++flight) {
+    const auto result =
+        plain(flights() / ((flight < 10 ? "flight_0" : "flight_") + std::to_string(flight)));
+    const bool elsewhere = flight == 5 || flight == 9;  // their gate is not the map's
+    EXPECT_EQ(result.divergence.has_value(), elsewhere) << "flight " << flight;
+    if (elsewhere) continue;
+    ASSERT_TRUE(result.known_to.has_value()) << "flight " << flight;
+    EXPECT_LT(*result.known_to, 0.2) << "flight " << flight;
+    EXPECT_LT(result.score.gate.rms().x(), 0.15) << "flight " << flight;
+    EXPECT_LT(result.score.gate.rms().y(), 0.15) << "flight " << flight;
+  }
+}
+
 TEST(RealFlight, TenFlightsReplayWithoutANonFiniteNumber) {
   if (!fs::exists(flights()))
     GTEST_SKIP() << "no real flights at " << flights() << " (set GATEFLY_DATA)";

@@ -26,10 +26,12 @@ inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::Fli
       flight_log::upright(flight_log::pictures_in_files(folder, config.camera.stored_width(),
                                                         config.camera.stored_height()),
                           config.camera.stored_rotation_deg);
-  return flight_log::replay(pilot, flight_log::ticks_of(folder), load, estimator);
+  return flight_log::replay(pilot, flight_log::ticks_of(folder, flight_log::SonarStandIn{}), load,
+                            estimator);
 }
 
-/// A real flight: heading from its own AHRS plus the offset to motion capture.
+/// A real flight as the drag filter needs it told: heading from its own AHRS plus the offset to motion
+/// capture, height from motion capture, the tilt and the map that were fitted to flight 11.
 inline flight_log::ReplayResult replayed_real(
     const std::filesystem::path& directory, double heading_offset_deg,
     flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
@@ -37,6 +39,12 @@ inline flight_log::ReplayResult replayed_real(
   const io::FlightFolder folder = io::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(io::find_track("flights")).track;
+  pilot.track.gates.front().p_EG = {4.15, 0.73, -1.36};
+  pilot.track.gates.front().yaw_EG = 0.0;
+  pilot.camera.R_BC = camera_mount(13.3 * kDegree);
+  pilot.ahrs.start_heading_sigma = AhrsParams{}.start_heading_sigma;
+  pilot.filter.start_sigma = DragFilterParams{}.start_sigma;
+  pilot.gate_yaw_sigma = PilotConfig{}.gate_yaw_sigma;
   pilot.track.start_heading =
       wrap_angle(folder.samples.front().ahrs.value().yaw + heading_offset_deg * kDegree);
   return replayed(pilot, folder, config, estimator);

@@ -5,20 +5,13 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/flight_log/chi_square_count.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/world/world.hpp"
 
 namespace gatefly::closed_loop {
 
-/// Squared errors in units of their covariance, which ought to be chi-square distributed.
-struct ChiSquareCount {
-  int samples = 0;
-  double sum_per_dof = 0.0;  ///< Of chi-square / degrees of freedom; its mean should be 1.
-  int inside = 0;            ///< In the middle 95 % of the distribution.
-
-  /// dof 1 to 8; others are not counted.
-  void add(double chi2, int dof);
-};
+using flight_log::ChiSquareCount;
 
 /// Whether the pilot's covariance is consistent: NEES of its position, NIS of its fixes. Bar-Shalom
 /// et al. 2001, §5.4.

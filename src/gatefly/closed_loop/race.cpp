@@ -202,6 +202,8 @@ class FlightIn final : public AnyFlight {
     const eskf::ErrorStateFilter* filter = pilot_.navigator().error_state();
     if (filter != nullptr && filter->has_started()) result.findings = eskf::findings_of(*filter);
     result.truth = truth_of_findings(config_.sim, config_.pilot);
+    result.divergence = pilot_.divergence();
+    result.true_gates = config_.sim.world.gates;
     result.gates_total = arena_.referee.total();
     result.bake_seconds = arena_.simulator.bake_seconds();
     result.flight_time = arena_.simulator.body.time() - fallen_;

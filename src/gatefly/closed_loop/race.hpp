@@ -70,6 +70,8 @@ struct RaceResult {
   Discoveries discoveries;                 ///< What the pilot found out in flight, and when.
   std::optional<eskf::Findings> findings;  ///< Of camera, air and map, by the filter of kOurs.
   TruthOfFindings truth;                   ///< Of what the filter looks for.
+  std::optional<eskf::Monitor::Verdict> divergence;  ///< As the pilot says, without any truth.
+  std::vector<sim::WorldGate> true_gates;            ///< As they stood.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
   int careful_searches = 0;  ///< Frames that the pilot searched carefully.
   int searches = 0;          ///< How often the pilot had to look for a gate.

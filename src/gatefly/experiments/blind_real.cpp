@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 
 #include "gatefly/baseline/imu15.hpp"
 #include "gatefly/drawing/plot.hpp"
+#include "gatefly/estimation/eskf/error_state_filter.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/two_filters.hpp"
@@ -30,6 +32,7 @@ using identification::DragFit;
 constexpr double kRest = 0.7;  // of every log, before the motors start [s]
 constexpr double kFixPeriod = 1.0 / 15.0, kEvery = 0.1, kSettle = 1.0;  // [s]
 constexpr double kFixSigma = 0.03;                                      // [m]
+constexpr double kLogHeadingSigma = 15.0 * kDegree;                     // configs/flights.toml
 constexpr double kBiasSigma = 0.05;  // of a bias that other flights taught [m/s²]
 constexpr std::array kLengths{0.5, 1.0, 1.5, 2.0, 3.0, 4.0};  // of a blind piece [s]
 constexpr std::size_t kTwoSeconds = 3;
@@ -57,8 +60,11 @@ struct Blind {
 };
 
 /// One flight through one filter: fixes at 15 Hz, and every 0.1 s a copy that gets none any more.
+/// @param heading_offset  of the log's heading, which filters are told with an altitude, blind ones too;
+///     nullopt: they are told neither.
 template <class Filter>
-Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filter, bool* fine) {
+Errors flown(const io::FlightFolder& flight, std::optional<double> heading_offset, Filter filter,
+             bool* fine) {
   const auto rows = identification::airborne(flight);
   Errors errors;
   *fine = true;
@@ -74,10 +80,10 @@ Errors flown(const io::FlightFolder& flight, double heading_offset, Filter filte
     FilterTick tick{.imu = s.imu, .t = t, .dt = t - before};
     before = t;
     if (t < kRest || !s.true_p_EB || !s.ahrs) continue;
-    tick.yaw = wrap_angle(s.ahrs->yaw + heading_offset);
+    tick.yaw = wrap_angle(s.ahrs->yaw + heading_offset.value_or(0.0));
     const bool is_fix = t >= next_fix;
-    if (is_fix)
-      next_fix = t + kFixPeriod, tick.z = s.true_p_EB->z() + kAltitudeSigma * noise.normal();
+    if (is_fix) next_fix = t + kFixPeriod;
+    if (is_fix && heading_offset) tick.z = s.true_p_EB->z() + kAltitudeSigma * noise.normal();
     filter.step(tick);
     for (auto& b : blind) b.filter.step(tick);
     if (is_fix) filter.fix(*s.true_p_EB, {kFixSigma, kFixSigma, kAltitudeSigma});
@@ -143,10 +149,53 @@ Navigator rested(const io::FlightFolder& flight, const Rest& rest, const DragFit
   return navigator;
 }
 
+/// The error-state filter without a gate: fixes are all it is told.
+struct WindPilot {
+  eskf::ErrorStateFilter filter;
+
+  void step(const FilterTick& tick) { filter.predict(tick.imu, tick.dt, tick.t); }
+  void fix(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
+    (void)filter.correct_position(p_EB, sigma);
+  }
+  [[nodiscard]] Eigen::Vector3d position() const { return filter.now().p_EB; }
+};
+
+WindPilot wind_pilot(const Rest& rest, const Ahrs& rested, const Eigen::Vector2d& drag) {
+  eskf::Setup setup;
+  setup.params.drag = drag;
+  setup.params.priors.heading = kLogHeadingSigma;
+  WindPilot pilot{eskf::ErrorStateFilter{setup}};
+  pilot.filter.start(
+      {.p_EB = rest.p_EB,
+       .R_EB = rotation_EB(Attitude{0.0, 0.0, rest.attitude.yaw}).matrix,
+       .gyro_bias = rested.gyro_bias(),
+       .rest_accel_B = rested.accel_bias() - Eigen::Vector3d{0, 0, setup.params.gravity}},
+      kRest);
+  return pilot;
+}
+
 struct Outcome {
   Errors drag, imu15;
+  Errors wind, untold_imu15;  ///< Nothing fitted on this flight.
   double heading_offset = 0.0;
 };
+
+/// Both filters start from the rest of this flight and the log's heading as it is, and are told
+/// positions before the gap, nothing in it. Of the other flights: drag.
+void fly_untold(const io::FlightFolder& flight, const Navigator& navigator, const DragFit& others,
+                Outcome& outcome, bool* fine) {
+  const Rest rest = rest_of(flight, 0.0);
+  const Ahrs& ahrs = navigator.ahrs();
+  bool wind_fine = true, imu_fine = true;
+  outcome.wind = flown(flight, {}, wind_pilot(rest, ahrs, others.drag), &wind_fine);
+  baseline::Imu15Params classic;
+  classic.start_heading_sigma = kLogHeadingSigma;
+  baseline::Imu15 imu15{classic};
+  imu15.start(rest.p_EB, Attitude{0.0, 0.0, rest.attitude.yaw}, ahrs.accel_bias(),
+              ahrs.gyro_bias());
+  outcome.untold_imu15 = flown(flight, {}, InertialPilot{imu15}, &imu_fine);
+  *fine = *fine && wind_fine && imu_fine;
+}
 
 Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   Outcome outcome;
@@ -163,6 +212,7 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
   baseline::Imu15 imu15{classic};
   imu15.start(rest.p_EB, rest.attitude, bias, navigator.ahrs().gyro_bias());
   outcome.imu15 = flown(flight, outcome.heading_offset, InertialPilot{imu15}, &imu_fine);
+  fly_untold(flight, navigator, others, outcome, &imu_fine);
   if (!drag_fine || !imu_fine)
     throw std::runtime_error(flight.directory.string() + ": an estimate is not a finite number");
   return outcome;
@@ -171,6 +221,33 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
 std::string metres(double value) {
   return std::isfinite(value) ? io::text_of(value, 3) + " m" : "-";
 }
+
+std::string both(const Errors& eskf, const Errors& imu15) {
+  return metres(eskf.rms(kTwoSeconds)) + " (imu15 " + metres(imu15.rms(kTwoSeconds)) + ")";
+}
+
+/// Over all flights, with nothing fitted on the one that is scored; and without 05, whose heading is
+/// the most wrong.
+struct Untold {
+  Errors wind, imu15, wind_without_05, imu15_without_05;
+  nlohmann::ordered_json per_flight = nlohmann::ordered_json::object();
+
+  void add(const std::string& flight, const Outcome& one) {
+    wind.add(one.wind), imu15.add(one.untold_imu15);
+    per_flight[flight] = {{"eskf_m", number(one.wind.rms(kTwoSeconds))},
+                          {"imu15_m", number(one.untold_imu15.rms(kTwoSeconds))}};
+    if (flight == "flight_05") return;
+    wind_without_05.add(one.wind), imu15_without_05.add(one.untold_imu15);
+  }
+  [[nodiscard]] nlohmann::ordered_json json() const {
+    return {{"eskf_rms_2s_m", number(wind.rms(kTwoSeconds))},
+            {"imu15_rms_2s_m", number(imu15.rms(kTwoSeconds))},
+            {"without_flight_05",
+             {{"eskf_rms_2s_m", number(wind_without_05.rms(kTwoSeconds))},
+              {"imu15_rms_2s_m", number(imu15_without_05.rms(kTwoSeconds))}}},
+            {"per_flight", per_flight}};
+  }
+};
 
 }  // namespace
 
@@ -195,6 +272,7 @@ Result blind_real(const Options& options) {
                 .csv = "flight,windows,heading_offset_deg,drag_rms_2s_m,imu15_rms_2s_m\n",
                 .picture = io::Canvas(1, 1)};
   Errors drag, imu15;
+  Untold untold;
   auto per_drag = nlohmann::ordered_json::object(), per_imu15 = nlohmann::ordered_json::object(),
        offsets = nlohmann::ordered_json::object();
   auto without = nlohmann::ordered_json::array();
@@ -212,6 +290,7 @@ Result blind_real(const Options& options) {
       continue;
     }
     drag.add(outcome.drag), imu15.add(outcome.imu15);
+    untold.add(flights[i].name, outcome);
     per_drag[flights[i].name] = outcome.drag.rms(kTwoSeconds),
     per_imu15[flights[i].name] = outcome.imu15.rms(kTwoSeconds);
     offsets[flights[i].name] = offset;
@@ -222,11 +301,16 @@ Result blind_real(const Options& options) {
                                 std::to_string(windows) + " windows",
                             "",
                             metres(outcome.drag.rms(kTwoSeconds)) + " (imu15 " +
-                                metres(outcome.imu15.rms(kTwoSeconds)) + ")"});
+                                metres(outcome.imu15.rms(kTwoSeconds)) +
+                                "); nothing fitted: " + both(outcome.wind, outcome.untold_imu15)});
   }
   result.table.push_back(
       {"all, blind for 2 s", "",
        metres(drag.rms(kTwoSeconds)) + " (imu15 " + metres(imu15.rms(kTwoSeconds)) + ")"});
+  result.table.push_back(
+      {"the same, nothing fitted on the scored flight", "", both(untold.wind, untold.imu15)});
+  result.table.push_back(
+      {"the same without flight_05", "", both(untold.wind_without_05, untold.imu15_without_05)});
   const DragFit mean = identification::mean_of(fits);
   auto by_length = nlohmann::ordered_json::array();
   io::Plot plot{.title = "Blind on real flights",
@@ -236,6 +320,7 @@ Result blind_real(const Options& options) {
                  {.name = "inertial filter, 15 states", .color = io::kLight.gate_solid}};
   for (std::size_t k = 0; k < kLengths.size(); ++k) {
     by_length.push_back({{"blind_s", kLengths[k]},
+                         {"unfitted", untold.json()},
                          {"windows", drag.count[k]},
                          {"drag_rms_m", number(drag.rms(k))},
                          {"imu15_rms_m", number(imu15.rms(k))}});
@@ -245,6 +330,7 @@ Result blind_real(const Options& options) {
   result.json = {
       {"drag", {{"rms_2s_m", number(drag.rms(kTwoSeconds))}, {"per_flight", per_drag}}},
       {"imu15", {{"rms_2s_m", number(imu15.rms(kTwoSeconds))}, {"per_flight", per_imu15}}},
+      {"unfitted", untold.json()},
       {"windows", drag.count[kTwoSeconds]},
       {"by_length", by_length},
       {"heading_offset_deg", offsets},

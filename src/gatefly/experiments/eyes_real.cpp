@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "gatefly/config/config.hpp"
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
@@ -24,39 +26,41 @@ namespace {
 
 namespace fs = std::filesystem;
 using flight_log::Estimator;
+using flight_log::FrameErrors;
 using flight_log::ReplayResult;
 
 constexpr double kInTheAir = 0.5;  // [m]
 
-/// Sums over samples, per axis of the gate's frame.
-struct AxisErrors {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
-  int n = 0;
-
-  void add(const Eigen::Vector3d& error) { sum += error, squares += error.cwiseAbs2(), ++n; }
-  void add(const AxisErrors& other) { sum += other.sum, squares += other.squares, n += other.n; }
-  [[nodiscard]] Eigen::Vector3d rms() const { return (squares / n).cwiseSqrt(); }
-  [[nodiscard]] Eigen::Vector3d deviation() const {
-    return (squares / n - (sum / n).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
-  }
-};
-
 struct Replayed {
-  AxisErrors errors;
+  FrameErrors errors;
   std::vector<double> t;
   std::vector<Eigen::Vector3d> truth, estimate, fixes;  ///< In the gate's frame.
   int pictures = 0;                                     ///< That corrected the filter.
+  double next_nees = 0.0;                               ///< [s]
 };
 
+void add(Replayed& out, const flight_log::EstimateRow& row, const Eigen::Vector3d& estimate,
+         const Eigen::Vector3d& truth, bool knows) {
+  constexpr double kPeriod = 0.05;  // of NEES, as campaigns count [s]
+  const Eigen::Vector3d error = estimate - truth;
+  out.errors.add(error);
+  if (knows && row.t >= out.next_nees) {
+    out.next_nees = row.t + kPeriod;
+    out.errors.nees.add(error.dot(row.estimate.covariance_GB.ldlt().solve(error)), 3);
+  }
+  out.t.push_back(row.t), out.truth.push_back(truth), out.estimate.push_back(estimate);
+}
+
 /// From the first picture in the air that corrected the filter until the drone is in the gate's
-/// plane.
-Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe& airframe,
-                  const io::Config& config, Estimator estimator) {
+/// plane. The filter of kOurs from the gate as it has found it, the others from where the map has it.
+Replayed replayed(const Flight& flight, const std::vector<flight_log::RecordedTick>& ticks,
+                  const PilotConfig& pilot, const Airframe& airframe, const io::Config& config,
+                  Estimator estimator) {
   const auto load =
       flight_log::upright(flight_log::pictures_in_files(flight.folder, config.camera.stored_width(),
                                                         config.camera.stored_height()),
                           config.camera.stored_rotation_deg);
-  const ReplayResult result = flight_log::replay(pilot, flight.ticks, load, estimator);
+  const ReplayResult result = flight_log::replay(pilot, ticks, load, estimator);
   if (!result.finite)
     throw std::runtime_error(flight.folder.directory.string() +
                              ": an estimate is not a finite number");
@@ -74,21 +78,20 @@ Replayed replayed(const Flight& flight, const PilotConfig& pilot, const Airframe
   }
   for (const auto& row : result.estimates) {
     if (row.t < begin || row.t > end) continue;
-    const Eigen::Vector3d truth = in_gate(flight.motion.position(row.t + airframe.mocap_delay)),
-                          estimate = in_gate(row.estimate.p_EB);
+    const Eigen::Vector3d truth = in_gate(flight.motion.position(row.t + airframe.mocap_delay));
     if (truth.x() > 0.0) end = row.t;
-    out.errors.add(estimate - truth);
-    out.t.push_back(row.t), out.truth.push_back(truth), out.estimate.push_back(estimate);
+    const bool ours = estimator == Estimator::kEskf;
+    add(out, row, ours ? row.estimate.p_GB : in_gate(row.estimate.p_EB), truth, ours);
   }
   return out;
 }
 
 std::string x_and_y(const Eigen::Vector3d& v) { return fixed(v.x(), 3) + ", " + fixed(v.y(), 3); }
 
-nlohmann::ordered_json json_of(const AxisErrors& e) {
+nlohmann::ordered_json json_of(const FrameErrors& e) {
   const Eigen::Vector3d rms = e.rms(), std = e.deviation();
   return {{"x_rms_m", number(rms.x())}, {"y_rms_m", number(rms.y())}, {"z_rms_m", number(rms.z())},
-          {"x_std_m", number(std.x())}, {"y_std_m", number(std.y())}, {"samples", e.n}};
+          {"x_std_m", number(std.x())}, {"y_std_m", number(std.y())}, {"samples", e.samples}};
 }
 
 io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points,
@@ -102,8 +105,22 @@ io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector
 
 struct Shown {
   std::string name;
-  Replayed drag, imu15;
+  Replayed drag, imu15, unfitted;
 };
+
+/// "0.97, 95 %": NEES/3 and how many are inside their 95 % bounds.
+std::string consistent(const FrameErrors& e) {
+  if (e.nees.samples == 0) return "-";
+  return fixed(e.nees.sum_per_dof / e.nees.samples, 2) + ", " +
+         fixed(100.0 * e.nees.inside / e.nees.samples, 0) + " %";
+}
+
+nlohmann::ordered_json with_nees(nlohmann::ordered_json json, const FrameErrors& e) {
+  if (e.nees.samples == 0) return json;
+  json["nees_per_dof"] = e.nees.sum_per_dof / e.nees.samples;
+  json["nees_inside"] = static_cast<double>(e.nees.inside) / e.nees.samples;
+  return json;
+}
 
 io::Canvas panels_of(const std::vector<Shown>& shown) {
   std::vector<io::Plot> plots;
@@ -171,19 +188,24 @@ void add_rows(const Shown& one, std::string& csv) {
   }
 }
 
+std::string of_unfitted(const Replayed& one) {
+  if (one.t.empty()) return "no picture corrected the filter";
+  return x_and_y(one.errors.rms()) + " m, NEES/3 " + consistent(one.errors);
+}
+
 /// Pooled over flights, and each.
 struct Pool {
-  AxisErrors all;
+  FrameErrors all;
   nlohmann::ordered_json per_flight = nlohmann::ordered_json::object();
 
   void add(const std::string& flight, const Replayed& one) {
     all.add(one.errors);
-    per_flight[flight] = json_of(one.errors);
+    per_flight[flight] = with_nees(json_of(one.errors), one.errors);
     per_flight[flight]["pictures"] = one.pictures, per_flight[flight]["from_s"] = one.t.front(),
     per_flight[flight]["to_s"] = one.t.back();
   }
   [[nodiscard]] nlohmann::ordered_json json() const {
-    auto json = json_of(all);
+    auto json = with_nees(json_of(all), all);
     json["per_flight"] = per_flight;
     return json;
   }
@@ -212,7 +234,7 @@ Result eyes_real(const Options& options) {
     leave_out(flight.name,
               "a whole gate in " + std::to_string(flight.seen.size()) + " pictures that agree");
 
-  Pool drag, imu15, gate_from_all;
+  Pool drag, imu15, gate_from_all, unfitted;
   std::vector<Shown> shown;
   for (std::size_t i = 0; i < found.flights.size(); ++i) {
     const Flight& flight = found.flights[i];
@@ -220,23 +242,32 @@ Result eyes_real(const Options& options) {
     options.progress(0.4 + 0.6 * static_cast<double>(i) / static_cast<double>(found.flights.size()),
                      flight.name);
     const auto fly = [&](const Survey& survey, Estimator estimator) {
-      return replayed(flight, told(pilot, survey, found.gate_of[i], i), survey.airframe, config,
-                      estimator);
+      return replayed(flight, flight.ticks, told(pilot, survey, found.gate_of[i], i),
+                      survey.airframe, config, estimator);
     };
     const Survey others = by_the_others(found, i, pilot);
-    Shown s{flight.name, fly(others, Estimator::kDrag), fly(others, Estimator::kImu15)};
+    // Nothing of this flight is told but what its own sensors say.
+    const Replayed own_sensors =
+        replayed(flight, flight_log::ticks_of(flight.folder),
+                 told_the_gate(pilot, others.gates[found.gate_of[i]], flight), others.airframe,
+                 config, Estimator::kEskf);
+    Shown s{flight.name, fly(others, Estimator::kDrag), fly(others, Estimator::kImu15),
+            own_sensors};
     const Replayed all = fly(found.survey, Estimator::kDrag);
     if (s.drag.t.empty() || all.t.empty()) {
       leave_out(flight.name, "no picture in the air corrected the filter");
       continue;
     }
+    if (!s.unfitted.t.empty()) unfitted.add(s.name, s.unfitted);
     drag.add(s.name, s.drag), imu15.add(s.name, s.imu15), gate_from_all.add(s.name, all);
     fits[s.name] = fitted_json(found, others, i, flight);
-    result.table.push_back(
-        {s.name + (found.shared(i) ? "" : ", gate from itself") + ", " +
-             fixed(s.drag.t.back() - s.drag.t.front(), 1) + " s, " +
-             std::to_string(s.drag.pictures) + " pictures",
-         "", x_and_y(s.drag.errors.rms()) + " m (imu15 " + x_and_y(s.imu15.errors.rms()) + ")"});
+    result.table.push_back({s.name + (found.shared(i) ? "" : ", gate from itself") + ", " +
+                                fixed(s.drag.t.back() - s.drag.t.front(), 1) + " s, " +
+                                std::to_string(s.drag.pictures) + " pictures",
+                            "",
+                            x_and_y(s.drag.errors.rms()) + " m (imu15 " +
+                                x_and_y(s.imu15.errors.rms()) +
+                                "); nothing fitted: " + of_unfitted(s.unfitted)});
     add_rows(s, result.csv);
     shown.push_back(std::move(s));
   }
@@ -247,6 +278,9 @@ Result eyes_real(const Options& options) {
   result.table.push_back(
       {"all, std of x, y", "0.104, 0.069 m",
        x_and_y(drag.all.deviation()) + " m (imu15 " + x_and_y(imu15.all.deviation()) + ")"});
+  if (unfitted.all.samples > 0)
+    result.table.push_back({"all, RMS, nothing fitted on the scored flight; NEES/3", "",
+                            x_and_y(unfitted.all.rms()) + " m; " + consistent(unfitted.all)});
   result.table.push_back(
       {"all, RMS, gate from all flights", "", x_and_y(gate_from_all.all.rms()) + " m"});
   const double misfit = misfit_px(found, pilot),
@@ -256,6 +290,7 @@ Result eyes_real(const Options& options) {
        fixed(misfit, 2) + " px (attitudes of the log's AHRS: " + fixed(misfit_of_log, 2) + " px)"});
   result.json = {{"drag", drag.json()},
                  {"imu15", imu15.json()},
+                 {"unfitted", unfitted.all.samples > 0 ? unfitted.json() : nullptr},
                  {"drag_gate_from_all", gate_from_all.json()},
                  {"misfit_px", {{"our_ahrs", misfit}, {"logs_ahrs", misfit_of_log}}},
                  {"fitted", fits},

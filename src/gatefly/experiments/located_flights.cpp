@@ -215,8 +215,20 @@ PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate, std:
   pilot.track.gates.front().p_EG = survey.gates[gate].p_EG,
   pilot.track.gates.front().yaw_EG = survey.gates[gate].yaw;
   pilot.track.start_heading = survey.flights[flight].heading;
+  // What a survey has found is known as well as a pad and a map usually are.
+  const PilotConfig usual;
+  pilot.ahrs.start_heading_sigma = usual.ahrs.start_heading_sigma;
+  pilot.filter.start_sigma = usual.filter.start_sigma;
+  pilot.gate_yaw_sigma = usual.gate_yaw_sigma;
   pilot.camera = mounted(pilot.camera, survey.airframe, survey.flights[flight]);
   pilot.camera_timing.latency = survey.airframe.exposure_delay;
+  return pilot;
+}
+
+PilotConfig told_the_gate(PilotConfig pilot, const SurveyedGate& gate, const Flight& flight) {
+  pilot.filter_model = FilterModel::kOurs;
+  pilot.track.gates.front().p_EG = gate.p_EG, pilot.track.gates.front().yaw_EG = gate.yaw;
+  pilot.track.start_heading = log_yaw(flight);
   return pilot;
 }
 

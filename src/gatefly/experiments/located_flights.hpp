@@ -60,6 +60,11 @@ struct Located {
 [[nodiscard]] PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate,
                                std::size_t flight);
 
+/// A pilot that knows the gate, and of the flight what its own log and the data sheet say: heading,
+/// camera and delay are for its filter to find.
+[[nodiscard]] PilotConfig told_the_gate(PilotConfig pilot, const SurveyedGate& gate,
+                                        const Flight& flight);
+
 /// Distance between expected and seen corners in all pictures, RMS [px].
 [[nodiscard]] double misfit_px(const Located& found, const PilotConfig& pilot);
 

@@ -22,6 +22,7 @@ nlohmann::ordered_json as_json(const std::optional<eskf::Findings>& findings) {
             {"thrust", pair(findings->thrust, 1.0)},
             {"wind_north_mps", pair(findings->wind_north, 1.0)},
             {"wind_east_mps", pair(findings->wind_east, 1.0)},
+            {"heading_deg", pair(findings->heading, kDegree)},
             {"gates_off", Json::array()}};
   for (const eskf::GateOff& gate : findings->off)
     json["gates_off"].push_back(
@@ -43,6 +44,7 @@ std::string text_of(const std::optional<eskf::Findings>& findings) {
   };
   put("camera tilt ", findings->tilt, kDegree, 1, "°");
   put(", pan ", findings->pan, kDegree, 1, "°");
+  put(", heading ", findings->heading, kDegree, 1, "°");
   put(", pictures ", findings->delay, 1e-3, 0, " ms younger");
   put(", focal ", findings->focal, 0.01, 1, " %");
   put(", thrust ", findings->thrust, 0.01, 1, " %");

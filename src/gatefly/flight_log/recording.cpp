@@ -63,6 +63,12 @@ std::optional<std::size_t> take_off_row(const io::FlightFolder& folder) {
 }  // namespace
 
 std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarStandIn& sonar) {
+  std::vector<RecordedTick> ticks = ticks_of(folder);
+  if (!has_height(folder)) add_sonar(ticks, folder, sonar);
+  return ticks;
+}
+
+std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
   std::vector<RecordedTick> ticks;
   ticks.reserve(folder.samples.size());
   for (const io::FlightSample& sample : folder.samples)
@@ -79,7 +85,6 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarSt
     if (!folder.samples[i].motors) continue;
     sensors.motors = i > 0 ? folder.samples[i - 1].motors : std::array<double, 4>{};
   }
-  if (!has_height(folder)) add_sonar(ticks, folder, sonar);
   if (const auto row = take_off_row(folder)) ticks[*row].sensors.lifted = true;
   for (std::size_t i = 0; i < folder.images.size(); ++i) {
     const io::FlightImage& image = folder.images[i];

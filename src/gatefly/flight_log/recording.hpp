@@ -28,14 +28,15 @@ struct SonarStandIn {
   std::function<double()> noise = {};  ///< Of each reading [m]; none when empty.
 };
 
-/// A recording as the pilot had it: what each row of the log says, nothing added.
-///
-/// A log without a single height (sonar or barometer) gets one from its true positions, as a sonar
-/// has it: along the body's axis, by the log's attitude; level where it has none. Of two pictures
-/// in one row the later counts.
+/// A recording as the pilot had it: what each row of the log says, nothing added. Of two pictures in
+/// one row the later counts.
 /// @throws std::invalid_argument when a picture arrives in a row that is not there.
+[[nodiscard]] std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder);
+
+/// The same, but a log without a single height (sonar or barometer) gets one from its true positions,
+/// as a sonar has it: along the body's axis, by the log's attitude; level where it has none.
 [[nodiscard]] std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder,
-                                                 const SonarStandIn& sonar = {});
+                                                 const SonarStandIn& sonar);
 
 /// Answers the stored picture `i` of a recording, valid until the next.
 using PictureSource = std::function<const io::ImageFile&(std::size_t i)>;

@@ -22,6 +22,16 @@ bool is_finite(const Estimate& e) {
          std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
 }
 
+// Of a filter that has no gate among its states: from where the map has it.
+ScoredEstimate on_map(const EstimateRow& row, const MapGate& gate) {
+  const Eigen::Vector3d& p_EB = row.estimate.p_EB;
+  return {.t = row.t,
+          .p_EB = p_EB,
+          .p_GB = rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG),
+          .covariance_EB = std::nullopt,
+          .covariance_GB = std::nullopt};
+}
+
 PilotConfig with_filter_of(PilotConfig config, Estimator estimator) {
   if (estimator == Estimator::kEskf) config.filter_model = FilterModel::kOurs;
   const bool other = config.filter_model == FilterModel::kOurs;
@@ -35,12 +45,14 @@ PilotConfig with_filter_of(PilotConfig config, Estimator estimator) {
 
 ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
                     const std::function<Image(std::size_t)>& load_picture, Estimator estimator,
-                    const std::function<void(const ReplayedTick&)>& on_tick) {
+                    const std::function<void(const ReplayedTick&)>& on_tick,
+                    const std::vector<MapGate>& true_gates) {
   Pilot pilot{with_filter_of(config, estimator)};
   InertialFollower inertial;
   ReplayResult result;
   result.estimates.reserve(ticks.size());
   result.commands.reserve(ticks.size());
+  ReplayScorer scorer{true_gates};
   Eigen::Vector3d error2 = Eigen::Vector3d::Zero();
   for (const RecordedTick& tick : ticks) {
     Sensors sensors = tick.sensors;
@@ -55,17 +67,28 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
     if (tick.picture) {
       row.source = pilot.sighting().source;
       result.pictures.push_back({*tick.picture, t, pilot.sighting()});
-      if (row.source != Sighting::Source::kNone && !result.first_fix) result.first_fix = t;
+      scorer.add_sighting(pilot.sighting());
+      if (row.source != Sighting::Source::kNone) {
+        if (!result.first_fix) result.first_fix = t;
+        if (pilot.navigator().error_state() != nullptr)
+          result.known_to = std::sqrt(
+              pilot.estimate().covariance_GB.diagonal().head<2>().cwiseMax(0.0).maxCoeff());
+      }
     }
     if (pilot.finished() && !result.last_gate) result.last_gate = t;
     result.finite = result.finite && is_finite(command) && is_finite(row.estimate);
     if (result.first_fix && !result.last_gate && tick.p_EB) {
       error2 += (row.estimate.p_EB - *tick.p_EB).cwiseAbs2();
       ++result.rmse_samples;
+      const auto target = static_cast<std::size_t>(pilot.target_gate());
+      scorer.add(estimator == Estimator::kImu15 ? on_map(row, config.track.gates[target])
+                                                : scored_estimate(pilot),
+                 *tick.p_EB, target);
     }
     result.estimates.push_back(row);
     result.commands.push_back(command);
   }
+  result.score = scorer.score();
   result.divergence = pilot.divergence();
   const eskf::ErrorStateFilter* filter = pilot.navigator().error_state();
   if (filter != nullptr && filter->has_started()) result.findings = eskf::findings_of(*filter);

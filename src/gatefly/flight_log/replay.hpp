@@ -10,6 +10,7 @@
 
 #include "gatefly/estimation/eskf/findings.hpp"
 #include "gatefly/flight_log/recording.hpp"
+#include "gatefly/flight_log/replay_score.hpp"
 #include "gatefly/race/pilot.hpp"
 
 namespace gatefly::flight_log {
@@ -38,6 +39,10 @@ struct ReplayResult {
   std::optional<double> last_gate;  ///< When the pilot thought it passed the last gate [s].
   Eigen::Vector3d rmse = Eigen::Vector3d::Zero();  ///< From first fix to the gate; earth frame [m].
   int rmse_samples = 0;                            ///< 0: the log has no truth there.
+  ReplayScore score;                               ///< In the same time.
+  /// How sure the filter of kOurs was after the last sighting that it took, across the floor from the
+  /// gate, one standard deviation [m].
+  std::optional<double> known_to;
   std::optional<eskf::Monitor::Verdict> divergence;  ///< Told without truth.
   std::optional<eskf::Findings> findings;            ///< Of the filter of kOurs, at the end.
   HashCheck hashes;  ///< Of the pictures, where the recording has hashes; for who loads them.
@@ -65,9 +70,11 @@ struct ReplayedTick {
 ///
 /// @param load_picture  answers the view of picture i; it must stay valid until the next call.
 /// @param on_tick  called after every step; may be empty.
+/// @param true_gates  as they stand, where somebody knows: for the score alone.
 [[nodiscard]] ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
                                   const std::function<Image(std::size_t)>& load_picture,
                                   Estimator estimator = Estimator::kDrag,
-                                  const std::function<void(const ReplayedTick&)>& on_tick = {});
+                                  const std::function<void(const ReplayedTick&)>& on_tick = {},
+                                  const std::vector<MapGate>& true_gates = {});
 
 }  // namespace gatefly::flight_log

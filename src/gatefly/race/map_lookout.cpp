@@ -46,6 +46,7 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   arrivals_.arrived(navigator.time());
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
+  monitor_.looked(navigator.time());
   const double width = sensors.seen ? sensors.seen->image_width : sensors.image->width();
   const View view{sensors,
                   course,

@@ -102,6 +102,14 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["found_after_lap_1"] = found_after_lap(result.discoveries);
   json["map_reports"] = map_reports(result.discoveries);
   json["gate_rmse_m"] = result.discoveries.gate_rmse;
+  json["diverged"] = nullptr;
+  if (result.divergence)
+    json["diverged"] = {{"since_s", result.divergence->since},
+                        {"why", eskf::text_of(result.divergence->why)}};
+  json["true_gates"] = Json::array();
+  for (const sim::WorldGate& gate : result.true_gates)
+    json["true_gates"].push_back({{"position_m", {gate.p_EG.x(), gate.p_EG.y(), gate.p_EG.z()}},
+                                  {"heading_deg", gate.yaw_EG / kDegree}});
   json["searches"] = result.searches;
   json["flight_time_s"] = result.flight_time;
   json["timings"] = timings;

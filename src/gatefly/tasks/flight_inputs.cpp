@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/tasks/flight_inputs.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/json_file.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/geometry/math.hpp"
 
 namespace gatefly::tasks {
 namespace {
@@ -158,6 +160,24 @@ std::uint64_t seed_of_flight(const fs::path& directory) {
                              ": does not say the flight's seed, without which its pictures cannot "
                              "be rendered again");
   return seed.get<std::uint64_t>();
+}
+
+std::vector<MapGate> true_gates_of_flight(const fs::path& directory) {
+  const nlohmann::json stood = FlightSummary{directory}.at("/true_gates");
+  std::vector<MapGate> gates;
+  if (!stood.is_array()) return gates;
+  for (const auto& gate : stood) {
+    const auto p = gate.is_object() ? gate.value("position_m", nlohmann::json{}) : nlohmann::json{};
+    const auto heading = gate.is_object() ? gate.value("heading_deg", nlohmann::json{}) : p;
+    const auto is_number = [](const nlohmann::json& value) { return value.is_number(); };
+    if (!p.is_array() || p.size() != 3 || !std::all_of(p.begin(), p.end(), is_number) ||
+        !heading.is_number())
+      return {};
+    MapGate& stands = gates.emplace_back();
+    stands.p_EG = {p[0].get<double>(), p[1].get<double>(), p[2].get<double>()};
+    stands.yaw_EG = heading.get<double>() * kDegree;
+  }
+  return gates;
 }
 
 std::string version_of_flight(const fs::path& directory) {

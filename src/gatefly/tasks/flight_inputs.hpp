@@ -38,6 +38,9 @@ void expect_whole(const std::filesystem::path& directory, const io::FlightFolder
 /// The day it was flown on. @throws std::runtime_error one line, when summary.json does not say it.
 [[nodiscard]] std::uint64_t seed_of_flight(const std::filesystem::path& directory);
 
+/// Its gates as they stood, by summary.json; empty where that does not say.
+[[nodiscard]] std::vector<MapGate> true_gates_of_flight(const std::filesystem::path& directory);
+
 /// Of the gatefly that flew it; "" where its summary does not say.
 [[nodiscard]] std::string version_of_flight(const std::filesystem::path& directory);
 

@@ -91,12 +91,17 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
   if (flight.simulated)
     flight.pilot.track.laps = laps_of_flight(directory).value_or(track.track.laps);
 
-  // A real log: heading from its own AHRS plus the offset to motion capture.
+  flight.true_gates = flight.simulated ? true_gates_of_flight(directory) : track.track.gates;
+  if (flight.true_gates.size() != flight.pilot.track.gates.size()) flight.true_gates.clear();
+
+  // A real log: heading from its own AHRS, plus what somebody knows it to be off.
   const auto& samples = flight.folder.samples;
   if (!flight.simulated && samples.front().ahrs)
     flight.pilot.track.start_heading =
         wrap_angle(samples.front().ahrs->yaw + arguments.heading_offset_deg * kDegree);
-  flight.ticks = flight_log::ticks_of(flight.folder);
+  flight.ticks = arguments.true_height
+                     ? flight_log::ticks_of(flight.folder, flight_log::SonarStandIn{})
+                     : flight_log::ticks_of(flight.folder);
   expect_navigation_imu(flight);
   flight.pictures = flight_log::where_pictures_are(flight.folder);
   if (!flight.simulated && flight.pictures == flight_log::Pictures::kHashes)
@@ -127,8 +132,9 @@ flight_log::ReplayResult replayed(
     return load_picture(picture);
   };
   try {
-    auto result = flight_log::replay(flight.pilot, flight.ticks, watched,
-                                     estimator_named(arguments.estimator), on_tick);
+    auto result =
+        flight_log::replay(flight.pilot, flight.ticks, watched,
+                           estimator_named(arguments.estimator), on_tick, flight.true_gates);
     result.hashes = hashes;
     return result;
   } catch (const std::invalid_argument& error) {

@@ -22,8 +22,10 @@ struct ReplayArguments {
   std::string data;       ///< Where a directory is looked for that is not here; "": default.
   /// "drag", "eskf", "imu15": whose estimates; "": those of the filter that the flight is configured with.
   std::string estimator;
-  /// Real logs: motion capture's heading minus the log's own [deg]; differs by flight.
-  double heading_offset_deg = 11.5;
+  /// Real logs: the map's heading minus the log's own, where somebody knows it [deg].
+  double heading_offset_deg = 0.0;
+  /// A log without sonar and barometer gets its height from its true positions.
+  bool true_height = false;
 };
 
 /// A recorded flight, ready for the pilot.
@@ -33,6 +35,9 @@ struct RecordedFlight {
   io::FlightFolder folder;
   std::filesystem::path track_file;  ///< The pilot's track comes from.
   std::vector<flight_log::RecordedTick> ticks;
+  /// As they stand, in the map's order: of a simulated flight what its summary says, of a real one the
+  /// map, which nobody knows better. Empty: an older flight, which does not say.
+  std::vector<MapGate> true_gates;
   flight_log::Pictures pictures = flight_log::Pictures::kNone;  ///< Where they are.
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
   std::vector<std::string> notes;  ///< What the configuration has to say to its user.

@@ -11,9 +11,12 @@
 #include <vector>
 
 #include "gatefly/files/labels_file.hpp"
+#include "gatefly/files/printed.hpp"
 #include "gatefly/files/scoring.hpp"
+#include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/findings_json.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/geometry/rotation_vector.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
 namespace gatefly::tasks {
@@ -48,7 +51,12 @@ std::optional<Rate> against_geometry(const RecordedFlight& flight,
                                      const flight_log::ReplayResult& result,
                                      double heading_offset) {
   Rate rate;
-  const CameraRig& rig = flight.pilot.camera;
+  CameraRig rig = flight.pilot.camera;
+  if (const auto& found = result.findings) {
+    heading_offset += found->heading.value;
+    rig.R_BC.matrix =
+        rig.R_BC.matrix * rotation_of({-found->tilt.value, found->pan.value, found->roll.value});
+  }
   for (const auto& row : result.pictures) {
     const auto& sample = flight.folder.samples[flight.folder.images[row.picture].log_row];
     const auto attitude = sample.true_attitude ? sample.true_attitude : sample.ahrs;
@@ -130,6 +138,18 @@ std::string why_no_fix(const flight_log::ReplayResult& result) {
   return "gates in " + std::to_string(with_gate) + " pictures and no fix: " + reason;
 }
 
+// An answer of half a metre either way flies through no gate.
+std::string unknown(const RecordedFlight& flight, const ReplayArguments& arguments,
+                    const flight_log::ReplayResult& result) {
+  constexpr double kUseful = 0.5;  // [m]
+  if (result.pictures.empty() || estimator_of(arguments, flight.pilot) != "eskf") return "";
+  if (!result.known_to)
+    return "no gate of the map was seen in " + io::amount(result.pictures.size(), "picture");
+  if (*result.known_to < kUseful) return "";
+  return "after the last sighting it is known to " + io::text_of(*result.known_to, 2) +
+         " m (one sigma) across the floor";
+}
+
 std::string other_pictures(const RecordedFlight& flight, const flight_log::HashCheck& hashes) {
   if (!hashes.first_other) return "";
   const std::string first = flight.folder.images[*hashes.first_other].path.filename().string();
@@ -140,6 +160,18 @@ std::string other_pictures(const RecordedFlight& flight, const flight_log::HashC
   const std::string version = version_of_flight(flight.folder.directory);
   return said + "another version" + (version.empty() ? "" : " than " + version) +
          " or another kind of processor renders them otherwise, or the folder was changed";
+}
+
+nlohmann::json as_json(const flight_log::ChiSquareCount& count) {
+  if (count.samples == 0) return nullptr;
+  return {{"samples", count.samples},
+          {"mean_per_dof", count.sum_per_dof / count.samples},
+          {"inside", static_cast<double>(count.inside) / count.samples}};
+}
+
+nlohmann::json as_json(const flight_log::FrameErrors& errors) {
+  const Eigen::Vector3d rms = errors.rms();
+  return {{"rms_m", {rms.x(), rms.y(), rms.z()}}, {"nees", as_json(errors.nees)}};
 }
 
 const char* name_of(flight_log::Pictures pictures) {
@@ -157,6 +189,7 @@ ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& argu
   report.next_gate = against_next_gate(flight, result);
   report.comparison = compared(flight, arguments, result);
   report.why_no_fix = why_no_fix(result);
+  if (!result.divergence) report.unknown = unknown(flight, arguments, result);
   report.other_pictures = other_pictures(flight, result.hashes);
   report.pictures_from = name_of(flight.pictures);
   for (const auto& row : result.pictures)
@@ -181,14 +214,23 @@ nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& argume
                       {"visible", nullptr},
                       {"next_gate", nullptr},
                       {"same_as_recorded", nullptr},
+                      {"gate_frame", nullptr},
+                      {"earth_frame", nullptr},
+                      {"nis", as_json(result.score.nis)},
+                      {"known_to_m", nullptr},
+                      {"unknown", nullptr},
                       {"diverged", nullptr}};
   if (result.rmse_samples > 0) json["rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
+  if (result.score.gate.samples > 0) json["gate_frame"] = as_json(result.score.gate);
+  if (result.score.earth.samples > 0) json["earth_frame"] = as_json(result.score.earth);
   if (report.labelled)
     json["labelled"] = {{"shown", report.labelled->shown}, {"found", report.labelled->found}};
   if (report.visible)
     json["visible"] = {{"shown", report.visible->shown}, {"found", report.visible->found}};
   if (report.next_gate)
     json["next_gate"] = {{"shown", report.next_gate->shown}, {"found", report.next_gate->found}};
+  if (result.known_to) json["known_to_m"] = *result.known_to;
+  if (!report.unknown.empty()) json["unknown"] = report.unknown;
   json["found"] = flight_log::as_json(result.findings);
   if (result.divergence)
     json["diverged"] = {{"since_s", result.divergence->since},
@@ -206,6 +248,30 @@ std::string text_of(const Comparison& comparison, const RecordedFlight& flight) 
   if (comparison.told) return from + ", as --config, --set or --track want it";
   const std::string why = difference_in(flight.config, flight.folder.directory);
   return from + (why.empty() ? ": a file of the folder or the program has changed" : ": " + why);
+}
+
+std::string text_of(const flight_log::ReplayScore& score) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2);
+  const auto counted = [&text](const char* name, const flight_log::ChiSquareCount& count) {
+    if (count.samples == 0) return;
+    text << name << count.sum_per_dof / count.samples << ", " << std::setprecision(0)
+         << 100.0 * count.inside / count.samples << std::setprecision(2)
+         << " % inside its 95 % bounds";
+  };
+  const auto put = [&](const char* name, const flight_log::FrameErrors& errors) {
+    if (errors.samples == 0) return;
+    const Eigen::Vector3d rms = errors.rms();
+    text << name << rms.x() << ", y " << rms.y() << ", z " << rms.z() << " m";
+    counted("; NEES/3 ", errors.nees);
+    text << '\n';
+  };
+  put("  from the gate   rms x ", score.gate);
+  put("  in earth axes   rms x ", score.earth);
+  if (score.nis.samples == 0) return text.str();
+  counted("  sightings       NIS/dof ", score.nis);
+  text << '\n';
+  return text.str();
 }
 
 const char* name_of(Sighting::Source source) {

@@ -36,7 +36,9 @@ struct ReplayReport {
   std::optional<Rate> next_gate;
   std::optional<Comparison> comparison;  ///< Where the log has the recorded pilot's estimates.
   std::string why_no_fix;                ///< Many gates and no fix: why; "" where all is well.
-  std::string pictures_from;             ///< "files", "film", "rendered", "none".
+  /// The filter knows no position, and has not diverged either: why; "" where it does.
+  std::string unknown;
+  std::string pictures_from;   ///< "files", "film", "rendered", "none".
   std::string other_pictures;  ///< Whose hashes are not the flight's: how many; "" when none.
 };
 
@@ -49,6 +51,9 @@ struct ReplayReport {
 
 /// "the same estimates, to the bit", or from where on they are others, and why.
 [[nodiscard]] std::string text_of(const Comparison& comparison, const RecordedFlight& flight);
+
+/// Lines of errors in the gate's frame and in earth axes, and of NIS; "" where the log has no truth.
+[[nodiscard]] std::string text_of(const flight_log::ReplayScore& score);
 
 /// "predict", "corners", "bars": the column `source` of estimates.csv.
 [[nodiscard]] const char* name_of(Sighting::Source source);

@@ -74,6 +74,16 @@ bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma) {
   return true;
 }
 
+void correct_by_position(Nominal& x, Covariance& P, const Eigen::Vector3d& p_EB,
+                         const Eigen::Vector3d& sigma) {
+  for (int axis = 0; axis < 3; ++axis)
+    correct(x, P,
+            Scalar<1>{.residual = p_EB(axis) - x.p_EB(axis),
+                      .states = {kP + axis},
+                      .jacobian = {1.0},
+                      .variance = sigma(axis) * sigma(axis)});
+}
+
 void correct_by_rest(Nominal& x, Covariance& P, const Eigen::Vector3d& accel_B,
                      const Params& params) {
   const double variance = params.priors.rest_accel * params.priors.rest_accel;

@@ -53,6 +53,10 @@ void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, cons
 /// A height above the floor [m]. False: more than five sigmas off, and left.
 bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma);
 
+/// A position in E, each axis by itself, as motion capture or a satellite has it [m].
+void correct_by_position(Nominal& x, Covariance& P, const Eigen::Vector3d& p_EB,
+                         const Eigen::Vector3d& sigma);
+
 /// The mean specific force of a drone that stands, which is not accelerated: Rᵀ (0, 0, −g) + b.
 void correct_by_rest(Nominal& x, Covariance& P, const Eigen::Vector3d& accel_B,
                      const Params& params);

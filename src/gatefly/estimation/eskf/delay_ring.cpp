@@ -24,7 +24,8 @@ Tick& DelayRing::push() {
   const Nominal& before = (*this)[newest()].x;
   ++count_;
   Tick& tick = (*this)[newest()];
-  tick.samples.clear(), tick.heights.clear(), tick.sights.clear();
+  tick.samples.clear(), tick.heights.clear(), tick.positions.clear();
+  tick.sights.clear();
   tick.doubted = false;
   tick.x = before;
   return tick;

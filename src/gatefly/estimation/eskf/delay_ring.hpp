@@ -19,11 +19,17 @@ struct HeightSeen {
   double height = 0.0, sigma = 0.0;  ///< [m]
 };
 
+/// A position as it was measured.
+struct PositionSeen {
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), sigma = Eigen::Vector3d::Ones();  ///< [m]
+};
+
 /// One step of the filter: what came in, and what was believed at its end.
 struct Tick {
   double time = 0.0;  ///< Of its end [s].
   FixedList<Sample, kMaxSamples> samples;
   FixedList<HeightSeen, 4> heights;
+  FixedList<PositionSeen, 2> positions;
   FixedList<GateSight, 6> sights;
   bool doubted = false;                            ///< See ErrorStateFilter::doubt.
   double accel_shaking = 1.0, gyro_shaking = 1.0;  ///< See Nominal.

@@ -152,6 +152,8 @@ void ErrorStateFilter::take_in(std::size_t index) {
   correct_by_thrust(tick.x, P_, interval, params);
   for (const HeightSeen& seen : tick.heights)
     (void)correct_by_height(tick.x, P_, seen.height, seen.sigma);
+  for (const PositionSeen& seen : tick.positions)
+    correct_by_position(tick.x, P_, seen.p_EB, seen.sigma);
   if (!tick.sights.empty()) tick.x.rate_B = rate_around(index);
   for (const GateSight& sight : tick.sights)
     (void)correct_by_gate(tick.x, P_, sight, landmarks_.shape(sight.slot), sight.time - tick.time,
@@ -184,6 +186,16 @@ bool ErrorStateFilter::correct_height(double height, double sigma) {
   ring_.keep(ring_.newest(), P_);
   catch_up();
   return good;
+}
+
+bool ErrorStateFilter::correct_position(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
+  if (!started_ || !p_EB.allFinite() || !(sigma.minCoeff() > 0.0)) return false;
+  Tick& tick = ring_[ring_.newest()];
+  if (!tick.positions.push_back({p_EB, sigma})) return false;
+  correct_by_position(tick.x, P_, p_EB, sigma);
+  ring_.keep(ring_.newest(), P_);
+  catch_up();
+  return true;
 }
 
 void ErrorStateFilter::catch_up() {
@@ -243,7 +255,7 @@ void ErrorStateFilter::set_target(const Eigen::Vector3d& p_EG, double yaw_EG) {
   // Slots have changed: what was before was of other gates.
   Tick tick = ring_[ring_.newest()];
   tick.x.gates = now_.gates;
-  tick.sights.clear(), tick.heights.clear();
+  tick.sights.clear(), tick.heights.clear(), tick.positions.clear();
   ring_.restart(tick, P_);
 }
 

@@ -60,6 +60,10 @@ class ErrorStateFilter {
   /// A height above the floor [m]; of now. False: refused.
   bool correct_height(double height, double sigma);
 
+  /// A position in E, one standard deviation of each axis [m]; of now. False: not finite, or no room
+  /// for it in this tick.
+  bool correct_position(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma);
+
   /// How far a sighting is from what is expected; its slot and face are a hypothesis.
   [[nodiscard]] std::optional<Innovation> innovation_of(const GateSight& sight) const;
 

@@ -16,16 +16,19 @@ struct GateOff {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Along its way, to the right, down [m].
   double turned = 0.0;                               ///< Clockwise from above [rad].
   double sigma = 0.0;                                ///< Of the offset on the floor plan [m].
+  double turned_sigma = 0.0;                         ///< [rad]
 };
 
 /// What the filter has found of all that it was told, against what it was told.
 struct Findings {
-  Found tilt, pan, roll;              ///< Of the camera: down, to the right, clockwise [rad].
-  Found delay;                        ///< Pictures are so much younger than told [s].
-  Found focal;                        ///< Relative.
-  Found thrust;                       ///< Relative: rotors give so much more than commanded.
-  Found wind_north, wind_east;        ///< Mean wind, air over ground [m/s].
-  FixedList<GateOff, kMaxGates> off;  ///< Only those beyond what a map may err by.
+  Found tilt, pan, roll;                ///< Of the camera: down, to the right, clockwise [rad].
+  Found delay;                          ///< Pictures are so much younger than told [s].
+  Found focal;                          ///< Relative.
+  Found thrust;                         ///< Relative: rotors give so much more than commanded.
+  Found heading;                        ///< The drone's, clockwise: corrections altogether [rad].
+  Found wind_north, wind_east;          ///< Mean wind, air over ground [m/s].
+  FixedList<GateOff, kMaxGates> gates;  ///< All that are states.
+  FixedList<GateOff, kMaxGates> off;    ///< Only those beyond what a map may err by.
 };
 
 /// @param filter  has started.

@@ -6,6 +6,8 @@
 namespace gatefly::eskf {
 namespace {
 
+constexpr double kStamp = 0.005;  // what the stamps of pictures jitter by [s]
+
 // The chi-square number of n degrees of freedom that a normal number of z corresponds to. Wilson and
 // Hilferty 1931.
 double chi_square_bound(int n, double z) {
@@ -15,6 +17,8 @@ double chi_square_bound(int n, double z) {
 }
 
 }  // namespace
+
+void Monitor::looked(double time) { look_before_ = last_look_, last_look_ = time; }
 
 void Monitor::taken(double nis, int rows, double time) {
   unfit_since_.reset();
@@ -37,10 +41,13 @@ void Monitor::taken(double nis, int rows, double time) {
 }
 
 void Monitor::refused(double time) {
-  if (!unfit_since_ || time - last_refused_ > params_.pause) unfit_since_ = time, refused_ = 0;
+  if (!unfit_since_ || time - last_refused_ > params_.pause) {
+    const bool between = last_look_ == time && time - look_before_ < params_.between;
+    unfit_since_ = between ? look_before_ : time, refused_ = 0;
+  }
   last_refused_ = time;
   ++refused_;
-  if (refused_ >= params_.least && time - *unfit_since_ >= params_.unfit && !verdict_)
+  if (refused_ >= params_.least && time - *unfit_since_ > params_.unfit - kStamp && !verdict_)
     verdict_ = {Divergence::kNothingFits, *unfit_since_};
 }
 

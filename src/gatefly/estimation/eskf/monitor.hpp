@@ -21,6 +21,8 @@ struct MonitorParams {
   double unfit = 2.0;     ///< Gates may be seen for so long and none taken in [s].
   double pause = 0.5;     ///< Not seen for so long: it begins anew [s].
   int least = 10;         ///< So many of them at least.
+  double between =
+      0.25;  ///< The longest time between two pictures that one shows the whole of [s].
 };
 
 /// Watches what becomes of sightings, and says when the filter has diverged.
@@ -28,6 +30,9 @@ class Monitor {
  public:
   explicit Monitor(const MonitorParams& params = {}) : params_{params} {}
 
+  /// A picture was looked at, whatever it shows. Gates refused in it were in view since the one before:
+  /// ten pictures at 5 Hz are two seconds.
+  void looked(double time);
   /// A sighting was taken in, which was so far off before that.
   void taken(double nis, int rows, double time);
   /// A detection that its detector is sure of fitted nowhere.
@@ -48,7 +53,7 @@ class Monitor {
   MonitorParams params_;
   FixedList<One, 64> recent_;
   std::optional<double> beyond_since_, unfit_since_;
-  double last_refused_ = -1e3;
+  double last_refused_ = -1e3, last_look_ = -1e3, look_before_ = -1e3;
   int refused_ = 0;
   std::optional<Verdict> verdict_;
 };

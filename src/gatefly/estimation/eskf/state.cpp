@@ -10,6 +10,7 @@ void add(Nominal& x, const ErrorVector& error) {
   x.p_EB += error.segment<3>(kP);
   x.v_E += error.segment<3>(kV);
   x.R_EB = rotation_of(error.segment<3>(kTheta)) * x.R_EB;
+  x.turned += error(kTheta + 2);
   x.gyro_bias += error.segment<3>(kGyroBias);
   x.accel_bias += error.segment<3>(kAccelBias);
   x.gust += error.segment<2>(kGust);

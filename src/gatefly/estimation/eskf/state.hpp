@@ -60,7 +60,8 @@ struct Nominal {
   double spread = 1.0;      ///< Variance of the corners' errors, relative; found from residuals.
   /// How strongly accelerometer and gyro shake, as a variance, relative; found from their samples.
   double accel_shaking = 1.0, gyro_shaking = 1.0;
-  int corner_of = -1;  ///< Whose errors `corner` are: 2 slot + face; -1: nobody's.
+  double turned = 0.0;  ///< Heading by which corrections have turned it altogether [rad].
+  int corner_of = -1;   ///< Whose errors `corner` are: 2 slot + face; -1: nobody's.
 };
 
 /// Takes in errors that were found.
