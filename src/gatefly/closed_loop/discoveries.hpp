@@ -48,7 +48,7 @@ struct Discoveries {
 class DiscoveryWatch {
  public:
   DiscoveryWatch(const PilotConfig& told, const sim::SimConfig& truth)
-      : told_{told}, truth_{truth} {}
+      : vehicle_{told.vehicle}, gates_{truth.world.gates}, truth_{truth_of_findings(truth, told)} {}
 
   /// A tick of the pilot, the drone being where `state` says.
   /// @param passes  gates passed so far, by the referee.

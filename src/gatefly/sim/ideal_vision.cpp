@@ -14,7 +14,7 @@ namespace {
 constexpr double kLowerCornersReach = 3.5;
 constexpr double kBarsReach = 1.8;  // [Li18 flight code]
 // a false pair of bars or lower corners: at least so far apart [Li18 flight code] [px]
-constexpr double kMinGap = 40.0;
+constexpr double kLeastGap = 40.0;
 
 double at(const Quantiles& quantiles, double part) {
   const double x = std::clamp(part, 0.0, 1.0) * static_cast<double>(quantiles.size() - 1);
@@ -304,8 +304,8 @@ void IdealVision::add_false_pair(FalsePair& kind, double rate, double t,
   if (!kind.pair) {
     Draws draw = draws(kind.where, 0, t);
     const double width = camera_.width() - 1, height = camera_.height() - 1;
-    const double left = draw.uniform(0.0, width - kMinGap),
-                 right = draw.uniform(left + kMinGap, width),
+    const double left = draw.uniform(0.0, width - kLeastGap),
+                 right = draw.uniform(left + kLeastGap, width),
                  level = draw.uniform(0.3, 1.0) * height;
     kind.pair = {{left, level}, {right, level}};
   }
