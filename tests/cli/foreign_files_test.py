@@ -80,7 +80,7 @@ class Toml(ForeignFiles):
             for number in (2, 99, 1_000_000_000):
                 said = self.fly_track(GATE + f"[faults]\n{key} = {number}\n")
                 self.assertIn(f"faults.{key} = {number}", said)
-                self.assertRegex(said, r"has 1 gate\b|in 0\.\.100")
+                self.assertRegex(said, r"has 1 gate\b|in (0|-1)\.\.100")
                 track = self.file("mine.toml", GATE)
                 self.assertIn(f"faults.{key} = {number}", self.refused("track", track, "--set", f"faults.{key}={number}"))
 
