@@ -93,7 +93,8 @@ TEST_F(Recording, AnAutopilotsImuIsKeptWhereItArrived) {
     Sensors sensors{.time = std::chrono::milliseconds{2 * row}, .imu = {}};
     if (row == 2) sensors.navigation_imu = sample;
     if (row == 3) sensors.navigation_imu = Imu{{std::nan(""), 0, 0}, {0, 0, 0}};
-    recorder.record({.sensors = sensors, .command = command, .pilot = pilot_, .truth = {}});
+    recorder.record(
+        {.sensors = sensors, .command = command, .pilot = pilot_, .truth = {}, .frame = {}});
   }
   recorder.finish("{}");
   const FlightFolder flight = read_flight_folder(folder_.path() / "flight");
