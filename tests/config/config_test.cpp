@@ -278,6 +278,30 @@ TEST(Config, RefusesWrongTypesNanAndRangesNamingFileKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_with("control.speed_mps="), HasSubstr("must be a number"));
 }
 
+std::string error_of_all(const std::vector<std::string>& settings) {
+  return test::error_of([&] { (void)with(settings); });
+}
+
+TEST(Config, AnAutopilotsImuThatNoFilterTakesIsRefused) {
+  for (const std::string key : {"filter.imu_hz", "sim.autopilot_imu_hz"}) {
+    EXPECT_EQ(error_of_all({key + "=25"}), "");
+    EXPECT_EQ(error_of_all({key + "=10"}), "--set: " + key + " = 10, must be 0 or in 25..512");
+    EXPECT_EQ(error_of_all({key + "=300", "vehicle.imu_hz=200"}),
+              "--set: " + key + " = 300, must be at most vehicle.imu_hz = 200");
+    EXPECT_EQ(error_of_all({key + "=50", "filter.model=drag"}),
+              "--set: " + key +
+                  " = 50, must be 0 with filter.model = \"drag\", which takes every sample");
+    EXPECT_THAT(error_of_all({key + "=50", "pose.model=paper"}), HasSubstr("pose.model"));
+  }
+  EXPECT_EQ(error_of_all({"sim.autopilot_imu_hz=50", "sim.autopilot_gyro_cutoff_hz=256"}),
+            "--set: sim.autopilot_gyro_cutoff_hz = 256, must be less than half of vehicle.imu_hz = "
+            "512");
+  EXPECT_EQ(error_of_all({"sim.autopilot_gyro_cutoff_hz=256"}), "") << "nobody filters";
+  EXPECT_EQ(error_of_all({"sim.autopilot_imu_hz=50", "vehicle.imu_hz=200",
+                          "sim.autopilot_gyro_cutoff_hz=90"}),
+            "");
+}
+
 TEST(Config, ErrorsAreOneLine) {
   const test::TempFolder folder;
   const auto file = folder.file("broken.toml", "[camera]\ntilt_deg = = 3\n");

@@ -190,6 +190,26 @@ TEST(Derived, RatesArePilotsAndSimulatorsAndTheRestLastsAsLong) {
   EXPECT_EQ(phase_params(Told{{}}.pilot).rest_samples, 768);
 }
 
+// As that of the vehicle's IMU the nominal rate of the autopilot's is told, unless somebody says
+// another; the rest lasts as long.
+TEST(Derived, AnAutopilotsImuIsToldToThePilotByItsRateAlone) {
+  const Told told{{"sim.autopilot_imu_hz=50", "sim.autopilot_accel_cutoff_hz=40"}};
+  EXPECT_EQ(told.simulator.sensors.autopilot_imu_hz, 50.0);
+  EXPECT_EQ(told.simulator.sensors.autopilot_accel_cutoff, 40.0);
+  EXPECT_EQ(told.pilot.filter_imu_hz, 50.0);
+  EXPECT_EQ(told.pilot.imu_hz, 512.0);
+  EXPECT_EQ(navigator_params(told.pilot).slow_imu_hz, 50.0);
+  EXPECT_EQ(phase_params(told.pilot).rest_samples, 75);
+  const Told other{{"sim.autopilot_imu_hz=50", "filter.imu_hz=60"}};
+  EXPECT_EQ(other.pilot.filter_imu_hz, 60.0);
+  EXPECT_EQ(other.simulator.sensors.autopilot_imu_hz, 50.0);
+  EXPECT_EQ(Told{{}}.pilot.filter_imu_hz, 0.0);
+  PilotConfig drag = told.pilot;  // as a replay flies it with --estimator drag
+  drag.filter_model = FilterModel::kDrag;
+  EXPECT_EQ(navigator_params(drag).slow_imu_hz, 0.0);
+  EXPECT_EQ(phase_params(drag).rest_samples, 768);
+}
+
 // The pilot's rotor model is what it believes; the simulator's is the truth, and its own key.
 TEST(Derived, RotorsLagAsEachIsTold) {
   const Told told{{"vehicle.rotor_time_constant_ms=30", "sim.rotor_time_constant_ms=40"}};

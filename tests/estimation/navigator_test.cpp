@@ -197,6 +197,74 @@ TEST(OwnFilter, StandsWhereItWasToldAndFliesByTheImu) {
   EXPECT_GT(drone.navigator.heading_sigma(), 0.05);
 }
 
+// --- an autopilot's IMU: 50 Hz of the 512 ---
+
+NavigatorParams by_autopilot() {
+  NavigatorParams params = with_map();
+  params.slow_imu_hz = 51.2;
+  return params;
+}
+
+/// At rest for a second, then in flight; every tenth sample is handed on, or what `hand_on` makes of it.
+struct ByAutopilot {
+  ByAutopilot() : navigator{by_autopilot()} {
+    navigator.start({0.3, -0.2, 0.0}, 0.4, kGate, {0.0, 0.05, 0.06});
+    for (int i = 0; i < 512; ++i, t += kDt)
+      navigator.rest(kStill, t, i % 10 == 0 ? std::optional{kStill} : std::nullopt);
+  }
+  void fly(int ticks, const Imu& imu, const std::optional<Imu>& handed_on) {
+    for (int i = 0; i < ticks; ++i, t += kDt)
+      navigator.predict(imu, t, i % 10 == 0 ? handed_on : std::nullopt);
+  }
+  Navigator navigator;
+  double t = kDt;
+};
+
+TEST(ByAutopilotsImu, TheRestIsTaughtByItAlone) {
+  EXPECT_EQ(ByAutopilot{}.navigator.state().rest_samples, 52);
+}
+
+TEST(ByAutopilotsImu, TheFilterGoesByItAndWhoSteersByTheVehiclesGyro) {
+  ByAutopilot drone;
+  const Imu turning{{0, 0, 0.5}, {0, 0, -9.81}};
+  drone.fly(512, turning, turning);
+  EXPECT_NEAR(drone.navigator.state().attitude.yaw, 0.9, 0.01);
+  // Another gyro between the samples: shown at once, gone with the next sample.
+  drone.fly(5, {{0, 0, 2.0}, {0, 0, -9.81}}, turning);
+  EXPECT_NEAR(drone.navigator.state().rate_B.z(), 2.0, 0.01);
+  const double ahead = drone.navigator.state().attitude.yaw;
+  drone.fly(512, turning, turning);
+  EXPECT_NEAR(drone.navigator.state().attitude.yaw, 1.405, 0.01);
+  EXPECT_GT(ahead, 0.9);
+}
+
+TEST(ByAutopilotsImu, ASampleThatIsNoNumberIsAsOneThatNeverCame) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  ByAutopilot broken, none;
+  const Imu turning{{0.1, 0, 0.5}, {-0.8, 0, -9.81}};
+  for (ByAutopilot* drone : {&broken, &none}) drone->fly(300, turning, turning);
+  broken.fly(40, turning, Imu{Vector3d::Constant(kNan), {0, 0, -9.81}});
+  none.fly(40, turning, std::nullopt);
+  EXPECT_EQ(broken.navigator.state().p_EB, none.navigator.state().p_EB);
+  EXPECT_EQ(broken.navigator.state().R_EB.matrix, none.navigator.state().R_EB.matrix);
+  EXPECT_NEAR(broken.navigator.state().since_imu, 0.1, 0.02) << "the autopilot fell silent";
+}
+
+TEST(ByAutopilotsImu, TheVehiclesGyroThatFallsSilentIsToldToo) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  ByAutopilot drone;
+  drone.fly(256, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)}, kStill);
+  EXPECT_NEAR(drone.navigator.state().since_imu, 0.5, 0.01);
+  EXPECT_TRUE(drone.navigator.state().R_EB.matrix.allFinite());
+}
+
+TEST(ByAutopilotsImu, AllocatesNothingOnceBuilt) {
+  ByAutopilot drone;
+  const test::NothingAllocated watch;
+  drone.fly(1000, kStill, kStill);
+  drone.navigator.measure_heights(0.1, 0.1);
+}
+
 NavigatorParams as_paper() {
   NavigatorParams params;
   params.model = FilterModel::kPaper;

@@ -85,6 +85,38 @@ TEST_P(RecordingInEitherLog, ReadsBackExactly) {
 }
 INSTANTIATE_TEST_SUITE_P(Log, RecordingInEitherLog, ::testing::Bool());
 
+TEST_F(Recording, AnAutopilotsImuIsKeptWhereItArrived) {
+  const Command command;
+  const Imu sample{{1.0 / 3.0, -5e-324, 2.0}, {0.1, 1e300, -9.81}};
+  FlightRecorder recorder(folder_.path() / "flight", {.navigation_imu = true});
+  for (int row = 0; row < 4; ++row) {
+    Sensors sensors{.time = std::chrono::milliseconds{2 * row}, .imu = {}};
+    if (row == 2) sensors.navigation_imu = sample;
+    if (row == 3) sensors.navigation_imu = Imu{{std::nan(""), 0, 0}, {0, 0, 0}};
+    recorder.record(
+        {.sensors = sensors, .command = command, .pilot = pilot_, .truth = {}, .frame = {}});
+  }
+  recorder.finish("{}");
+  const FlightFolder flight = read_flight_folder(folder_.path() / "flight");
+  ASSERT_EQ(flight.samples.size(), 4u);
+  EXPECT_FALSE(flight.samples[1].navigation_imu.has_value());
+  ASSERT_TRUE(flight.samples[2].navigation_imu.has_value());
+  EXPECT_EQ(flight.samples[2].navigation_imu->gyro_B, sample.gyro_B);
+  EXPECT_EQ(flight.samples[2].navigation_imu->accel_B, sample.accel_B);
+  EXPECT_FALSE(flight.samples[3].navigation_imu.has_value()) << "no use to the pilot either";
+  const auto ticks = flight_log::ticks_of(flight);
+  EXPECT_TRUE(ticks[2].sensors.navigation_imu.has_value());
+  EXPECT_FALSE(ticks[1].sensors.navigation_imu.has_value());
+}
+
+TEST_F(Recording, WithoutAnAutopilotsImuTheLogHasNoColumnsForIt) {
+  FlightRecorder recorder(folder_.path() / "flight");
+  record(recorder, 0);
+  recorder.finish("{}");
+  const std::string log = read_file(folder_.path() / "flight" / "log_si.csv");
+  EXPECT_THAT(log.substr(0, log.find('\n')), ::testing::EndsWith(",battery_v"));
+}
+
 TEST_F(Recording, FramesAreKeptInOneFilmToTheBit) {
   if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   constexpr int kWidth = 32, kHeight = 18, kFrames = 30;

@@ -11,10 +11,10 @@ namespace gatefly::eskf {
 /// How strongly an IMU shakes in this flight, against the flights that the noise was measured on.
 ///
 /// Ours. Second differences of the samples leave out what the drone does: of white noise of variance
-/// σ² they have 6 σ², of a motion of frequency ω its (ω dt)⁴. Of a slow IMU's, which is an autopilot's,
-/// third ones are taken, 20 σ² and (ω dt)⁶: vibration that aliasing has folded down moves attitude and
-/// velocity as white noise does, so that what they have is compared with the densities themselves.
-/// Less than these is nothing that it could show, low-passed as it is. No clock, no libm.
+/// σ² they have 6 σ², of a motion of frequency ω its (ω dt)⁴. Of an autopilot's slow IMU third ones are
+/// taken, with 20 σ² and (ω dt)⁶: vibration that is folded down by aliasing moves velocity and attitude
+/// as white noise does, so that what they show is compared with those densities themselves. Less than
+/// these a low-passed IMU cannot show. No clock, no libm.
 class Vibration {
  public:
   explicit Vibration(const Noise& noise, bool slow = false);
