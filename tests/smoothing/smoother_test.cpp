@@ -31,7 +31,12 @@ eskf::Setup one_gate() {
   setup.map.push_back({{4.0, 0.0, 0.0}, 0.0, {1.0, 0.05}});
   setup.R_BC = camera_mount(0.0).matrix;
   setup.camera = {{0.1, 0, 0}, 0.006};
-  setup.params.priors.map = 0.01;  // the gate is known well, the pad is not
+  // All is known well but where the pad is.
+  eskf::Priors& priors = setup.params.priors;
+  priors.map = priors.map_height = 0.01, priors.map_yaw = 0.01, priors.map_size = 0.002;
+  priors.heading = priors.tilt = 0.003;
+  priors.mount.setConstant(0.003);
+  priors.focal = priors.bend = priors.delay = 0.002;
   return setup;
 }
 
