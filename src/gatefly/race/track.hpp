@@ -23,7 +23,7 @@ struct MapGate {
   double side = 1.0;                            ///< Outer side of the coloured frame [m].
   double bar = 0.05;                            ///< Width of its bars [m].
   std::optional<GateExit> exit = std::nullopt;  ///< For control.mode = "paper" only.
-  // How well that is known, one standard deviation each; without, as well as other maps' gates:
+  // How well that is known, one standard deviation each; nullopt: as PilotConfig says of any gate.
   std::optional<Eigen::Vector3d> position_sigma = std::nullopt;  ///< [m]
   std::optional<double> yaw_sigma = std::nullopt;                ///< [rad]
   std::optional<double> side_sigma = std::nullopt;               ///< [m]

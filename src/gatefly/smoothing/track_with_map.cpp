@@ -19,10 +19,17 @@ bool is_table_list(const json& value) {
   return value.is_array() && !value.empty() && value.front().is_object();
 }
 
-// JSON's numbers and lists are TOML's, and so are its strings.
+// JSON's numbers are TOML's, and so are its strings.
+std::string text_of(const json& value) {
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (const json& item : value) text += (text.empty() ? "" : ", ") + text_of(item);
+  return '[' + text + ']';
+}
+
 void write_values(std::string& text, const json& table) {
   for (const auto& [key, value] : table.items())
-    if (!value.is_object() && !is_table_list(value)) text += key + " = " + value.dump() + '\n';
+    if (!value.is_object() && !is_table_list(value)) text += key + " = " + text_of(value) + '\n';
 }
 
 void write_tables(std::string& text, const json& table, const std::string& before) {
