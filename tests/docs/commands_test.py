@@ -52,6 +52,8 @@ REDUCED = {
     "fly --set control.speed_mps=1.4 --config my.toml": IDEAL,
     "campaign showroom --runs 100 --vision ideal --out out/days": ("--runs 100", "--runs 2"),
     "campaign oval --runs 40 --vision ideal": ("--runs 40", "--runs 2"),
+    "campaign showroom --runs 12 --vision ideal --set randomize.jet_mps=0.3 --set randomize.shear_per_s=0.1 --set randomize.wash=1":
+        ("--runs 12", "--runs 1"),
     "campaign mine.toml --runs 100 --vision ideal --out out/mine": ("--runs 100", "--runs 2"),
     "fly showroom --frames": "--laps 1 " + SHORT,
     "fly showroom": SHORT,
