@@ -122,6 +122,14 @@ TEST(EyesReal, FollowsEveryFlightToItsGateWithin015Metres) {
   }
   EXPECT_LT(result.json.at("misfit_px").at("our_ahrs").get<double>(),
             result.json.at("misfit_px").at("logs_ahrs").get<double>());
+  // Nothing fitted on the flight that is scored: as near, and the filter knows how near.
+  const auto& unfitted = result.json.at("unfitted");
+  EXPECT_EQ(unfitted.at("per_flight").size(), per_flight.size());
+  EXPECT_LE(unfitted.at("x_rms_m").get<double>(), 0.10);
+  EXPECT_LE(unfitted.at("y_rms_m").get<double>(), 0.10);
+  EXPECT_GE(unfitted.at("nees_per_dof").get<double>(), 0.7);
+  EXPECT_LE(unfitted.at("nees_per_dof").get<double>(), 1.4);
+  EXPECT_GE(unfitted.at("nees_inside").get<double>(), 0.9);
   // The paper's offline figure, on the floor plan: y alone stands on its very value
   // (docs/paper/results.md).
   const auto& drag = result.json.at("drag");
