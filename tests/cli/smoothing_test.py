@@ -31,7 +31,7 @@ class Smoothing(Cli):
         filtered = (self.folder / "f.csv").read_text().splitlines()
         self.assertEqual(rows[0], filtered[0])
         self.assertNotEqual(rows[1000], filtered[1000])
-        self.assertIn("in the room", self.run_it("replay", self.FLIGHT, "--smooth", "--estimator", "eskf").stdout)
+        self.assertIn("aligned rms", self.run_it("replay", self.FLIGHT, "--smooth", "--estimator", "eskf").stdout)
 
     def test_only_the_filter_whose_models_it_has_is_smoothed(self):
         for estimator in ("drag", "imu15"):
