@@ -83,16 +83,6 @@ inline const DetectorStatistics kOurDetectorOfWideGates{
                .staying = {.day = 0.5, .row = 0.45, .time = 0.5},
                .fitness = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}},
     .alarm_side_px = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}},
-    .lower = {.rate = 0,
-              .staying = {.day = 0, .row = 0, .time = 0.1},
-              .sigma_px = 0,
-              .false_rate = 0,
-              .false_staying = {.day = 0, .row = 0, .time = 0.1}},
-    .bars = {.rate = 0.009091,
-             .staying = {.day = 0, .row = 0.7, .time = 0.2},
-             .sigma_px = 8.673,
-             .false_rate = 0.008547,
-             .false_staying = {.day = 0, .row = 0.7, .time = 0.2}},
     .cuts = {.kinds = {{
                  {{
                      {.below_px = 160, .rate = 0, .sigma_px = 0},
@@ -122,6 +112,16 @@ inline const DetectorStatistics kOurDetectorOfWideGates{
              }},
              .staying = {.day = 0, .row = 0.7, .time = 0.2},
              .false_rate = 0.005698,
+             .false_staying = {.day = 0, .row = 0.7, .time = 0.2}},
+    .lower = {.rate = 0,
+              .staying = {.day = 0, .row = 0, .time = 0.1},
+              .sigma_px = 0,
+              .false_rate = 0,
+              .false_staying = {.day = 0, .row = 0, .time = 0.1}},
+    .bars = {.rate = 0.009091,
+             .staying = {.day = 0, .row = 0.7, .time = 0.2},
+             .sigma_px = 8.673,
+             .false_rate = 0.008547,
              .false_staying = {.day = 0, .row = 0.7, .time = 0.2}},
     .told = {0, 0, 0, 0, 0, 0}};
 
