@@ -12,7 +12,7 @@ ninja -C build/release detector_statistics
 mkdir -p out
 build/release/detector_statistics --write "$table.new" "$@" >out/detector_statistics.txt
 wide=src/gatefly/sim/wide_gates_table.hpp
-build/release/detector_statistics --wide --days 6 --write "$wide.new" >out/wide_gates_statistics.txt
+build/release/detector_statistics --wide --days 4 --write "$wide.new" >out/wide_gates_statistics.txt
 for each in "$table" "$wide"; do
   clang-format-14 -i "$each.new" 2>/dev/null || clang-format -i "$each.new"
   mv "$each.new" "$each"

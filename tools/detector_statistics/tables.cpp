@@ -154,8 +154,9 @@ std::string text(const sim::DetectorStatistics& s) {
          "},\n.crooked = " + text(s.crooked) + ",\n.crooked_low = " + text(s.crooked_low) +
          ",\n.crooked_high = " + text(s.crooked_high) + ",\n.two_gates = " + text(s.two_gates) +
          ",\n.decoys = " + text(s.decoys) + ",\n.places = " + text(s.places) +
-         ",\n.alarm_side_px = {" + text(s.alarm_side_px) + "},\n.lower = " + text(s.lower) +
-         ",\n.bars = " + text(s.bars) + text_if_any(s.cuts) + ",\n.told = {" + told + "}\n}";
+         ",\n.alarm_side_px = {" + text(s.alarm_side_px) + "}" + text_if_any(s.cuts) +
+         ",\n.lower = " + text(s.lower) + ",\n.bars = " + text(s.bars) + ",\n.told = {" + told +
+         "}\n}";
 }
 
 void print_line(const char* what, const std::vector<Look>& looks) {

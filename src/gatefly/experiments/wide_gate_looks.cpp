@@ -56,6 +56,7 @@ bool is_about(const FoundCorners& found, const sim::GateView& gate) {
 
 void WideLooks::add(const tasks::Picture& picture, const sim::World& world,
                     const std::vector<FoundCorners>& found) {
+  constexpr double kSame = 0.7;  // [the paper's rule]
   ++pictures;
   for (const sim::GateView& gate : picture.gates) {
     WideLook& look = looks.emplace_back();
@@ -67,6 +68,10 @@ void WideLooks::add(const tasks::Picture& picture, const sim::World& world,
     const auto hit = std::find_if(found.begin(), found.end(),
                                   [&](const FoundCorners& one) { return hits(one, gate); });
     look.found = hit != found.end();
+    look.covered = std::any_of(found.begin(), found.end(), [&](const FoundCorners& one) {
+      return look.outer == 4 && one.count() == 4 &&
+             overlaps(one.corners_px, gate.corners_px, kSame);
+    });
     if (look.found) look.errors_px = errors_of(*hit, gate), look.scale = scale_of(*hit, gate);
     if (look.outer + look.inner == 0) looks.pop_back();
   }

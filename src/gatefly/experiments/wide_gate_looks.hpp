@@ -32,6 +32,7 @@ struct WideLook {
   double side_px = 0.0;      ///< GateView::side_px.
   int outer = 0, inner = 0;  ///< Corners in view.
   bool found = false;        ///< See hits().
+  bool covered = false;      ///< By a frame of four corners that shares 70 % of both areas.
   double scale = 1.0;        ///< Of the corners found, as they lie to each other: found / true.
   std::vector<double> errors_px{};  ///< Of the corners found.
 };

@@ -105,7 +105,11 @@ void add_table(const WideLooks& all, Result& result) {
     result.table.push_back({what, "-", share.text()});
     result.json[key] = json_of(share);
   };
-  row("four corners in view", "four_corners",
+  Share covered{};
+  for (const WideLook& look : all.looks)
+    if (look.outer == 4) ++covered.looks, covered.found += look.covered;
+  row("four corners in view, 70 % covered", "four_corners", covered);
+  row("  ... every corner within 5 % of the side", "four_corners_exact",
       share_of(all.looks, [](const WideLook& look) { return look.outer == 4; }));
   row("two or three corners, 1.5 to 6 m", "cut_near", share_of(all.looks, is_cut_near));
   auto list = nlohmann::ordered_json::array();
