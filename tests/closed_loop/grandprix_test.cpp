@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wide gates through the camera of the Grand Prix's drones: cameras/imx477.toml.
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -13,8 +14,9 @@ namespace {
 
 /// As `gatefly fly grandprix --camera imx477`: the pilot knows the track's gates.
 RaceConfig imx477_race(const std::string& level = "") {
-  const io::Config config = io::load_config(io::config_files({"imx477"}));
-  RaceConfig race = test::race_on("grandprix", 1001, 1, {"imx477"}, level);
+  const std::vector<std::string> names{"imx477"};
+  const io::Config config = io::load_config(io::config_files(names));
+  RaceConfig race = test::race_on("grandprix", 1001, 1, names, level);
   const Track track = race.pilot.track;
   race.pilot = io::on_course(config, io::read_track(io::find_track("grandprix"))).pilot;
   race.pilot.track = track;
