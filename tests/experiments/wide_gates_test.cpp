@@ -75,7 +75,7 @@ TEST(WideGates, CountsGatesByCornersAndWhatIsNone) {
 }
 
 TEST(WideGates, IsRunOnTheSeedsThatAreNamed) {
-  const Result result = wide_gates({.quick = true, .first_seed = 1201});
+  const Result result = wide_gates({.data = {}, .quick = true, .first_seed = 1201});
   EXPECT_EQ(result.json.at("first_seed"), 1201);
   EXPECT_EQ(result.json.at("pictures"), 12);
   EXPECT_GT(result.json.at("four_corners").at("gates"), 3);

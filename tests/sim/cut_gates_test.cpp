@@ -87,7 +87,9 @@ TEST(IdealVision, TellsTheCornersInViewOfACutGateAsItsTableHasThem) {
       square += (picture.cut->corners_px[c] - view.corners_px[c]).squaredNorm() / 4.0;
   }
   EXPECT_NEAR(seen / double(kSeeds), bin.rate, 4.0 * std::sqrt(0.25 / kSeeds));
-  if (seen > 100) EXPECT_NEAR(std::sqrt(square / seen), bin.sigma_px, 0.15 * bin.sigma_px);
+  if (seen > 100) {
+    EXPECT_NEAR(std::sqrt(square / seen), bin.sigma_px, 0.15 * bin.sigma_px);
+  }
 }
 
 TEST(IdealVision, ThinGatesHaveNoCutOnes) {
