@@ -99,7 +99,8 @@ Numbers numbers_of(const SimConfig& config) {
     const auto& [accel_bias, flight_bias, gyro_bias, gyro_drift, accel_scale, gyro_scale,
                  accel_noise, accel_vibration, gyro_noise, gyro_vibration, gyro_rumble, imbalance,
                  accel_warming, gyro_warming, warming_time, noise_scale, imu_hz, sonar_hz, baro_hz,
-                 imu_jitter, sonar_noise, sonar_max, sonar_loss, sonar_double, baro_noise,
+                 imu_jitter, autopilot_imu_hz, autopilot_gyro_cutoff, autopilot_accel_cutoff,
+                 autopilot_imu_jitter, sonar_noise, sonar_max, sonar_loss, sonar_double, baro_noise,
                  baro_drift, baro_airspeed, camera_hz, camera_latency, latency_jitter, frame_loss] =
         sensors;
     put(n, "accel_bias", accel_bias);
@@ -116,6 +117,9 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "noise_scale", noise_scale);
     put(n, "rates", std::array{imu_hz, sonar_hz, baro_hz});
     put(n, "imu_jitter", imu_jitter);
+    put(n, "autopilot",
+        std::array{autopilot_imu_hz, autopilot_gyro_cutoff, autopilot_accel_cutoff,
+                   autopilot_imu_jitter});
     put(n, "sonar", std::array{sonar_noise, sonar_max});
     put(n, "baro", std::array{baro_noise, baro_drift, baro_airspeed});
     put(n, "imbalance", imbalance);
