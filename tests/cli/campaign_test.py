@@ -29,7 +29,9 @@ class Campaign(Cli):
         self.assertEqual(header, "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
                                  "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
                                  "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,map_cm,"
-                                 "detection_cm,since_fix_s,commit,configuration")
+                                 "detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,heading_error_deg,"
+                                 "heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,latency_error_ms,latency_sigma_ms,"
+                                 "map_reports")
         cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
         self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
         answer = json.loads(result.stdout)
@@ -122,9 +124,10 @@ class Campaign(Cli):
         written = self.folder / "mine" / "campaign.json"
         mine = json.loads(written.read_text(encoding="utf-8"))
         commit = mine["arguments"]["commit"]
-        rows = (self.folder / "mine" / "runs.csv").read_text().splitlines()[1:]
-        self.assertEqual({row.split(",")[-2] for row in rows}, {commit})
-        self.assertEqual(len({row.split(",")[-1] for row in rows}), 1)  # all of one configuration
+        header, *rows = (self.folder / "mine" / "runs.csv").read_text().splitlines()
+        cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
+        self.assertEqual({cell["commit"] for cell in cells}, {commit})
+        self.assertEqual(len({cell["configuration"] for cell in cells}), 1)
         run = self.folder / "mine" / "run_000002.json"
         whole = run.read_text(encoding="utf-8")
         run.write_text(whole.replace(f'"commit": "{commit}"', '"commit": "0123456789ab"'), encoding="utf-8")

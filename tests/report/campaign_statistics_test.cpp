@@ -97,9 +97,11 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
             "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
             "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
             "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,"
-            "map_cm,detection_cm,since_fix_s,commit,configuration\n"
+            "map_cm,detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,"
+            "heading_error_deg,heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,"
+            "latency_error_ms,latency_sigma_ms,map_reports\n"
             "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left "
-            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0\n");
+            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0,,,,,,,,,0\n");
   EXPECT_EQ(campaign_result({row}).at("lost_by"),
             nlohmann::json::parse(R"([{"cause": "map", "count": 1, "seeds": [17]}])"));
 

@@ -171,7 +171,11 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   const auto place =
       place_of(gate.corners_px, view.course.gate().side, filter, ago, params_.camera, params_.pose);
   if (!place) return;
-  const double sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
+  // A heading that is off puts a gate aside by as much as it is far.
+  const double own = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1)),
+               aside = (place->p_EG - filter.now().p_EB).head<2>().norm() *
+                       filter.sigma(eskf::kTheta + 2),
+               sigma = std::sqrt(own * own + aside * aside);
   stray_.seen(*place, sigma, navigator.time());
   const auto instead = stray_.instead_of(navigator.gate());
   if (!instead) return;

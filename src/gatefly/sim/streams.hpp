@@ -33,7 +33,9 @@ inline constexpr std::array kStreams{
     std::string_view{"ideal corners "}, std::string_view{"ideal crooked side "},
     std::string_view{"ideal decoy corners "}, std::string_view{"ideal place corners "},
     std::string_view{"ideal parts "}, std::string_view{"ideal false lower where "},
-    std::string_view{"ideal false bars where "},
+    std::string_view{"ideal false bars where "}, std::string_view{"ideal cut "},
+    std::string_view{"ideal cut corners "}, std::string_view{"ideal false cut "},
+    std::string_view{"ideal false cut where "},
     // the rooms, the same for every seed
     std::string_view{"hall"}, std::string_view{"showroom"}, std::string_view{"dark hall"},
     std::string_view{"exhibition"},

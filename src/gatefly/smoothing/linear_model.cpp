@@ -51,6 +51,7 @@ BaseVector difference(const Nominal& to, const Nominal& from) {
   e(kFocal) = to.focal - from.focal, e(kBend) = to.bend - from.bend;
   e(kDelay) = to.delay - from.delay;
   e.segment<3>(kCorner) = to.corner - from.corner;
+  e(kThrust) = to.thrust - from.thrust;
   return e;
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/smoothing/pass.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 
+#include "gatefly/estimation/eskf/correction.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::smoothing {
@@ -102,6 +104,9 @@ void Pass::measure(std::size_t tick) {
   x.accel_shaking = taken.accel_shaking, x.gyro_shaking = taken.gyro_shaking;
   const Interval interval = mean_of({taken.samples.begin(), taken.samples.size()});
   for (const int axis : {0, 1}) take(rows_of(drag_measurement(x, interval, axis, setup.params)));
+  if (rotors_carry(x, interval, setup.params))
+    take(rows_of(thrust_measurement(x, interval, setup.params)));
+  if (!taken.sights.empty()) x.rate_B = rate_around(tick);
   for (const HeightSeen& seen : taken.heights) {
     const Rows rows = rows_of(Scalar<1>{.residual = -seen.height - x.p_EB.z(),
                                         .states = {kP + 2},
@@ -119,6 +124,22 @@ void Pass::measure(std::size_t tick) {
     if (another) corner_of_ = face_of(sight), forget_corner();
     take(*rows, another);
   }
+}
+
+// As ErrorStateFilter has it: how the drone turned around the end of a tick, without its shaking.
+Eigen::Vector3d Pass::rate_around(std::size_t tick) const {
+  constexpr double kHalf = 0.02;  // [s]
+  const auto& ticks = intake_.ticks;
+  const auto near = std::min({static_cast<std::size_t>(std::max(1.0, std::round(kHalf * kTickHz))),
+                              tick + 1, ticks.size() - 1 - tick});
+  Eigen::Vector3d turned = Eigen::Vector3d::Zero();
+  double time = 0.0;
+  for (std::size_t i = tick + 1 - near; i <= tick + near; ++i) {
+    const Interval one = mean_of({ticks[i].samples.begin(), ticks[i].samples.size()});
+    turned += one.dt * one.mean.gyro_B, time += one.dt;
+  }
+  const Nominal& x = trajectory_.x[tick + 1];
+  return time > 0.0 ? Eigen::Vector3d{turned / time - x.gyro_bias} : x.rate_B;
 }
 
 // As eskf::correct_by_height has it.

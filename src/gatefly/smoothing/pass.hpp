@@ -51,6 +51,7 @@ class Pass {
   void go_on(std::size_t tick);
   void measure(std::size_t tick);
   void take(const Rows& rows, bool forgets = false);
+  [[nodiscard]] Eigen::Vector3d rate_around(std::size_t tick) const;
   [[nodiscard]] bool is_height(const Rows& rows) const;
   void forget_corner();
 

@@ -51,11 +51,14 @@ ThrustMeasurement thrust_measurement(const Nominal& x, const Interval& interval,
           .variance = x.accel_shaking * params.noise.thrust_measurement / interval.dt};
 }
 
-void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, const Params& params) {
+bool rotors_carry(const Nominal& x, const Interval& interval, const Params& params) {
   constexpr double kLifts = 0.15;  // [m] Below that the floor pushes back.
   constexpr double kLeast = 0.5;   // of gravity: rotors that idle say nothing
-  if (interval.thrust < kLeast * params.gravity || -x.p_EB.z() < kLifts) return;
-  correct(x, P, thrust_measurement(x, interval, params));
+  return interval.thrust >= kLeast * params.gravity && -x.p_EB.z() >= kLifts;
+}
+
+void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, const Params& params) {
+  if (rotors_carry(x, interval, params)) correct(x, P, thrust_measurement(x, interval, params));
 }
 
 bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma) {

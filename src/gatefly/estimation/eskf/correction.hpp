@@ -47,7 +47,10 @@ using ThrustMeasurement = Scalar<2>;
 [[nodiscard]] ThrustMeasurement thrust_measurement(const Nominal& x, const Interval& interval,
                                                    const Params& params);
 
-/// That, where the thrust is known and the rotors carry the drone: on the pad the floor does.
+/// Whether the thrust is known and the rotors carry the drone: on the pad the floor does.
+[[nodiscard]] bool rotors_carry(const Nominal& x, const Interval& interval, const Params& params);
+
+/// That measurement, where they do.
 void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, const Params& params);
 
 /// A height above the floor [m]. False: more than five sigmas off, and left.
