@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/map_lookout.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gatefly/geometry/gate_corners.hpp"
@@ -214,6 +215,7 @@ bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sigh
                            Sighting::Source source) {
   if (!sight) return false;
   const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  if (std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1)) > map_.part_sigma) return false;
   sight->slot = filter.target_slot(), sight->behind = filter.target_behind();
   const auto innovation = filter.innovation_of(*sight);
   sighting_.offered = true;

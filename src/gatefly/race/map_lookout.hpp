@@ -18,6 +18,8 @@ struct MapSightParams {
   double max_lower_nis = 16.0;  ///< Of 4 rows: 1 in 300.
   double max_three_nis = 20.0;  ///< Of 6 rows: 1 in 360.
   double max_bars_nis = 11.0;   ///< Of 2 rows: 1 in 250.
+  double part_sigma =
+      1.0;  ///< A part may be any gate's for who knows less of his place [m]. [estimate]
   double unsure_nis = 14.0;     ///< The limit for detections that are not sure: 1 in 12.
   double confirm_above = 17.0;  ///< A second one of the same gate has to agree: 1 in 33.
   double margin = 3.0;       ///< Next best explanation so much less probable, −2 ln p. [estimate]

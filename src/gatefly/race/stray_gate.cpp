@@ -57,6 +57,7 @@ std::optional<GateFrame> StrayGate::instead_of(const GateFrame& map) const {
 
 bool StrayGate::expects_target(const eskf::ErrorStateFilter& filter,
                                const Eigen::Vector3d& p_BC) const {
+  if (!(filter.sigma(eskf::kTheta + 2) < params_.heading_sigma)) return false;
   const eskf::Nominal& x = filter.now();
   const Eigen::Vector3d p_BG = x.R_EB.transpose() * (filter.target().p_EG - x.p_EB);
   const Eigen::Vector3d p_CG = x.R_BC.transpose() * (p_BG - p_BC);

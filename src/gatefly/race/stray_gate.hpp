@@ -28,6 +28,7 @@ struct StrayParams {
   double decided_after = 1.5;  ///< What is not the target by then never is [s].
   /// A drone blames itself for what is off by less than so many sigmas of its own place. [estimate]
   double own_sigmas = 2.2;
+  double heading_sigma = 0.1;  ///< Nor is one to judge that knows its heading no better [rad].
   double least_fitness = 0.6;  ///< Of a detection; clutter does not repeat at one place.
 };
 
