@@ -36,7 +36,7 @@ std::string probability(double p) {
 
 std::string percent(double part) { return fixed(100.0 * part, 1) + " %"; }
 
-/// What is left of each error after the first lap, RMS over races.
+/// Prints what is left of each error after the first lap, RMS over races.
 void print_found(const nlohmann::ordered_json& result) {
   const auto found = result.value("found_after_lap_1", nlohmann::ordered_json::object());
   std::string left;

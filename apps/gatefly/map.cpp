@@ -37,7 +37,7 @@ struct MapOptions {
   bool json = false;
 };
 
-/// What the flights on one track have taught.
+/// The map that the flights on one track have taught.
 struct Learning {
   fs::path track_file;
   Track track;

@@ -87,7 +87,7 @@ void check_first_seed(const std::vector<Experiment>& list, const ReproduceOption
                                " do");
 }
 
-/// What to type for this result again.
+/// The command that makes this result again.
 std::string command_of(const Experiment& experiment, const ReproduceOptions& options) {
   return "gatefly reproduce " + experiment.name + (options.quick ? " --quick" : "") +
          (options.first_seed ? " --first-seed " + std::to_string(*options.first_seed) : "");

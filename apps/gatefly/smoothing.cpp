@@ -89,7 +89,7 @@ class Follower : public FlightSmoother {
   }
 
  private:
-  /// What the filter flew by in a row.
+  /// The IMU sample that the filter flew by in a row.
   struct Seen {
     std::size_t landmark = 0;
     bool behind = false;

@@ -31,7 +31,7 @@ closed_loop::RaceConfig ideal_race(std::uint64_t seed) {
   return race;
 }
 
-/// What was believed in a tick, and what was.
+/// A tick's belief, and the truth.
 struct Row {
   double time = 0.0;
   std::size_t target = 0;

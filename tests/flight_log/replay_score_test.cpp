@@ -29,7 +29,7 @@ TEST(ReplayScorer, ErrorsFromTheGateAreInItsOwnFrame) {
   EXPECT_EQ(scorer.score().earth.rms(), Eigen::Vector3d::Zero());
 }
 
-// Who puts drone and gate both half a metre to the north flies through the gate.
+// A drone and a gate both half a metre to the north: it flies through the gate.
 TEST(ReplayScorer, AMapThatIsShiftedAsAWholeIsNoErrorFromTheGate) {
   ReplayScorer scorer{{kStands}};
   const Eigen::Vector3d truth{4.0, -1.0, -1.5}, shift{0.5, 0.0, 0.0};

@@ -29,7 +29,7 @@ struct Scene {
     return setup;
   }
 
-  /// Where the corners of a gate at `p_EG` show, looked at from the side that faces south.
+  /// The corners of a gate at `p_EG`, looked at from the side that faces south.
   [[nodiscard]] Quad corners(const Vector3d& p_EG) const {
     Quad corners;
     const auto at = gate_corners_G(1.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What several flights say of one map, and the track file of that.
+// The map that several flights agree on, and its track file.
 #include "gatefly/smoothing/learnt_map.hpp"
 
 #include <cmath>
@@ -68,7 +68,7 @@ TEST(LearntMap, FourFlightsThatSayTheSameAreTwiceAsSure) {
   const FlightMap one = flight_with(truth, 0.05);
   const std::vector<FlightMap> four(4, one);
   const LearntMap by_one = fused({&one, 1}, {}), by_four = fused(four, {});
-  // What the map says beforehand counts once, not four times.
+  // The map's own word counts once, not four times.
   const double prior = std::pow(eskf::Priors{}.map_height, -2), each = std::pow(0.05, -2);
   EXPECT_NEAR(by_one.gates[0].sigmas(2), 1.0 / std::sqrt(prior + each), 1e-9);
   EXPECT_NEAR(by_four.gates[0].sigmas(2), 1.0 / std::sqrt(prior + 4 * each), 1e-9);

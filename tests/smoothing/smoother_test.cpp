@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is found late was so before: a drone that hovers and sees its gate only after a while.
+// A late finding was true before: a drone that hovers and sees its gate only after a while.
 #include "gatefly/smoothing/smoother.hpp"
 
 #include <algorithm>

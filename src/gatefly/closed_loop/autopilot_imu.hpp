@@ -52,7 +52,7 @@ class AutopilotImu {
     return LowPass{cutoff_hz, imu_hz};
   }
 
-  /// What is no number goes through, and the filters do not remember it.
+  /// A value that is no number goes through, and the filters do not remember it.
   [[nodiscard]] Imu filtered(const Imu& imu) {
     if (!imu.gyro_B.allFinite() || !imu.accel_B.allFinite()) return imu;
     return {gyro_ ? gyro_->update(imu.gyro_B) : imu.gyro_B,

@@ -36,7 +36,7 @@ void DiscoveryWatch::update(const Pilot& pilot, const sim::BodyState& state, dou
   if (flies && now >= next_report_) note_reports(*filter, now, passes);
 }
 
-// What an accelerometer without errors reads, against what these rotor speeds give by the data sheet.
+// Compares the reading of an accelerometer without errors with what these rotor speeds give by the data sheet.
 void DiscoveryWatch::follow_thrust(const sim::BodyState& state, double now) {
   const double dt = std::clamp(now - last_, 0.0, kThrustTime);
   last_ = now;

@@ -15,7 +15,7 @@
 
 namespace gatefly::closed_loop {
 
-/// What was found of something that was told wrong: how far off that is from the truth, and how far
+/// An estimate of something that was told wrong: how far off it is from the truth, and how far
 /// off the filter says it may be.
 struct FoundError {
   double error = 0.0, sigma = 0.0;
@@ -29,7 +29,7 @@ struct MapReport {
   bool before_its_plane = false;                     ///< And the drone had never passed it yet.
 };
 
-/// What the filter has found in flight, against the truth.
+/// The filter's findings in flight, against the truth.
 struct Discoveries {
   /// After the first lap. Nullopt: it was not finished, or another filter flies.
   struct AfterLap {

@@ -23,7 +23,7 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners_G[i];
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
-    // Of the upright picture, however it is stored.
+    // The upright picture's size counts, however it is stored.
     if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.width() - 1 ||
         px->y() > camera_.height() - 1)
       return std::nullopt;

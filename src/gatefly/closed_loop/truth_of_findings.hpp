@@ -6,7 +6,7 @@
 
 namespace gatefly::closed_loop {
 
-/// What the filter looks for, as it really is: truth less what the pilot was told. Names and signs are
+/// The truth of what the filter estimates, less what the pilot was told. Names and signs are
 /// those of eskf::Findings.
 struct TruthOfFindings {
   double tilt = 0.0, pan = 0.0, roll = 0.0;  ///< Of the mount: down, to the right, clockwise [rad].

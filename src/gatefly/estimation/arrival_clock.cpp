@@ -6,7 +6,7 @@
 namespace gatefly {
 namespace {
 
-// Of an arrival's error so much moves the clock, and its rate: critically damped. [ours]
+// An arrival's error moves the clock, and its rate, by so much: critically damped. [ours]
 constexpr double kPhaseGain = 0.15, kRateGain = 0.012;
 constexpr double kMostLate = 0.006;  // asked for late rather than late on its way [s]. [ours]
 constexpr double kFastest = 0.4, kSlowest = 4.0;  // periods, of the nominal one

@@ -29,7 +29,7 @@ eskf::Setup at_rate(eskf::Setup setup, const NavigatorParams& params) {
   return setup;
 }
 
-// Of the samples that it is taught by: see Navigator::rest.
+// The rate of the samples that it is taught by: see Navigator::rest.
 AhrsParams ahrs_params(const NavigatorParams& navigator) {
   AhrsParams params = navigator.ahrs;
   const bool slow = navigator.model == FilterModel::kOurs && navigator.slow_imu_hz > 0.0;

@@ -215,7 +215,7 @@ PilotConfig told(PilotConfig pilot, const Survey& survey, std::size_t gate, std:
   pilot.track.gates.front().p_EG = survey.gates[gate].p_EG,
   pilot.track.gates.front().yaw_EG = survey.gates[gate].yaw;
   pilot.track.start_heading = survey.flights[flight].heading;
-  // What a survey has found is known as well as a pad and a map usually are.
+  // A surveyed gate is known as well as a pad and a map usually are.
   const PilotConfig usual;
   pilot.ahrs.start_heading_sigma = usual.ahrs.start_heading_sigma;
   pilot.filter.start_sigma = usual.filter.start_sigma;

@@ -9,7 +9,7 @@
 namespace gatefly::experiments {
 namespace {
 
-/// Of the corners that are reported, from the gate's own; huge where that is behind the camera.
+/// Error of the corners that are reported, from the gate's own; huge where that is behind the camera.
 std::vector<double> errors_of(const FoundCorners& found, const sim::GateView& gate) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < 4; ++i)

@@ -14,7 +14,7 @@
 
 namespace gatefly::experiments {
 
-/// What a detector says of one gate: corners, clockwise from the top left one, and which of them it
+/// A detector's answer about one gate: corners, clockwise from the top left one, and which of them it
 /// has seen.
 struct FoundCorners {
   Quad corners_px{};

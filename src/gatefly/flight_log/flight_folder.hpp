@@ -35,7 +35,7 @@ struct FlightSample {
   /// Commanded rotor speeds [rad/s]: left front, right front, right back, left back.
   std::optional<std::array<double, 4>> motors = std::nullopt;
   std::optional<double> battery_v = std::nullopt;  ///< [V]; simulator only.
-  /// What the estimator got from an autopilot, where it did in this tick.
+  /// The sample that an autopilot handed to the estimator in this tick, if one did.
   std::optional<Imu> navigation_imu = std::nullopt;
 };
 

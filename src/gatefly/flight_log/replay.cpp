@@ -22,7 +22,7 @@ bool is_finite(const Estimate& e) {
          std::isfinite(e.attitude.pitch) && std::isfinite(e.attitude.yaw);
 }
 
-// Of a filter that has no gate among its states: from where the map has it.
+// A filter that has no gate among its states takes it from where the map has it.
 ScoredEstimate on_map(const EstimateRow& row, const MapGate& gate) {
   const Eigen::Vector3d& p_EB = row.estimate.p_EB;
   return {.t = row.t,

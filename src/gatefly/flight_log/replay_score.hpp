@@ -23,7 +23,7 @@ struct FrameErrors {
   [[nodiscard]] Eigen::Vector3d deviation() const;
 };
 
-/// What a replay's estimates are off by, and whether they know it.
+/// Errors of a replay's estimates, and whether the filter knows of them.
 struct ReplayScore {
   FrameErrors gate;  ///< From the gate as believed, against from the gate as it stands: what flies.
   FrameErrors earth;   ///< In the frame of the map and of the truth.
@@ -37,7 +37,7 @@ struct ScoredEstimate {
   std::optional<Eigen::Matrix3d> covariance_EB, covariance_GB;                     ///< [m²]
 };
 
-/// What the pilot believes now.
+/// The pilot's present belief.
 [[nodiscard]] ScoredEstimate scored_estimate(const Pilot& pilot);
 
 /// Fills a score while a flight is flown again.

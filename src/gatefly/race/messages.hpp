@@ -32,7 +32,7 @@ struct SeenGates {
 struct Sensors {
   std::chrono::nanoseconds time{0};  ///< Of the IMU sample; must not run backwards.
   Imu imu;
-  /// What the estimator gets in place of `imu`, where PilotConfig::filter_imu_hz says so: an
+  /// The estimator's sample in place of `imu`, where PilotConfig::filter_imu_hz says so: an
   /// autopilot's, filtered by it, of just now; arrives in some ticks only.
   std::optional<Imu> navigation_imu = std::nullopt;
   std::optional<double> sonar = std::nullopt;  ///< Range to what is below, along body z [m].

@@ -32,7 +32,7 @@ struct StrayParams {
   double least_fitness = 0.6;  ///< Of a detection; clutter does not repeat at one place.
 };
 
-/// Where a detected gate stands, by its corners alone and by where the drone is; its direction is free.
+/// The place of a detected gate, by its corners alone and by where the drone is; its direction is free.
 ///
 /// Ours.
 /// @param ago  the picture was exposed so long before the filter's now [s].

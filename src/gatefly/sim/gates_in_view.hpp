@@ -25,7 +25,7 @@ struct GateView {
   std::array<bool, 4> drawn{};                  ///< Before the lens, in the picture or not.
   std::array<bool, 4> seen{};                   ///< In the picture, and nothing before it.
   std::array<bool, 4> inner_seen{};             ///< The opening's corners: the same.
-  /// Of its side, as it would look face to face, on the lens' axis [px].
+  /// Its side as it would look face to face, on the lens' axis [px].
   double side_px = 0.0;
   /// Middle of the left and right bar's part in view.
   std::optional<std::array<Eigen::Vector2d, 2>> bars_px;

@@ -266,7 +266,7 @@ void IdealVision::add_parts(const std::vector<GateView>& views, double t, SeenPi
 }
 
 // A part is one thing or another: what is none comes in place of the gate's.
-// Of the largest gate that the border cuts, as the part search gives one a picture.
+// The largest gate that the border cuts counts: the part search gives one a picture.
 void IdealVision::add_cut(const std::vector<GateView>& views, double t, SeenPicture& seen) {
   double surplus = 0.0;
   for (const GateView& view : views) {

@@ -28,7 +28,7 @@ Eigen::VectorXd prior_information(std::span<const Landmark> gates, const Priors&
   return information;
 }
 
-// Of all gates' places on the floor plan.
+// The middle of all gates' places on the floor plan.
 double worst_of(const FlightMap& flight, const Eigen::VectorXd& fused,
                 const Eigen::MatrixXd& keep) {
   const Eigen::VectorXd off = keep * (flight.errors - fused);

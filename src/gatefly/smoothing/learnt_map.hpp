@@ -10,7 +10,7 @@
 
 namespace gatefly::smoothing {
 
-/// What one flight says of the gates of its map, together: errors of the map, kPerGate a gate.
+/// One flight's word on the gates of its map, together: errors of the map, kPerGate a gate.
 struct FlightMap {
   std::vector<eskf::Landmark> gates;  ///< As the map has them.
   Eigen::VectorXd errors;             ///< Found, against the map.
@@ -28,14 +28,14 @@ struct LearntGate {
 
 struct LearntMap {
   std::vector<LearntGate> gates;
-  /// Of each flight, how far its own gates are from these in their place, greatest of all gates, in
+  /// How far each flight's own gates are from these in their place, greatest of all gates, in
   /// standard deviations: above 4 or so a gate was moved, or taken for another one.
   std::vector<double> worst;
 };
 
 /// Flights of one map, fused by their information with all correlations between gates.
 ///
-/// Where the gates stand as a whole is left as the map has it, north, east and heading: nothing but the
+/// The place of the gates as a whole is left as the map has it, north, east and heading: nothing but the
 /// pad, which is set down by hand each time, says more. The sigmas are of gates within that frame
 /// (inner constraints; Baarda 1973). Heights are above the floor, which every flight knows.
 /// @param flights  at least one, of the same gates.

@@ -21,7 +21,7 @@ BaseVector Step::transposed_times(const BaseVector& lambda) const {
   return out;
 }
 
-// What comes in shows where nothing was before, what is left where everything was 1.
+// Noise shows where nothing was before, what is kept where everything was 1.
 Step step_of(Nominal& x, std::span<const Sample> samples, const Setup& setup) {
   const double px = setup.camera.radians_per_px;
   Step step;

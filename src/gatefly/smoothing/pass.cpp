@@ -34,7 +34,7 @@ void carry(Eigen::MatrixXd& M, const Transition& F, const BaseVector& kept) {
     if (kept(i) != 1.0) M.row(i) *= kept(i), M.col(i) *= kept(i);
 }
 
-// What a height is off, a floor that is not flat or air that rotors push down, is off in the next ones, too:
+// An error of a height, by a floor that is not flat or air that rotors push down, is in the next ones, too:
 // so many count as one. Half a second of a sonar; a filter forgets its first heights, a smoother adds up all.
 // [ours: tests/closed_loop/smoothed_race_test]
 constexpr double kHeightsAlike = 10.0;

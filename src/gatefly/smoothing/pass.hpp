@@ -33,7 +33,7 @@ class Pass {
   /// Fills the covariances that were kept with what came after.
   [[nodiscard]] Correction backwards(std::vector<Certainty>* certainties = nullptr);
 
-  /// Of the gates, in the end.
+  /// The gates' beliefs, in the end.
   [[nodiscard]] Eigen::MatrixXd gates_covariance() const;
 
  private:

@@ -14,7 +14,7 @@ using namespace eskf;
 
 namespace {
 
-// What the filter believed; of the gates what it believed in the end.
+// The filter's beliefs; of the gates those in the end.
 Trajectory by_filter(const Intake& intake) {
   Trajectory trajectory{{intake.start.x}, intake.gates};
   for (const Tick& tick : intake.ticks) trajectory.x.push_back(tick.x);

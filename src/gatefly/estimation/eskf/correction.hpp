@@ -40,7 +40,7 @@ using DragMeasurement = Scalar<12>;
 /// Both axes of it, and what that says about how strong gusts are.
 void correct_by_drag(Nominal& x, Covariance& P, const Interval& interval, const Params& params);
 
-/// What the rotors were commanded to, measured by the accelerometer: f_z = b_z - (1 + τ) u.
+/// The accelerometer measures what the rotors were commanded to: f_z = b_z - (1 + τ) u.
 ///
 /// At hover τ and b_z show together; gates tell b_z, and with it the thrust that hovering takes.
 using ThrustMeasurement = Scalar<2>;

@@ -271,7 +271,7 @@ void ErrorStateFilter::replace_target(const Eigen::Vector3d& p_EG, double yaw_EG
   P_.middleCols<kPerGate>(at).setZero();
   P_.diagonal().segment<kPerGate>(at) << sigma * sigma, sigma * sigma, sigma * sigma,
       yaw_sigma * yaw_sigma, priors.map_size * priors.map_size;
-  // What was seen before was taken for another place: it is not done again.
+  // Earlier sightings were taken for another place: they are not done again.
   tick.sights.clear(), tick.heights.clear();
   ring_.restart(tick, P_);
   catch_up();

@@ -97,7 +97,7 @@ class ErrorStateFilter {
   [[nodiscard]] double variance_of_air(int axis) const;
   [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
   [[nodiscard]] const Setup& setup() const { return setup_; }
-  /// What was taken in of late, by the moment it was measured.
+  /// The measurements of late, by the moment each was taken.
   [[nodiscard]] const DelayRing& recent() const { return ring_; }
 
  private:

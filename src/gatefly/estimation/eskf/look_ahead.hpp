@@ -7,7 +7,7 @@
 
 namespace gatefly::eskf {
 
-/// What the drone has done since the last slow sample, for who steers it: turned by a fast gyro, the
+/// The drone's motion since the last slow sample, for the control loop: turned by a fast gyro, the
 /// specific force going on as it was.
 ///
 /// Ours; sums as of Forster et al. 2017, which hold for any belief they begin at, so that a late
@@ -25,7 +25,7 @@ class LookAhead {
   Eigen::Vector3d accel_B_ = Eigen::Vector3d::Zero(), rate_B_ = Eigen::Vector3d::Zero();
   double time_ = 0.0, passed_ = 0.0;  ///< [s]
   Eigen::Matrix3d turned_ = Eigen::Matrix3d::Identity();
-  // What the specific force has added, in the axes of the beginning:
+  // The specific force has added these, in the axes of the beginning:
   Eigen::Vector3d speed_ = Eigen::Vector3d::Zero(), way_ = Eigen::Vector3d::Zero();
 };
 
