@@ -30,6 +30,9 @@ struct GatePaint {
   double blue = 0.45;   ///< Times the named colour's blue: more orange than its name.
   /// How much of its colour is gone where it is thinnest or dirtiest, 0..1; 0: even.
   double wear = 0.8;
+
+  /// Part of the width of a bar [m] that shows colour: a wide one is a board, bare for a centimetre.
+  [[nodiscard]] double part_of(double bar) const { return std::max(width, 1.0 - 0.01 / bar); }
 };
 
 /// A solid thing standing on the floor (or hanging, if `bottom` > 0).

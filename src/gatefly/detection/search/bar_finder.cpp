@@ -145,6 +145,21 @@ void BarFinder::average_around(const Sums<T>& sums, std::uint8_t* around) const 
   }
 }
 
+// The mean of all groups, around each.
+void BarFinder::average_everywhere() {
+  std::array<std::uint64_t, 3> sum{};
+  for (std::size_t r = 0; r < static_cast<std::size_t>(rows_); ++r)
+    for (std::size_t g = kBeyond; g < kBeyond + static_cast<std::size_t>(groups_); ++g)
+      sum[0] += sums_y_[r][g], sum[1] += sums_uv_[r][g] & 0xffff, sum[2] += sums_uv_[r][g] >> 16;
+  const auto mean = [&](std::size_t color) {
+    return static_cast<std::uint8_t>(sum[color] /
+                                     (2 * static_cast<std::uint64_t>(rows_ * groups_)));
+  };
+  around_y_.fill(mean(0));
+  for (std::size_t k = 0; k < around_uv_.size(); k += 2)
+    around_uv_[k] = mean(1), around_uv_[k + 1] = mean(2);
+}
+
 Bar BarFinder::bar_of(const Snake& s) const {
   // three rows or more: not zero
   const double n = s.count, n_y = s.sum_y, spread = n * s.sum_yy - n_y * n_y;
@@ -220,8 +235,12 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const PictureColor& c
   if (image.width() < 2 * kGroup || image.height() < 2 * kGroup) return bars_;
   read(image, color);
   if (rows_ == 0 || groups_ == 0) return bars_;  // long and thin
-  average_around(sums_y_, around_y_.data());
-  average_around(sums_uv_, around_uv_.data());
+  if (reach_ == kWholePicture) {
+    average_everywhere();
+  } else {
+    average_around(sums_y_, around_y_.data());
+    average_around(sums_uv_, around_uv_.data());
+  }
   FixedList<Snake, kMostSnakes> snakes;
   // of each in the present row; where there is no snake, no reach
   std::array<std::int16_t, kMostSnakes> expected{}, reach{};

@@ -38,12 +38,14 @@ class BarFinder {
  public:
   /// Samples of a row whose mean is taken; rows are as many samples apart.
   static constexpr int kGroup = 4;
+  static constexpr int kWholePicture = 0;  ///< Its mean colour is what is around every bar.
   using Bars = FixedList<Bar, 24>;
 
   /// @param widest  what is wider is no bar [samples].
   /// @param around  a colour's surroundings reach so many groups to each side, 1..3: wider than
-  ///     the widest bar.
-  BarFinder(int widest, int around) : widest_{widest}, reach_{std::clamp(around, 1, kMostReach)} {}
+  ///     the widest bar; or kWholePicture.
+  BarFinder(int widest, int around)
+      : widest_{widest}, reach_{std::clamp(around, kWholePicture, kMostReach)} {}
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
   [[nodiscard]] const Bars& find(const Image& image, const PictureColor& color);
@@ -138,6 +140,7 @@ class BarFinder {
   using Sums = std::array<std::array<T, kBeyond + kMostGroups + kBeyond>, kMostRows>;
   template <class T>
   void average_around(const Sums<T>& sums, std::uint8_t* around) const;
+  void average_everywhere();
   template <class Visit>
   void each_crossing(const Image& image, const PictureColor& color, int row, const Visit& visit);
   [[nodiscard]] Bar bar_of(const Snake& snake) const;

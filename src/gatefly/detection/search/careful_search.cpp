@@ -10,6 +10,7 @@
 #include "gatefly/detection/search/filled_frame.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
+#include "gatefly/detection/search/meant_corners.hpp"
 
 namespace gatefly {
 namespace {
@@ -136,8 +137,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   for (Frame& frame : gates) {
     frame.quad =
         refined_corners(image, frame.quad, params_.bar(), RefinementEffort::kCareful, curves);
-    (void)found.push_back(
-        detection_of(frame, DetectionMethod::kFrames, image, params_.corner_scale, curves));
+    (void)found.push_back(meant_detection(frame, DetectionMethod::kFrames, image, params_, curves));
   }
   return found;
 }

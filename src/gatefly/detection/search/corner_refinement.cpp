@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "gatefly/detection/search/board_edges.hpp"
 #include "gatefly/detection/search/refined_side.hpp"
 #include "gatefly/detection/search/unknown_bend.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -19,8 +20,9 @@ namespace {
 
 using namespace refinement;
 
-constexpr int kWidest = 31;      // pixels of a line
-constexpr double kMargin = 2.0;  // beside a bar [px]
+constexpr int kWidest = 31;  // pixels of a line
+// Beside a bar [px]; beside a board, whose rough sides are rougher, more of its own width.
+constexpr double kMargin = 2.0, kMarginOfBoard = 0.2;
 // beside the half of the bar that crosses at either end [px]
 constexpr double kEnds = 2.0;
 // grey levels between the colours of a bar and of what is beside it
@@ -62,11 +64,12 @@ class Strip {
   using Lines = Eigen::Array<float, kLines, 1>;
 
   /// Reads the picture across a side from y = `from` to `to`.
-  void read(const Image& image, const Side& side, double from, double to, double bar_px) {
+  void read(const Image& image, const Side& side, double from, double to, double bar_px,
+            double margin) {
     side_ = side, count_ = 0;
     const double lean = std::sqrt(1.0 + side.lean() * side.lean()),
                  half_bar = std::min(0.5 * bar_px * lean, 1e6);
-    const int reach = static_cast<int>(half_bar + kMargin * lean + 0.5),
+    const int reach = static_cast<int>(half_bar + margin * lean + 0.5),
               breadth = side.level ? image.height() : image.width();
     step_ = 1 + 2 * reach / kWidest;
     half_ = reach / step_;
@@ -276,8 +279,8 @@ std::optional<Eigen::Vector2d> crossing_near(Eigen::Vector2d corner, const Side&
 }
 
 template <int kLines>
-Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort& effort,
-             const SideCurves& curves) {
+Quad refined(const Image& image, const Quad& frame, double bar_px, double margin,
+             const Effort& effort, const SideCurves& curves) {
   Quad corners = frame;
   std::array<Strip<kLines>, 4> strips;
   UnknownBend unknown{image, frame};
@@ -297,7 +300,7 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
       const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
       const double end = std::min(0.25, (0.5 * bar_px + kEnds) / std::max(1e-9, (b - a).norm()));
       const double from = sides[i].along(a + end * (b - a)), to = sides[i].along(b - end * (b - a));
-      strips[i].read(image, sides[i], std::min(from, to), std::max(from, to), bar_px);
+      strips[i].read(image, sides[i], std::min(from, to), std::max(from, to), bar_px, margin);
     }
     // One colour for all bars: a side that is off by its bar's width takes the bar for what is
     // beside it.
@@ -348,9 +351,10 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, const Effort&
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort,
                      const SideCurves& curves) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
+  const double margin = bar < kLeastBoard ? kMargin : std::max(kMargin, kMarginOfBoard * bar_px);
   if (effort == RefinementEffort::kCareful)
-    return refined<32>(image, frame, bar_px, kCareful, curves);
-  return refined<16>(image, frame, bar_px, kQuick, curves);
+    return refined<32>(image, frame, bar_px, margin, kCareful, curves);
+  return refined<16>(image, frame, bar_px, margin, kQuick, curves);
 }
 
 }  // namespace gatefly

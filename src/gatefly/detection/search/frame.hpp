@@ -48,6 +48,7 @@ struct FrameScore {
 struct Frame {
   Quad quad;
   FrameScore score;
+  std::array<bool, 4> unseen = {};  // sides of which only the rough place is known
 };
 
 /// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides,
@@ -56,13 +57,11 @@ struct Frame {
   return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side));
 }
 
-/// What a frame says to the outside: corners `corner_scale` times as far out as the bars' middle
-/// lines, and confidences.
-[[nodiscard]] inline GateDetection detection_of(const Frame& frame, DetectionMethod method,
-                                                const Image& image, double corner_scale,
-                                                const SideCurves& curves = {}) {
-  const Quad corners = curves.scaled(frame.quad, corner_scale),
-             listed = clockwise_from_top_left(corners);
+/// What a frame says to the outside: the corners that are meant, and confidences.
+/// @param frame  what of its corners is in the picture decides whether a corner is seen.
+[[nodiscard]] inline GateDetection detection_of(const Frame& frame, const Quad& corners,
+                                                DetectionMethod method, const Image& image) {
+  const Quad listed = clockwise_from_top_left(corners);
   const auto first = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), listed[0]) -
                                               corners.begin());
   GateDetection gate{
@@ -70,7 +69,8 @@ struct Frame {
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t k = (first + i) % 4;
     const Eigen::Vector2d& p = frame.quad[k];
-    const bool in_view = p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image.width() - 2.0 &&
+    const bool in_view = !frame.unseen[k] && !frame.unseen[(k + 3) % 4] && p.x() >= 1.0 &&
+                         p.y() >= 1.0 && p.x() <= image.width() - 2.0 &&
                          p.y() <= image.height() - 2.0;
     gate.corner_fitness[i] =
         in_view ? corner_confidence_of(std::min(frame.score.side[k], frame.score.side[(k + 3) % 4]))

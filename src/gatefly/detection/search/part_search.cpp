@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/board_edges.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
@@ -15,22 +17,41 @@ namespace {
 
 using Eigen::Vector2d;
 
-// samples; groups, 56 px at 315 x 160: a bar of 5 cm is 28 px wide at 0.3 m
-constexpr int kWidest = 16, kAround = 3;
-constexpr double kLeastLength = 0.25;  // of a bar in view / the picture's height
-constexpr double kLeastApart = 0.12;   // of two bars / the picture's width: a gate of 1 m at 4 m
-constexpr double kLeastShared = 0.5;   // of the rows of both bars / those of either
-constexpr double kMostWidth = 0.2;     // of a bar / the distance of both, blurred
-constexpr double kMostTaper = 2.0;     // distance of the bars at one end / at the other
+constexpr double kLeastApart = 0.12;  // of two bars / the picture's width: a gate of 1 m at 4 m
+constexpr double kLeastShared = 0.5;  // of the rows of both bars / those of either
+constexpr double kMostTaper = 2.0;    // distance of the bars at one end / at the other
 // bars' length in view / their distance: a gate seen from aside
 constexpr double kHighest = 2.0;
-constexpr double kLowest = 0.3;  // the same of what is left of a near gate
 // evidence of the weaker bar / of the stronger one: they have one colour
 constexpr double kAlike = 0.5;
 constexpr int kLevelSamples = 8, kLeastLevelSamples = 3, kBarSamples = 16;
 constexpr double kLeastLevel = 0.5;  // of a level bar in view [nats]
-constexpr double kNearBorder = 4.9;  // rows in which too little of a level bar may be in view
 constexpr FrameEffort kEffort{.samples = 12, .stations = 8, .middles = 12};
+
+/// What is asked of the bars of a gate.
+struct Shape {
+  int widest = 16;             // samples: a bar of 5 cm is 28 px wide at 0.3 m
+  int around = 3;              // groups, see BarFinder: 56 px at 315 x 160
+  double most_width = 0.2;     // of a bar / the distance of both, blurred
+  double least_length = 0.25;  // of a bar in view / the picture's height
+  double lowest = 0.3;         // as kHighest, of what is left of a near gate
+  double opening_from = 0.2;   // of the way from one bar's middle to the other's
+  bool is_board = false;
+};
+
+// Bars that are a tenth of their gate's side or more are boards. The rows of a level one show no
+// opening: what is found of the upright ones ends at its inner edge.
+Shape shape_of(const GateDetectorParams& params) {
+  if (params.bar_ratio < kLeastBoard) return {};
+  const double bar = params.bar();
+  return {.widest = 48,
+          .around = BarFinder::kWholePicture,
+          .most_width = 1.9 * bar,
+          .least_length = 0.15,
+          .lowest = 0.15,
+          .opening_from = 0.1 + 0.5 * bar,
+          .is_board = true};
+}
 
 // Where a bar is at row y: along its curve, straight on beyond its ends.
 Vector2d beyond(const Bar& bar, double y) {
@@ -86,10 +107,10 @@ struct Pair {
   double worth = 0.0;
 };
 
-std::optional<Pair> pair_of(const Bar& l, const Bar& r, const Image& image) {
+std::optional<Pair> pair_of(const Bar& l, const Bar& r, const Image& image, const Shape& shape) {
   Pair p{
       .left = l, .right = r, .top = std::max(l.top, r.top), .bottom = std::min(l.bottom, r.bottom)};
-  const double least = kLeastLength * image.height(), shared = p.bottom - p.top;
+  const double least = shape.least_length * image.height(), shared = p.bottom - p.top;
   if (std::min(l.length(), r.length()) < least ||
       shared < kLeastShared * std::max(l.length(), r.length()))
     return std::nullopt;
@@ -99,8 +120,8 @@ std::optional<Pair> pair_of(const Bar& l, const Bar& r, const Image& image) {
   if (std::min({above, below, p.apart}) < kLeastApart * image.width() ||
       std::max(above, below) > kMostTaper * std::min(above, below))
     return std::nullopt;
-  if (std::max(l.width, r.width) > kMostWidth * p.apart || shared > kHighest * p.apart ||
-      shared < kLowest * p.apart)
+  if (std::max(l.width, r.width) > shape.most_width * p.apart || shared > kHighest * p.apart ||
+      shared < shape.lowest * p.apart)
     return std::nullopt;
   p.worth = (l.strength + r.strength) * shared / std::max(l.length(), r.length());
   return p;
@@ -121,8 +142,8 @@ struct Level {
 template <class Fit>
 class Part {
  public:
-  Part(const Pair& pair, const Image& image, const Fit& fit, int stride)
-      : pair_{pair}, image_{image}, fit_{fit}, stride_{stride} {}
+  Part(const Pair& pair, const Image& image, const Fit& fit, int stride, const Shape& shape)
+      : pair_{pair}, image_{image}, fit_{fit}, stride_{stride}, shape_{shape} {}
 
   [[nodiscard]] bool in_view(const Vector2d& p) const {
     return p.x() >= 1.0 && p.y() >= 1.0 && p.x() <= image_.width() - 2.0 &&
@@ -135,6 +156,12 @@ class Part {
     return (end == End::kTop ? y < near : y > image_.height() - 1.0 - near) || x < 0.75 * stride_ ||
            x > image_.width() - 1.0 - 0.75 * stride_;
   }
+  /// Whether both end where too little of a level bar may be in view.
+  [[nodiscard]] bool both_are_cut(End end) const {
+    const double rows = shape_.is_board ? 1.9 + wider() / stride_ : 4.9;
+    return is_cut(pair_.left, end, rows) && is_cut(pair_.right, end, rows);
+  }
+  [[nodiscard]] double wider() const { return std::max(pair_.left.width, pair_.right.width); }
 
   [[nodiscard]] Level along(const Vector2d& left, const Vector2d& right, double sag) const {
     Level level{.left = left, .right = right, .sag = sag};
@@ -167,9 +194,14 @@ class Part {
     // the other end of the level bar is beyond the border
     const bool one_is_cut = is_cut(pair_.left, end) != is_cut(pair_.right, end);
     const auto rows = [&](const Bar& bar) {
-      FixedList<double, 16> y;
+      FixedList<double, 32> y;
       const double last = end == End::kTop ? bar.top : bar.bottom;
-      for (int k = -1; k <= 5; ++k) y.push_back(last + outwards * 0.5 * k * stride_);
+      const int wide = shape_.is_board ? std::min(10, static_cast<int>(wider() / stride_)) : 0;
+      // A board's middle is half a board beyond where the upright ones end, or a row more.
+      if (shape_.is_board)
+        for (const int k : {1, 0, 2})
+          y.push_back(last + outwards * 0.5 * (bar.width + k * stride_));
+      for (int k = -1; k <= 5 + wide; ++k) y.push_back(last + outwards * 0.5 * k * stride_);
       if (one_is_cut && is_cut(bar, end))
         for (int k = 1; k <= 6; ++k)
           y.push_back(last + outwards * (2.5 * stride_ + 0.13 * k * pair_.apart));
@@ -210,7 +242,7 @@ class Part {
     int sum = 0;
     for (int i = 0; i < kGrid; ++i)
       for (int j = 0; j < kGrid; ++j) {
-        const double t = 0.2 + 0.6 * i / (kGrid - 1),
+        const double from = shape_.opening_from, t = from + (1.0 - 2.0 * from) * i / (kGrid - 1),
                      y = pair_.top + (pair_.bottom - pair_.top) * (0.1 + 0.8 * j / (kGrid - 1));
         sum +=
             std::max(-16, fit_.at((1.0 - t) * beyond(pair_.left, y) + t * beyond(pair_.right, y)));
@@ -240,6 +272,7 @@ class Part {
   const Image& image_;
   const Fit& fit_;
   int stride_;
+  const Shape& shape_;
 };
 
 constexpr std::array kEnds{End::kTop, End::kBottom};
@@ -256,8 +289,9 @@ struct Candidate {
 // The pair with its level bars; nullopt when it is part of no gate.
 template <class Fit>
 std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, const Fit& fit,
-                                      int stride, const GateDetectorParams& params) {
-  const Part<Fit> part{pair, image, fit, stride};
+                                      int stride, const Shape& shape,
+                                      const GateDetectorParams& params) {
+  const Part<Fit> part{pair, image, fit, stride, shape};
   Candidate found{.pair = &pair, .evidence = {part.along(pair.left), part.along(pair.right)}};
   const auto [weaker, stronger] = std::minmax(found.evidence[0], found.evidence[1]);
   const double inside = part.inside();
@@ -265,11 +299,8 @@ std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, cons
   double sum = weaker + stronger, weakest = weaker;
   int sides = 2;
   for (std::size_t e = 0; e < 2; ++e) {
-    const auto both_end_within = [&](double rows) {
-      return part.is_cut(pair.left, kEnds[e], rows) && part.is_cut(pair.right, kEnds[e], rows);
-    };
     const auto level = found.levels[e] = part.level_at(kEnds[e]);
-    if (!level && !both_end_within(kNearBorder)) return std::nullopt;
+    if (!level && !part.both_are_cut(kEnds[e])) return std::nullopt;
     if (level) sum += level->mean, ++sides, weakest = std::min(weakest, level->mean);
     found.whole = found.whole && level && !part.is_cut(pair.left, kEnds[e]) &&
                   !part.is_cut(pair.right, kEnds[e]);
@@ -285,8 +316,8 @@ std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, cons
 
 template <class Fit>
 GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit, int stride,
-                 double corner_scale) {
-  const Part<Fit> part{*candidate.pair, image, fit, stride};
+                 const Shape& shape, const GateDetectorParams& params) {
+  const Part<Fit> part{*candidate.pair, image, fit, stride, shape};
   const std::array<const Bar*, 2> bars{&candidate.pair->left, &candidate.pair->right};
   const auto middle = [](const Bar& bar) { return bar.on_curve(0.5 * (bar.top + bar.bottom)); };
   GatePart found{.gate = {.fitness = confidence_of(candidate.score),
@@ -294,38 +325,57 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
                           .method = DetectionMethod::kBars,
                           .whole = false},
                  .bars = {middle(*bars[0]), middle(*bars[1])}};
+  // Of the bars' middle lines; where no level bar is in view, where they leave the picture.
+  Quad& corners = found.gate.corners_px;
+  std::array<const Level*, 4> levels{};
   for (std::size_t e = 0; e < 2; ++e)
     for (std::size_t i = 0; i < 2; ++i) {
       const std::size_t k = e == 0 ? i : 3 - i;  // TL TR BR BL
-      found.gate.corners_px[k] = beyond(*bars[i], e == 0 ? 0.0 : image.height() - 1.0);
-      const auto& level = candidate.levels[e];
-      if (!level) continue;
-      // From the middle lines out to the corners that are meant.
-      const Vector2d sideways = 0.5 * (corner_scale - 1.0) * (level->right - level->left),
-                     down{-sideways.y(), sideways.x()};
-      const Vector2d corner = part.corner(*bars[i], *level, i == 0, kEnds[e]) +
-                              (i == 0 ? -sideways : sideways) + (e == 0 ? -down : down);
-      if (!part.in_view(corner)) continue;
-      found.gate.corners_px[k] = corner;
-      found.gate.corner_fitness[k] =
-          corner_confidence_of(std::min(candidate.evidence[i], level->mean));
+      corners[k] = beyond(*bars[i], e == 0 ? 0.0 : image.height() - 1.0);
+      if (!candidate.levels[e]) continue;
+      levels[k] = &*candidate.levels[e];
+      corners[k] = shape.is_board ? (i == 0 ? levels[k]->left : levels[k]->right)
+                                  : part.corner(*bars[i], *levels[k], i == 0, kEnds[e]);
     }
+  double scale = params.corner_scale;
+  if (shape.is_board) {
+    const BoardEdges edges = board_edges(image, corners, 0.5 * (bars[0]->width + bars[1]->width));
+    corners = edges.corners;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (!edges.has(k)) levels[k] = nullptr;
+    scale *= 1.0 - params.bar_ratio;
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (levels[k] == nullptr) continue;
+    // From the middle lines out to the corners that are meant.
+    const bool is_left = k == 0 || k == 3, is_top = k < 2;
+    const Vector2d sideways = 0.5 * (scale - 1.0) * (levels[k]->right - levels[k]->left),
+                   down{-sideways.y(), sideways.x()};
+    const Vector2d corner = corners[k] + (is_left ? -sideways : sideways) + (is_top ? -down : down);
+    if (!part.in_view(corner)) continue;
+    corners[k] = corner;
+    found.gate.corner_fitness[k] =
+        corner_confidence_of(std::min(candidate.evidence[is_left ? 0 : 1], levels[k]->mean));
+  }
   return found;
 }
 
 }  // namespace
 
 PartSearch::PartSearch(const GateDetectorParams& params)
-    : params_{params}, bars_{kWidest, kAround} {}
+    : params_{params}, bars_{shape_of(params).widest, shape_of(params).around} {}
 
 std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColor& color) {
+  const Shape shape = shape_of(params_);
   BarFinder::Bars bars = bars_.find(image, color);
+  if (shape.is_board)
+    for (Bar& bar : bars) bar.curve = {bar.at_0, bar.slope, 0.0};
   join_pieces(bars, bars_.stride());
   FixedList<Pair, 3> pairs;
   const auto better = [](const Pair& a, const Pair& b) { return a.worth > b.worth; };
   for (const Bar& l : bars)
     for (const Bar& r : bars) {
-      const auto pair = pair_of(l, r, image);
+      const auto pair = pair_of(l, r, image, shape);
       if (!pair || pairs.push_back(*pair)) continue;
       Pair& worst = *std::max_element(pairs.begin(), pairs.end(), better);
       if (better(*pair, worst)) worst = *pair;
@@ -335,11 +385,11 @@ std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColo
       evidence, params_.weights_with(color.faintness()), params_.bar()};
   std::optional<Candidate> best;
   for (const Pair& pair : pairs) {
-    const auto candidate = candidate_of(pair, image, fit, bars_.stride(), params_);
+    const auto candidate = candidate_of(pair, image, fit, bars_.stride(), shape, params_);
     if (candidate && (!best || candidate->score > best->score)) best = candidate;
   }
-  if (!best || best->whole) return std::nullopt;
-  return part_of(*best, image, fit, bars_.stride(), params_.corner_scale);
+  if (!best || (best->whole && !shape.is_board)) return std::nullopt;
+  return part_of(*best, image, fit, bars_.stride(), shape, params_);
 }
 
 }  // namespace gatefly

@@ -13,6 +13,7 @@
 #include "gatefly/detection/search/filled_frame.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
+#include "gatefly/detection/search/meant_corners.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -320,8 +321,8 @@ GateDetections SnakeSearch::detect(const Image& image, const PictureColor& color
   for (const Frame& frame : frames) {
     const Quad corners = refined_corners(image, to_pixels(frame.quad, cell), params_.bar(),
                                          RefinementEffort::kQuick, curves);
-    (void)found.push_back(detection_of({corners, frame.score}, DetectionMethod::kSnake, image,
-                                       params_.corner_scale, curves));
+    (void)found.push_back(
+        meant_detection({corners, frame.score}, DetectionMethod::kSnake, image, params_, curves));
   }
   return found;
 }
@@ -362,7 +363,7 @@ std::optional<GateDetection> SnakeSearch::detect_near(const Quad& bars_px, const
   if (largest_move(frame.quad, bars_px) > kExpectedWithin * std::sqrt(std::abs(area(bars_px))) ||
       larger > kExpectedLarger || larger * kExpectedLarger < 1.0)
     return std::nullopt;
-  return detection_of(frame, DetectionMethod::kSnake, image, params_.corner_scale, curves);
+  return meant_detection(frame, DetectionMethod::kSnake, image, params_, curves);
 }
 
 bool SnakeSearch::shows_bars_beside(const GateDetections& gates) const {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "gatefly/detection/lens_bend.hpp"
+#include "gatefly/detection/quad.hpp"
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly {
+
+/// A bar that is a tenth of its gate's side or more is a board: it has edges of its own.
+inline constexpr double kLeastBoard = 0.1;
+
+/// The outer edges of a frame of boards.
+struct BoardEdges {
+  Quad corners;  ///< Where neighbouring edges cross [px].
+  Quad middles;  ///< The same, half a board farther in [px].
+  /// Of the sides TL-TR, TR-BR, BR-BL, BL-TL; else half a board beyond its middle line.
+  std::array<bool, 4> seen = {};
+
+  /// Whether both edges of a corner are seen.
+  [[nodiscard]] bool has(std::size_t corner) const {
+    return seen[corner] && seen[(corner + 3) % 4];
+  }
+};
+
+/// Finds the outer edges of a frame's boards, sub-pixel. [ours]
+///
+/// The middle line of a board half a metre wide says little of its corners: it is drawn beside the
+/// middle of what is seen, and half a board is added in the picture's plane. The edges are where the
+/// corners are. Across every side, station by station, the one step from the board's chroma to that of
+/// what is beyond; through the steps a line, those far off counting less: worn paint and things that
+/// stand before a gate move some of them.
+/// @param bars_px  the boards' middle lines, to a third of a board's width [px].
+/// @param board_px  width of the boards [px].
+/// @param curves  how the lens bends the sides, in pixels.
+/// Sides that are not in the picture, or show no edge, are half a board beyond their middle line.
+/// Allocates nothing.
+[[nodiscard]] BoardEdges board_edges(const Image& image, const Quad& bars_px, double board_px,
+                                     const SideCurves& curves = {});
+
+}  // namespace gatefly
