@@ -389,7 +389,12 @@ std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColo
     if (candidate && (!best || candidate->score > best->score)) best = candidate;
   }
   if (!best || (best->whole && !shape.is_board)) return std::nullopt;
-  return part_of(*best, image, fit, bars_.stride(), shape, params_);
+  const GatePart part = part_of(*best, image, fit, bars_.stride(), shape, params_);
+  // Two upright things of the gate's colour are no gate of boards: it shows corners, too.
+  const auto seen = std::count_if(part.gate.corner_fitness.begin(), part.gate.corner_fitness.end(),
+                                  [](double fitness) { return fitness > 0.0; });
+  if (shape.is_board && seen < 2) return std::nullopt;
+  return part;
 }
 
 }  // namespace gatefly
