@@ -48,6 +48,7 @@ struct IdealSimulator {
       : body{config},
         vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
         width{config.camera.width()},
+        height{config.camera.height()},
         lamps_out{config.light.out} {}
   IdealSimulator(const IdealSimulator&) = delete;
   IdealSimulator& operator=(const IdealSimulator&) = delete;
@@ -60,7 +61,7 @@ struct IdealSimulator {
   }
   void deliver(Sensors& sensors) const {
     SeenGates& gates = sensors.seen.emplace();
-    gates.image_width = width;
+    gates.image_width = width, gates.image_height = height;
     for (const auto& gate : seen.gates)
       (void)gates.gates.push_back({gate.corners_px, gate.fitness});
     if (seen.lower)
@@ -75,7 +76,7 @@ struct IdealSimulator {
 
   sim::TwinBody body;
   sim::IdealVision vision;
-  int width;
+  int width, height;
   sim::During lamps_out;
   sim::SeenPicture seen;
 };

@@ -130,11 +130,13 @@ PilotConfig pilot_config(const Config& config) {
 
   const CameraDescription& camera = config.camera;
   pilot.camera = {lens_of(camera), camera_mount(camera.tilt_down), camera.p_BC};
+  // A stored line is an upright row or column, the first one the topmost or leftmost, or the last.
+  const bool along_rows = camera.stored_rotation_deg % 180 == 0;
+  const double turned = camera.stored_rotation_deg < 180 ? 1.0 : -1.0;
   // From the middle of the exposure of the middle line: half of both, then the way to the pilot.
   pilot.camera_timing = {.latency = camera.latency + 0.5 * (camera.exposure + camera.readout),
-                         // The pilot knows lines that are upright columns. Where they are rows, the
-                         // middle one's time stands for all.
-                         .readout = camera.stored_rotation_deg == 90 ? camera.readout : 0.0};
+                         .readout = along_rows ? 0.0 : turned * camera.readout,
+                         .readout_down = along_rows ? turned * camera.readout : 0.0};
 
   const GateDescription& gate = config.gate;
   pilot.detector.bar_ratio = gate.bar / gate.side;

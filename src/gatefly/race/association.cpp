@@ -25,18 +25,17 @@ std::optional<GateSight> sight_of(std::span<const Point> points, GateSight::Qual
   sight.jitter = picture.jitter;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Point& point : points) middle += point.px / static_cast<double>(points.size());
-  const auto across = [&](double u) {
-    return std::clamp(u / picture.image_width - 0.5, -0.5, 0.5);
+  const auto later = [&](const Eigen::Vector2d& px) {
+    return picture.timing.later(px, picture.size_px);
   };
-  sight.time =
-      picture.arrival - picture.timing.latency + across(middle.x()) * picture.timing.readout;
+  sight.time = picture.arrival - picture.timing.latency + later(middle);
   for (const Point& point : points) {
     const auto bearing = picture.camera.lens.bearing(point.px);
     if (!bearing) return std::nullopt;
     (void)sight.features.push_back(
         {.kind = point.kind,
          .which = point.which,
-         .late = (across(point.px.x()) - across(middle.x())) * picture.timing.readout,
+         .late = later(point.px) - later(middle),
          .bearing_C = *bearing,
          .from_middle_px = point.px - middle});
   }

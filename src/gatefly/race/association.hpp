@@ -16,7 +16,7 @@ struct PictureClock {
   const CameraRig& camera;
   const CameraTiming& timing;
   double arrival = 0.0;        ///< [s]
-  double image_width = 315.0;  ///< [px]
+  Eigen::Vector2d size_px{315.0, 160.0};
   double jitter = 0.010;       ///< Of the arrival, one standard deviation [s].
 };
 

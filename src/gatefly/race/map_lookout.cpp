@@ -48,18 +48,21 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
   monitor_.looked(navigator.time());
-  const double width = sensors.seen ? sensors.seen->image_width : sensors.image->width();
+  const Eigen::Vector2d size =
+      sensors.seen ? Eigen::Vector2d{sensors.seen->image_width, sensors.seen->image_height}
+                   : Eigen::Vector2d{sensors.image->width(), sensors.image->height()};
   const View view{sensors,
                   course,
                   navigator,
-                  {params_.camera, params_.timing, navigator.time(), width, arrivals_.sigma()}};
+                  {params_.camera, params_.timing, navigator.time(), size, arrivals_.sigma()}};
   std::optional<Quad> bars;
   sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
   sighting_.seen = !sighting_.detections.empty();
   take_whole_gates(view);
   const double x = navigator.error_state()->p_GB().x();
   const double from = params_.sight.parts_from * course.gate().side;
-  if (sighting_.source == Sighting::Source::kNone && x > -from && x < 0.0) take_parts(view);
+  const bool near_target = x > -from && x < 0.0;
+  if (sighting_.source == Sighting::Source::kNone && near_target) take_parts(view);
 }
 
 // Looking carefully costs a hundred times as much. It is for gates that are expected, not found, and
@@ -114,11 +117,15 @@ bool MapLookout::believed(const Associated& seen, const GateDetection& gate, boo
   const double nis = seen.innovation.nis;
   if (seen.margin < map_.margin) return false;
   if (gate.fitness < params_.sight.sure && nis > map_.unsure_nis) return false;
-  if (!blind && nis < map_.confirm_above) return true;
-  const int face = eskf::face_of(seen.sight);
-  const double since = seen.sight.time - pending_.time;
+  return (!blind && nis < map_.confirm_above) || seen_again(seen.sight);
+}
+
+// Whether a picture shortly before showed the same gate from the same side.
+bool MapLookout::seen_again(const eskf::GateSight& sight) {
+  const int face = eskf::face_of(sight);
+  const double since = sight.time - pending_.time;
   const bool again = pending_.face == face && since > 0.01 && since < map_.confirm_within;
-  pending_.face = face, pending_.time = seen.sight.time;
+  pending_.face = face, pending_.time = sight.time;
   return again;
 }
 
@@ -198,17 +205,33 @@ void MapLookout::take_parts(const View& view) {
   if (sighting_.lower_corners && take_part(view, sight_of(*sighting_.lower_corners, view.picture),
                                            map_.max_lower_nis, Sighting::Source::kCorners))
     return;
-  if (cut && !sighting_.lower_corners) {
-    const auto sight = sight_of_cut(*cut, view.picture);
-    const bool three = sight && sight->features.size() > 2;
-    if (take_part(view, sight, three ? map_.max_three_nis : map_.max_lower_nis,
-                  Sighting::Source::kCorners))
-      return;
-  }
+  if (cut && !sighting_.lower_corners && take_cut(view, *cut)) return;
   sighting_.bars = bars;
   if (bars)
     (void)take_part(view, sight_of(*bars, view.picture), map_.max_bars_nis,
                     Sighting::Source::kBars);
+}
+
+// Two corners are those of any gate: of the one that explains them far better than all others, and
+// again in the next picture where little is known of the place.
+bool MapLookout::take_cut(const View& view, const GateDetection& cut) {
+  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  const auto sight = sight_of_cut(cut, view.picture);
+  if (!sight) return false;
+  sighting_.offered = true;
+  const double max_nis = sight->features.size() > 2 ? map_.max_three_nis : map_.max_lower_nis;
+  const auto seen = associate(filter, *sight, max_nis);
+  if (!seen || seen->margin < map_.margin) return false;
+  const double place_sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
+  const bool sure = place_sigma < map_.part_sigma && seen->innovation.nis < 0.7 * max_nis;
+  if (!sure && !seen_again(seen->sight)) return false;
+  const bool target = is_target(seen->sight, view);
+  if (!view.navigator.correct({&seen->sight, 1}, target)) return false;
+  last_any_ = view.navigator.time(), refused_ = 0;
+  if (!target) return true;
+  sighting_.source = Sighting::Source::kCorners;
+  sighting_.nis = seen->innovation.nis, sighting_.nis_dof = seen->innovation.rows;
+  return true;
 }
 
 bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,

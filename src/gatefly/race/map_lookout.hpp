@@ -55,8 +55,10 @@ class MapLookout {
   [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, const LookFor& look_for);
   void take_whole_gates(const View& view);
   void take_parts(const View& view);
+  bool take_cut(const View& view, const GateDetection& cut);
   bool take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
                  Sighting::Source source);
+  [[nodiscard]] bool seen_again(const eskf::GateSight& sight);
   [[nodiscard]] bool believed(const Associated& seen, const GateDetection& gate, bool blind);
   void note_stray(const GateDetection& gate, const View& view);
   void describe_fix(const GateDetection& gate, const View& view);

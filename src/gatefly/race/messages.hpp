@@ -25,7 +25,7 @@ struct SeenGates {
   std::optional<GateBars> bars = std::nullopt;  ///< One too near to be whole.
   /// One that the border cuts: a corner of fitness 0 is not in view.
   std::optional<GateDetection> cut = std::nullopt;
-  int image_width = 315;  ///< Of the upright picture [px].
+  int image_width = 315, image_height = 160;  ///< Of the upright picture [px].
 };
 
 /// What arrives in one tick. Everything but the IMU is slower and mostly absent.

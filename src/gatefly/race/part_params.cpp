@@ -126,7 +126,9 @@ MapUncertainty map_uncertainty(const PilotConfig& config) {
 void check_latency(const PilotConfig& config) {
   const auto ms = [](double seconds) { return std::to_string(std::lround(1e3 * seconds)) + " ms"; };
   if (config.filter_model == FilterModel::kPaper) return;  // a fix counts as of now
-  const double oldest = config.camera_timing.latency + 0.5 * config.camera_timing.readout;
+  const double oldest =
+      config.camera_timing.latency +
+      0.5 * (std::abs(config.camera_timing.readout) + std::abs(config.camera_timing.readout_down));
   if (oldest <= config.filter_memory) return;
   throw std::invalid_argument("pictures arrive " + ms(oldest) +
                               " after their exposure (camera.latency_ms, readout_ms, exposure_ms), "

@@ -12,7 +12,16 @@ namespace gatefly {
 
 struct CameraTiming {
   double latency = 0.044;  ///< From the middle of the exposure of the middle line to arrival [s].
-  double readout = 0.020;  ///< First to last upright column [s].
+  /// Leftmost to rightmost upright column; negative: from right to left [s].
+  double readout = 0.020;
+  double readout_down = 0.0;  ///< The same from row to row, of a camera whose lines are rows [s].
+
+  /// How much later than the picture's middle a pixel is exposed [s].
+  [[nodiscard]] double later(const Eigen::Vector2d& px, const Eigen::Vector2d& size_px) const {
+    const Eigen::Vector2d off =
+        (px.cwiseQuotient(size_px).array() - 0.5).cwiseMax(-0.5).cwiseMin(0.5);
+    return off.x() * readout + off.y() * readout_down;
+  }
 };
 
 /// When a detection is the gate that is looked for. NIS: normalised innovation squared of its fix.
