@@ -202,10 +202,14 @@ void MapLookout::take_parts(const View& view) {
                  detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
     sighting_.lower_corners = part->lower_corners(), bars = part->bars, cut = part->gate;
   }
+  // Corners say whose they are, bars do not: where corners fit no gate their bars count no more.
+  if (const auto sight = cut ? sight_of_cut(*cut, view.picture) : std::nullopt) {
+    take_cut(view, *sight);
+    return;
+  }
   if (sighting_.lower_corners && take_part(view, sight_of(*sighting_.lower_corners, view.picture),
                                            map_.max_lower_nis, Sighting::Source::kCorners))
     return;
-  if (cut && !sighting_.lower_corners && take_cut(view, *cut)) return;
   sighting_.bars = bars;
   if (bars)
     (void)take_part(view, sight_of(*bars, view.picture), map_.max_bars_nis,
@@ -214,24 +218,21 @@ void MapLookout::take_parts(const View& view) {
 
 // Two corners are those of any gate: of the one that explains them far better than all others, and
 // again in the next picture where little is known of the place.
-bool MapLookout::take_cut(const View& view, const GateDetection& cut) {
+void MapLookout::take_cut(const View& view, const eskf::GateSight& sight) {
   const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
-  const auto sight = sight_of_cut(cut, view.picture);
-  if (!sight) return false;
   sighting_.offered = true;
-  const double max_nis = sight->features.size() > 2 ? map_.max_three_nis : map_.max_lower_nis;
-  const auto seen = associate(filter, *sight, max_nis);
-  if (!seen || seen->margin < map_.margin) return false;
+  const double max_nis = sight.features.size() > 2 ? map_.max_three_nis : map_.max_lower_nis;
+  const auto seen = associate(filter, sight, max_nis);
+  if (!seen || seen->margin < map_.margin) return;
   const double place_sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
   const bool sure = place_sigma < map_.part_sigma && seen->innovation.nis < 0.7 * max_nis;
-  if (!sure && !seen_again(seen->sight)) return false;
+  if (!sure && !seen_again(seen->sight)) return;
   const bool target = is_target(seen->sight, view);
-  if (!view.navigator.correct({&seen->sight, 1}, target)) return false;
+  if (!view.navigator.correct({&seen->sight, 1}, target)) return;
   last_any_ = view.navigator.time(), refused_ = 0;
-  if (!target) return true;
+  if (!target) return;
   sighting_.source = Sighting::Source::kCorners;
   sighting_.nis = seen->innovation.nis, sighting_.nis_dof = seen->innovation.rows;
-  return true;
 }
 
 bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,

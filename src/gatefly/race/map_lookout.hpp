@@ -55,7 +55,7 @@ class MapLookout {
   [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, const LookFor& look_for);
   void take_whole_gates(const View& view);
   void take_parts(const View& view);
-  bool take_cut(const View& view, const GateDetection& cut);
+  void take_cut(const View& view, const eskf::GateSight& sight);
   bool take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
                  Sighting::Source source);
   [[nodiscard]] bool seen_again(const eskf::GateSight& sight);
