@@ -99,6 +99,22 @@ TEST(Derived, AGatesShapeIsTheTracksUnlessTheConfigurationHasOne) {
       usual.pilot.detector.bar_ratio);
 }
 
+// A stored line is an upright column where pictures are stored on their side, else a row; turned round,
+// the last one is read first.
+TEST(Derived, TheReadOutRunsAsThePicturesAreStored) {
+  struct Case {
+    int stored_deg;
+    double across, down;
+  };
+  for (const Case& c :
+       {Case{0, 0, 0.016}, Case{90, 0.016, 0}, Case{180, 0, -0.016}, Case{270, -0.016, 0}}) {
+    const Told told{
+        {"camera.stored_rotation_deg=" + std::to_string(c.stored_deg), "camera.readout_ms=16"}};
+    EXPECT_DOUBLE_EQ(told.pilot.camera_timing.readout, c.across) << c.stored_deg;
+    EXPECT_DOUBLE_EQ(told.pilot.camera_timing.readout_down, c.down) << c.stored_deg;
+  }
+}
+
 // From the middle of the exposure of the middle line to arrival: half of exposure and read-out, all
 // of the way.
 TEST(Derived, ThePilotsLatencyIsHalfOfExposureAndReadoutAndAllOfTheWay) {
@@ -146,8 +162,8 @@ TEST(Derived, NoBodyHasMoreInertiaAboutAnAxisThanAboutTheOthersTogether) {
   EXPECT_LT(told.simulator.vehicle.inertia.y(), 0.0025);
 }
 
-// Stored upright, a line is a row; the pilot knows columns only, so it is told of no read-out.
-TEST(Derived, ACameraThatStoresRowsTellsThePilotTheMiddleOnesTime) {
+// Stored upright, a line is a row: the read-out runs down the picture.
+TEST(Derived, ACameraThatStoresRowsIsReadFromAbove) {
   const Told told{{"camera.stored_rotation_deg=0", "camera.size_px=[640, 480]",
                    "camera.readout_ms=20", "camera.exposure_ms=8", "camera.latency_ms=30",
                    "camera.jpeg_quality=80"}};
@@ -157,6 +173,7 @@ TEST(Derived, ACameraThatStoresRowsTellsThePilotTheMiddleOnesTime) {
   EXPECT_EQ(told.simulator.camera.jpeg_quality, 80);
   EXPECT_DOUBLE_EQ(told.simulator.camera.readout, 0.020);
   EXPECT_DOUBLE_EQ(told.pilot.camera_timing.readout, 0.0);
+  EXPECT_DOUBLE_EQ(told.pilot.camera_timing.readout_down, 0.020);
   EXPECT_DOUBLE_EQ(told.pilot.camera_timing.latency, 0.044);
 }
 

@@ -155,5 +155,54 @@ TEST(PartSearch, WhereEverythingIsColouredThereIsNoGate) {
   }
 }
 
+// Boards of 0.6 m on a gate of 2.7 m, a camera of 90 degrees that looks 20 degrees up: from 5 m on only
+// the upper corners are in view.
+TEST(PartSearch, TheUpperCornersOfANearGateOfBoardsAreFound) {
+  GateDetectorParams params;
+  params.bar_ratio = 0.6 / 2.7, params.corner_scale = 2.7 / 2.1;
+  const CameraRig rig{AnyCamera{Pinhole{.focal_px = {320, 320}, .center_px = {319.5, 179.5}}},
+                      camera_mount(-20 * kDegree), Eigen::Vector3d::Zero()};
+  int views = 0, found = 0;
+  for_all(30, [&](Rng& rng) {
+    const View view{{rng.uniform(-5.0, -1.8), rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.2)},
+                    {rng.uniform(-0.1, 0.1), rng.uniform(-0.12, 0.0), rng.uniform(-0.1, 0.1)}};
+    const auto truth = corners_of(2.7, view, rig);
+    const auto in_view = [](const Vector2d& p, double margin) {
+      return p.x() > margin && p.x() < 639 - margin && p.y() > margin && p.y() < 359 - margin;
+    };
+    if (!truth || !in_view((*truth)[0], 10) || !in_view((*truth)[1], 10) ||
+        in_view((*truth)[2], -10) || in_view((*truth)[3], -10))
+      return;
+    ++views;
+    Canvas canvas{640, 360};
+    canvas.add_noise(rng, 10.0, 3.0);
+    canvas.draw_gate(view, rig, 2.7, 0.6);
+    const auto bytes = canvas.yuv444();
+    const auto part = PartSearch{params}.detect({bytes.data(), PixelFormat::kYuv444, 640, 360},
+                                                ColorModel::described({1.0, 0.4, 0.0}));
+    if (!part) return;
+    ++found;
+    for (const std::size_t k : {0u, 1u}) {
+      EXPECT_GT(part->gate.corner_fitness[k], 0.5);
+      EXPECT_LT((part->gate.corners_px[k] - (*truth)[k]).norm(), 3.0) << "corner " << k;
+    }
+  });
+  EXPECT_GT(views, 10);
+  EXPECT_GE(found, views * 8 / 10);
+}
+
+// Two orange posts are the sides of a thin gate too near to be whole, never those of boards.
+TEST(PartSearch, TwoPostsAreNoGateOfBoards) {
+  GateDetectorParams params;
+  params.bar_ratio = 0.6 / 2.7, params.corner_scale = 2.7 / 2.1;
+  Canvas canvas{640, 360};
+  for (const int u : {150, 420}) canvas.paint(u, u + 70, 0, 360, {120, 90, 190});
+  const auto bytes = canvas.yuv444();
+  EXPECT_FALSE(PartSearch{params}
+                   .detect({bytes.data(), PixelFormat::kYuv444, 640, 360},
+                           ColorModel::described({1.0, 0.4, 0.0}))
+                   .has_value());
+}
+
 }  // namespace
 }  // namespace gatefly

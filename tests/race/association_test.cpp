@@ -40,7 +40,7 @@ struct Scene {
     return corners;
   }
   [[nodiscard]] std::optional<eskf::GateSight> sight(const Vector3d& p_EG) const {
-    return sight_of(corners(p_EG), {rig, timing, 100 * kDt + 0.02, 315.0});
+    return sight_of(corners(p_EG), {rig, timing, 100 * kDt + 0.02, {315.0, 160.0}});
   }
 
   static constexpr double kDt = 1.0 / 512;
@@ -70,7 +70,7 @@ TEST(Association, AGateWhereTheMapHasNoneIsNone) {
 
 TEST(Association, LowerCornersAndBarsAreSightingsToo) {
   const Scene scene;
-  const PictureClock clock{scene.rig, scene.timing, 1.0, 315.0};
+  const PictureClock clock{scene.rig, scene.timing, 1.0, {315.0, 160.0}};
   const auto lower = sight_of(LowerCorners{{100, 120}, {200, 120}, 1.0}, clock);
   ASSERT_TRUE(lower.has_value());
   EXPECT_EQ(lower->features.size(), 2u);
@@ -85,7 +85,7 @@ TEST(Association, LowerCornersAndBarsAreSightingsToo) {
 // Any corners of a gate that the border cuts: those of fitness 0 are not in view.
 TEST(Association, TwoOrThreeCornersOfACutGateAreASighting) {
   const Scene scene;
-  const PictureClock clock{scene.rig, scene.timing, 100 * Scene::kDt + 0.02, 315.0};
+  const PictureClock clock{scene.rig, scene.timing, 100 * Scene::kDt + 0.02, {315.0, 160.0}};
   const auto corners = scene.corners({5, 0, -1.5});
   const auto seen = [&](std::array<double, 4> fitness) {
     return sight_of_cut({.corners_px = corners, .corner_fitness = fitness, .whole = false}, clock);
@@ -105,6 +105,20 @@ TEST(Association, TwoOrThreeCornersOfACutGateAreASighting) {
     EXPECT_LT(innovation->nis, 4.0) << "where the gate is";
   }
   EXPECT_FALSE(seen({0, 0, 1, 0})) << "one corner says too little";
+}
+
+// A camera that reads its rows from above: what is low in the picture was exposed later.
+TEST(Association, ARollingShutterOverRowsExposesTheLowerCornersLater) {
+  const Scene scene;
+  const CameraTiming rows{.latency = 0.044, .readout = 0.0, .readout_down = 0.016};
+  const PictureClock clock{scene.rig, rows, 1.0, {640.0, 360.0}};
+  const auto sight = sight_of(Quad{{{100, 90}, {200, 90}, {200, 270}, {100, 270}}}, clock);
+  ASSERT_TRUE(sight.has_value());
+  EXPECT_NEAR(sight->time, 1.0 - 0.044, 1e-12) << "in the middle of the picture";
+  for (const std::size_t upper : {0u, 1u}) EXPECT_NEAR(sight->features[upper].late, -0.004, 1e-12);
+  for (const std::size_t lower : {2u, 3u}) EXPECT_NEAR(sight->features[lower].late, 0.004, 1e-12);
+  const auto low = sight_of(Quad{{{100, 180}, {200, 180}, {200, 360}, {100, 360}}}, clock);
+  EXPECT_NEAR(low->time, 1.0 - 0.044 + 0.25 * 0.016, 1e-12);
 }
 
 }  // namespace

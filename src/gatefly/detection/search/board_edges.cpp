@@ -75,6 +75,22 @@ class BoardSide {
     return Vector2d{c.u, c.v};
   }
 
+  // How much of the board shows at a place, between the four pixels around it: 1 all, 0 none.
+  [[nodiscard]] double shown_at(double t, double off_px, const Vector2d& beyond,
+                                const Vector2d& per_contrast) const {
+    const Vector2d p = at(t, off_px), corner{std::floor(p.x()), std::floor(p.y())},
+                   part = p - corner;
+    double sum = 0.0;
+    for (const int i : {0, 1})
+      for (const int j : {0, 1}) {
+        const auto c = chroma_at(corner + Vector2d{i, j});
+        if (!c) return 0.0;
+        sum += std::abs(1.0 - i - part.x()) * std::abs(1.0 - j - part.y()) *
+               (*c - beyond).dot(per_contrast);
+      }
+    return sum;
+  }
+
   // The best step from board to no board along one line across the side.
   [[nodiscard]] std::optional<double> step_at(double t, const Vector2d& beyond,
                                               const Vector2d& per_contrast) const {
@@ -98,10 +114,15 @@ class BoardSide {
     double all = best;
     for (int i = after; i < n; ++i) all += 0.5 - shown[static_cast<std::size_t>(i)];
     if (all < kLeastStep * 0.5 * n) return std::nullopt;
-    // Between the last sample of the board and the first beyond, where half of it shows.
-    const double last = shown[static_cast<std::size_t>(after - 1)],
-                 first = shown[static_cast<std::size_t>(after)];
-    return from + apart * (after - 0.5 + (last - 0.5) / std::max(0.1, last - first));
+    // Where half of it shows, between pixels.
+    const double edge = from + apart * after;
+    double before = edge - 1.0, left = shown_at(t, before, beyond, per_contrast);
+    for (const double next : {edge, edge + 1.0}) {
+      const double right = shown_at(t, next, beyond, per_contrast);
+      if (left >= 0.5 && right < 0.5) return before + (left - 0.5) / (left - right);
+      before = next, left = right;
+    }
+    return edge;
   }
 
   [[nodiscard]] static std::optional<Vector2d> line_through(
