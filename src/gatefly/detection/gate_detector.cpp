@@ -52,7 +52,7 @@ GatesInView GateDetector::look(const Image& image, const ColorModel& color,
                                const LookFor& look_for) & {
   gates_.clear();
   careful_ = false;
-  if (!is_paper())
+  if (!is_paper() && !look_for.again)
     searches_->color.set(color, params_.adapts ? tone_of(image, color) : ChromaTone{});
   if (look_for.gates != LookFor::Gates::kNone) list_gates(image, look_for);
   if (look_for.gates == LookFor::Gates::kBest && gates_.size() > 1) gates_.resize(1);

@@ -13,7 +13,8 @@ namespace gatefly {
 namespace {
 
 constexpr double kNever = 1e9;  // [m]
-constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
+constexpr LookFor kPartToo{
+    .gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo, .again = true};
 
 }  // namespace
 
@@ -48,7 +49,7 @@ void Lookout::look(const Sensors& sensors, bool looking, const Course& course,
       sighting_.seen && sighting_.detections[0].method == DetectionMethod::kSnake && !sensors.seen;
   if (!convincing(best) && was_quick) {
     // Another gate stood out; the one that is looked for may be there, too.
-    sighting_.detections = whole_gates(sensors, {.gates = LookFor::Gates::kAll});
+    sighting_.detections = whole_gates(sensors, {.gates = LookFor::Gates::kAll, .again = true});
     best = best_whole_gate(view);
   }
   const double x = navigator.filter().position().x();
@@ -139,7 +140,7 @@ std::optional<Lookout::Candidate> Lookout::best_part(const View& view) {
   if (view.sensors.seen) {
     sighting_.lower_corners = view.sensors.seen->lower_corners, bars = view.sensors.seen->bars;
   } else if (const auto part =
-                 detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
+                 detector_.look(*view.sensors.image, params_.gate_color, kPartToo).part) {
     sighting_.lower_corners = part->lower_corners(), bars = part->bars;
   }
   const MapGate& gate = view.course.gate();

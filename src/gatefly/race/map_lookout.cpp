@@ -11,7 +11,8 @@
 namespace gatefly {
 namespace {
 
-constexpr LookFor kPartOnly{.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo};
+constexpr LookFor kPartToo{
+    .gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo, .again = true};
 
 // Recorded pictures may come at 5 Hz only, and a gate is not found in each.
 constexpr double kPause = 0.9;  // [s]
@@ -199,7 +200,7 @@ void MapLookout::take_parts(const View& view) {
     sighting_.lower_corners = view.sensors.seen->lower_corners, bars = view.sensors.seen->bars;
     cut = view.sensors.seen->cut;
   } else if (const auto part =
-                 detector_.look(*view.sensors.image, params_.gate_color, kPartOnly).part) {
+                 detector_.look(*view.sensors.image, params_.gate_color, kPartToo).part) {
     sighting_.lower_corners = part->lower_corners(), bars = part->bars, cut = part->gate;
   }
   // Corners say whose they are, bars do not: where corners fit no gate their bars count no more.
