@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <concepts>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -22,6 +24,20 @@
 // MAVLink's CRC_EXTRA and the tables of docs/link.md are all made from it: there is no second place.
 
 namespace gatefly::link {
+
+/// What a type is called where layouts are written down: uint8_t, float, ...
+template <WireNumber T>
+[[nodiscard]] constexpr std::string_view wire_name() {
+  if constexpr (std::same_as<T, char>) return "char";
+  if constexpr (std::same_as<T, float>) return "float";
+  if constexpr (std::same_as<T, double>) return "double";
+  if constexpr (std::unsigned_integral<T>) {
+    constexpr std::array<std::string_view, 4> kNames{"uint8_t", "uint16_t", "uint32_t", "uint64_t"};
+    return kNames[std::bit_width(sizeof(T)) - 1];
+  }
+  constexpr std::array<std::string_view, 4> kNames{"int8_t", "int16_t", "int32_t", "int64_t"};
+  return kNames[std::bit_width(sizeof(T)) - 1];
+}
 
 /// Reads each field; one that is missing behind later() keeps its default.
 class FieldDecoder {
