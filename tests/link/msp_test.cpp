@@ -13,7 +13,6 @@
 #include "gatefly/link/msp_lists.hpp"
 #include "gatefly/link/msp_messages.hpp"
 
-#include "support/allocation_counter.hpp"
 #include "support/for_all.hpp"
 
 namespace gatefly::msp {
@@ -190,17 +189,6 @@ TEST(MspStream, AMillionRandomBytesAreSurvivedAndALastFrameIsFound) {
   const Data zeros(kMostPayload + kFrameOverhead, 0);
   stream.feed(zeros, [&](const Frame& f) { found += kept(f) == frame ? 1 : 0; });
   EXPECT_EQ(found, 1);
-}
-
-TEST(MspStream, AllocatesNothing) {
-  test::expect_that_allocations_are_counted();
-  const Data bytes = bytes_of({111, Data(200, 7), Direction::kFromController, Version::k2});
-  Stream stream;
-  std::optional<RcTuning> tuning;
-  const test::NothingAllocated nothing;
-  for (int i = 0; i < 3; ++i)
-    stream.feed(bytes, [&](const Frame& f) { tuning = link::decoded<RcTuning>(f.payload); });
-  EXPECT_TRUE(tuning);
 }
 
 TEST(MspStream, AfterARestartWhatHadBegunIsForgotten) {
