@@ -122,6 +122,12 @@ TEST(RateCurve, RatesOfAnotherTypeAreNotGuessed) {
     EXPECT_FALSE(RateProfile::from(tuning, {}, kReceiver)) << type;
   }
   EXPECT_FALSE(RateProfile::from(qualifier(), {}, {.mid = 0}));
+  tuning = qualifier();
+  tuning.pitch_expo = 101;
+  EXPECT_FALSE(RateProfile::from(tuning, {}, kReceiver));
+  tuning = qualifier();
+  tuning.rate_limit[2] = 0;
+  EXPECT_FALSE(RateProfile::from(tuning, {}, kReceiver));
 }
 
 TEST(RateProfile, ARateThatRaisesTheNosePullsThePitchStickBack) {

@@ -82,6 +82,10 @@ std::optional<RateProfile> RateProfile::from(const RcTuning& tuning, const RcDea
   if (type != RateCurve::Type::kBetaflight && type != RateCurve::Type::kActual) return std::nullopt;
   const int mid = receiver.mid;
   if (mid <= kLeastStick || mid >= kMostStick) return std::nullopt;
+  // Beyond 100 % a curve would fall somewhere; no controller lets it be set.
+  if (std::max({tuning.roll_expo, tuning.pitch_expo, tuning.yaw_expo}) > 100) return std::nullopt;
+  if (std::min({tuning.rate_limit[0], tuning.rate_limit[1], tuning.rate_limit[2]}) == 0)
+    return std::nullopt;
   return RateProfile{curve_of(tuning, tuning.roll_rc_rate, tuning.super_rate[0], tuning.roll_expo,
                               tuning.rate_limit[0], deadband.roll_and_pitch, mid),
                      curve_of(tuning, tuning.pitch_rc_rate, tuning.super_rate[1], tuning.pitch_expo,

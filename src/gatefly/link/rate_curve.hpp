@@ -36,7 +36,7 @@ struct RateCurve {
 struct RateProfile {
   RateCurve roll, pitch, yaw;
 
-  /// nullopt when the drone has rates of another type: it must not be flown by a guess.
+  /// nullopt when the drone has rates of another type, or what no drone has: it must not be flown by a guess.
   [[nodiscard]] static std::optional<RateProfile> from(const RcTuning& tuning,
                                                        const RcDeadband& deadband,
                                                        const RxConfig& receiver);
