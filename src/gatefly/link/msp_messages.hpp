@@ -41,7 +41,7 @@ struct FcVersion {
   std::uint8_t major = 0, minor = 0, patch = 0;
   template <class Self, class Visit>
   static constexpr void layout(Self& m, Visit& visit) {
-    visit("major", m.major, "from 2025 on: the year less 2000");
+    visit("major", m.major, "the year less 2000 from 2025 on");
     visit("minor", m.minor, "");
     visit("patch", m.patch, "");
   }
