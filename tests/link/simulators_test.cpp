@@ -130,17 +130,18 @@ TEST(BetaflightSitl, StateHasTheSignsThatItsReaderUndoes) {
   EXPECT_NEAR(d[17], 101325 - 117, 1);
 }
 
-// Its reader takes the half turn back, and then has the body, front, left, up, in east, north, up.
-TEST(BetaflightSitl, AttitudeIsThatOfTheBodyInEastNorthUp) {
+// As its source has it (2026.12, Gazebo's bridge): half a turn about x, then a quarter to the left.
+TEST(BetaflightSitl, AttitudeIsThatOfTheBodyInNorthWestUpOnceItsReaderHasTurnedIt) {
   for_all(200, [](Rng& rng) {
     const Attitude attitude = test::any_attitude(rng, 1.4);
     const auto d = doubles_of({.attitude = attitude});
-    const Eigen::Quaterniond turned_back{d[7], d[8], -d[9], -d[10]};
-    Eigen::Matrix3d enu_of_ned, frd_of_flu;
-    enu_of_ned << 0, 1, 0, 1, 0, 0, 0, 0, -1;
-    frd_of_flu << 1, 0, 0, 0, -1, 0, 0, 0, -1;
-    EXPECT_THAT(turned_back.toRotationMatrix(),
-                IsNear(enu_of_ned * rotation_EB(attitude).matrix * frd_of_flu, 1e-12));
+    const Eigen::Quaterniond half_turned{d[7], d[8], -d[9], -d[10]};
+    const Eigen::Quaterniond quarter_left{Eigen::AngleAxisd{kPi / 2, Vector3d::UnitZ()}};
+    const Eigen::Vector3d half_turn{1, -1, -1};  // of axes, about x: down is up
+    EXPECT_THAT(
+        (quarter_left * half_turned).toRotationMatrix(),
+        IsNear(half_turn.asDiagonal() * rotation_EB(attitude).matrix * half_turn.asDiagonal(),
+               1e-12));
   });
 }
 

@@ -18,11 +18,12 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
 /// The same rotation seen in axes that are turned by half about x.
 Quaternion about_x(const Quaternion& q) { return {q.w, q.x, -q.y, -q.z}; }
 
-/// Gazebo's way: body forward, left, up to east, north, up, then both turned by half about x.
-Quaternion gazebo_attitude(const gatefly::Attitude& attitude) {
+/// Its reader turns by half about x, then by a quarter to the left, and has the body (front, left, up) in
+/// north, west, up; here the other way round.
+Quaternion before_its_turns(const gatefly::Attitude& attitude) {
   constexpr double kHalfRoot = 0.70710678118654752440;
-  const Quaternion quarter_turn{kHalfRoot, 0.0, 0.0, kHalfRoot};  // about up: north is the y axis
-  return about_x(product(quarter_turn, about_x(quaternion_of(attitude))));
+  const Quaternion quarter_right{kHalfRoot, 0.0, 0.0, -kHalfRoot};
+  return about_x(product(quarter_right, about_x(quaternion_of(attitude))));
 }
 
 void put(link::ByteWriter& out, double a, double b, double c) {
@@ -36,7 +37,7 @@ void put(link::ByteWriter& out, double a, double b, double c) {
 std::array<std::uint8_t, kStateSize> encode_state(const State& state, const Origin& origin) {
   const Eigen::Vector3d& gyro = state.imu.gyro_B;
   const Eigen::Vector3d& accel = state.imu.accel_B;
-  const Quaternion q = gazebo_attitude(state.attitude);
+  const Quaternion q = before_its_turns(state.attitude);
   const double height = -state.p_EB.z();
   std::array<std::uint8_t, kStateSize> bytes{};
   link::ByteWriter out{bytes};

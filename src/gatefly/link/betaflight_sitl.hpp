@@ -36,8 +36,9 @@ struct Origin {
 };
 
 inline constexpr std::size_t kStateSize = 18 * 8;
-/// 18 doubles: time [s]; gyro p, q, **−r** [rad/s]; accelerometer **−x**, y, z [m/s²] of the specific force; attitude
-/// w, x, y, z; velocity east, north, up [m/s]; longitude, latitude [°], height [m]; pressure [Pa].
+/// 18 doubles: time [s]; gyro p, q, **−r** [rad/s]; accelerometer **−x**, y, z [m/s²] of the specific
+/// force; attitude w, x, y, z before two turns that its reader makes; velocity east, north, up [m/s];
+/// longitude, latitude [°], height [m]; pressure [Pa].
 [[nodiscard]] std::array<std::uint8_t, kStateSize> encode_state(const State& state,
                                                                 const Origin& origin = {});
 
