@@ -15,7 +15,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FLIGHT = ("geometry", "sensing", "detection", "pose", "estimation", "control", "race")
+FLIGHT = ("geometry", "sensing", "detection", "pose", "estimation", "control", "race", "link", "guard")
 DONE = ROOT / "build" / "tidy"
 # The flight code needs Eigen only, so no build has to be there.
 EIGEN = next((path for path in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.isdir(path)), "/usr/include/eigen3")

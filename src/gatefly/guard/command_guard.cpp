@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/guard/command_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::guard {
+namespace {
+
+constexpr double kMostClimb = 3.0;  ///< A speed beyond it is not believed [m/s].
+constexpr double kLongest = 0.1;    ///< Of a period [s].
+
+/// Part of the thrust that lifts.
+double upright(const AttitudeCommand& command) { return cos(command.roll) * cos(command.pitch); }
+
+bool finite(const AttitudeCommand& c) {
+  return std::isfinite(c.roll) && std::isfinite(c.pitch) && std::isfinite(c.yaw) &&
+         std::isfinite(c.yaw_rate) && std::isfinite(c.thrust);
+}
+
+/// A heading of many turns is nonsense, too.
+bool sensible(const Belief& belief) {
+  return std::abs(belief.yaw) < 100.0 && belief.v_E.allFinite();
+}
+
+/// What is no period counts as a long one.
+double period(double dt) { return dt >= 0.0 && dt < kLongest ? dt : kLongest; }
+
+}  // namespace
+
+bool CommandGuard::height_known(const Belief& belief) const {
+  return belief.height_age <= limits_.height_trust;
+}
+
+AttitudeCommand CommandGuard::limited(const AttitudeCommand& command, const Belief& belief) const {
+  AttitudeCommand c = command;
+  c.roll = std::clamp(c.roll, -limits_.tilt, limits_.tilt);
+  c.pitch = std::clamp(c.pitch, -limits_.tilt, limits_.tilt);
+  c.thrust = std::clamp(c.thrust, 0.0, limits_.thrust);
+  if (!height_known(belief)) {
+    const double most_lift = std::max(0.0, kGravity - limits_.climb_damping * up_);
+    c.thrust = std::min(c.thrust, most_lift / upright(c));
+  }
+  return c;
+}
+
+AttitudeCommand CommandGuard::descent(const Belief& belief) const {
+  const double lift = kGravity - limits_.climb_damping * (up_ + limits_.sink);
+  return {.yaw = belief.yaw, .thrust = std::clamp(lift, 0.7 * kGravity, 1.2 * kGravity)};
+}
+
+AttitudeCommand CommandGuard::braking(const Belief& belief) const {
+  const auto [sin_yaw, cos_yaw] = sincos(belief.yaw);
+  const double forward = cos_yaw * belief.v_E.x() + sin_yaw * belief.v_E.y();
+  const double right = -sin_yaw * belief.v_E.x() + cos_yaw * belief.v_E.y();
+  const auto against = [&](double speed) {
+    return std::clamp(-speed / limits_.brake_time, -limits_.brake_accel, limits_.brake_accel);
+  };
+  AttitudeCommand c = descent(belief);
+  c.pitch = -atan(against(forward) / kGravity);  // nose up pushes back
+  c.roll = atan(against(right) / kGravity);
+  c.thrust /= upright(c);
+  return c;
+}
+
+AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
+                                   const Belief& belief_now, double dt) {
+  const Belief belief = sensible(belief_now) ? belief_now : Belief{.height_age = Situation::kNever};
+  // In between the estimate drifts, and is not asked.
+  const bool told_anew = belief.height_age <= height_age_ && height_known(belief);
+  if (told_anew) up_ = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb);
+  height_age_ = belief.height_age;
+  AttitudeCommand sent{.yaw = belief.yaw};
+  if (action == Action::kPilot)
+    sent = limited(finite(pilot) ? pilot : descent(belief), belief);
+  else if (action == Action::kBrake)
+    sent = limited(braking(belief), belief);
+  else if (action == Action::kDescend)
+    sent = limited(descent(belief), belief);
+  else
+    return sent;
+  const double lift = sent.thrust * upright(sent);
+  up_ = std::clamp(up_ + (lift - kGravity) * period(dt), -kMostClimb, kMostClimb);
+  return sent;
+}
+
+}  // namespace gatefly::guard

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+
+#include <Eigen/Core>
+
+#include "gatefly/control/attitude_command.hpp"
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/guard/hand_over.hpp"
+
+namespace gatefly::guard {
+
+/// Limits of what is sent. All ours, none flown yet.
+struct CommandLimits {
+  double tilt = 0.7;     ///< [rad], 40°.
+  double thrust = 20.0;  ///< Specific, most of all [m/s²].
+  std::chrono::nanoseconds height_trust =
+      std::chrono::milliseconds{500};  ///< Without a height for longer: no climbing.
+  double climb_damping = 2.0;          ///< [1/s]
+  double sink = 0.5;                   ///< Of a descent [m/s].
+  double brake_time = 0.6;             ///< In which braking would stop, were there no limit [s].
+  double brake_accel = 4.0;            ///< [m/s²]
+};
+
+/// What the estimator believes, for the guard to act by.
+struct Belief {
+  double yaw = 0.0;                               ///< [rad]
+  Eigen::Vector3d v_E = Eigen::Vector3d::Zero();  ///< [m/s]
+  std::chrono::nanoseconds height_age{0};  ///< Since a gate or a range finder told the height.
+};
+
+/// What becomes of the pilot's command on the way to the drone.
+///
+/// A height that an accelerometer alone carries on drifts, and a pilot that holds it climbs: while nothing tells the height,
+/// lift is not above the weight but for stopping a fall, by the speed that the thrust sent so far amounts to. That does not
+/// drift with the accelerometer, and is off by what hover thrust is off.
+class CommandGuard {
+ public:
+  explicit CommandGuard(const CommandLimits& limits = {}) : limits_{limits} {}
+
+  /// The command of a period of `dt` [s]; kSilent and kNeutral: none, level without thrust. A command that is no number is
+  /// one to descend.
+  [[nodiscard]] AttitudeCommand step(Action action, const AttitudeCommand& pilot,
+                                     const Belief& belief, double dt);
+
+ private:
+  [[nodiscard]] bool height_known(const Belief& belief) const;
+  [[nodiscard]] AttitudeCommand limited(const AttitudeCommand& command, const Belief& belief) const;
+  [[nodiscard]] AttitudeCommand descent(const Belief& belief) const;
+  [[nodiscard]] AttitudeCommand braking(const Belief& belief) const;
+
+  CommandLimits limits_;
+  std::chrono::nanoseconds height_age_ = Situation::kNever;  ///< In the period before.
+  double up_ = 0.0;  ///< Climb by the thrust sent since the height was last told [m/s].
+};
+
+}  // namespace gatefly::guard

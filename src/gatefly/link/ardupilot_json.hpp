@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/link/bytes.hpp"
+#include "gatefly/sensing/imu.hpp"
+
+/// What ArduPilot's simulator ("JSON", UDP 9002) says to a physics model, and hears from it.
+namespace gatefly::ardupilot {
+
+using link::Bytes;
+
+/// Its motors' pulses. u16 magic, u16 steps a second, u32 frame, u16 pulses: 16, or 32 with the other magic.
+struct Servos {
+  std::uint16_t steps_per_second = 0;
+  std::uint32_t frame = 0;  ///< The same again: it is sent once more, and no time passes.
+  std::array<std::uint16_t, 32> pulse_us{};
+  std::size_t channels = 0;  ///< 16 or 32.
+};
+
+/// nullopt when it is no such packet, to the byte.
+[[nodiscard]] std::optional<Servos> servos_in(Bytes datagram);
+
+/// What is true of the drone, in our frames.
+struct State {
+  std::chrono::nanoseconds time{0};
+  gatefly::Imu imu{};
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
+  Quaternion attitude{};
+  std::optional<double> range_down = std::nullopt;  ///< Of a range finder, `rng_1` [m].
+};
+
+/// Enough for every state.
+inline constexpr std::size_t kLongestLine = 1024;
+
+/// Writes the line that answers; returns its length, 0 when it does not fit or something is no number: its
+/// reader takes anything for a number.
+[[nodiscard]] std::size_t encode_state(const State& state, std::span<char> out);
+
+}  // namespace gatefly::ardupilot

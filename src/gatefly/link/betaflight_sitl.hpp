@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "gatefly/geometry/attitude.hpp"
+#include "gatefly/link/bytes.hpp"
+#include "gatefly/link/msp_axes.hpp"
+#include "gatefly/sensing/imu.hpp"
+
+/// The datagrams of Betaflight's simulator target: what it hears of physics (9003) and of a receiver (9004),
+/// and what it tells motors (9002, 9001).
+namespace gatefly::betaflight_sitl {
+
+using link::Bytes;
+
+/// What is true of the drone, in our frames.
+struct State {
+  std::chrono::nanoseconds time{0};
+  gatefly::Imu imu{};
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
+  gatefly::Attitude attitude{};
+};
+
+/// Where E's origin is for a receiver of satellites. Ours: anywhere on the globe does.
+struct Origin {
+  double latitude_deg = 52.0, longitude_deg = 4.37;
+  double pressure_pa = 101325.0;
+};
+
+inline constexpr std::size_t kStateSize = 18 * 8;
+/// 18 doubles: time [s]; gyro p, q, **−r** [rad/s]; accelerometer **−x**, y, z [m/s²] of the specific
+/// force; attitude w, x, y, z before two turns that its reader makes; velocity east, north, up [m/s];
+/// longitude, latitude [°], height [m]; pressure [Pa].
+[[nodiscard]] std::array<std::uint8_t, kStateSize> encode_state(const State& state,
+                                                                const Origin& origin = {});
+
+/// Motors 0 … 1: rear right, front right, rear left, front left. Four floats.
+[[nodiscard]] std::optional<std::array<float, 4>> motors_in(Bytes datagram);
+
+/// Pulses as the outputs have them [µs]. u16 number of motors, two bytes of nothing, 16 floats.
+struct RawServos {
+  std::uint16_t motors = 0;
+  std::array<float, 16> pulse_us{};
+};
+[[nodiscard]] std::optional<RawServos> raw_servos_in(Bytes datagram);
+
+inline constexpr std::size_t kReceiverSize = 8 + 16 * 2;
+/// A receiver's sticks and switches: time [s] and 16 pulses: roll, pitch, throttle, yaw, AUX1 … AUX12 [µs].
+[[nodiscard]] std::array<std::uint8_t, kReceiverSize> encode_receiver(
+    std::chrono::nanoseconds time, const msp::Sticks& sticks,
+    const std::array<std::uint16_t, 12>& aux);
+
+}  // namespace gatefly::betaflight_sitl
