@@ -88,7 +88,8 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
       const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, camera.stored_width,
                          camera.stored_height, 0};
       to.file = io::decoded_jpeg(to.name, io::recorded_jpeg(stored, room.recording));
-      label(to, picture, race.config.sim.world.paint.part_of(gate.bar) * gate.bar / gate.side, noise);
+      label(to, picture, race.config.sim.world.paint.part_of(gate.bar) * gate.bar / gate.side,
+            noise);
       return true;
     };
     tasks::render_day(maker, order, day, keep, stop);

@@ -32,12 +32,11 @@ std::optional<GateSight> sight_of(std::span<const Point> points, GateSight::Qual
   for (const Point& point : points) {
     const auto bearing = picture.camera.lens.bearing(point.px);
     if (!bearing) return std::nullopt;
-    (void)sight.features.push_back(
-        {.kind = point.kind,
-         .which = point.which,
-         .late = later(point.px) - later(middle),
-         .bearing_C = *bearing,
-         .from_middle_px = point.px - middle});
+    (void)sight.features.push_back({.kind = point.kind,
+                                    .which = point.which,
+                                    .late = later(point.px) - later(middle),
+                                    .bearing_C = *bearing,
+                                    .from_middle_px = point.px - middle});
   }
   return sight;
 }

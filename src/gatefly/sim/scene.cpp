@@ -321,7 +321,8 @@ Scene make_scene(const World& world) {
   const auto movable = [&](SceneBuilder::Layer layer) {
     builder.layer(layer);
     const auto add = [&](const WorldGate& gate) {
-      const double width = layer == SceneBuilder::Layer::kMoved ? world.paint.part_of(gate.bar) : 1.0;
+      const double width =
+          layer == SceneBuilder::Layer::kMoved ? world.paint.part_of(gate.bar) : 1.0;
       add_gate(builder, gate, pole_of(gate, world), width,
                {painted(builder, gate, world.paint), pole, foot});
     };
