@@ -138,6 +138,7 @@ class Studio {
     for (std::thread& worker : workers) worker.join();
     progress.clear();
     if (error_) std::rethrow_exception(error_);
+    if (done_ < order_.pictures) throw Interrupted{};  // between two days
   }
 
   [[nodiscard]] Rows rows() const {

@@ -76,6 +76,24 @@ class Interrupt(Cli):
             for word in ("plain.toml: room.size_m = [1000, 1000, 6]", "100 x 100 m", "--vision ideal"):
                 self.assertIn(word, words)
 
+    def test_pictures_are_all_there_or_none(self):
+        """A signal while a day's last pictures are rendered must not end in a folder that lacks the other days."""
+        render = ("render", "oval", "--frames", "120", "--jobs", "1", "-q", "--out")
+        self.assertEqual(self.run_it(*render, "whole").returncode, 0)
+        wanted = {path.name for path in (self.folder / "whole").iterdir()}
+        for tenth in range(1, 20, 2):
+            with subprocess.Popen([GATEFLY, *render, "X"], cwd=self.folder, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache)),
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                time.sleep(0.1 * tenth)
+                process.send_signal(signal.SIGTERM)
+                said = process.communicate(timeout=60)[1]
+            if process.returncode == 0:
+                self.assertEqual({path.name for path in (self.folder / "X").iterdir()}, wanted)
+                shutil.rmtree(self.folder / "X")
+            else:
+                self.assertEqual(process.returncode, 143, said)
+                self.assertEqual([path.name for path in self.folder.glob("X*")], [])
+
     def test_pictures_a_replay_and_a_campaign(self):
         self.flight_in_the_hall()
         for after, sent in ((0.15, signal.SIGTERM), (0.8, signal.SIGINT)):

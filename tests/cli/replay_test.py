@@ -278,6 +278,12 @@ class Replay(Cli):
             self.assertIn("summary.json: does not say the flight's seed, without which its pictures cannot be rendered again",
                           self.refused("replay", self.edited("summary.json", lambda text: nonsense)))
 
+    def test_a_flight_without_pictures_and_a_summary_that_is_nonsense(self):
+        self.run_it("fly", "oval", "--vision", "ideal", "--set", "sim.timeout_s=1", "--out", "drawn", "-q")
+        for nonsense in ("", "{oops", "\x00"):
+            (self.folder / "drawn" / "summary.json").write_text(nonsense, encoding="utf-8")
+            self.assertIn("images.csv: lists no picture, and summary.json does not say that there was none", self.refused("replay", "drawn"))
+
     def test_a_wrong_setting_of_the_folder_is_not_blamed_on_set(self):
         for wrong, said in (("nonsense", "settings.txt nonsense: must be section.key=value"), ("camera.foo=3", "settings.txt: camera.foo is not a known key")):
             self.assertIn(said, self.refused("replay", self.edited("settings.txt", lambda text: wrong + "\n" + text)))

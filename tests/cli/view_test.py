@@ -293,6 +293,14 @@ class ViewTest(unittest.TestCase):
             for raw in silent + slow:
                 raw.close()
 
+    def test_who_says_nothing_is_hung_up_on(self):
+        with Viewing(self.flights / "oval-7") as seen:
+            for says_so in (True, False):
+                with seen.connection() as raw:
+                    if says_so:
+                        raw.shutdown(socket.SHUT_WR)
+                    self.assertEqual(raw.recv(10), b"")
+
     def test_who_does_not_read_keeps_nobody_waiting(self):
         (self.flights / "oval-7" / "flight.mp4").write_bytes(bytes(30_000_000))
         with Viewing(self.flights / "oval-7") as seen:

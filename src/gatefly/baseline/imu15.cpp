@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::baseline {
@@ -43,7 +41,9 @@ void Imu15::predict(const Imu& imu, double dt) {
   Phi.block<3, 3>(kV, kTheta) = -dt * skew(force_E);
   Phi.block<3, 3>(kV, kAccelBias) = -dt * R;
   Phi.block<3, 3>(kTheta, kGyroBias) = -dt * R;
-  Covariance P = Phi * P_ * Phi.transpose();
+  // Φ P Φᵀ, twice the same product: P is symmetric.
+  const Covariance half = Phi.lazyProduct(P_);
+  Covariance P = Phi.lazyProduct(Covariance{half.transpose()});
   const auto add = [&](int at, double density) {
     P.diagonal().segment<3>(at).array() += density * density * dt;
   };
@@ -52,18 +52,12 @@ void Imu15::predict(const Imu& imu, double dt) {
   P_ = 0.5 * (P + P.transpose());
 }
 
-template <int N>
-void Imu15::correct(const Eigen::Matrix<double, N, 1>& innovation,
-                    const Eigen::Matrix<double, N, kStates>& H,
-                    const Eigen::Matrix<double, N, 1>& sigma) {
-  if (!innovation.allFinite()) return;
-  const Eigen::Matrix<double, N, N> noise = sigma.cwiseAbs2().asDiagonal();
-  const Eigen::Matrix<double, N, N> S = H * P_ * H.transpose() + noise;
-  const Eigen::Matrix<double, kStates, N> K = S.ldlt().solve(H * P_).transpose();
-  const Eigen::Matrix<double, kStates, 1> error = K * innovation;
-  const Covariance I_KH = Covariance::Identity() - K * H,
-                   joseph = I_KH * P_ * I_KH.transpose() + K * noise * K.transpose();
-  P_ = 0.5 * (joseph + joseph.transpose());
+void Imu15::correct(double innovation, const State& H, double sigma) {
+  if (!std::isfinite(innovation)) return;
+  const State PHt = P_ * H;
+  const double variance = H.dot(PHt) + sigma * sigma;
+  const State K = PHt / variance, error = K * innovation;
+  P_ -= K * PHt.transpose();
   p_ += error.segment<3>(kP), v_ += error.segment<3>(kV);
   accel_bias_ += error.segment<3>(kAccelBias), gyro_bias_ += error.segment<3>(kGyroBias);
   // The attitude's error is a small turn in the earth frame: the same turn in the body's.
@@ -71,16 +65,14 @@ void Imu15::correct(const Eigen::Matrix<double, N, 1>& innovation,
   q_ = integrated(q_, turn_B, 1.0);
 }
 
+// Errors of the three are independent: one after the other is all at once.
 void Imu15::correct_position(const Eigen::Vector3d& p_EB, const Eigen::Vector3d& sigma) {
-  Eigen::Matrix<double, 3, kStates> H = Eigen::Matrix<double, 3, kStates>::Zero();
-  H.block<3, 3>(0, kP).setIdentity();
-  correct<3>(p_EB - p_, H, sigma);
+  if (!p_EB.allFinite()) return;
+  for (int i = 0; i < 3; ++i) correct(p_EB(i) - p_(i), State::Unit(kP + i), sigma(i));
 }
 
 void Imu15::correct_altitude(double z, double sigma) {
-  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  H(0, kP + 2) = 1.0;
-  correct<1>(Eigen::Matrix<double, 1, 1>{z - p_.z()}, H, Eigen::Matrix<double, 1, 1>{sigma});
+  correct(z - p_.z(), State::Unit(kP + 2), sigma);
 }
 
 void Imu15::correct_heading(double yaw, double sigma) {
@@ -88,11 +80,9 @@ void Imu15::correct_heading(double yaw, double sigma) {
   const Eigen::Matrix3d R = rotation_EB(q_).matrix;
   const double level2 = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
   if (level2 < 1e-6) return;
-  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  H.segment<3>(kTheta) =
-      Eigen::RowVector3d{-R(0, 0) * R(2, 0), -R(1, 0) * R(2, 0), level2} / level2;
-  correct<1>(Eigen::Matrix<double, 1, 1>{wrap_angle(yaw - attitude().yaw)}, H,
-             Eigen::Matrix<double, 1, 1>{sigma});
+  State H = State::Zero();
+  H.segment<3>(kTheta) = Eigen::Vector3d{-R(0, 0) * R(2, 0), -R(1, 0) * R(2, 0), level2} / level2;
+  correct(wrap_angle(yaw - attitude().yaw), H, sigma);
 }
 
 }  // namespace gatefly::baseline

@@ -34,6 +34,7 @@ struct Imu15Params {
 class Imu15 {
  public:
   static constexpr int kStates = 15;
+  using State = Eigen::Matrix<double, kStates, 1>;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
   enum Index : int { kP = 0, kV = 3, kTheta = 6, kAccelBias = 9, kGyroBias = 12 };
 
@@ -58,10 +59,8 @@ class Imu15 {
   [[nodiscard]] const Covariance& covariance() const { return P_; }
 
  private:
-  template <int N>
-  void correct(const Eigen::Matrix<double, N, 1>& innovation,
-               const Eigen::Matrix<double, N, kStates>& H,
-               const Eigen::Matrix<double, N, 1>& sigma);
+  // Of one measurement, z = Hᵀ x.
+  void correct(double innovation, const State& H, double sigma);
 
   Imu15Params params_;
   Eigen::Vector3d p_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 namespace gatefly {
 namespace {
@@ -21,68 +20,74 @@ using Cross = DragFilter::Cross;
 // Correlation times of systematic errors [s]. [ours: fixes of 30 races]
 constexpr double kTiltCorrelation = 5.0, kScaleCorrelation = 2.0;
 
-// N neighbouring states from `kFirst` on are measured: H picks their rows, and is never multiplied by.
-template <int N, int kFirst = kX>
+// The position, or some of its rows: H picks them and is never multiplied by.
+//
+// A row that is not measured is zero in H, L and the innovation, with a noise of its own: it changes
+// nothing, and one update serves fixes with and without height, and altitudes.
 struct Measurement {
-  Eigen::Matrix<double, N, 1> innovation;
-  Eigen::Matrix<double, N, N> R;                   ///< Random errors ...
-  Eigen::Matrix<double, N, systematic::kCount> L;  ///< ... and systematic ones.
-
-  template <class Matrix>  // H M
-  [[nodiscard]] static auto rows_of(const Matrix& m) {
-    return m.template middleRows<N>(kFirst);
-  }
-  template <class Matrix>  // M Hᵀ
-  [[nodiscard]] static auto columns_of(const Matrix& m) {
-    return m.template middleCols<N>(kFirst);
-  }
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();  ///< 1, or 0: not.
+  Eigen::Vector3d innovation = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< Random errors ...
+  Sensitivities L = Sensitivities::Zero();          ///< ... and systematic ones.
 };
 
-template <int N, int kFirst>
-Eigen::Matrix<double, N, N> covariance_of_innovation(const StateMatrix& P, const Cross& C,
-                                                     const Measurement<N, kFirst>& m) {
-  const Eigen::Matrix<double, N, systematic::kCount> HC = m.rows_of(C);
-  const Eigen::Matrix<double, N, N> HCL = HC * m.L.transpose();
-  const Eigen::Matrix<double, N, N> LL = m.L * m.L.transpose();
-  return m.columns_of(m.rows_of(P)) + HCL + HCL.transpose() + LL + m.R;
+using Gain = Eigen::Matrix<double, kStates, 3>;
+using Rows = Eigen::Matrix<double, 3, kStates>;
+
+// Products by name: what Eigen makes of each is compiled once, and not once an expression.
+Eigen::Matrix3d outer(const Sensitivities& A, const Sensitivities& B) { return A * B.transpose(); }
+StateMatrix outer(const Gain& A, const Gain& B) { return A * B.transpose(); }
+StateMatrix product(const StateMatrix& A, const StateMatrix& B) { return A * B; }
+// A P Aᵀ
+StateMatrix moved(const StateMatrix& P, const StateMatrix& A) {
+  return product(A, P) * A.transpose();
 }
 
-// S⁻¹ B for a symmetric S of at most three rows: one decomposition for all sizes.
-template <int N, int kColumns>
-Eigen::Matrix<double, N, kColumns> solved(const Eigen::Matrix<double, N, N>& S,
-                                          const Eigen::Matrix<double, N, kColumns>& B) {
-  using UpTo3 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
-  using Right = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, kStates>;
-  const Right X = Eigen::LDLT<UpTo3>{UpTo3{S}}.solve(Right{B});
-  return X;
+Eigen::Matrix3d covariance_of_innovation(const StateMatrix& P, const Cross& C,
+                                         const Measurement& m) {
+  Sensitivities HC;
+  Eigen::Matrix3d HPHt;
+  for (int i = 0; i < 3; ++i) {
+    HC.row(i) = m.measured(i) * C.row(kX + i);
+    for (int j = 0; j < 3; ++j) HPHt(i, j) = m.measured(i) * m.measured(j) * P(kX + i, kX + j);
+  }
+  const Eigen::Matrix3d HCL = outer(HC, m.L), LL = outer(m.L, m.L);
+  return HPHt + HCL + HCL.transpose() + LL + m.R;
 }
 
 // EKF update in place. Li18 appendix (4), and (5) in Joseph form, systematic errors considered,
 // not estimated [Schmidt 1966].
-template <int N, int kFirst>
-void update(State& x, StateMatrix& P, Cross& C, const Measurement<N, kFirst>& m) {
-  const Eigen::Matrix<double, N, N> S = covariance_of_innovation(P, C, m);
+void update(State& x, StateMatrix& P, Cross& C, const Measurement& m) {
+  const Eigen::Matrix3d S = covariance_of_innovation(P, C, m);
   // K = (P Hᵀ + C Lᵀ) S⁻¹, by solving S Kᵀ = H P + L Cᵀ: S is never inverted.
-  const Eigen::Matrix<double, N, kStates> HP_LC = m.rows_of(P) + m.L * C.transpose();
-  const Eigen::Matrix<double, kStates, N> K = solved<N, kStates>(S, HP_LC).transpose();
+  Rows HP_LC = m.L * C.transpose();
+  for (int i = 0; i < 3; ++i) HP_LC.row(i) += m.measured(i) * P.row(kX + i);
+  const Eigen::LLT<Eigen::Matrix3d> S_root{S};
+  if (S_root.info() != Eigen::Success) return;
+  const Rows K_transposed = S_root.solve(HP_LC);
+  const Gain K = K_transposed.transpose();
   x += K * m.innovation;
   StateMatrix I_KH = StateMatrix::Identity();
-  I_KH.template middleCols<N>(kFirst) -= K;
-  const StateMatrix mixed = I_KH * C * m.L.transpose() * K.transpose();
-  const StateMatrix joseph = I_KH * P * I_KH.transpose() +
-                             K * (m.R + m.L * m.L.transpose()) * K.transpose() - mixed -
-                             mixed.transpose();
+  for (int i = 0; i < 3; ++i) I_KH.col(kX + i) -= m.measured(i) * K.col(i);
+  const Cross IC = I_KH * C;
+  const Gain ICL = IC * m.L.transpose(), KR = K * (m.R + outer(m.L, m.L)).eval();
+  const StateMatrix mixed = outer(ICL, K);
+  const StateMatrix joseph = moved(P, I_KH) + outer(KR, K) - mixed - mixed.transpose();
   P = 0.5 * (joseph + joseph.transpose());
-  C = I_KH * C - K * m.L;
+  C = IC - K * m.L;
 }
 
-// A fix as N = 3 or, without height, 2 measurements.
-template <int N>
-Measurement<N> measured(const Fix& fix, const Eigen::Vector3d& innovation) {
-  Measurement<N> m;
-  m.innovation = innovation.head<N>();
-  m.L = fix.systematic.topRows<N>();
-  m.R = (fix.systematic.isZero(0.0) ? fix.covariance : fix.random_covariance).topLeftCorner<N, N>();
+// A fix; its height only if it has one.
+Measurement measured(const Fix& fix, const Eigen::Vector3d& innovation, bool with_height) {
+  Measurement m{.measured = {1.0, 1.0, with_height ? 1.0 : 0.0},
+                .innovation = innovation,
+                .R = fix.systematic.isZero(0.0) ? fix.covariance : fix.random_covariance,
+                .L = fix.systematic};
+  if (with_height) return m;
+  m.innovation.z() = 0.0;
+  m.R.col(2) = Eigen::Vector3d::UnitZ();
+  m.R.row(2) = Eigen::RowVector3d::UnitZ();
+  m.L.row(2).setZero();
   return m;
 }
 
@@ -116,12 +121,12 @@ void DragFilter::predict(const drag_model::Input& input, double dt) {
   const Eigen::Vector3d v_G = derivative.segment<3>(kX);
   x_ += dt * derivative;  // Eq. (31)
   // Eq. (32) to second order; the flight code has dt where dt² belongs.
-  const StateMatrix Phi = StateMatrix::Identity() + dt * F + (0.5 * dt * dt) * (F * F);
+  const StateMatrix Phi = StateMatrix::Identity() + dt * F + (0.5 * dt * dt) * product(F, F);
   // A heading error turns the way flown by the same angle as the fixes.
   const Eigen::Vector3d turned = dt * Eigen::Vector3d{v_G.y(), -v_G.x(), 0.0};
   Cross C = Phi * C_;
   age(C, input.yaw_sigma, dt);
-  StateMatrix P = Phi * P_ * Phi.transpose();  // Eq. (33)
+  StateMatrix P = moved(P_, Phi);  // Eq. (33)
   const Eigen::Matrix<double, kStates, 1> with =
       input.yaw_sigma * C.col(systematic::kHeading) + gate_yaw_sigma_ * C.col(systematic::kGateYaw);
   P.leftCols<3>() += with * turned.transpose();
@@ -153,34 +158,28 @@ void DragFilter::age(Cross& C, double yaw_sigma, double dt) {
 double DragFilter::nis(const Fix& fix) const {
   const Eigen::Vector3d innovation = fix.p_GB - position();
   if (!innovation.allFinite()) return 1e12;
-  const auto squared = [&](const auto& m) {
-    return m.innovation.dot(covariance_of_innovation(P_, C_, m).ldlt().solve(m.innovation));
-  };
-  return fix.has_height ? squared(measured<3>(fix, innovation))
-                        : squared(measured<2>(fix, innovation));
+  const Measurement m = measured(fix, innovation, fix.has_height);
+  const Eigen::Matrix3d S = covariance_of_innovation(P_, C_, m);
+  return m.innovation.dot(S.llt().solve(m.innovation));
 }
 
 Fusion DragFilter::correct(const Fix& fix) {
   const double limit = params_.gate_sigma * params_.gate_sigma;
   if (!(nis(fix) < limit)) return Fusion::kRefused;
   const Eigen::Vector3d innovation = fix.p_GB - position();
-  if (fix.has_height) {
-    update(x_, P_, C_, measured<3>(fix, innovation));
-  } else {
-    update(x_, P_, C_, measured<2>(fix, innovation));
-  }
+  update(x_, P_, C_, measured(fix, innovation, fix.has_height));
   return Fusion::kAccepted;
 }
 
 void DragFilter::restart(const Fix& fix) {
-  const Measurement<3> m = measured<3>(fix, Eigen::Vector3d::Zero());
+  const Measurement m = measured(fix, Eigen::Vector3d::Zero(), true);
   const double z = x_(kZ), z_variance = P_(kZ, kZ);
   const Eigen::Matrix<double, 1, systematic::kCount> z_systematic = C_.row(kZ);
   x_.segment<3>(kX) = fix.p_GB;
   C_.setZero();
   C_.topRows<3>() = -m.L;
   P_.setZero();
-  P_.topLeftCorner<3, 3>() = m.R + m.L * m.L.transpose();
+  P_.topLeftCorner<3, 3>() = m.R + outer(m.L, m.L);
   P_.diagonal().tail<4>() = start_variance();
   if (fix.has_height) return;
   x_(kZ) = z;
@@ -192,13 +191,13 @@ void DragFilter::restart(const Fix& fix) {
 
 Fusion DragFilter::correct_altitude(double z_G, double sigma, double height_sigma) {
   const double innovation = z_G - x_(kZ);
-  Measurement<1, kZ> m;
-  m.innovation << innovation;
-  m.R << sigma * sigma;
-  m.L.setZero();
-  m.L(systematic::kHeight) = height_sigma;
+  Measurement m;
+  m.measured.z() = 1.0;
+  m.innovation.z() = innovation;
+  m.R(2, 2) = sigma * sigma;
+  m.L(2, systematic::kHeight) = height_sigma;
   if (!std::isfinite(innovation) ||
-      !(innovation * innovation < 25.0 * covariance_of_innovation(P_, C_, m)(0, 0))) {
+      !(innovation * innovation < 25.0 * covariance_of_innovation(P_, C_, m)(2, 2))) {
     // The filter is overconfident: inflate its variance, but do not jump.
     if (std::isfinite(innovation)) P_(kZ, kZ) += 0.01;
     return Fusion::kRefused;
@@ -222,7 +221,7 @@ void DragFilter::change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& o
   x_.segment<3>(kX) = R * position() + offset;
   StateMatrix T = StateMatrix::Identity();
   T.topLeftCorner<3, 3>() = R;
-  P_ = T * P_ * T.transpose();
+  P_ = moved(P_, T);
   // The heading error stays; the other systematic errors are new with the gate.
   const Eigen::Matrix<double, kStates, 1> heading = T * C_.col(systematic::kHeading);
   C_.setZero();
@@ -244,7 +243,7 @@ void DragFilter::add(const MapUncertainty& uncertainty) {
 }
 
 Eigen::Matrix3d DragFilter::innovation_covariance(const Fix& fix) const {
-  return covariance_of_innovation(P_, C_, measured<3>(fix, Eigen::Vector3d::Zero()));
+  return covariance_of_innovation(P_, C_, measured(fix, Eigen::Vector3d::Zero(), true));
 }
 
 double DragFilter::lateral_sigma() const {

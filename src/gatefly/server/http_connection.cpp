@@ -229,7 +229,7 @@ void serve(int socket, const HttpListener::Answerer& answerer, std::atomic<bool>
   Line line{socket};
   const auto read = read_request(line);
   asking = false;
-  if (!read) return;
+  if (!read) return line.hang_up();
   if (const auto* refusal = std::get_if<Refusal>(&*read)) {
     send_text(line, said(refusal->status, refusal->why), false);
   } else {

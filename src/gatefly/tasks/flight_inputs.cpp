@@ -121,6 +121,10 @@ void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
       throw std::runtime_error((directory / name).string() +
                                ": is missing, gatefly fly has put it there");
   const auto frames = flown.number("/detection/frames"), seconds = flown.number("/flight_time_s");
+  if (!frames && folder.images.empty())
+    throw std::runtime_error(
+        (directory / "images.csv").string() +
+        ": lists no picture, and summary.json does not say that there was none");
   if (frames && *frames != static_cast<double>(folder.images.size()))
     throw std::runtime_error((directory / "images.csv").string() + ": has " +
                              std::to_string(folder.images.size()) + " rows, the flight had " +
