@@ -25,7 +25,7 @@ struct WideOrder {
   std::uint64_t first_seed;
   std::size_t seeds, per_seed;
 };
-constexpr WideOrder kWideFull{4441, 3, 60}, kWideQuick{1441, 1, 12};
+constexpr WideOrder kWideFull{4441, 3, 240}, kWideQuick{1441, 1, 12};
 constexpr double kCutFrom = 1.5, kCutTo = 6.0;         // of gates that the border cuts [m]
 constexpr std::array kSides{0.0, 1.0, 2.0, 3.0, 1e9};  // distances, in sides of the gate
 
