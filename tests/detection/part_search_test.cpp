@@ -157,11 +157,13 @@ TEST(PartSearch, WhereEverythingIsColouredThereIsNoGate) {
 
 // Boards of 0.6 m on a gate of 2.7 m, a camera of 90 degrees that looks 20 degrees up: from 5 m on only
 // the upper corners are in view.
-TEST(PartSearch, TheUpperCornersOfANearGateOfBoardsAreFound) {
+class BoardsThrough : public ::testing::TestWithParam<AnyCamera> {};
+
+TEST_P(BoardsThrough, TheUpperCornersOfANearGateOfBoardsAreFound) {
   GateDetectorParams params;
   params.bar_ratio = 0.6 / 2.7, params.corner_scale = 2.7 / 2.1;
-  const CameraRig rig{AnyCamera{Pinhole{.focal_px = {320, 320}, .center_px = {319.5, 179.5}}},
-                      camera_mount(-20 * kDegree), Eigen::Vector3d::Zero()};
+  params.lens = {.model = GetParam(), .width = 640, .height = 360};
+  const CameraRig rig{GetParam(), camera_mount(-20 * kDegree), Eigen::Vector3d::Zero()};
   int views = 0, found = 0;
   for_all(30, [&](Rng& rng) {
     const View view{{rng.uniform(-5.0, -1.8), rng.uniform(-0.3, 0.3), rng.uniform(-0.2, 0.2)},
@@ -190,6 +192,12 @@ TEST(PartSearch, TheUpperCornersOfANearGateOfBoardsAreFound) {
   EXPECT_GT(views, 10);
   EXPECT_GE(found, views * 8 / 10);
 }
+
+INSTANTIATE_TEST_SUITE_P(Lens, BoardsThrough,
+                         ::testing::Values(AnyCamera{Pinhole{.focal_px = {320, 320},
+                                                             .center_px = {319.5, 179.5}}},
+                                           AnyCamera{KannalaBrandt{.focal_px = {320, 320},
+                                                                   .center_px = {319.5, 179.5}}}));
 
 // Two orange posts are the sides of a thin gate too near to be whole, never those of boards.
 TEST(PartSearch, TwoPostsAreNoGateOfBoards) {

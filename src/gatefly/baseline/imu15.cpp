@@ -56,6 +56,7 @@ void Imu15::correct(double innovation, const State& H, double sigma) {
   if (!std::isfinite(innovation)) return;
   const State PHt = P_ * H;
   const double variance = H.dot(PHt) + sigma * sigma;
+  if (!(variance > 0.0)) return;  // already known exactly
   const State K = PHt / variance, error = K * innovation;
   P_ -= K * PHt.transpose();
   p_ += error.segment<3>(kP), v_ += error.segment<3>(kV);

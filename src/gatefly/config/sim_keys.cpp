@@ -38,7 +38,7 @@ std::vector<Key<Config>> sim_keys() {
         "passes of [1 2 1]/4 over the colours, along upright lines", "real pictures"),
       k("sim.saturation", 0, 4, AT(sim.imaging.saturation), "of colours, after the colour matrix",
         "real pictures"),
-      k("sim.paint_width", 0.1, 1, AT(sim.paint.width), "part of a gate's bar that shows colour",
+      k("sim.paint_width", 0.1, 1, AT(sim.paint.width), "part of a gate's bar that shows colour; of boards, from 0.1 m on, all but 1 cm at least",
         "real pictures"),
       k("sim.paint_blue", 0, 2, AT(sim.paint.blue), "gates' blue / that of their colour's name",
         "real pictures"),

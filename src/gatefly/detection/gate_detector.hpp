@@ -43,7 +43,8 @@ struct LookFor {
   const Quad* expected_bars = nullptr;
   /// No careful search, whatever is found. kOurs.
   bool quick = false;
-  /// More of the picture that was looked at last: its tone is known. kOurs, kFast, kCareful.
+  /// More of the picture that was looked at last, for the same colour: its tone is taken as it was
+  /// found then. kOurs, kFast, kCareful.
   bool again = false;
   /// The last picture's gate, which kFlown tries again where it finds none.
   const Quad* previous = nullptr;

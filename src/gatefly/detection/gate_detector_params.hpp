@@ -50,6 +50,8 @@ struct GateDetectorParams {
     with.added = added;
     return with;
   }
+  /// Whether bars are boards: a tenth of their gate's side or wider, with edges of their own.
+  [[nodiscard]] bool has_boards() const { return bar_ratio >= 0.1; }
   /// Bar width / side of the bars' middle lines.
   [[nodiscard]] double bar() const { return bar_ratio / (1.0 - bar_ratio); }
 };

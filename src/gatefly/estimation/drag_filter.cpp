@@ -160,7 +160,9 @@ double DragFilter::nis(const Fix& fix) const {
   if (!innovation.allFinite()) return 1e12;
   const Measurement m = measured(fix, innovation, fix.has_height);
   const Eigen::Matrix3d S = covariance_of_innovation(P_, C_, m);
-  return m.innovation.dot(S.llt().solve(m.innovation));
+  const Eigen::LLT<Eigen::Matrix3d> factor{S};
+  if (factor.info() != Eigen::Success) return 1e12;
+  return m.innovation.dot(factor.solve(m.innovation));
 }
 
 Fusion DragFilter::correct(const Fix& fix) {

@@ -61,6 +61,7 @@ class FrameStream {
     }
   }
   void drop(std::size_t count) {
+    count = std::min(count, size_);  // who was given the frame may have restarted
     std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(count),
               buffer_.begin() + static_cast<std::ptrdiff_t>(size_), buffer_.begin());
     size_ -= count;

@@ -192,7 +192,7 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   stray_.target_seen(target);
 }
 
-// Near the target any two corners of it are enough, or its side bars.
+// Near the target two corners of any gate are enough, or the target's side bars.
 void MapLookout::take_parts(const View& view) {
   std::optional<GateBars> bars;
   std::optional<GateDetection> cut;
@@ -221,14 +221,17 @@ void MapLookout::take_parts(const View& view) {
 // again in the next picture where little is known of the place.
 void MapLookout::take_cut(const View& view, const eskf::GateSight& sight) {
   const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
-  sighting_.offered = true;
-  const double max_nis = sight.features.size() > 2 ? map_.max_three_nis : map_.max_lower_nis;
+  const std::size_t corners = sight.features.size();
+  const double max_nis = corners > 3   ? map_.max_nis
+                         : corners > 2 ? map_.max_three_nis
+                                       : map_.max_lower_nis;
   const auto seen = associate(filter, sight, max_nis);
   if (!seen || seen->margin < map_.margin) return;
+  const bool target = is_target(seen->sight, view);
+  sighting_.offered = sighting_.offered || target;
   const double place_sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
   const bool sure = place_sigma < map_.part_sigma && seen->innovation.nis < 0.7 * max_nis;
   if (!sure && !seen_again(seen->sight)) return;
-  const bool target = is_target(seen->sight, view);
   if (!view.navigator.correct({&seen->sight, 1}, target)) return;
   last_any_ = view.navigator.time(), refused_ = 0;
   if (!target) return;

@@ -78,7 +78,7 @@ struct FixOnCourse {
 
 /// What became of the last picture.
 struct Sighting {
-  enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or the two lower ones.
+  enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or what the border leaves.
   bool seen = false;                             ///< At least one gate was detected.
   bool careful = false;                          ///< The picture was searched carefully.
   /// One of them, or a part, gave a fix of the target; the filter may have refused it.

@@ -31,8 +31,11 @@ struct GatePaint {
   /// How much of its colour is gone where it is thinnest or dirtiest, 0..1; 0: even.
   double wear = 0.8;
 
-  /// Part of the width of a bar [m] that shows colour: a wide one is a board, bare for a centimetre.
-  [[nodiscard]] double part_of(double bar) const { return std::max(width, 1.0 - 0.01 / bar); }
+  /// Part of the width of a bar [m] that shows colour: a board is bare for a centimetre at most.
+  [[nodiscard]] double part_of(double bar) const {
+    constexpr double kBoard = 0.10, kBare = 0.01;
+    return bar < kBoard ? width : std::max(width, 1.0 - kBare / bar);
+  }
 };
 
 /// A solid thing standing on the floor (or hanging, if `bottom` > 0).

@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
+// [estimates, from rendered pictures of seeds 1441-1443]
 constexpr int kStations = 32, kMostSamples = 64;
 // Widths of a board from its middle line: where an edge is looked for, and what is beyond it.
 constexpr double kInnermost = -0.25, kOutermost = 1.1, kBeyondFrom = 0.7;
@@ -68,10 +69,11 @@ class BoardSide {
 
  private:
   [[nodiscard]] std::optional<Vector2d> chroma_at(const Vector2d& p) const {
-    const int u = static_cast<int>(std::floor(p.x() + 0.5)),
-              v = static_cast<int>(std::floor(p.y() + 0.5));
-    if (!image_.contains(u, v)) return std::nullopt;
-    const Yuv c = image_.at(u, v);
+    // Written so that what is no number is outside, too.
+    if (!(p.x() > -0.5 && p.y() > -0.5 && p.x() < image_.width() - 0.5 &&
+          p.y() < image_.height() - 0.5))
+      return std::nullopt;
+    const Yuv c = image_.at(static_cast<int>(p.x() + 0.5), static_cast<int>(p.y() + 0.5));
     return Vector2d{c.u, c.v};
   }
 
@@ -181,6 +183,7 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, double board_px
   // Where neighbours cross that are so many boards' widths farther in than their edges.
   const auto crossings = [&](double in_px) {
     Quad corners = bars_px;
+    edges.crossed = {};
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t before = (i + 3) % 4;
       const auto point = [&](std::size_t of, double t) {
@@ -190,11 +193,11 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, double board_px
                      d = point(i, 0.5);
       const auto corner = curves.bent() ? curves.crossing(a, b, c, d)
                                         : crossing(refinement::Side{a, b}, refinement::Side{c, d});
-      if (corner) corners[i] = *corner;
+      if (corner) corners[i] = *corner, edges.crossed[i] = true;
     }
     return corners;
   };
-  edges.corners = crossings(0.0), edges.middles = crossings(0.5 * board_px);
+  edges.middles = crossings(0.5 * board_px), edges.corners = crossings(0.0);
   return edges;
 }
 

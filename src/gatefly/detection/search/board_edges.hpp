@@ -10,19 +10,17 @@
 
 namespace gatefly {
 
-/// A bar that is a tenth of its gate's side or more is a board: it has edges of its own.
-inline constexpr double kLeastBoard = 0.1;
-
 /// The outer edges of a frame of boards.
 struct BoardEdges {
   Quad corners;  ///< Where neighbouring edges cross [px].
   Quad middles;  ///< The same, half a board farther in [px].
   /// Of the sides TL-TR, TR-BR, BR-BL, BL-TL; else half a board beyond its middle line.
   std::array<bool, 4> seen = {};
+  std::array<bool, 4> crossed = {};  ///< Of the corners; else it is one of the given ones.
 
-  /// Whether both edges of a corner are seen.
+  /// Whether both edges of a corner are seen, and cross there.
   [[nodiscard]] bool has(std::size_t corner) const {
-    return seen[corner] && seen[(corner + 3) % 4];
+    return crossed[corner] && seen[corner] && seen[(corner + 3) % 4];
   }
 };
 

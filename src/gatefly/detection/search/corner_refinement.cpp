@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "gatefly/detection/search/board_edges.hpp"
 #include "gatefly/detection/search/refined_side.hpp"
 #include "gatefly/detection/search/unknown_bend.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -23,6 +22,7 @@ using namespace refinement;
 constexpr int kWidest = 31;  // pixels of a line
 // Beside a bar [px]; beside a board, whose rough sides are rougher, more of its own width.
 constexpr double kMargin = 2.0, kMarginOfBoard = 0.2;
+constexpr double kBoard = 0.1;  // of the gate's side: a bar this wide is a board
 // beside the half of the bar that crosses at either end [px]
 constexpr double kEnds = 2.0;
 // grey levels between the colours of a bar and of what is beside it
@@ -351,7 +351,8 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, double margin
 Quad refined_corners(const Image& image, const Quad& frame, double bar, RefinementEffort effort,
                      const SideCurves& curves) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
-  const double margin = bar < kLeastBoard ? kMargin : std::max(kMargin, kMarginOfBoard * bar_px);
+  const double margin =
+      bar / (1.0 + bar) < kBoard ? kMargin : std::max(kMargin, kMarginOfBoard * bar_px);
   if (effort == RefinementEffort::kCareful)
     return refined<32>(image, frame, bar_px, margin, kCareful, curves);
   return refined<16>(image, frame, bar_px, margin, kQuick, curves);

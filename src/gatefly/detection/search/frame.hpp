@@ -48,7 +48,7 @@ struct FrameScore {
 struct Frame {
   Quad quad;
   FrameScore score;
-  std::array<bool, 4> unseen = {};  // sides of which only the rough place is known
+  std::array<bool, 4> unseen = {};  // corners of which only the rough place is known
 };
 
 /// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides,
@@ -69,7 +69,7 @@ struct Frame {
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t k = (first + i) % 4;
     const Eigen::Vector2d& p = frame.quad[k];
-    const bool in_view = !frame.unseen[k] && !frame.unseen[(k + 3) % 4] && p.x() >= 1.0 &&
+    const bool in_view = !frame.unseen[k] && p.x() >= 1.0 &&
                          p.y() >= 1.0 && p.x() <= image.width() - 2.0 &&
                          p.y() <= image.height() - 2.0;
     gate.corner_fitness[i] =

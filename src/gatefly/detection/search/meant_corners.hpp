@@ -17,12 +17,12 @@ namespace gatefly {
                                                    const GateDetectorParams& params,
                                                    const SideCurves& curves) {
   double meant = params.corner_scale;
-  if (params.bar_ratio >= kLeastBoard) {
+  if (params.has_boards()) {
     const double board_px = params.bar() * std::sqrt(std::abs(area(frame.quad)));
     const BoardEdges edges = board_edges(image, frame.quad, board_px, curves);
     frame.quad = edges.corners;
     meant *= 1.0 - params.bar_ratio;
-    for (std::size_t k = 0; k < 4; ++k) frame.unseen[k] = !edges.seen[k];
+    for (std::size_t k = 0; k < 4; ++k) frame.unseen[k] = !edges.has(k);
   }
   return detection_of(frame, curves.scaled(frame.quad, meant), method, image);
 }

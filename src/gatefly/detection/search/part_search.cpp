@@ -42,7 +42,7 @@ struct Shape {
 // Bars that are a tenth of their gate's side or more are boards. The rows of a level one show no
 // opening: what is found of the upright ones ends at its inner edge.
 Shape shape_of(const GateDetectorParams& params) {
-  if (params.bar_ratio < kLeastBoard) return {};
+  if (!params.has_boards()) return {};
   const double bar = params.bar();
   return {.widest = 48,
           .around = BarFinder::kWholePicture,
@@ -316,7 +316,7 @@ std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, cons
 
 template <class Fit>
 GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit, int stride,
-                 const Shape& shape, const GateDetectorParams& params) {
+                 const Shape& shape, const SideCurves& curves, const GateDetectorParams& params) {
   const Part<Fit> part{*candidate.pair, image, fit, stride, shape};
   const std::array<const Bar*, 2> bars{&candidate.pair->left, &candidate.pair->right};
   const auto middle = [](const Bar& bar) { return bar.on_curve(0.5 * (bar.top + bar.bottom)); };
@@ -326,12 +326,12 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
                           .whole = false},
                  .bars = {middle(*bars[0]), middle(*bars[1])}};
   // Of the bars' middle lines; where no level bar is in view, where they leave the picture.
-  Quad& corners = found.gate.corners_px;
+  Quad corners, border;
   std::array<const Level*, 4> levels{};
   for (std::size_t e = 0; e < 2; ++e)
     for (std::size_t i = 0; i < 2; ++i) {
       const std::size_t k = e == 0 ? i : 3 - i;  // TL TR BR BL
-      corners[k] = beyond(*bars[i], e == 0 ? 0.0 : image.height() - 1.0);
+      corners[k] = border[k] = beyond(*bars[i], e == 0 ? 0.0 : image.height() - 1.0);
       if (!candidate.levels[e]) continue;
       levels[k] = &*candidate.levels[e];
       corners[k] = shape.is_board ? (i == 0 ? levels[k]->left : levels[k]->right)
@@ -339,12 +339,14 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
     }
   double scale = params.corner_scale;
   if (shape.is_board) {
-    const BoardEdges edges = board_edges(image, corners, 0.5 * (bars[0]->width + bars[1]->width));
+    const BoardEdges edges =
+        board_edges(image, corners, 0.5 * (bars[0]->width + bars[1]->width), curves);
     corners = edges.corners;
     for (std::size_t k = 0; k < 4; ++k)
       if (!edges.has(k)) levels[k] = nullptr;
     scale *= 1.0 - params.bar_ratio;
   }
+  found.gate.corners_px = border;
   for (std::size_t k = 0; k < 4; ++k) {
     if (levels[k] == nullptr) continue;
     // From the middle lines out to the corners that are meant.
@@ -353,7 +355,7 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
                    down{-sideways.y(), sideways.x()};
     const Vector2d corner = corners[k] + (is_left ? -sideways : sideways) + (is_top ? -down : down);
     if (!part.in_view(corner)) continue;
-    corners[k] = corner;
+    found.gate.corners_px[k] = corner;
     found.gate.corner_fitness[k] =
         corner_confidence_of(std::min(candidate.evidence[is_left ? 0 : 1], levels[k]->mean));
   }
@@ -363,7 +365,9 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
 }  // namespace
 
 PartSearch::PartSearch(const GateDetectorParams& params)
-    : params_{params}, bars_{shape_of(params).widest, shape_of(params).around} {}
+    : params_{params},
+      bend_{params.lens},
+      bars_{shape_of(params).widest, shape_of(params).around} {}
 
 std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColor& color) {
   const Shape shape = shape_of(params_);
@@ -389,7 +393,8 @@ std::optional<GatePart> PartSearch::detect(const Image& image, const PictureColo
     if (candidate && (!best || candidate->score > best->score)) best = candidate;
   }
   if (!best || (best->whole && !shape.is_board)) return std::nullopt;
-  const GatePart part = part_of(*best, image, fit, bars_.stride(), shape, params_);
+  const GatePart part =
+      part_of(*best, image, fit, bars_.stride(), shape, SideCurves{bend_, image}, params_);
   // Two upright things of the gate's colour are no gate of boards: it shows corners, too.
   const auto seen = std::count_if(part.gate.corner_fitness.begin(), part.gate.corner_fitness.end(),
                                   [](double fitness) { return fitness > 0.0; });

@@ -5,6 +5,7 @@
 
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/bar_finder.hpp"
 #include "gatefly/sensing/image.hpp"
@@ -21,11 +22,13 @@ class PartSearch {
  public:
   explicit PartSearch(const GateDetectorParams& params = {});
 
-  /// The largest such gate; nullopt when there is none, or when it is whole. Allocates nothing.
+  /// The largest such gate; nullopt when there is none, or when it is whole. One of boards also when
+  /// it is whole, but only when two of its corners are seen. Allocates nothing.
   [[nodiscard]] std::optional<GatePart> detect(const Image& image, const PictureColor& color);
 
  private:
   GateDetectorParams params_;
+  LensBend bend_;
   BarFinder bars_;
 };
 
