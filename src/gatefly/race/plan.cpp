@@ -123,7 +123,7 @@ PlanParams from_the_pad(const Track& track, PlanParams params, double height) {
   for (const MapSolid& solid : solids_of(track))
     if (solid.kind < MapSolid::Kind::kFloor && solid.bottom < height + params.clearance)
       near = std::min(near, solid.beside(track.start));
-  constexpr double kToSpare = 0.01;
+  constexpr double kToSpare = 0.02;
   params.clearance = std::clamp(near - params.body_radius - kToSpare, 0.0, params.clearance);
   return params;
 }

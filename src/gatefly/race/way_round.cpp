@@ -332,11 +332,15 @@ class WaySearch {
     std::optional<Path> best;
     double best_cost = kNoWay;
     for (const double spare : {0.4, 0.25, 0.1, 0.02}) {
+      bool connected = true;  // if two places are not, others as far from everything hardly are
       for (const double run_out : {nearest_to_gate() + spare, 2 * nearest_to_gate() + spare})
-        for (const double run_in : {wanted_run_in(params_), 1.6, nearest_to_gate() + spare})
-          for (const Path& path : paths(grid, run_out, run_in, spare))
+        for (const double run_in : {wanted_run_in(params_), 1.6, nearest_to_gate() + spare}) {
+          const auto found = connected ? paths(grid, run_out, run_in, spare) : std::nullopt;
+          connected = found.has_value();
+          for (const Path& path : found.value_or(std::vector<Path>{}))
             if (const double cost = cost_of(path, params_); cost < best_cost)
               best = path, best_cost = cost;
+        }
       if (best && best->stops.empty()) break;
     }
     return best;
@@ -371,13 +375,14 @@ class WaySearch {
   }
   [[nodiscard]] Eigen::Vector3d before_to(double run_in) const { return along_axis(to_, -run_in); }
 
-  [[nodiscard]] std::vector<Path> paths(const Grid& grid, double run_out, double run_in,
-                                        double spare) const {
+  /// The clear ones by way of these two places, none where they are taken; nullopt: nothing connects them.
+  [[nodiscard]] std::optional<std::vector<Path>> paths(const Grid& grid, double run_out,
+                                                       double run_in, double spare) const {
     const Eigen::Vector3d leave = behind_from(run_out), arrive = before_to(run_in);
     const double least = 0.6 * spare;  // between the grid's places
-    if (grid.margin(leave) < least || grid.margin(arrive) < least) return {};
+    if (grid.margin(leave) < least || grid.margin(arrive) < least) return std::vector<Path>{};
     Polyline line = grid.shortest(leave, arrive, spare);
-    if (line.empty()) return {};
+    if (line.empty()) return std::nullopt;
     line.front() = leave, line.back() = arrive;
     line = pulled_taut(line, grid, least);
     if (from_.gate >= 0) line.insert(line.begin(), from_.p_E);
