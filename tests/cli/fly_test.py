@@ -141,7 +141,7 @@ class Faults(Cli):
 class Tracks(Cli):
     def test_unknown_track_lists_the_available_ones(self):
         error = self.refused("fly", "showrom")
-        self.assertIn("darkhall, exhibition, figure8, flights, grandprix, lanes, oval", error)
+        self.assertIn("aigp-pq, darkhall, exhibition, figure8, flights, grandprix, lanes, oval", error)
         self.assertIn("did you mean 'showroom'", error)
 
     def test_broken_toml_names_the_line(self):
@@ -183,10 +183,10 @@ class Courses(Cli):
     def test_impossible_courses_are_refused_with_the_reason(self):
         reasons = {
             "gate_above_ceiling": "gate 2: position_m = [3.5, 4, -4.5], must be below the ceiling",
-            "gate_in_floor": "the lower bar is 0.05 m above the floor",
+            "gate_in_floor": "the lower bar is not below the floor",
             "gate_outside_room": "must be inside the room",
             "gate_too_small": "gate 2 is too small to fly through",
-            "no_room_to_turn": "no way from gate 1 to gate 2",
+            "no_room_to_turn": "the widest gap, between gate 1 and gate 2, is 0.90 m, 0.20 m too narrow",
             "pole_in_gate": "obstacle 1 stands in the opening of gate 2",
             "start_in_box": "the start is in obstacle 1",
             "wall_between_gates": "no way from gate 1 to gate 2: obstacle 1 is in the way",
@@ -245,7 +245,8 @@ class CheckedCourse(Cli):
     def test_what_cannot_be_flown_is_exit_1_with_the_planners_reason(self):
         impossible = ROOT / "tests" / "courses" / "impossible"
         for name, reason in (("pole_in_gate", "obstacle 1 stands in the opening of gate 2"),
-                             ("wall_between_gates", "no way from gate 1 to gate 2: obstacle 1 is in the way")):
+                             ("wall_between_gates",
+                              "no way from gate 1 to gate 2: obstacle 1 is in the way; what stands between them leaves no gap")):
             answer = self.track(impossible / (name + ".toml"), "--draw", name + ".png", code=1)
             self.assertFalse(answer["can_be_flown"])
             self.assertEqual(answer["reason"], reason)

@@ -1,26 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wide gates through the camera of the Grand Prix's drones: cameras/imx477.toml.
+// Wide gates through the camera of the Grand Prix's drones, cameras/imx477.toml, and the course of its
+// physical qualifier, tracks/aigp-pq.toml, by the drone that flew it, vehicles/archer-b2.toml.
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "gatefly/closed_loop/race.hpp"
+#include "gatefly/geometry/math.hpp"
 
 #include "support/race_setup.hpp"
 
 namespace gatefly::closed_loop {
 namespace {
 
-/// As `gatefly fly grandprix --camera imx477`: the pilot knows the track's gates.
-RaceConfig imx477_race(const std::string& level = "") {
-  const std::vector<std::string> names{"imx477"};
+/// As `gatefly fly TRACK --config NAME...`, one lap: the pilot knows the track's gates.
+RaceConfig race_with(const std::string& track_name, const std::vector<std::string>& names,
+                     std::uint64_t seed, const std::string& level = "") {
   const io::Config config = io::load_config(io::config_files(names));
-  RaceConfig race = test::race_on("grandprix", 1001, 1, names, level);
+  RaceConfig race = test::race_on(track_name, seed, 1, names, level);
   const Track track = race.pilot.track;
-  race.pilot = io::on_course(config, io::read_track(io::find_track("grandprix"))).pilot;
+  race.pilot = io::on_course(config, io::read_track(io::find_track(track_name))).pilot;
   race.pilot.track = track;
   return race;
+}
+
+RaceConfig imx477_race(const std::string& level = "") {
+  return race_with("grandprix", {"imx477"}, 1001, level);
+}
+
+RaceConfig qualifier(std::uint64_t seed, const std::string& level = "") {
+  return race_with("aigp-pq", {"cameras/imx477.toml", "vehicles/archer-b2.toml"}, seed, level);
 }
 
 TEST(Imx477, IsToldToThePilotAndSimulatedAlike) {
@@ -54,6 +66,37 @@ TEST(Imx477, SeesTheFirstGateOnRenderedPictures) {
   EXPECT_EQ(result.crash_object, "");
   EXPECT_GT(result.frames_with_gate, 20);
   EXPECT_GT(result.true_positives, 10);
+}
+
+// The organisers' table: feet from the boundary's top left corner, y down the map, 85 x 165 feet.
+TEST(Qualifier, GatesStandWhereTheOrganisersTableHasThem) {
+  constexpr double kFoot = 0.3048;
+  const Track track = io::read_track(io::find_track("aigp-pq")).track;
+  ASSERT_EQ(track.gates.size(), 11u);
+  EXPECT_EQ(track.laps, 2);
+  const MapGate &third = track.gates[2], &upper = track.gates[8], &lower = track.gates[9];
+  EXPECT_NEAR(third.p_EG.x(), -17.0 * kFoot, 0.006);
+  EXPECT_NEAR(third.p_EG.y(), 40.0 * kFoot, 0.006);
+  EXPECT_NEAR(third.yaw_EG, kPi / 2, 1e-9) << "to the right on the map: east";
+  EXPECT_EQ(upper.p_EG.head<2>(), lower.p_EG.head<2>());
+  EXPECT_NEAR(std::abs(wrap_angle(upper.yaw_EG - lower.yaw_EG)), kPi, 1e-9);
+  EXPECT_NEAR(track.gates[0].p_EG.x() - track.start.x(), 7.4, 0.01);
+  for (const MapGate& gate : track.gates) {
+    EXPECT_EQ(gate.side, 2.7);
+    EXPECT_NEAR(gate.side - 2 * gate.bar, 1.5, 1e-12);
+    EXPECT_GE(-gate.p_EG.z(), 1.35 - 1e-9) << "stands on the floor, or higher";
+    EXPECT_LT(gate.p_EG.y(), 85 * kFoot);
+    EXPECT_GT(gate.p_EG.x(), -165 * kFoot);
+  }
+}
+
+// Up to the stacked gate's upper opening, behind it down, and back through the lower one.
+TEST(Qualifier, ALapIsFlownOnIdealVision) {
+  RaceConfig race = qualifier(1104);
+  race.vision = Vision::kIdeal;
+  const RaceResult result = fly(race, {});
+  EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
+  EXPECT_EQ(result.gates_passed, 11);
 }
 
 }  // namespace

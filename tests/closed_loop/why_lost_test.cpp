@@ -152,7 +152,7 @@ struct OneGate {
     const Vector3d from = map.gates[0].p_EG - rotation_z(yaw - 0.05) * Vector3d{4, 0, 0};
     (void)plan.start.segments.push_back(
         {.start = from.head<2>(), .heading = yaw - 0.05, .curvature = 0.0, .length = 4.0});
-    plan.start.z_start = plan.start.z_end = -1.5;
+    (void)plan.start.levels.push_back({0.0, -1.5});
   }
   /// A drone there in the gate's own axes, whose error is told apart, in those axes too.
   [[nodiscard]] LossMoment at(const Vector3d& true_G, const Vector3d& estimate_G,

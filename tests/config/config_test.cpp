@@ -330,7 +330,7 @@ TEST(Config, ShippedFilesLoad) {
        {"configs/default.toml", "configs/flights.toml", "configs/li18.toml", "cameras/bebop.toml",
         "cameras/bebop-brown.toml", "cameras/wide-usb.toml", "cameras/grandprix.toml",
         "cameras/global-shutter.toml", "cameras/imx477.toml", "vehicles/bebop.toml",
-        "vehicles/racer.toml"})
+        "vehicles/racer.toml", "vehicles/archer-b2.toml"})
     EXPECT_NO_THROW((void)load_config(Files{shipped_dir() / name})) << name;
 }
 

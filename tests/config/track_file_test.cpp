@@ -149,9 +149,10 @@ TEST(TrackFile, BrokenTomlNamesTheLineAndAMissingFileItsName) {
 }
 
 TEST(TrackFile, UnknownNamesListTheTracksThereAre) {
-  EXPECT_THAT(test::error_of([] { (void)find_track("shworoom"); }),
-              AllOf(HasSubstr("darkhall, exhibition, figure8, flights, grandprix, lanes, oval"),
-                    HasSubstr("did you mean 'showroom'")));
+  EXPECT_THAT(
+      test::error_of([] { (void)find_track("shworoom"); }),
+      AllOf(HasSubstr("aigp-pq, darkhall, exhibition, figure8, flights, grandprix, lanes, oval"),
+            HasSubstr("did you mean 'showroom'")));
 }
 
 TEST(TrackFile, ShowroomHasFiveGatesTwentyThreeBoxesAndThreeLaps) {

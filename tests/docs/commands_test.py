@@ -42,6 +42,7 @@ REDUCED = {
     "fly grandprix --camera grandprix": IDEAL,
     "fly grandprix --camera imx477 --vision ideal": "",
     "fly oval --vehicle racer --vision ideal": "",
+    "fly aigp-pq --camera imx477 --vehicle archer-b2 --vision ideal": "--laps 1",
     "fly oval --vehicle racer --speed 1.8 --vision ideal": "",
     "fly --list": "",
     "fly showroom --vision ideal --set sim.autopilot_imu_hz=50": "",

@@ -10,6 +10,7 @@
 namespace gatefly {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Track two_gates() {
@@ -98,6 +99,35 @@ TEST(Course, AfterASearchTheWayLeadsStraightAlongTheAxisAndEndsInTheGate) {
 
 TEST(Course, RefusesATrackThatCannotBeFlown) {
   EXPECT_THROW((Course{Track{}, {}}), std::invalid_argument);
+}
+
+// Gates side by side with a wall behind them: the way from one to the other has stops.
+TEST(Course, GoesOnFromAStopOnlyWhenItStandsAndHasTurned) {
+  Track track;
+  track.gates = {{{4, 0, -1.5}, 0.0}, {{4, 1.3, -1.5}, kPi}};
+  track.room_center = {1.8, 0.65}, track.room_size = {7.6, 4.0}, track.ceiling = 3.5;
+  Course course{track, {}};
+  ASSERT_TRUE(fly_through(course, Straight{}));
+  ASSERT_NE(course.stop(), nullptr);
+  const Stop stop = *course.stop();
+  const Vector2d place = course.path().at(stop.s).position;
+  NavigationState now = at(course, {4.2, 0, -1.5});
+  const auto follow = [&](const Vector2d& p) {
+    now.p_EB.head<2>() = p;
+    for (int i = 0; i < 10; ++i) (void)course.follow(now, Straight{});
+  };
+  follow(place);
+  EXPECT_NEAR(course.progress(), stop.s, 1e-9);
+  EXPECT_EQ(course.ahead(1.0), stop.s);
+  follow(course.path().at(stop.s + 0.5).position);
+  EXPECT_LE(course.progress(), stop.s) << "pushed on, it has not turned";
+  now.attitude.yaw = stop.heading, now.v_E = {0.6, 0, 0};
+  follow(place);
+  EXPECT_LE(course.progress(), stop.s) << "turned, it still moves";
+  now.v_E.setZero();
+  follow(place);
+  EXPECT_GT(course.progress(), stop.s);
+  EXPECT_TRUE(course.stop() == nullptr || course.stop()->s > stop.s);
 }
 
 }  // namespace

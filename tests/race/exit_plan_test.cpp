@@ -44,8 +44,8 @@ TEST(ExitPlan, RunsOutTurnsAndEndsOnTheAxisOfTheNextGate) {
   EXPECT_TRUE(leg.at(0.5).position.isApprox(Vector2d(4.0, 0.0)));
   EXPECT_TRUE(leg.at(0.5 + 0.5 * kPi * 1.5).position.isApprox(Vector2d(5.5, 1.5)));
   EXPECT_TRUE(leg.at(leg.length()).position.isApprox(Vector2d(0.0, 3.0)));
-  EXPECT_EQ(leg.z_start, -1.5);
-  EXPECT_EQ(leg.z_end, -1.4);
+  EXPECT_EQ(leg.z_at(0.0), -1.5);
+  EXPECT_NEAR(leg.z_at(leg.length()), -1.4, 1e-12);
 }
 
 TEST(ExitPlan, ALeftTurnGoesLeft) {

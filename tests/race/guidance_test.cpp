@@ -81,6 +81,47 @@ TEST(Guidance, ThrustCarriesTheWeightAndMore) {
   EXPECT_LT(on_straight(state_at({2, 0, -2.0}, 1.7)).thrust, 9.0);
 }
 
+// On a ramp at its height and rate, nothing but the weight is carried; at its height and level, it is
+// told to climb.
+TEST(Guidance, FeedsTheRateOfARampForward) {
+  Track track;
+  track.gates = {{{3, 0, -1.5}, 0.0}, {{11, 0, -3.5}, 0.0}};
+  Course course{track, {}};
+  for (double x = 0.0; x <= 7.0 || course.passed() == 0; x += 0.05) {
+    NavigationState now = state_at({x, 0, -1.5}, 1.7);
+    now.p_GB = now.p_EB - course.gate().p_EG;
+    (void)course.follow(now, Straight{});
+  }
+  ASSERT_EQ(course.passed(), 1);
+  const PathHeight ramp = course.path().height_at(course.progress());
+  ASSERT_LT(ramp.slope, -0.2) << "it climbs";
+  const auto thrust_with = [&](double vz) {
+    NavigationState now = state_at({3 + course.progress(), 0, ramp.z}, 1.0);
+    now.v_E.z() = vz;
+    Phase phase = Straight{};
+    return Guidance{{}}.command(phase, now, course).thrust;
+  };
+  EXPECT_NEAR(thrust_with(ramp.slope * 1.0), 9.81, 0.01);
+  EXPECT_GT(thrust_with(0.0), 9.81 - 0.9 * AltitudeParams{}.kd * ramp.slope);
+}
+
+// Before a stop it holds the place and turns to where it leaves.
+TEST(Guidance, StandsAndTurnsAtAStop) {
+  Track track;
+  track.gates = {{{6, 0, -1.5}, 0.0}};
+  track.room_center = {3, 0}, track.room_size = {10, 2.6}, track.ceiling = 3.0;
+  track.start_heading = kPi;  // no room for an arc: turns on its pad
+  const Course course{track, {}};
+  ASSERT_NE(course.stop(), nullptr);
+  NavigationState now = state_at({0, 0.2, -1.5}, 0.0);
+  now.attitude.yaw = kPi;
+  Phase phase = Straight{};
+  const AttitudeCommand c = Guidance{{}}.command(phase, now, course);
+  EXPECT_NEAR(c.yaw, 0.0, 1e-9);
+  EXPECT_GT(c.roll, 0.01) << "back to the pad, which is to its right now";
+  EXPECT_NEAR(c.pitch, 0.0, 1e-6);
+}
+
 TEST(Guidance, GoesSlowlyTowardsAGateThatItDoesNotSee) {
   NavigationState unseen = state_at({4, 0, -1.5}, 1.7);
   unseen.since_fix = 1.0, unseen.lateral_sigma = 0.4;

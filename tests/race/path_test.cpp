@@ -2,6 +2,7 @@
 #include "gatefly/race/path.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ Path hook() {
   path.segments.push_back({{0, 0}, 0.0, 0.0, 2.0});
   path.segments.push_back({{2, 0}, 0.0, 1 / 1.5, 1.5 * kPi / 2});
   path.segments.push_back({{3.5, 1.5}, kPi / 2, 0.0, 1.0});
-  path.z_start = -1.0, path.z_end = -2.0;
+  path.climb(-1.0, -2.0);
   return path;
 }
 
@@ -88,6 +89,21 @@ TEST(Path, HeightIsASmoothRampDoneBeforeTheGate) {
   EXPECT_NEAR(path.z_at(total + 3), -2.0, 1e-12);
   for (double s = 0; s < total; s += 0.05)
     EXPECT_LE(path.z_at(s + 0.05), path.z_at(s)) << "climbs all the way";
+}
+
+TEST(Path, TheSlopeIsTheRateOfTheHeight) {
+  Path path = hook();
+  path.levels.clear();
+  for (const auto& [s, z] : {std::pair{0.5, -1.0}, {2.0, -2.5}, {2.0, -1.8}, {4.5, -1.2}})
+    (void)path.levels.push_back({s, z});
+  for (const double s : {0.2, 0.7, 1.3, 1.9, 2.1, 3.0, 4.4, 5.0}) {
+    const double h = 1e-6;
+    EXPECT_NEAR(path.height_at(s).slope, (path.z_at(s + h) - path.z_at(s - h)) / (2 * h), 1e-6)
+        << s;
+  }
+  EXPECT_NEAR(path.z_at(1.25), -1.75, 1e-12) << "half way";
+  EXPECT_NEAR(path.z_at(2.0 - 1e-9), -2.5, 1e-6) << "arrives at one height,";
+  EXPECT_NEAR(path.z_at(2.0), -1.8, 1e-12) << "leaves at another";
 }
 
 TEST(Path, AnEmptyPathAnswers) {

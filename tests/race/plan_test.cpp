@@ -170,6 +170,7 @@ TEST(Plan, ImpossibleCoursesAreRefusedWithTheReason) {
   EXPECT_THAT(refusal(blocked), HasSubstr("obstacle 1 stands in the opening of gate 1"));
 
   Track walled = oval();
+  walled.room_size = {20, 50}, walled.ceiling = 3.0;
   walled.obstacles = {{{1.2, 0}, {0.3, 50}, 0, 3.0}};  // a wall across, between the pad and gate 1
   EXPECT_THAT(refusal(walled), HasSubstr("from the start to gate 1"));
   EXPECT_THAT(refusal(walled), HasSubstr("obstacle 1 is in the way"));
@@ -181,6 +182,49 @@ TEST(Plan, ImpossibleCoursesAreRefusedWithTheReason) {
   Track none = oval();
   none.laps = 0;
   EXPECT_THAT(refusal(none), HasSubstr("laps"));
+}
+
+TEST(Plan, AGateMayStandOnTheFloor) {
+  Track track;
+  track.gates = {{{6, 0, -1.35}, 0.0, 2.7, 0.6}};
+  EXPECT_EQ(refusal(track), "planned");
+  track.gates[0].p_EG.z() = -1.3;
+  EXPECT_THAT(refusal(track), HasSubstr("gate 1 is too low"));
+}
+
+// The upper opening, then the lower one back, as at the AI Grand Prix.
+TEST(Plan, GatesOneAboveTheOtherAreFlownThereAndBack) {
+  Track track;
+  track.gates = {{{6, 0, -4.05}, 0.0, 2.7, 0.6}, {{6, 0, -1.35}, kPi, 2.7, 0.6}};
+  ASSERT_EQ(refusal(track), "planned");
+  const RacePlan plan = plan_race(track, {});
+  expect_leg(plan.legs[0], {6, 0}, 0, {6, 0}, kPi);
+  EXPECT_TRUE(plan.legs[0].stops.empty()) << "there is room for a hairpin";
+  EXPECT_EQ(plan.legs[0].z_at(0.0), -4.05);
+  EXPECT_NEAR(plan.legs[0].z_at(plan.legs[0].length() - 1.0), -1.35, 1e-9);
+  for (double s = 0.0; s < plan.legs[0].length(); s += 0.1)
+    EXPECT_LE(plan.legs[0].z_at(s), plan.legs[0].z_at(s + 0.1)) << "down all the way";
+}
+
+// A leg that climbs passes above a gate between its ends where there is room, else round it.
+TEST(Plan, AClimbingLegPassesAboveAGateAndRoundAHighOne) {
+  const auto with_gate_at = [](double height) {
+    Track track;
+    track.gates = {{{5, 0, -1.5}, 0.0}, {{15, 0, -4.5}, 0.0}, {{10, 0, -height}, kPi}};
+    track.laps = 1;
+    return track;
+  };
+  ASSERT_EQ(refusal(with_gate_at(1.2)), "planned");
+  const Path above = plan_race(with_gate_at(1.2), {}).legs[0];
+  EXPECT_NEAR(above.length(), 10.0, 1e-6) << "straight on";
+  EXPECT_LT(above.z_at(5.0), -1.7 - 0.35);
+  const double in_the_way = -above.z_at(5.0);
+  const Path round = plan_race(with_gate_at(in_the_way), {}).legs[0];
+  for (double s = 0.0; s <= round.length(); s += 0.05) {
+    const Vector2d off = (round.at(s).position - Vector2d{10, 0}).cwiseAbs();
+    const bool beside = off.x() > 0.58 || off.y() > 0.5 + 0.53;
+    EXPECT_TRUE(beside || std::abs(-round.z_at(s) - in_the_way) > 0.5 + 0.33) << s;
+  }
 }
 
 // As long as the way there, there must be a way round again.

@@ -475,6 +475,20 @@ TEST(Randomize, OneGateMoreLeavesThoseBeforeItWhereTheyAre) {
   for (const auto& [name, value] : with_two) EXPECT_EQ(with_three.at(name), value) << name;
 }
 
+TEST(Randomize, AGateThatStandsOnTheFloorDoesNotSinkIntoIt) {
+  SimConfig nominal;
+  nominal.world.gates = {{.p_EG = {0, 0, -1.35}, .side = 2.7}, {.p_EG = {5, 0, -1.5}}};
+  Randomize sizes;
+  sizes.gate_height = 0.05, sizes.gate_side = 0.01;
+  int lower = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const auto gates = drawn(nominal, sizes, seed).world.gates;
+    EXPECT_LE(gates[0].p_EG.z() + 0.5 * gates[0].side, 1e-12);
+    lower += gates[1].p_EG.z() > -1.5;
+  }
+  EXPECT_GT(lower, 10) << "others go up and down";
+}
+
 TEST(Randomize, LightStaysAboveATenthAndExposureAboveThreeTenths) {
   Randomize wild;
   wild.light = wild.exposure = 1.0;

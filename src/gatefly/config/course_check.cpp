@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kToWall = 0.3;     // of a gate's frame [m]
 constexpr double kToCeiling = 0.1;  // [m]
-constexpr double kToFloor = 0.05;   // of the lower bar: a gate stands on a foot plate [m]
+constexpr double kSunk = 1e-6;      // a gate that stands on the floor may be so low by rounding [m]
 constexpr double kApart = 0.5;      // two frames [m]
 constexpr double kOffGate = 0.3;    // an obstacle from a frame [m]
 constexpr double kFreeWay = 1.0;    // before and behind an opening [m]
@@ -73,6 +73,11 @@ std::vector<Eigen::Vector2d> points_of(const MapObstacle& box) {
   return points;
 }
 
+/// Neither of them is above the other, frames that stand on each other included.
+bool side_by_side(const MapGate& one, const MapGate& other) {
+  return std::abs(one.p_EG.z() - other.p_EG.z()) < 0.5 * (one.side + other.side) - kSunk;
+}
+
 class Check {
  public:
   explicit Check(const Track& track) : track_{track} {}
@@ -91,12 +96,13 @@ class Check {
     const MapGate& gate = track_.gates[i];
     const double low = -gate.p_EG.z() - 0.5 * gate.side, high = low + gate.side;
     const std::vector<Eigen::Vector2d> frame = frame_of(gate);
-    if (low < kToFloor) say(gate_name(i) + " reaches into the floor");
+    if (low < -kSunk) say(gate_name(i) + " reaches into the floor");
     if (high > track_.ceiling - kToCeiling) say(gate_name(i) + " reaches the ceiling");
     for (const Eigen::Vector2d& end : {frame.front(), frame.back()})
       if (inside(track_, end) < kToWall) return say(gate_name(i) + " is too near a wall");
     for (std::size_t j = 0; j < track_.gates.size(); ++j) {
       const MapGate& other = track_.gates[j];
+      if (!side_by_side(gate, other)) continue;
       const MapObstacle bars{
           .center = other.p_EG.head<2>(), .size = {other.bar, other.side}, .heading = other.yaw_EG};
       if (j > i && nearest(frame, bars) < kApart)

@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLowestBar = 0.05;  // [m] above the floor: a gate stands on a foot plate.
+constexpr double kSunk = 1e-6;  // [m] a gate that stands on the floor may be so low by rounding
 
 /// Linear-light albedos of painted wood and cloth. [ours]
 const std::vector<std::pair<std::string, Eigen::Vector3d>>& colors() {
@@ -135,10 +135,9 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
 
   if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
   const double lowest = -p[2] - 0.5 * side, highest = -p[2] + 0.5 * side;
-  if (lowest < kLowestBar)
-    table.fail("position_m", "so high that the lower bar is " + text_of(kLowestBar) +
-                                 " m above the floor: z at most " +
-                                 text_of(-0.5 * side - kLowestBar, 6));
+  if (lowest < -kSunk)
+    table.fail("position_m", "so high that the lower bar is not below the floor: z at most " +
+                                 text_of(-0.5 * side, 6));
   if (highest > track.track.ceiling)
     table.fail("position_m",
                "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");

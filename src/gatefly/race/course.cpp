@@ -6,9 +6,15 @@
 #include <utility>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/race/paper/exit_plan.hpp"
 
 namespace gatefly {
+namespace {
+
+constexpr double kBeyond = 1e-3;  // so far behind a stop the path has its new heading [m]
+
+}  // namespace
 
 Course::Course(const Track& track, const PlanParams& plan, const CourseParams& params)
     : Course{track, plan_race(track, plan), params} {}
@@ -37,8 +43,14 @@ const Path& Course::path() const {
 bool Course::follow(const NavigationState& now, const Phase& phase) {
   if (finished() || std::holds_alternative<OnGround>(phase)) return false;
   const double total = path().length();
-  progress_ = path().nearest(now.p_EB.head<2>(), std::max(0.0, progress_ - params_.back),
-                             std::min(progress_ + params_.ahead, total + 0.5));
+  const Stop* next = stop();
+  const double most = next != nullptr ? next->s : total + 0.5;
+  progress_ = path().nearest(now.p_EB.head<2>(), std::max(left_, progress_ - params_.back),
+                             std::min(progress_ + params_.ahead, most));
+  if (next != nullptr && has_stopped(*next, now)) {
+    left_ = progress_ = next->s + kBeyond;
+    ++stops_done_;
+  }
   if (by_exits_) {
     // Passed at the turn point [Li18 code; there within 5 cm of it, which a jump can miss].
     const double turn_point = gate().exit ? gate().exit->run : params_.past;
@@ -57,11 +69,30 @@ bool Course::follow(const NavigationState& now, const Phase& phase) {
 bool Course::pass_gate() {
   ++passed_;
   approach_.reset();
-  progress_ = 0.0;
+  progress_ = left_ = 0.0;
+  stops_done_ = 0;
   if (finished()) return false;
   target_ = (target_ + 1) % static_cast<int>(track_.gates.size());
   before_approach_ = by_exits_ && path().segments.size() > 2;  // else there is no turn
   return true;
+}
+
+const Stop* Course::stop() const {
+  const auto& stops = path().stops;
+  return stops_done_ < stops.size() ? &stops[stops_done_] : nullptr;
+}
+
+double Course::ahead(double distance) const {
+  const Stop* next = stop();
+  const double s = progress_ + distance;
+  return next != nullptr ? std::min(s, next->s) : s;
+}
+
+bool Course::has_stopped(const Stop& stop, const NavigationState& now) const {
+  const Eigen::Vector2d off = path().at(stop.s).position - now.p_EB.head<2>();
+  return off.norm() < params_.stopped_within && now.v_E.norm() < params_.stopped_speed &&
+         std::abs(stop.z - now.p_EB.z()) < params_.stopped_height &&
+         std::abs(wrap_angle(stop.heading - now.attitude.yaw)) < params_.stopped_angle;
 }
 
 std::optional<double> Course::approach_length() const {
@@ -87,8 +118,9 @@ void Course::approach_straight(const NavigationState& now) {
   approach_.emplace();
   (void)approach_->segments.push_back(
       {.start = start.head<2>(), .heading = gate().yaw_EG, .curvature = 0.0, .length = before});
-  approach_->z_start = approach_->z_end = gate().p_EG.z();
+  (void)approach_->levels.push_back({0.0, gate().p_EG.z()});
   progress_ = 0.5;
+  left_ = 0.0, stops_done_ = 0;
 }
 
 }  // namespace gatefly

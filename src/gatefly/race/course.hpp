@@ -45,6 +45,10 @@ class Course {
   [[nodiscard]] bool finished() const { return passed_ >= total_; }
   [[nodiscard]] const Path& path() const;                      ///< To the target.
   [[nodiscard]] double progress() const { return progress_; }  ///< Metres along path().
+  /// Where it has to stand still next, on path(); null: nowhere.
+  [[nodiscard]] const Stop* stop() const;
+  /// Metres along path() that far on, but not beyond the next stop.
+  [[nodiscard]] double ahead(double distance) const;
   [[nodiscard]] double to_go() const { return path().length() - progress_; }
   [[nodiscard]] const RacePlan& plan() const { return plan_; }
   [[nodiscard]] const Track& track() const { return track_; }
@@ -52,6 +56,7 @@ class Course {
  private:
   Course(const Track& track, RacePlan plan, const CourseParams& params);
   bool pass_gate();
+  [[nodiscard]] bool has_stopped(const Stop& stop, const NavigationState& now) const;
 
   Track track_;
   CourseParams params_;
@@ -60,6 +65,8 @@ class Course {
   bool by_exits_ = false, before_approach_ = false;
   int total_ = 0, target_ = 0, passed_ = 0;
   double progress_ = 0.0;
+  double left_ = 0.0;           ///< The last stop that it has gone on from [m along path()].
+  std::size_t stops_done_ = 0;  ///< Of path().
 };
 
 /// The frame of a gate of the map.

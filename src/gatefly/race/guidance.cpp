@@ -53,12 +53,14 @@ AttitudeCommand Guidance::take_off(const NavigationState& now, const Course& cou
 // Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the speed.
 AttitudeCommand Guidance::straight(const NavigationState& now, const Course& course) {
   const double s = course.progress();
+  const Stop* stop = course.stop();
+  if (stop != nullptr && stop->s - s < params_.speed.stand_from) return stand(*stop, now, course);
   const PathPoint here = course.path().at(s);
   AttitudeCommand c;
   c.roll = cross_track_roll(here, now);
   c.pitch = pitch_for_speed(wanted_speed(now, course), now);
   c.yaw = here.heading;
-  c.thrust = thrust(course.path().z_at(s), 0.0, now);
+  c.thrust = thrust_on_path(now, course);
   return c;
 }
 
@@ -68,7 +70,7 @@ AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Cours
   const Path& path = course.path();
   const double s = course.progress();
   const double lead = params_.speed.roll_lead * std::max(0.0, now.v_B.x());
-  const PathPoint soon = path.at(s + lead);
+  const PathPoint soon = path.at(course.ahead(lead));
   ArcParams params;
   params.radius = soon.curvature == 0.0 ? 0.0 : 1.0 / soon.curvature;
   params.pitch = pitch_for_speed(wanted_speed(now, course), now);
@@ -77,8 +79,16 @@ AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Cours
   AttitudeCommand c = step(arc, now.dt, params);
   c.roll = std::clamp(c.roll + cross_track_roll(path.at(s), now), -params_.speed.max_roll,
                       params_.speed.max_roll);
-  c.yaw = path.at(s + 0.5 * lead).heading;
-  c.thrust = thrust(path.z_at(s), 0.0, now);
+  c.yaw = path.at(course.ahead(0.5 * lead)).heading;
+  c.thrust = thrust_on_path(now, course);
+  return c;
+}
+
+// Where there is no room for a turn: holds the place, turns, changes the height.
+AttitudeCommand Guidance::stand(const Stop& stop, const NavigationState& now,
+                                const Course& course) {
+  AttitudeCommand c = hold(course.path().at(stop.s).position, stop.heading, 0.0, now);
+  c.thrust = thrust(stop.z, 0.0, now);
   return c;
 }
 
@@ -143,13 +153,18 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const Segment& turn = path.segments[segments > 1 ? segments - 2 : 0];
   if (course.to_go() < last.length + turn.length)
     speed = std::min(speed, std::max(p.slowest, last.length / p.settle));
+  const double slope = std::abs(path.height_at(course.progress()).slope);
+  if (slope * speed > p.max_climb) speed = p.max_climb / slope;
+  if (const Stop* stop = course.stop())
+    speed = std::min(speed,
+                     std::sqrt(2.0 * p.stop_braking * std::max(0.0, stop->s - course.progress())));
   const double x = now.p_GB.x();
   const bool unsure = now.since_fix > p.unsure_after && now.lateral_sigma > p.unsure_sigma;
   if (unsure && x > -p.unsure_before && x < 0.0) speed = std::min(speed, p.unsure);
   constexpr double kLook = 0.2;  // [m]
   const double reach = p.brake_lead * std::clamp(now.v_B.x(), 0.5, 6.0);
   for (double ahead = 0.0; ahead <= reach; ahead += kLook) {
-    const double curvature = std::abs(path.at(course.progress() + ahead).curvature);
+    const double curvature = std::abs(path.at(course.ahead(ahead)).curvature);
     if (curvature > 0.0) speed = std::min(speed, std::sqrt(params_.max_lateral / curvature));
   }
   return speed;
@@ -179,6 +194,15 @@ double Guidance::thrust(double z, double vz, const NavigationState& now) {
   return thrust_for(params_.gravity + up, now.R_EB.matrix(2, 2)) / (1.0 + now.thrust_found);
 }
 
+// On a ramp the height changes as fast as the way goes on; the rate is fed forward, so that it does
+// not lag behind.
+double Guidance::thrust_on_path(const NavigationState& now, const Course& course) {
+  const PathHeight height = course.path().height_at(course.progress());
+  const auto [sine, cosine] = sincos(course.path().at(course.progress()).heading);
+  const double along = std::max(0.0, Eigen::Vector2d{cosine, sine}.dot(now.v_E.head<2>()));
+  return thrust(height.z, height.slope * along, now);
+}
+
 // A critically damped decay that starts after the roll's lag.
 double Guidance::lateral_at_gate(const NavigationState& now) const {
   constexpr double kSlowest = 0.5;  // [m/s]
@@ -191,7 +215,7 @@ double Guidance::lateral_at_gate(const NavigationState& now) const {
 
 bool Guidance::turn_ahead(const NavigationState& now, const Course& course) const {
   const double lead = params_.speed.roll_lead * std::max(0.0, now.v_B.x());
-  return course.path().at(course.progress() + lead).curvature != 0.0;
+  return course.path().at(course.ahead(lead)).curvature != 0.0;
 }
 
 }  // namespace gatefly

@@ -74,6 +74,7 @@ class Guidance {
   AttitudeCommand turn(Arc& arc, const NavigationState& now, const Course& course);
   AttitudeCommand search(const Search& phase, const NavigationState& now, const Course& course);
   AttitudeCommand land(const Land& phase, const NavigationState& now);
+  AttitudeCommand stand(const Stop& stop, const NavigationState& now, const Course& course);
   AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double dt,
                        const NavigationState& now);
 
@@ -81,6 +82,7 @@ class Guidance {
   [[nodiscard]] double pitch_for_speed(double speed, const NavigationState& now) const;
   [[nodiscard]] double cross_track_roll(const PathPoint& here, const NavigationState& now) const;
   [[nodiscard]] double thrust(double z, double vz, const NavigationState& now);
+  [[nodiscard]] double thrust_on_path(const NavigationState& now, const Course& course);
 
   GuidanceParams params_;
   Altitude altitude_;

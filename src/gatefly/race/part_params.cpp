@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/part_params.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -42,6 +43,22 @@ eskf::Setup error_state_setup(const PilotConfig& config) {
   setup.R_BC = config.camera.R_BC.matrix;
   setup.camera = {config.camera.p_BC, radians_per_px(config.camera.lens)};
   return setup;
+}
+
+/// The numbers are those of gates of 1 m that leave a Bebop 0.25 m on either side: a large gate is
+/// in view from farther away only, and may be passed farther off its axis.
+void fit_to_gates(PhaseParams& params, const PilotConfig& config) {
+  constexpr double kSide = 1.0, kBar = 0.05, kBody = 0.20;
+  double larger = 1e9, wider = 1e9;
+  for (const MapGate& gate : config.track.gates) {
+    const double beside = 0.5 * gate.side - gate.bar - config.plan.body_radius;
+    larger = std::min(larger, gate.side / kSide);
+    wider = std::min(wider, beside / (0.5 * kSide - kBar - kBody));
+  }
+  if (config.track.gates.empty()) return;
+  params.wait_before *= std::max(1.0, larger);
+  params.max_miss *= std::max(1.0, wider);
+  params.max_lateral_sigma *= std::max(1.0, wider);
 }
 
 }  // namespace
@@ -114,6 +131,7 @@ PhaseParams phase_params(const PilotConfig& config) {
     params.go_after = config.paper_control.take_off;
     params.goes_around = false;
   }
+  fit_to_gates(params, config);
   const double slow = slow_imu_hz(config), hz = slow > 0.0 ? slow : config.imu_hz;
   params.rest_samples = static_cast<int>(std::lround(config.phase.rest_samples * hz / kUsualHz));
   return params;

@@ -7,6 +7,11 @@
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
+namespace {
+
+constexpr double kShortestRamp = 0.1;  // [m]
+
+}  // namespace
 
 PathPoint point_on(const Segment& segment, double s) {
   const auto [sin0, cos0] = sincos(segment.heading);
@@ -52,11 +57,21 @@ double Path::nearest(const Eigen::Vector2d& position, double from, double to) co
   return best;
 }
 
-double Path::z_at(double s) const {
+PathHeight Path::height_at(double s) const {
+  if (levels.empty()) return {};
+  std::size_t next = 0;
+  while (next + 1 < levels.size() && levels[next].s <= s) ++next;
+  const Level &from = levels[next > 0 ? next - 1 : 0], &to = levels[next];
+  const double length = std::max(to.s - from.s, kShortestRamp);
+  const double t = std::clamp((s - from.s) / length, 0.0, 1.0), rise = to.z - from.z;
+  return {from.z + rise * t * t * (3.0 - 2.0 * t), 6.0 * rise * t * (1.0 - t) / length};
+}
+
+void Path::climb(double z_from, double z_to) {
   const double total = length();
-  const double end = std::max(0.5 * total, total - 1.5);
-  const double t = std::clamp(s / std::max(end, 0.1), 0.0, 1.0);
-  return z_start + (z_end - z_start) * t * t * (3.0 - 2.0 * t);
+  levels.clear();
+  (void)levels.push_back({0.0, z_from});
+  (void)levels.push_back({std::max(0.5 * total, total - 1.5), z_to});
 }
 
 }  // namespace gatefly

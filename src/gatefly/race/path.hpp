@@ -26,19 +26,45 @@ struct PathPoint {
   double curvature = 0.0;
 };
 
+/// A height to be at, so far along a path.
+struct Level {
+  double s = 0.0;  ///< Metres along the path.
+  double z = 0.0;  ///< Down [m].
+};
+
+/// What a path asks of the height somewhere: z down, and how fast it changes with the way flown.
+struct PathHeight {
+  double z = 0.0;      ///< [m]
+  double slope = 0.0;  ///< dz/ds: metres down a metre of way.
+};
+
+/// A place where a path has no room for a turn: stand still, turn, change the height, go on.
+struct Stop {
+  double s = 0.0;        ///< Metres along the path.
+  double heading = 0.0;  ///< To leave with [rad].
+  double z = 0.0;        ///< And the height to leave at, down [m].
+};
+
 /// The way from one gate to the next: straight, arc, straight, arc, straight; any of them may be
-/// missing.
+/// missing. One around things has more of them, and may have stops.
 struct Path {
-  FixedList<Segment, 5> segments;
-  double z_start = 0.0, z_end = 0.0;  ///< Heights of its two ends, z down [m].
+  FixedList<Segment, 17> segments;
+  /// Held before the first and after the last; in between a smooth ramp. Two at one place: a stop.
+  FixedList<Level, 17> levels;
+  FixedList<Stop, 9> stops;  ///< In order.
 
   [[nodiscard]] double length() const;
   /// The point `s` metres along; straight on beyond both ends.
   [[nodiscard]] PathPoint at(double s) const;
   /// Metres along the path of the point nearest to `position` among s in [from, to].
   [[nodiscard]] double nearest(const Eigen::Vector2d& position, double from, double to) const;
-  /// Height to fly at `s` [m, down]: a smooth ramp that is done before the last metre and a half.
-  [[nodiscard]] double z_at(double s) const;
+  /// Height to fly at `s`.
+  [[nodiscard]] PathHeight height_at(double s) const;
+  [[nodiscard]] double z_at(double s) const { return height_at(s).z; }  ///< [m, down]
+
+  /// From one height to another in one ramp that is done before the last metre and a half. The
+  /// segments are there already.
+  void climb(double z_from, double z_to);
 };
 
 /// The end of a segment.
@@ -51,9 +77,15 @@ struct PlanParams {
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;
   double body_radius = 0.20;  ///< Half the Bebop's width with guards [m].
-  /// Straight before a gate that is wanted [m]; [Li18 §4: a margin of 2 m]
+  /// Straight before a gate that is wanted at least [m]; [Li18 §4: a margin of 2 m]
   double run_in = 2.5;
 };
+
+/// The radius beyond which an arc is no faster, half as much again [m].
+[[nodiscard]] double widest_radius(const PlanParams& params);
+/// Straight before a gate that is wanted: longer for a fast drone, the time to come onto the axis
+/// being the same [m].
+[[nodiscard]] double wanted_run_in(const PlanParams& params);
 
 /// The legs of a race: start to first gate, then gate to gate; the last leg of a lap leads to its
 /// first gate.
@@ -62,12 +94,14 @@ struct RacePlan {
   std::vector<Path> legs;  ///< legs[i]: from gate i to gate (i + 1) % n.
 };
 
-/// Plans all legs: straight out of a gate, at most two arcs (Dubins), straight into the next.
+/// Plans all legs: straight out of a gate, at most two arcs (Dubins), straight into the next; where
+/// that is not free, around, over or under what stands there (way_round.hpp).
 ///
 /// Searches run-out, run-in and radius; prefers short ways with a long run-in and wide arcs; keeps
-/// `clearance` to obstacles, walls and the frames of all gates. Start-up only: allocates and
-/// throws.
-/// @throws std::invalid_argument naming the leg for which there is no way, and why.
+/// `clearance` to obstacles, walls and the frames of all gates, beside, above and below. Start-up
+/// only: allocates and throws.
+/// @throws std::invalid_argument naming the leg for which there is no way, and which gap is too
+///     narrow by how much.
 [[nodiscard]] RacePlan plan_race(const Track& track, const PlanParams& params);
 
 /// What a plan wants to fly on a segment [m/s].

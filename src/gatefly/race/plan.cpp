@@ -2,13 +2,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/race/path.hpp"
+#include "gatefly/race/solids.hpp"
+#include "gatefly/race/way_round.hpp"
 
 namespace gatefly {
 namespace {
+
+constexpr double kTakeOff = 0.9;  // so high the first leg begins, or higher [m]
+constexpr double kSunk = 0.01;    // a gate that stands on the floor may be so low by rounding [m]
 
 // Two digits after the point, without noughts at the end.
 std::string short_text(double value) {
@@ -71,57 +80,16 @@ Dubins connect(const Pose2& from, const Pose2& to, double radius, double side_1,
   return word;
 }
 
-/// Distance from a point to a box on the floor plan; 0 inside.
+/// Least distance from a point of the floor plan to an obstacle; 0 inside.
 double distance_to(const MapObstacle& box, const Eigen::Vector2d& p) {
-  const Eigen::Vector2d d = p - box.center;
-  const Eigen::Vector2d local{d.dot(ahead(box.heading)), d.dot(right(box.heading))};
-  return (local.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm();
+  return std::max(0.0, MapSolid{.footprint = box}.beside(p));
 }
 
-/// The nearest solid thing on a way, from its middle line.
-struct Nearest {
-  double distance = 1e9;  ///< [m]
-  int thing = -1;         ///< -1 a wall, then obstacles, then gates.
-};
-
-std::string name_of(const Nearest& nearest, const Track& track) {
-  const int obstacles = static_cast<int>(track.obstacles.size());
-  return nearest.thing < 0           ? std::string("a wall")
-         : nearest.thing < obstacles ? "obstacle " + std::to_string(nearest.thing + 1)
-                                     : "gate " + std::to_string(nearest.thing - obstacles + 1);
-}
-
-/// @param near_enough  looks no further once something is nearer than this [m].
-Nearest nearest_solid(const Track& track, const PlanParams& params, const Path& path, int from_gate,
-                      int to_gate, double near_enough) {
-  const double total = path.length();
-  Nearest nearest;
-  const auto consider = [&](double distance, int thing) {
-    if (distance < nearest.distance) nearest = {distance, thing};
-  };
-  const int obstacles = static_cast<int>(track.obstacles.size());
-  for (double s = 0.0; s <= total && nearest.distance >= near_enough; s += 0.1) {
-    const Eigen::Vector2d p = path.at(s).position;
-    const double height = -path.z_at(s);
-    consider((0.5 * track.room_size - (p - track.room_center).cwiseAbs()).minCoeff(), -1);
-    for (int i = 0; i < obstacles; ++i) {
-      const MapObstacle& obstacle = track.obstacles[static_cast<std::size_t>(i)];
-      if (obstacle.height > height - params.clearance) consider(distance_to(obstacle, p), i);
-    }
-    for (int g = 0; g < static_cast<int>(track.gates.size()); ++g) {
-      // The gates at the two ends are flown through; a little way off they are obstacles as well.
-      if ((g == from_gate && s < 0.8) || (g == to_gate && total - s < 0.8)) continue;
-      const MapGate& gate = track.gates[static_cast<std::size_t>(g)];
-      const MapObstacle frame{gate.p_EG.head<2>(), {0.1, gate.side}, gate.yaw_EG, 0.0};
-      consider(distance_to(frame, p), obstacles + g);
-    }
-  }
-  return nearest;
-}
-
+/// Straight out of a gate, arc, straight, arc, straight into the next.
 struct Candidate {
-  Path path;
-  double cost;
+  double run_out, run_in, radius;
+  Dubins word;
+  double cost = 0.0;
 };
 
 void append(Path& path, Pose2& pose, double length, double curvature) {
@@ -136,50 +104,86 @@ void append(Path& path, Pose2& pose, double length, double curvature) {
   pose = {end.position, end.heading};
 }
 
+Path path_of(const Candidate& way, const Pose2& from, double z_from, double z_to) {
+  Path path;
+  Pose2 pose = from;
+  const Dubins& word = way.word;
+  append(path, pose, way.run_out, 0.0);
+  append(path, pose, way.radius * word.angle_1, word.side_1 / way.radius);
+  append(path, pose, word.straight, 0.0);
+  append(path, pose, way.radius * word.angle_2, word.side_2 / way.radius);
+  append(path, pose, way.run_in, 0.0);
+  path.climb(z_from, z_to);
+  return path;
+}
+
+/// On its pad the drone stands as near to things as it does: the way from there may be as near.
+PlanParams from_the_pad(const Track& track, PlanParams params, double height) {
+  double near = 1e9;
+  for (const MapSolid& solid : solids_of(track))
+    if (solid.kind < MapSolid::Kind::kFloor && solid.bottom < height + params.clearance)
+      near = std::min(near, solid.beside(track.start));
+  constexpr double kToSpare = 0.02;
+  params.clearance = std::clamp(near - params.body_radius - kToSpare, 0.0, params.clearance);
+  return params;
+}
+
 class Planner {
  public:
-  Planner(const Track& track, const PlanParams& params) : track_{track}, params_{params} {}
+  Planner(const Track& track, const PlanParams& params)
+      : track_{track}, params_{params}, solids_{solids_of(track)} {}
 
   Path leg(const Pose2& from, double z_from, int from_gate, int to_gate) const {
     const MapGate& goal = track_.gates[static_cast<std::size_t>(to_gate)];
-    std::vector<Candidate> candidates = propose(from, z_from, from_gate >= 0, goal);
+    std::vector<Candidate> candidates = propose(from, from_gate >= 0, goal);
     std::sort(candidates.begin(), candidates.end(),
               [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
     // The cheapest that is clear; room beyond the clearance is worth a detour.
-    const Candidate* best = nullptr;
+    const double wanted = params_.clearance + params_.body_radius;
+    std::optional<Path> best;
     double best_cost = 1e9;
     std::string blocked =
         "no turn of radius >= " + short_text(params_.min_radius) + " m leads there";
     for (const auto& candidate : candidates) {
       if (candidate.cost >= best_cost) break;
-      const Room room = room_around(candidate.path, from_gate, to_gate);
-      const double cost = candidate.cost + 6.0 * std::max(0.0, 0.4 - room.margin);
-      if (room.margin < 0.0) {
-        blocked = room.nearest + " is in the way";
+      const Path path = path_of(candidate, from, z_from, goal.p_EG.z());
+      const Nearest nearest = nearest_solid(solids_, params_, path, from_gate, to_gate, wanted);
+      const double margin = nearest.distance - wanted;
+      const double cost = candidate.cost + 6.0 * std::max(0.0, 0.4 - margin);
+      if (margin < 0.0) {
+        blocked = nearest.solid->name() + " is in the way";
       } else if (cost < best_cost) {
-        best = &candidate;
+        best = path;
         best_cost = cost;
       }
     }
-    if (best != nullptr) return best->path;
+    if (best) return *best;
+    WayRound way =
+        way_round(solids_, track_, params_,
+                  {{from.position.x(), from.position.y(), z_from}, from.heading, from_gate},
+                  {goal.p_EG, goal.yaw_EG, to_gate});
+    if (way.path) return *std::move(way.path);
     throw std::invalid_argument(
         "no way from " +
         (from_gate < 0 ? std::string("the start") : "gate " + std::to_string(from_gate + 1)) +
-        " to gate " + std::to_string(to_gate + 1) + ": " + blocked);
+        " to gate " + std::to_string(to_gate + 1) + ": " + blocked + "; " + way.blocked);
   }
 
  private:
-  std::vector<Candidate> propose(const Pose2& from, double z_from, bool from_is_gate,
-                                 const MapGate& goal) const {
-    constexpr std::array kRadii{3.0, 2.4, 2.0, 1.7, 1.5, 1.3, 1.15, 1.0, 0.9, 0.8, 0.7, 0.6};
+  std::vector<Candidate> propose(const Pose2& from, bool from_is_gate, const MapGate& goal) const {
+    constexpr std::array kRadii{10.0, 8.0, 6.5,  5.0, 4.0, 3.0, 2.4, 2.0, 1.7,
+                                1.5,  1.3, 1.15, 1.0, 0.9, 0.8, 0.7, 0.6};
     constexpr std::array kRunOut{0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
-    constexpr std::array kRunIn{4.0, 3.0, 2.5, 2.0, 1.6, 1.3, 1.0};
+    constexpr std::array kRunIn{12.0, 10.0, 8.0, 6.5, 5.0, 4.0, 3.0, 2.5, 2.0, 1.6, 1.3, 1.0};
+    // Wider arcs and longer run-ins than speed needs are of no use.
+    const double widest = std::max(3.0, widest_radius(params_)),
+                 longest = std::max(4.0, 2.2 * params_.speed);
     const Pose2 gate{goal.p_EG.head<2>(), goal.yaw_EG};
     std::vector<Candidate> candidates;
     // A single gate flown again and again is the one course that needs a full circle.
     const double most_turning = (from_is_gate && track_.gates.size() == 1 ? 2.2 : 1.6) * kPi;
     for (const double radius : kRadii) {
-      if (radius < params_.min_radius) continue;
+      if (radius < params_.min_radius || radius > widest) continue;
       for (const double run_out : kRunOut)
         for (const double run_in : kRunIn)
           for (const double side_1 : {-1.0, 1.0})
@@ -187,19 +191,10 @@ class Planner {
               const double out = from_is_gate ? run_out : run_out - 0.15;
               const Dubins word =
                   connect(moved(from, out), moved(gate, -run_in), radius, side_1, side_2);
-              if (!word.valid) continue;
+              if (!word.valid || run_in > longest) continue;
               if (word.angle_1 + word.angle_2 > most_turning) continue;  // no loops
-              Candidate candidate;
-              Path& path = candidate.path;
-              Pose2 pose = from;
-              append(path, pose, out, 0.0);
-              append(path, pose, radius * word.angle_1, side_1 / radius);
-              append(path, pose, word.straight, 0.0);
-              append(path, pose, radius * word.angle_2, side_2 / radius);
-              append(path, pose, run_in, 0.0);
-              path.z_start = z_from;
-              path.z_end = goal.p_EG.z();
-              candidate.cost = cost(path, radius, word);
+              Candidate candidate{out, run_in, radius, word};
+              candidate.cost = cost(path_of(candidate, from, 0.0, 0.0), radius, word);
               candidates.push_back(candidate);
             }
     }
@@ -215,23 +210,13 @@ class Planner {
       seconds += segment.length / (segment.curvature == 0.0 ? params_.speed : arc_speed);
     const double run_in = path.segments.back().curvature == 0.0 ? path.segments.back().length : 0.0;
     const double turning = word.angle_1 + word.angle_2;
-    return seconds + 2.0 * std::max(0.0, params_.run_in - run_in) + 0.9 * turning / radius +
+    return seconds + 2.0 * std::max(0.0, wanted_run_in(params_) - run_in) + 0.9 * turning / radius +
            0.3 * turning;
   }
 
-  struct Room {
-    double margin = 1e9;  ///< Least distance beyond the wanted clearance; negative: too near [m].
-    std::string nearest;  ///< To what.
-  };
-
-  Room room_around(const Path& path, int from_gate, int to_gate) const {
-    const double wanted = params_.clearance + params_.body_radius;
-    const Nearest nearest = nearest_solid(track_, params_, path, from_gate, to_gate, wanted);
-    return {nearest.distance - wanted, name_of(nearest, track_)};
-  }
-
   const Track& track_;
-  const PlanParams& params_;
+  const PlanParams params_;
+  std::vector<MapSolid> solids_;
 };
 
 }  // namespace
@@ -247,7 +232,7 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
     const double opening = gate.side - 2 * gate.bar;
     if (opening < 2 * params.body_radius + 0.1)
       throw std::invalid_argument(name + " is too small to fly through");
-    if (-gate.p_EG.z() < 0.5 * gate.side + 0.05)
+    if (-gate.p_EG.z() < 0.5 * gate.side - kSunk)
       throw std::invalid_argument(name + " is too low: it stands in the floor");
     if (-gate.p_EG.z() + 0.5 * gate.side > track.ceiling)
       throw std::invalid_argument(name + " is too high: it is in the ceiling");
@@ -267,7 +252,9 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
   const Planner planner{track, params};
   RacePlan plan;
   const int n = static_cast<int>(track.gates.size());
-  plan.start = planner.leg({track.start, track.start_heading}, track.gates[0].p_EG.z(), -1, 0);
+  const double z_start = std::min(track.gates[0].p_EG.z(), -kTakeOff);
+  plan.start = Planner{track, from_the_pad(track, params, -z_start)}.leg(
+      {track.start, track.start_heading}, z_start, -1, 0);
   for (int i = 0; i < n; ++i) {
     if (i == n - 1 && track.laps == 1) break;  // the last gate of a single lap leads nowhere
     const MapGate& gate = track.gates[static_cast<std::size_t>(i)];
@@ -277,6 +264,15 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
   return plan;
 }
 
+double widest_radius(const PlanParams& params) {
+  return 1.5 * params.speed * params.speed / params.max_lateral;
+}
+
+double wanted_run_in(const PlanParams& params) {
+  constexpr double kSeconds = 1.4;
+  return std::max(params.run_in, kSeconds * params.speed);
+}
+
 double speed_on(const Segment& segment, const PlanParams& params) {
   if (segment.curvature == 0.0) return params.speed;
   return std::min(params.speed, std::sqrt(params.max_lateral / std::abs(segment.curvature)));
@@ -284,8 +280,9 @@ double speed_on(const Segment& segment, const PlanParams& params) {
 
 Clearance clearance_of(const Path& path, const Track& track, const PlanParams& params,
                        int from_gate, int to_gate) {
-  const Nearest nearest = nearest_solid(track, params, path, from_gate, to_gate, -1e9);
-  return {nearest.distance - params.body_radius, name_of(nearest, track)};
+  const std::vector<MapSolid> solids = solids_of(track);
+  const Nearest nearest = nearest_solid(solids, params, path, from_gate, to_gate, -1e9);
+  return {nearest.distance - params.body_radius, nearest.solid ? nearest.solid->name() : ""};
 }
 
 }  // namespace gatefly

@@ -57,6 +57,11 @@ struct CourseParams {
   double end = 1.5;    ///< A gate can be passed on the last part of the way to it only [m]. [ours]
   double past = 0.10;  ///< So far behind its plane a gate is passed [m]. [Li18 code: 0.1-0.5]
   double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [ours]
+  // A stop is done where it stands still, ...
+  double stopped_within = 0.35;           ///< near the place [m], [ours]
+  double stopped_speed = 0.4;             ///< nearly [m/s], [ours]
+  double stopped_height = 0.2;            ///< at the height to go on at [m] [ours]
+  double stopped_angle = 12.0 * kDegree;  ///< and the heading. [ours]
 };
 
 struct SpeedParams {
@@ -75,6 +80,9 @@ struct SpeedParams {
   double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [ours]
   double unsure_after = 0.6;   ///< Not seen means: not for so long [s] ... [ours]
   double unsure_sigma = 0.2;   ///< ... and more uncertain to the side than this [m]. [ours]
+  double max_climb = 1.2;  ///< Up or down along a ramp [m/s]. [ours: half of what thrust can stop]
+  double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [ours: the pitch follows 0.4 m/s late]
+  double stand_from = 0.5;    ///< So near a stop the place is held [m]. [ours]
   /// Of turn and correction together. [ours: INDI follows 40°]
   double max_roll = 38.0 * kDegree;
 };

@@ -240,6 +240,7 @@ SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t 
                         gates.normal_cut(sigma.gate_position), gates.normal_cut(sigma.gate_height)};
     gate.yaw_EG += gates.normal_cut(sigma.gate_heading);
     gate.side *= 1.0 + gates.normal_cut(sigma.gate_side);
+    gate.p_EG.z() = std::min(gate.p_EG.z(), -0.5 * gate.side);  // none sinks into the floor
     gate.color = hue_turned(gate.color, hue);
   }
   for (double& gain : real.light.group_gain)

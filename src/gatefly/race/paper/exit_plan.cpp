@@ -59,7 +59,7 @@ Path leg(const Track& track, std::size_t from, std::size_t to) {
   (void)path.segments.push_back(
       approach_from(point_on(last, last.length).position, next,
                     "the arc behind " + name_of(from) + ", before " + name_of(to) + ","));
-  path.z_start = gate.p_EG.z(), path.z_end = next.p_EG.z();
+  path.climb(gate.p_EG.z(), next.p_EG.z());
   return path;
 }
 
@@ -71,7 +71,7 @@ RacePlan plan_from_exits(const Track& track) {
   RacePlan plan;
   (void)plan.start.segments.push_back(
       approach_from(track.start, track.gates[0], "the start, before gate 1,"));
-  plan.start.z_start = plan.start.z_end = track.gates[0].p_EG.z();
+  (void)plan.start.levels.push_back({0.0, track.gates[0].p_EG.z()});
   const std::size_t count = track.gates.size();
   for (std::size_t i = 0; i < count; ++i) {
     if (i + 1 == count && track.laps == 1) break;  // the last gate of a single lap leads nowhere
