@@ -69,9 +69,8 @@ struct Frame {
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t k = (first + i) % 4;
     const Eigen::Vector2d& p = frame.quad[k];
-    const bool in_view = !frame.unseen[k] && p.x() >= 1.0 &&
-                         p.y() >= 1.0 && p.x() <= image.width() - 2.0 &&
-                         p.y() <= image.height() - 2.0;
+    const bool in_view = !frame.unseen[k] && p.x() >= 1.0 && p.y() >= 1.0 &&
+                         p.x() <= image.width() - 2.0 && p.y() <= image.height() - 2.0;
     gate.corner_fitness[i] =
         in_view ? corner_confidence_of(std::min(frame.score.side[k], frame.score.side[(k + 3) % 4]))
                 : 0.0;
