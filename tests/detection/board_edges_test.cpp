@@ -64,7 +64,7 @@ TEST(BoardEdges, CrossWhereTheGatesCornersAre) {
   EXPECT_GT(views, 20);
 }
 
-// Spots of 5 px without paint, a sixth of the picture: an edge is where the paint ends that is left.
+// Spots of 5 px without paint, a twentieth of the picture: an edge is where the paint ends that is left.
 TEST(BoardEdges, HoldOnWornPaintAndNoise) {
   int views = 0;
   for_all(40, [&](Rng& rng) {
@@ -74,7 +74,7 @@ TEST(BoardEdges, HoldOnWornPaintAndNoise) {
     ++views;
     Canvas canvas{kWidth, kHeight};
     canvas.draw_gate(view, rig(), kSide, kBar, kOrange);
-    for (int k = 0; k < 1500; ++k) {
+    for (int k = 0; k < 500; ++k) {
       const int u = static_cast<int>(rng.uniform(0, kWidth)),
                 v = static_cast<int>(rng.uniform(0, kHeight));
       canvas.blank(u, u + 5, v, v + 5);
