@@ -91,13 +91,18 @@ TEST(Qualifier, GatesStandWhereTheOrganisersTableHasThem) {
   }
 }
 
-// Up to the stacked gate's upper opening, behind it down, and back through the lower one.
-TEST(Qualifier, ALapIsFlownOnIdealVision) {
-  RaceConfig race = qualifier(1104);
-  race.vision = Vision::kIdeal;
-  const RaceResult result = fly(race, {});
-  EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
-  EXPECT_EQ(result.gates_passed, 11);
+// Up to the stacked gate's upper opening, behind it down, and back through the lower one; what nobody has
+// measured of drone and course is drawn wide, so that one of four may be lost.
+TEST(Qualifier, LapsAreFlownOnIdealVision) {
+  int finished = 0;
+  for (const std::uint64_t seed : {1101u, 1102u, 1103u, 1104u}) {
+    RaceConfig race = qualifier(seed);
+    race.vision = Vision::kIdeal;
+    const RaceResult result = fly(race, {});
+    finished += result.finished;
+    EXPECT_TRUE(!result.finished || result.gates_passed == 11);
+  }
+  EXPECT_GE(finished, 3);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ REDUCED = {
     "fly showroom --laps 1 --video": IDEAL,
     "fly oval --vision ideal": "",
     "fly grandprix --camera grandprix": IDEAL,
-    "fly grandprix --camera imx477 --vision ideal": "",
+    "fly grandprix --camera imx477": IDEAL,
     "fly oval --vehicle racer --vision ideal": "",
     "fly aigp-pq --camera imx477 --vehicle archer-b2 --vision ideal": "--laps 1",
     "fly oval --vehicle racer --speed 1.8 --vision ideal": "",
