@@ -22,7 +22,7 @@ using namespace refinement;
 constexpr int kWidest = 31;  // pixels of a line
 // Beside a bar [px]; beside a board, whose rough sides are rougher, more of its own width.
 constexpr double kMargin = 2.0, kMarginOfBoard = 0.2;
-constexpr double kBoard = 0.1;  // of the gate's side: a bar this wide is a board
+constexpr double kBoard = 0.2;  // of the gate's side: a bar this wide is a board
 // beside the half of the bar that crosses at either end [px]
 constexpr double kEnds = 2.0;
 // grey levels between the colours of a bar and of what is beside it

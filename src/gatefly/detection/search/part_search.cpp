@@ -39,7 +39,7 @@ struct Shape {
   bool is_board = false;
 };
 
-// Bars that are a tenth of their gate's side or more are boards. The rows of a level one show no
+// Bars that are a fifth of their gate's side or more are boards. The rows of a level one show no
 // opening: what is found of the upright ones ends at its inner edge.
 Shape shape_of(const GateDetectorParams& params) {
   if (!params.has_boards()) return {};
