@@ -31,7 +31,7 @@ if [[ ! -x "$program" ]]; then
     git clone --quiet --bare --filter=blob:none "$repository" "$folder/betaflight.git" || fail "$repository cannot be cloned"
     repository="$folder/betaflight.git"
   fi
-  # Of one chip's library that the simulator does not need, a mirror may lack a file.
+  # A mirror may lack a file of one chip's library, which the simulator does not need.
   git -C "$repository" archive "$commit" -- . ':(exclude)lib/main/AT32F43x/cmsis' | tar -x -C "$sources" ||
     fail "$repository does not have $commit"
   # Its Makefile takes a folder with .git in it for a submodule that is there; the simulator needs none.

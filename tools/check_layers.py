@@ -14,7 +14,7 @@ SYSTEM = re.compile(r"\s*#\s*include\s+<([^>]+)>")
 QUOTED = re.compile(r'\s*#\s*include\s+"([^"]+)"')
 DEPENDS = re.compile(r"gatefly::(\w+)")
 FLIGHT = {"geometry", "sensing", "detection", "pose", "estimation", "control", "race"}
-# What talks to an autopilot obeys the same rules, and no flight code knows it.
+# The folders that talk to an autopilot obey the same rules, and no flight code knows them.
 TO_AUTOPILOTS = {"link", "guard"}
 LEAN = FLIGHT | TO_AUTOPILOTS
 PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report",

@@ -46,7 +46,9 @@ View whole_view(Rng& rng) {
           {rng.uniform(-0.15, 0.15), rng.uniform(-0.3, -0.15), rng.uniform(-0.15, 0.15)}};
 }
 
-TEST(BoardEdges, CrossWhereTheGatesCornersAre) {
+/// Views of a whole gate, drawn, spoilt and looked at: check(edges, the gate's corners).
+template <class Spoil, class Check>
+void for_whole_gates(const Spoil& spoil, const Check& check) {
   int views = 0;
   for_all(40, [&](Rng& rng) {
     const View view = whole_view(rng);
@@ -55,37 +57,36 @@ TEST(BoardEdges, CrossWhereTheGatesCornersAre) {
     ++views;
     Canvas canvas{kWidth, kHeight};
     canvas.draw_gate(view, rig(), kSide, kBar, kOrange);
+    spoil(canvas, rng);
     const auto bytes = canvas.yuv444();
     const double px = board_px(*truth);
-    const BoardEdges edges = board_edges(image_of(bytes), rough_middles(view, rng, px), px);
-    EXPECT_LT(worst_corner(edges.corners, *truth), 0.3);
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_TRUE(edges.has(k));
+    check(board_edges(image_of(bytes), rough_middles(view, rng, px), px), *truth);
   });
   EXPECT_GT(views, 20);
 }
 
+TEST(BoardEdges, CrossWhereTheGatesCornersAre) {
+  for_whole_gates([](Canvas&, Rng&) {},
+                  [](const BoardEdges& edges, const Quad& truth) {
+                    EXPECT_LT(worst_corner(edges.corners, truth), 0.3);
+                    for (std::size_t k = 0; k < 4; ++k) EXPECT_TRUE(edges.has(k));
+                  });
+}
+
 // Spots of 5 px without paint, a twentieth of the picture: an edge is where the paint ends that is left.
 TEST(BoardEdges, HoldOnWornPaintAndNoise) {
-  int views = 0;
-  for_all(40, [&](Rng& rng) {
-    const View view = whole_view(rng);
-    const auto truth = corners_of(kSide, view, rig());
-    if (!truth || !inside_picture(*truth, kWidth, kHeight, 25.0)) return;
-    ++views;
-    Canvas canvas{kWidth, kHeight};
-    canvas.draw_gate(view, rig(), kSide, kBar, kOrange);
-    for (int k = 0; k < 500; ++k) {
-      const int u = static_cast<int>(rng.uniform(0, kWidth)),
-                v = static_cast<int>(rng.uniform(0, kHeight));
-      canvas.blank(u, u + 5, v, v + 5);
-    }
-    canvas.add_noise(rng, 10.0, 4.0);
-    const auto bytes = canvas.yuv444();
-    const double px = board_px(*truth);
-    const BoardEdges edges = board_edges(image_of(bytes), rough_middles(view, rng, px), px);
-    EXPECT_LT(worst_corner(edges.corners, *truth), 1.0);
-  });
-  EXPECT_GT(views, 20);
+  for_whole_gates(
+      [](Canvas& canvas, Rng& rng) {
+        for (int k = 0; k < 500; ++k) {
+          const int u = static_cast<int>(rng.uniform(0, kWidth)),
+                    v = static_cast<int>(rng.uniform(0, kHeight));
+          canvas.blank(u, u + 5, v, v + 5);
+        }
+        canvas.add_noise(rng, 10.0, 4.0);
+      },
+      [](const BoardEdges& edges, const Quad& truth) {
+        EXPECT_LT(worst_corner(edges.corners, truth), 1.0);
+      });
 }
 
 // From 2 m a camera that looks up shows the upper corners only.
@@ -97,7 +98,7 @@ TEST(BoardEdges, SayWhichSidesTheBorderLeaves) {
   canvas.draw_gate(view, rig(), kSide, kBar, kOrange);
   const auto bytes = canvas.yuv444();
   Quad middles = corners_of(kSide - kBar, view, rig()).value();
-  // What a search knows of the lower ones: where the upright boards leave the picture.
+  // A search knows of the lower corners only where the upright boards leave the picture.
   for (const auto& [lower, upper] : {std::pair{3u, 0u}, std::pair{2u, 1u}}) {
     const Vector2d d = middles[lower] - middles[upper];
     middles[lower] = middles[upper] + (kHeight - 1 - middles[upper].y()) / d.y() * d;

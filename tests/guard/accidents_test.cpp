@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What destroyed drones at the AI Grand Prix's physical qualifier, or would have: each accident happens here
+// Accidents that destroyed drones at the AI Grand Prix's physical qualifier, or would have: each happens here
 // without its guard, and does not with it.
 #include <algorithm>
 #include <array>
@@ -72,7 +72,7 @@ class Periods {
 
 const msp::RateCurve kQualifier{.rc_rate = 55, .super_rate = 75};
 
-/// What becomes of a wanted rate: the drone turns by its curve, whatever its sender believes.
+/// The rate at which the drone turns for a wanted one: the drone turns by its curve, whatever its sender believes.
 double loop_gain(const std::function<int(double)>& stick_of, double wanted) {
   return kQualifier.rate(stick_of(wanted)) / wanted;
 }
@@ -148,7 +148,7 @@ TEST(Accident, AxesSwappedOrDead) {
   EXPECT_EQ(AxisCheck{}.verdict(0), AxisVerdict::kNotTurned);
 }
 
-// Who may send when ------------------------------------------------------------------------------------------------------
+// Permission to send ------------------------------------------------------------------------------------------------------
 
 TEST(Accident, BufferOfZerosWhenTheOverrideComesOn) {
   Periods run;

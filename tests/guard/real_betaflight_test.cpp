@@ -30,7 +30,7 @@ TEST_F(RealBetaflight, IsAskedForItsConstantsAndOnlyWhatItLacksIsComplainedAbout
   ASSERT_TRUE(interview.facts().rates());
   EXPECT_NEAR(interview.facts().rates()->pitch.rate(2000) / kDegree, 440, 1e-9);
   const Complaints found = complaints_about(interview.facts());
-  // Of this version is the throttle curve; that no switch is set up is so.
+  // This version has another throttle curve, and the simulator has no switch set up: two complaints are right.
   EXPECT_THAT(std::vector(found.begin(), found.end()),
               testing::ElementsAre(Complaint::kThrottleCurve, Complaint::kNoArmSwitch,
                                    Complaint::kNoOverride));

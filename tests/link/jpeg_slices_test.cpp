@@ -168,7 +168,7 @@ TEST(JpegSlices, NumbersThatAreWrongDoNotBlockThoseThatFollow) {
   const Data jpeg = some_jpeg(rng, 3000);
   Assembler assembler;
   for (std::uint32_t i = 0; i < 20; ++i) {
-    // Of many pictures that there are not, one slice.
+    // One slice each of many pictures that never come.
     (void)assembler.take(slices_of(jpeg, 0x10000000u * (i % 15 + 1)).front());
     EXPECT_EQ(pictures_of(assembler, slices_of(jpeg, i + 1)).size(), 1u) << i;
   }

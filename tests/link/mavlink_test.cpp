@@ -153,7 +153,7 @@ TEST(Mavlink, WrittenAgainItIsTheSameToTheByte) {
         if (!message) return;
         Data out(kLongestFrame);
         out.resize(encode_message(*message, frame.sender, out));
-        // Of nothing but zeros it sends no byte; the protocol says that the first one stays.
+        // It sends no byte of a payload of zeros; the protocol says that the first one stays.
         if (frame.payload.empty())
           EXPECT_EQ(out.size(), golden.frame.size() + 1);
         else
@@ -214,7 +214,7 @@ TEST(MavlinkStream, FindsEveryFrameBetweenGarbage) {
 TEST(MavlinkStream, AFlippedBitLosesTheFrameAndNoOther) {
   for_all(500, [](Rng& rng) {
     Data bytes = some_frame(rng);
-    // Of the flags only the one for a signature means anything, and it asks for more bytes.
+    // Only the flag for a signature means anything, and it asks for more bytes.
     const auto at = static_cast<std::size_t>(rng.uniform_index(static_cast<int>(bytes.size())));
     bytes[at] ^= static_cast<std::uint8_t>(1 << rng.uniform_index(8));
     const Data good = golden_frames()[0].frame;

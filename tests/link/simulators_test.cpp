@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said to the simulators of two autopilots, and what they say.
+// Datagrams to and from the simulators of two autopilots.
 #include <array>
 #include <charconv>
 #include <chrono>

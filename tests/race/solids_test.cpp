@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// What there is of a gate: frame and pole.
+/// The solids of a gate: frame and pole.
 std::vector<MapSolid> of_gate(const Track& track, int number) {
   std::vector<MapSolid> found;
   for (const MapSolid& solid : solids_of(track))

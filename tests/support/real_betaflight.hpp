@@ -40,7 +40,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Data = std::vector<std::uint8_t>;
 
-/// Of Body::longest_gap(): what a machine with a core to spare never reaches.
+/// Limit of Body::longest_gap() that a machine with a core to spare never reaches.
 inline constexpr std::chrono::milliseconds kBusy{8};
 
 // The rates of the AI Grand Prix's qualifier; its throttle curve this version has no more.

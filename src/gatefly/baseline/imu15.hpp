@@ -59,7 +59,7 @@ class Imu15 {
   [[nodiscard]] const Covariance& covariance() const { return P_; }
 
  private:
-  // Of one measurement, z = Hᵀ x.
+  // Takes one measurement, z = Hᵀ x.
   void correct(double innovation, const State& H, double sigma);
 
   Imu15Params params_;

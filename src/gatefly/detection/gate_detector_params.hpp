@@ -24,6 +24,10 @@ struct PictureLens {
   int width = 0, height = 0;
 };
 
+/// Bars as wide as this, of their gate's outer side, are boards: their corners come from their edges.
+/// [Washington's chequered bars, 0.15, are found better by their middle lines]
+inline constexpr double kLeastBoard = 0.2;
+
 /// What counts as a gate, for the fast and for the careful search.
 struct GateDetectorParams {
   /// Of FrameScore::total: one in two such frames is a gate. [docs/paper/results.md]
@@ -50,9 +54,8 @@ struct GateDetectorParams {
     with.added = added;
     return with;
   }
-  /// Whether bars are boards, a fifth of their gate's side or wider, with edges of their own.
-  /// [Washington's chequered bars, 0.15 of the side, are found better by their middle lines]
-  [[nodiscard]] bool has_boards() const { return bar_ratio >= 0.2; }
+  /// Whether bars are boards.
+  [[nodiscard]] bool has_boards() const { return bar_ratio >= kLeastBoard; }
   /// Bar width / side of the bars' middle lines.
   [[nodiscard]] double bar() const { return bar_ratio / (1.0 - bar_ratio); }
 };

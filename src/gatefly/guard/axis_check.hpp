@@ -12,7 +12,7 @@
 
 namespace gatefly::guard {
 
-/// What a gyro's axis is, beside the attitude of the same controller.
+/// Verdict on an axis of a gyro, beside the attitude of the same controller.
 enum class AxisVerdict : std::uint8_t {
   kNotTurned,  ///< Too little to tell.
   kAgrees,
@@ -31,7 +31,7 @@ class AxisCheck {
   /// A sample of both, `dt` [s] after the one before, which the gyro's rate is taken to have lasted.
   void take(const Eigen::Vector3d& gyro_B, const Attitude& attitude, double dt);
 
-  /// Of axis 0 … 2: front, right, down.
+  /// The verdict on axis 0 … 2: front, right, down.
   [[nodiscard]] AxisVerdict verdict(int axis) const;
   /// How much the gyro shows of a turn about its axis; 1 is right. nullopt while too little was turned.
   [[nodiscard]] std::optional<double> scale(int axis) const;

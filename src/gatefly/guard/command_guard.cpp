@@ -25,7 +25,7 @@ bool sensible(const Belief& belief) {
   return std::abs(belief.yaw) < 100.0 && belief.v_E.allFinite();
 }
 
-/// What is no period counts as a long one.
+/// A period that is no number or not positive counts as a long one.
 double period(double dt) { return dt >= 0.0 && dt < kLongest ? dt : kLongest; }
 
 }  // namespace

@@ -23,14 +23,14 @@ struct CommandLimits {
   double brake_accel = 4.0;            ///< [m/s²]
 };
 
-/// What the estimator believes, for the guard to act by.
+/// The estimate that the guard acts by.
 struct Belief {
   double yaw = 0.0;                               ///< [rad]
   Eigen::Vector3d v_E = Eigen::Vector3d::Zero();  ///< [m/s]
   std::chrono::nanoseconds height_age{0};  ///< Since a gate or a range finder told the height.
 };
 
-/// What becomes of the pilot's command on the way to the drone.
+/// The pilot's command after the guard's limits, as it goes to the drone.
 ///
 /// A height that an accelerometer alone carries on drifts, and a pilot that holds it climbs: while nothing tells the height,
 /// lift is not above the weight but for stopping a fall, by the speed that the thrust sent so far amounts to. That does not

@@ -16,7 +16,7 @@ Reason why_not_begin(const Situation& now) {
   return now.told_to_end ? Reason::kTold : Reason::kNone;
 }
 
-/// What is wrong with sensors, pilot or program, whoever flies.
+/// Names a fault of sensors, pilot or program, whoever flies.
 Reason fault(const Situation& now, const HandOverParams& params) {
   if (now.told_to_end) return Reason::kTold;
   if (now.other_client) return Reason::kOtherClient;
@@ -133,7 +133,7 @@ HandOver next(const HandOver& state, const Situation& now, const HandOverParams&
         return entered(Phase::kEnding, reason, before, now);
       return before;
     case Phase::kEnding:
-      // What an old status says of the switch is not taken for the pilot's will.
+      // An old status does not tell where the pilot's switch is now.
       if (taken_back(now) && now.status_age <= params.status)
         return entered(Phase::kOver, before.reason, before, now);
       return before;
@@ -151,7 +151,7 @@ Action action_of(const HandOver& state, const Situation& now, const HandOverPara
     return brakes ? Action::kBrake : Action::kDescend;
   }
   if (state.flown) return Action::kDescend;
-  // Who never sent anything does not begin with it once it is over: the controller may be somebody else's.
+  // A program that has sent nothing does not begin at its end: the controller may be somebody else's.
   const bool silent =
       state.phase == Phase::kStarting || (state.phase == Phase::kOver && now.acknowledged == 0);
   return silent ? Action::kSilent : Action::kNeutral;

@@ -7,7 +7,7 @@
 
 namespace gatefly::guard {
 
-/// What is known of drone and program at the beginning of a period. Ages are since arrival; what has never come is
+/// State of drone and program, as known at the beginning of a period. Ages are since arrival; what has never come is
 /// older than any limit.
 struct Situation {
   std::chrono::nanoseconds time{0};  ///< Of our clock; does not run backwards.
@@ -29,7 +29,7 @@ struct Situation {
   static constexpr std::chrono::nanoseconds kNever = std::chrono::hours{24};
 };
 
-/// What is sent in a period.
+/// Kinds of output in a period.
 enum class Action : std::uint8_t {
   kSilent,   ///< Nothing.
   kNeutral,  ///< Sticks at rest, throttle at its least: on the floor only.
@@ -86,7 +86,7 @@ struct HandOverParams {
   double least_battery_v = 0;  ///< 0: not looked at.
 };
 
-/// Who flies, from period to period.
+/// Phases of the hand-over, from period to period.
 struct HandOver {
   Phase phase = Phase::kStarting;
   Reason reason = Reason::kNone;
@@ -104,7 +104,7 @@ struct HandOver {
 [[nodiscard]] HandOver next(const HandOver& before, const Situation& now,
                             const HandOverParams& params);
 
-/// What to send in this period.
+/// The output of this period.
 [[nodiscard]] Action action_of(const HandOver& state, const Situation& now,
                                const HandOverParams& params);
 

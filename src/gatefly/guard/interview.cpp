@@ -62,7 +62,7 @@ bool is_on(const DroneFacts& facts, msp::Box box) {
   return facts.boxes && facts.status && facts.status->on(box, *facts.boxes).value_or(false);
 }
 
-/// What MSP_STATUS tells.
+/// Reads MSP_STATUS.
 void add_status(const DroneFacts& facts, Complaints& complaints) {
   if (!facts.status || !facts.boxes) {
     complaints.push_back(Complaint::kNoStatus);

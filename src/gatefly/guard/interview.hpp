@@ -17,7 +17,7 @@
 
 namespace gatefly::guard {
 
-/// What a Betaflight says of itself; what it did not answer is absent.
+/// A Betaflight's answers about itself; an answer that did not come is absent.
 struct DroneFacts {
   std::optional<msp::FcVariant> variant;
   std::optional<msp::ApiVersion> api;
@@ -50,7 +50,7 @@ class Interview {
   DroneFacts facts_;
 };
 
-/// What keeps a drone from being flown by this program.
+/// Reasons why this program must not fly a drone.
 enum class Complaint : std::uint8_t {
   kNotBetaflight,
   kApi,

@@ -14,7 +14,7 @@
 #include "gatefly/link/bytes.hpp"
 #include "gatefly/sensing/imu.hpp"
 
-/// What ArduPilot's simulator ("JSON", UDP 9002) says to a physics model, and hears from it.
+/// Both sides of ArduPilot's simulator ("JSON", UDP 9002): servo packets to a physics model, its state back.
 namespace gatefly::ardupilot {
 
 using link::Bytes;
@@ -30,7 +30,7 @@ struct Servos {
 /// nullopt when it is no such packet, to the byte.
 [[nodiscard]] std::optional<Servos> servos_in(Bytes datagram);
 
-/// What is true of the drone, in our frames.
+/// The drone's true state, in our frames.
 struct State {
   std::chrono::nanoseconds time{0};
   gatefly::Imu imu{};

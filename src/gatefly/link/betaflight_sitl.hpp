@@ -21,7 +21,7 @@ namespace gatefly::betaflight_sitl {
 
 using link::Bytes;
 
-/// What is true of the drone, in our frames.
+/// The drone's true state, in our frames.
 struct State {
   std::chrono::nanoseconds time{0};
   gatefly::Imu imu{};
@@ -29,7 +29,7 @@ struct State {
   gatefly::Attitude attitude{};
 };
 
-/// Where E's origin is for a receiver of satellites. Ours: anywhere on the globe does.
+/// Latitude and longitude of E's origin, for the simulated satellite receiver; any place will do.
 struct Origin {
   double latitude_deg = 52.0, longitude_deg = 4.37;
   double pressure_pa = 101325.0;

@@ -90,7 +90,7 @@ class ByteWriter {
   }
 
   [[nodiscard]] constexpr bool fits() const { return fits_; }
-  /// What is written so far; 0 when something did not fit.
+  /// Bytes written so far; 0 when something did not fit.
   [[nodiscard]] constexpr std::size_t size() const { return fits_ ? size_ : 0; }
   [[nodiscard]] constexpr Bytes written() const { return Bytes{out_.data(), size()}; }
 

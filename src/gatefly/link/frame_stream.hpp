@@ -10,7 +10,7 @@
 
 namespace gatefly::link {
 
-/// What a protocol says of bytes that may begin a frame.
+/// A protocol's verdict on bytes that may begin a frame.
 struct Look {
   enum class Verdict { kMore, kNoFrame, kFrame };
   Verdict verdict = Verdict::kNoFrame;
@@ -19,7 +19,7 @@ struct Look {
 
 /// Frames from bytes as they arrive, in pieces of any size, with anything in between.
 ///
-/// What looked like a frame and was none is searched again from its second byte on: a frame is
+/// Bytes that looked like a frame and were none are searched again from the second one on: a frame is
 /// found whatever comes before it, unless it lies inside another frame whose checksum is right.
 /// `Protocol` has kStart (a frame's first byte), kLongest (bytes of the longest frame), look(bytes)
 /// and Frame frame_in(bytes), which are pure; look() settles whatever has kLongest bytes.

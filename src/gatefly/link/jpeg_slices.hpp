@@ -18,7 +18,7 @@ namespace gatefly::jpeg_slices {
 
 using link::Bytes;
 
-/// What stands before each slice, little endian.
+/// Header of each slice, little endian.
 struct Header {
   std::uint32_t frame_id = 0;
   std::uint16_t chunk_id = 0, total_chunks = 0;

@@ -25,7 +25,7 @@
 
 namespace gatefly::link {
 
-/// What a type is called where layouts are written down: uint8_t, float, ...
+/// Name of a type where layouts are written down: uint8_t, float, ...
 template <WireNumber T>
 [[nodiscard]] constexpr std::string_view wire_name() {
   if constexpr (std::same_as<T, char>) return "char";

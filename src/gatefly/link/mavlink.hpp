@@ -23,7 +23,7 @@ namespace gatefly::mavlink {
 
 using link::Bytes;
 
-/// Who sends, and his count of frames.
+/// The sender, and its count of frames.
 struct Sender {
   std::uint8_t system = 0, component = 0, sequence = 0;
 };

@@ -20,7 +20,7 @@ Eigen::Vector3d vector(T x, T y, T z) {
   return {double(x), double(y), double(z)};
 }
 
-/// What is no number lifts nothing.
+/// A thrust that is no number becomes 0.
 float part(double thrust) {
   return std::isfinite(thrust) ? static_cast<float>(std::clamp(thrust, 0.0, 1.0)) : 0.0F;
 }

@@ -8,7 +8,7 @@
 
 #include "gatefly/link/layout.hpp"
 
-// What autopilots are told and asked by MAVLink, and their answers.
+// Messages by which autopilots are commanded and asked, and their answers.
 // Fields have the names and the order of MAVLink's definitions (common.xml): the checksum is made of them.
 
 namespace gatefly::mavlink {

@@ -8,7 +8,7 @@
 
 #include "gatefly/link/layout.hpp"
 
-// What a simulator and PX4 say to each other by MAVLink.
+// Messages between a simulator and PX4 (hardware in the loop).
 // Fields have the names and the order of MAVLink's definitions (common.xml): the checksum is made of them.
 
 namespace gatefly::mavlink {

@@ -8,7 +8,7 @@
 
 #include "gatefly/link/layout.hpp"
 
-// What autopilots say by MAVLink.
+// Messages that autopilots send of themselves (telemetry).
 // Fields have the names and the order of MAVLink's definitions (common.xml): the checksum is made of them.
 
 namespace gatefly::mavlink {

@@ -9,7 +9,7 @@ using link::Look;
 constexpr std::size_t kDirectionAt = 2;  ///< Behind '$' and 'M' or 'X'.
 constexpr std::uint8_t kLongSize = 255;  ///< Version 1: the size follows the id.
 
-/// Where the parts of a frame are. `known` is false while the bytes do not say it yet.
+/// Places of the parts of a frame. `known` is false while the bytes do not say it yet.
 struct Extent {
   bool known = false;
   std::uint16_t id = 0;

@@ -19,7 +19,7 @@
 
 namespace gatefly::msp {
 
-/// What a count of MSP_RAW_IMU is. Differs between controllers: to be read from the drone at rest and turned by hand.
+/// Size of a count of MSP_RAW_IMU. It differs between controllers: to be read from the drone at rest and turned by hand.
 struct ImuScale {
   double gyro_counts_per_deg_per_s = 16.384;  ///< 2000 °/s over 15 bits.
   double accel_counts_per_g = 512.0;          ///< Betaflight's simulator: 256.

@@ -146,7 +146,7 @@ struct RcTuning {
   std::array<std::uint16_t, 3> rate_limit{};
   std::uint8_t rates_type = 0;
   std::uint8_t throttle_hover = kNoHover;
-  /// What throttle_hover is before API 1.47, which has none.
+  /// Value of throttle_hover before API 1.47, which has no such field.
   static constexpr std::uint8_t kNoHover = 255;
   template <class Self, class Visit>
   static constexpr void layout(Self& m, Visit& visit) {

@@ -71,7 +71,7 @@ int RateCurve::stick(double rate) const {
       fast = middle;
   }
   if (fast > 0 && wanted - rate_away(*this, fast - 1) < rate_away(*this, fast) - wanted) --fast;
-  // Where the curve is flat, at the middle and at the limit, nearer to the middle does as well.
+  // The curve is flat at the middle and at the limit: the stick nearest to the middle is taken.
   while (fast > 0 && rate_away(*this, fast - 1) == rate_away(*this, fast)) --fast;
   return mid + sign * fast;
 }

@@ -9,7 +9,7 @@
 
 namespace gatefly::msp {
 
-/// What throttle a stick gives: Betaflight's curve up to version 4.5 (API 1.46).
+/// Throttle over stick: Betaflight's curve up to version 4.5 (API 1.46).
 ///
 /// Source: Betaflight's throttle curve of `thr_mid` and `thr_expo`: with t the stick from min_check to
 /// 2000 µs as 0 … 100, m and e these two and d = t − m, every tenth of it is

@@ -45,7 +45,7 @@ class Course {
   [[nodiscard]] bool finished() const { return passed_ >= total_; }
   [[nodiscard]] const Path& path() const;                      ///< To the target.
   [[nodiscard]] double progress() const { return progress_; }  ///< Metres along path().
-  /// Where it has to stand still next, on path(); null: nowhere.
+  /// The next stop on path(); null: none.
   [[nodiscard]] const Stop* stop() const;
   /// Metres along path() that far on, but not beyond the next stop.
   [[nodiscard]] double ahead(double distance) const;

@@ -84,7 +84,7 @@ AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Cours
   return c;
 }
 
-// Where there is no room for a turn: holds the place, turns, changes the height.
+// At a stop, for which a turn has no room: holds the place, turns, changes the height.
 AttitudeCommand Guidance::stand(const Stop& stop, const NavigationState& now,
                                 const Course& course) {
   AttitudeCommand c = hold(course.path().at(stop.s).position, stop.heading, 0.0, now);

@@ -32,7 +32,7 @@ struct Level {
   double z = 0.0;  ///< Down [m].
 };
 
-/// What a path asks of the height somewhere: z down, and how fast it changes with the way flown.
+/// Height reference at a place of a path: z down, and its slope along the way flown.
 struct PathHeight {
   double z = 0.0;      ///< [m]
   double slope = 0.0;  ///< dz/ds: metres down a metre of way.

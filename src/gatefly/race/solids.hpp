@@ -41,7 +41,7 @@ struct Gap {
   double needed = 0.0;  ///< [m]
 };
 
-/// Where the room on the way from one thing to another is on the floor plan or in height.
+/// The gap between two things, on the floor plan or in height.
 [[nodiscard]] Gap gap_between(const MapSolid& one, const MapSolid& other, const PlanParams& params);
 
 /// The nearest solid thing on a way, from its middle line.

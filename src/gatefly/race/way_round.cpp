@@ -2,23 +2,15 @@
 #include "gatefly/race/way_round.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <limits>
-#include <queue>
 #include <utility>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/race/room_grid.hpp"
 
 namespace gatefly {
 namespace {
 
-using Polyline = std::vector<Eigen::Vector3d>;
-
-constexpr double kNoWay = std::numeric_limits<double>::infinity();
-constexpr double kLayer = 1.25;       // between the grid's heights, in steps aside
-constexpr double kClimbWeight = 3.0;  // a metre up or down is worth so many aside
 constexpr double kSteepest = 0.7;     // metres up or down a metre of way, else at a stop
 constexpr double kWidest = 3.0;       // radius of a rounded corner, or as speed needs [m]
 constexpr double kKeptRunOut = 0.15;  // of the straight behind a gate, when a corner is rounded [m]
@@ -32,176 +24,6 @@ std::string metres(double value) {
   return text.substr(0, text.find('.') + 3) + " m";
 }
 
-/// The free room as far as it matters, as a grid of places that are looked at when first asked for.
-class Grid {
- public:
-  Grid(const std::vector<MapSolid>& solids, const Track& room, const PlanParams& params,
-       double step)
-      : solids_{solids}, params_{params}, step_{step}, layer_{kLayer * step} {
-    constexpr double kAround =
-        3.0;  // beyond the outermost thing there is nothing to fly around [m]
-    Eigen::Vector2d low = room.start, high = room.start;
-    double top = 0.0;
-    const auto take = [&](const Eigen::Vector2d& p, double reach) {
-      low = low.cwiseMin(p - Eigen::Vector2d::Constant(reach));
-      high = high.cwiseMax(p + Eigen::Vector2d::Constant(reach));
-    };
-    for (const MapSolid& solid : solids) {
-      if (solid.kind != MapSolid::Kind::kObstacle && solid.kind != MapSolid::Kind::kGate) continue;
-      take(solid.footprint.center, 0.5 * solid.footprint.size.norm() + kAround);
-      top = std::max(top, solid.top);
-    }
-    low = low.cwiseMax(room.room_center - 0.5 * room.room_size);
-    high = high.cwiseMin(room.room_center + 0.5 * room.room_size);
-    low_ = {low.x(), low.y(), params.clearance};
-    const double ceiling = std::min(room.ceiling, top + 2 * params.clearance) - params.clearance;
-    nx_ = 1 + static_cast<int>((high.x() - low.x()) / step);
-    ny_ = 1 + static_cast<int>((high.y() - low.y()) / step);
-    nz_ = 1 + std::max(0, static_cast<int>((ceiling - low_.z()) / layer_));
-    margins_.assign(static_cast<std::size_t>(nx_ * ny_ * nz_), NAN);
-  }
-
-  /// Room beyond what is wanted, beside things or above and below them; negative: too near [m].
-  [[nodiscard]] double margin(const Eigen::Vector3d& p_E) const {
-    double least = kNoWay;
-    for (const MapSolid& solid : solids_) least = std::min(least, margin(solid, p_E));
-    return least;
-  }
-  [[nodiscard]] bool is_free(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-                             double least) const {
-    const int steps = 1 + static_cast<int>((to - from).norm() / 0.05);
-    for (int i = 0; i <= steps; ++i)
-      if (margin(from + (to - from) * i / steps) < least) return false;
-    return true;
-  }
-
-  /// The shortest way that keeps `least` more than what is wanted; empty: there is none.
-  [[nodiscard]] Polyline shortest(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
-                                  double least) const {
-    const int goal = nearest_cell(to), start = nearest_cell(from);
-    return search(
-        start, goal,
-        [&](double cost, int cell, int next) {
-          const bool open = next == goal || margin_at(next) >= least;
-          return open ? cost + weighted(place(next) - place(cell)) : kNoWay;
-        },
-        [&](int cell) { return weighted(place(goal) - place(cell)); });
-  }
-
-  /// The way whose narrowest place is widest, through nothing solid.
-  [[nodiscard]] Polyline widest(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
-    const double solid = -params_.clearance - params_.body_radius + 0.5 * step_;
-    return search(
-        nearest_cell(from), nearest_cell(to),
-        [&](double cost, int, int next) {
-          const double margin = margin_at(next);
-          return margin < solid ? kNoWay : std::max(cost, -margin);
-        },
-        [](int) { return 0.0; }, -margin(from));
-  }
-
-  /// A gap at that place: between the two things that leave the least room there, both beside it or
-  /// one above and one below.
-  [[nodiscard]] Gap gap_at(const Eigen::Vector3d& p_E) const {
-    const auto nearest = [&](const MapSolid* but) {
-      const MapSolid* found = nullptr;
-      for (const MapSolid& solid : solids_) {
-        if (but != nullptr && solid.kind == but->kind && solid.number == but->number &&
-            solid.kind != MapSolid::Kind::kWall)
-          continue;  // a frame and its pole
-        if (&solid == but || (but != nullptr && is_beside(solid, p_E) != is_beside(*but, p_E)))
-          continue;
-        if (found == nullptr || margin(solid, p_E) < margin(*found, p_E)) found = &solid;
-      }
-      return found;
-    };
-    const MapSolid* one = nearest(nullptr);
-    return gap_between(*one, *nearest(one), params_);
-  }
-
- private:
-  [[nodiscard]] double margin_beside(const MapSolid& solid, const Eigen::Vector3d& p_E) const {
-    return solid.beside(p_E.head<2>()) - params_.clearance - params_.body_radius;
-  }
-  [[nodiscard]] double margin_above(const MapSolid& solid, const Eigen::Vector3d& p_E) const {
-    return solid.above_or_below(-p_E.z()) - params_.clearance;
-  }
-  [[nodiscard]] double margin(const MapSolid& solid, const Eigen::Vector3d& p_E) const {
-    return std::max(margin_beside(solid, p_E), margin_above(solid, p_E));
-  }
-  [[nodiscard]] bool is_beside(const MapSolid& solid, const Eigen::Vector3d& p_E) const {
-    return margin_beside(solid, p_E) >= margin_above(solid, p_E);
-  }
-  static double weighted(const Eigen::Vector3d& way) {
-    return Eigen::Vector3d{way.x(), way.y(), kClimbWeight * way.z()}.norm();
-  }
-  [[nodiscard]] int cell_of(int x, int y, int z) const { return (z * ny_ + y) * nx_ + x; }
-  [[nodiscard]] Eigen::Vector3d place(int cell) const {
-    const int x = cell % nx_, y = cell / nx_ % ny_, z = cell / nx_ / ny_;
-    return {low_.x() + step_ * x, low_.y() + step_ * y, -low_.z() - layer_ * z};
-  }
-  [[nodiscard]] int nearest_cell(const Eigen::Vector3d& p_E) const {
-    const auto index = [](double value, double step, int count) {
-      return std::clamp(static_cast<int>(std::lround(value / step)), 0, count - 1);
-    };
-    return cell_of(index(p_E.x() - low_.x(), step_, nx_), index(p_E.y() - low_.y(), step_, ny_),
-                   index(-p_E.z() - low_.z(), layer_, nz_));
-  }
-  double margin_at(int cell) const {
-    double& known = margins_[static_cast<std::size_t>(cell)];
-    if (std::isnan(known)) known = margin(place(cell));
-    return known;
-  }
-
-  /// Best first (A*): `step` is the cost of a cell by way of its neighbour, `rest` at most what is
-  /// still to come.
-  template <class Step, class Rest>
-  Polyline search(int from, int to, Step step, Rest rest, double first = 0.0) const {
-    std::vector<double> costs(margins_.size(), kNoWay);
-    std::vector<int> before(margins_.size(), -1);
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    costs[static_cast<std::size_t>(from)] = first;
-    open.emplace(first + rest(from), from);
-    std::vector<bool> done(margins_.size());
-    while (!open.empty()) {
-      const int cell = open.top().second;
-      open.pop();
-      if (done[static_cast<std::size_t>(cell)]) continue;
-      done[static_cast<std::size_t>(cell)] = true;
-      if (cell == to) return way_back(cell, before);
-      const int x = cell % nx_, y = cell / nx_ % ny_, z = cell / nx_ / ny_;
-      for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy)
-          for (int dx = -1; dx <= 1; ++dx) {
-            const int nx = x + dx, ny = y + dy, nz = z + dz;
-            if (nx < 0 || ny < 0 || nz < 0 || nx >= nx_ || ny >= ny_ || nz >= nz_) continue;
-            const int next = cell_of(nx, ny, nz);
-            if (done[static_cast<std::size_t>(next)]) continue;
-            const double cost = step(costs[static_cast<std::size_t>(cell)], cell, next);
-            if (cost >= costs[static_cast<std::size_t>(next)]) continue;
-            costs[static_cast<std::size_t>(next)] = cost;
-            before[static_cast<std::size_t>(next)] = cell;
-            open.emplace(cost + rest(next), next);
-          }
-    }
-    return {};
-  }
-  Polyline way_back(int cell, const std::vector<int>& before) const {
-    Polyline line;
-    for (; cell >= 0; cell = before[static_cast<std::size_t>(cell)]) line.push_back(place(cell));
-    std::reverse(line.begin(), line.end());
-    return line;
-  }
-
-  const std::vector<MapSolid>& solids_;
-  const PlanParams& params_;
-  double step_, layer_;  ///< Aside and up [m].
-  Eigen::Vector3d low_;  ///< North, east, height.
-  int nx_ = 0, ny_ = 0, nz_ = 0;
-  mutable std::vector<double> margins_;
-};
-
 /// A corner of a way of straight pieces; where one arrives at another height than one leaves, one
 /// stops.
 struct Corner {
@@ -210,7 +32,7 @@ struct Corner {
 };
 
 /// Leaves out what need not be touched on the way.
-Polyline pulled_taut(const Polyline& line, const Grid& grid, double least) {
+Polyline pulled_taut(const Polyline& line, const RoomGrid& grid, double least) {
   Polyline taut{line.front()};
   for (std::size_t i = 0; i + 1 < line.size();) {
     std::size_t next = line.size() - 1;
@@ -222,7 +44,7 @@ Polyline pulled_taut(const Polyline& line, const Grid& grid, double least) {
 }
 
 /// Steep pieces become level ones: the height is changed at the end that has the room for it.
-std::vector<Corner> with_level_pieces(const Polyline& line, const Grid& grid, double least) {
+std::vector<Corner> with_level_pieces(const Polyline& line, const RoomGrid& grid, double least) {
   constexpr double kSamePlace = 0.05;  // [m]
   std::vector<Corner> corners{{line[0].head<2>(), line[0].z(), line[0].z()}};
   for (std::size_t i = 1; i < line.size(); ++i) {
@@ -254,7 +76,7 @@ std::optional<Path> path_along(const std::vector<Corner>& corners, const LegEnd&
   const std::size_t pieces = corners.size() - 1;
   const auto length = [&](std::size_t i) { return (corners[i + 1].p - corners[i].p).norm(); };
   const auto heading = [&](std::size_t i) { return heading_of(corners[i + 1].p - corners[i].p); };
-  // What of a piece an arc at one of its ends may use.
+  // Length of a piece that an arc at one of its ends may use.
   const auto usable = [&](std::size_t i) {
     if (i == 0 && from.gate >= 0) return std::max(0.0, length(i) - kKeptRunOut);
     if (i + 1 == pieces) return std::max(0.0, length(i) - kKeptRunIn);
@@ -323,14 +145,14 @@ Eigen::Vector3d along_axis(const LegEnd& end, double distance) {
 
 class WaySearch {
  public:
-  WaySearch(const std::vector<MapSolid>& solids, const Track& room, const PlanParams& params,
-            const LegEnd& from, const LegEnd& to)
-      : solids_{solids}, room_{room}, params_{params}, from_{from}, to_{to} {}
+  WaySearch(const std::vector<MapSolid>& solids, const PlanParams& params, const LegEnd& from,
+            const LegEnd& to)
+      : solids_{solids}, params_{params}, from_{from}, to_{to} {}
 
   /// With as much room to spare as leaves a way without stops; else the best with stops.
-  std::optional<Path> path(const Grid& grid) const {
+  std::optional<Path> path(const RoomGrid& grid) const {
     std::optional<Path> best;
-    double best_cost = kNoWay;
+    double best_cost = RoomGrid::kNoWay;
     for (const double spare : {0.4, 0.25, 0.1, 0.02}) {
       bool connected = true;  // if two places are not, others as far from everything hardly are
       for (const double run_out : {nearest_to_gate() + spare, 2 * nearest_to_gate() + spare})
@@ -347,7 +169,7 @@ class WaySearch {
   }
 
   /// The gap that is too narrow; nullopt: wide enough, as far as this grid can tell.
-  std::optional<std::string> blocked(const Grid& grid) const {
+  std::optional<std::string> blocked(const RoomGrid& grid) const {
     for (const LegEnd* end : {&from_, &to_}) {
       const Eigen::Vector3d p_E =
           along_axis(*end, end == &from_ ? nearest_to_gate() : -nearest_to_gate());
@@ -376,7 +198,7 @@ class WaySearch {
   [[nodiscard]] Eigen::Vector3d before_to(double run_in) const { return along_axis(to_, -run_in); }
 
   /// The clear ones by way of these two places, none where they are taken; nullopt: nothing connects them.
-  [[nodiscard]] std::optional<std::vector<Path>> paths(const Grid& grid, double run_out,
+  [[nodiscard]] std::optional<std::vector<Path>> paths(const RoomGrid& grid, double run_out,
                                                        double run_in, double spare) const {
     const Eigen::Vector3d leave = behind_from(run_out), arrive = before_to(run_in);
     const double least = 0.6 * spare;  // between the grid's places
@@ -398,10 +220,10 @@ class WaySearch {
     return clear;
   }
 
-  /// What stands too near behind or before a gate, and how far off its frame.
+  /// The gap between a gate's frame and the thing that stands too near behind or before it.
   [[nodiscard]] Gap gap_at_gate(const LegEnd& end, const Eigen::Vector3d& p_E) const {
     const MapSolid *frame = nullptr, *nearest = nullptr;
-    double least = kNoWay;
+    double least = RoomGrid::kNoWay;
     for (const MapSolid& solid : solids_) {
       if (solid.kind == MapSolid::Kind::kGate && solid.number == end.gate) {
         if (frame == nullptr) frame = &solid;
@@ -419,7 +241,6 @@ class WaySearch {
   }
 
   const std::vector<MapSolid>& solids_;
-  const Track& room_;
   const PlanParams& params_;
   const LegEnd &from_, &to_;
 };
@@ -428,9 +249,9 @@ class WaySearch {
 
 WayRound way_round(const std::vector<MapSolid>& solids, const Track& room, const PlanParams& params,
                    const LegEnd& from, const LegEnd& to) {
-  const WaySearch search{solids, room, params, from, to};
+  const WaySearch search{solids, params, from, to};
   for (double step = 0.2;; step *= 0.5) {
-    const Grid grid{solids, room, params, step};
+    const RoomGrid grid{solids, room, params, step};
     if (auto path = search.path(grid)) return {std::move(path), ""};
     const auto blocked = search.blocked(grid);
     if (blocked) return {std::nullopt, *blocked};

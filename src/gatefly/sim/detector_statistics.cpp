@@ -9,7 +9,7 @@
 namespace gatefly::sim {
 
 GateBuild build_of(std::span<const WorldGate> gates) {
-  constexpr double kBetween = 0.11;  // of the side: thin ones have 0.05, wide ones 0.22
+  constexpr double kBetween = 0.2;  // of the side: from here on the detector takes bars for boards
   double share = 0.0;
   for (const WorldGate& gate : gates)
     share += gate.bar / gate.side / static_cast<double>(gates.size());

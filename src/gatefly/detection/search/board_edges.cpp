@@ -116,7 +116,7 @@ class BoardSide {
     double all = best;
     for (int i = after; i < n; ++i) all += 0.5 - shown[static_cast<std::size_t>(i)];
     if (all < kLeastStep * 0.5 * n) return std::nullopt;
-    // Where half of it shows, between pixels.
+    // The edge is where half of the board shows, between pixels.
     const double edge = from + apart * after;
     double before = edge - 1.0, left = shown_at(t, before, beyond, per_contrast);
     for (const double next : {edge, edge + 1.0}) {
@@ -180,7 +180,7 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, double board_px
     const auto edge = board && other ? sides[i].edge(*board, *other) : std::nullopt;
     if (edge) offs[i] = *edge, edges.seen[i] = true;
   }
-  // Where neighbours cross that are so many boards' widths farther in than their edges.
+  // Neighbouring lines that run so far inside of their edges cross here.
   const auto crossings = [&](double in_px) {
     Quad corners = bars_px;
     edges.crossed = {};

@@ -14,7 +14,8 @@ namespace gatefly {
 struct BoardEdges {
   Quad corners;  ///< Where neighbouring edges cross [px].
   Quad middles;  ///< The same, half a board farther in [px].
-  /// Of the sides TL-TR, TR-BR, BR-BL, BL-TL; else half a board beyond its middle line.
+  /// Sides whose edge shows: TL-TR, TR-BR, BR-BL, BL-TL. The others are taken half a board beyond
+  /// their middle line.
   std::array<bool, 4> seen = {};
   std::array<bool, 4> crossed = {};  ///< Of the corners; else it is one of the given ones.
 

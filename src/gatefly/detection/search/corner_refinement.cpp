@@ -22,7 +22,6 @@ using namespace refinement;
 constexpr int kWidest = 31;  // pixels of a line
 // Beside a bar [px]; beside a board, whose rough sides are rougher, more of its own width.
 constexpr double kMargin = 2.0, kMarginOfBoard = 0.2;
-constexpr double kBoard = 0.2;  // of the gate's side: a bar this wide is a board
 // beside the half of the bar that crosses at either end [px]
 constexpr double kEnds = 2.0;
 // grey levels between the colours of a bar and of what is beside it
@@ -352,7 +351,7 @@ Quad refined_corners(const Image& image, const Quad& frame, double bar, Refineme
                      const SideCurves& curves) {
   const double bar_px = bar * std::sqrt(std::abs(area(frame)));
   const double margin =
-      bar / (1.0 + bar) < kBoard ? kMargin : std::max(kMargin, kMarginOfBoard * bar_px);
+      bar / (1.0 + bar) < kLeastBoard ? kMargin : std::max(kMargin, kMarginOfBoard * bar_px);
   if (effort == RefinementEffort::kCareful)
     return refined<32>(image, frame, bar_px, margin, kCareful, curves);
   return refined<16>(image, frame, bar_px, margin, kQuick, curves);

@@ -57,8 +57,8 @@ struct Frame {
   return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side));
 }
 
-/// What a frame says to the outside: the corners that are meant, and confidences.
-/// @param frame  what of its corners is in the picture decides whether a corner is seen.
+/// A frame as it is reported: the corners that are meant, and confidences.
+/// @param frame  a corner is seen where its own corner is in the picture.
 [[nodiscard]] inline GateDetection detection_of(const Frame& frame, const Quad& corners,
                                                 DetectionMethod method, const Image& image) {
   const Quad listed = clockwise_from_top_left(corners);

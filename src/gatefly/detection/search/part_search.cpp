@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search/bar_pieces.hpp"
 #include "gatefly/detection/search/board_edges.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
@@ -28,7 +27,7 @@ constexpr int kLevelSamples = 8, kLeastLevelSamples = 3, kBarSamples = 16;
 constexpr double kLeastLevel = 0.5;  // of a level bar in view [nats]
 constexpr FrameEffort kEffort{.samples = 12, .stations = 8, .middles = 12};
 
-/// What is asked of the bars of a gate.
+/// Limits that the bars of a gate keep.
 struct Shape {
   int widest = 16;             // samples: a bar of 5 cm is 28 px wide at 0.3 m
   int around = 3;              // groups, see BarFinder: 56 px at 315 x 160
@@ -51,53 +50,6 @@ Shape shape_of(const GateDetectorParams& params) {
           .lowest = 0.15,
           .opening_from = 0.1 + 0.5 * bar,
           .is_board = true};
-}
-
-// Where a bar is at row y: along its curve, straight on beyond its ends.
-Vector2d beyond(const Bar& bar, double y) {
-  const double on = std::clamp(y, bar.top, bar.bottom);
-  return {bar.on_curve(on).x() + (y - on) * (bar.curve[1] + 2.0 * bar.curve[2] * on), y};
-}
-
-// Whether b is the same bar as a, farther down: what is behind a bar may hide some rows of it.
-bool goes_on(const Bar& a, const Bar& b, int stride) {
-  const double gap = b.top - a.bottom, y = 0.5 * (a.bottom + b.top);
-  return gap > -1.5 * stride && gap < 4.5 * stride &&
-         std::abs(beyond(a, y).x() - beyond(b, y).x()) <
-             0.5 * stride + 0.3 * std::max(a.width, b.width);
-}
-
-Bar joined(const Bar& a, const Bar& b, int stride) {
-  Bar bar{.top = a.top,
-          .bottom = b.bottom,
-          .strength = a.strength + b.strength,
-          .width = (a.width * a.length() + b.width * b.length()) / (a.length() + b.length())};
-  // One parabola through the rows of both.
-  const double middle = 0.5 * (bar.top + bar.bottom), half = 0.5 * bar.length();
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  for (const Bar* piece : {&a, &b})
-    for (double y = piece->top; y <= piece->bottom; y += stride) {
-      const double t = (y - middle) / half;
-      const Eigen::Vector3d powers{1.0, t, t * t};
-      A += powers * powers.transpose(), x += piece->on_curve(y).x() * powers;
-    }
-  const Eigen::Vector3d c = A.ldlt().solve(x);
-  const double m = middle / half;
-  bar.curve = {c[0] - c[1] * m + c[2] * m * m, (c[1] - 2.0 * c[2] * m) / half,
-               c[2] / (half * half)};
-  return bar;
-}
-
-void join_pieces(BarFinder::Bars& bars, int stride) {
-  for (std::size_t i = 0; i < bars.size(); ++i)
-    for (std::size_t j = 0; j < bars.size(); ++j) {
-      if (i == j || !goes_on(bars[i], bars[j], stride)) continue;
-      bars[i] = joined(bars[i], bars[j], stride);
-      bars[j] = bars.back(), bars.pop_back();
-      if (i == bars.size()) i = j;  // it was the last one, and took the place
-      j = static_cast<std::size_t>(-1);
-    }
 }
 
 struct Pair {
@@ -325,7 +277,7 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
                           .method = DetectionMethod::kBars,
                           .whole = false},
                  .bars = {middle(*bars[0]), middle(*bars[1])}};
-  // Of the bars' middle lines; where no level bar is in view, where they leave the picture.
+  // Corners of the bars' middle lines; without a level bar in view these end at the border.
   Quad corners, border;
   std::array<const Level*, 4> levels{};
   for (std::size_t e = 0; e < 2; ++e)

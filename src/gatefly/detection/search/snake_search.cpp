@@ -13,7 +13,7 @@
 #include "gatefly/detection/search/filled_frame.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
-#include "gatefly/detection/search/meant_corners.hpp"
+#include "gatefly/detection/search/meant_detection.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/search/board_edges.hpp"
-#include "gatefly/detection/search/corner_refinement.hpp"
 #include "gatefly/detection/search/frame.hpp"
 
 namespace gatefly {

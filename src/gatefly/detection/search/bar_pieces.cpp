@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/search/bar_pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace gatefly {
+namespace {
+
+// Whether b is the same bar as a, farther down: what is behind a bar may hide some rows of it.
+bool goes_on(const Bar& a, const Bar& b, int stride) {
+  const double gap = b.top - a.bottom, y = 0.5 * (a.bottom + b.top);
+  return gap > -1.5 * stride && gap < 4.5 * stride &&
+         std::abs(beyond(a, y).x() - beyond(b, y).x()) <
+             0.5 * stride + 0.3 * std::max(a.width, b.width);
+}
+
+Bar joined(const Bar& a, const Bar& b, int stride) {
+  Bar bar{.top = a.top,
+          .bottom = b.bottom,
+          .strength = a.strength + b.strength,
+          .width = (a.width * a.length() + b.width * b.length()) / (a.length() + b.length())};
+  // One parabola through the rows of both.
+  const double middle = 0.5 * (bar.top + bar.bottom), half = 0.5 * bar.length();
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  for (const Bar* piece : {&a, &b})
+    for (double y = piece->top; y <= piece->bottom; y += stride) {
+      const double t = (y - middle) / half;
+      const Eigen::Vector3d powers{1.0, t, t * t};
+      A += powers * powers.transpose(), x += piece->on_curve(y).x() * powers;
+    }
+  const Eigen::Vector3d c = A.ldlt().solve(x);
+  const double m = middle / half;
+  bar.curve = {c[0] - c[1] * m + c[2] * m * m, (c[1] - 2.0 * c[2] * m) / half,
+               c[2] / (half * half)};
+  return bar;
+}
+
+}  // namespace
+
+Eigen::Vector2d beyond(const Bar& bar, double y) {
+  const double on = std::clamp(y, bar.top, bar.bottom);
+  return {bar.on_curve(on).x() + (y - on) * (bar.curve[1] + 2.0 * bar.curve[2] * on), y};
+}
+
+void join_pieces(BarFinder::Bars& bars, int stride) {
+  for (std::size_t i = 0; i < bars.size(); ++i)
+    for (std::size_t j = 0; j < bars.size(); ++j) {
+      if (i == j || !goes_on(bars[i], bars[j], stride)) continue;
+      bars[i] = joined(bars[i], bars[j], stride);
+      bars[j] = bars.back(), bars.pop_back();
+      if (i == bars.size()) i = j;  // it was the last one, and took the place
+      j = static_cast<std::size_t>(-1);
+    }
+}
+
+}  // namespace gatefly
