@@ -239,9 +239,6 @@ void GateTemplates::search(const EvidenceMap& map, int least, GateCandidates& fo
 void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCandidates& all) {
   LevelCandidates found;
   const std::ptrdiff_t width = width_, cells = width * height_;
-  const auto least_pair = static_cast<std::uint8_t>(std::max(0, least_ - kWorsePair));
-  // A side that is worse has no such pair, whatever the other one.
-  const auto least_side = static_cast<std::uint8_t>(std::max(0, (4 * least_pair - kByte) / 3));
   const auto in = [width](const FrameLattice::Side& side) {
     Steps steps;
     for (std::size_t k = 0; k < kSamples; ++k) steps[k] = side.samples[k].in(width);
@@ -253,6 +250,9 @@ void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCand
   for (const FrameLattice::Size& size : lattice.sizes()) {
     const std::size_t first = FrameLattice::first_of(size);
     const auto least = static_cast<std::uint8_t>(least_to_keep(found));
+    const auto least_pair = static_cast<std::uint8_t>(std::max(0, least - kWorsePair));
+    // A side that is worse has no such pair, whatever the other one.
+    const auto least_side = static_cast<std::uint8_t>(std::max(0, (4 * least_pair - kByte) / 3));
     std::fill_n(best_.begin(), cells, least);
     for (const FrameLattice::Turned& turned : size.turns) {
       const std::ptrdiff_t upright_reach = turned.upright.reach.in(width);
