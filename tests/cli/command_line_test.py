@@ -373,7 +373,7 @@ class New(Cli):
             self.assertEqual(self.run_it("track", track).returncode, 0, self.run_it("track", track).stderr)
         keys = tomllib.loads("\n".join(full))
         self.assertEqual(set(keys), {"name", "laps", "start", "gates", "obstacles", "room", "randomize", "faults"})
-        self.assertEqual(set(keys["gates"][0]), {"position_m", "heading_deg", "side_m", "bar_m", "color", "exit",
+        self.assertEqual(set(keys["gates"][0]), {"position_m", "heading_deg", "side_m", "bar_m", "depth_m", "color", "exit",
                                                 "position_sigma_m", "heading_sigma_deg", "side_sigma_m"})
         self.assertIn("gate_position_m", keys["randomize"])
         self.assertIn("camera_out_s", keys["faults"])

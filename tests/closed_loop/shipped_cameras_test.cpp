@@ -79,7 +79,7 @@ Target target_before(const CameraTruth& camera, const BodyPose& pose) {
   const Vector3d middle_C{kDistance * 0.5 * (low.x() + high.x()),
                           kDistance * 0.5 * (low.y() + high.y()), kDistance};
   const Vector3d face = eyes.p_EC + eyes.R_EC * middle_C;
-  target.gate.p_EG = face + Vector3d{0.5 * target.gate.depth(), 0, 0};
+  target.gate.p_EG = face + Vector3d{0.5 * target.gate.depth, 0, 0};
   const double h = 0.5 * target.gate.side;
   target.corners_E = {face + Vector3d{0, -h, -h}, face + Vector3d{0, h, -h},
                       face + Vector3d{0, h, h}, face + Vector3d{0, -h, h}};

@@ -72,7 +72,7 @@ class Schema(unittest.TestCase):
 
 class Tracks(Schema):
     FULL = {"name": "mine", "laps": 2, "start": {"position_m": [0.0, 0.0], "heading_deg": 0.0},
-            "gates": [{"position_m": [4.0, 0.0, -1.5], "heading_deg": 0.0, "side_m": 1.0, "bar_m": 0.05, "color": "red",
+            "gates": [{"position_m": [4.0, 0.0, -1.5], "heading_deg": 0.0, "side_m": 1.0, "bar_m": 0.05, "depth_m": 0.05, "color": "red",
                        "exit": {"run_m": 0.5, "turn": "right", "angle_deg": 180.0, "radius_m": 1.5}},
                       {"position_m": [0.0, 3.0, -1.5], "heading_deg": 180.0, "color": [0.1, 0.4, 1.0]}],
             "obstacles": [{"box_m": [0.4, 0.4, 2.0], "position_m": [2.0, 1.5], "heading_deg": 0.0},

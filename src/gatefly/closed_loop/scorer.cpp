@@ -18,10 +18,12 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::W
     return std::nullopt;
   // from behind it is not to be flown
   if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;
+  const Eigen::Vector3d face_E =
+      gate.p_EG - near_face(gate.side, gate.bar, gate.depth) * R_EG.col(0);
   const auto corners_G = gate_corners_G(gate.side);
   Quad quad;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = gate.p_EG + R_EG * corners_G[i];
+    const Eigen::Vector3d corner_E = face_E + R_EG * corners_G[i];
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
     // The upright picture's size counts, however it is stored.
     if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.width() - 1 ||

@@ -14,6 +14,7 @@
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::io {
@@ -128,6 +129,7 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
   const double yaw = table.heading();
   const double side = table.number("side_m", defaults.side);
   const double bar = table.number("bar_m", defaults.bar);
+  const double depth = table.number("depth_m", usual_depth(bar));
   const Eigen::Vector3d color = read_color(table, defaults);
   const auto exit = read_exit(table.table());
   const GateSigmas sigmas = read_sigmas(table);
@@ -147,12 +149,13 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
                                .yaw_EG = yaw,
                                .side = side,
                                .bar = bar,
+                               .depth = depth,
                                .exit = exit,
                                .position_sigma = sigmas.position,
                                .yaw_sigma = sigmas.yaw,
                                .side_sigma = sigmas.side});
   track.world.gates.push_back(
-      {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color});
+      {.p_EG = center, .yaw_EG = yaw, .side = side, .bar = bar, .color = color, .depth = depth});
 }
 
 void read_obstacle(Section table, TrackFile& track) {

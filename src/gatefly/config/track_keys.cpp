@@ -79,6 +79,8 @@ const std::vector<TrackKey>& track_keys() {
        -720, 720},
       {"gates", "side_m", "1.0", "outer side", "gate.side_m of the configuration", 0.3, 5},
       {"gates", "bar_m", "0.05", "width of its bars", "gate.bar_m of the configuration", 0.005, 1},
+      {"gates", "depth_m", "0.05", "depth of its bars, along the way through it",
+       "as bar_m, 0.10 at most", 0.005, 1},
       {"gates", "color", "\"orange\"", "a name or [r, g, b], 0..1",
        "color.rgb of the configuration", 0, 1, track_colors()},
       {"gates",

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/sensing/camera.hpp"
 
 namespace gatefly {
@@ -23,10 +24,6 @@ struct PictureLens {
   /// ones, in those of another shape bars are straight. 0: pictures of any size are its own.
   int width = 0, height = 0;
 };
-
-/// Bars as wide as this, of their gate's outer side, are boards: their corners come from their edges.
-/// [Washington's chequered bars, 0.15, are found better by their middle lines]
-inline constexpr double kLeastBoard = 0.2;
 
 /// What counts as a gate, for the fast and for the careful search.
 struct GateDetectorParams {

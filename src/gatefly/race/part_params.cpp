@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "gatefly/geometry/gate_corners.hpp"
+
 namespace gatefly {
 
 namespace {
@@ -19,7 +21,8 @@ double radians_per_px(const AnyCamera& lens) {
 }
 
 eskf::Landmark landmark_of(const MapGate& gate, const eskf::Priors& priors) {
-  eskf::Landmark landmark{gate.p_EG, gate.yaw_EG, {gate.side, gate.bar}};
+  eskf::Landmark landmark{
+      gate.p_EG, gate.yaw_EG, {gate.side, gate.bar, near_face(gate.side, gate.bar, gate.depth)}};
   eskf::GateSigmas sigmas = eskf::prior_of(landmark, priors);
   if (gate.position_sigma) sigmas.head<3>() = *gate.position_sigma;
   if (gate.yaw_sigma) sigmas(eskf::kGateYaw) = *gate.yaw_sigma;

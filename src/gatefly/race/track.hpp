@@ -22,6 +22,7 @@ struct MapGate {
   double yaw_EG = 0.0;                          ///< Direction of flight through it [rad].
   double side = 1.0;                            ///< Outer side of the coloured frame [m].
   double bar = 0.05;                            ///< Width of its bars [m].
+  double depth = 0.05;                          ///< Of its bars, along the way through it [m].
   std::optional<GateExit> exit = std::nullopt;  ///< For control.mode = "paper" only.
   // How well that is known, one standard deviation each; nullopt: as PilotConfig says of any gate.
   std::optional<Eigen::Vector3d> position_sigma = std::nullopt;  ///< [m]

@@ -53,11 +53,13 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
   const double depth = R_EG.col(0).dot(to_gate);
   if (std::abs(depth) < kEdgeOn) return std::nullopt;
   const double right = depth > 0.0 ? 0.5 : -0.5;  // from behind left is right
+  const double ahead = near_face(gate.side, gate.bar, gate.depth);
+  const Eigen::Vector3d face_E = gate.p_EG - std::copysign(ahead, depth) * R_EG.col(0);
   auto corners_G = gate_corners_G(1.0);
   if (depth < 0.0) std::swap(corners_G[0], corners_G[1]), std::swap(corners_G[2], corners_G[3]);
   std::array<bool, 4> seen{}, above{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = gate.p_EG + gate.side * (R_EG * corners_G[i]);
+    const Eigen::Vector3d corner_E = face_E + gate.side * (R_EG * corners_G[i]);
     const auto px = exposure.project(corner_E);
     if (!px) continue;
     view.corners_px[i] = *px, view.drawn[i] = true;
@@ -65,8 +67,7 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
     seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E);
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d inner_E =
-        gate.p_EG + (gate.side - 2.0 * gate.bar) * (R_EG * corners_G[i]);
+    const Eigen::Vector3d inner_E = face_E + (gate.side - 2.0 * gate.bar) * (R_EG * corners_G[i]);
     const auto px = exposure.project(inner_E);
     view.inner_seen[i] = px && exposure.inside(*px) && in_sight(sight, eye_E, inner_E);
   }
@@ -75,8 +76,8 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
   view.whole = seen[0] && seen[1] && seen[2] && seen[3];
   view.only_lower_corners = above[0] && above[1] && seen[2] && seen[3];
   const Eigen::Vector3d aside = (gate.side - gate.bar) * right * R_EG.col(1);
-  const auto left_bar = bar_in_view(exposure, gate.p_EG - aside, gate.side),
-             right_bar = bar_in_view(exposure, gate.p_EG + aside, gate.side);
+  const auto left_bar = bar_in_view(exposure, face_E - aside, gate.side),
+             right_bar = bar_in_view(exposure, face_E + aside, gate.side);
   if (left_bar && right_bar && right_bar->x() - left_bar->x() > kMinGap)
     view.bars_px = {*left_bar, *right_bar};
   return view;

@@ -74,7 +74,7 @@ void add_gate(SceneBuilder& builder, const WorldGate& gate, const GatePole& pole
               const GateMaterials& material) {
   const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
   const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - width * gate.bar,
-               d = gate.depth() / 2;
+               d = gate.depth / 2;
   builder.bars(true);
   builder.box(frame, {-d, -half, height + in}, {d, half, height + half}, material.bars);
   builder.box(frame, {-d, -half, height - half}, {d, half, height - in}, material.bars);

@@ -44,7 +44,7 @@ void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGa
   const auto bar = [&](const char* which, double y, double z, double width, double height) {
     solids.push_back({name + " " + which,
                       gate.p_EG + R_EG * Eigen::Vector3d{0, y, z},
-                      {gate.depth(), width, height},
+                      {gate.depth, width, height},
                       gate.yaw_EG});
   };
   bar("left bar", -off, 0, gate.bar, gate.side);

@@ -19,9 +19,7 @@ struct WorldGate {
   bool sought = true;    ///< The pilot looks for this colour; else ideal vision is blind to it.
   bool missing = false;  ///< Not there: neither seen nor touched nor passed.
   double hidden_beyond = 0.0;  ///< Not seen from farther away than this [m]; 0: always seen.
-
-  /// Of its bars, along the way through it [m]: square ones, but wide ones are boards.
-  [[nodiscard]] double depth() const { return std::min(bar, 0.10); }
+  double depth = 0.05;         ///< Of its bars, along the way through it [m].
 };
 
 /// How gates are painted. [real pictures; docs/simulation.md]

@@ -76,9 +76,9 @@ void put(GateRows& rows, int row, const Seen<Rows>& seen, const Moment& moment, 
 
 bool put_corner(GateRows& rows, int row, const Feature& feature, const Moment& moment,
                 const Nominal& x, const GateBelief& gate, const Eigen::Matrix3d& R_EG,
-                double side) {
-  const Eigen::Vector3d nominal_E = R_EG * (side * gate_corners_G(1.0)[feature.which & 3]);
-  const Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E;
+                const GateShape& shape) {
+  const Eigen::Vector3d nominal_E = R_EG * (shape.side * gate_corners_G(1.0)[feature.which & 3]);
+  const Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E - shape.near_face * R_EG.col(0);
   const auto seen = point_bearing(gate.p_EG + arm_E, feature.bearing_C, moment.camera);
   if (!seen) return false;
   put<2>(rows, row,
@@ -95,7 +95,7 @@ bool put_bar(GateRows& rows, int row, const Feature& feature, const Moment& mome
              const GateShape& shape) {
   const double half = 0.5 * (shape.side - shape.bar);
   const Eigen::Vector3d nominal_E = R_EG * Eigen::Vector3d{0, feature.which == 0 ? -half : half, 0};
-  const Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E;
+  const Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E - shape.near_face * R_EG.col(0);
   const auto seen =
       line_bearing(gate.p_EG + arm_E, Eigen::Vector3d::UnitZ(), feature.bearing_C, moment.camera);
   if (!seen) return false;
@@ -230,7 +230,7 @@ std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight, cons
   for (const Feature& feature : sight.features) {
     const Moment moment = moment_of(x, offset + x.delay + feature.late, camera);
     const bool corner = feature.kind == Feature::Kind::kCorner;
-    const bool good = corner ? put_corner(rows, row, feature, moment, x, belief, R_EG, gate.side)
+    const bool good = corner ? put_corner(rows, row, feature, moment, x, belief, R_EG, gate)
                              : put_bar(rows, row, feature, moment, x, belief, R_EG, gate);
     if (!good) return std::nullopt;
     row += corner ? 2 : 1;

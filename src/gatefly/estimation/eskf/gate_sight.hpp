@@ -39,6 +39,7 @@ struct GateSight {
 /// The map's own of a gate in a slot: what no state changes.
 struct GateShape {
   double side = 1.0, bar = 0.05;  ///< [m]
+  double near_face = 0.0;         ///< So far before its middle are the corners that show [m].
 };
 
 /// How the camera hangs and what it is told to do.
