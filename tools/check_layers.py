@@ -19,7 +19,7 @@ TO_AUTOPILOTS = {"link", "guard"}
 LEAN = FLIGHT | TO_AUTOPILOTS
 PILOT_SIDE = {"detection", "pose", "estimation", "control", "race", "closed_loop", "flight_log", "config", "report",
               "tasks", "simulated_race"}
-FORBIDDEN = {"sim": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
+FORBIDDEN = {"sim": PILOT_SIDE, "autopilot": PILOT_SIDE, "world": PILOT_SIDE | {"sim"}}
 # Stages of the detector, and who may include them: those who test or time them, or compare with the paper's detector.
 STAGE = re.compile(r'\s*#\s*include\s+"gatefly/detection/\w+/')
 STAGES_FOR = ("src/gatefly/detection", "src/gatefly/bench", "src/gatefly/experiments", "src/gatefly/tasks/search_report",

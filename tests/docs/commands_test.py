@@ -46,6 +46,8 @@ REDUCED = {
     "fly oval --vehicle racer --speed 1.8 --vision ideal": "",
     "fly --list": "",
     "fly showroom --vision ideal --set sim.autopilot_imu_hz=50": "",
+    "fly oval --config betaflight --vision ideal": "--laps 1",
+    "fly aigp-pq --camera imx477 --vehicle archer-b2 --config betaflight --vision ideal": "--laps 1",
     "fly mine.toml --vision ideal": "",
     "fly mine.toml": IDEAL,
     'fly oval --vision ideal --set "faults.camera_out_s=[10, 2]"': "",

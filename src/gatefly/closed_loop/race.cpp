@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "gatefly/autopilot/companion.hpp"
 #include "gatefly/closed_loop/logbook.hpp"
 #include "gatefly/closed_loop/sensor_suite.hpp"
 #include "gatefly/closed_loop/simulators.hpp"
@@ -141,6 +142,29 @@ class Arena {
   double finished_at_ = -1.0;
 };
 
+/// From the pilot to the rotors by way of an autopilot.
+class AutopilotLine {
+ public:
+  explicit AutopilotLine(const RaceConfig& config)
+      : companion_{config.sim.autopilot, config.pilot.vehicle.max_speed, config.sim.seed},
+        autopilot_{config.sim.autopilot, config.sim.vehicle} {}
+
+  std::array<double, 4> rotors(const Command& command, const Imu& imu, double time, double dt) {
+    const AttitudeCommand& attitude = command.attitude;
+    const autopilot::Wish wish{attitude.roll, attitude.pitch, command.rates_B, command.motors[0]};
+    return autopilot_.step(companion_.pass_on(wish, time), imu, dt);
+  }
+
+ private:
+  autopilot::Companion companion_;
+  autopilot::Autopilot autopilot_;
+};
+
+std::optional<AutopilotLine> line_of(const RaceConfig& config) {
+  if (config.sim.autopilot.takes == sim::AutopilotTruth::Takes::kNone) return std::nullopt;
+  return AutopilotLine{config};
+}
+
 template <class Simulator>
 class FlightIn final : public AnyFlight {
  public:
@@ -150,8 +174,7 @@ class FlightIn final : public AnyFlight {
     if (over()) return false;
     // The world moves on, the sensors look at it.
     const double dt = suite_.next_interval();
-    physics_watch_.time(
-        [&] { arena_.advance(command_.motors, dt, pilot_, suite_, book_, result_); });
+    physics_watch_.time([&] { arena_.advance(rotors_, dt, pilot_, suite_, book_, result_); });
     sensors_ = suite_.read(ticks_++, dt, arena_.simulator, camera_watch_);
     if (config_.sensors) config_.sensors(sensors_);
     looks_ = sensors_.image || sensors_.seen;
@@ -162,6 +185,7 @@ class FlightIn final : public AnyFlight {
     Stopwatch& watch = looks_ ? image_watch_ : step_watch_;
     command_ = watch.time([&] { return pilot_.step(sensors_); });
     took_ = watch.latest();
+    rotors_ = line_ ? line_->rotors(command_, suite_.own_imu(), now, dt) : command_.motors;
     if (config_.allocations) result_.step_allocations += config_.allocations() - allocated;
 
     // The books.
@@ -226,6 +250,7 @@ class FlightIn final : public AnyFlight {
   Pilot pilot_{config_.pilot};
   Arena<Simulator> arena_{config_};
   SensorSuite suite_{config_.sim};
+  std::optional<AutopilotLine> line_ = line_of(config_);
   Logbook book_{config_};
   Stopwatch step_watch_{"pilot_step"}, image_watch_{"pilot_step_with_image"},
       camera_watch_{"camera"}, physics_watch_{"physics"};
@@ -235,6 +260,7 @@ class FlightIn final : public AnyFlight {
   // Of the last tick.
   Sensors sensors_;
   Command command_;
+  std::array<double, 4> rotors_{};  ///< [rad/s]
   bool looks_ = false;
   double took_ = 0.0;  ///< By the pilot's step [s].
   std::int64_t ticks_ = 0;

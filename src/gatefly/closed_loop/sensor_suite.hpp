@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -96,6 +97,8 @@ class SensorSuite {
         baro_{config.sensors, config.seed},
         camera_{config},
         imu_hz_{config.sensors.imu_hz},
+        by_way_{config.autopilot.takes != sim::AutopilotTruth::Takes::kNone &&
+                config.sensors.autopilot_imu_hz > 0.0},
         sonar_every_{every(config.sensors.sonar_hz)},
         baro_every_{every(config.sensors.baro_hz)} {
     if (config.sensors.autopilot_imu_hz > 0.0) autopilot_.emplace(config.sensors, config.seed);
@@ -113,8 +116,11 @@ class SensorSuite {
     const double now = simulator.body.time();
     Sensors sensors;
     sensors.time = faults_.stamp(now);
-    sensors.imu = faults_.broken(imu_.measure(state, dt), now);
+    sensors.imu = own_imu_ = faults_.broken(imu_.measure(state, dt), now);
     if (autopilot_) sensors.navigation_imu = autopilot_->pass_on(sensors.imu, now);
+    // Who flies by way of an autopilot has no IMU but the one that is handed on.
+    if (sensors.navigation_imu) handed_on_ = *sensors.navigation_imu;
+    if (by_way_) sensors.imu = handed_on_;
     if (tick % sonar_every_ == 0)
       sensors.sonar = faults_.broken(sonar_.measure(state, &simulator.sight()), now);
     if (tick % baro_every_ == 0)
@@ -123,9 +129,12 @@ class SensorSuite {
     return sensors;
   }
 
+  /// The vehicle's own sample of the last read(), which an autopilot goes by.
+  [[nodiscard]] const Imu& own_imu() const { return own_imu_; }
   [[nodiscard]] const CameraFeed& camera() const { return camera_; }
 
  private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   [[nodiscard]] std::int64_t every(double hz) const {
     return std::max<std::int64_t>(1, std::llround(imu_hz_ / hz));
   }
@@ -137,6 +146,10 @@ class SensorSuite {
   sim::BaroModel baro_;
   CameraFeed camera_;
   double imu_hz_;
+  bool by_way_;
+  Imu own_imu_;
+  Imu handed_on_{.gyro_B = Eigen::Vector3d::Constant(kNone),
+                 .accel_B = Eigen::Vector3d::Constant(kNone)};
   std::int64_t sonar_every_, baro_every_;  ///< IMU ticks.
 };
 

@@ -22,6 +22,7 @@ struct SimulatorSettings {
   /// True moments of inertia / the vehicle file's. [recorded flights: docs/simulation.md]
   Eigen::Vector3d inertia_ratio{1.0, 2.75, 1.0};
   sim::SensorTruth sensors;
+  sim::AutopilotTruth autopilot;
   sim::Wind wind;
   sim::Imaging imaging;
   sim::GatePaint paint;
@@ -45,7 +46,7 @@ struct Config {
   /// numbers), pose.model, filter.model, control.mode.
   std::string detector_mode = "ours";
   std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
-              indi_effectiveness = "fixed";
+              indi_effectiveness = "fixed", output = "motors";
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
   nlohmann::json faults = nlohmann::json::object();     ///< Put over the track's [faults].
   std::vector<std::string>

@@ -61,6 +61,19 @@ Scheme scheme_of(const std::string& name) {
   return name == "paper" ? Scheme::kPaper : Scheme::kOurs;
 }
 
+Output output_of(const std::string& name) {
+  return name == "attitude_thrust" ? Output::kAttitudeThrust
+         : name == "rates_thrust"  ? Output::kRatesThrust
+                                   : Output::kMotors;
+}
+
+sim::AutopilotTruth::Takes taken_by_autopilot(const std::string& output) {
+  using Takes = sim::AutopilotTruth::Takes;
+  return output == "attitude_thrust" ? Takes::kAngles
+         : output == "rates_thrust"  ? Takes::kRates
+                                     : Takes::kNone;
+}
+
 /// As a camera shows an albedo in white light: sRGB.
 Eigen::Vector3d shown(const Eigen::Vector3d& albedo) {
   return albedo.unaryExpr(
@@ -126,6 +139,7 @@ PilotConfig pilot_config(const Config& config) {
                        : config.filter_model == "drag" ? FilterModel::kDrag
                                                        : FilterModel::kOurs;
   pilot.control_scheme = scheme_of(config.control_mode);
+  pilot.output = output_of(config.output);
   pilot.indi.adaptive = config.indi_effectiveness == "adaptive";
 
   const CameraDescription& camera = config.camera;
@@ -190,6 +204,8 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .fast = config.sim.camera_quality == "fast",
                     .imaging = config.sim.imaging};
   nominal.sensors = config.sim.sensors;
+  nominal.autopilot = config.sim.autopilot;
+  nominal.autopilot.takes = taken_by_autopilot(config.output);
   nominal.wind = config.sim.wind;
   nominal.sensors.camera_hz = camera.rate_hz;
   nominal.sensors.camera_latency = camera.latency;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/config/sim_keys.hpp"
 
+#include "gatefly/geometry/math.hpp"
+
 // The member behind a key, for const and mutable configurations alike.
 #define AT(expression) \
   [](auto& c) -> auto& { return c.expression; }
@@ -90,6 +92,31 @@ std::vector<Key<Config>> sim_keys() {
       k("sim.autopilot_imu_jitter_ms", 0, 100, AT(sim.sensors.autopilot_imu_jitter),
         "what a sample is late on its way from the autopilot, one sigma of a half normal",
         "ours: a tick or two of a driver", kMilliseconds),
+      k("sim.autopilot_hz", 5, 512, AT(sim.autopilot.hz),
+        "set points a second that reach an autopilot (control.output)", "AI Grand Prix 2026: 40"),
+      k("sim.autopilot_delay_ms", 0, 500, AT(sim.autopilot.delay),
+        "least time from a set point to the autopilot", "AI Grand Prix 2026: 10-30", kMilliseconds),
+      k("sim.autopilot_delay_jitter_ms", 0, 200, AT(sim.autopilot.delay_jitter),
+        "what a set point is later than that, one sigma of a half normal",
+        "AI Grand Prix 2026: 95 % in 20-30", kMilliseconds),
+      k("sim.autopilot_smoothing_hz", 0, 250, AT(sim.autopilot.smoothing_hz),
+        "the autopilot's low-pass over set points; 0: none", "AI Grand Prix 2026: 15"),
+      k("sim.autopilot_gain", 0.1, 3, AT(sim.autopilot.gain),
+        "the autopilot's rate loop / one well tuned for the vehicle", "ours"),
+      k("sim.autopilot_angle_gain_per_s", 0.5, 50, AT(sim.autopilot.angle_gain),
+        "the autopilot's rate for an angle's error, attitude_thrust only", "Betaflight: 5"),
+      k("sim.autopilot_max_angle_deg", 10, 80, AT(sim.autopilot.most_angle),
+        "angle with the stick at its end, attitude_thrust only", "Betaflight: 60", kDegree),
+      k("sim.autopilot_rc_rate", 1, 255, AT(sim.autopilot.rc_rate),
+        "Betaflight's rc_rate of roll, pitch, yaw", "AI Grand Prix 2026"),
+      k("sim.autopilot_super_rate", 0, 99, AT(sim.autopilot.super_rate),
+        "Betaflight's super rate of roll, pitch, yaw", "AI Grand Prix 2026"),
+      k("sim.autopilot_rc_expo", 0, 100, AT(sim.autopilot.rc_expo),
+        "Betaflight's expo of roll, pitch, yaw", "AI Grand Prix 2026: 0"),
+      k("sim.autopilot_throttle_mid", 0, 100, AT(sim.autopilot.throttle_mid),
+        "Betaflight's thr_mid", "AI Grand Prix 2026"),
+      k("sim.autopilot_throttle_expo", 0, 100, AT(sim.autopilot.throttle_expo),
+        "Betaflight's thr_expo", "AI Grand Prix 2026"),
       k("sim.sonar_noise_m", 0, 1, AT(sim.sensors.sonar_noise), "noise of the sonar", "ours"),
       k("sim.sonar_max_m", 0.5, 20, AT(sim.sensors.sonar_max), "range of the sonar",
         "Li18 code: 5"),

@@ -42,6 +42,23 @@ struct IndiParams {
   double max_effectiveness_ratio = 3.0;
 };
 
+/// What leaves the pilot.
+enum class Output {
+  kMotors,          ///< Rotor speeds, by Indi.
+  kAttitudeThrust,  ///< Roll, pitch, yaw rate and thrust, for an autopilot that holds angles.
+  kRatesThrust,     ///< Turn rates and thrust, for one that holds rates.
+};
+
+/// Attitude by way of an autopilot that holds rates.
+struct RateParams {
+  double attitude_gain = 6.0;  ///< Rate for an angle's error, roll and pitch [1/s]. [ours]
+  double yaw_gain = 2.5;       ///< The same for the heading [1/s]. [ours]
+  double max_rate = 4.0;       ///< Roll and pitch [rad/s]. [ours: half of what sticks give]
+  /// A command shows in the motion so much later, and the thrust likewise [s]. [ours: link 0.03, smoothing
+  /// 0.02, rotors 0.05]
+  double response = 0.10;
+};
+
 struct AltitudeParams {
   double kp = 5.0;            ///< [(m/s²)/m] [Li18 code: 4.3]
   double kd = 3.6;            ///< [(m/s²)/(m/s)] [Li18 code: 1.1, which rings at ζ 0.26]

@@ -50,8 +50,11 @@ struct Sensors {
 /// What the drone does next.
 struct Command {
   AttitudeCommand attitude;
-  /// Rotor speeds [rad/s]: left front, right front, right back, left back.
+  /// Rotor speeds [rad/s]: left front, right front, right back, left back. For an autopilot they are
+  /// alike, those at which the rotors give the thrust; all 0: motors off.
   std::array<double, 4> motors{};
+  /// For an autopilot: turn rates that bring the attitude there [rad/s]; else 0.
+  Eigen::Vector3d rates_B = Eigen::Vector3d::Zero();
 };
 
 /// What the pilot believes. For logs, displays and tests; nothing flies by it but the pilot.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/pilot.hpp"
 
+#include "gatefly/control/attitude_rates.hpp"
 #include "gatefly/control/indi.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/race/course.hpp"
@@ -34,6 +35,13 @@ EitherGuidance guidance_of(const PilotConfig& config) {
                        config.imu_hz};
 }
 
+// By way of an autopilot thrust comes as late as everything else.
+VehicleParams rotors_as_felt(const PilotConfig& config) {
+  VehicleParams vehicle = config.vehicle;
+  if (config.output != Output::kMotors) vehicle.rotor_time_constant = config.rates.response;
+  return vehicle;
+}
+
 bool is_resting(const Phase& phase) {
   return std::holds_alternative<OnGround>(phase) || std::holds_alternative<Landed>(phase);
 }
@@ -45,12 +53,18 @@ struct Pilot::Parts {
       : lookout{lookout_of(config)},
         course{course_of(config)},
         guidance{guidance_of(config)},
-        indi{indi_params(config), config.vehicle} {}
+        output{config.output},
+        vehicle{config.vehicle},
+        indi{indi_params(config), config.vehicle},
+        rates{config.rates, config.indi.max_yaw_rate} {}
 
   EitherLookout lookout;
   Course course;
   EitherGuidance guidance;
-  Indi indi;
+  Output output;
+  VehicleParams vehicle;
+  Indi indi;            ///< One of these two turns
+  AttitudeRates rates;  ///< the attitude into a command.
 };
 
 Pilot::Pilot(const PilotConfig& config)
@@ -58,7 +72,7 @@ Pilot::Pilot(const PilotConfig& config)
       navigator_{navigator_params(config)},
       parts_{std::make_unique<Parts>(config)},
       phase_params_{phase_params(config)},
-      thrust_{config.vehicle},
+      thrust_{rotors_as_felt(config)},
       uses_sonar_{config.uses_sonar},
       uses_baro_{config.uses_baro} {
   check_latency(config);
@@ -79,10 +93,10 @@ Command Pilot::step(const Sensors& sensors) {
   // race: how far along the course, and what that asks for
   follow_course();
   change_phase(sensors.lifted);
-  // control: attitude, then rotor speeds
-  const AttitudeCommand attitude = guide();
-  motors_ = motors(attitude);
-  return {attitude, motors_};
+  // control: attitude, then rotor speeds, or what an autopilot takes
+  const Command next = command(guide());
+  motors_ = next.motors;
+  return next;
 }
 
 void Pilot::navigate(const Sensors& sensors) {
@@ -172,14 +186,17 @@ Situation Pilot::situation() const {
   return s;
 }
 
-std::array<double, 4> Pilot::motors(const AttitudeCommand& attitude) {
+Command Pilot::command(const AttitudeCommand& attitude) {
   if (is_resting(phase_)) {
-    parts_->indi.reset();
+    parts_->indi.reset(), parts_->rates.reset();
     std::visit([](auto& g) { g.reset(); }, parts_->guidance);
-    return {};
+    return {.attitude = attitude};
   }
   const NavigationState now = navigator_.state();
-  return parts_->indi.step(attitude, now.R_EB, now.rate_B, now.dt);
+  if (parts_->output == Output::kMotors)
+    return {attitude, parts_->indi.step(attitude, now.R_EB, now.rate_B, now.dt)};
+  return {attitude, speeds_for(attitude.thrust, parts_->vehicle),
+          parts_->rates.step(attitude, now.R_EB, now.dt)};
 }
 
 Estimate Pilot::estimate() const {

@@ -51,7 +51,7 @@ class Pilot {
   void change_phase(bool lifted);
   [[nodiscard]] Situation situation() const;
   AttitudeCommand guide();
-  std::array<double, 4> motors(const AttitudeCommand& attitude);
+  Command command(const AttitudeCommand& attitude);
 
   MapUncertainty map_uncertainty_;
   Navigator navigator_;

@@ -42,6 +42,8 @@ struct PilotConfig {
   SpeedParams speed;
   PaperControlParams paper_control;
   HoldParams hold;
+  Output output = Output::kMotors;
+  RateParams rates;  ///< Where the output is for an autopilot.
   IndiParams indi;
   VehicleParams vehicle;
   PlanParams plan;

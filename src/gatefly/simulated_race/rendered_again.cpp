@@ -25,6 +25,11 @@ struct Renderer {
                 .format = PixelFormat::kUyvy,
                 .stored_width = config.camera.stored_width,
                 .stored_height = config.camera.stored_height} {
+    if (config.autopilot.takes != sim::AutopilotTruth::Takes::kNone)
+      throw std::runtime_error(
+          f.folder.log.string() +
+          ": flown by way of an autopilot (control.output), whose rotor speeds "
+          "are not in the log: its pictures cannot be rendered again");
     picture.bytes.assign(image_bytes(picture.format, picture.stored_width, picture.stored_height),
                          128);
   }

@@ -90,6 +90,23 @@ struct SensorTruth {
   double frame_loss = 0.0;        ///< Part of the frames that never arrives.
 };
 
+/// An autopilot between the pilot and the rotors, set as its owner has it. [Betaflight 4.4 as a team of
+/// the AI Grand Prix flew it]
+struct AutopilotTruth {
+  enum class Takes { kNone, kAngles, kRates };
+  Takes takes = Takes::kNone;              ///< kNone: the pilot turns the rotors itself.
+  double hz = 40.0;                        ///< Set points a second.
+  double delay = 0.020;                    ///< Of each, at least, until it has arrived [s].
+  double delay_jitter = 0.010;             ///< And so much more, half normal [s].
+  double smoothing_hz = 15.0;              ///< Low-pass of third order of the set points; 0: none.
+  double gain = 1.0;                       ///< Of its rate loop / that of one well tuned.
+  double angle_gain = 5.0;                 ///< Rate for an angle's error [1/s].
+  double most_angle = 1.0471975511965976;  ///< With the stick at its end [rad].
+  Eigen::Vector3d rc_rate{55.0, 55.0, 57.0};  ///< Roll, pitch, yaw, in Betaflight's numbers ...
+  Eigen::Vector3d super_rate{75.0, 75.0, 70.0}, rc_expo{0.0, 0.0, 0.0};  ///< ... [%].
+  int throttle_mid = 54, throttle_expo = 68;                             ///< [%]
+};
+
 /// What optics and image processing make of colour and sharpness. [real pictures;
 /// docs/simulation.md]
 struct Imaging {
@@ -218,6 +235,7 @@ struct SimConfig {
   World world;
   VehicleTruth vehicle;
   SensorTruth sensors;
+  AutopilotTruth autopilot;
   CameraTruth camera;
   LightConditions light;
   IdealVisionParams ideal_vision;  ///< Used when no pictures are rendered.

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "gatefly/autopilot/autopilot.hpp"
+#include "gatefly/sim/random.hpp"
+#include "gatefly/world/sim_config.hpp"
+
+namespace gatefly::autopilot {
+
+/// What a pilot wants of an autopilot, in SI.
+struct Wish {
+  double roll = 0.0, pitch = 0.0;  ///< [rad]
+  Eigen::Vector3d rates_B =
+      Eigen::Vector3d::Zero();  ///< With angles the yaw's alone counts [rad/s].
+  double rotor_speed = 0.0;     ///< Whose thrust is meant, of each rotor; 0: motors off [rad/s].
+};
+
+/// The companion's line to an autopilot: so many set points a second, each a little late, in order, as
+/// sticks.
+class Companion {
+ public:
+  /// @param max_rotor_speed  as the pilot believes it [rad/s].
+  Companion(const sim::AutopilotTruth& truth, double max_rotor_speed, std::uint64_t seed);
+
+  /// Sends what the pilot wants now, when it is time to. @return what has arrived last.
+  const SetPoint& pass_on(const Wish& wish, double time);
+
+ private:
+  struct Sent {
+    SetPoint set_point;
+    double arrival = 0.0;  ///< [s]
+  };
+  [[nodiscard]] SetPoint set_point(const Wish& wish) const;
+
+  sim::AutopilotTruth truth_;
+  StickCurves curves_;
+  double max_rotor_speed_;
+  sim::Stream lateness_;
+  std::optional<double> next_;  ///< When the next one is sent [s].
+  std::deque<Sent> on_their_way_;
+  double last_arrival_ = 0.0;  ///< [s]
+  SetPoint arrived_;
+};
+
+}  // namespace gatefly::autopilot
