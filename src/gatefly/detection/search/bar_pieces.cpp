@@ -52,8 +52,8 @@ void join_pieces(BarFinder::Bars& bars, int stride) {
       if (i == j || !goes_on(bars[i], bars[j], stride)) continue;
       bars[i] = joined(bars[i], bars[j], stride);
       bars[j] = bars.back(), bars.pop_back();
-      if (i == bars.size()) i = j;  // it was the last one, and took the place
-      j = static_cast<std::size_t>(-1);
+      // All over again: the last one took a place that may have been looked at.
+      i = 0, j = static_cast<std::size_t>(-1);
     }
 }
 

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/detection/search/evidence_map.hpp"
+
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/draw_gate.hpp"
+#include "support/for_all.hpp"
+
+namespace gatefly {
+namespace {
+
+using namespace test;
+
+const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
+constexpr std::array<double, 3> kPaint{120, 90, 190};
+
+/// A picture that owns its bytes.
+struct Picture {
+  explicit Picture(const Canvas& canvas)
+      : bytes{canvas.yuv444()},
+        image{bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()} {}
+  Picture(const Picture&) = delete;
+  Picture& operator=(const Picture&) = delete;
+
+  std::vector<std::uint8_t> bytes;
+  Image image;
+};
+
+Canvas any_picture(Rng& rng) {
+  Canvas canvas{2 + rng.uniform_index(200), 2 + rng.uniform_index(150)};
+  canvas.add_noise(rng, 60.0, 60.0);
+  return canvas;
+}
+
+TEST(EvidenceMap, HasTheSmallestCellsThatAreFewEnough) {
+  EvidenceMap map;
+  for (const auto& [width, height] : {std::pair{2, 2},
+                                      {315, 160},
+                                      {640, 480},
+                                      {800, 400},
+                                      {802, 400},
+                                      {1280, 720},
+                                      {1920, 1080},
+                                      {4000, 17}}) {
+    const Picture picture{Canvas{width, height}};
+    map.fill(picture.image, kOrange);
+    const int step = map.step();
+    ASSERT_GE(step, 2);
+    EXPECT_EQ(map.width(), width / step);
+    EXPECT_EQ(map.height(), height / step);
+    EXPECT_LE(map.width() * map.height(), EvidenceMap::kCells) << width << " x " << height;
+    EXPECT_TRUE(step == 2 || (width / (step - 1)) * (height / (step - 1)) > EvidenceMap::kCells);
+  }
+}
+
+// Cells of two pixels, the mean of the square around each, the picture's colour asked for both.
+TEST(EvidenceMap, IsThatOfEachCellsColourAndOfTheMeanAroundIt) {
+  EvidenceMap map;
+  const PictureColor color{kOrange};
+  for_all(10, [&](Rng& rng) {
+    const Picture picture{any_picture(rng)};
+    const Image& image = picture.image;
+    map.fill(image, color);
+    const int width = map.width(), height = map.height(),
+              radius = std::clamp(std::min(width, height) / 16, 5, 100);
+    const auto middle = [](int a, int b) { return static_cast<std::uint8_t>((a + b + 1) / 2); };
+    const auto cell = [&](int x, int y) -> Yuv {
+      const Yuv a = image.at(2 * x, 2 * y), b = image.at(2 * x + 1, 2 * y + 1);
+      return {middle(a.y, b.y), middle(a.u, b.u), middle(a.v, b.v)};
+    };
+    for (int k = 0; k < 200; ++k) {
+      const int x = rng.uniform_index(width), y = rng.uniform_index(height);
+      int count = 0;
+      std::array<double, 3> sum{};
+      for (int j = std::max(0, y - radius); j <= std::min(height - 1, y + radius); ++j)
+        for (int i = std::max(0, x - radius); i <= std::min(width - 1, x + radius); ++i) {
+          const Yuv c = cell(i, j);
+          sum[0] += c.y, sum[1] += c.u, sum[2] += c.v, ++count;
+        }
+      const Yuv around = map.around(2 * x, 2 * y);
+      ASSERT_NEAR(around.y, sum[0] / count, 0.51) << x << ", " << y;
+      ASSERT_NEAR(around.u, sum[1] / count, 0.51) << x << ", " << y;
+      ASSERT_NEAR(around.v, sum[2] / count, 0.51) << x << ", " << y;
+      const int evidence =
+          std::clamp(color.evidence(cell(x, y), around), -EvidenceMap::kLimit, EvidenceMap::kLimit);
+      ASSERT_EQ(map.at(x, y), evidence) << x << ", " << y;
+      ASSERT_EQ(map.cells()[y * width + x], evidence) << x << ", " << y;
+    }
+  });
+}
+
+TEST(EvidenceMap, ABarSpeaksForTheGateAndTheWallAgainstIt) {
+  Canvas canvas{320, 160};
+  canvas.paint(150, 156, 20, 140, kPaint);
+  const Picture picture{canvas};
+  const PictureColor color{kOrange};
+  EvidenceMap map;
+  map.fill(picture.image, color);
+  for (int y = 12; y < 68; ++y) {
+    EXPECT_GE(map.at(76, y), 16) << "a nat";
+    EXPECT_LT(map.at(30, y), 0);
+    EXPECT_LT(map.at(130, y), 0);
+    EXPECT_GE(map.at_pixel(picture.image, color, 152, 2 * y), 16);
+    EXPECT_LT(map.at_pixel(picture.image, color, 60, 2 * y), 0);
+  }
+}
+
+TEST(EvidenceMap, OutsideThereIsNoneOfAGate) {
+  Canvas canvas{40, 30};
+  canvas.fill(kPaint);
+  const Picture picture{canvas};
+  const PictureColor color{kOrange};
+  EvidenceMap map;
+  map.fill(picture.image, color);
+  for (const auto& [x, y] : {std::pair{-1, 3}, {3, -1}, {20, 3}, {3, 15}, {-1000, 1000}})
+    EXPECT_EQ(map.at(x, y), EvidenceMap::kOutside) << x << ", " << y;
+  for (const auto& [u, v] : {std::pair{-1, 3}, {3, -1}, {40, 3}, {3, 30}})
+    EXPECT_EQ(map.at_pixel(picture.image, color, u, v), EvidenceMap::kOutside) << u << ", " << v;
+  EXPECT_NE(map.at(19, 14), EvidenceMap::kOutside);
+}
+
+TEST(EvidenceMap, APictureWithoutACellIsAnEmptyMap) {
+  const PictureColor color{kOrange};
+  EvidenceMap map;
+  const Picture first{Canvas{40, 30}};
+  map.fill(first.image, color);
+  const Picture thin{Canvas{1, 100}};
+  for (const Image& image : {Image{}, thin.image}) {
+    map.fill(image, color);
+    EXPECT_EQ(map.width(), 0);
+    EXPECT_EQ(map.height(), 0);
+    EXPECT_EQ(map.at(0, 0), EvidenceMap::kOutside);
+    EXPECT_EQ(map.at_pixel(image, color, 0, 0), EvidenceMap::kOutside);
+  }
+}
+
+TEST(EvidenceMap, WhatWasReadBeforeLeavesNoTrace) {
+  EvidenceMap used;
+  for_all(10, [&](Rng& rng) {
+    const Picture before{any_picture(rng)}, picture{any_picture(rng)};
+    used.fill(before.image, kOrange);
+    used.fill(picture.image, kOrange);
+    EvidenceMap fresh;
+    fresh.fill(picture.image, kOrange);
+    ASSERT_EQ(used.width(), fresh.width());
+    for (int k = 0; k < fresh.width() * fresh.height(); ++k)
+      ASSERT_EQ(used.cells()[k], fresh.cells()[k]) << k;
+  });
+}
+
+}  // namespace
+}  // namespace gatefly
