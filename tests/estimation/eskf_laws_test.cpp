@@ -236,6 +236,26 @@ TEST(EskfGate, JacobianOfBarsMatchesCentralDifferencesOnThem) {
   });
 }
 
+// Whoever looks from either side sees the face that is nearer.
+TEST(EskfGate, ABoardIsAGateHalfItsDepthNearer) {
+  constexpr double kNear = 0.13;
+  for_all(50, [](Rng& rng) {
+    for (const bool bars : {false, true})
+      for (const bool behind : {false, true}) {
+        const Nominal x = any_view(rng);
+        GateSight sight = sight_from(x, GateSight::Quality::kPart, bars);
+        sight.behind = behind;
+        Nominal nearer = x;
+        nearer.gates[0].p_EG -= (behind ? -kNear : kNear) * rotation_z(x.gates[0].yaw_EG).col(0);
+        const GateShape board{kGate.side, kGate.bar, kNear};
+        const auto rows = gate_rows(x, sight, board, 0.003, false, kCamera, {});
+        const auto same = gate_rows(nearer, sight, kGate, 0.003, false, kCamera, {});
+        ASSERT_TRUE(rows && same);
+        EXPECT_THAT(rows->residual, IsNear(same->residual, 1e-12));
+      }
+  });
+}
+
 TEST(EskfGate, ACorrectionBringsTheBeliefTowardsWhatWasSeenAndIsMoreCertain) {
   for_all(50, [](Rng& rng) {
     Nominal truth = any_view(rng);

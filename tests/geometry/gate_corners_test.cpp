@@ -15,5 +15,16 @@ TEST(GateCorners, RunClockwiseFromTopLeftForWhoFliesThroughTheGate) {
   EXPECT_EQ(corners[3], Eigen::Vector3d(0, -0.7, 0.7)) << "bottom left";
 }
 
+TEST(NearFace, IsHalfTheDepthOfBoardsAndNothingOfThinBars) {
+  EXPECT_DOUBLE_EQ(near_face(2.7, 0.6, 0.26), 0.13);
+  EXPECT_DOUBLE_EQ(near_face(1.0, 0.05, 0.05), 0.0);
+  EXPECT_DOUBLE_EQ(near_face(1.0, 0.15, 0.15), 0.0) << "Washington's bars";
+}
+
+TEST(NearFace, NobodySaysHowDeepBarsAreSoTheyAreSquareAndBoardsThinner) {
+  EXPECT_DOUBLE_EQ(usual_depth(0.05), 0.05);
+  EXPECT_DOUBLE_EQ(usual_depth(0.6), 0.10);
+}
+
 }  // namespace
 }  // namespace gatefly

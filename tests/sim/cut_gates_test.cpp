@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
 #include "gatefly/sim/solids.hpp"
@@ -45,6 +46,24 @@ TEST(CutKind, NamesThePairsOfCorners) {
   EXPECT_EQ(cut_kind({true, true, false, true}), CutKind::kThree);
   EXPECT_FALSE(cut_kind({true, true, true, true}));
   EXPECT_FALSE(cut_kind({false, true, false, false}));
+}
+
+// From the front and from behind.
+TEST(GatesInView, CornersOfBoardsAreThoseOfTheFaceThatShows) {
+  for (const double yaw : {0.0, kPi}) {
+    WideHall deep{8.0}, nearer{7.87};
+    deep.world.gates[0].yaw_EG = nearer.world.gates[0].yaw_EG = yaw;
+    deep.world.gates[0].depth = 0.26, nearer.world.gates[0].depth = 0.0;
+    const GateView board = deep.view(), paper = nearer.view();
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_NEAR((board.corners_px[i] - paper.corners_px[i]).norm(), 0.0, 1e-9) << yaw;
+  }
+  WideHall thin{4.0}, same{4.0};
+  thin.world.gates[0].side = same.world.gates[0].side = 1.0;
+  thin.world.gates[0].bar = same.world.gates[0].bar = 0.05;
+  same.world.gates[0].depth = 0.2;
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(thin.view().corners_px[i], same.view().corners_px[i]) << "on their axes";
 }
 
 // A camera tilted up loses the lower corners first: the outer ones before those of the opening.

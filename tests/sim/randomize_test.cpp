@@ -44,11 +44,20 @@ void put_color(Numbers& numbers, const std::string& name, const Eigen::Vector3d&
 /// then a draw may change it, and this list has to know.
 Numbers numbers_of(const SimConfig& config) {
   Numbers n;
-  const auto& [world, vehicle, sensors, camera, light, ideal_vision, start, wind, faults, seed,
-               cache_dir, bake_threads] = config;
+  const auto& [world, vehicle, sensors, autopilot, camera, light, ideal_vision, start, wind, faults,
+               seed, cache_dir, bake_threads] = config;
   put(n, "seed", static_cast<double>(seed));
   put(n, "bake_threads", bake_threads);
   put(n, "ideal_vision.outliers", ideal_vision.outliers);
+  {
+    const auto& [takes, hz, delay, delay_jitter, smoothing_hz, gain, angle_gain, most_angle,
+                 rc_rate, super_rate, rc_expo, throttle_mid, throttle_expo] = autopilot;
+    put(n, "set_points",
+        std::array{static_cast<double>(takes), hz, delay, delay_jitter, smoothing_hz, gain,
+                   angle_gain, most_angle});
+    put(n, "rc_rate", rc_rate), put(n, "super_rate", super_rate), put(n, "rc_expo", rc_expo);
+    put(n, "throttle", std::array{double(throttle_mid), double(throttle_expo)});
+  }
   {
     const auto& [look, room_size, room_center, gates, false_gates, paint, obstacles, decoys,
                  people] = world;
@@ -59,12 +68,14 @@ Numbers numbers_of(const SimConfig& config) {
     put(n, "decoys", static_cast<double>(decoys.size()));
     put(n, "people", static_cast<double>(people.size()));
     for (std::size_t i = 0; i < gates.size(); ++i) {
-      const auto& [p_EG, yaw_EG, side, bar, color, sought, missing, hidden_beyond] = gates[i];
+      const auto& [p_EG, yaw_EG, side, bar, color, sought, missing, hidden_beyond, depth] =
+          gates[i];
       const std::string name = "gate" + std::to_string(i);
       put(n, name + ".p_EG", p_EG);
       put(n, name + ".yaw_EG", yaw_EG);
       put(n, name + ".side", side);
       put(n, name + ".bar", bar);
+      put(n, name + ".depth", depth);
       put_color(n, name, color);
       put(n, name + ".there", std::array{sought ? 1.0 : 0.0, missing ? 1.0 : 0.0, hidden_beyond});
     }
