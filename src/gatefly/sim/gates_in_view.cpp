@@ -54,7 +54,9 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
   if (std::abs(depth) < kEdgeOn) return std::nullopt;
   const double right = depth > 0.0 ? 0.5 : -0.5;  // from behind left is right
   const double ahead = near_face(gate.side, gate.bar, gate.depth);
-  const Eigen::Vector3d face_E = gate.p_EG - std::copysign(ahead, depth) * R_EG.col(0);
+  // Seen so much from the side that its own boards hide the middle of its edge, a corner is no corner.
+  const Eigen::Vector3d to_middle_E = std::copysign(ahead, depth) * R_EG.col(0),
+                        face_E = gate.p_EG - to_middle_E;
   auto corners_G = gate_corners_G(1.0);
   if (depth < 0.0) std::swap(corners_G[0], corners_G[1]), std::swap(corners_G[2], corners_G[3]);
   std::array<bool, 4> seen{}, above{};
@@ -64,12 +66,13 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
     if (!px) continue;
     view.corners_px[i] = *px, view.drawn[i] = true;
     above[i] = px->y() < 0.0;
-    seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E);
+    seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E + to_middle_E);
   }
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d inner_E = face_E + (gate.side - 2.0 * gate.bar) * (R_EG * corners_G[i]);
     const auto px = exposure.project(inner_E);
-    view.inner_seen[i] = px && exposure.inside(*px) && in_sight(sight, eye_E, inner_E);
+    view.inner_seen[i] =
+        px && exposure.inside(*px) && in_sight(sight, eye_E, inner_E + to_middle_E);
   }
   view.side_px = exposure.px_per_radian() * gate.side / view.distance;
   view.seen = seen;
