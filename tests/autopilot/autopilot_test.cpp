@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands between a pilot and its rotors: how late, how smooth, how fast, and by which curves.
+// An autopilot between a pilot and its rotors: how late, how smooth, how fast, and by which curves.
 #include "gatefly/autopilot/autopilot.hpp"
 
 #include <algorithm>

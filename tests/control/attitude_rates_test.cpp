@@ -32,7 +32,7 @@ struct Obeying {
   }
 };
 
-/// What a step of 20° overshoots by, as a part of it.
+/// Overshoot of a step of 20°, as a part of it.
 double overshoot(const RateParams& params, double dead, double lag) {
   AttitudeRates rates{params, 2.8};
   Obeying drone{.dead = dead, .lag = lag, .on_their_way = {}, .rate = Vector3d::Zero(), .q = {}};

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/draw_gate.hpp"
+#include "support/for_all.hpp"
 
 namespace gatefly {
 namespace {
@@ -46,6 +47,25 @@ TEST(BarFinder, ACurveFollowsABentBarWhereItsLineCannot) {
     off_line = std::max(off_line, std::abs(bars[0].x(v) - x(v)));
   }
   EXPECT_GT(off_line, 4.0);
+}
+
+// Every second pixel of every eighth row is read: a middle is good to a sample, an end to a row of
+// them and the height of a pixel.
+TEST(BarFinder, ADrawnBarIsFoundFromEndToEnd) {
+  for_all(100, [](Rng& rng) {
+    const double slope = rng.uniform(-0.3, 0.3), at_80 = rng.uniform(60.0, 250.0);
+    const int top = static_cast<int>(rng.uniform(0.0, 50.0)),
+              bottom = static_cast<int>(rng.uniform(110.0, 160.0));
+    const auto x = [&](double v) { return at_80 + slope * (v - 80.0); };
+    Canvas canvas{315, 160};
+    draw_bar(canvas, top, bottom, x);
+    const BarFinder::Bars bars = bars_in(canvas);
+    ASSERT_EQ(bars.size(), 1u);
+    EXPECT_NEAR(bars[0].top, top, 9.0);
+    EXPECT_NEAR(bars[0].bottom, bottom - 1, 9.0);
+    for (double v = bars[0].top; v <= bars[0].bottom; v += 8.0)
+      EXPECT_NEAR(bars[0].x(v), x(v), 2.0) << v;
+  });
 }
 
 TEST(BarFinder, ALongerBarIsStronger) {

@@ -34,7 +34,7 @@ struct Level {
   [[nodiscard]] std::size_t cell(int x, int y) const {
     return static_cast<std::size_t>((y + kMargin) * width + x + kMargin);
   }
-  /// Of a side around place i.
+  /// Sum of a side's samples around place i.
   [[nodiscard]] int sum(std::ptrdiff_t i, const FrameLattice::Side& side) const {
     int sum = 0;
     for (const CellStep& s : side.samples)

@@ -236,7 +236,7 @@ TEST(EskfGate, JacobianOfBarsMatchesCentralDifferencesOnThem) {
   });
 }
 
-// Whoever looks from either side sees the face that is nearer.
+// From either side the nearer face is seen.
 TEST(EskfGate, ABoardIsAGateHalfItsDepthNearer) {
   constexpr double kNear = 0.13;
   for_all(50, [](Rng& rng) {

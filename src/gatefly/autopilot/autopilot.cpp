@@ -89,7 +89,7 @@ void Autopilot::level(const Imu& imu, double dt) {
   up_B_.normalize();
 }
 
-/// What the smoothed sticks ask of the rate loop [rad/s].
+// The rates that the smoothed sticks ask for [rad/s].
 Eigen::Vector3d Autopilot::wanted_rates(const Eigen::Vector4d& smoothed) const {
   Eigen::Vector3d rates = smoothed.head<3>();
   if (truth_.takes == sim::AutopilotTruth::Takes::kAngles)
@@ -97,7 +97,7 @@ Eigen::Vector3d Autopilot::wanted_rates(const Eigen::Vector4d& smoothed) const {
   return rates;
 }
 
-/// The differences count: where a rotor is at its limit the throttle gives way.
+// The differences count: where a rotor is at its limit the throttle gives way.
 std::array<double, 4> Autopilot::mixed(const Eigen::Vector3d& turn, double throttle) const {
   const Eigen::Vector3d part = turn.cwiseQuotient(turn_per_throttle_);
   constexpr std::array<double, 4> kRoll{1, -1, -1, 1}, kPitch{1, 1, -1, -1}, kYaw{-1, 1, -1, 1};

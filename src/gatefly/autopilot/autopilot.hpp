@@ -13,7 +13,7 @@
 
 namespace gatefly::autopilot {
 
-/// What a companion sends: sticks, and whether the motors may turn.
+/// A set point as a companion sends it: sticks, and whether the motors may turn.
 struct SetPoint {
   msp::Sticks sticks = msp::kNeutral;
   bool armed = false;

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/autopilot/companion.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace gatefly::autopilot {
 
 Companion::Companion(const sim::AutopilotTruth& truth, double max_rotor_speed, std::uint64_t seed)
     : truth_{truth},
       curves_{truth},
       max_rotor_speed_{max_rotor_speed},
-      lateness_{seed, "autopilot link"} {}
+      line_{truth.hz, truth.delay, truth.delay_jitter, {seed, "autopilot link"}} {}
 
 SetPoint Companion::set_point(const Wish& wish) const {
   SetPoint s;
@@ -26,16 +23,8 @@ SetPoint Companion::set_point(const Wish& wish) const {
 }
 
 const SetPoint& Companion::pass_on(const Wish& wish, double time) {
-  if (!next_ || time >= *next_) {
-    next_ = next_.value_or(time) + 1.0 / truth_.hz;
-    const double late = truth_.delay + std::abs(lateness_.normal_cut(truth_.delay_jitter));
-    last_arrival_ = std::max(last_arrival_, time + late);
-    on_their_way_.push_back({set_point(wish), last_arrival_});
-  }
-  while (!on_their_way_.empty() && time >= on_their_way_.front().arrival) {
-    arrived_ = on_their_way_.front().set_point;
-    on_their_way_.pop_front();
-  }
+  if (line_.is_due(time)) line_.send(set_point(wish), time);
+  while (const auto next = line_.arrived(time)) arrived_ = *next;
   return arrived_;
 }
 

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <deque>
-#include <optional>
 
 #include <Eigen/Core>
 
 #include "gatefly/autopilot/autopilot.hpp"
-#include "gatefly/sim/random.hpp"
+#include "gatefly/sim/late_line.hpp"
 #include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::autopilot {
 
-/// What a pilot wants of an autopilot, in SI.
+/// A pilot's request to an autopilot, in SI units.
 struct Wish {
   double roll = 0.0, pitch = 0.0;  ///< [rad]
   Eigen::Vector3d rates_B =
@@ -33,19 +30,12 @@ class Companion {
   const SetPoint& pass_on(const Wish& wish, double time);
 
  private:
-  struct Sent {
-    SetPoint set_point;
-    double arrival = 0.0;  ///< [s]
-  };
   [[nodiscard]] SetPoint set_point(const Wish& wish) const;
 
   sim::AutopilotTruth truth_;
   StickCurves curves_;
   double max_rotor_speed_;
-  sim::Stream lateness_;
-  std::optional<double> next_;  ///< When the next one is sent [s].
-  std::deque<Sent> on_their_way_;
-  double last_arrival_ = 0.0;  ///< [s]
+  sim::LateLine<SetPoint> line_;
   SetPoint arrived_;
 };
 

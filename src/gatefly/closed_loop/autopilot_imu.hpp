@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <deque>
 #include <optional>
 
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/sensing/imu.hpp"
-#include "gatefly/sim/random.hpp"
+#include "gatefly/sim/late_line.hpp"
 #include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::closed_loop {
@@ -22,31 +19,16 @@ class AutopilotImu {
   AutopilotImu(const sim::SensorTruth& truth, std::uint64_t seed)
       : gyro_{low_pass(truth.autopilot_gyro_cutoff, truth.imu_hz)},
         accel_{low_pass(truth.autopilot_accel_cutoff, truth.imu_hz)},
-        period_{1.0 / truth.autopilot_imu_hz},
-        jitter_{truth.autopilot_imu_jitter},
-        lateness_{seed, "autopilot imu"} {}
+        line_{truth.autopilot_imu_hz, 0.0, truth.autopilot_imu_jitter, {seed, "autopilot imu"}} {}
 
   /// One sample of the IMU, at `time` [s]. @return what arrives at the estimator now, if anything.
   [[nodiscard]] std::optional<Imu> pass_on(const Imu& imu, double time) {
     const Imu filtered = this->filtered(imu);
-    if (!next_ || time >= *next_) {
-      next_ = next_.value_or(time) + period_;
-      const double arrival = time + std::abs(lateness_.normal_cut(jitter_));
-      last_arrival_ = std::max(last_arrival_, arrival);
-      on_their_way_.push_back({filtered, last_arrival_});
-    }
-    if (on_their_way_.empty() || time < on_their_way_.front().arrival) return std::nullopt;
-    const Imu arrived = on_their_way_.front().imu;
-    on_their_way_.pop_front();
-    return arrived;
+    if (line_.is_due(time)) line_.send(filtered, time);
+    return line_.arrived(time);
   }
 
  private:
-  struct Sent {
-    Imu imu;
-    double arrival = 0.0;  ///< [s]
-  };
-
   [[nodiscard]] static std::optional<LowPass> low_pass(double cutoff_hz, double imu_hz) {
     if (!(cutoff_hz > 0.0)) return std::nullopt;
     return LowPass{cutoff_hz, imu_hz};
@@ -60,11 +42,7 @@ class AutopilotImu {
   }
 
   std::optional<LowPass> gyro_, accel_;
-  double period_, jitter_;  ///< [s]
-  sim::Stream lateness_;
-  std::optional<double> next_;  ///< When the next one is taken [s].
-  std::deque<Sent> on_their_way_;
-  double last_arrival_ = 0.0;  ///< Of those that were taken [s].
+  sim::LateLine<Imu> line_;
 };
 
 }  // namespace gatefly::closed_loop

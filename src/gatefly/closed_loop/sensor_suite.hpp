@@ -118,7 +118,7 @@ class SensorSuite {
     sensors.time = faults_.stamp(now);
     sensors.imu = own_imu_ = faults_.broken(imu_.measure(state, dt), now);
     if (autopilot_) sensors.navigation_imu = autopilot_->pass_on(sensors.imu, now);
-    // Who flies by way of an autopilot has no IMU but the one that is handed on.
+    // A pilot that flies by way of an autopilot has only the IMU that is handed on.
     if (sensors.navigation_imu) handed_on_ = *sensors.navigation_imu;
     if (by_way_) sensors.imu = handed_on_;
     if (tick % sonar_every_ == 0)

@@ -67,11 +67,11 @@ Output output_of(const std::string& name) {
                                    : Output::kMotors;
 }
 
-sim::AutopilotTruth::Takes taken_by_autopilot(const std::string& output) {
+sim::AutopilotTruth::Takes taken_by_autopilot(Output output) {
   using Takes = sim::AutopilotTruth::Takes;
-  return output == "attitude_thrust" ? Takes::kAngles
-         : output == "rates_thrust"  ? Takes::kRates
-                                     : Takes::kNone;
+  return output == Output::kAttitudeThrust ? Takes::kAngles
+         : output == Output::kRatesThrust  ? Takes::kRates
+                                           : Takes::kNone;
 }
 
 /// As a camera shows an albedo in white light: sRGB.
@@ -205,7 +205,7 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
                     .imaging = config.sim.imaging};
   nominal.sensors = config.sim.sensors;
   nominal.autopilot = config.sim.autopilot;
-  nominal.autopilot.takes = taken_by_autopilot(config.output);
+  nominal.autopilot.takes = taken_by_autopilot(output_of(config.output));
   nominal.wind = config.sim.wind;
   nominal.sensors.camera_hz = camera.rate_hz;
   nominal.sensors.camera_latency = camera.latency;

@@ -42,7 +42,7 @@ struct IndiParams {
   double max_effectiveness_ratio = 3.0;
 };
 
-/// What leaves the pilot.
+/// The pilot's output: to rotors, or to an autopilot.
 enum class Output {
   kMotors,          ///< Rotor speeds, by Indi.
   kAttitudeThrust,  ///< Roll, pitch, yaw rate and thrust, for an autopilot that holds angles.

@@ -39,6 +39,18 @@ Bar joined(const Bar& a, const Bar& b, int stride) {
   return bar;
 }
 
+// Joins the first two pieces that go on in each other; false: there are none.
+bool join_two(BarFinder::Bars& bars, int stride) {
+  for (Bar& bar : bars)
+    for (Bar& other : bars) {
+      if (&bar == &other || !goes_on(bar, other, stride)) continue;
+      bar = joined(bar, other, stride);
+      other = bars.back(), bars.pop_back();
+      return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 Eigen::Vector2d beyond(const Bar& bar, double y) {
@@ -47,14 +59,8 @@ Eigen::Vector2d beyond(const Bar& bar, double y) {
 }
 
 void join_pieces(BarFinder::Bars& bars, int stride) {
-  for (std::size_t i = 0; i < bars.size(); ++i)
-    for (std::size_t j = 0; j < bars.size(); ++j) {
-      if (i == j || !goes_on(bars[i], bars[j], stride)) continue;
-      bars[i] = joined(bars[i], bars[j], stride);
-      bars[j] = bars.back(), bars.pop_back();
-      // All over again: the last one took a place that may have been looked at.
-      i = 0, j = static_cast<std::size_t>(-1);
-    }
+  while (join_two(bars, stride)) {
+  }
 }
 
 }  // namespace gatefly
