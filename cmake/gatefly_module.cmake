@@ -9,7 +9,7 @@ include(gatefly_precompiled)
 # not listed here. Sources and headers are found by name, in subfolders, too.
 #
 # COLD: no time is spent in here, only wasted on optimising it.
-# TOGETHER: the first flight waits for it to be compiled: gatefly_compiled_together().
+# TOGETHER: somebody waits for it to be compiled, on the first flight or for the tests: gatefly_compiled_together().
 # INSTALLED_WITH: which of the two installed libraries it is part of: the flight code, or what reads its files.
 # PUBLIC: headers that are installed. The others are internal: nothing public includes them, and they change as they like.
 function(gatefly_module name)

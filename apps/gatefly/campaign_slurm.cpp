@@ -32,7 +32,7 @@ fs::path shard_folder(const fs::path& folder, std::uint64_t index, std::uint64_t
   return folder / (std::to_string(index) + "of" + std::to_string(count));
 }
 
-std::string program() { return fs::read_symlink("/proc/self/exe").string(); }
+std::string program() { return sibling(kProgram).string(); }
 
 /// The array job: Slurm gives each task its number.
 std::string shards_script(const SlurmCampaign& campaign, const fs::path& folder) {

@@ -21,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-/// What the other program prints; "" when it fails.
-std::string said_by_laboratory(const std::string& arguments) {
+/// What another program prints; "" when it fails.
+std::string said_by(const char* program, const std::string& arguments) {
   std::string path;
-  for (const char c : laboratory_program().string()) path += c == '\'' ? "'\\''" : std::string{c};
+  for (const char c : sibling(program).string()) path += c == '\'' ? "'\\''" : std::string{c};
   FILE* const pipe = popen(("'" + path + "' " + arguments + " 2>/dev/null").c_str(), "r");
   if (pipe == nullptr) return "";
   std::string said;
@@ -84,15 +84,19 @@ std::vector<CommandInfo> whole_tree(std::vector<CommandInfo> here) {
                         [&](const CommandHere& each) { return each.name == command.name; });
   };
   if (std::none_of(here.begin(), here.end(), is_elsewhere)) return here;
-  const std::string said = said_by_laboratory(kPrintCommands);
-  if (said.empty())
-    throw std::runtime_error(laboratory_program().string() +
-                             ": is not there, or of another version; build it, or start gatefly by "
-                             "./gatefly");
-  for (const ordered_json& json : ordered_json::parse(said)) {
-    const CommandInfo told = command_of(json);
-    for (CommandInfo& command : here)
-      if (command.name == told.name && is_elsewhere(command)) command = told;
+  const auto self = fs::read_symlink("/proc/self/exe");
+  for (const char* const program : {kProgram, kTools, kLaboratory}) {
+    if (sibling(program) == self) continue;
+    const std::string said = said_by(program, kPrintCommands);
+    if (said.empty())
+      throw std::runtime_error(sibling(program).string() +
+                               ": is not there, or of another version; build it, or start gatefly "
+                               "by ./gatefly");
+    for (const ordered_json& json : ordered_json::parse(said)) {
+      const CommandInfo told = command_of(json);
+      for (CommandInfo& command : here)
+        if (command.name == told.name && is_elsewhere(command)) command = told;
+    }
   }
   return here;
 }
@@ -108,7 +112,7 @@ Words words_for_shells() {
   for (const auto& key : io::randomize_keys()) words.keys.push_back(key.rule.name);
   for (const auto& key : io::fault_keys()) words.keys.push_back(key.rule.name);
   const auto listed =
-      ordered_json::parse(said_by_laboratory("reproduce --list --json"), nullptr, false);
+      ordered_json::parse(said_by(kLaboratory, "reproduce --list --json"), nullptr, false);
   if (listed.is_array())
     for (const ordered_json& experiment : listed) words.experiments.push_back(experiment["name"]);
   return words;

@@ -8,10 +8,10 @@
 
 #include "command_line.hpp"
 
-// The command lines of both programs as one tree, for shells and for the manual page.
+// The command lines of all programs as one tree, for shells and for the manual page.
 namespace gatefly::cli {
 
-/// What `gatefly` asks `gatefly-lab` for.
+/// What one program asks another for.
 inline constexpr const char* kPrintCommands = "--print-commands";
 
 [[nodiscard]] nlohmann::ordered_json as_json(const std::vector<CommandInfo>& commands);
@@ -21,8 +21,8 @@ struct Words {
   std::vector<std::string> tracks, configs, cameras, vehicles, keys, experiments;
 };
 
-/// All commands of gatefly, those of gatefly-lab with their flags: it is asked for them.
-/// @throws std::runtime_error when it is not there.
+/// All commands; the other programs are asked for the flags of theirs.
+/// @throws std::runtime_error when one of them is not there.
 [[nodiscard]] std::vector<CommandInfo> whole_tree(std::vector<CommandInfo> here);
 [[nodiscard]] Words words_for_shells();
 

@@ -58,13 +58,16 @@ struct CommandHere {
   void (*declare)(Command& command);      ///< nullptr: needs the simulator, which was left out.
   const char* laboratory_flag = nullptr;  ///< With this flag it is the laboratory's.
 };
-/// Which these are: commands_of_gatefly.cpp, commands_of_gatefly_lab.cpp. What one flies and looks
-/// with is in `gatefly`; what takes a laboratory's libraries (Ceres, OpenCV) in `gatefly-lab`, which
-/// `gatefly` calls, so that the first flight need not wait for it to be built. Without the simulator
-/// all that is left is in `gatefly`: commands_without_simulator.cpp.
+/// Which these are: commands_of_*.cpp. What flies is in `gatefly`; what looks at flights and pictures,
+/// and flies many, in `gatefly-tools`; what takes a laboratory's libraries (Ceres, OpenCV) in
+/// `gatefly-lab`. Each calls the others, so that the first flight need not wait for them to be built.
+/// Without the simulator all that is left is in `gatefly`: commands_without_simulator.cpp.
 [[nodiscard]] std::span<const CommandHere> commands_here();
-/// Where the other program is, if it is there.
-[[nodiscard]] std::filesystem::path laboratory_program();
+inline constexpr const char* kProgram = "gatefly";
+inline constexpr const char* kTools = "gatefly-tools";
+inline constexpr const char* kLaboratory = "gatefly-lab";
+/// Where a program of this name is, if it is there: beside this one.
+[[nodiscard]] std::filesystem::path sibling(const char* program);
 
 /// Flags that every subcommand has.
 struct CommonOptions : tasks::ConfigArguments {  // --config and --set

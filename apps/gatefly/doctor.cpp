@@ -97,9 +97,9 @@ std::string writable(const fs::path& folder) {
 
 std::string laboratory() {
   if (has_command("calibrate")) return "in this program";
-  const fs::path sibling = fs::read_symlink("/proc/self/exe").parent_path() / "gatefly-lab";
-  if (!fs::exists(sibling)) throw std::runtime_error(sibling.string() + ": is not there");
-  return sibling.string();
+  const fs::path program = sibling(kLaboratory);
+  if (!fs::exists(program)) throw std::runtime_error(program.string() + ": is not there");
+  return program.string();
 }
 
 std::string python_module() {

@@ -61,27 +61,31 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
 struct Listed {
   const char* name;
   const char* help;
+  const char* program;  ///< Where the simulator is: which of the programs has it.
 };
 /// All commands there are, in the order of --help.
 constexpr std::array kCommands{
-    Listed{"fly", "one closed-loop race in the simulator"},
-    Listed{"render", "labelled pictures of a course, from races and from all around"},
-    Listed{"replay", "a recorded flight through the pilot that flies the simulator"},
-    Listed{"detect", "gates in images, folders, or a video"},
-    Listed{"score", "detections against labels"},
-    Listed{"calibrate", "a camera from pictures of a checkerboard or corner lists"},
-    Listed{"tune", "a gate's colours and the detector's threshold, fitted to pictures"},
-    Listed{"campaign", "many seeded races: how often, how fast, and what went wrong"},
-    Listed{"reproduce", "the paper's figures and tables, \"paper | ours\""},
-    Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights"},
-    Listed{"map", "a course as recorded flights have learnt it, with how sure that is"},
-    Listed{"bench", "the stage-by-stage cost, each beside its baseline"},
-    Listed{"new", "a commented track, camera or configuration to start from"},
-    Listed{"track", "checks and draws a course: can it be flown, how long, how fast"},
-    Listed{"view", "shows a flight, a folder of flights or a campaign to the browser"},
-    Listed{"doctor", "what is installed, which data is found, what to do about the rest"},
-    Listed{"config", "every configuration key with value, unit and source"},
-    Listed{"completion", "completes commands in your shell: bash, zsh, fish"},
+    Listed{"fly", "one closed-loop race in the simulator", kProgram},
+    Listed{"render", "labelled pictures of a course, from races and from all around", kTools},
+    Listed{"replay", "a recorded flight through the pilot that flies the simulator", kTools},
+    Listed{"detect", "gates in images, folders, or a video", kTools},
+    Listed{"score", "detections against labels", kTools},
+    Listed{"calibrate", "a camera from pictures of a checkerboard or corner lists", kLaboratory},
+    Listed{"tune", "a gate's colours and the detector's threshold, fitted to pictures",
+           kLaboratory},
+    Listed{"campaign", "many seeded races: how often, how fast, and what went wrong", kTools},
+    Listed{"reproduce", "the paper's figures and tables, \"paper | ours\"", kLaboratory},
+    Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights",
+           kLaboratory},
+    Listed{"map", "a course as recorded flights have learnt it, with how sure that is",
+           kLaboratory},
+    Listed{"bench", "the stage-by-stage cost, each beside its baseline", kLaboratory},
+    Listed{"new", "a commented track, camera or configuration to start from", kTools},
+    Listed{"track", "checks and draws a course: can it be flown, how long, how fast", kTools},
+    Listed{"view", "shows a flight, a folder of flights or a campaign to the browser", kTools},
+    Listed{"doctor", "what is installed, which data is found, what to do about the rest", kProgram},
+    Listed{"config", "every configuration key with value, unit and source", kProgram},
+    Listed{"completion", "completes commands in your shell: bash, zsh, fish", kTools},
 };
 
 constexpr const char* kNoSimulator = "this program was built without the simulator";
@@ -93,15 +97,21 @@ const CommandHere* find_here(std::string_view name) {
   return found == here.end() ? nullptr : &*found;
 }
 
-/// Becomes the sibling program that has this command. Returns only when there is none.
-int call_sibling(const std::string& name, char** argv) {
-  const auto self = std::filesystem::read_symlink("/proc/self/exe"), sibling = laboratory_program();
-  if (self != sibling && std::filesystem::exists(sibling)) execv(sibling.c_str(), argv);
-  std::cerr << "gatefly " << name << ": " << sibling.string()
-            << (std::filesystem::exists(sibling)
+/// Becomes the program that has this command. Returns only when it is not there.
+int call_sibling(const std::string& name, const char* program, char** argv) {
+  const auto self = std::filesystem::read_symlink("/proc/self/exe"), other = sibling(program);
+  if (self != other && std::filesystem::exists(other)) execv(other.c_str(), argv);
+  std::cerr << "gatefly " << name << ": " << other.string()
+            << (std::filesystem::exists(other)
                     ? ": was built without it\n"
                     : ": is not there; build it, or start gatefly by ./gatefly\n");
   return kUnusable;
+}
+
+const char* program_of(std::string_view name) {
+  const auto listed = std::find_if(kCommands.begin(), kCommands.end(),
+                                   [&](const Listed& one) { return one.name == name; });
+  return listed == kCommands.end() ? kProgram : listed->program;
 }
 
 bool is_for_laboratory(const CommandHere& command, std::span<char* const> arguments) {
@@ -143,7 +153,7 @@ int run_command(const Run& run, const std::string& name) {
   return code == kInterrupted ? 128 + interrupting_signal() : code;
 }
 
-/// What the other program asks of this one.
+/// What another program asks of this one.
 void print_commands(const CLI::App& app) {
   std::vector<CommandInfo> here;
   for (CommandInfo& command : commands_of(app))
@@ -161,7 +171,7 @@ int run_main(std::span<char*> given) {
       "Example:\n  gatefly fly showroom --seed 7\n\ngatefly COMMAND --help (or: gatefly help "
       "COMMAND) says more about a command;\ngatefly help --man prints the manual page.");
   Run run;
-  for (const auto& [name, help] : kCommands) {
+  for (const auto& [name, help, program] : kCommands) {
     const CommandHere* here = find_here(name);
     const bool left_out = here != nullptr && here->declare == nullptr;
     Command command{app.add_subcommand(name, left_out ? kNoSimulator : help), run};
@@ -183,8 +193,9 @@ int run_main(std::span<char*> given) {
       return kUnusable;
     }
     const CommandHere* here = find_here(name);
-    if (here == nullptr || is_for_laboratory(*here, arguments))
-      return call_sibling(name, arguments.data());
+    if (here == nullptr) return call_sibling(name, program_of(name), arguments.data());
+    if (is_for_laboratory(*here, arguments))
+      return call_sibling(name, kLaboratory, arguments.data());
     if (here->declare == nullptr) {
       std::cerr << "gatefly " << name << ": " << kNoSimulator << '\n';
       return kUnusable;
@@ -289,8 +300,8 @@ int standard_output_failed(int reason) {
 
 }  // namespace
 
-std::filesystem::path laboratory_program() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "gatefly-lab";
+std::filesystem::path sibling(const char* program) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / program;
 }
 
 }  // namespace gatefly::cli

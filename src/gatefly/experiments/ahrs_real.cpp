@@ -49,7 +49,7 @@ Turns turns(const TurnCourse& course, int seeds) {
         ours.rest(moment.imu, t);
       else
         ours.predict(moment.imu, t);
-      if (t >= next) ours.correct_height(-moment.z, kAltitudeSigma), next = t + kCorrections;
+      if (t >= next) ours.correct_height(-moment.z, kTrialAltitudeSigma), next = t + kCorrections;
       mahony.update(moment.imu, moment.dt);
       const double e = ours.ahrs().attitude().roll - moment.truth.roll,
                    m = mahony.attitude().roll - moment.truth.roll;

@@ -26,7 +26,7 @@ int number_of(const std::string& image) {
 }
 
 /// One picture of a sequence and what was found in it.
-struct Moment {
+struct Sighted {
   std::size_t sequence, place;  ///< Which, and how far along.
   std::size_t picture;          ///< In the set.
   double distance = 0.0;        ///< By the label's area [m]; NaN without a label.
@@ -36,8 +36,8 @@ struct Moment {
   bool shown_hit = false;
 };
 
-std::vector<Moment> moments_of(const LabelledSet& set) {
-  std::vector<Moment> moments;
+std::vector<Sighted> moments_of(const LabelledSet& set) {
+  std::vector<Sighted> moments;
   for (std::size_t s = 0; s < kSequences.size(); ++s) {
     std::size_t place = 0;
     for (std::size_t i = 0; i < set.size(); ++i) {
@@ -59,12 +59,12 @@ bool hit(const io::PictureToScore& picture) {
   return io::score({&picture, 1}, io::Rule::kOverlap70Authors).hits > 0;
 }
 
-void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats,
+void look(const LabelledSet& set, std::vector<Sighted>& moments, int repeats,
           const Options& options) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     if (options.stopped()) throw Stopped{};
     const auto pictures = run_paper(set, {}, repeat);
-    for (Moment& moment : moments) {
+    for (Sighted& moment : moments) {
       const io::PictureToScore& picture = pictures[moment.picture];
       moment.paper_hits += hit(picture);
       if (repeat == 0) moment.shown = picture.detections, moment.shown_hit = hit(picture);
@@ -81,7 +81,7 @@ void look(const LabelledSet& set, std::vector<Moment>& moments, int repeats,
 }
 
 /// A row for each sequence, from far to near: pictures, labels thin, candidates thick.
-io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& moments) {
+io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Sighted>& moments) {
   constexpr int kGap = 10, kCaption = 40, kTop = 84;
   const int width = set.picture(moments.front().picture).width(),
             height = set.picture(moments.front().picture).height();
@@ -91,7 +91,7 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
              "The paper's detector while a gate is approached: label (dashed), found (cyan), found "
              "but no gate (pink)",
              {.size = 36.0, .bold = true});
-  for (const Moment& moment : moments) {
+  for (const Sighted& moment : moments) {
     const io::Box tile{
         .x = kGap + static_cast<double>(moment.place) * (width + kGap),
         .y = kTop + static_cast<double>(moment.sequence) * (height + kCaption + kGap),
@@ -127,7 +127,7 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Moment>& mome
 
 Result approach_sequence(const Options& options) {
   const LabelledSet set(data_folder("tudelft_bebop_gates", options) / "basement32_hq");
-  std::vector<Moment> moments = moments_of(set);
+  std::vector<Sighted> moments = moments_of(set);
   if (moments.empty())
     throw std::runtime_error(
         "basement32_hq/labels.csv: names no picture of img_00111 to img_00145");
@@ -139,7 +139,7 @@ Result approach_sequence(const Options& options) {
                 .csv = "image,distance_m,paper_mode_hits,repeats,flown_mode_hit\n",
                 .picture = contact_sheet(set, moments)};
   auto list = nlohmann::ordered_json::array();
-  for (const Moment& moment : moments) {
+  for (const Sighted& moment : moments) {
     const std::string& image = set.labels.pictures[moment.picture].image;
     result.csv += image + "," +
                   (std::isfinite(moment.distance) ? io::text_of(moment.distance, 4) : "") + "," +
@@ -155,7 +155,7 @@ Result approach_sequence(const Options& options) {
   }
   for (std::size_t s = 0; s < kSequences.size(); ++s) {
     int labelled = 0, hits = 0, flown = 0;
-    for (const Moment& moment : moments)
+    for (const Sighted& moment : moments)
       if (moment.sequence == s && std::isfinite(moment.distance))
         ++labelled, hits += moment.paper_hits, flown += moment.flown_hit;
     result.table.push_back(

@@ -34,6 +34,7 @@ struct TurnCourse {
 [[nodiscard]] std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed);
 
 // What gates would tell while it flies: how often [s], height [m] and heading [rad] how well.
-inline constexpr double kCorrections = 1.0 / 15, kAltitudeSigma = 0.05, kHeadingSigma = 0.05;
+inline constexpr double kCorrections = 1.0 / 15, kTrialAltitudeSigma = 0.05,
+                        kTrialHeadingSigma = 0.05;
 
 }  // namespace gatefly::experiments

@@ -98,20 +98,20 @@ Errors flown(const io::FlightFolder& flight, std::optional<double> heading_offse
   return errors;
 }
 
-struct Flight {
+struct BlindFlight {
   std::string name;
   io::FlightFolder folder;
 };
 
-std::vector<Flight> flights_in(const fs::path& folder) {
-  std::vector<Flight> flights;
+std::vector<BlindFlight> flights_in(const fs::path& folder) {
+  std::vector<BlindFlight> flights;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_directory() && entry.path().filename().string().starts_with("flight_"))
       flights.push_back({entry.path().filename().string(), io::read_flight_folder(entry.path())});
   if (flights.empty())
     throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::sort(flights.begin(), flights.end(),
-            [](const Flight& a, const Flight& b) { return a.name < b.name; });
+            [](const BlindFlight& a, const BlindFlight& b) { return a.name < b.name; });
   return flights;
 }
 
@@ -252,7 +252,8 @@ struct Untold {
 }  // namespace
 
 Result blind_real(const Options& options) {
-  const std::vector<Flight> flights = flights_in(data_folder("tudelft_bebop_flights", options));
+  const std::vector<BlindFlight> flights =
+      flights_in(data_folder("tudelft_bebop_flights", options));
   std::vector<DragFit> fits;
   std::vector<std::size_t> fit_of(flights.size(), flights.size());
   for (std::size_t i = 0; i < flights.size(); ++i) {

@@ -16,7 +16,7 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr double kFalsePerImage = 0.02;  // the threshold of each set
+constexpr double kAllowedInSet = 0.02;  // the threshold of each set
 constexpr std::size_t kWorst = 20;
 
 struct Failure {
@@ -50,7 +50,7 @@ double evidence_along(const OwnSet& set, const Image& image, const Quad& corners
 void add_failures(const OwnSet& set, std::size_t number, std::vector<Failure>& failures) {
   const std::vector<tuning::Judged> judged = judged_by_halves(set, Colors::kLabels);
   const double threshold =
-      tuning::roc_of(judged, set.size(), set.gates()).at(kFalsePerImage).min_score;
+      tuning::roc_of(judged, set.size(), set.gates()).at(kAllowedInSet).min_score;
   std::vector<const tuning::Judged*> best(set.size(), nullptr);
   std::vector<bool> is_hit(set.size(), false);
   for (const tuning::Judged& found : judged) {
@@ -136,7 +136,7 @@ Result detection_failures(const Options& options) {
   });
   Result result{.table = {{"missed gates", "-", std::to_string(misses)},
                           {"false positives", "-", std::to_string(failures.size() - misses)}},
-                .json = {{"allowed_fp_per_image", kFalsePerImage},
+                .json = {{"allowed_fp_per_image", kAllowedInSet},
                          {"missed", misses},
                          {"false_positives", failures.size() - misses}},
                 .csv = "rank,set,image,kind,score,threshold,side_px,aspect,evidence_nats\n",

@@ -32,26 +32,26 @@ struct PaperAxis {
 };
 constexpr std::array<PaperAxis, 2> kPaper{{{-0.040, 0.104}, {-0.011, 0.069}}};
 
-struct Moment {
+struct Instant {
   double t = 0.0;
   Eigen::Vector3d truth, drag, imu15;
   bool blind = false;  ///< No gate corrected the filter in the last 0.3 s.
 };
 
-struct Flight {
-  std::vector<Moment> moments;  ///< From the first fix to the last gate.
+struct Followed {
+  std::vector<Instant> moments;  ///< From the first fix to the last gate.
   std::vector<std::pair<double, Eigen::Vector3d>> fixes;
   bool finished = false;
 };
 
-Flight flown(std::uint64_t seed, closed_loop::Vision vision, const Options& options) {
+Followed flown(std::uint64_t seed, closed_loop::Vision vision, const Options& options) {
   constexpr double kBlind = 0.3;
   auto race = race_on("oval", kLaps, vision, seed, true);
   race.while_baking = [&options] {
     if (options.stopped()) throw Stopped{};
   };
   flight_log::InertialFollower inertial;
-  Flight flight;
+  Followed flight;
   double next = 0.0, last_fix = -1.0;
   const auto result = closed_loop::fly(race, [&](const Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
@@ -122,7 +122,7 @@ io::PlotSeries as_normal(const PaperAxis& paper) {
   return series;
 }
 
-io::Canvas picture_of(const Flight& flight, const Spreads& drag, const Spreads& imu15) {
+io::Canvas picture_of(const Followed& flight, const Spreads& drag, const Spreads& imu15) {
   const auto series = [](const char* name, const io::Color& color, bool line) {
     return io::PlotSeries{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
   };
@@ -151,7 +151,7 @@ io::Canvas picture_of(const Flight& flight, const Spreads& drag, const Spreads& 
         plots[2].series[which].points.emplace_back(t, p.y());
   };
   for (std::size_t i = 0; i < flight.moments.size(); i += 3) {
-    const Moment& m = flight.moments[i];
+    const Instant& m = flight.moments[i];
     point(0, m.t, m.truth), point(2, m.t, m.imu15), point(3, m.t, m.drag);
   }
   for (std::size_t i = 0; i < flight.fixes.size(); i += 3)
@@ -191,7 +191,7 @@ nlohmann::ordered_json json_of(const Spreads& spreads) {
 
 Result ekf_track(const Options& options) {
   const auto vision = options.quick ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
-  std::vector<Flight> flights(options.quick ? 4 : 10);
+  std::vector<Followed> flights(options.quick ? 4 : 10);
   if (!options.quick) flights[0] = flown(1, vision, options);  // the hall's light is computed once
   in_pieces(flights.size(), options, [&](std::size_t i) {
     if (flights[i].moments.empty()) flights[i] = flown(i + 1, vision, options);
@@ -206,7 +206,7 @@ Result ekf_track(const Options& options) {
   int finished = 0;
   for (std::size_t i = 0; i < flights.size(); ++i) {
     finished += flights[i].finished;
-    for (const Moment& m : flights[i].moments) {
+    for (const Instant& m : flights[i].moments) {
       add(drag, m.drag - m.truth), add(imu15, m.imu15 - m.truth);
       if (m.blind) add(drag_blind, m.drag - m.truth), add(imu15_blind, m.imu15 - m.truth);
       result.csv += std::to_string(i + 1) + "," + io::text_of(m.t, 6);

@@ -15,8 +15,9 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr double kAim = 0.02;                                // false positives a picture [ours]
-constexpr std::uint64_t kReported = 3901, kLookedAt = 1001;  // first seeds: in full, quick
+constexpr double kAim = 0.02;  // false positives a picture [ours]
+constexpr std::uint64_t kAlarmsReported = 3901,
+                        kAlarmsLookedAt = 1001;  // first seeds: in full, quick
 constexpr std::array kConfigs{"default", "cyberzoo", "basement", "flights", "washington"};
 constexpr std::array kRealSets{"cyberzoo", "basement580"};
 constexpr std::array kTracks{"exhibition", "showroom", "darkhall"};
@@ -43,7 +44,7 @@ Negatives rendered_ones(const char* track, const Options& options) {
                       .recording = io::Recording::kJpeg,
                       .shake_deg = 4.0,
                       .settings = {}};
-  const TwinOrder order{.first_seed = first_seed(options, kReported, kLookedAt),
+  const TwinOrder order{.first_seed = first_seed(options, kAlarmsReported, kAlarmsLookedAt),
                         .days = 17,
                         .per_day = 10,
                         .without_gates = true};

@@ -53,10 +53,10 @@ FlownAttitude flown_attitude(const std::string& name, const io::FlightFolder& fl
           last_p = *s.true_p_EB;
     if (t >= next) {
       next = t + kCorrections;
-      reference.correct_heading(yaw_of(s), kHeadingSigma);
-      ours.correct_height(-s.true_p_EB->z(), kAltitudeSigma);
+      reference.correct_heading(yaw_of(s), kTrialHeadingSigma);
+      ours.correct_height(-s.true_p_EB->z(), kTrialAltitudeSigma);
       ours.correct_heading(wrap_angle(yaw_of(s) - ours.ahrs().attitude().yaw),
-                           kHeadingSigma * kHeadingSigma);
+                           kTrialHeadingSigma * kTrialHeadingSigma);
     }
     if (i < rows.first) continue;
     const Attitude truth = reference.attitude();

@@ -24,10 +24,11 @@ namespace {
 using closed_loop::RaceResult;
 using closed_loop::Vision;
 
-constexpr std::uint64_t kReported = 2401, kLookedAt = 1401;  // first seeds: in full, quick
-constexpr int kWanted = 3;                                   // flights shown, as in the paper
-constexpr std::size_t kTries = 24, kQuickTries = 4;          // days that are tried for them
-constexpr double kPeriod = 0.05;                             // between samples of a flight [s]
+constexpr std::uint64_t kTrackReported = 2401,
+                        kTrackLookedAt = 1401;       // first seeds: in full, quick
+constexpr int kWanted = 3;                           // flights shown, as in the paper
+constexpr std::size_t kTries = 24, kQuickTries = 4;  // days that are tried for them
+constexpr double kPeriod = 0.05;                     // between samples of a flight [s]
 // The stretch before G2, the longest straight: there the speed is nearest to a steady one.
 constexpr int kLongestTo = 1;
 constexpr double kLastMetres = 2.0;
@@ -48,7 +49,7 @@ std::vector<Contender> contenders() {
 }
 
 /// A day's flight.
-struct Flight {
+struct Race {
   std::uint64_t seed = 0;
   RaceResult result;
   std::vector<double> t;                         ///< [s]
@@ -57,11 +58,11 @@ struct Flight {
   double straight_speed = 0.0;  ///< At the end of the longest straight [m/s].
 };
 
-Flight flown(const Contender& who, std::uint64_t seed, const Options& options) {
+Race flown(const Contender& who, std::uint64_t seed, const Options& options) {
   std::vector<std::string> settings = who.settings;
   settings.emplace_back("randomize.level=none");
   const auto race = race_on("showroom-li18", 0, Vision::kIdeal, seed, false, who.configs, settings);
-  Flight flight{.seed = seed, .result = {}, .t = {}, .truth = {}, .estimate = {}};
+  Race flight{.seed = seed, .result = {}, .t = {}, .truth = {}, .estimate = {}};
   double next = 0.0, sum = 0.0, way = 0.0;
   int count = 0;
   bool last_lap = false;
@@ -88,34 +89,34 @@ Flight flown(const Contender& who, std::uint64_t seed, const Options& options) {
 
 /// Days in order until three flights have finished.
 struct Days {
-  std::vector<Flight> all;
-  [[nodiscard]] std::vector<const Flight*> shown() const {
-    std::vector<const Flight*> good;
-    for (const Flight& flight : all)
+  std::vector<Race> all;
+  [[nodiscard]] std::vector<const Race*> shown() const {
+    std::vector<const Race*> good;
+    for (const Race& flight : all)
       if (flight.result.finished && good.size() < kWanted) good.push_back(&flight);
     return good;
   }
   [[nodiscard]] std::vector<RaceResult> results() const {
     std::vector<RaceResult> list;
-    for (const Flight& flight : all) list.push_back(flight.result);
+    for (const Race& flight : all) list.push_back(flight.result);
     return list;
   }
   [[nodiscard]] int finished() const {
     return static_cast<int>(
-        std::count_if(all.begin(), all.end(), [](const Flight& f) { return f.result.finished; }));
+        std::count_if(all.begin(), all.end(), [](const Race& f) { return f.result.finished; }));
   }
 };
 
 template <class Value>
-double mean_of(const std::vector<const Flight*>& flights, const Value& value) {
+double mean_of(const std::vector<const Race*>& flights, const Value& value) {
   double sum = 0.0;
-  for (const Flight* flight : flights) sum += value(*flight);
+  for (const Race* flight : flights) sum += value(*flight);
   return flights.empty() ? std::nan("") : sum / static_cast<double>(flights.size());
 }
 
-std::string each_of(const std::vector<const Flight*>& flights, int digits, const auto& value) {
+std::string each_of(const std::vector<const Race*>& flights, int digits, const auto& value) {
   std::string text;
-  for (const Flight* flight : flights)
+  for (const Race* flight : flights)
     text += (text.empty() ? "" : ", ") + fixed(value(*flight), digits);
   return text.empty() ? "none" : text;
 }
@@ -123,7 +124,7 @@ std::string each_of(const std::vector<const Flight*>& flights, int digits, const
 constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.estimate};
 
 /// Height over time of the flights shown.
-io::Plot height_plot(const std::string& name, const std::vector<const Flight*>& flights) {
+io::Plot height_plot(const std::string& name, const std::vector<const Race*>& flights) {
   io::Plot plot{
       .title = name + (flights.empty() ? ": no flight to show" : ": height (pale: estimated)"),
       .x_label = "t [s]",
@@ -169,8 +170,8 @@ Result full_track(const Options& options) {
   const std::size_t tries = options.quick ? kQuickTries : kTries;
   for (auto& each : days) each.all.resize(tries);
   in_pieces(who.size() * tries, options, [&](std::size_t i) {
-    days[i / tries].all[i % tries] =
-        flown(who[i / tries], first_seed(options, kReported, kLookedAt) + i % tries, options);
+    days[i / tries].all[i % tries] = flown(
+        who[i / tries], first_seed(options, kTrackReported, kTrackLookedAt) + i % tries, options);
   });
   const Track track = race_on("showroom-li18", 0, Vision::kIdeal, 1).pilot.track;
 
@@ -180,8 +181,8 @@ Result full_track(const Options& options) {
                     "who,seed,finished,gates,cause,time_s,mean_speed_mps,straight_speed_mps,"
                     "lap_length_m,rmse_x_m,rmse_y_m,rmse_z_m\n",
                 .picture = picture_of(who, days, track)};
-  const auto speed = [](const Flight& f) { return f.result.mean_speed; };
-  const auto time = [](const Flight& f) { return f.result.race_time; };
+  const auto speed = [](const Race& f) { return f.result.mean_speed; };
+  const auto time = [](const Race& f) { return f.result.race_time; };
   for (std::size_t i = 0; i < who.size(); ++i) {
     const auto shown = days[i].shown();
     const std::string& name = who[i].name;
@@ -197,18 +198,17 @@ Result full_track(const Options& options) {
       const double steady = kGravity * std::tan(-who[i].pitch) / 0.53;
       result.table.push_back(
           {"  steady g tan θ / |k|; end of the longest straight", fixed(steady, 2) + " m/s",
-           each_of(shown, 2, [](const Flight& f) { return f.straight_speed; }) + " m/s"});
+           each_of(shown, 2, [](const Race& f) { return f.straight_speed; }) + " m/s"});
     }
     result.table.push_back({"  15 gates in", "", each_of(shown, 1, time) + " s"});
-    result.table.push_back(
-        {"  a lap", is_paper ? "41 m, nominal" : "",
-         each_of(shown, 0, [](const Flight& f) { return f.lap_length; }) + " m"});
+    result.table.push_back({"  a lap", is_paper ? "41 m, nominal" : "",
+                            each_of(shown, 0, [](const Race& f) { return f.lap_length; }) + " m"});
     const std::string causes = causes_of(days[i].results());
     if (!causes.empty())
       result.table.push_back(
           {"  the others ended", is_paper ? "crashes at gates 2-5" : "", causes});
     auto list = nlohmann::ordered_json::array();
-    for (const Flight& f : days[i].all) {
+    for (const Race& f : days[i].all) {
       const RaceResult& r = f.result;
       const std::string cause = cause_of(r);
       result.csv += "\"" + name + "\"," + std::to_string(f.seed) + "," + (r.finished ? "1" : "0") +

@@ -12,7 +12,7 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr std::array kFalsePerImage{0.01, 0.02, 0.03, 0.05, 0.1};
+constexpr std::array kAllowed{0.01, 0.02, 0.03, 0.05, 0.1};
 
 struct Model {
   Colors colors;
@@ -57,7 +57,7 @@ std::string paper_text(const std::string& set) {
 nlohmann::ordered_json json_of(const OwnSet& set, const std::vector<tuning::Judged>& judged,
                                const tuning::Roc& roc) {
   auto at = nlohmann::ordered_json::array();
-  for (const double allowed : kFalsePerImage) {
+  for (const double allowed : kAllowed) {
     const tuning::Operating point = roc.at(allowed);
     at.push_back({{"allowed_fp_per_image", allowed},
                   {"tpr", point.true_positive_rate},

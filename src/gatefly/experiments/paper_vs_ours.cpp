@@ -24,7 +24,8 @@ namespace {
 using closed_loop::RaceResult;
 using closed_loop::Vision;
 
-constexpr std::uint64_t kReported = 2801, kLookedAt = 1801;  // first seeds: in full, quick
+constexpr std::uint64_t kComparedReported = 2801,
+                        kComparedLookedAt = 1801;  // first seeds: in full, quick
 constexpr std::size_t kIdeal = 40, kRendered = 10, kQuickIdeal = 4;
 // A section of configs/li18.toml each.
 const std::array<std::string, 4> kBoxes{"detector", "pose", "filter", "control"};
@@ -105,8 +106,9 @@ Campaign campaign_of(const Mixture& mixture, Vision vision, std::size_t days,
   campaign.races.resize(days);
   const auto settings = settings_of(mixture, vision);
   in_pieces(days, options, [&](std::size_t i) {
-    auto race = race_on("showroom-li18", 0, vision, first_seed(options, kReported, kLookedAt) + i,
-                        false, {}, settings);
+    auto race =
+        race_on("showroom-li18", 0, vision,
+                first_seed(options, kComparedReported, kComparedLookedAt) + i, false, {}, settings);
     race.while_baking = [&options] {
       if (options.stopped()) throw Stopped{};
     };
@@ -208,8 +210,8 @@ Result paper_vs_ours(const Options& options) {
     for (std::size_t i = 0; i < c.races.size(); ++i) {
       const RaceResult& r = c.races[i];
       result.csv += row.vision + "," + "\"" + row.mixture.name + "\"," +
-                    std::to_string(first_seed(options, kReported, kLookedAt) + i) + "," +
-                    (r.finished ? "1" : "0") + "," + std::to_string(r.gates_passed) + "," +
+                    std::to_string(first_seed(options, kComparedReported, kComparedLookedAt) + i) +
+                    "," + (r.finished ? "1" : "0") + "," + std::to_string(r.gates_passed) + "," +
                     cause_of(r);
       for (const double v : {r.mean_speed, r.estimation_rmse.x(), r.estimation_rmse.y()})
         result.csv += "," + io::text_of(v, 4);
@@ -226,7 +228,7 @@ Result paper_vs_ours(const Options& options) {
                     {"causes", c.causes()}});
   }
   result.json = {{"track", "showroom-li18"},
-                 {"first_seed", first_seed(options, kReported, kLookedAt)},
+                 {"first_seed", first_seed(options, kComparedReported, kComparedLookedAt)},
                  {"campaigns", list}};
   return result;
 }

@@ -16,7 +16,7 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr std::array<double, 5> kDistances{.30, .63, .97, 1.30, 1.63};
+constexpr std::array<double, 5> kBarDistances{.30, .63, .97, 1.30, 1.63};
 
 /// A line of the figure or of the recomputed table.
 struct Line {
@@ -96,26 +96,26 @@ Errors errors_of(const Line& line, double distance, int trials) {
   return errors;
 }
 
-using Row = std::array<Errors, 5>;
+using LineErrors = std::array<Errors, 5>;
 
-void report(const Line& line, const Row& row, Result& result) {
+void report(const Line& line, const LineErrors& row, Result& result) {
   for (const int axis : {0, 1}) {
     const auto& paper = axis == 0 ? line.paper_x : line.paper_y;
     std::string theirs, ours;
     int good = 0;
     auto points = nlohmann::ordered_json::array();
-    for (std::size_t i = 0; i < kDistances.size(); ++i) {
+    for (std::size_t i = 0; i < kBarDistances.size(); ++i) {
       const double value = row[i].paper.axis(axis), map = row[i].map.axis(axis);
       good += reproduced(value, paper[i]);
       theirs += fixed(paper[i], 4) + " ", ours += fixed(value, 4) + " ";
-      points.push_back({{"distance_m", kDistances[i]},
+      points.push_back({{"distance_m", kBarDistances[i]},
                         {"paper_rmse_m", paper[i]},
                         {"rmse_m", value},
                         {"map_rmse_m", number(map)},
                         {"no_answer", row[i].paper.none},
                         {"map_no_answer", row[i].map.none}});
       result.csv += std::string(line.name) + "," + (axis == 0 ? "x" : "y") + "," +
-                    io::text_of(kDistances[i]) + "," + io::text_of(paper[i]) + "," +
+                    io::text_of(kBarDistances[i]) + "," + io::text_of(paper[i]) + "," +
                     io::text_of(value, 5) + "," + (std::isfinite(map) ? io::text_of(map, 5) : "") +
                     "\n";
     }
@@ -126,7 +126,7 @@ void report(const Line& line, const Row& row, Result& result) {
   }
 }
 
-io::Plot panel(const std::array<Row, 4>& rows, int axis, const std::string& title) {
+io::Plot panel(const std::array<LineErrors, 4>& rows, int axis, const std::string& title) {
   constexpr std::array<io::Color, 4> kColors{io::kLight.found, io::kLight.flown, io::kLight.muted,
                                              io::kLight.gate_solid};
   io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
@@ -136,9 +136,9 @@ io::Plot panel(const std::array<Row, 4>& rows, int axis, const std::string& titl
     io::PlotSeries ours{.name = line.name, .points = {}, .color = kColors[l]};
     io::PlotSeries theirs{
         .name = "", .points = {}, .color = kColors[l], .line = false, .rings = true};
-    for (std::size_t i = 0; i < kDistances.size(); ++i) {
-      ours.points.emplace_back(kDistances[i], rows[l][i].paper.axis(axis));
-      theirs.points.emplace_back(kDistances[i], axis == 0 ? line.paper_x[i] : line.paper_y[i]);
+    for (std::size_t i = 0; i < kBarDistances.size(); ++i) {
+      ours.points.emplace_back(kBarDistances[i], rows[l][i].paper.axis(axis));
+      theirs.points.emplace_back(kBarDistances[i], axis == 0 ? line.paper_x[i] : line.paper_y[i]);
     }
     plot.series.push_back(ours), plot.series.push_back(theirs);
   }
@@ -146,7 +146,7 @@ io::Plot panel(const std::array<Row, 4>& rows, int axis, const std::string& titl
   return plot;
 }
 
-io::Canvas plotted(const std::array<Row, 4>& rows) {
+io::Canvas plotted(const std::array<LineErrors, 4>& rows) {
   return io::draw_sheet(
       std::array{panel(rows, 0, "Position from the two side bars: x, through the gate"),
                  panel(rows, 1, "Position from the two side bars: y, to the right")},
@@ -157,9 +157,9 @@ io::Canvas plotted(const std::array<Row, 4>& rows) {
 
 Result pose_bars(const Options& options) {
   const int trials = options.quick ? 1'000 : 20'000;
-  std::array<Row, 4> rows;
-  in_pieces(rows.size() * kDistances.size(), options, [&](std::size_t i) {
-    rows[i / 5][i % 5] = errors_of(lines()[i / 5], kDistances[i % 5], trials);
+  std::array<LineErrors, 4> rows;
+  in_pieces(rows.size() * kBarDistances.size(), options, [&](std::size_t i) {
+    rows[i / 5][i % 5] = errors_of(lines()[i / 5], kBarDistances[i % 5], trials);
   });
   Result result{.table = {{"RMSE [m] at", "0.30 0.63 0.97 1.30 1.63", "m"}},
                 .json = {{"trials", trials}, {"lines", nlohmann::ordered_json::array()}},

@@ -15,7 +15,7 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
 /// A curve of a figure or a column of a table: one value for each distance, NaN where there is
 /// none.
@@ -77,8 +77,8 @@ std::vector<Curve> curves_as_printed() {
           {"LS y 2.24°", five, {}, 1, {.046, .083, .123, .165, .21, .25}},
           {"LS y 3.87°", fifteen, {}, 1, {.076, .143, .209, .276, .35, .41}},
           {"LS y 15°", poor, {}, 1, {.25, .45, .68, .90, 1.2, 1.4}},
-          {"P3P x", none, kAuthors, 0, Column(6, kNone)},
-          {"P3P y", none, kAuthors, 1, Column(6, kNone)}};
+          {"P3P x", none, kAuthors, 0, Column(6, kNotGiven)},
+          {"P3P y", none, kAuthors, 1, Column(6, kNotGiven)}};
 }
 
 Rmse errors_of(const Curve& curve, double distance, int trials) {
@@ -111,7 +111,7 @@ struct Study {
 
 void run(Study& study, int trials, const Options& options) {
   const std::size_t points = study.distances.size();
-  study.ours.assign(study.curves.size(), Column(points, kNone));
+  study.ours.assign(study.curves.size(), Column(points, kNotGiven));
   in_pieces(study.curves.size() * points, options, [&](std::size_t i) {
     const Curve& curve = study.curves[i / points];
     study.ours[i / points][i % points] =

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kRow = 24.0, kNames = 280.0, kAxis = 860.0, kTop = 92.0, kMargin = 24.0;
+constexpr double kRow = 24.0, kNames = 280.0, kAxis = 860.0, kFirstRow = 92.0, kMargin = 24.0;
 
 void draw_mark(io::Canvas& canvas, const Vector2d& at, const RowMarks& marks) {
   if (marks.bars)
@@ -59,19 +59,19 @@ void draw_cell(io::Canvas& canvas, const io::Box& cell, const UprightPicture& or
 
 io::Canvas draw_rows(const std::string& title, std::span<const std::string> rows,
                      std::span<const RowMarks> marks, double most) {
-  const double bottom = kTop + kRow * static_cast<double>(rows.size());
+  const double bottom = kFirstRow + kRow * static_cast<double>(rows.size());
   io::Canvas canvas(static_cast<int>(kNames + kAxis + 2.0 * kMargin),
                     static_cast<int>(bottom + 2.0 * kMargin));
   canvas.text({kMargin, 32.0}, title, {.size = 18.0, .bold = true});
   draw_legend(canvas, marks);
   for (int tick = 0; tick <= 10; ++tick) {
     const double x = kNames + 0.1 * tick * kAxis;
-    canvas.line({x, kTop - 8.0}, {x, bottom}, {.color = io::kLight.grid, .width = 1.0});
+    canvas.line({x, kFirstRow - 8.0}, {x, bottom}, {.color = io::kLight.grid, .width = 1.0});
     canvas.text({x, bottom + 18.0}, io::text_of(0.1 * tick * most, 2),
                 {.color = io::kLight.muted, .align = io::Align::kCenter});
   }
   for (std::size_t row = 0; row < rows.size(); ++row) {
-    const double y = kTop + kRow * (static_cast<double>(row) + 0.5);
+    const double y = kFirstRow + kRow * (static_cast<double>(row) + 0.5);
     canvas.line({kNames, y}, {kNames + kAxis, y}, {.color = io::kLight.grid, .width = 1.0});
     canvas.text({kNames - 12.0, y + 4.5}, rows[row], {.align = io::Align::kRight});
     for (const RowMarks& kind : marks)

@@ -36,10 +36,10 @@ using Settings = std::vector<PaperDetectorParams>;
 
 /// The authors' point at the same value of what is swept; NaN where they have none.
 RocPoint partner(const std::vector<RocPoint>& authors, double RocPoint::*swept, double value) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   for (const RocPoint& point : authors)
     if (std::abs(point.*swept - value) < 1e-9) return point;
-  return {.tpr = kNone, .fp_per_image = kNone};
+  return {.tpr = kNothing, .fp_per_image = kNothing};
 }
 
 std::vector<RocPoint> measured(const LabelledSet& set, const Settings& settings,

@@ -33,7 +33,7 @@ struct PilotTurn {
   std::optional<Eigen::Vector2d> error_before, error_after;  ///< In the frame of the gate after it.
 };
 
-struct Flight {
+struct ArcFlight {
   std::vector<MotionSample> motion;
   std::vector<PilotTurn> turns;
   std::string end;
@@ -72,8 +72,8 @@ Eigen::Vector2d beside(const sim::WorldGate& gate, const Eigen::Vector3d& p_EB) 
   return (rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG)).head<2>();
 }
 
-Flight flown(const closed_loop::RaceConfig& race, const Options& options) {
-  Flight flight;
+ArcFlight flown(const closed_loop::RaceConfig& race, const Options& options) {
+  ArcFlight flight;
   int tick_number = 0, target_before = 0;
   bool was_turning = false;
   Eigen::Vector2d error = Eigen::Vector2d::Zero();
@@ -148,7 +148,7 @@ SimulatedArcs simulated_arcs(const ArcFlights& flights, const Options& options) 
   in_pieces(answers.size(), options, [&](std::size_t i) {
     const std::uint64_t seed = flights.first_seed + i;
     const closed_loop::RaceConfig race = races.drawn(seed);
-    const Flight flight = flown(race, options);
+    const ArcFlight flight = flown(race, options);
     const std::vector<SmoothSample> motion = smoothed(flight.motion);
     Answer& answer = answers[i];
     answer.end = flight.end;

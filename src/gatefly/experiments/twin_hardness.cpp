@@ -15,8 +15,8 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr std::uint64_t kReported = 3501, kLookedAt = 1001;  // first seeds: in full, quick
-constexpr int kEnough = 20;                                  // real gates that make a bin count
+constexpr std::uint64_t kHardReported = 3501, kHardLookedAt = 1001;  // first seeds: in full, quick
+constexpr int kEnough = 20;           // real gates that make a bin count
 constexpr int kRealRepeats = 4;       // of the paper's detectors on the few real pictures
 constexpr double kRayleigh = 1.1774;  // median of a distance / σ of a coordinate
 
@@ -65,7 +65,7 @@ std::vector<Group> groups() {
 }
 
 TwinOrder order_of(const Group& group, const Options& options) {
-  const std::uint64_t first = first_seed(options, kReported, kLookedAt);
+  const std::uint64_t first = first_seed(options, kHardReported, kHardLookedAt);
   if (options.quick) return {.first_seed = first, .days = 30, .per_day = 20};
   return {.first_seed = first, .days = 100, .per_day = group.rooms.size() > 1 ? 20u : 30u};
 }
@@ -279,8 +279,8 @@ void report_effects(const TwinRoom& room, const Options& options, Result& result
     without.settings.insert(without.settings.end(), effect.settings.begin(), effect.settings.end());
     without.shake_deg *= effect.shake;
     if (effect.kept_better) without.recording = io::Recording::kJpeg;
-    const Pictures pictures =
-        rendered_pictures(without, {.first_seed = kLookedAt, .days = 30, .per_day = 20}, options);
+    const Pictures pictures = rendered_pictures(
+        without, {.first_seed = kHardLookedAt, .days = 30, .per_day = 20}, options);
     std::string text;
     auto json = nlohmann::ordered_json::object();
     for (std::size_t m = 0; m < kTwinModes.size(); ++m) {

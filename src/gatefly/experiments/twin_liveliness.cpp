@@ -25,9 +25,9 @@
 namespace gatefly::experiments {
 namespace {
 
-constexpr std::uint64_t kReported = 2701,
-                        kLookedAt = 1001;  // first seeds, one a flight: in full, quick
-constexpr double kAllowed = 0.30;          // of the real median
+constexpr std::uint64_t kLivelyReported = 2701,
+                        kLivelyLookedAt = 1001;  // first seeds, one a flight: in full, quick
+constexpr double kAllowed = 0.30;                // of the real median
 constexpr int kLapFlights = 4, kLaps = 5, kQuickLaps = 2;
 
 /// One quantity of all flights, real and simulated in the same order.
@@ -182,8 +182,8 @@ io::Plot trace(const LivelyFlight& real, const LivelyFlight& simulated, const st
                  {.name = "simulated", .color = io::kLight.gate_solid, .marks = false}};
   if (wanted)
     plot.series.push_back({.name = "set point", .color = io::kLight.flown, .marks = false});
-  constexpr std::size_t kEvery = 4;
-  for (std::size_t i = real.first; i < real.last; i += kEvery) {
+  constexpr std::size_t kOneIn = 4;
+  for (std::size_t i = real.first; i < real.last; i += kOneIn) {
     plot.series[0].points.emplace_back(real.samples[i].t, of(real, i));
     plot.series[1].points.emplace_back(real.samples[i].t, of(simulated, i));
     if (wanted) plot.series[2].points.emplace_back(real.samples[i].t, wanted(real.samples[i]));
@@ -217,7 +217,7 @@ void add_laps(Comparisons& all, const Options& options) {
       simulated_arcs({.level = "race",
                       .flights = options.quick ? 1 : kLapFlights,
                       .laps = options.quick ? kQuickLaps : kLaps,
-                      .first_seed = first_seed(options, kReported, kLookedAt)},
+                      .first_seed = first_seed(options, kLivelyReported, kLivelyLookedAt)},
                      options);
   for (const bool entry : {true, false}) {
     Quantity& q = all.of(
@@ -244,7 +244,7 @@ Result twin_liveliness(const Options& options) {
     if (options.stopped()) throw Stopped{};
     options.progress(0.8 * static_cast<double>(i) / static_cast<double>(count), flights[i].name);
     const LivelyFlight simulated =
-        flown_again(flights[i], day(first_seed(options, kReported, kLookedAt) + i));
+        flown_again(flights[i], day(first_seed(options, kLivelyReported, kLivelyLookedAt) + i));
     all.add(flights[i], simulated);
     if (i > 0) continue;
     const LivelyFlight& real = flights[i];
@@ -264,7 +264,7 @@ Result twin_liveliness(const Options& options) {
   Result result{.table = {}, .json = {}, .csv = {}, .picture = io::Canvas(1, 1)};
   report(all.quantities(), result);
   result.json["flights"] = count,
-  result.json["first_seed"] = first_seed(options, kReported, kLookedAt);
+  result.json["first_seed"] = first_seed(options, kLivelyReported, kLivelyLookedAt);
   plots.push_back(ratios(all.quantities()));
   result.picture = io::draw_sheet(plots, 2);
   return result;
