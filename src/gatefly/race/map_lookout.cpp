@@ -49,6 +49,7 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
   monitor_.looked(navigator.time());
+  if (course.passed() != passed_) passed_ = course.passed(), target_seen_ = kNever;
   const Eigen::Vector2d size =
       sensors.seen ? Eigen::Vector2d{sensors.seen->image_width, sensors.seen->image_height}
                    : Eigen::Vector2d{sensors.image->width(), sensors.image->height()};
@@ -89,7 +90,6 @@ std::optional<Quad> MapLookout::expected_bars(const View& view) const {
   const Eigen::Matrix3d R_EB = x.R_EB * rotation_of(-ago * x.rate_B);
   const Eigen::Vector3d p_EB = x.p_EB - ago * x.v_E;
   const MapGate& gate = view.course.gate();
-  const Image& image = *view.sensors.image;
   const Eigen::Matrix3d R_EG = rotation_z(filter.target_yaw());
   const auto corners = gate_corners_G(gate.side - gate.bar);
   Quad bars;
@@ -101,8 +101,8 @@ std::optional<Quad> MapLookout::expected_bars(const View& view) const {
     const auto px = p_C.z() > kNearest ? params_.camera.lens.project(p_C) : std::nullopt;
     if (!px) return std::nullopt;
     bars[i] = *px;
-    in_view = in_view || (px->x() >= 0.0 && px->y() >= 0.0 && px->x() <= image.width() - 1.0 &&
-                          px->y() <= image.height() - 1.0);
+    in_view = in_view || ((px->array() >= 0.0).all() &&
+                          (px->array() <= view.picture.size_px.array() - 1.0).all());
   }
   if (!in_view) return std::nullopt;
   return bars;
@@ -159,6 +159,7 @@ void MapLookout::take_whole_gates(const View& view) {
   if (!taken.empty() && navigator.correct({taken.begin(), taken.size()}, of_target)) {
     last_any_ = navigator.time(), refused_ = 0;
     if (!of_target) return;
+    target_seen_ = navigator.time();
     sighting_.source = Sighting::Source::kCorners;
     describe_fix(sighting_.detections[static_cast<std::size_t>(sighting_.used)], view);
   } else if (refused_ >= map_.lost_after && navigator.time() - last_any_ > map_.lost_time) {
@@ -192,7 +193,8 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   stray_.target_seen(target);
 }
 
-// Near the target two corners of any gate are enough, or the target's side bars.
+// Near the target two corners of any gate are enough, or the target's side bars. These do not say whose
+// they are: they count where the target's corners were seen not long ago.
 void MapLookout::take_parts(const View& view) {
   std::optional<GateBars> bars;
   std::optional<GateDetection> cut;
@@ -212,7 +214,7 @@ void MapLookout::take_parts(const View& view) {
                                            map_.max_lower_nis, Sighting::Source::kCorners))
     return;
   sighting_.bars = bars;
-  if (bars)
+  if (bars && view.navigator.time() - target_seen_ < map_.bars_within)
     (void)take_part(view, sight_of(*bars, view.picture), map_.max_bars_nis,
                     Sighting::Source::kBars);
 }
@@ -235,6 +237,7 @@ void MapLookout::take_cut(const View& view, const eskf::GateSight& sight) {
   if (!view.navigator.correct({&seen->sight, 1}, target)) return;
   last_any_ = view.navigator.time(), refused_ = 0;
   if (!target) return;
+  target_seen_ = view.navigator.time();
   sighting_.source = Sighting::Source::kCorners;
   sighting_.nis = seen->innovation.nis, sighting_.nis_dof = seen->innovation.rows;
 }
