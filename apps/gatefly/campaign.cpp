@@ -192,6 +192,7 @@ int compare(const CampaignOptions& options) {
   io::check_output_folder("--out", out);
   io::refuse_foreign_folder(out, "comparison.json", {"comparison", "mcnemar_p", 1 << 20},
                             "choose another --out");
+  catch_interrupt();  // both files or none: it takes no time
   fs::create_directories(out);
   io::write_files(
       std::vector<io::FileContent>{{out / "comparison.json", io::json_text(json)},

@@ -13,6 +13,8 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/pages/campaign_page.hpp"
 
+#include "commands.hpp"
+
 namespace gatefly::cli {
 namespace {
 
@@ -200,10 +202,14 @@ CampaignFolder merged(const fs::path& out, const std::vector<fs::path>& shards) 
                                "; fly the shard it belongs to");
     files.push_back(holder->file_of(seed));
   }
+  catch_interrupt();
   io::PartialFolder folder(out, io::PartialFolder::Grows::kInside, [](const std::string& name) {
     return name == "campaign.json" || name.starts_with("run_");
   });
-  for (const fs::path& file : files) folder.write(file.filename(), io::read_file(file));
+  for (const fs::path& file : files) {
+    stop_if_interrupted();
+    folder.write(file.filename(), io::read_file(file));
+  }
   folder.write("campaign.json", io::json_text(whole.as_json()));
   folder.pour();
   return whole;

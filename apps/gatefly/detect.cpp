@@ -176,14 +176,16 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
 /// Before the work: whether what is drawn of all these files may be.
 void open_drawings(const DetectOptions& options, const std::vector<fs::path>& files,
                    Findings& findings) {
+  const std::vector<io::Output> table{{"--csv", options.csv, {}}};
   if (!options.annotate.empty()) {
     findings.annotated =
-        std::make_unique<Drawings>("--annotate", options.annotate, options.common.force);
+        std::make_unique<Drawings>("--annotate", options.annotate, table, options.common.force);
     for (const fs::path& file : files)
       findings.annotated->check(name_of_drawing(file.filename().string()), io::kOurPng);
   }
   if (options.debug.empty()) return;
-  findings.debugged = std::make_unique<Drawings>("--debug", options.debug, options.common.force);
+  findings.debugged =
+      std::make_unique<Drawings>("--debug", options.debug, table, options.common.force);
   for (const fs::path& file : files) {
     findings.debugged->check(name_of_drawing(file.filename().string()), io::kOurPng);
     findings.debugged->check(name_of_record(file.filename().string()), kSearchJson);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -14,11 +15,13 @@ namespace gatefly::cli {
 /// A folder that is given a file or two for each picture; they are drawn aside, until all are.
 class Drawings {
  public:
-  /// @param flag  that names it.
+  /// @param flag   that names it.
+  /// @param files  that the command writes elsewhere.
   /// @throws std::runtime_error one line: it cannot be written to.
-  Drawings(const char* flag, std::filesystem::path folder, bool force)
+  Drawings(const char* flag, std::filesystem::path folder, std::span<const io::Output> files,
+           bool force)
       : folder_{std::move(folder)}, force_{force} {
-    io::check_output_folder(flag, folder_);
+    io::check_output_folder(flag, folder_, files);
     aside_ = std::make_unique<io::PartialFolder>(
         folder_, io::PartialFolder::Grows::kInside,
         [](const std::string& name) { return name.ends_with(".png") || name.ends_with(".json"); });

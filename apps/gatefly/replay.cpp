@@ -142,13 +142,15 @@ int replay(const ReplayOptions& options) {
     throw std::runtime_error("--tum " + options.tum + ": writes two files; name one");
   const fs::path truth =
       options.tum.empty() ? fs::path{} : tasks::tum_truth_path(fs::path{options.tum});
-  check_outputs({{"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}},
-                 {"--tum", options.tum, kTum},
-                 {"--tum", truth, kTum}},
+  const std::vector<io::Output> files{
+      {"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}},
+      {"--tum", options.tum, kTum},
+      {"--tum", truth, kTum}};
+  check_outputs(files,
                 {data_at(options.replay.directory, options.replay.data), options.replay.track},
                 options.common);
   if (!options.out.empty()) {
-    io::check_output_folder("--out", options.out);
+    io::check_output_folder("--out", options.out, files);
     io::refuse_foreign_folder(options.out, "summary.json", {"replay", "\"kind\": \"replay\""},
                               "choose another --out");
   }

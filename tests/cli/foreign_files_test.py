@@ -249,6 +249,16 @@ class Recordings(ForeignFiles):
         self.with_log(gzip.compress(header + rows * 3_000_000, 9))
         self.assertIn("unpacks to more than 32 times its size", self.refused_soon("replay", self.flight))
 
+    def test_a_damaged_summary_is_said_to_be_damaged(self):
+        self.assertEqual(self.run_it("fly", "oval", "--laps", "1", "-q", "--out", "flown", "--set", "sim.timeout_s=1").returncode, 1)
+        whole = (self.folder / "flown" / "summary.json").read_text(encoding="utf-8")
+        for text, why in ((whole[:len(whole) // 2], "is damaged"), ("[" * 50_000, "nested more than 64"), ("{}", "does not say the flight's seed")):
+            (self.folder / "flown" / "summary.json").write_text(text, encoding="utf-8")
+            for command in (("replay", "flown"), ("map", "flown", "--out", "learnt.toml")):
+                said = self.refused_soon(*command)
+                self.assertIn("flown/summary.json: ", said)
+                self.assertIn(why, said)
+
     def test_pictures_of_another_size(self):
         (self.flight / "summary.json").unlink(missing_ok=True)
         table = (self.flight / "images.csv").read_text(encoding="utf-8").splitlines()

@@ -94,6 +94,27 @@ class Interrupt(Cli):
                 self.assertEqual(process.returncode, 143, said)
                 self.assertEqual([path.name for path in self.folder.glob("X*")], [])
 
+    def test_a_merge_and_a_comparison_are_all_there_or_not_at_all(self):
+        for name, arguments in (("half1", ("--shard", "1/2")), ("half2", ("--shard", "2/2")), ("other", ("--speed", "1.5"))):
+            self.assertEqual(self.run_it("campaign", "oval", "--runs", "4", "--vision", "ideal", "--laps", "1", "-q", "--out", name, *arguments).returncode, 0)
+        for arguments in (("--merge", "half1", "half2"), ("--compare", "half1", "other")):
+            command = ("campaign", *arguments, "--out", "X")
+            shutil.rmtree(self.folder / "X", ignore_errors=True)
+            began = time.monotonic()
+            self.assertEqual(self.run_it(*command).returncode, 0)
+            seconds = time.monotonic() - began
+            wanted = {path.name for path in (self.folder / "X").iterdir()}
+            for part in range(25):
+                shutil.rmtree(self.folder / "X", ignore_errors=True)
+                with subprocess.Popen([GATEFLY, *command], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                    time.sleep(seconds * part / 25)
+                    process.send_signal(signal.SIGTERM)
+                    said = process.communicate(timeout=60)[1]
+                there = {path.name for path in self.folder.glob("X*/*")} | {path.name for path in self.folder.glob(".gatefly*")}
+                self.assertIn(process.returncode, (0, 143, -signal.SIGTERM), said)
+                self.assertEqual(there, wanted if process.returncode == 0 else set(), said)
+                self.assertEqual((self.folder / "X").exists(), process.returncode == 0)
+
     def test_pictures_a_replay_and_a_campaign(self):
         self.flight_in_the_hall()
         for after, sent in ((0.15, signal.SIGTERM), (0.8, signal.SIGINT)):

@@ -269,6 +269,15 @@ class NothingIsLost(Cli):
             with self.subTest(arguments=arguments):
                 self.refused(*arguments)
 
+    def test_a_folder_that_is_to_be_a_file_too_is_found_before_the_work(self):
+        flight = self.flight()
+        for arguments in (("replay", flight, "--tum", "X", "--out", "X"), ("replay", flight, "--csv", "X/", "--out", self.folder / "X"),
+                          ("replay", flight, "--tum", "X", "--out", "X.truth"), ("detect", "a.ppm", "--csv", "X", "--annotate", "X"),
+                          ("detect", "a.ppm", "--csv", "X", "--debug", "./X/")):
+            began = time.monotonic()
+            self.assertRegex(self.refused(*arguments), "goes, too|cannot be written")
+            self.assertLess(time.monotonic() - began, 5)
+
     def test_an_empty_name_is_no_file(self):
         for flag, arguments in (("--out", self.FLIGHT), ("--csv", ("detect", "a.ppm")), ("--annotate", ("detect", "a.ppm")),
                                 ("--data", ("detect", "a.ppm")), ("--out", ("campaign", "oval", "--runs", "1")),

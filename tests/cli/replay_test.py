@@ -274,9 +274,10 @@ class Replay(Cli):
         self.assertIn("pose.random_sigma_px is 0.5, was 0.35 in flight", self.run_it("replay", "flight").stdout)
 
     def test_a_summary_that_is_nonsense_does_not_say_the_seed(self):
-        for nonsense in ("", "{oops", "[]", '{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x", "seed": -1}'):
-            self.assertIn("summary.json: does not say the flight's seed, without which its pictures cannot be rendered again",
-                          self.refused("replay", self.edited("summary.json", lambda text: nonsense)))
+        no_seed = "does not say the flight's seed, without which its pictures cannot be rendered again"
+        for nonsense, why in (("", "is damaged"), ("{oops", "is damaged"), ("[]", no_seed),
+                              ('{"config": 7, "detection": [], "vision": 3, "flight_time_s": "x", "seed": -1}', no_seed)):
+            self.assertIn(f"summary.json: {why}", self.refused("replay", self.edited("summary.json", lambda text: nonsense)))
 
     def test_a_flight_without_pictures_and_a_summary_that_is_nonsense(self):
         self.run_it("fly", "oval", "--vision", "ideal", "--set", "sim.timeout_s=1", "--out", "drawn", "-q")

@@ -129,6 +129,15 @@ bool is_same(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, error) && !error;
 }
 
+/// Also where there is nothing yet, whatever it is to be.
+bool is_same_place(const fs::path& a, const fs::path& b) {
+  const auto place = [](const fs::path& path) {
+    const fs::path whole = fs::weakly_canonical(fs::absolute(behind_links(path)));
+    return whole.has_filename() ? whole : whole.parent_path();  // "drawn/" is "drawn"
+  };
+  return place(a) == place(b);
+}
+
 void refuse_inputs(const Output& output, std::span<const fs::path> inputs) {
   const std::string named = output.flag + " " + output.path.string() + ": would overwrite ";
   for (const fs::path& input : inputs) {
@@ -203,8 +212,7 @@ void check_outputs(std::span<const Output> outputs, std::span<const fs::path> in
     const Output& output = outputs[i];
     const auto same = [&](const Output& other) {
       return is_stdout(output.path) ? is_stdout(other.path)
-                                    : fs::weakly_canonical(behind_links(output.path)) ==
-                                          fs::weakly_canonical(behind_links(other.path));
+                                    : is_same_place(output.path, other.path);
     };
     const auto before = outputs.subspan(0, i);
     const auto twin = std::find_if(before.begin(), before.end(), same);
@@ -215,9 +223,13 @@ void check_outputs(std::span<const Output> outputs, std::span<const fs::path> in
   }
 }
 
-void check_output_folder(const std::string& flag, const fs::path& folder) {
+void check_output_folder(const std::string& flag, const fs::path& folder,
+                         std::span<const Output> files) {
   const fs::path named = flag + " " + folder.string();
   if (folder == "-") throw CannotWrite(named, "must be a folder, not standard output");
+  for (const Output& file : files)
+    if (!file.path.empty() && is_same_place(folder, file.path))
+      throw std::runtime_error(named.string() + ": is where " + file.flag + " goes, too");
   std::error_code error;
   fs::path there = fs::absolute(behind_links(folder));
   while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();

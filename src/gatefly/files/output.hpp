@@ -55,9 +55,11 @@ struct Output {
 void check_outputs(std::span<const Output> outputs, std::span<const std::filesystem::path> inputs,
                    bool force);
 
-/// Refuses a folder that cannot be made or written to, leaving nothing behind.
+/// Refuses a folder that cannot be made or written to, leaving nothing behind, or is to be one of
+/// the `files`.
 /// @throws std::runtime_error one line.
-void check_output_folder(const std::string& flag, const std::filesystem::path& folder);
+void check_output_folder(const std::string& flag, const std::filesystem::path& folder,
+                         std::span<const Output> files = {});
 
 /// Refuses a folder, if it is there and not empty, whose file `marker` is not of `kind`.
 void refuse_foreign_folder(const std::filesystem::path& folder, const std::string& marker,

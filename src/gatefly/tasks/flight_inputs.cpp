@@ -158,6 +158,8 @@ std::optional<int> laps_of_flight(const fs::path& directory) {
 }
 
 std::uint64_t seed_of_flight(const fs::path& directory) {
+  if (fs::exists(directory / kSummary))
+    (void)io::read_json(directory / kSummary);  // says what is wrong
   const nlohmann::json seed = FlightSummary{directory}.at("/seed");
   if (!seed.is_number_unsigned())
     throw std::runtime_error((directory / kSummary).string() +
