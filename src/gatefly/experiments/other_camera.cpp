@@ -24,9 +24,11 @@ constexpr std::array kSizes{25.0, 35.0, 50.0, 80.0, 150.0, 1e9};  // [px]
 struct Condition {
   const char *key, *name;
   HallCamera camera;
+  bool names_lens = true;  // else `tune` finds its bend on the gates
 };
-constexpr std::array<Condition, 4> kConditions{
+constexpr std::array<Condition, 5> kConditions{
     {{"wide", "lens of 130-170 degrees", {}},
+     {"wide_unnamed", "the wide lens, not named", {}, false},
      {"straight", "straight lens", {.straight = true}},
      {"wide_hard", "the wide lens, hard days", {.days = HallCamera::Days::kHard}},
      {"wide_varied", "the wide lens, varied days", {.days = HallCamera::Days::kVaried}}}};
@@ -47,6 +49,7 @@ struct Judgement {
   std::size_t learnt_from = 0, pictures = 0;
   bool learnt = false;
   double min_score = 0.0;
+  tuning::GateLens lens{};  ///< Where it was not named.
   io::Score score{};
   std::vector<HallGate> gates{};  ///< To be found, and false alarms.
 };
@@ -54,19 +57,22 @@ struct Judgement {
 /// The side of a gate, by its area [px].
 double side_of(const Quad& gate) { return std::sqrt(io::polygon_area(gate)); }
 
-Judgement judged(const HallDay& day, bool ten) {
+Judgement judged(const HallDay& day, bool names_lens, bool ten) {
   std::vector<tuning::LabelledImage> own;
   for (std::size_t i = 0; i < day.pictures.size(); ++i)
     if (!is_judged(i) && (!ten || is_of_the_ten(i))) own.push_back({day.pictures[i].view(), {}});
-  const tuning::Judging judging{.detector = day.config.pilot.detector};
+  tuning::Judging judging{.detector = day.config.pilot.detector};
+  if (!names_lens) judging.detector.lens = {};
   const tuning::Tuned tuned =
       tuning::tune_to_description(own, day.config.pilot.gate_color, judging, kFalsePerImage);
-  tuning::Judging used = tuned.learnt ? tuning::with_fitted_colors(judging) : judging;
-  if (tuned.learnt) used.detector.min_score = tuned.chosen.min_score;
+  tuning::Judging used = tuning::as_tuned(judging, tuned);
   used.lowest = used.detector.min_score;
   used.all = true;
 
-  Judgement result{.learnt_from = own.size(), .learnt = tuned.learnt, .min_score = used.lowest};
+  Judgement result{.learnt_from = own.size(),
+                   .learnt = tuned.learnt,
+                   .min_score = used.lowest,
+                   .lens = tuned.lens};
   std::vector<io::PictureToScore> scored;
   for (std::size_t i = 0; i < day.pictures.size(); ++i) {
     if (!is_judged(i)) continue;
@@ -206,8 +212,8 @@ io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color
 }  // namespace
 
 Result other_camera(const Options& options) {
-  constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.flown,
-                               io::kLight.estimate};
+  constexpr std::array kColors{io::kLight.found, io::kLight.focus, io::kLight.gate_solid,
+                               io::kLight.flown, io::kLight.estimate};
   Order order = options.quick ? kQuick : kFull;
   order.first_seed = first_seed(options, kFull.first_seed, kQuick.first_seed);
   Result result{.table = {},
@@ -232,7 +238,8 @@ Result other_camera(const Options& options) {
       if (options.stopped()) return;
       const HallDay day = hall_day(condition.camera, order.first_seed + d, order.per_day, options);
       if (options.stopped()) return;
-      by_all[d] = judged(day, false), by_ten[d] = judged(day, true);
+      by_all[d] = judged(day, condition.names_lens, false);
+      by_ten[d] = judged(day, condition.names_lens, true);
       if (c > 0) return;
       missed[d] = HallSheet::tiles_of(day, by_all[d].gates, false);
       wrong[d] = HallSheet::tiles_of(day, by_all[d].gates, true);
