@@ -50,6 +50,7 @@ struct Judgement {
   bool learnt = false;
   double min_score = 0.0;
   tuning::GateLens lens{};  ///< Where it was not named.
+  double lens_off = 0.0;    ///< Of its angle, where it bends, from the named one's; a part of it.
   io::Score score{};
   std::vector<HallGate> gates{};  ///< To be found, and false alarms.
 };
@@ -93,6 +94,9 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
            hit ? "" : cause_of_miss(picture.view(), gate, tuned.color, used.detector)});
     }
   }
+  const double angle = day.config.camera.width / day.config.camera.focal_px.x();
+  if (tuned.lens.says == tuning::GateLens::Says::kBent)
+    result.lens_off = std::abs(tuned.lens.angle / angle - 1.0);
   result.pictures = scored.size();
   result.score = io::score(scored, io::Rule::kOverlap70);
   return result;
@@ -106,6 +110,7 @@ struct Sum {
   std::array<io::HitRate, kSizes.size() - 1> by_size{};
   std::map<std::string, int> causes{};
   std::vector<double> thresholds{};  ///< Of the days, sorted.
+  std::vector<double> lens_off{};    ///< Of the days on which the gates said a bend, sorted.
 
   [[nodiscard]] double tpr() const { return static_cast<double>(hits) / std::max(1, gates); }
   [[nodiscard]] double fp_per_image() const {
@@ -124,6 +129,7 @@ Sum sum_of(const std::vector<Judgement>& days) {
     sum.errors.insert(sum.errors.end(), day.score.best_order_px.begin(),
                       day.score.best_order_px.end());
     sum.thresholds.push_back(day.min_score);
+    if (day.lens.says == tuning::GateLens::Says::kBent) sum.lens_off.push_back(day.lens_off);
     for (const HallGate& gate : day.gates) {
       if (gate.is_false()) continue;
       for (io::HitRate& bin : sum.by_size)
@@ -134,6 +140,7 @@ Sum sum_of(const std::vector<Judgement>& days) {
   }
   std::sort(sum.errors.begin(), sum.errors.end());
   std::sort(sum.thresholds.begin(), sum.thresholds.end());
+  std::sort(sum.lens_off.begin(), sum.lens_off.end());
   return sum;
 }
 
@@ -142,7 +149,8 @@ std::string size_name(const io::HitRate& bin) {
                       : fixed(bin.from, 0) + "-" + fixed(bin.to, 0) + " px";
 }
 
-void add_rows(const std::string& name, const Sum& sum, std::vector<Comparison>& table) {
+void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison>& table) {
+  const std::string name = condition.name;
   table.push_back(
       {name + ", " + std::to_string(sum.learnt_from) + " own pictures", "-",
        fixed(sum.tpr(), 3) + " at " + fixed(sum.fp_per_image(), 3) + " false a picture"});
@@ -160,6 +168,14 @@ void add_rows(const std::string& name, const Sum& sum, std::vector<Comparison>& 
     causes += (causes.empty() ? "" : ", ") + std::to_string(count) + " " + cause;
   table.push_back({"  by side", "-", sizes});
   if (!causes.empty()) table.push_back({"  missed", "-", causes});
+  if (!condition.names_lens)
+    table.push_back(
+        {"  lens found on the gates", "-",
+         "on " + std::to_string(sum.lens_off.size()) + " of " + io::amount(sum.days, "day") +
+             (sum.lens_off.empty()
+                  ? ""
+                  : ", its angle off by " + fixed(100.0 * io::quantile(sum.lens_off, 0.5), 1) +
+                        " %, median, " + fixed(100.0 * sum.lens_off.back(), 1) + " % at most")});
   if (sum.learnt < sum.days)
     table.push_back({"  too few gates to learn from", "-",
                      std::to_string(sum.days - sum.learnt) + " of " + io::amount(sum.days, "day")});
@@ -181,6 +197,12 @@ nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
           {"tpr", sum.tpr()},
           {"fp_per_image", sum.fp_per_image()},
           {"corner_error_px", corners},
+          {"lens",
+           {{"named", condition.names_lens},
+            {"days_found", sum.lens_off.size()},
+            {"angle_off_median", sum.lens_off.empty()
+                                     ? nlohmann::ordered_json(nullptr)
+                                     : nlohmann::ordered_json(io::quantile(sum.lens_off, 0.5))}}},
           {"min_score", {{"least", sum.thresholds.front()}, {"most", sum.thresholds.back()}}},
           {"by_size", by_size},
           {"missed", sum.causes}};
@@ -249,7 +271,7 @@ Result other_camera(const Options& options) {
                      condition.name);
     for (const auto* days : {&by_all, &by_ten}) {
       const Sum sum = sum_of(*days);
-      add_rows(condition.name, sum, result.table);
+      add_rows(condition, sum, result.table);
       list.push_back(json_of(condition, sum));
       result.csv += csv_of(condition, *days);
     }
