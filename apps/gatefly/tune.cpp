@@ -23,6 +23,7 @@
 #include "gatefly/files/labels_file.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/tasks/upright.hpp"
 #include "gatefly/tuning/describe.hpp"
 
@@ -162,6 +163,37 @@ std::string rates_of(const tuning::Operating& point) {
          io::fixed(point.false_per_image, 3) + " false per picture";
 }
 
+/// What the gates say of the lens, in words; "" where it was named.
+std::string words_of(const tuning::GateLens& lens, const io::Config& config) {
+  using Says = tuning::GateLens::Says;
+  if (config.pilot.detector.lens.model) return "";
+  const auto degrees = [](double angle) { return io::fixed(angle / kDegree, 1); };
+  const std::string gates = io::amount(lens.gates, "gate");
+  if (lens.says == Says::kBent)
+    return "bends bars as an equidistant one of " + degrees(lens.angle) + " ± " +
+           degrees(lens.angle_sigma) + "° across the picture, by " +
+           io::amount(lens.sides, "side") + " of " + gates +
+           (lens.knows_center
+                ? "; its centre is " + io::fixed(100.0 * lens.center.x(), 1) + ", " +
+                      io::fixed(100.0 * lens.center.y(), 1) + " % of the width off the middle"
+                : "; its centre taken as the picture's middle");
+  if (lens.says == Says::kStraight)
+    return "straight: " + gates + " leave no more than " + degrees(lens.widest) + "°";
+  return "cannot be told from " + gates + "; bars are taken for straight";
+}
+
+std::string lens_text(const tuning::GateLens& lens, const io::Config& config) {
+  if (lens.says == tuning::GateLens::Says::kNothing || config.pilot.detector.lens.model) return "";
+  std::string text = "lens_deg = " + io::text_of(lens.angle / kDegree, 4) + "  # " +
+                     words_of(lens, config) +
+                     "\n# for finding gates; distances need gatefly "
+                     "calibrate, whose lens goes before this one\n";
+  if (lens.knows_center)
+    text += "lens_center = [" + io::text_of(lens.center.x(), 3) + ", " +
+            io::text_of(lens.center.y(), 3) + "]\n";
+  return text;
+}
+
 std::string config_text(const TuneOptions& options, const io::Config& config,
                         const Material& material, const Tuned& tuned) {
   std::ostringstream text;
@@ -174,8 +206,8 @@ std::string config_text(const TuneOptions& options, const io::Config& config,
   if (!tuned.learnt) return text.str();
   text << "table = " << nlohmann::json(beside(options.out, kColors).filename().string()).dump()
        << "\n\n[detector]\n"
-       << "min_score = " << io::text_of(tuned.chosen.min_score, 4) << "  # "
-       << (options.labels.empty() ? "estimated without labels: " : "two-fold: ")
+       << lens_text(tuned.lens, config) << "min_score = " << io::text_of(tuned.chosen.min_score, 4)
+       << "  # " << (options.labels.empty() ? "estimated without labels: " : "two-fold: ")
        << rates_of(tuned.chosen) << "\nsure_score = "
        << io::text_of(
               tuning::with_fitted_colors({.detector = config.pilot.detector}).detector.sure_score,
@@ -259,8 +291,24 @@ void check_outputs_of(const TuneOptions& options, const io::Config& config) {
                 inputs, options.common);
 }
 
+nlohmann::ordered_json as_json(const tuning::GateLens& lens, const io::Config& config) {
+  using Says = tuning::GateLens::Says;
+  if (config.pilot.detector.lens.model) return {{"says", "named"}};
+  nlohmann::ordered_json json{{"says", lens.says == Says::kBent       ? "bent"
+                                       : lens.says == Says::kStraight ? "straight"
+                                                                      : "unknown"},
+                              {"gates", lens.gates},
+                              {"sides", lens.sides}};
+  if (lens.says != Says::kNothing) json["widest_deg"] = lens.widest / kDegree;
+  if (lens.says != Says::kBent) return json;
+  json["angle_deg"] = lens.angle / kDegree, json["angle_sigma_deg"] = lens.angle_sigma / kDegree;
+  json["center"] = lens.knows_center ? nlohmann::ordered_json{lens.center.x(), lens.center.y()}
+                                     : nlohmann::ordered_json(nullptr);
+  return json;
+}
+
 nlohmann::ordered_json as_json(const TuneOptions& options, const Material& material,
-                               const Tuned& tuned) {
+                               const io::Config& config, const Tuned& tuned) {
   return {{"pictures", material.pictures.size()},
           {options.labels.empty() ? "confident_detections" : "labelled_gates", tuned.gates},
           {"learnt", tuned.learnt},
@@ -268,6 +316,7 @@ nlohmann::ordered_json as_json(const TuneOptions& options, const Material& mater
           {"min_score", tuned.chosen.min_score},
           {"true_positive_rate", tuned.chosen.true_positive_rate},
           {"false_positives_per_image", tuned.chosen.false_per_image},
+          {"lens", as_json(tuned.lens, config)},
           {"left_out",
            {{"unusable", material.unusable},
             {"duplicates", material.duplicates},
@@ -276,7 +325,8 @@ nlohmann::ordered_json as_json(const TuneOptions& options, const Material& mater
           {"config", options.out}};
 }
 
-void print_screen(const TuneOptions& options, const Material& material, const Tuned& tuned) {
+void print_screen(const TuneOptions& options, const Material& material, const io::Config& config,
+                  const Tuned& tuned) {
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(14) << name << text << '\n';
   };
@@ -293,6 +343,7 @@ void print_screen(const TuneOptions& options, const Material& material, const Tu
     }
     if (options.labels.empty())
       line("", "from scores alone, of the gates that were found at all: --labels measures");
+    if (const std::string words = words_of(tuned.lens, config); !words.empty()) line("lens", words);
     line("chosen", "detector.min_score = " + io::text_of(tuned.chosen.min_score, 4));
     line("written", options.out + ", " + beside(options.out, kColors).filename().string() + ", " +
                         beside(options.out, kRocTable).filename().string() + ", " +
@@ -367,9 +418,9 @@ int tune(const TuneOptions& options) {
   }
   write(options, config, material, tuned);
   if (options.json)
-    std::cout << io::json_text(as_json(options, material, tuned));
+    std::cout << io::json_text(as_json(options, material, config, tuned));
   else
-    print_screen(options, material, tuned);
+    print_screen(options, material, config, tuned);
   return material.unusable > 0 ? kUnusable : tuned.learnt ? kDone : kAnswerIsNo;
 }
 
@@ -384,6 +435,8 @@ void declare_tune(Command& command) {
       "  gatefly detect pictures/ --config basement --config mine.toml\n\n"
       "With --labels colours are fitted to the labelled gates; without, to what the described "
       "colour surely finds.\n"
+      "A lens that no --config names is estimated from how the gates' bars bow: "
+      "detector.lens_deg.\n"
       "detector.min_score is chosen on halves of the pictures, each searched with the other's "
       "colours. Beside FILE:\n"
       "FILE.colors.toml, FILE.roc.csv, FILE.roc.png. Exit code 0: fitted; 1: too few gates (the "

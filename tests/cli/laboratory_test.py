@@ -12,7 +12,7 @@ import pathlib
 import tempfile
 import tomllib
 
-from material import album, board_picture, picture, tilted
+from material import album, bent_album, board_picture, picture, tilted
 from program import ROOT, Cli, main
 
 
@@ -191,6 +191,28 @@ class Tune(Cli):
         self.assertEqual((result.returncode, answer["learnt"], answer["estimated"], answer["pictures"]), (0, True, True, 12))
         self.assertGreaterEqual(answer["confident_detections"], 10)
         self.assertEqual(self.found(folder, "--config", self.folder / "mine.toml"), 12)
+
+    def test_a_lens_that_nobody_named_is_found_on_the_gates_and_written(self):
+        folder = bent_album(self.folder, b"\x30\xa0\x40", 140)
+        tune = ("tune", "--describe", "green", "--rotate", "0", folder, "--out", "mine.toml", "--force")
+        result = self.run_it(*tune, "--json")
+        lens = json.loads(result.stdout)["lens"]
+        self.assertEqual((result.returncode, lens["says"]), (0, "bent"), result.stdout + result.stderr)
+        self.assertLess(abs(lens["angle_deg"] - 140), max(6, 3 * lens["angle_sigma_deg"]))
+        self.assertRegex((self.folder / "mine.toml").read_text(), r"lens_deg = 1[34]\d\.?\d*  # bends bars")
+        self.assertRegex(self.run_it(*tune).stdout, r"lens +bends bars as an equidistant one of 1[34]\d\.\d ± \d")
+        result = self.run_it("detect", "--rotate", "0", folder, "--config", self.folder / "mine.toml", "--csv", "found.csv")
+        self.assertRegex(result.stderr, r"lens of 1[34]\d[.\d]* degrees across \(config .*mine.toml\), sides taken as the lens bends them")
+        self.assertIn("10 of 10 pictures show a gate", result.stdout)
+
+    def test_no_bend_is_claimed_of_a_straight_lens_or_of_one_that_is_named(self):
+        folder, _ = self.album(b"\x30\xa0\x40")
+        tune = ("tune", "--describe", "green", "--rotate", "0", "--json", folder, "--out", "mine.toml", "--force")
+        self.assertIn(json.loads(self.run_it(*tune).stdout)["lens"]["says"], ("straight", "unknown"))
+        self.assertNotRegex((self.folder / "mine.toml").read_text(), "lens_deg = [1-9]")
+        named = json.loads(self.run_it(*tune, "--config", "wide-usb").stdout)
+        self.assertEqual(named["lens"], {"says": "named"})
+        self.assertNotIn("lens_deg", (self.folder / "mine.toml").read_text())
 
     def test_estimates_are_called_estimates(self):
         folder, _ = self.album(b"\x30\xa0\x40")

@@ -38,6 +38,28 @@ def album(folder, color, count=12):
     return pictures, labels
 
 
+def bent_album(folder, color, degrees, count=10):
+    """Pictures of gates, 0.95 m wide and a metre away here and there, through an equidistant lens that shows so many degrees across."""
+    pictures, width, height = folder / "bent", 240, 180
+    pictures.mkdir()
+    focal = width / math.radians(degrees)
+
+    def seen(u, v):  # where a pixel looks to, a metre ahead
+        x, y = u - 0.5 * (width - 1), v - 0.5 * (height - 1)
+        off = math.hypot(x, y) or 1e-9
+        away = math.tan(off / focal) / off if off / focal < 1.5 else 1e9
+        return x * away, y * away
+    rays = [seen(u, v) for v in range(height) for u in range(width)]
+    for i in range(count):
+        left, down, half = 0.5 * math.cos(2.4 * i), 0.3 * math.sin(2.4 * i), 0.45 + 0.01 * i
+        data = bytearray()
+        for k, (x, y) in enumerate(rays):
+            out = max(abs(x - left), abs(y - down))
+            data += color if half - 0.05 <= out <= half else bytes((100 + (k * 7 + k // width * 13 + i) % 24,) * 3)
+        (pictures / f"p{i}.ppm").write_bytes(b"P6\n%d %d\n255\n" % (width, height) + bytes(data))
+    return pictures
+
+
 def tilted(tilt, turn):
     """The rotation by `tilt` about the direction `turn` in the picture, row by row."""
     c, s = math.cos(tilt), math.sin(tilt)

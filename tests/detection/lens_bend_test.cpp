@@ -245,6 +245,45 @@ TEST(CurvedSides, TheCornersOfANearGateAreBestWithItsLensAndNotFarOffWithoutAny)
   });
 }
 
+// Gates of 250 to 450 px, whose sides bow by up to a bar's width and more.
+TEST(CurvedSides, ANearGateIsFoundThoughNobodyNamedTheLens) {
+  GateDetector unnamed;
+  for (const double focal_px : {282.1, 215.7}) {
+    int views = 0, found = 0;
+    for_all(15, [&](Rng& rng) {
+      const double x = rng.uniform(0.55, 0.8);
+      const WideView picture{focal_px,
+                             {{-x, rng.uniform(-0.5, 0.5) * x, rng.uniform(-0.3, 0.3) * x},
+                              {.roll = rng.uniform(-0.4, 0.4), .yaw = rng.uniform(-0.4, 0.4)}},
+                             rng};
+      const auto truth = picture.truth();
+      if (!truth || !inside_picture(*truth, 640, 480, 8.0)) return;
+      ++views;
+      const auto gates =
+          unnamed.look(picture.image(), kOrange, {.gates = LookFor::Gates::kBest}).gates;
+      found += !gates.empty() && overlaps(gates[0].corners_px, *truth, 0.7);
+    });
+    EXPECT_GE(views, 8) << focal_px;
+    EXPECT_GE(found, 0.85 * views) << focal_px << ", " << views << " views";
+  }
+}
+
+// What one angle says of a lens is the same in pictures of any size, and about the middle of any shape.
+TEST(LensBend, OneAngleBendsPicturesOfAnySizeAndShapeAboutTheirMiddle) {
+  const LensBend angle{equidistant_lens(640 / 244.5)}, named{{equidistant(244.5), 640, 480}};
+  const Eigen::Vector2d a{40.5, 60.5}, b{440.5, 40.5};
+  const SideCurves as_named{named, picture_of({{}, 640, 480})};
+  const Eigen::Vector2d sag = as_named.sag(a, b);
+  EXPECT_LT((SideCurves{angle, picture_of({{}, 640, 480})}.sag(a, b) - sag).norm(), 1e-6);
+  const SideCurves half{angle, picture_of({{}, 320, 240})};
+  EXPECT_LT((half.sag(to_cells(a, 2), to_cells(b, 2)) - 0.5 * sag).norm(), 1e-6);
+  const Eigen::Vector2d down{0, -60};  // from the middle of 640 x 480 to that of 640 x 360
+  const SideCurves lower{angle, picture_of({{}, 640, 360})};
+  EXPECT_LT((lower.sag(a + down, b + down) - sag).norm(), 1e-6);
+  EXPECT_TRUE(LensBend{equidistant_lens(0.0)}.is_straight());
+  EXPECT_TRUE(LensBend{equidistant_lens(0.0)}.is_known());
+}
+
 // Which lens it was is not known of a picture of another shape.
 TEST(CurvedSides, AStraightLensAndAPictureOfAnotherShapeChangeNoBit) {
   GateDetector none, other_shape{{.lens = {equidistant(244.5), 640, 480}}},

@@ -11,6 +11,7 @@
 
 #include "gatefly/config/descriptions.hpp"
 #include "gatefly/config/schema.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/world/sim_config.hpp"
 
@@ -47,6 +48,10 @@ struct Config {
   std::string detector_mode = "ours";
   std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
               indi_effectiveness = "fixed", output = "motors";
+  /// Of a lens that nobody named, as a set of pictures shows it: equidistant_lens() of detection.
+  /// Below 0: unknown.
+  double lens_angle = -kDegree;
+  Eigen::Vector2d lens_center{0, 0};
   nlohmann::json randomize = nlohmann::json::object();  ///< Put over the track's [randomize].
   nlohmann::json faults = nlohmann::json::object();     ///< Put over the track's [faults].
   std::vector<std::string>

@@ -135,6 +135,13 @@ Keys detection_keys() {
         "score added with every doubling of the side", "labelled sets"),
       k("detector.max_aspect", 1, 20, AT(pilot.detector.max_aspect),
         "longest side / shortest side of a gate", "ours"),
+      k("detector.lens_deg", -1, 200, AT(lens_angle),
+        "angle across the picture's width of the equidistant lens that bends bars as this one "
+        "does, "
+        "where none is named; 0: straight; -1: unknown; gatefly tune writes it",
+        "unknown", kDegree),
+      k("detector.lens_center", -0.15, 0.15, AT(lens_center),
+        "its centre off the picture's middle, in widths", "the middle"),
       k("gate.side_m", 0.3, 5, AT(gate.side), "outer side of the frame", "Bebop gates"),
       k("gate.bar_m", 0.005, 1, AT(gate.bar), "width of the frame's bars", "docs/conventions.md"),
       choice<Config>("gate.corners", {"outer", "middle", "inner"}, AT(gate.corners),

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
@@ -30,12 +31,13 @@ AnyCamera lens_with_distortion(const CameraDescription& c) {
 }
 
 /// The lens that pictures were taken with, where a file or flag says so: a picture's own is not known
-/// else.
+/// else, but for how it bends bars, which `tune` finds.
 PictureLens picture_lens(const Config& c) {
   for (const char* key :
        {"camera.model", "camera.focal_px", "camera.center_px", "camera.distortion"})
     if (c.set_by.contains(key))
       return {.model = lens_of(c.camera), .width = c.camera.width, .height = c.camera.height};
+  if (c.lens_angle >= 0.0) return equidistant_lens(c.lens_angle, c.lens_center);
   return {};
 }
 

@@ -23,6 +23,9 @@ struct PictureLens {
   /// Of the upright pictures that it belongs to [px]: others of the same shape are taken for scaled
   /// ones, in those of another shape bars are straight. 0: pictures of any size are its own.
   int width = 0, height = 0;
+  /// Pictures of any shape are its own: scaled by the width, its centre as far from the picture's
+  /// middle.
+  bool any_shape = false;
 };
 
 /// What counts as a gate, for the fast and for the careful search.

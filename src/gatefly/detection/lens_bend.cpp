@@ -85,7 +85,10 @@ class Angles {
 }  // namespace
 
 LensBend::LensBend(const PictureLens& lens)
-    : width_{lens.width}, height_{lens.height}, known_{lens.model.has_value()} {
+    : width_{lens.width},
+      height_{lens.height},
+      known_{lens.model.has_value()},
+      any_shape_{lens.any_shape} {
   if (!lens.model || std::holds_alternative<Pinhole>(lens.model->model)) return;
   const Radial radial{*lens.model};
   center_px_ = radial.center_px, per_focal_ = radial.focal_px.cwiseInverse();
@@ -124,9 +127,25 @@ LensBend::LensBend(const PictureLens& lens)
 std::optional<double> LensBend::scale_of(const Image& image) const {
   if (width_ == 0 || height_ == 0 || image.empty()) return 1.0;
   const double across = static_cast<double>(width_) / image.width();
+  if (any_shape_) return across;
   // A height that was halved is rounded.
   const bool same_shape = std::abs(height_ - across * image.height()) <= std::max(1.0, across);
   return same_shape ? std::optional{across} : std::nullopt;
+}
+
+Eigen::Vector2d LensBend::origin_in(const Image& image, double scale) const {
+  if (!any_shape_ || image.empty()) return {-0.5, -0.5};
+  // The middles of both lie on each other.
+  return {0.5 * (width_ - 1 - scale * image.width()), 0.5 * (height_ - 1 - scale * image.height())};
+}
+
+PictureLens equidistant_lens(double angle_across, const Eigen::Vector2d& center) {
+  constexpr int kWidth = 640, kHeight = 480;  // any will do
+  if (!(angle_across > 0.0)) return {.model = AnyCamera{Pinhole{}}};
+  KannalaBrandt lens;
+  lens.focal_px = Eigen::Vector2d::Constant(kWidth / angle_across);
+  lens.center_px = Eigen::Vector2d{0.5 * (kWidth - 1), 0.5 * (kHeight - 1)} + kWidth * center;
+  return {.model = AnyCamera{lens}, .width = kWidth, .height = kHeight, .any_shape = true};
 }
 
 // The corners are λ_i times their rays, with those of a parallelogram: λ0 r0 + λ2 r2 = λ1 r1 + λ3

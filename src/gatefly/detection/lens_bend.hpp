@@ -32,6 +32,8 @@ class LensBend {
   [[nodiscard]] bool is_known() const { return known_; }
   /// Pixels of the lens' pictures a pixel of `image`; nullopt where that is of another shape.
   [[nodiscard]] std::optional<double> scale_of(const Image& image) const;
+  /// Where the corner of `image`'s first pixel lies in the lens' pictures.
+  [[nodiscard]] Eigen::Vector2d origin_in(const Image& image, double scale) const;
 
   /// Unit vector in C that a pixel of the lens' picture looks along; nullopt far outside.
   [[nodiscard]] std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& px) const {
@@ -68,8 +70,14 @@ class LensBend {
   Eigen::Vector2d center_px_{0, 0}, per_focal_{1, 1};
   double rays_per_unit_ = 0.0, pixels_per_unit_ = 0.0;  // entries
   int width_ = 0, height_ = 0;                          // of the lens' pictures; 0: any
-  bool known_ = true;
+  bool known_ = true, any_shape_ = false;
 };
+
+/// An equidistant lens that shows so wide an angle across the width of any picture [rad]: what one
+/// number says of a lens. 0: a straight one.
+/// @param center  of the lens, off the picture's middle, in its widths.
+[[nodiscard]] PictureLens equidistant_lens(double angle_across,
+                                           const Eigen::Vector2d& center = {0, 0});
 
 /// The bend of straight bars in one picture, in its cells. As cheap to copy as a pointer.
 class SideCurves {
@@ -81,12 +89,19 @@ class SideCurves {
   SideCurves(const LensBend& bend, const Image& image, double cell = 1.0) {
     const auto scale = bend.scale_of(image);
     known_ = bend.is_known() && scale;
-    if (scale && !bend.is_straight()) bend_ = &bend, cell_px_ = *scale * cell;
+    if (scale && !bend.is_straight())
+      bend_ = &bend, cell_px_ = *scale * cell, origin_px_ = bend.origin_in(image, *scale);
   }
 
   [[nodiscard]] bool bent() const { return bend_ != nullptr; }
   /// Whether anybody said which lens it was: a straight one else, or one that bends.
   [[nodiscard]] bool known() const { return known_; }
+  /// The same as a guess: nobody said so.
+  [[nodiscard]] SideCurves guessed() const {
+    SideCurves curves = *this;
+    curves.known_ = false;
+    return curves;
+  }
 
   /// A bar's image from a to b is a + t (b - a) + 4 t (1 - t) sag, t = 0..1. 0 where the lens does
   /// not reach.
@@ -123,14 +138,15 @@ class SideCurves {
 
  private:
   [[nodiscard]] Eigen::Vector2d to_lens(const Eigen::Vector2d& p) const {
-    return ((p.array() + 0.5) * cell_px_ - 0.5).matrix();
+    return ((p.array() + 0.5) * cell_px_ + origin_px_.array()).matrix();
   }
   [[nodiscard]] Eigen::Vector2d to_cells(const Eigen::Vector2d& px) const {
-    return gatefly::to_cells(px, cell_px_);
+    return ((px - origin_px_).array() / cell_px_ - 0.5).matrix();
   }
 
   const LensBend* bend_ = nullptr;
-  double cell_px_ = 1.0;  // pixels of the lens' pictures
+  double cell_px_ = 1.0;                   // pixels of the lens' pictures
+  Eigen::Vector2d origin_px_{-0.5, -0.5};  // of the first cell's corner, there
   bool known_ = true;
 };
 

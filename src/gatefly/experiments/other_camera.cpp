@@ -24,9 +24,11 @@ constexpr std::array kSizes{25.0, 35.0, 50.0, 80.0, 150.0, 1e9};  // [px]
 struct Condition {
   const char *key, *name;
   HallCamera camera;
+  bool names_lens = true;  // else `tune` finds its bend on the gates
 };
-constexpr std::array<Condition, 4> kConditions{
+constexpr std::array<Condition, 5> kConditions{
     {{"wide", "lens of 130-170 degrees", {}},
+     {"wide_unnamed", "the wide lens, not named", {}, false},
      {"straight", "straight lens", {.straight = true}},
      {"wide_hard", "the wide lens, hard days", {.days = HallCamera::Days::kHard}},
      {"wide_varied", "the wide lens, varied days", {.days = HallCamera::Days::kVaried}}}};
@@ -47,6 +49,8 @@ struct Judgement {
   std::size_t learnt_from = 0, pictures = 0;
   bool learnt = false;
   double min_score = 0.0;
+  tuning::GateLens lens{};  ///< Where it was not named.
+  double lens_off = 0.0;    ///< Of its angle, where it bends, from the named one's; a part of it.
   io::Score score{};
   std::vector<HallGate> gates{};  ///< To be found, and false alarms.
 };
@@ -54,19 +58,22 @@ struct Judgement {
 /// The side of a gate, by its area [px].
 double side_of(const Quad& gate) { return std::sqrt(io::polygon_area(gate)); }
 
-Judgement judged(const HallDay& day, bool ten) {
+Judgement judged(const HallDay& day, bool names_lens, bool ten) {
   std::vector<tuning::LabelledImage> own;
   for (std::size_t i = 0; i < day.pictures.size(); ++i)
     if (!is_judged(i) && (!ten || is_of_the_ten(i))) own.push_back({day.pictures[i].view(), {}});
-  const tuning::Judging judging{.detector = day.config.pilot.detector};
+  tuning::Judging judging{.detector = day.config.pilot.detector};
+  if (!names_lens) judging.detector.lens = {};
   const tuning::Tuned tuned =
       tuning::tune_to_description(own, day.config.pilot.gate_color, judging, kFalsePerImage);
-  tuning::Judging used = tuned.learnt ? tuning::with_fitted_colors(judging) : judging;
-  if (tuned.learnt) used.detector.min_score = tuned.chosen.min_score;
+  tuning::Judging used = tuning::as_tuned(judging, tuned);
   used.lowest = used.detector.min_score;
   used.all = true;
 
-  Judgement result{.learnt_from = own.size(), .learnt = tuned.learnt, .min_score = used.lowest};
+  Judgement result{.learnt_from = own.size(),
+                   .learnt = tuned.learnt,
+                   .min_score = used.lowest,
+                   .lens = tuned.lens};
   std::vector<io::PictureToScore> scored;
   for (std::size_t i = 0; i < day.pictures.size(); ++i) {
     if (!is_judged(i)) continue;
@@ -87,6 +94,9 @@ Judgement judged(const HallDay& day, bool ten) {
            hit ? "" : cause_of_miss(picture.view(), gate, tuned.color, used.detector)});
     }
   }
+  const double angle = day.config.camera.width / day.config.camera.focal_px.x();
+  if (tuned.lens.says == tuning::GateLens::Says::kBent)
+    result.lens_off = std::abs(tuned.lens.angle / angle - 1.0);
   result.pictures = scored.size();
   result.score = io::score(scored, io::Rule::kOverlap70);
   return result;
@@ -100,6 +110,7 @@ struct Sum {
   std::array<io::HitRate, kSizes.size() - 1> by_size{};
   std::map<std::string, int> causes{};
   std::vector<double> thresholds{};  ///< Of the days, sorted.
+  std::vector<double> lens_off{};    ///< Of the days on which the gates said a bend, sorted.
 
   [[nodiscard]] double tpr() const { return static_cast<double>(hits) / std::max(1, gates); }
   [[nodiscard]] double fp_per_image() const {
@@ -118,6 +129,7 @@ Sum sum_of(const std::vector<Judgement>& days) {
     sum.errors.insert(sum.errors.end(), day.score.best_order_px.begin(),
                       day.score.best_order_px.end());
     sum.thresholds.push_back(day.min_score);
+    if (day.lens.says == tuning::GateLens::Says::kBent) sum.lens_off.push_back(day.lens_off);
     for (const HallGate& gate : day.gates) {
       if (gate.is_false()) continue;
       for (io::HitRate& bin : sum.by_size)
@@ -128,6 +140,7 @@ Sum sum_of(const std::vector<Judgement>& days) {
   }
   std::sort(sum.errors.begin(), sum.errors.end());
   std::sort(sum.thresholds.begin(), sum.thresholds.end());
+  std::sort(sum.lens_off.begin(), sum.lens_off.end());
   return sum;
 }
 
@@ -136,7 +149,8 @@ std::string size_name(const io::HitRate& bin) {
                       : fixed(bin.from, 0) + "-" + fixed(bin.to, 0) + " px";
 }
 
-void add_rows(const std::string& name, const Sum& sum, std::vector<Comparison>& table) {
+void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison>& table) {
+  const std::string name = condition.name;
   table.push_back(
       {name + ", " + std::to_string(sum.learnt_from) + " own pictures", "-",
        fixed(sum.tpr(), 3) + " at " + fixed(sum.fp_per_image(), 3) + " false a picture"});
@@ -154,6 +168,14 @@ void add_rows(const std::string& name, const Sum& sum, std::vector<Comparison>& 
     causes += (causes.empty() ? "" : ", ") + std::to_string(count) + " " + cause;
   table.push_back({"  by side", "-", sizes});
   if (!causes.empty()) table.push_back({"  missed", "-", causes});
+  if (!condition.names_lens)
+    table.push_back(
+        {"  lens found on the gates", "-",
+         "on " + std::to_string(sum.lens_off.size()) + " of " + io::amount(sum.days, "day") +
+             (sum.lens_off.empty()
+                  ? ""
+                  : ", its angle off by " + fixed(100.0 * io::quantile(sum.lens_off, 0.5), 1) +
+                        " %, median, " + fixed(100.0 * sum.lens_off.back(), 1) + " % at most")});
   if (sum.learnt < sum.days)
     table.push_back({"  too few gates to learn from", "-",
                      std::to_string(sum.days - sum.learnt) + " of " + io::amount(sum.days, "day")});
@@ -175,6 +197,12 @@ nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
           {"tpr", sum.tpr()},
           {"fp_per_image", sum.fp_per_image()},
           {"corner_error_px", corners},
+          {"lens",
+           {{"named", condition.names_lens},
+            {"days_found", sum.lens_off.size()},
+            {"angle_off_median", sum.lens_off.empty()
+                                     ? nlohmann::ordered_json(nullptr)
+                                     : nlohmann::ordered_json(io::quantile(sum.lens_off, 0.5))}}},
           {"min_score", {{"least", sum.thresholds.front()}, {"most", sum.thresholds.back()}}},
           {"by_size", by_size},
           {"missed", sum.causes}};
@@ -206,8 +234,8 @@ io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color
 }  // namespace
 
 Result other_camera(const Options& options) {
-  constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.flown,
-                               io::kLight.estimate};
+  constexpr std::array kColors{io::kLight.found, io::kLight.focus, io::kLight.gate_solid,
+                               io::kLight.flown, io::kLight.estimate};
   Order order = options.quick ? kQuick : kFull;
   order.first_seed = first_seed(options, kFull.first_seed, kQuick.first_seed);
   Result result{.table = {},
@@ -232,7 +260,8 @@ Result other_camera(const Options& options) {
       if (options.stopped()) return;
       const HallDay day = hall_day(condition.camera, order.first_seed + d, order.per_day, options);
       if (options.stopped()) return;
-      by_all[d] = judged(day, false), by_ten[d] = judged(day, true);
+      by_all[d] = judged(day, condition.names_lens, false);
+      by_ten[d] = judged(day, condition.names_lens, true);
       if (c > 0) return;
       missed[d] = HallSheet::tiles_of(day, by_all[d].gates, false);
       wrong[d] = HallSheet::tiles_of(day, by_all[d].gates, true);
@@ -242,7 +271,7 @@ Result other_camera(const Options& options) {
                      condition.name);
     for (const auto* days : {&by_all, &by_ten}) {
       const Sum sum = sum_of(*days);
-      add_rows(condition.name, sum, result.table);
+      add_rows(condition, sum, result.table);
       list.push_back(json_of(condition, sum));
       result.csv += csv_of(condition, *days);
     }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "gatefly/files/text.hpp"
+#include "gatefly/geometry/math.hpp"
 
 namespace gatefly::tasks {
 namespace {
@@ -21,7 +22,15 @@ std::string key_of_lens(const io::Config& config) {
 void add_lens(Assumptions& to, const io::Config& config) {
   to.sides = "straight";
   const std::string key = key_of_lens(config);
-  if (key.empty()) return;
+  if (key.empty()) {
+    if (config.lens_angle < 0.0) return;
+    to.lens = config.lens_angle > 0.0
+                  ? "of " + io::text_of(config.lens_angle / kDegree, 4) + " degrees across"
+                  : "straight";
+    to.lens_by = who_set(config, "detector.lens_deg");
+    if (config.lens_angle > 0.0) to.sides = "the lens bends them";
+    return;
+  }
   to.lens = config.camera.model + ", " + std::to_string(config.camera.width) + "x" +
             std::to_string(config.camera.height) + " px";
   to.lens_by = who_set(config, key);

@@ -108,7 +108,64 @@ double in_its_gap(double threshold, std::span<const Judged> found, double lowest
   return std::clamp(kUsual, below + quarter, above - quarter);
 }
 
+/// The gates to measure a lens by, picture by picture: their bars' middle lines.
+std::vector<std::vector<Quad>> gates_to_measure(Pictures pictures, const ColorModel& color,
+                                                const GateDetectorParams& detector) {
+  constexpr double kConfident = 0.75;  // as colours are learnt from
+  const bool labelled = count_gates(pictures, false) > 0;
+  GateDetectorParams all = detector;
+  all.sure_score = kAlwaysCareful;
+  const Judging judging{.detector = all, .lowest = detector.min_score, .all = true};
+  std::vector<std::vector<Quad>> gates;
+  for (const LabelledImage& picture : pictures) {
+    std::vector<Quad>& here = gates.emplace_back();
+    for (const Judged& found : judged_in(picture, color, judging)) {
+      if (labelled ? found.hit > 0.0 : confidence_of(found.score) >= kConfident)
+        here.push_back(scaled(found.corners_px, 1.0 / detector.corner_scale));
+    }
+  }
+  return gates;
+}
+
 }  // namespace
+
+GateLens lens_of(Pictures pictures, const ColorModel& color, const GateDetectorParams& detector) {
+  constexpr int kRounds = 3;
+  GateDetectorParams looking = detector;
+  GateLens lens;
+  PixelEvidence evidence;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto gates = gates_to_measure(pictures, color, looking);
+    std::vector<BowedSide> sides;
+    std::size_t number = 0;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      if (gates[i].empty()) continue;
+      evidence.read(pictures[i].image, color);
+      if (evidence.empty()) continue;
+      for (const Quad& gate : gates[i]) {
+        for (BowedSide side : bowed_sides(pictures[i].image, evidence, gate, detector.bar())) {
+          side.gate = number;
+          sides.push_back(side);
+        }
+        ++number;
+      }
+    }
+    const double before = lens.angle;
+    lens = fit_lens(sides);
+    // What is found with a lens that bends shows more of the bend, near the picture's corners.
+    if (lens.says != GateLens::Says::kBent || std::abs(lens.angle - before) < lens.angle_sigma)
+      break;
+    looking.lens = lens.picture_lens();
+  }
+  return lens;
+}
+
+Judging as_tuned(const Judging& judging, const Tuned& tuned) {
+  Judging used = tuned.learnt ? with_fitted_colors(judging) : judging;
+  if (!used.detector.lens.model) used.detector.lens = tuned.lens.picture_lens();
+  if (tuned.learnt) used.detector.min_score = tuned.chosen.min_score;
+  return used;
+}
 
 ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
                          const GateDetectorParams& detector) {
@@ -140,11 +197,17 @@ SelfTraining train_on_own(Pictures pictures, const ColorModel& described,
   return result;
 }
 
-Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& judging,
+Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& given,
                      double false_per_image) {
   Tuned tuned{.color = prior, .gates = count_gates(pictures, false)};
   tuned.learnt = tuned.gates >= kLeastLabelled;
   if (!tuned.learnt) return tuned;
+  Judging judging = given;
+  if (!judging.detector.lens.model) {
+    tuned.lens = lens_of(pictures, fit_to_labels(pictures, prior, judging.detector),
+                         with_fitted_colors(judging).detector);
+    judging.detector.lens = tuned.lens.picture_lens();
+  }
   const auto fit = [&](Pictures half) { return fit_to_labels(half, prior, judging.detector); };
   tuned.gates_to_hit = count_gates(pictures, judging.nearest);
   tuned.roc = roc_of(judged_by_halves(pictures, fit, with_fitted_colors(judging)), pictures.size(),
@@ -154,8 +217,9 @@ Tuned tune_to_labels(Pictures pictures, const ColorModel& prior, const Judging& 
   return tuned;
 }
 
-Tuned tune_to_description(Pictures pictures, const ColorModel& described, const Judging& judging,
+Tuned tune_to_description(Pictures pictures, const ColorModel& described, const Judging& given,
                           double false_per_image) {
+  Judging judging = given;
   SelfTrainingParams params;
   SelfTraining training;
   for (const double confident : {params.confident, 0.6, 0.5}) {
@@ -168,6 +232,14 @@ Tuned tune_to_description(Pictures pictures, const ColorModel& described, const 
               .gates = training.confident,
               .confident = params.confident};
   if (!tuned.learnt) return tuned;
+  if (!judging.detector.lens.model) {
+    tuned.lens = lens_of(pictures, training.color, with_fitted_colors(judging).detector);
+    judging.detector.lens = tuned.lens.picture_lens();
+    if (tuned.lens.says == GateLens::Says::kBent) {
+      training = train_on_own(pictures, described, judging.detector, params);
+      if (training.learnt) tuned.color = training.color, tuned.gates = training.confident;
+    }
+  }
   const auto fit = [&](Pictures half) {
     return train_on_own(half, described, judging.detector, params).color;
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gatefly/tuning/color_fit.hpp"
+#include "gatefly/tuning/lens_fit.hpp"
 #include "gatefly/tuning/roc.hpp"
 
 namespace gatefly::tuning {
@@ -32,6 +33,11 @@ struct SelfTraining {
                                         const GateDetectorParams& detector,
                                         const SelfTrainingParams& params = {});
 
+/// The lens that the gates of a set of pictures show, found with these colours: labelled ones where
+/// there are labels, else confident detections. Looks again with what it found, until that stays.
+[[nodiscard]] GateLens lens_of(Pictures pictures, const ColorModel& color,
+                               const GateDetectorParams& detector);
+
 /// What comes of tuning.
 struct Tuned {
   ColorModel color;
@@ -39,9 +45,14 @@ struct Tuned {
   int gates = 0;            ///< Labelled, or confident detections.
   double confident = 0;     ///< Fitness from which on a detection was learnt from; 0 with labels.
   double gates_to_hit = 0;  ///< What true positive rates are of; an estimate without labels.
+  /// What the gates say of a lens that nobody named; nothing where the detector was told one.
+  GateLens lens = {};
   Roc roc = {};  ///< Each half of the pictures searched with colours fitted to the other.
   Operating chosen = {};
 };
+
+/// How pictures are to be searched once tuned: fitted colours' scores, the lens that was found.
+[[nodiscard]] Judging as_tuned(const Judging& judging, const Tuned& tuned);
 
 /// Colours fitted to all pictures; a threshold from two-fold scores that keeps to
 /// `false_per_image`.

@@ -2,7 +2,9 @@
 #include "gatefly/detection/search/careful_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 
 #include "gatefly/detection/quad.hpp"
@@ -11,6 +13,7 @@
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
 #include "gatefly/detection/search/meant_detection.hpp"
+#include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
 namespace {
@@ -28,8 +31,15 @@ int least_worth_a_look(double min_score) {
   return static_cast<int>(std::clamp(kAtZero + kPerNat * min_score, 80.0, 144.0));
 }
 
+// Across the picture's width, of lenses that are tried where none is named: what lies between is
+// within the width of a large frame's bars. [rad]
+constexpr std::array kGuesses{100.0 * kDegree, 140.0 * kDegree, 175.0 * kDegree};
+// A bend has to be that much better than none: it follows noise, too [nats].
+constexpr double kGuessDoubt = 1.0;
+
 // Cells; corners that bent sides move less than so far are reached from straight ones.
 constexpr double kMuchBent = 2.0;
+constexpr double kShows = 1.0;  // the same of a lens that nobody named
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
@@ -71,6 +81,12 @@ void keep(BestFrames& best, const Frame& frame) {
 
 }  // namespace
 
+CarefulSearch::CarefulSearch(const GateDetectorParams& params)
+    : params_{params}, templates_{params.max_roll_deg}, bend_{params.lens} {
+  if (bend_.is_known()) return;
+  for (const double angle : kGuesses) guesses_.emplace_back(equidistant_lens(angle));
+}
+
 GateDetections CarefulSearch::detect(const Image& image, const PictureColor& color,
                                      SearchTrace* trace) {
   GateDetections found;
@@ -98,6 +114,17 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
       const Frame other = pulled_from(bent);
       if (better(other, frame)) frame = other;
     }
+    for (std::size_t k = 0; k < guesses_.size(); ++k) {
+      const SideCurves guess{guesses_[k], image, step};
+      const Quad start = bowed(straight, guess);
+      if (!(largest_move(start, straight) > kShows)) continue;
+      coarse.set_curves(guess);
+      Frame other = pulled_from(start);
+      other.guess = static_cast<int>(k);
+      other.score.total -= kGuessDoubt;
+      if (better(other, frame)) frame = other;
+      coarse.set_curves(coarse_curves);
+    }
     const bool has_shape = is_frame_shaped(frame.quad, least_side, params_.max_aspect);
     if (has_shape) keep(best, frame);
     if (trace != nullptr)
@@ -111,20 +138,26 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
                                     params_.bar()};
   fine.set_least_offset(3.0);
   fine.set_bounds(image.width(), image.height());
-  const SideCurves curves{bend_, image};
-  fine.set_curves(curves);
+  const auto curves_of = [&](const Frame& frame, double cell) {
+    if (frame.guess < 0) return SideCurves{bend_, image, cell};
+    return SideCurves{guesses_[static_cast<std::size_t>(frame.guess)], image, cell}.guessed();
+  };
   const double least_rough = params_.min_score - kRoughLacks;
   if (trace != nullptr) trace->least_rough = least_rough;
   BestFrames gates;
   for (const Frame& rough : best) {
     if (rough.score.total < least_rough) break;
+    const SideCurves curves = curves_of(rough, 1.0);
     Frame frame;
     if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
+      coarse.set_curves(curves_of(rough, step));
       frame = finished(coarse, rough.quad, least_side, params_);
       frame.quad = to_pixels(frame.quad, step);
     } else {
+      fine.set_curves(curves);
       frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
     }
+    frame.guess = rough.guess;
     frame.score.take_off(lost_as_filled(image, frame.quad, params_.bar(), curves));
     const bool taken =
         frame.score.total >= params_.min_score && frame.score.inside <= params_.max_inside;
@@ -135,6 +168,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   }
   insertion_sort(gates, better);
   for (Frame& frame : gates) {
+    const SideCurves curves = curves_of(frame, 1.0);
     frame.quad =
         refined_corners(image, frame.quad, params_.bar(), RefinementEffort::kCareful, curves);
     (void)found.push_back(meant_detection(frame, DetectionMethod::kFrames, image, params_, curves));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/lens_bend.hpp"
@@ -15,8 +17,7 @@ namespace gatefly {
 /// tried everywhere, the best ones fitted. [ours; Li18 has no counterpart.]
 class CarefulSearch {
  public:
-  explicit CarefulSearch(const GateDetectorParams& params = {})
-      : params_{params}, templates_{params.max_roll_deg}, bend_{params.lens} {}
+  explicit CarefulSearch(const GateDetectorParams& params = {});
 
   /// Distinct gates, best first. Allocates nothing.
   /// @param trace  filled with what was looked at, if given; empty before.
@@ -28,6 +29,7 @@ class CarefulSearch {
   EvidenceMap map_;
   GateTemplates templates_;
   LensBend bend_;
+  std::vector<LensBend> guesses_;  // what a lens that nobody named might be; else none
 };
 
 }  // namespace gatefly

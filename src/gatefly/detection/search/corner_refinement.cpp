@@ -282,15 +282,17 @@ Quad refined(const Image& image, const Quad& frame, double bar_px, double margin
              const Effort& effort, const SideCurves& curves) {
   Quad corners = frame;
   std::array<Strip<kLines>, 4> strips;
-  UnknownBend unknown{image, frame};
+  UnknownBend unknown{image, frame, curves};
   const bool guess = !curves.known() && unknown.shows();
   std::array<Curvature, 4> curvatures;
   for (int pass = 0; pass < effort.passes; ++pass) {
     const auto side = [&](std::size_t i) {
       const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
       Side between{a, b};
-      if (curves.bent()) between.bend(a, b, curves.sag(a, b));
-      if (guess) between.bend(a, b, unknown.sag(a, b));
+      if (guess)
+        between.bend(a, b, unknown.sag(a, b));
+      else if (curves.bent())
+        between.bend(a, b, curves.sag(a, b));
       return between;
     };
     std::array<Side, 4> sides{side(0), side(1), side(2), side(3)};

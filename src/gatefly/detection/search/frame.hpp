@@ -49,6 +49,7 @@ struct Frame {
   Quad quad;
   FrameScore score;
   std::array<bool, 4> unseen = {};  // corners of which only the rough place is known
+  int guess = -1;                   // of a lens that nobody named, which was tried; -1: straight
 };
 
 /// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides,

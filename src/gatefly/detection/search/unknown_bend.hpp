@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/refined_side.hpp"
 #include "gatefly/sensing/image.hpp"
@@ -17,11 +18,19 @@ namespace gatefly::refinement {
 /// crossings of all four sides say.
 class UnknownBend {
  public:
-  UnknownBend(const Image& image, const Quad& frame)
+  /// @param guess  what it is thought to be, to begin with.
+  UnknownBend(const Image& image, const Quad& frame, const SideCurves& guess = {})
       : middle_px_{0.5 * (image.width() - 1), 0.5 * (image.height() - 1)},
         strong_{kStrong / (static_cast<double>(image.width()) * image.width())} {
     for (std::size_t i = 0; i < 4; ++i)
       shows_ = shows_ || strong_ * bulge(frame[i], frame[(i + 1) % 4]).norm() > kShown;
+    if (!guess.bent()) return;
+    double moment = 0.0, weight = 1e-9;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d &a = frame[i], &b = frame[(i + 1) % 4], of_one = bulge(a, b);
+      moment += of_one.dot(guess.sag(a, b)), weight += of_one.squaredNorm();
+    }
+    k_ = std::clamp(moment / weight, 0.0, 1.5 * strong_);
   }
 
   /// Whether a strong one would show on this frame.
