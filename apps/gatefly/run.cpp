@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "gatefly/config/derived.hpp"
+#include "gatefly/config/track_file.hpp"
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/quantile.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/geometry/seconds.hpp"
+#include "gatefly/live/camera.hpp"
+#include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/linked.hpp"
+#include "gatefly/live/run_recorder.hpp"
+#include "gatefly/live/session.hpp"
+#include "gatefly/tasks/flight_inputs.hpp"
+
+#include "commands.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using io::fixed;
+using namespace std::chrono_literals;
+
+struct RunOptions {
+  CommonOptions common;
+  std::string track, camera, link, drone, out;
+  std::optional<int> laps;
+  double time_limit_s = 480.0;
+  bool shadow = false, carried = false, json = false;
+};
+
+/// A course and the pilot that is to fly it.
+struct Course {
+  io::Config config;
+  fs::path track_file;
+  PilotConfig pilot;
+};
+
+Course course_of(const RunOptions& options) {
+  Course course;
+  course.track_file = io::find_track(options.track);
+  io::Config config = load(options.common);
+  const io::TrackFile track = io::read_track(course.track_file, config.gate);
+  course.config = io::on_course(std::move(config), track);
+  say_notes(course.config.notes);
+  course.pilot = course.config.pilot;
+  course.pilot.track = track.track;
+  if (options.laps) course.pilot.track.laps = *options.laps;
+  return course;
+}
+
+std::string joined_lines(const std::vector<std::string>& lines) {
+  std::string all;
+  for (const std::string& line : lines) all += (all.empty() ? "" : "; ") + line;
+  return all;
+}
+
+/// A controller that has answered as the drone of the file does.
+std::unique_ptr<live::MspQueries> introduced(const live::LinkUri& uri,
+                                             const live::DroneFile& drone) {
+  live::Port port = uri.kind == live::LinkUri::Kind::kSerial
+                        ? live::Port::serial(uri.place, uri.baud)
+                        : live::Port::tcp(uri.place, uri.port, live::Clock::now() + 3s);
+  const live::Introduction said = live::introduction_of(port);
+  const std::string name = port.name() + ": ";
+  if (said.other_client) throw std::runtime_error(name + "another program talks to the controller");
+  if (const auto others = live::differences(drone, said.facts, said.board); !others.empty())
+    throw std::runtime_error(name + "is not the drone of " + drone.path.string() + ": " +
+                             joined_lines(others));
+  for (const guard::Complaint complaint : guard::complaints_about(said.facts))
+    if (complaint != guard::Complaint::kArmed)  // who only listens may come in flight
+      throw std::runtime_error(name + std::string{guard::text_of(complaint)});
+  return std::make_unique<live::MspQueries>(std::move(port), drone, *said.facts.boxes);
+}
+
+/// A recorded flight in the place of a link.
+struct Recording {
+  io::FlightFolder folder;
+  std::vector<flight_log::RecordedTick> ticks;
+};
+
+std::shared_ptr<const Recording> recording_of(const live::LinkUri& uri) {
+  auto recording = std::make_shared<Recording>();
+  recording->folder = io::read_flight_folder(uri.place);
+  recording->ticks = flight_log::ticks_of(recording->folder);
+  return recording;
+}
+
+/// Before anything is opened: what does not go together.
+void check_options(const RunOptions& options, const live::LinkUri& link,
+                   const live::CameraUri& camera) {
+  const bool replayed = link.kind == live::LinkUri::Kind::kReplay;
+  if (!options.shadow)
+    throw std::runtime_error("--shadow is missing: sending sticks to a drone is not built yet");
+  if (replayed && (camera.kind != live::CameraUri::Kind::kFolder || camera.place != link.place))
+    throw std::runtime_error("--link replay:" + link.place + " needs --camera file:" + link.place +
+                             ": pictures and sensors of one flight");
+  if (replayed && options.carried)
+    throw std::runtime_error("--carried: a recorded flight says itself when it took off");
+  if (!replayed && options.drone.empty())
+    throw std::runtime_error("--drone is required: the file with the drone's constants");
+}
+
+std::string quantiles(std::vector<double>& values) {
+  const auto ms = [&](double part) { return fixed(1e3 * io::nearest_rank(values, part), 2); };
+  return values.empty()
+             ? "none"
+             : ms(0.5) + " ms median, " + ms(0.999) + " ms p99.9, " + ms(1.0) + " ms at most";
+}
+
+/// What summary.json of a run says.
+nlohmann::ordered_json summary_of(const RunOptions& options, const Course& course,
+                                  live::Session& session, live::RunRecorder& recorder,
+                                  const std::string& reason) {
+  live::Wires& wires = session.wires();
+  const live::ControllerState& state = wires.state.read();
+  const Track& track = course.pilot.track;
+  const auto ms = [](std::vector<double>& values) {
+    nlohmann::ordered_json all;
+    for (const auto& [name, part] : {std::pair{"p50_ms", 0.5}, {"p999_ms", 0.999}, {"max_ms", 1.0}})
+      all[name] = values.empty() ? 0.0 : 1e3 * io::nearest_rank(values, part);
+    return all;
+  };
+  return {{"kind", "run"},
+          {"mode", options.shadow ? "shadow" : "flown"},
+          {"track", track.name},
+          {"version", GATEFLY_VERSION},
+          {"gates_passed", recorder.gates_passed()},
+          {"gates_total", track.laps * static_cast<int>(track.gates.size())},
+          {"finished", recorder.finished()},
+          {"stop_reason", reason},
+          {"flight_time_s", seconds(recorder.last_time())},
+          {"commands", recorder.ticks()},
+          {"detection",
+           {{"frames", recorder.pictures()}, {"with_gate", recorder.pictures_with_gate()}}},
+          {"camera",
+           {{"uri", options.camera},
+            {"lost", wires.pictures_lost.load()},
+            {"stalls", wires.stalls.load()}}},
+          {"link",
+           {{"uri", options.link},
+            {"samples", state.samples},
+            {"asked", state.asked},
+            {"lost", state.lost},
+            {"refused", state.refused},
+            {"battery_v", state.battery_v}}},
+          {"pilot_loop",
+           {{"hz", course.pilot.imu_hz},
+            {"missed", wires.ticks_lost.load()},
+            {"late", ms(recorder.late())},
+            {"step", ms(recorder.took())}}},
+          {"config", io::as_json(course.config)}};
+}
+
+void print_run(const nlohmann::ordered_json& told, live::RunRecorder& recorder,
+               const fs::path& out) {
+  const auto line = [](const char* name, const std::string& text) {
+    std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
+  };
+  const auto number = [&](const char* part, const char* key) {
+    return std::to_string(told.at(part).at(key).get<long>());
+  };
+  std::cout << told.at("track").get<std::string>() << ", " << told.at("mode").get<std::string>()
+            << ": " << told.at("stop_reason").get<std::string>() << ", "
+            << io::amount(static_cast<std::size_t>(recorder.gates_passed()), "gate")
+            << " passed in " << fixed(seconds(recorder.last_time()), 1) << " s\n";
+  line("commands",
+       std::to_string(recorder.ticks()) + ", " + number("pilot_loop", "missed") + " ticks missed");
+  line("pictures", std::to_string(recorder.pictures()) + ", " +
+                       std::to_string(recorder.pictures_with_gate()) + " with a gate, " +
+                       number("camera", "lost") + " lost, " + number("camera", "stalls") +
+                       " stalls");
+  line("link", number("link", "samples") + " samples, " + number("link", "asked") + " requests, " +
+                   number("link", "lost") + " without an answer");
+  line("woken late by", quantiles(recorder.late()));
+  line("a step takes", quantiles(recorder.took()));
+  if (!out.empty()) line("files", (out / "").string());
+}
+
+/// Lets it fly until something ends it. @return what.
+std::string flown(live::Session& session, live::RunRecorder& recorder, double time_limit_s) {
+  live::Wires& wires = session.wires();
+  const auto record = [&](const live::FlownTick& tick) { recorder.record(tick); };
+  std::string reason;
+  session.start();
+  while (reason.empty()) {
+    const bool over = session.over();
+    const bool any = session.drain(record);
+    if (interrupted())
+      reason = "told to end";
+    else if (seconds(session.clock().now()) > time_limit_s)
+      reason = "time limit";
+    else if (over && !wires.link_error.empty())
+      reason = wires.link_error;
+    else if (over && wires.camera_over && !wires.camera_error.empty())
+      reason = wires.camera_error;
+    else if (over)
+      reason = "the end";
+    if (!any && reason.empty()) std::this_thread::sleep_for(1ms);
+  }
+  wires.stop = true;
+  session.drain(record);
+  session.stop();
+  session.drain(record);
+  return reason;
+}
+
+/// gatefly run: a real drone. Exit 0 done, 1 link or camera failed, 2 unusable input, 130 Ctrl-C.
+int run(const RunOptions& options) {
+  const live::LinkUri link = live::link_uri(options.link);
+  const live::CameraUri camera = live::camera_uri(options.camera);
+  check_options(options, link, camera);
+  const bool replayed = link.kind == live::LinkUri::Kind::kReplay;
+  const Course course = course_of(options);
+  const live::StoredSize size{course.config.camera.stored_width(),
+                              course.config.camera.stored_height()};
+  std::optional<live::DroneFile> drone;
+  if (!options.drone.empty()) drone = live::read_drone(options.drone);
+  std::unique_ptr<live::Camera> eye = live::opened(camera, size, !replayed);
+  live::LinkWork work;
+  if (replayed) {
+    work = [recording = recording_of(link), pace = link.pace](live::Wires& wires,
+                                                              const live::RunClock& clock) {
+      live::play(recording->ticks, recording->folder, pace, wires, clock);
+    };
+  } else {
+    work = [queries = std::shared_ptr<live::MspQueries>(introduced(link, *drone)), &drone](
+               live::Wires& wires, const live::RunClock& clock) {
+      live::listen(*queries, *drone, wires, clock);
+    };
+  }
+  std::unique_ptr<live::Session> session;
+  try {
+    session = std::make_unique<live::Session>(
+        live::SessionPlan{.pilot = course.pilot,
+                          .rotation_deg = course.config.camera.stored_rotation_deg,
+                          .recorded = replayed,
+                          .looks_on = true,
+                          .carried = options.carried},
+        std::move(eye), std::move(work));
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string{"the track cannot be flown: "} + error.what());
+  }
+  catch_interrupt();
+  live::RunRecorder recorder(options.out, {.packed_log = true,
+                                           .stored_width = size.width,
+                                           .stored_height = size.height,
+                                           .navigation_imu = course.pilot.filter_imu_hz > 0,
+                                           .raw_frames = true,
+                                           .lifted = true});
+  for (const auto& [name, content] : tasks::flight_inputs(
+           options.common, course.config, course.track_file, course.pilot.track.laps))
+    recorder.add_file(name, content);
+  if (drone) recorder.add_file("drone.toml", io::read_file(options.drone));
+
+  const std::string reason = flown(*session, recorder, options.time_limit_s);
+  const nlohmann::ordered_json told = summary_of(options, course, *session, recorder, reason);
+  const std::string replaced = recorder.finish(io::json_text(told));
+  if (!replaced.empty() && !options.common.quiet)
+    std::cerr << "gatefly run: " << (fs::path{options.out} / "").string() << ": " << replaced
+              << '\n';
+  if (!recorder.error().empty())
+    std::cerr << "gatefly run: not recorded to the end: " << recorder.error() << '\n';
+  if (options.json)
+    std::cout << io::json_text(told);
+  else if (!options.common.quiet)
+    print_run(told, recorder, options.out);
+  if (interrupted()) return kInterrupted;
+  const bool well = reason == "the end" || reason == "time limit";
+  return well && recorder.error().empty() ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void declare_run(Command& command) {
+  auto options = std::make_shared<RunOptions>();
+  command.footer(
+      "Example:\n  gatefly run aigp-pq --shadow --camera v4l2:/dev/video0 --link "
+      "'msp:/dev/ttyTHS1?baud=115200' \\\n"
+      "    --drone drone.toml --config imx477 --config archer-b2 --config betaflight --out "
+      "out/shadow\n"
+      "  gatefly run oval --shadow --camera file:out/oval-1 --link 'replay:out/oval-1?pace=0'\n\n"
+      "With --shadow everything runs and nothing is sent but questions. Flying is not built yet.\n"
+      "The folder of --out is one that replay flies again.\n"
+      "Exit code 0: done; 1: link, camera or recording failed on the way; 2: unusable arguments, "
+      "file or drone; 130: Ctrl-C.");
+  command.option("TRACK", options->track, "a name in tracks/ or a file").required();
+  command
+      .option("--camera", options->camera,
+              "v4l2:/dev/videoN, gst:PIPELINE, udp-jpeg:PORT, or file:DIR, a recorded flight")
+      .required()
+      .type_name("URI");
+  command
+      .option(
+          "--link", options->link,
+          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, or replay:DIR?pace=1, a recorded flight")
+      .required()
+      .type_name("URI");
+  command.option("--drone", options->drone, "drone.toml: every constant of the drone").path("FILE");
+  command.flag("--shadow", options->shadow, "everything runs, and the link cannot send sticks");
+  command.flag("--carried", options->carried,
+               "with --shadow: carried by hand, off the ground once it has rested for 1.5 s");
+  command.option("--laps", options->laps, "instead of the track's own number").between(1, 100);
+  command.option("--time-limit", options->time_limit_s, "ends after so long [s]")
+      .between(0.1, 3600.0)
+      .show_default();
+  command.option("--out", options->out, "folder for the flight; without it nothing is kept")
+      .path("DIR");
+  command.flag("--json", options->json, "print summary.json instead of a screen");
+  add_common(command, options->common);
+  command.runs([options] { return run(*options); });
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "gatefly/live/handoff.hpp"
+#include "gatefly/live/msp_poller.hpp"
+#include "gatefly/live/picture.hpp"
+#include "gatefly/race/pilot.hpp"
+
+namespace gatefly::live {
+
+/// An IMU sample of the controller, for the pilot.
+struct Heard {
+  Imu imu;
+  std::chrono::nanoseconds due{
+      0};  ///< When the pilot gets it: a little after it was taken, so that they come regularly.
+  bool lifted = false;     ///< Somebody else has taken off with the drone.
+  bool may_start = false;  ///< The drone is this pilot's.
+};
+
+/// A tick of a recorded flight, in the place of a drone's.
+struct RecordedSensors {
+  Sensors sensors;
+  std::optional<std::size_t> picture;           ///< Its number.
+  std::optional<std::array<double, 4>> motors;  ///< What the rotors were told then.
+};
+
+/// What the pilot wants, and believes, for whoever sends it.
+struct Wanted {
+  static constexpr std::chrono::nanoseconds kNever = -std::chrono::hours{24};
+  std::chrono::nanoseconds at = kNever;
+  Command command;
+  bool steers = false;  ///< Off the ground; else the motors rest.
+  bool landed = false;
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
+  double yaw = 0.0;
+  std::chrono::nanoseconds height_at = kNever;  ///< A gate told it.
+  std::chrono::nanoseconds picture_at = kNever, picture_limit = std::chrono::milliseconds{150};
+};
+
+/// One step of the pilot, for the recorder.
+struct FlownTick {
+  Sensors sensors;             ///< Without its image ...
+  Picture* picture = nullptr;  ///< ... which goes back when it is written.
+  Command command;
+  std::optional<std::array<double, 4>> motors;
+  Estimate estimate;
+  std::size_t phase = 0;
+  int target_gate = 0;
+  GateDetections detections;
+  bool finished = false, landed = false;
+  std::chrono::nanoseconds late{0}, took{0};  ///< Woken up after it was due; in Pilot::step.
+};
+
+/// All that goes between camera, link, pilot and recorder; each end of each wire is one thread's.
+struct Wires {
+  static constexpr std::size_t kPictures = 12;
+
+  Ring<Heard> samples{64};                  ///< link → pilot
+  Ring<RecordedSensors> recorded{128};      ///< link → pilot, of a replay
+  Ring<Picture*> pictures{kPictures};       ///< camera → pilot
+  Ring<FlownTick> flown{1024};              ///< pilot → recorder
+  Ring<Picture*> free_pictures{kPictures};  ///< recorder → camera
+  Latest<Wanted> wanted;                    ///< pilot → link
+  Latest<ControllerState> state;            ///< link → recorder
+
+  std::atomic<bool> stop = false;  ///< Everybody ends.
+  std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
+  std::string link_error, camera_error;  ///< Written before its thread is over.
+  std::atomic<long> pictures_lost = 0, ticks_lost = 0, pictures_seen = 0, stalls = 0;
+};
+
+}  // namespace gatefly::live
