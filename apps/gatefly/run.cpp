@@ -9,6 +9,7 @@
 
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
+#include "gatefly/files/film_pipe.hpp"
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
@@ -94,6 +95,16 @@ std::shared_ptr<const Recording> recording_of(const live::LinkUri& uri) {
   return recording;
 }
 
+/// For a film without loss; without one each picture is a file.
+bool has_ffmpeg() {
+  try {
+    io::require_ffmpeg();
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
 /// Before anything is opened: what does not go together.
 void check_options(const RunOptions& options, const live::LinkUri& link,
                    const live::CameraUri& camera) {
@@ -154,7 +165,8 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
             {"battery_v", state.battery_v}}},
           {"pilot_loop",
            {{"hz", course.pilot.imu_hz},
-            {"missed", wires.ticks_lost.load()},
+            {"missed", wires.ticks_missed.load()},
+            {"unrecorded", wires.unrecorded.load()},
             {"late", ms(recorder.late())},
             {"step", ms(recorder.took())}}},
           {"config", io::as_json(course.config)}};
@@ -250,11 +262,14 @@ int run(const RunOptions& options) {
     throw std::runtime_error(std::string{"the track cannot be flown: "} + error.what());
   }
   catch_interrupt();
+  const bool film =
+      camera.kind == live::CameraUri::Kind::kStream && !options.out.empty() && has_ffmpeg();
   live::RunRecorder recorder(options.out, {.packed_log = true,
+                                           .frames = film,
                                            .stored_width = size.width,
                                            .stored_height = size.height,
                                            .navigation_imu = course.pilot.filter_imu_hz > 0,
-                                           .raw_frames = true,
+                                           .raw_frames = !film,
                                            .lifted = true});
   for (const auto& [name, content] : tasks::flight_inputs(
            options.common, course.config, course.track_file, course.pilot.track.laps))

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace gatefly::live {
 namespace {
@@ -33,7 +34,7 @@ void PilotLoop::fly() {
     std::this_thread::sleep_until(clock_.moment(due));
     const nanoseconds now = clock_.now();
     if (now - due > 4 * period) {
-      wires_.ticks_lost += (now - due) / period;
+      wires_.ticks_missed += (now - due) / period;
       due = now;  // what is missed is not made up for
     }
     Sensors sensors{.time = due, .imu = held_};
@@ -121,13 +122,8 @@ Picture* PilotLoop::recorded_picture(std::size_t number) {
   return nullptr;
 }
 
-/// By way of the recorder, who alone gives pictures back.
 void PilotLoop::give_back(Picture* picture) {
-  if (picture == nullptr) return;
-  FlownTick nothing;
-  nothing.picture = picture;
-  nothing.sensors.time = nanoseconds{-1};
-  while (!wires_.flown.push(nothing) && !wires_.stop) std::this_thread::sleep_for(100us);
+  if (picture != nullptr) (void)wires_.returned.push(picture);
 }
 
 void PilotLoop::step(Sensors& sensors, Picture* picture, FlownTick& tick, nanoseconds now) {
@@ -149,14 +145,30 @@ void PilotLoop::step(Sensors& sensors, Picture* picture, FlownTick& tick, nanose
   tick.phase = pilot_.phase().index();
   tick.target_gate = pilot_.target_gate();
   tick.finished = pilot_.finished(), tick.landed = pilot_.landed();
-  while (!wires_.flown.push(tick)) {
-    // A recording loses nothing, a drone does not wait for a disk.
-    if (wires_.stop) return;
-    if (!plan_.recorded && picture == nullptr) {
-      ++wires_.ticks_lost;
-      return;
+  hand_on(tick);
+}
+
+/// A recording loses nothing; a drone waits for no disk.
+void PilotLoop::hand_on(FlownTick& tick) {
+  const auto wait = [this] { return plan_.recorded && !wires_.stop; };
+  if (tick.picture != nullptr) {
+    while (wires_.at_recorder >= Wires::kAtRecorder && wait()) std::this_thread::sleep_for(100us);
+    if (wires_.at_recorder >= Wires::kAtRecorder) {
+      ++wires_.unrecorded;
+      give_back(std::exchange(tick.picture, nullptr));
     }
-    std::this_thread::sleep_for(100us);
+  }
+  // Counted before it is there: the recorder may be quicker than we are.
+  wires_.at_recorder += tick.picture != nullptr;
+  while (!wires_.flown.push(tick)) {
+    if (wait()) {
+      std::this_thread::sleep_for(100us);
+      continue;
+    }
+    ++wires_.unrecorded;
+    wires_.at_recorder -= tick.picture != nullptr;
+    give_back(tick.picture);
+    return;
   }
 }
 

@@ -22,6 +22,7 @@ class PilotLoop {
   [[nodiscard]] Picture* recorded_picture(std::size_t number);
   void give_back(Picture* picture);
   void step(Sensors& sensors, Picture* picture, FlownTick& tick, std::chrono::nanoseconds now);
+  void hand_on(FlownTick& tick);
   void say(const Command& command, std::chrono::nanoseconds now);
 
   const SessionPlan& plan_;

@@ -33,8 +33,11 @@ void Session::stop() {
 bool Session::drain(const std::function<void(const FlownTick&)>& take) {
   bool any = false;
   while (const FlownTick* const tick = wires_.flown.front()) {
-    if (tick->sensors.time >= 0ns) take(*tick);
-    if (tick->picture != nullptr) (void)wires_.free_pictures.push(tick->picture);
+    take(*tick);
+    if (tick->picture != nullptr) {
+      (void)wires_.free_pictures.push(tick->picture);
+      --wires_.at_recorder;
+    }
     wires_.flown.pop();
     any = true;
   }
@@ -44,7 +47,9 @@ bool Session::drain(const std::function<void(const FlownTick&)>& take) {
 void Session::run_camera() try {
   Picture spare;
   while (!wires_.stop) {
-    Picture* const* const front = wires_.free_pictures.front();
+    Ring<Picture*>& from =
+        wires_.returned.front() != nullptr ? wires_.returned : wires_.free_pictures;
+    Picture* const* const front = from.front();
     if (front == nullptr && plan_.recorded) {
       std::this_thread::sleep_for(200us);
       continue;
@@ -59,7 +64,7 @@ void Session::run_camera() try {
       continue;
     }
     Picture* const place = *front;
-    wires_.free_pictures.pop();
+    from.pop();
     (void)wires_.pictures.push(place);
   }
   wires_.camera_error = camera_->why();

@@ -69,13 +69,18 @@ struct Wires {
   Ring<Picture*> pictures{kPictures};       ///< camera → pilot
   Ring<FlownTick> flown{1024};              ///< pilot → recorder
   Ring<Picture*> free_pictures{kPictures};  ///< recorder → camera
+  Ring<Picture*> returned{kPictures};       ///< pilot → camera: what is not recorded
   Latest<Wanted> wanted;                    ///< pilot → link
   Latest<ControllerState> state;            ///< link → recorder
 
   std::atomic<bool> stop = false;  ///< Everybody ends.
   std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
   std::string link_error, camera_error;  ///< Written before its thread is over.
-  std::atomic<long> pictures_lost = 0, ticks_lost = 0, pictures_seen = 0, stalls = 0;
+  std::atomic<int> at_recorder =
+      0;  ///< Pictures; at most kAtRecorder, so that a slow disk does not blind the pilot.
+  static constexpr int kAtRecorder = kPictures - 4;
+  std::atomic<long> pictures_lost = 0, pictures_seen = 0, stalls = 0, ticks_missed = 0,
+                    unrecorded = 0;  ///< Ticks or pictures of ticks.
 };
 
 }  // namespace gatefly::live
