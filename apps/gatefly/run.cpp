@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <chrono>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -16,6 +18,8 @@
 #include "gatefly/geometry/seconds.hpp"
 #include "gatefly/live/camera.hpp"
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/flight_deck.hpp"
+#include "gatefly/live/keeper.hpp"
 #include "gatefly/live/linked.hpp"
 #include "gatefly/live/run_recorder.hpp"
 #include "gatefly/live/session.hpp"
@@ -65,8 +69,11 @@ std::string joined_lines(const std::vector<std::string>& lines) {
 }
 
 /// A controller that has answered as the drone of the file does.
-std::unique_ptr<live::MspQueries> introduced(const live::LinkUri& uri,
-                                             const live::DroneFile& drone) {
+struct Introduced {
+  live::Port port;
+  msp::BoxIds boxes;
+};
+Introduced introduced(const live::LinkUri& uri, const live::DroneFile& drone, bool shadow) {
   live::Port port = uri.kind == live::LinkUri::Kind::kSerial
                         ? live::Port::serial(uri.place, uri.baud)
                         : live::Port::tcp(uri.place, uri.port, live::Clock::now() + 3s);
@@ -77,10 +84,23 @@ std::unique_ptr<live::MspQueries> introduced(const live::LinkUri& uri,
     throw std::runtime_error(name + "is not the drone of " + drone.path.string() + ": " +
                              joined_lines(others));
   for (const guard::Complaint complaint : guard::complaints_about(said.facts))
-    if (complaint != guard::Complaint::kArmed)  // who only listens may come in flight
+    if (!shadow || complaint != guard::Complaint::kArmed)  // who only listens may come in flight
       throw std::runtime_error(name + std::string{guard::text_of(complaint)});
-  return std::make_unique<live::MspQueries>(std::move(port), drone, *said.facts.boxes);
+  if (!shadow && said.facts.status->on(msp::Box::kMspOverride, *said.facts.boxes).value_or(true))
+    throw std::runtime_error(name + std::string{guard::text_of(guard::Reason::kOverrideAtStart)});
+  return {std::move(port), *said.facts.boxes};
 }
+
+/// All that flies a drone; the keeper is a process of its own.
+struct Flying {
+  Flying(Introduced met, const live::DroneFile& drone, const live::FlightDeck::Params& params)
+      : link{std::move(met.port), drone, met.boxes},
+        deck{drone, params},
+        keeper{link.fd(), drone, met.boxes, params.hand_over.brake} {}
+  live::MspSticks link;
+  live::FlightDeck deck;
+  live::Keeper keeper;
+};
 
 /// A recorded flight in the place of a link.
 struct Recording {
@@ -109,8 +129,11 @@ bool has_ffmpeg() {
 void check_options(const RunOptions& options, const live::LinkUri& link,
                    const live::CameraUri& camera) {
   const bool replayed = link.kind == live::LinkUri::Kind::kReplay;
-  if (!options.shadow)
-    throw std::runtime_error("--shadow is missing: sending sticks to a drone is not built yet");
+  if (replayed && !options.shadow)
+    throw std::runtime_error("--link replay:" + link.place +
+                             ": nobody can fly a recording; look on with --shadow");
+  if (!options.shadow && options.carried)
+    throw std::runtime_error("--carried: a drone that flies is not carried; with --shadow only");
   if (replayed && (camera.kind != live::CameraUri::Kind::kFolder || camera.place != link.place))
     throw std::runtime_error("--link replay:" + link.place + " needs --camera file:" + link.place +
                              ": pictures and sensors of one flight");
@@ -133,6 +156,7 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
                                   const std::string& reason) {
   live::Wires& wires = session.wires();
   const live::ControllerState& state = wires.state.read();
+  const live::DeckNews& deck = wires.deck.read();
   const Track& track = course.pilot.track;
   const auto ms = [](std::vector<double>& values) {
     nlohmann::ordered_json all;
@@ -140,36 +164,38 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
       all[name] = values.empty() ? 0.0 : 1e3 * io::nearest_rank(values, part);
     return all;
   };
-  return {{"kind", "run"},
-          {"mode", options.shadow ? "shadow" : "flown"},
-          {"track", track.name},
-          {"version", GATEFLY_VERSION},
-          {"gates_passed", recorder.gates_passed()},
-          {"gates_total", track.laps * static_cast<int>(track.gates.size())},
-          {"finished", recorder.finished()},
-          {"stop_reason", reason},
-          {"flight_time_s", seconds(recorder.last_time())},
-          {"commands", recorder.ticks()},
-          {"detection",
-           {{"frames", recorder.pictures()}, {"with_gate", recorder.pictures_with_gate()}}},
-          {"camera",
-           {{"uri", options.camera},
-            {"lost", wires.pictures_lost.load()},
-            {"stalls", wires.stalls.load()}}},
-          {"link",
-           {{"uri", options.link},
-            {"samples", state.samples},
-            {"asked", state.asked},
-            {"lost", state.lost},
-            {"refused", state.refused},
-            {"battery_v", state.battery_v}}},
-          {"pilot_loop",
-           {{"hz", course.pilot.imu_hz},
-            {"missed", wires.ticks_missed.load()},
-            {"unrecorded", wires.unrecorded.load()},
-            {"late", ms(recorder.late())},
-            {"step", ms(recorder.took())}}},
-          {"config", io::as_json(course.config)}};
+  return {
+      {"kind", "run"},
+      {"mode", options.shadow ? "shadow" : "flown"},
+      {"track", track.name},
+      {"version", GATEFLY_VERSION},
+      {"gates_passed", recorder.gates_passed()},
+      {"gates_total", track.laps * static_cast<int>(track.gates.size())},
+      {"finished", recorder.finished()},
+      {"stop_reason", reason},
+      {"flight_time_s", seconds(recorder.last_time())},
+      {"commands", recorder.ticks()},
+      {"detection",
+       {{"frames", recorder.pictures()}, {"with_gate", recorder.pictures_with_gate()}}},
+      {"camera",
+       {{"uri", options.camera},
+        {"lost", wires.pictures_lost.load()},
+        {"stalls", wires.stalls.load()}}},
+      {"link",
+       {{"uri", options.link},
+        {"samples", state.samples},
+        {"asked", state.asked},
+        {"lost", state.lost},
+        {"refused", state.refused},
+        {"battery_v", state.battery_v}}},
+      {"sticks", {{"frames", deck.frames}, {"longest_gap_ms", 1e3 * seconds(deck.longest_gap)}}},
+      {"pilot_loop",
+       {{"hz", course.pilot.imu_hz},
+        {"missed", wires.ticks_missed.load()},
+        {"unrecorded", wires.unrecorded.load()},
+        {"late", ms(recorder.late())},
+        {"step", ms(recorder.took())}}},
+      {"config", io::as_json(course.config)}};
 }
 
 void print_run(const nlohmann::ordered_json& told, live::RunRecorder& recorder,
@@ -197,25 +223,61 @@ void print_run(const nlohmann::ordered_json& told, live::RunRecorder& recorder,
   if (!out.empty()) line("files", (out / "").string());
 }
 
+/// Says on stderr what the drone's owner has to know: who flies, and why not.
+class Announcer {
+ public:
+  explicit Announcer(bool quiet) : quiet_{quiet} {}
+  void say(const live::DeckNews& news) {
+    const bool same = said_ && news.state.phase == phase_ && news.state.reason == reason_;
+    if (quiet_ || same || news.frames == 0) return;
+    said_ = true, phase_ = news.state.phase, reason_ = news.state.reason;
+    constexpr std::array kNames{"starting", "neutral sticks are sent, the drone is yours", "flying",
+                                "ending: braking, then down", "over"};
+    std::cerr << "gatefly run: " << kNames[static_cast<std::size_t>(phase_)]
+              << (reason_ == guard::Reason::kNone ? "" : ": ") << guard::text_of(reason_) << '\n';
+  }
+
+ private:
+  bool quiet_, said_ = false;
+  guard::Phase phase_ = guard::Phase::kStarting;
+  guard::Reason reason_ = guard::Reason::kNone;
+};
+
+/// Why one that looks on ends now; "" while it does not.
+std::string why_over(live::Session& session, double time_limit_s, bool over) {
+  const live::Wires& wires = session.wires();
+  if (interrupted()) return "told to end";
+  if (seconds(session.clock().now()) > time_limit_s) return "time limit";
+  if (!over) return "";
+  if (!wires.link_error.empty()) return wires.link_error;
+  if (wires.camera_over && !wires.camera_error.empty()) return wires.camera_error;
+  return "the end";
+}
+
+/// The same of one that flies: whatever it is told, it ends when the drone is down.
+std::string why_over_flying(live::Wires& wires, Announcer& announcer) {
+  if (interrupted()) wires.told_to_end = true;
+  const bool over = wires.link_over;
+  const live::DeckNews& news = wires.deck.read();
+  announcer.say(news);
+  if (!over) return "";
+  if (!wires.link_error.empty()) return wires.link_error;
+  const std::string reason{guard::text_of(news.state.reason)};
+  return reason.empty() ? "the end" : reason;
+}
+
 /// Lets it fly until something ends it. @return what.
-std::string flown(live::Session& session, live::RunRecorder& recorder, double time_limit_s) {
+std::string flown(live::Session& session, live::RunRecorder& recorder, const RunOptions& options) {
   live::Wires& wires = session.wires();
+  Announcer announcer{options.common.quiet};
   const auto record = [&](const live::FlownTick& tick) { recorder.record(tick); };
   std::string reason;
   session.start();
   while (reason.empty()) {
     const bool over = session.over();
     const bool any = session.drain(record);
-    if (interrupted())
-      reason = "told to end";
-    else if (seconds(session.clock().now()) > time_limit_s)
-      reason = "time limit";
-    else if (over && !wires.link_error.empty())
-      reason = wires.link_error;
-    else if (over && wires.camera_over && !wires.camera_error.empty())
-      reason = wires.camera_error;
-    else if (over)
-      reason = "the end";
+    reason = options.shadow ? why_over(session, options.time_limit_s, over)
+                            : why_over_flying(wires, announcer);
     if (!any && reason.empty()) std::this_thread::sleep_for(1ms);
   }
   wires.stop = true;
@@ -223,6 +285,29 @@ std::string flown(live::Session& session, live::RunRecorder& recorder, double ti
   session.stop();
   session.drain(record);
   return reason;
+}
+
+/// Refuses to fly what must not be flown, before anything is opened.
+void expect_to_fly(const live::DroneFile& drone, const PilotConfig& pilot) {
+  if (pilot.output != Output::kRatesThrust)
+    throw std::runtime_error(
+        "control.output must be \"rates_thrust\" to fly a Betaflight (--config betaflight)");
+  if (!drone.hand_over_tested(live::program_mark()))
+    throw std::runtime_error(drone.path.string() + ": " +
+                             std::string{guard::text_of(guard::Reason::kNotTested)} +
+                             "; --shadow looks on without");
+}
+
+live::FlightDeck::Params deck_params(const RunOptions& options, const Course& course,
+                                     const live::DroneFile& drone) {
+  constexpr double kAside = 3.0, kAbove = 1.5;  // of the fence [m]
+  live::FlightDeck::Params params;
+  params.hand_over.least_battery_v = drone.least_battery_v;
+  params.hand_over.flight =
+      std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * options.time_limit_s)};
+  params.fence = live::fence_around(course.pilot.track, kAside, kAbove);
+  params.hand_over_tested = drone.hand_over_tested(live::program_mark());
+  return params;
 }
 
 /// gatefly run: a real drone. Exit 0 done, 1 link or camera failed, 2 unusable input, 130 Ctrl-C.
@@ -236,26 +321,35 @@ int run(const RunOptions& options) {
                               course.config.camera.stored_height()};
   std::optional<live::DroneFile> drone;
   if (!options.drone.empty()) drone = live::read_drone(options.drone);
-  std::unique_ptr<live::Camera> eye = live::opened(camera, size, !replayed);
+  if (!options.shadow) expect_to_fly(*drone, course.pilot);
   live::LinkWork work;
   if (replayed) {
     work = [recording = recording_of(link), pace = link.pace](live::Wires& wires,
                                                               const live::RunClock& clock) {
       live::play(recording->ticks, recording->folder, pace, wires, clock);
     };
-  } else {
-    work = [queries = std::shared_ptr<live::MspQueries>(introduced(link, *drone)), &drone](
-               live::Wires& wires, const live::RunClock& clock) {
+  } else if (options.shadow) {
+    Introduced met = introduced(link, *drone, true);
+    const auto queries = std::make_shared<live::MspQueries>(std::move(met.port), *drone, met.boxes);
+    work = [queries, &drone](live::Wires& wires, const live::RunClock& clock) {
       live::listen(*queries, *drone, wires, clock);
     };
+  } else {
+    // Its second process before anything else is open: that would be open there, too.
+    const auto flying = std::make_shared<Flying>(introduced(link, *drone, false), *drone,
+                                                 deck_params(options, course, *drone));
+    work = [flying](live::Wires& wires, const live::RunClock& clock) {
+      live::fly(flying->link, flying->deck, flying->keeper, wires, clock);
+    };
   }
+  std::unique_ptr<live::Camera> eye = live::opened(camera, size, !replayed);
   std::unique_ptr<live::Session> session;
   try {
     session = std::make_unique<live::Session>(
         live::SessionPlan{.pilot = course.pilot,
                           .rotation_deg = course.config.camera.stored_rotation_deg,
                           .recorded = replayed,
-                          .looks_on = true,
+                          .looks_on = options.shadow,
                           .carried = options.carried},
         std::move(eye), std::move(work));
   } catch (const std::invalid_argument& error) {
@@ -276,7 +370,7 @@ int run(const RunOptions& options) {
     recorder.add_file(name, content);
   if (drone) recorder.add_file("drone.toml", io::read_file(options.drone));
 
-  const std::string reason = flown(*session, recorder, options.time_limit_s);
+  const std::string reason = flown(*session, recorder, options);
   const nlohmann::ordered_json told = summary_of(options, course, *session, recorder, reason);
   const std::string replaced = recorder.finish(io::json_text(told));
   if (!replaced.empty() && !options.common.quiet)
@@ -289,7 +383,8 @@ int run(const RunOptions& options) {
   else if (!options.common.quiet)
     print_run(told, recorder, options.out);
   if (interrupted()) return kInterrupted;
-  const bool well = reason == "the end" || reason == "time limit";
+  const bool well =
+      options.shadow ? reason == "the end" || reason == "time limit" : recorder.finished();
   return well && recorder.error().empty() ? kDone : kAnswerIsNo;
 }
 
@@ -324,7 +419,9 @@ void declare_run(Command& command) {
   command.flag("--carried", options->carried,
                "with --shadow: carried by hand, off the ground once it has rested for 1.5 s");
   command.option("--laps", options->laps, "instead of the track's own number").between(1, 100);
-  command.option("--time-limit", options->time_limit_s, "ends after so long [s]")
+  command
+      .option("--time-limit", options->time_limit_s,
+              "ends after so long [s]; a flight: counted from when the drone is handed over")
       .between(0.1, 3600.0)
       .show_default();
   command.option("--out", options->out, "folder for the flight; without it nothing is kept")

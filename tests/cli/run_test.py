@@ -69,7 +69,7 @@ class Refused(Cli):
 
     def test_flying_without_a_hand_over_test(self):
         said = self.refused("run", "oval", "--camera", f"file:{FLIGHT}", "--link", f"replay:{FLIGHT}")
-        self.assertIn("--shadow is missing", said)
+        self.assertIn("nobody can fly a recording", said)
 
 
 class Fake:

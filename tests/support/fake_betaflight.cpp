@@ -2,7 +2,7 @@
 // The fake controller as a program, for tests of the command line.
 //   fake_betaflight [--log FILE] [--height M] [--hover-error PART] [--baud N]
 //     prints "port N", then obeys the words on its standard input, a line each, until that ends
-//   fake_betaflight --sign DRONE.toml VERSION    prints what a passed hand-over test would have left
+//   fake_betaflight --sign DRONE.toml PROGRAM    prints what a passed hand-over test would have left
 #include "support/fake_betaflight.hpp"
 
 #include <atomic>
@@ -49,7 +49,8 @@ int fake(const std::vector<std::string>& words) {
 int main(int argc, char** argv) try {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 3 && words[0] == "--sign") {
-    std::cout << gatefly::live::hand_over_mark(gatefly::live::read_drone(words[1]), words[2])
+    std::cout << gatefly::live::hand_over_mark(gatefly::live::read_drone(words[1]),
+                                               gatefly::live::program_mark(words[2]))
               << '\n';
     return 0;
   }

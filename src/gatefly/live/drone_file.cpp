@@ -209,6 +209,12 @@ std::string hand_over_mark(const DroneFile& drone, const std::string& program) {
       io::xxh64({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
 }
 
+std::string program_mark(const std::filesystem::path& program) {
+  const std::string bytes = io::read_file(program, std::uintmax_t{1} << 30);
+  return io::text_of_xxh64(
+      io::xxh64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+}
+
 std::vector<std::string> differences(const DroneFile& drone, const guard::DroneFacts& facts,
                                      const std::string& board) {
   std::vector<std::string> found;

@@ -53,6 +53,9 @@ struct DroneFile {
 /// What a hand-over test is bound to: all constants of a drone.toml, and the program; 16 hexadecimal digits.
 [[nodiscard]] std::string hand_over_mark(const DroneFile& drone, const std::string& program);
 
+/// A program by its bytes; the one that runs by default.
+[[nodiscard]] std::string program_mark(const std::filesystem::path& program = "/proc/self/exe");
+
 /// In what a controller is another than the file says, a line each; empty: it is the drone.
 [[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
                                                    const guard::DroneFacts& facts,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/live/linked.hpp"
 
+#include <algorithm>
 #include <thread>
 
 #include "gatefly/live/arrival_clock.hpp"
@@ -32,6 +33,44 @@ void listen(MspQueries& link, const DroneFile& drone, Wires& wires, const RunClo
     wires.state.write(state);
   }
   if (link.broken()) wires.link_error = link.name() + ": the connection is gone";
+}
+
+void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock) {
+  ArrivalClock taken{MspPoller::Params{}.turn};
+  DeckNews news;
+  bool keeper_gone = false;
+  nanoseconds sent_at{0};
+  for (nanoseconds next = clock.now();; next = std::max(next + kStickPeriod, clock.now())) {
+    while (clock.now() < next && !link.broken()) {
+      if (!link.serve(clock, std::min(next, clock.now() + 2ms))) continue;
+      const ControllerState& state = link.state();
+      (void)wires.samples.push({.imu = state.imu,
+                                .due = taken.take(state.imu_at) + kHeldBack,
+                                .may_start = news.state.phase == guard::Phase::kFlying});
+    }
+    const bool end = wires.told_to_end || wires.stop || keeper_gone;
+    const FlightDeck::Sent sent = deck.step(link.state(), wires.wanted.read(), end, clock.now());
+    const Keeper::Heard heard = keeper.tell(deck.ending());
+    if (heard == Keeper::Heard::kTookOver) {
+      wires.link_error = "the second process has taken over: this one was late";
+      return;
+    }
+    keeper_gone = heard == Keeper::Heard::kGone;
+    if (sent.action != guard::Action::kSilent && link.send(sent.sticks)) {
+      const nanoseconds now = clock.now();
+      if (news.frames++ > 0) news.longest_gap = std::max(news.longest_gap, now - sent_at);
+      sent_at = now;
+    }
+    news.state = deck.state();
+    news.action = sent.action;
+    wires.deck.write(news);
+    wires.state.write(link.state());
+    if (link.broken()) {
+      wires.link_error = link.name() + ": the connection is gone";
+      return;
+    }
+    if (news.state.phase == guard::Phase::kOver) return;
+  }
 }
 
 void play(const std::vector<flight_log::RecordedTick>& ticks, const io::FlightFolder& folder,

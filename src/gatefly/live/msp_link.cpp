@@ -84,4 +84,18 @@ bool MspQueries::serve(const RunClock& clock, std::chrono::nanoseconds until) {
   return *got > 0 && poller_.take(link::Bytes{room_}.first(*got), clock.now());
 }
 
+MspSticks::MspSticks(Port port, const DroneFile& drone, const msp::BoxIds& boxes)
+    : MspQueries{std::move(port), drone, boxes}, order_{drone.order} {}
+
+bool MspSticks::send(const msp::Sticks& sticks) {
+  std::array<std::uint8_t, 32> frame{};
+  const auto payload = order_.set_raw_rc(sticks);
+  const std::size_t size = msp::encode_frame(
+      {msp::kSetRawRc, payload, msp::Direction::kToController, msp::Version::k1}, frame);
+  poller_.sticks_sent();
+  const bool sent = port_.write({frame.data(), size}, Clock::now() + 10ms);
+  broken_ = broken_ || !sent;
+  return sent;
+}
+
 }  // namespace gatefly::live

@@ -40,4 +40,16 @@ class MspQueries {
   bool broken_ = false;
 };
 
+/// The same, and it sends sticks.
+class MspSticks : public MspQueries {
+ public:
+  MspSticks(Port port, const DroneFile& drone, const msp::BoxIds& boxes);
+  /// A stick frame, whole or, where the line does not take it at once, not at all.
+  bool send(const msp::Sticks& sticks);
+  [[nodiscard]] int fd() const { return port_.fd(); }
+
+ private:
+  msp::ChannelOrder order_;
+};
+
 }  // namespace gatefly::live

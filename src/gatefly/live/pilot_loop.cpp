@@ -15,6 +15,8 @@ using std::chrono::nanoseconds;
 constexpr double kRestSeconds = 1.3;
 /// A held sample that is older is none.
 constexpr nanoseconds kOldest = 100ms;
+/// So long after it has left the floor a height by the accelerometer alone is believed: 0.3 m/s² make it 0.6 m wrong. Ours.
+constexpr nanoseconds kFromGround = 2s;
 
 Imu no_sample() {
   const auto nothing = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -29,7 +31,8 @@ PilotLoop::PilotLoop(const SessionPlan& plan, Pilot& pilot, Wires& wires, const 
 void PilotLoop::fly() {
   const nanoseconds period{std::llround(1e9 / plan_.pilot.imu_hz)};
   nanoseconds due = clock_.now();
-  while (!wires_.stop && !wires_.link_over && !pilot_.landed()) {
+  // Who flies goes on after landing: the sticks must not be without a pilot.
+  while (!wires_.stop && !wires_.link_over && (!plan_.looks_on || !pilot_.landed())) {
     due += period;
     std::this_thread::sleep_until(clock_.moment(due));
     const nanoseconds now = clock_.now();
@@ -174,6 +177,9 @@ void PilotLoop::hand_on(FlownTick& tick) {
 
 void PilotLoop::say(const Command& command, nanoseconds now) {
   const Estimate estimate = pilot_.estimate();
+  // The floor tells the height, and for a while after take-off the accelerometer, which has just rested.
+  if (std::holds_alternative<OnGround>(pilot_.phase())) ground_at_ = now;
+  if (now - ground_at_ < kFromGround) height_at_ = now;
   wires_.wanted.write(
       {.at = now,
        .command = command,

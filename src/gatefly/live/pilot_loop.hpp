@@ -31,7 +31,8 @@ class PilotLoop {
   const RunClock& clock_;
   StreamWatch pictures_;
   Imu held_;
-  std::chrono::nanoseconds heard_at_{0}, height_at_ = Wanted::kNever, picture_at_ = Wanted::kNever;
+  std::chrono::nanoseconds heard_at_{0}, height_at_ = Wanted::kNever, picture_at_ = Wanted::kNever,
+                                         ground_at_ = Wanted::kNever;
   bool lifted_ = false, may_start_ = false, was_stalled_ = false;
   long rest_ticks_ = 0;
   Command last_;

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "gatefly/guard/hand_over.hpp"
 #include "gatefly/live/handoff.hpp"
 #include "gatefly/live/msp_poller.hpp"
 #include "gatefly/live/picture.hpp"
@@ -60,6 +61,14 @@ struct FlownTick {
   std::chrono::nanoseconds late{0}, took{0};  ///< Woken up after it was due; in Pilot::step.
 };
 
+/// What is sent to the drone, and why.
+struct DeckNews {
+  guard::HandOver state;
+  guard::Action action = guard::Action::kSilent;
+  long frames = 0;                          ///< Of sticks.
+  std::chrono::nanoseconds longest_gap{0};  ///< Between two of them.
+};
+
 /// All that goes between camera, link, pilot and recorder; each end of each wire is one thread's.
 struct Wires {
   static constexpr std::size_t kPictures = 12;
@@ -73,7 +82,10 @@ struct Wires {
   Latest<Wanted> wanted;                    ///< pilot → link
   Latest<ControllerState> state;            ///< link → recorder
 
-  std::atomic<bool> stop = false;  ///< Everybody ends.
+  Latest<DeckNews> deck;  ///< link → recorder
+
+  std::atomic<bool> stop = false;  ///< Everybody ends; a drone in the air is brought down first.
+  std::atomic<bool> told_to_end = false;  ///< The drone is to be brought down.
   std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
   std::string link_error, camera_error;  ///< Written before its thread is over.
   std::atomic<int> at_recorder =
