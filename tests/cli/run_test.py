@@ -4,20 +4,14 @@
 
 usage: run_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
-import csv
 import json
-import os
 import signal
-import subprocess
 import time
 
-from program import GATEFLY, ROOT, Cli, main
+from drone import DRONE, PERIOD, Handed, WithDrone
+from program import ROOT, Cli, main
 
 FLIGHT = ROOT / "tests" / "replay" / "oval_flight"
-DRONE = ROOT / "tests" / "live" / "fake_drone.toml"
-FAKE = os.environ.get("GATEFLY_FAKE_BETAFLIGHT", "")
-# Ends when the test does; 160 x 315 as stored: the size of a Bebop's pictures, of one colour.
-GREY_STREAM = "#!/bin/sh\nexec python3 -c 'import sys, time\nwhile True: sys.stdout.buffer.write(bytes(%d)); sys.stdout.flush(); time.sleep(0.033)'\n"
 
 
 class Recorded(Cli):
@@ -72,62 +66,14 @@ class Refused(Cli):
         self.assertIn("nobody can fly a recording", said)
 
 
-class Fake:
-    """The fake controller, a process of its own; words tell it what the pilot's radio does."""
-
-    def __init__(self, folder, *flags):
-        self.log = folder / "fake.csv"
-        self.process = subprocess.Popen([FAKE, "--log", self.log, *flags], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.port = int(self.process.stdout.readline().split()[1])
-
-    def __call__(self, word):
-        self.process.stdin.write(word + "\n")
-        self.process.stdin.flush()
-
-    def rows(self, what=None):
-        with self.log.open(encoding="utf-8") as rows:
-            return [row for row in csv.DictReader(rows) if None not in row.values() and what in (None, row["what"])]
-
-    def end(self):
-        self.process.stdin.close()
-        self.process.stdout.close()
-        self.process.wait()
-
-
-class WithDrone(Cli):
-    """A drone that behaves like one: tests/support/fake_betaflight.hpp, and a camera that shows nothing but grey."""
-
-    def setUp(self):
-        super().setUp()
-        self.fake = Fake(self.folder)
-        self.addCleanup(lambda: self.fake.end())
-        programs = self.folder / "bin"
-        programs.mkdir()
-        script = programs / "gst-launch-1.0"
-        script.write_text(GREY_STREAM % (2 * 160 * 315), encoding="utf-8")
-        script.chmod(0o700)
-        self.environment = {"PATH": f"{programs}:{os.environ['PATH']}"}
-
-    def words(self, *arguments, drone=DRONE):
-        return ["run", "oval", "--config", "betaflight", "--camera", "gst:videotestsrc", "--link", f"msp:tcp:127.0.0.1:{self.fake.port}",
-                "--drone", str(drone), *map(str, arguments)]
-
-    def start(self, *arguments, **more):
-        """The program in the background."""
-        process = subprocess.Popen([GATEFLY, *self.words(*arguments, **more)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                   env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), **self.environment))
-        self.addCleanup(lambda: process.poll() is None and process.kill())
-        return process
-
-
 class Shadow(WithDrone):
     def test_it_listens_and_sends_nothing_but_questions(self):
-        result = self.run_it(*self.words("--shadow", "--carried", "--out", "seen", "--time-limit", "3", "--json"), **self.environment)
+        result = self.run_it(*self.words("--shadow", "--carried", "--out", "seen", "--time-limit", "2", "--json"), **self.environment)
         self.assertEqual(result.returncode, 0, result.stderr)
         told = json.loads(result.stdout)
         self.assertEqual(told["stop_reason"], "time limit")
-        self.assertGreater(told["link"]["samples"], 3 * 40)
-        self.assertGreater(told["detection"]["frames"], 3 * 20)
+        self.assertGreater(told["link"]["samples"], 2 * 40)
+        self.assertGreater(told["detection"]["frames"], 2 * 20)
         self.assertEqual(self.fake.rows("frame"), [])
         again = self.run_it("replay", "seen")
         self.assertIn(f"{told['commands']} samples", again.stdout)
@@ -159,6 +105,53 @@ class Shadow(WithDrone):
     def test_a_file_with_an_unknown_key_is_refused(self):
         other = self.file("other.toml", DRONE.read_text(encoding="utf-8") + "cells = 6\n")
         self.assertIn("battery.cells", self.refused(*self.words("--shadow", drone=other), **self.environment))
+
+
+class Refusals(Handed):
+    """What nobody must fly: nothing is sent."""
+
+    def refused_to_fly(self, drone=None):
+        said = self.refused(*self.words(drone=drone or self.signed()), **self.environment)
+        self.assertEqual(self.fake.rows("frame"), [])
+        return said
+
+    def test_without_a_hand_over_test(self):
+        self.assertIn("the hand-over test of this drone and this program is missing or out of date", self.refused_to_fly(DRONE))
+
+    def test_with_the_hand_over_test_of_other_constants(self):
+        other = self.file("other.toml", self.signed().read_text(encoding="utf-8").replace("hover_stick_us = 1425", "hover_stick_us = 1430"))
+        self.assertIn("missing or out of date", self.refused_to_fly(other))
+
+    def test_armed_or_with_the_override_on_or_with_another_client(self):
+        self.fake("arm")
+        self.assertIn("the drone is armed", self.refused_to_fly())
+        self.fake("disarm")
+        self.fake("override on")
+        self.assertIn("the override is on", self.refused_to_fly())
+        self.fake("override off")
+        self.fake("strange")
+        self.assertIn("another program talks to the controller", self.refused_to_fly())
+
+    def test_a_course_that_cannot_be_flown(self):
+        gates = "".join(f"[[gates]]\nposition_m = [{x}, 0.0, -1.5]\nheading_deg = {90 * i}\n" for i, x in enumerate((3.0, 3.1)))
+        wrong = self.file("wrong.toml", f"name = 'wrong'\n{gates}")
+        words = self.words(drone=self.signed())
+        words[1] = str(wrong)
+        self.assertIn("cannot be flown", self.refused(*words, **self.environment))
+
+
+class KilledInFlight(Handed):
+    def test_the_second_process_brings_it_down_and_lets_go_when_it_is_disarmed(self):
+        process = self.flying()
+        self.fake("mark")
+        process.kill()
+        self.assert_brought_down(self.down())
+        self.assertLess(self.longest_gap(), 3.0 * PERIOD)
+        self.fake("disarm")
+        time.sleep(0.3)
+        frames = len(self.fake.rows("frame"))
+        time.sleep(0.2)
+        self.assertEqual(len(self.fake.rows("frame")), frames, "it still sends")
 
 
 if __name__ == "__main__":

@@ -95,7 +95,7 @@ class FakeBetaflight {
   [[nodiscard]] int frames() const { return frames_; }
 
   /// What the pilot's radio does, and what breaks: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
-  /// "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
+  /// "mark", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
   bool obey(const std::string& word) {
     if (word == "arm")
       armed_ = true;
@@ -113,6 +113,8 @@ class FakeBetaflight {
       silent_ = true;
     else if (word == "cut")
       drop_client();
+    else if (word == "mark")
+      marked_ = true;  // for the log alone
     else if (word.starts_with("battery "))
       battery_v_ = std::stod(word.substr(8));
     else
@@ -365,8 +367,8 @@ class FakeBetaflight {
   msp::Stream stream_;
   std::deque<std::uint8_t> out_;
   double received_ = 0, sent_ = 0, last_ = 0, logged_ = 0, override_at_ = 0, battery_v_ = 24.0;
-  bool armed_ = false, override_ = false, frozen_ = false, silent_ = false, released_ = false,
-       touched_ = true;
+  bool marked_ = false, armed_ = false, override_ = false, frozen_ = false, silent_ = false,
+       released_ = false, touched_ = true;
   msp::Sticks sent_sticks_{0, 0, 0, 0};
   msp::RawImu imu_;
   Rng rng_{1};
