@@ -12,6 +12,8 @@
 #include <cstring>
 #include <deque>
 #include <fstream>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -63,7 +65,7 @@ struct FakeSettings {
   std::string log;            ///< A CSV of every stick frame, and of the drone's motion.
 };
 
-/// One drone, from its start to the end of the test. Everything happens in serve().
+/// One drone, from its start to the end of the test. Everything happens in serve(), which may be another thread's.
 class FakeBetaflight {
  public:
   using Clock = std::chrono::steady_clock;
@@ -92,11 +94,15 @@ class FakeBetaflight {
   FakeBetaflight& operator=(const FakeBetaflight&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
-  [[nodiscard]] int frames() const { return frames_; }
+  [[nodiscard]] int frames() const {
+    const std::lock_guard lock{mutex_};
+    return frames_;
+  }
 
   /// What the pilot's radio does, and what breaks: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
   /// "mark", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
   bool obey(const std::string& word) {
+    const std::lock_guard lock{mutex_};
     if (word == "arm")
       armed_ = true;
     else if (word == "disarm")
@@ -125,6 +131,7 @@ class FakeBetaflight {
 
   /// A millisecond's work, or what the clock asks for.
   void serve() {
+    const std::lock_guard lock{mutex_};
     const double now = seconds();
     for (; last_ + kStep <= now; last_ += kStep) move(kStep);
     accept_client();
@@ -359,6 +366,7 @@ class FakeBetaflight {
     log_ << line.data();
   }
 
+  mutable std::mutex mutex_;
   FakeSettings settings_;
   FakeConstants constants_;
   Clock::time_point start_;
