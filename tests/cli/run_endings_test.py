@@ -33,6 +33,15 @@ class Ended(Handed):
             self.doCleanups()
             self.setUp()
 
+    def test_what_was_flown_is_replayed_to_the_bit(self):
+        process = self.flying("--json", "--out", "flown")
+        self.fake("mark")
+        process.terminate()
+        self.down()
+        self.assert_over_when_disarmed(process, 143, "told to end")
+        again = self.run_it("replay", "flown")
+        self.assertIn("the same estimates, to the bit", again.stdout, again.stderr)
+
     def test_the_camera_stands_still(self):
         process = self.flying("--json")
         self.fake("mark")
