@@ -5,6 +5,7 @@
 usage: run_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import json
+import resource
 import signal
 import time
 
@@ -95,6 +96,16 @@ class Shadow(WithDrone):
         out, _ = process.communicate(timeout=10)
         self.assertEqual(process.returncode, 1)
         self.assertIn("the connection is gone", json.loads(out)["stop_reason"])
+
+    def test_a_disk_that_is_full_ends_the_recording_but_not_the_run(self):
+        def little_disk():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
+        result = self.run_it(*self.words("--shadow", "--carried", "--out", "seen", "--time-limit", "1.5", "--json"), preexec_fn=little_disk, **self.environment)
+        told = json.loads(result.stdout)
+        self.assertEqual((result.returncode, told["stop_reason"]), (1, "time limit"), result.stderr)
+        self.assertGreater(told["commands"], 400)
+        self.assertIn("not recorded to the end", result.stderr)
+        self.assertFalse((self.folder / "seen").exists())
 
     def test_another_drone_is_refused(self):
         other = self.file("other.toml", DRONE.read_text(encoding="utf-8").replace("super_rate = [45", "super_rate = [75"))

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -158,6 +159,43 @@ TEST(MspPoller, ALostAnswerIsAskedForAgainAndCounted) {
   EXPECT_TRUE(poller.request(30ms).empty());
   EXPECT_FALSE(poller.request(61ms).empty());
   EXPECT_EQ(poller.state().lost, 1u);
+}
+
+TEST(MspPoller, AMillionBytesOfNoiseAndBrokenFramesLeaveItAskingAndUnderstanding) {
+  msp::BoxIds boxes;
+  boxes.push_back(0);
+  MspPoller poller{{}, boxes};
+  Rng rng{11};
+  nanoseconds now{0};
+  std::array<std::uint8_t, 256> room{};
+  for (int sent = 0; sent < 1'000'000; now += 5ms) {
+    (void)poller.request(now);
+    const auto id = static_cast<std::uint16_t>(100 + rng.uniform_index(12));
+    std::array<std::uint8_t, 40> payload{};
+    for (std::uint8_t& byte : payload) byte = static_cast<std::uint8_t>(rng.next());
+    const auto size = static_cast<std::size_t>(rng.uniform_index(41));
+    std::size_t bytes = msp::encode_frame(
+        {id, {payload.data(), size}, msp::Direction::kFromController, msp::Version::k2}, room);
+    if (rng.uniform_index(2) == 0)
+      room[static_cast<std::size_t>(rng.uniform_index(int(bytes)))] ^= 0x10;
+    if (rng.uniform_index(4) == 0) bytes /= 2;
+    (void)poller.take({room.data(), bytes}, now);
+    sent += static_cast<int>(bytes);
+  }
+  EXPECT_TRUE(poller.state().other_client) << "frames that nobody asked for";
+  // It goes on as if nothing had been, once what has begun is over.
+  now += 1s;
+  ASSERT_FALSE(poller.request(now).empty());
+  std::vector<std::uint8_t> answers{18};
+  answers.insert(answers.end(), 18, std::uint8_t{1});
+  for (int i = 0; i < 200 && !poller.take({}, now); ++i) {
+    const std::size_t size = msp::encode_frame(
+        {msp::kMultiple, answers, msp::Direction::kFromController, msp::Version::k2}, room);
+    if (poller.take({room.data(), size}, now)) break;
+    now += 100ms;
+    (void)poller.request(now);
+  }
+  EXPECT_GT(poller.state().imu_at, now - 1s);
 }
 
 TEST(ArrivalClock, RejectsMostOfTheJitterAndNeverRunsAheadOfAnArrival) {

@@ -45,7 +45,12 @@ void RunRecorder::add_file(const std::string& name, const std::string& content) 
 
 std::string RunRecorder::finish(const std::string& summary_json) {
   if (!recorder_ || !error_.empty()) return "";
-  return recorder_->finish(summary_json);
+  try {
+    return recorder_->finish(summary_json);
+  } catch (const std::exception& error) {
+    error_ = error.what();
+    return "";
+  }
 }
 
 }  // namespace gatefly::live
