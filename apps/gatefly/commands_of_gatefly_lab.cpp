@@ -17,6 +17,7 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"bench", declare_bench},
       CommandHere{"map", declare_map},
       CommandHere{"run", declare_run},
+      CommandHere{"bench-drone", declare_bench_drone},
       CommandHere{"replay", declare_replay},  // with --smooth
   };
   return kHere;

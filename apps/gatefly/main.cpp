@@ -68,6 +68,7 @@ constexpr std::array kCommands{
     Listed{"render", "labelled pictures of a course, from races and from all around"},
     Listed{"replay", "a recorded flight through the pilot that flies the simulator"},
     Listed{"run", "a real drone's camera and flight controller through the pilot"},
+    Listed{"bench-drone", "a drone on the bench: what is wrong with it, and its drone.toml"},
     Listed{"detect", "gates in images, folders, or a video"},
     Listed{"score", "detections against labels"},
     Listed{"calibrate", "a camera from pictures of a checkerboard or corner lists"},

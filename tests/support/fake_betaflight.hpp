@@ -100,7 +100,8 @@ class FakeBetaflight {
   }
 
   /// What the pilot's radio does, and what breaks: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
-  /// "mark", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
+  /// "mark", "turn 0" (by hand, a quarter about an axis and back), "swap axes", "invert pitch",
+  /// "gyro scale 2", "no accelerometer", "saturate", "bus errors", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
   bool obey(const std::string& word) {
     const std::lock_guard lock{mutex_};
     if (word == "arm")
@@ -121,6 +122,20 @@ class FakeBetaflight {
       drop_client();
     else if (word == "mark")
       marked_ = true;  // for the log alone
+    else if (word.starts_with("turn "))
+      turn_axis_ = std::stoi(word.substr(5)), turned_from_ = seconds();
+    else if (word == "swap axes")
+      swapped_ = true;
+    else if (word == "invert pitch")
+      inverted_ = true;
+    else if (word.starts_with("gyro scale "))
+      gyro_part_ = std::stod(word.substr(11));
+    else if (word == "no accelerometer")
+      no_accel_ = true;
+    else if (word == "saturate")
+      saturated_ = true;
+    else if (word == "bus errors")
+      bus_errors_ = 12;
     else if (word.starts_with("battery "))
       battery_v_ = std::stod(word.substr(8));
     else
@@ -272,7 +287,8 @@ class FakeBetaflight {
   std::vector<std::uint8_t> status() const {
     std::array<std::uint8_t, 32> room{};
     link::ByteWriter out{room};
-    out.put<std::uint16_t>(125), out.put<std::uint16_t>(0), out.put<std::uint16_t>(0b100011);
+    out.put<std::uint16_t>(125), out.put(bus_errors_),
+        out.put<std::uint16_t>(no_accel_ ? 0b100010 : 0b100011);
     out.put<std::uint32_t>((armed_ ? 1u : 0u) | (override_ ? 8u : 0u));
     out.put<std::uint8_t>(0), out.put<std::uint16_t>(20), out.put<std::uint16_t>(0);
     out.put<std::uint8_t>(0), out.put<std::uint8_t>(25), out.put<std::uint32_t>(0);
@@ -314,6 +330,12 @@ class FakeBetaflight {
     raw.accel = {counts(f_B.x(), a, 4), counts(-f_B.y(), a, 4), counts(-f_B.z(), a, 4)};
     raw.gyro = {counts(rates_B_.x(), g, 3), counts(-rates_B_.y(), g, 3),
                 counts(-rates_B_.z(), g, 3)};
+    if (swapped_) std::swap(raw.gyro[0], raw.gyro[1]);
+    if (inverted_) raw.gyro[1] = static_cast<std::int16_t>(-raw.gyro[1]);
+    if (saturated_) raw.gyro[2] = 32767;
+    for (std::int16_t& count : raw.gyro)
+      count = saturated_ ? count : static_cast<std::int16_t>(gyro_part_ * count);
+    if (no_accel_) raw.accel = {0, 0, 0};
     return raw;
   }
   [[nodiscard]] msp::Attitude attitude() const {
@@ -344,6 +366,12 @@ class FakeBetaflight {
     accel_E_ = rotation_EB(q_) * Eigen::Vector3d(0, 0, -thrust_) + Eigen::Vector3d(0, 0, kGravity) -
                0.3 * v_E_;
     const bool on_floor = z_ >= 0 && accel_E_.z() >= 0;
+    if (const double since = seconds() - turned_from_; since < 2.0) {
+      accel_E_.setZero(), rates_B_.setZero();
+      rates_B_[turn_axis_] = (since < 1.0 ? 90 : -90) * kDegree;
+      q_ = integrated(q_, rates_B_, dt);
+      return;
+    }
     if (held || on_floor) {
       accel_E_.setZero(), v_E_.setZero(), rates_B_.setZero();
       const gatefly::Attitude level{0, 0, gatefly::attitude_of(rotation_EB(q_)).yaw};
@@ -379,6 +407,10 @@ class FakeBetaflight {
        released_ = false, touched_ = true;
   msp::Sticks sent_sticks_{0, 0, 0, 0};
   msp::RawImu imu_;
+  bool swapped_ = false, inverted_ = false, no_accel_ = false, saturated_ = false;
+  std::uint16_t bus_errors_ = 0;
+  double gyro_part_ = 1.0, turned_from_ = -10.0;
+  int turn_axis_ = 0;
   Rng rng_{1};
   Quaternion q_;
   Eigen::Vector3d v_E_ = Eigen::Vector3d::Zero(), rates_B_ = Eigen::Vector3d::Zero(),
