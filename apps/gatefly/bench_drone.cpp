@@ -6,6 +6,9 @@
 #include <memory>
 #include <stdexcept>
 
+#include <nlohmann/json.hpp>
+
+#include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/live/bench.hpp"
@@ -23,25 +26,39 @@ struct BenchDroneOptions {
   std::string link, out = "drone.toml";
   live::Told told;
   double turn_s = 60.0;
-  bool propellers_off = false;
+  bool propellers_off = false, json = false;
 };
 
 /// Prints findings as they come, and remembers whether all were well.
 class Protocol {
  public:
-  explicit Protocol(bool quiet) : quiet_{quiet} {}
+  Protocol(bool quiet, bool json) : quiet_{quiet}, json_{json} {}
   bool add(const live::Findings& findings) {
-    for (const live::Finding& finding : findings)
-      if (!finding.well || !quiet_)
+    for (const live::Finding& finding : findings) {
+      if (json_)
+        told_.push_back({{"well", finding.well}, {"line", finding.line}});
+      else if (!finding.well || !quiet_)
         std::cout << coloured(finding.well, finding.well ? "well   " : "WRONG  ") << finding.line
                   << std::endl;
+    }
     well_ = well_ && live::all_well(findings);
     return live::all_well(findings);
   }
   [[nodiscard]] bool well() const { return well_; }
+  /// @param file  that was written; "": none. @return the exit code.
+  int end(const std::string& file = "") {
+    if (json_)
+      std::cout << io::json_text(
+          nlohmann::ordered_json{{"well", well_}, {"findings", told_}, {"file", file}});
+    else if (!file.empty() && !quiet_)
+      std::cout << file
+                << ": written; without a hand-over test, which is not built yet: for --shadow\n";
+    return file.empty() ? kAnswerIsNo : kDone;
+  }
 
  private:
-  bool quiet_, well_ = true;
+  bool quiet_, json_, well_ = true;
+  nlohmann::json told_ = nlohmann::json::array();
 };
 
 bool is_name(const std::string& name) {
@@ -66,25 +83,22 @@ int bench_drone(const BenchDroneOptions& options) {
                         ? live::Port::serial(uri.place, uri.baud)
                         : live::Port::tcp(uri.place, uri.port, live::Clock::now() + 3s);
   const live::Introduction said = live::introduction_of(port);
-  Protocol protocol{options.common.quiet};
+  Protocol protocol{options.common.quiet, options.json};
   // What follows needs a controller that is known; the sensors do not have to be well for the link to be looked at.
-  if (!protocol.add(live::of_introduction(said))) return kAnswerIsNo;
+  if (!protocol.add(live::of_introduction(said))) return protocol.end();
   msp::ImuScale scale;
   if (!options.common.quiet)
     std::cerr << "gatefly bench-drone: leave it level and still for three seconds\n";
-  if (!protocol.add(live::of_rest(port, 3s, scale))) return kAnswerIsNo;
+  if (!protocol.add(live::of_rest(port, 3s, scale))) return protocol.end();
   const auto say = [&](const std::string& what) {
     if (!options.common.quiet) std::cerr << "gatefly bench-drone: " << what << '\n';
   };
   const auto limit = std::chrono::milliseconds{static_cast<int>(1e3 * options.turn_s)};
   protocol.add(live::of_turns(port, scale, limit, say));
   protocol.add(live::of_link(port, *said.facts.order(), 3s));
-  if (!protocol.well()) return kAnswerIsNo;
+  if (!protocol.well()) return protocol.end();
   io::write_file(options.out, live::drone_toml(said, scale, options.told));
-  if (!options.common.quiet)
-    std::cout << options.out
-              << ": written; without a hand-over test, which is not built yet: for --shadow\n";
-  return kDone;
+  return protocol.end(options.out);
 }
 
 }  // namespace
@@ -121,6 +135,7 @@ void declare_bench_drone(Command& command) {
       .between(1.0, 600.0)
       .show_default();
   command.option("--out", options->out, "the file to write").path("FILE").show_default();
+  command.flag("--json", options->json, "print the findings as JSON");
   add_force(command, options->common);
   add_common(command, options->common);
   command.runs([options] { return bench_drone(*options); });

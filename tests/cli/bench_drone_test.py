@@ -4,6 +4,7 @@
 
 usage: bench_drone_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
+import json
 import subprocess
 import time
 import tomllib
@@ -87,6 +88,11 @@ class Bench(WithDrone):
         result = self.run_it(*self.flags("--turn-s", "1"))
         self.assertEqual(result.returncode, 1)
         self.assertEqual(result.stdout.count("not turned far enough"), 3)
+
+    def test_findings_as_json(self):
+        self.fake("arm")
+        result = self.run_it(*self.flags("--json"))
+        self.assertEqual(json.loads(result.stdout), {"well": False, "findings": [{"well": False, "line": "the drone is armed"}], "file": ""})
 
     def test_propellers_must_be_said_to_be_off(self):
         self.assertIn("--propellers-off is missing", self.refused(*[each for each in self.flags() if each != "--propellers-off"]))
