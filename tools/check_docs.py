@@ -192,7 +192,7 @@ def file_errors(page, token):
 def commands():
     """Each command's flags. Those of files that several commands share belong to all."""
     main = text_of(pathlib.PurePosixPath("apps/gatefly/main.cpp"))
-    names = re.findall(r'Listed\{"(\w+)"', main)
+    names = re.findall(r'Listed\{"([\w-]+)"', main)
     flags, shared = {name: {"--help"} for name in names}, {"-h", "-q", "--quiet"}
     for file in FILES:
         if file.parts[:2] != ("apps", "gatefly") or file.suffix != ".cpp":
@@ -200,7 +200,7 @@ def commands():
         said = set(re.findall(r'"(--[a-z][a-z-]*)', text_of(file)))
         for spelled in re.findall(r'"((?:-\w,)?--[a-z][a-z,-]*)"', text_of(file)):
             said |= set(spelled.split(","))
-        owner = file.stem.removesuffix("_command")
+        owner = file.stem.removesuffix("_command").replace("_", "-")
         if owner in flags:
             flags[owner] |= said
         else:

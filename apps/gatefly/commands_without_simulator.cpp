@@ -17,6 +17,7 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"fly", nullptr},           CommandHere{"campaign", nullptr},
       CommandHere{"render", nullptr},        CommandHere{"reproduce", nullptr},
       CommandHere{"bench", nullptr},         CommandHere{"map", declare_map},
+      CommandHere{"run", declare_run},       CommandHere{"bench-drone", declare_bench_drone},
   };
   return kHere;
 }

@@ -71,6 +71,7 @@ REDUCED = {
     "replay tests/replay/oval_flight --tum est.txt": "",
     "replay tests/replay/oval_flight --smooth --csv smoothed.csv": "",
     "map tests/replay/oval_flight --out learnt.toml": "",
+    "run oval --shadow --laps 1 --camera file:tests/replay/oval_flight --link replay:tests/replay/oval_flight?pace=0": "",
     "replay ../shared/data/tudelft_bebop_flights/flight_11": "",
     "replay tudelft_bebop_flights/flight_11": "",
     "identify my_flights/": "",

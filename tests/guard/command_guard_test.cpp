@@ -75,23 +75,63 @@ TEST(CommandGuard, BrakingPushesAgainstTheVelocityWhateverTheHeading) {
   });
 }
 
-TEST(CommandGuard, FromTwoMetresASecondItStopsWithinTwoMetresAndIsOnTheFloorWithoutEverClimbing) {
+/// An ending from `height`, as it goes: a second of braking, then a descent; rotors with a lag, that give `error` more than is thought.
+struct Ending {
+  double highest = 0, touch_speed = 0, time = 0, distance = 0;
+};
+Ending ended(double height, const Vector3d& velocity_E, double error, double drag) {
+  constexpr int kSteps = 25;  // of a millisecond
   CommandGuard guard;
-  Vector3d v_E{2, 0, 0}, p_E{0, 0, -1.5};
-  double highest = 1.5, t = 0;
-  for (; p_E.z() < 0 && t < 10; t += kDt) {
-    const Belief belief{.v_E = v_E,
-                        .height_age = std::chrono::milliseconds{static_cast<int>(t * 1000)}};
+  Vector3d v_E = velocity_E, p_E{0, 0, -height};
+  Ending ending{.highest = height};
+  const Belief before{.v_E = v_E};
+  (void)guard.step(Action::kPilot, {.thrust = kGravity}, before, kDt);
+  Vector3d thrust_E{0, 0, -kGravity};
+  for (; p_E.z() < 0 && ending.time < 30; ending.time += kDt) {
+    const Belief belief{.v_E = v_E, .height_age = std::chrono::hours{1}};
     const AttitudeCommand sent =
-        guard.step(t < 1 ? Action::kBrake : Action::kDescend, {}, belief, kDt);
-    v_E += kDt * acceleration(sent);
-    p_E += kDt * v_E;
-    highest = std::max(highest, -p_E.z());
+        guard.step(ending.time < 1 ? Action::kBrake : Action::kDescend, {}, belief, kDt);
+    const Vector3d wanted_E = (1 + error) * (acceleration(sent) - Vector3d(0, 0, kGravity));
+    for (int i = 0; i < kSteps && p_E.z() < 0; ++i) {
+      constexpr double dt = kDt / kSteps;
+      thrust_E += dt / 0.04 * (wanted_E - thrust_E);
+      v_E += dt * (thrust_E + Vector3d(0, 0, kGravity) - drag * v_E);
+      p_E += dt * v_E;
+      ending.highest = std::max(ending.highest, -p_E.z());
+    }
   }
-  EXPECT_LT(p_E.head<2>().norm(), 2.0);
-  EXPECT_LT(highest, 1.5 + 1e-3);
-  EXPECT_LT(v_E.z(), 0.8) << "gently";
-  EXPECT_LT(t, 4.0);
+  ending.touch_speed = v_E.z();
+  ending.distance = p_E.head<2>().norm();
+  return ending;
+}
+
+TEST(CommandGuard, AnEndingNeverClimbsAndIsOnTheFloorWithHoverThrustTenPercentOff) {
+  for (const double drag : {0.1, 0.3, 0.9})
+    for (const double error : {-0.1, -0.05, 0.0, 0.05, 0.1}) {
+      SCOPED_TRACE(testing::Message() << "drag " << drag << ", hover thrust off by " << error);
+      const Ending ending = ended(1.5, {2, 0, 0}, error, drag);
+      EXPECT_LT(ending.highest, 1.5 + 0.05);
+      EXPECT_LT(ending.time, 8.0);
+      EXPECT_LT(ending.touch_speed, 2.5) << "as a fall from 0.3 m";
+      EXPECT_LT(ending.distance, 2.0);
+    }
+  const Ending nominal = ended(1.5, {0, 0, 0}, 0.0, 0.3), strong = ended(1.5, {0, 0, 0}, 0.1, 0.3);
+  EXPECT_LT(nominal.touch_speed, 1.6);
+  EXPECT_LT(nominal.time, 3.0);
+  EXPECT_LT(strong.touch_speed, 0.8);
+}
+
+TEST(CommandGuard, AnEndingStopsAClimbThatIsKnown) {
+  const Ending ending = ended(1.5, {0, 0, -1}, 0.1, 0.3);
+  EXPECT_LT(ending.highest, 1.5 + 0.45) << "without its margin it would be 5 m";
+  EXPECT_LT(ending.time, 8.0);
+}
+
+TEST(CommandGuard, NothingHoldsItUpForEver) {
+  CommandGuard guard;
+  double thrust = kGravity;
+  for (double t = 0; t < 20; t += kDt) thrust = guard.step(Action::kDescend, {}, {}, kDt).thrust;
+  EXPECT_LT(thrust, 0.25 * kGravity);
 }
 
 TEST(CommandGuard, AFallMayBeStoppedThoughNothingTellsTheHeight) {

@@ -109,7 +109,7 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
   const auto ax = csv.numbers("acc_x_mps2"), ay = csv.numbers("acc_y_mps2"),
              az = csv.numbers("acc_z_mps2");
   const Column sonar(csv, "sonar_m"), baro(csv, "baro_m"), thrust(csv, "thrust_cmd"),
-      battery(csv, "battery_v");
+      battery(csv, "battery_v"), lifted(csv, kLiftedColumn);
   const Triple true_p(csv, "ot_", {"x_m", "y_m", "z_m"}),
       true_v(csv, "ot_", {"vx_mps", "vy_mps", "vz_mps"});
   const Triple true_angles(csv, "true_", {"roll_rad", "pitch_rad", "yaw_rad"});
@@ -138,7 +138,8 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
         .est_attitude = est_angles.attitude(row),
         .motors = motors.at(row),
         .battery_v = battery.at(row),
-        .navigation_imu = imu_of(nav_gyro.at(row), nav_accel.at(row))};
+        .navigation_imu = imu_of(nav_gyro.at(row), nav_accel.at(row)),
+        .lifted = lifted.at(row) ? std::optional{*lifted.at(row) != 0.0} : std::nullopt};
   }
   return samples;
 }

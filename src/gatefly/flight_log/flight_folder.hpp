@@ -37,6 +37,8 @@ struct FlightSample {
   std::optional<double> battery_v = std::nullopt;  ///< [V]; simulator only.
   /// The sample that an autopilot handed to the estimator in this tick, if one did.
   std::optional<Imu> navigation_imu = std::nullopt;
+  /// Whether the drone that another pilot flew had taken off; of runs of a real drone.
+  std::optional<bool> lifted = std::nullopt;
 };
 
 /// One row of images.csv.
@@ -67,6 +69,9 @@ inline constexpr std::array<const char*, 8> kNextGateColumns{
 inline constexpr std::array<const char*, 6> kNavigationImuColumns{
     "nav_gyro_p_radps", "nav_gyro_q_radps", "nav_gyro_r_radps",
     "nav_acc_x_mps2",   "nav_acc_y_mps2",   "nav_acc_z_mps2"};
+
+/// Column of log_si.csv for FlightSample::lifted.
+inline constexpr const char* kLiftedColumn = "lifted";
 
 /// The frames of a flight in one film without loss.
 inline constexpr const char* kFrameFilm = "frames.mkv";

@@ -44,7 +44,7 @@ bool is_of_a_flight(const std::string& name) {
       "log_si\\.csv(\\.gz)?|images\\.csv|detections\\.csv|summary\\.json|report\\.html|flight\\."
       "mcap|"
       "(flight\\.mp4|onboard\\.webm)(\\.partial)?|track\\.toml|config-[0-9]+\\.toml|settings\\.txt|"
-      "frame_[0-9]+\\.uyvy|frames\\.mkv(\\.partial)?"};
+      "frame_[0-9]+\\.uyvy|img_[0-9]+\\.(jpg|png|ppm)|drone\\.toml|frames\\.mkv(\\.partial)?"};
   return std::regex_match(name, kNames);
 }
 
@@ -126,6 +126,7 @@ FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
   buffer_ = kLogHeader;
   if (keep.navigation_imu)
     for (const char* column : kNavigationImuColumns) buffer_ += std::string{","} + column;
+  if (keep.lifted) buffer_ += std::string{","} + kLiftedColumn;
   buffer_ += '\n';
   images_ << "image,t_s,log_row,t_ns,xxh64";
   for (const char* column : kNextGateColumns) images_ << ',' << column;
@@ -188,8 +189,34 @@ void FlightRecorder::flush(bool all) {
   check(keep_.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
 }
 
+void FlightRecorder::append(const std::optional<Truth>& truth) {
+  constexpr std::size_t kCells = 9;
+  if (!truth) {
+    buffer_.append(kCells, ',');
+    return;
+  }
+  append(truth->p_EB);
+  append(truth->v_E);
+  append(truth->attitude);
+}
+
 void FlightRecorder::record(const Tick& tick) {
-  const Sensors& sensors = tick.sensors;
+  const Estimate estimate = tick.pilot.estimate();
+  record(RecordedRow{.sensors = tick.sensors,
+                     .command = tick.command,
+                     .estimate = estimate,
+                     .phase = tick.pilot.phase().index(),
+                     .target_gate = tick.pilot.target_gate(),
+                     .detections = tick.pilot.sighting().detections,
+                     .truth = tick.truth,
+                     .battery_v = tick.truth.battery_v,
+                     .motors = tick.command.motors,
+                     .frame = tick.frame,
+                     .next_gate_px = tick.next_gate_px});
+}
+
+void FlightRecorder::record(const RecordedRow& row) {
+  const Sensors& sensors = row.sensors;
   const auto append_if = [&](const std::optional<double>& value) {
     if (value)
       append(*value);
@@ -202,41 +229,54 @@ void FlightRecorder::record(const Tick& tick) {
   append(sensors.imu.accel_B);
   append_if(sensors.sonar);
   append_if(sensors.baro);
-  append(tick.truth.p_EB);
-  append(tick.truth.v_E);
-  append(tick.truth.attitude);
-  const Estimate estimate = tick.pilot.estimate();
-  append(estimate.p_EB);
-  append(estimate.v_E);
-  append(estimate.attitude);
-  const AttitudeCommand& command = tick.command.attitude;
+  append(row.truth);
+  append(row.estimate.p_EB);
+  append(row.estimate.v_E);
+  append(row.estimate.attitude);
+  const AttitudeCommand& command = row.command.attitude;
   append(Eigen::Vector3d{command.roll, command.pitch, command.yaw});
   append(command.thrust);
-  for (const double speed : tick.command.motors) append(speed);
-  buffer_ += std::to_string(tick.pilot.phase().index()) + "," +
-             std::to_string(tick.pilot.target_gate()) + "," +
-             std::to_string(estimate.gates_passed) + ",";
-  append_if(tick.truth.battery_v);
+  for (std::size_t i = 0; i < row.command.motors.size(); ++i)
+    append_if(row.motors ? std::optional{(*row.motors)[i]} : std::nullopt);
+  buffer_ += std::to_string(row.phase) + "," + std::to_string(row.target_gate) + "," +
+             std::to_string(row.estimate.gates_passed) + ",";
+  append_if(row.battery_v);
   if (keep_.navigation_imu) append(sensors.navigation_imu);
+  if (keep_.lifted) buffer_ += sensors.lifted ? "1," : "0,";
   buffer_.back() = '\n';
   flush(false);
 
-  if (!tick.frame.empty()) record_frame(tick);
+  if (!row.frame.empty() || !row.file.empty()) record_frame(row);
   ++row_;
 }
 
-void FlightRecorder::record_frame(const Tick& tick) {
-  const std::chrono::nanoseconds time = tick.sensors.time;
+/// @return the picture's name.
+std::string FlightRecorder::keep_frame(const RecordedRow& row) {
+  const bool is_file = !row.file.empty();
   std::array<char, 32> name{};
-  std::snprintf(name.data(), name.size(), "frame_%05zu.uyvy", frame_++);
-  if (film_) film_->add(planes_of(tick.frame));
-  images_ << name.data() << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count()
-          << ',' << text_of_xxh64(xxh64(tick.frame)) << corners_of(tick.next_gate_px) << '\n';
+  std::snprintf(name.data(), name.size(), is_file ? "img_%05zu%s" : "frame_%05zu%s", frame_++,
+                is_file ? row.ending : ".uyvy");
+  if (is_file || keep_.raw_frames) {
+    const std::span<const std::uint8_t> bytes = is_file ? row.file : row.frame;
+    folder_.write(name.data(), {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  } else if (film_) {
+    film_->add(planes_of(row.frame));
+  }
+  return name.data();
+}
+
+void FlightRecorder::record_frame(const RecordedRow& row) {
+  const std::chrono::nanoseconds time = row.sensors.time;
+  const std::string name = keep_frame(row);
+  // Of a file the hash would be its decoder's, which differ.
+  const std::string hash = row.file.empty() ? text_of_xxh64(xxh64(row.frame)) : "";
+  images_ << name << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count() << ','
+          << hash << corners_of(row.next_gate_px) << '\n';
   check(images_.good(), "images.csv");
 
   int rank = 0;
-  for (const GateDetection& gate : tick.pilot.sighting().detections)
-    detections_ << line_of(row_of(name.data(), rank++, gate));
+  for (const GateDetection& gate : row.detections)
+    detections_ << line_of(row_of(name, rank++, gate));
   check(detections_.good(), "detections.csv");
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <Eigen/Core>
@@ -28,6 +30,26 @@ struct Keep {
   int stored_width = 0, stored_height = 0;  ///< Of a frame [px].
   double frames_per_second = 25.0;  ///< Of the film, about; when each came is in images.csv.
   bool navigation_imu = false;      ///< The log has columns for what the estimator got beside.
+  bool raw_frames = false;          ///< Frames in a file each, as they are: without ffmpeg.
+  bool lifted = false;              ///< The log has a column for Sensors::lifted.
+};
+
+/// A tick as it is recorded, whoever flew it. What nobody knows is an empty cell.
+struct RecordedRow {
+  const Sensors& sensors;
+  const Command& command;
+  const Estimate& estimate;
+  std::size_t phase = 0;
+  int target_gate = 0;
+  const GateDetections& detections;
+  std::optional<Truth> truth = std::nullopt;
+  std::optional<double> battery_v = std::nullopt;
+  /// What the rotors were told, whoever told them, if that is known [rad/s].
+  std::optional<std::array<double, 4>> motors = std::nullopt;
+  std::span<const std::uint8_t> frame = {};  ///< As Tick has it ...
+  std::span<const std::uint8_t> file = {};   ///< ... or the file that it came as, and that is kept,
+  const char* ending = "";                   ///< and the ending of its name.
+  std::optional<Quad> next_gate_px = std::nullopt;
 };
 
 /// Writes a flight while it is flown: log_si.csv, images.csv, frames or hashes of them, and what the
@@ -45,6 +67,7 @@ class FlightRecorder {
 
   /// One more row, and the picture if one arrived. @throws std::runtime_error e.g. disk full.
   void record(const Tick& tick);
+  void record(const RecordedRow& row);
 
   /// Another file of the folder, e.g. a report, before finish().
   void add_file(const std::string& name, const std::string& content);
@@ -64,7 +87,9 @@ class FlightRecorder {
   void append(const Eigen::Vector3d& value);
   void append(const Attitude& attitude);
   void append(const std::optional<Imu>& imu);
-  void record_frame(const Tick& tick);
+  void append(const std::optional<Truth>& truth);
+  void record_frame(const RecordedRow& row);
+  [[nodiscard]] std::string keep_frame(const RecordedRow& row);
   void flush(bool all);
   void check(bool good, const std::filesystem::path& path) const;
 

@@ -82,6 +82,7 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     Sensors& sensors = ticks[i].sensors;
     sensors.looks_on = true;
+    sensors.lifted = folder.samples[i].lifted.value_or(false);
     if (!folder.samples[i].motors) continue;
     sensors.motors = i > 0 ? folder.samples[i - 1].motors : std::array<double, 4>{};
   }

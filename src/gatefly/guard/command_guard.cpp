@@ -46,9 +46,27 @@ AttitudeCommand CommandGuard::limited(const AttitudeCommand& command, const Beli
   return c;
 }
 
+/// Lift that makes the strongest rotors sink as wanted: of the others it is less than the weight.
+double CommandGuard::ending_lift() const {
+  const double wanted = kGravity - limits_.climb_damping * (up_at_most_ + limits_.sink);
+  return std::clamp(wanted, 0.7 * kGravity, 1.2 * kGravity) / (1.0 + limits_.hover_doubt);
+}
+
 AttitudeCommand CommandGuard::descent(const Belief& belief) const {
-  const double lift = kGravity - limits_.climb_damping * (up_ + limits_.sink);
-  return {.yaw = belief.yaw, .thrust = std::clamp(lift, 0.7 * kGravity, 1.2 * kGravity)};
+  const double since = std::max(0.0, ending_for_ - limits_.fades_after);
+  const double left = std::max(0.2, 1.0 - limits_.fade * since * since);
+  return {.yaw = belief.yaw, .thrust = left * ending_lift()};
+}
+
+void CommandGuard::follow_ending(bool ending, double lift, double dt) {
+  if (!ending) {
+    up_at_most_ = up_, ending_for_ = 0.0;
+    return;
+  }
+  // Of the lift before it fades: what has faded is not to be made up for.
+  up_at_most_ += ((1.0 + limits_.hover_doubt) * lift - kGravity) * dt;
+  up_at_most_ = std::clamp(up_at_most_, -kMostClimb, kMostClimb);
+  ending_for_ += dt;
 }
 
 AttitudeCommand CommandGuard::braking(const Belief& belief) const {
@@ -81,6 +99,7 @@ AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
     sent = limited(descent(belief), belief);
   else
     return sent;
+  follow_ending(action != Action::kPilot, ending_lift(), period(dt));
   const double lift = sent.thrust * upright(sent);
   up_ = std::clamp(up_ + (lift - kGravity) * period(dt), -kMostClimb, kMostClimb);
   return sent;

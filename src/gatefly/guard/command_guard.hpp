@@ -18,9 +18,12 @@ struct CommandLimits {
   std::chrono::nanoseconds height_trust =
       std::chrono::milliseconds{500};  ///< Without a height for longer: no climbing.
   double climb_damping = 2.0;          ///< [1/s]
-  double sink = 0.5;                   ///< Of a descent [m/s].
-  double brake_time = 0.6;             ///< In which braking would stop, were there no limit [s].
-  double brake_accel = 4.0;            ///< [m/s²]
+  double sink = 0.5;          ///< Of a descent, were the rotors as strong as they may be [m/s].
+  double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.
+  /// Of a descent's lift goes away, after so long [s]: the ground's cushion holds nothing up for ever.
+  double fades_after = 3.0, fade = 0.004;  ///< [1/s²]
+  double brake_time = 0.6;   ///< In which braking would stop, were there no limit [s].
+  double brake_accel = 4.0;  ///< [m/s²]
 };
 
 /// The estimate that the guard acts by.
@@ -35,6 +38,9 @@ struct Belief {
 /// A height that an accelerometer alone carries on drifts, and a pilot that holds it climbs: while nothing tells the height,
 /// lift is not above the weight but for stopping a fall, by the speed that the thrust sent so far amounts to. That does not
 /// drift with the accelerometer, and is off by what hover thrust is off.
+///
+/// An ending, braking and descent, knows no height. It goes by the strongest that the rotors may be: these would sink at
+/// CommandLimits::sink, weaker ones faster, and none climb.
 class CommandGuard {
  public:
   explicit CommandGuard(const CommandLimits& limits = {}) : limits_{limits} {}
@@ -48,11 +54,15 @@ class CommandGuard {
   [[nodiscard]] bool height_known(const Belief& belief) const;
   [[nodiscard]] AttitudeCommand limited(const AttitudeCommand& command, const Belief& belief) const;
   [[nodiscard]] AttitudeCommand descent(const Belief& belief) const;
+  [[nodiscard]] double ending_lift() const;
+  void follow_ending(bool ending, double lift, double dt);
   [[nodiscard]] AttitudeCommand braking(const Belief& belief) const;
 
   CommandLimits limits_;
   std::chrono::nanoseconds height_age_ = Situation::kNever;  ///< In the period before.
-  double up_ = 0.0;  ///< Climb by the thrust sent since the height was last told [m/s].
+  double up_ = 0.0;          ///< Climb by the thrust sent since the height was last told [m/s].
+  double up_at_most_ = 0.0;  ///< The same of an ending, by the strongest rotors ...
+  double ending_for_ = 0.0;  ///< ... since it began [s].
 };
 
 }  // namespace gatefly::guard

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "gatefly/live/clock.hpp"
+#include "gatefly/live/picture.hpp"
+#include "gatefly/live/uri.hpp"
+
+namespace gatefly::live {
+
+/// Where pictures come from. Its thread alone calls it.
+class Camera {
+ public:
+  enum class Got { kPicture, kNothing, kEnded };
+  virtual ~Camera() = default;
+  /// Puts the next picture into `picture`, waiting for it until `deadline`; kEnded: none will come any more.
+  /// @throws std::runtime_error one line, when a picture cannot be used.
+  virtual Got next(Picture& picture, Moment deadline) = 0;
+  /// Why it ended; "" when it just has no more.
+  [[nodiscard]] virtual std::string why() const { return ""; }
+};
+
+/// Size of the pictures that the camera's file describes [px], as stored.
+struct StoredSize {
+  int width = 0, height = 0;
+};
+
+/// @param paced  pictures of a folder come at their own pace; else as fast as they are taken.
+/// @throws std::runtime_error one line: no such folder, port, program.
+[[nodiscard]] std::unique_ptr<Camera> opened(const CameraUri& uri, StoredSize size, bool paced);
+
+}  // namespace gatefly::live

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/live/drone_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "gatefly/files/text.hpp"
+#include "gatefly/files/toml_file.hpp"
+#include "gatefly/files/xxh64.hpp"
+#include "gatefly/geometry/math.hpp"
+
+namespace gatefly::live {
+namespace {
+
+constexpr int kByte = 255;
+
+/// A table of which every key must be there.
+class Strict {
+ public:
+  explicit Strict(io::Table table) : table_{std::move(table)} {}
+
+  double number(const std::string& key, double low, double high) {
+    return table_.number(key, low, high);
+  }
+  int whole(const std::string& key, int low, int high) {
+    const double value = table_.number(key, low, high);
+    if (value != std::floor(value)) table_.fail(key, "a whole number");
+    return static_cast<int>(value);
+  }
+  template <std::size_t N>
+  std::array<int, N> wholes(const std::string& key, int low, int high) {
+    const std::vector<double> values = table_.numbers(key, N, low, high);
+    std::array<int, N> result{};
+    for (std::size_t i = 0; i < N; ++i) {
+      if (values[i] != std::floor(values[i])) table_.fail(key, "whole numbers");
+      result[i] = static_cast<int>(values[i]);
+    }
+    return result;
+  }
+  std::string text(const std::string& key) {
+    if (!table_.has(key)) table_.fail(key, "there: it has no default");
+    return table_.text(key, "");
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+    table_.fail(key, what);
+  }
+  io::Table& table() { return table_; }
+
+ private:
+  io::Table table_;
+};
+
+template <class To>
+To narrow(int value) {
+  return static_cast<To>(value);
+}
+
+void read_controller(Strict controller, DroneFile& drone) {
+  drone.board = controller.text("board");
+  if (drone.board.size() != 4) controller.fail("board", "the four letters of MSP_BOARD_INFO");
+  if (controller.text("firmware") != "BTFL") controller.fail("firmware", "\"BTFL\": Betaflight");
+  drone.api_minor = controller.whole("api_minor", 43, 46);
+  controller.table().refuse_others();
+}
+
+void read_imu(Strict imu, DroneFile& drone) {
+  if (imu.text("axes") != "front-left-up")
+    imu.fail("axes", "\"front-left-up\", Betaflight's own: align the board in the controller");
+  drone.imu.gyro_counts_per_deg_per_s = imu.number("gyro_counts_per_deg_per_s", 1, 200);
+  drone.imu.accel_counts_per_g = imu.number("accel_counts_per_g", 100, 20000);
+  imu.table().refuse_others();
+}
+
+void read_rates(Strict rates, DroneFile& drone) {
+  const std::string type = rates.text("type");
+  if (type != "betaflight" && type != "actual") rates.fail("type", "\"betaflight\" or \"actual\"");
+  msp::RcTuning& tuning = drone.tuning;
+  tuning.rates_type = type == "actual" ? 3 : 0;
+  const auto rc_rate = rates.wholes<3>("rc_rate", 0, kByte);
+  const auto super_rate = rates.wholes<3>("super_rate", 0, kByte);
+  const auto expo = rates.wholes<3>("expo", 0, 100);
+  const auto limit = rates.wholes<3>("limit_deg_per_s", 200, 1998);
+  tuning.roll_rc_rate = narrow<std::uint8_t>(rc_rate[0]);
+  tuning.pitch_rc_rate = narrow<std::uint8_t>(rc_rate[1]);
+  tuning.yaw_rc_rate = narrow<std::uint8_t>(rc_rate[2]);
+  tuning.roll_expo = narrow<std::uint8_t>(expo[0]);
+  tuning.pitch_expo = narrow<std::uint8_t>(expo[1]);
+  tuning.yaw_expo = narrow<std::uint8_t>(expo[2]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    tuning.super_rate[i] = narrow<std::uint8_t>(super_rate[i]);
+    tuning.rate_limit[i] = narrow<std::uint16_t>(limit[i]);
+  }
+  drone.receiver.mid = narrow<std::uint16_t>(rates.whole("mid_us", 1401, 1599));
+  drone.deadband.roll_and_pitch = narrow<std::uint8_t>(rates.whole("deadband_us", 0, 32));
+  drone.deadband.yaw = narrow<std::uint8_t>(rates.whole("yaw_deadband_us", 0, 100));
+  rates.table().refuse_others();
+}
+
+void read_throttle(Strict throttle, DroneFile& drone) {
+  drone.tuning.throttle_mid = narrow<std::uint8_t>(throttle.whole("mid_percent", 0, 100));
+  drone.tuning.throttle_expo = narrow<std::uint8_t>(throttle.whole("expo_percent", 0, 100));
+  drone.tuning.throttle_limit_percent = 100;
+  drone.receiver.min_check = narrow<std::uint16_t>(throttle.whole("min_check_us", 885, 1200));
+  drone.hover_stick = throttle.whole("hover_stick_us", 1000, 2000);
+  drone.hover.exponent = throttle.number("exponent", 0.8, 3.0);
+  throttle.table().refuse_others();
+}
+
+void read_channels(Strict channels, DroneFile& drone) {
+  const auto place = channels.wholes<4>("place", 0, 3);
+  for (std::size_t i = 0; i < place.size(); ++i)
+    drone.map.place[i] = narrow<std::uint8_t>(place[i]);
+  const auto override_us = channels.wholes<4>("override", 0, 3);
+  auto sorted = override_us;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted != std::array{0, 1, 2, 3})
+    channels.fail("override",
+                  "[0, 1, 2, 3]: roll, pitch, yaw and throttle are overridden, the switches never");
+  channels.table().refuse_others();
+}
+
+/// The curves that follow of what is set; nobody flies by another kind.
+void derive(io::Table& file, DroneFile& drone) {
+  const auto rates = msp::RateProfile::from(drone.tuning, drone.deadband, drone.receiver);
+  if (!rates) file.fail("rates", "rates that a Betaflight can have");
+  const auto throttle = msp::ThrottleCurve::from(drone.tuning, drone.receiver);
+  if (!throttle) file.fail("throttle", "a curve that a Betaflight up to 4.5 can have");
+  const auto order = msp::ChannelOrder::from(drone.map);
+  if (!order) file.fail("channels", "each of the four places once");
+  drone.rates = *rates, drone.throttle = *throttle, drone.order = *order;
+  drone.hover.throttle = drone.throttle.throttle(drone.hover_stick);
+  if (drone.hover.throttle < 50 || drone.hover.throttle > 800)
+    file.fail("throttle", "a hover_stick_us that gives a throttle of 5 to 80 %, it gives " +
+                              io::text_of(0.1 * drone.hover.throttle, 3) + " %");
+}
+
+/// All constants as text, in one order.
+std::string constants_of(const DroneFile& d) {
+  std::string all = d.name + "|" + d.board;
+  const auto add = [&all](double value) { all += "|" + io::text_of(value); };
+  const msp::RcTuning& t = d.tuning;
+  for (const double value :
+       {double(d.api_minor), d.imu.gyro_counts_per_deg_per_s, d.imu.accel_counts_per_g,
+        double(t.rates_type), double(t.roll_rc_rate), double(t.pitch_rc_rate),
+        double(t.yaw_rc_rate), double(t.roll_expo), double(t.pitch_expo), double(t.yaw_expo),
+        double(t.throttle_mid), double(t.throttle_expo), double(d.receiver.mid),
+        double(d.receiver.min_check), double(d.deadband.roll_and_pitch), double(d.deadband.yaw),
+        double(d.hover_stick), d.hover.exponent, d.least_battery_v})
+    add(value);
+  for (std::size_t i = 0; i < 3; ++i) add(t.super_rate[i]), add(t.rate_limit[i]);
+  for (std::size_t i = 0; i < 4; ++i) add(d.map.place[i]);
+  return all;
+}
+
+}  // namespace
+
+double Hover::throttle_for(double thrust) const {
+  constexpr double kMost = 1000.0;
+  if (!(thrust > 0.0)) return 0.0;
+  return std::min(kMost, throttle * std::pow(thrust / kGravity, 1.0 / exponent));
+}
+
+msp::Sticks DroneFile::sticks(const Eigen::Vector3d& rates_B, double thrust) const {
+  msp::Sticks sticks = rates.sticks(rates_B);
+  sticks.throttle = static_cast<std::uint16_t>(
+      throttle.stick(static_cast<int>(std::lround(hover.throttle_for(thrust)))));
+  return sticks;
+}
+
+bool DroneFile::hand_over_tested(const std::string& program) const {
+  return !tested.empty() && tested == hand_over_mark(*this, program);
+}
+
+DroneFile read_drone(const std::filesystem::path& path) {
+  const io::TomlFile content(path);
+  io::Table file(content);
+  DroneFile drone;
+  drone.path = path;
+  for (const char* section :
+       {"drone", "controller", "imu", "rates", "throttle", "channels", "battery"})
+    if (!file.has(section)) file.fail(section, "there: a drone has no defaults");
+  Strict identity{file.table("drone")};
+  drone.name = identity.text("name");
+  identity.table().refuse_others();
+  read_controller(Strict{file.table("controller")}, drone);
+  read_imu(Strict{file.table("imu")}, drone);
+  read_rates(Strict{file.table("rates")}, drone);
+  read_throttle(Strict{file.table("throttle")}, drone);
+  read_channels(Strict{file.table("channels")}, drone);
+  Strict battery{file.table("battery")};
+  drone.least_battery_v = battery.number("least_v", 0, 60);
+  battery.table().refuse_others();
+  if (file.has("hand_over_test")) {
+    Strict test{file.table("hand_over_test")};
+    drone.tested = test.text("passed");
+    test.table().refuse_others();
+  }
+  file.refuse_others();
+  derive(file, drone);
+  return drone;
+}
+
+std::string hand_over_mark(const DroneFile& drone, const std::string& program) {
+  const std::string all = constants_of(drone) + "|" + program;
+  return io::text_of_xxh64(
+      io::xxh64({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
+}
+
+std::string program_mark(const std::filesystem::path& program) {
+  const std::string bytes = io::read_file(program, std::uintmax_t{1} << 30);
+  return io::text_of_xxh64(
+      io::xxh64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+}
+
+std::vector<std::string> differences(const DroneFile& drone, const guard::DroneFacts& facts,
+                                     const std::string& board) {
+  std::vector<std::string> found;
+  const auto compare = [&](const char* what, const auto& told, const auto& expected) {
+    const std::string says = io::text_of(double(told)), wanted = io::text_of(double(expected));
+    if (says != wanted)
+      found.push_back(std::string{what} + " is " + says + ", in the file " + wanted);
+  };
+  if (board != drone.board)
+    found.push_back("board is " + io::one_line(board) + ", in the file " + drone.board);
+  if (facts.api) compare("api_minor", facts.api->minor, drone.api_minor);
+  if (facts.tuning) {
+    const msp::RcTuning &t = *facts.tuning, &e = drone.tuning;
+    compare("rates_type", t.rates_type, e.rates_type);
+    compare("roll rc_rate", t.roll_rc_rate, e.roll_rc_rate);
+    compare("pitch rc_rate", t.pitch_rc_rate, e.pitch_rc_rate);
+    compare("yaw rc_rate", t.yaw_rc_rate, e.yaw_rc_rate);
+    compare("roll expo", t.roll_expo, e.roll_expo);
+    compare("pitch expo", t.pitch_expo, e.pitch_expo);
+    compare("yaw expo", t.yaw_expo, e.yaw_expo);
+    for (std::size_t i = 0; i < 3; ++i) {
+      compare("super_rate", t.super_rate[i], e.super_rate[i]);
+      compare("rate limit", t.rate_limit[i], e.rate_limit[i]);
+    }
+    compare("throttle mid", t.throttle_mid, e.throttle_mid);
+    compare("throttle expo", t.throttle_expo, e.throttle_expo);
+  }
+  if (facts.deadband) {
+    compare("deadband", facts.deadband->roll_and_pitch, drone.deadband.roll_and_pitch);
+    compare("yaw deadband", facts.deadband->yaw, drone.deadband.yaw);
+  }
+  if (facts.receiver) {
+    compare("mid_us", facts.receiver->mid, drone.receiver.mid);
+    compare("min_check_us", facts.receiver->min_check, drone.receiver.min_check);
+  }
+  if (facts.map)
+    for (std::size_t i = 0; i < 4; ++i)
+      compare("channel place", facts.map->place[i], drone.map.place[i]);
+  return found;
+}
+
+}  // namespace gatefly::live

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gatefly/guard/interview.hpp"
+#include "gatefly/link/msp_axes.hpp"
+#include "gatefly/link/msp_messages.hpp"
+#include "gatefly/link/rate_curve.hpp"
+#include "gatefly/link/throttle_curve.hpp"
+
+namespace gatefly::live {
+
+/// Throttle (0 … 1000, behind the throttle curve) and the thrust that it gives: (throttle / hover)^exponent times the weight.
+struct Hover {
+  double throttle = 0.0;
+  double exponent = 1.0;
+  /// Throttle that gives a specific thrust [m/s²], within 0 … 1000.
+  [[nodiscard]] double throttle_for(double thrust) const;
+};
+
+/// Every constant of a drone that `run` may use: drone.toml. Nothing in it has a default.
+struct DroneFile {
+  std::filesystem::path path;
+  std::string name, board;
+  int api_minor = 0;
+  msp::ImuScale imu;
+  msp::RcTuning tuning;  ///< What the controller must answer, to the byte ...
+  msp::RcDeadband deadband;
+  msp::RxConfig receiver;
+  msp::RxMap map;
+  msp::RateProfile rates;  ///< ... and what follows of it.
+  msp::ThrottleCurve throttle = msp::ThrottleCurve::from({}, {.min_check = 1050}).value();
+  msp::ChannelOrder order;
+  int hover_stick = 0;  ///< [µs]
+  Hover hover;
+  double least_battery_v = 0.0;
+  std::string tested;  ///< What the hand-over test was passed with; "": it was not.
+
+  /// The sticks for rates about front, right, down [rad/s] and a specific thrust [m/s²].
+  [[nodiscard]] msp::Sticks sticks(const Eigen::Vector3d& rates_B, double thrust) const;
+  /// Whether a hand-over test of these constants and this program has passed.
+  [[nodiscard]] bool hand_over_tested(const std::string& program) const;
+};
+
+/// Reads drone.toml. @throws std::runtime_error one line: file, line, key, what it must be; for any key that is
+///     missing or not known, rates and throttle curves that are not known here.
+[[nodiscard]] DroneFile read_drone(const std::filesystem::path& path);
+
+/// What a hand-over test is bound to: all constants of a drone.toml, and the program; 16 hexadecimal digits.
+[[nodiscard]] std::string hand_over_mark(const DroneFile& drone, const std::string& program);
+
+/// A program by its bytes; the one that runs by default.
+[[nodiscard]] std::string program_mark(const std::filesystem::path& program = "/proc/self/exe");
+
+/// In what a controller is another than the file says, a line each; empty: it is the drone.
+[[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
+                                                   const guard::DroneFacts& facts,
+                                                   const std::string& board);
+
+}  // namespace gatefly::live

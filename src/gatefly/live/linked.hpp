@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "gatefly/flight_log/flight_folder.hpp"
+#include "gatefly/flight_log/recording.hpp"
+#include "gatefly/live/flight_deck.hpp"
+#include "gatefly/live/keeper.hpp"
+#include "gatefly/live/msp_link.hpp"
+#include "gatefly/live/wires.hpp"
+
+// What the thread of a link does, until it is told to stop or the link is cut.
+
+namespace gatefly::live {
+
+/// Listens to a controller; sends it nothing but questions.
+void listen(MspQueries& link, const DroneFile& drone, Wires& wires, const RunClock& clock);
+
+/// Flies a drone: every period the deck decides, the keeper hears of it, the sticks go. Ends when the flight is over, not before:
+/// whoever stops it in the air waits for the descent.
+void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock);
+
+/// A recorded flight in the place of a drone.
+/// @param motors  what the rotors were told in each tick, or empty. @param pace  times its own; 0: as fast as it is flown.
+void play(const std::vector<flight_log::RecordedTick>& ticks, const io::FlightFolder& folder,
+          double pace, Wires& wires, const RunClock& clock);
+
+}  // namespace gatefly::live

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "gatefly/link/jpeg_slices.hpp"
+#include "gatefly/live/camera.hpp"
+#include "gatefly/live/port.hpp"
+
+namespace gatefly::live {
+
+/// JPEG slices over UDP: link/jpeg_slices.
+class SliceCamera : public Camera {
+ public:
+  SliceCamera(Port port, StoredSize size);
+  Got next(Picture& picture, Moment deadline) override;
+
+ private:
+  Port port_;
+  StoredSize size_;
+  jpeg_slices::Assembler assembler_;
+  std::vector<std::uint8_t> room_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace gatefly::live

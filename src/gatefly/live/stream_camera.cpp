@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/live/stream_camera.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "gatefly/files/subprocess.hpp"
+
+namespace gatefly::live {
+
+std::vector<std::string> words_of_pipeline(const std::string& pipeline) {
+  std::vector<std::string> words;
+  std::string word;
+  bool inside = false;
+  char quote = 0;
+  for (const char c : pipeline) {
+    if (quote != 0) {
+      if (c == quote)
+        quote = 0;
+      else
+        word += c;
+    } else if (c == '"' || c == '\'') {
+      quote = c, inside = true;
+    } else if (c == ' ' || c == '\t') {
+      if (inside) words.push_back(word);
+      word.clear(), inside = false;
+    } else {
+      word += c, inside = true;
+    }
+  }
+  if (inside) words.push_back(word);
+  return words;
+}
+
+StreamCamera::StreamCamera(const std::string& pipeline, StoredSize size)
+    : size_{size},
+      messages_{std::tmpfile()},
+      frame_(image_bytes(PixelFormat::kUyvy, size.width, size.height)) {
+  if (size.width % 2 != 0)
+    throw std::runtime_error(
+        "--camera: pictures of a stream must have an even width, the camera's is " +
+        std::to_string(size.width) + " as stored (camera.size_px)");
+  int ends[2] = {-1, -1};
+  if (!messages_ || pipe2(ends, O_CLOEXEC) != 0)
+    throw std::runtime_error(std::string{"--camera: "} + std::strerror(errno));
+  std::vector<std::string> words = words_of_pipeline(pipeline);
+  words.insert(words.begin(), {"gst-launch-1.0", "-q"});
+  // Full range BT.601, as a JPEG has it: what detector and film take a picture for.
+  const std::string caps = "video/x-raw,format=UYVY,width=" + std::to_string(size.width) +
+                           ",height=" + std::to_string(size.height) + ",colorimetry=1:4:0:0";
+  for (const std::string& word :
+       {std::string{"!"}, std::string{"videoconvert"}, std::string{"!"}, std::string{"videoscale"},
+        std::string{"!"}, caps, std::string{"!"}, std::string{"fdsink"}, std::string{"fd=1"},
+        std::string{"sync=false"}})
+    words.push_back(word);
+  const int error =
+      io::start(words, {.output = ends[1], .errors = fileno(messages_.get())}, program_);
+  ::close(ends[1]);
+  pipe_.emplace(ends[0], "gst");
+  fcntl(ends[0], F_SETPIPE_SZ, 1 << 20);  // a picture whole; refused, it is but slower
+  if (error != 0)
+    throw std::runtime_error(std::string{"--camera: gst-launch-1.0 cannot be started: "} +
+                             std::strerror(error) + " (apt-get install gstreamer1.0-tools)");
+}
+
+StreamCamera::~StreamCamera() {
+  if (program_ <= 0) return;
+  kill(program_, SIGKILL);
+  io::wait_for(program_);
+}
+
+Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
+  while (filled_ < frame_.size()) {
+    const auto got = pipe_->read(std::span{frame_}.subspan(filled_), deadline);
+    if (!got) return Got::kEnded;
+    if (*got == 0) return Got::kNothing;
+    filled_ += *got;
+  }
+  filled_ = 0;
+  picture.pixels.assign(frame_.begin(), frame_.end());
+  picture.file.clear();
+  picture.format = PixelFormat::kUyvy;
+  picture.stored_width = size_.width, picture.stored_height = size_.height;
+  picture.number = count_++;
+  return Got::kPicture;
+}
+
+std::string StreamCamera::why() const { return io::last_line(messages_.get()); }
+
+}  // namespace gatefly::live

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "gatefly/live/camera.hpp"
+#include "gatefly/live/port.hpp"
+
+namespace gatefly::live {
+
+/// Raw pictures of a GStreamer pipeline: gst-launch-1.0 beside us writes them into a pipe, scaled to the camera's size, UYVY of
+/// full range. When it hangs or dies, we do not.
+class StreamCamera : public Camera {
+ public:
+  /// @throws std::runtime_error one line: there is no gst-launch-1.0.
+  StreamCamera(const std::string& pipeline, StoredSize size);
+  ~StreamCamera() override;
+  StreamCamera(const StreamCamera&) = delete;
+  StreamCamera& operator=(const StreamCamera&) = delete;
+
+  Got next(Picture& picture, Moment deadline) override;
+  [[nodiscard]] std::string why() const override;
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  StoredSize size_;
+  std::unique_ptr<std::FILE, Close> messages_;  ///< What it says; a file without a name.
+  std::optional<Port> pipe_;
+  pid_t program_ = -1;
+  std::vector<std::uint8_t> frame_;
+  std::size_t filled_ = 0, count_ = 0;
+};
+
+/// The words of a pipeline as a shell would give them, quotes taken off.
+[[nodiscard]] std::vector<std::string> words_of_pipeline(const std::string& pipeline);
+
+}  // namespace gatefly::live

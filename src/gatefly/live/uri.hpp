@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace gatefly::live {
+
+/// What `--link` names.
+struct LinkUri {
+  enum class Kind {
+    kSerial,  ///< msp:/dev/ttyTHS1?baud=115200
+    kTcp,     ///< msp:tcp:127.0.0.1:5761
+    kReplay,  ///< replay:FOLDER?pace=1: a recorded flight's sensors in the place of a drone's.
+  };
+  Kind kind = Kind::kTcp;
+  std::string place;  ///< A device, host or folder.
+  int port = 0, baud = 115200;
+  double pace = 1.0;  ///< Of a replay, times its own; 0: as fast as it can be flown.
+};
+
+/// What `--camera` names.
+struct CameraUri {
+  enum class Kind {
+    kFolder,  ///< file:FOLDER: pictures of a recorded flight at their own pace.
+    kSlices,  ///< udp-jpeg:5600?bind=127.0.0.1&peer=127.0.0.1: JPEG slices of TS-002.
+    kStream,  ///< gst:PIPELINE or v4l2:/dev/video0: GStreamer, as a program beside ours.
+  };
+  Kind kind = Kind::kFolder;
+  std::string place;  ///< A folder, or a GStreamer pipeline.
+  int port = 0;
+  std::string bind = "127.0.0.1", peer = "127.0.0.1";
+};
+
+/// @throws std::runtime_error one line: what is wrong, what is allowed.
+[[nodiscard]] LinkUri link_uri(const std::string& text);
+[[nodiscard]] CameraUri camera_uri(const std::string& text);
+
+}  // namespace gatefly::live

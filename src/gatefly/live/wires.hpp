@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "gatefly/guard/hand_over.hpp"
+#include "gatefly/live/handoff.hpp"
+#include "gatefly/live/msp_poller.hpp"
+#include "gatefly/live/picture.hpp"
+#include "gatefly/race/pilot.hpp"
+
+namespace gatefly::live {
+
+/// An IMU sample of the controller, for the pilot.
+struct Heard {
+  Imu imu;
+  std::chrono::nanoseconds due{
+      0};  ///< When the pilot gets it: a little after it was taken, so that they come regularly.
+  bool lifted = false;     ///< Somebody else has taken off with the drone.
+  bool may_start = false;  ///< The drone is this pilot's.
+};
+
+/// A tick of a recorded flight, in the place of a drone's.
+struct RecordedSensors {
+  Sensors sensors;
+  std::optional<std::size_t> picture;           ///< Its number.
+  std::optional<std::array<double, 4>> motors;  ///< What the rotors were told then.
+};
+
+/// What the pilot wants, and believes, for whoever sends it.
+struct Wanted {
+  static constexpr std::chrono::nanoseconds kNever = -std::chrono::hours{24};
+  std::chrono::nanoseconds at = kNever;
+  Command command;
+  bool steers = false;  ///< Off the ground; else the motors rest.
+  bool landed = false;
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
+  double yaw = 0.0;
+  std::chrono::nanoseconds height_at = kNever;  ///< A gate told it.
+  std::chrono::nanoseconds picture_at = kNever, picture_limit = std::chrono::milliseconds{150};
+};
+
+/// One step of the pilot, for the recorder.
+struct FlownTick {
+  Sensors sensors;             ///< Without its image ...
+  Picture* picture = nullptr;  ///< ... which goes back when it is written.
+  Command command;
+  std::optional<std::array<double, 4>> motors;
+  Estimate estimate;
+  std::size_t phase = 0;
+  int target_gate = 0;
+  GateDetections detections;
+  bool finished = false, landed = false;
+  std::chrono::nanoseconds late{0}, took{0};  ///< Woken up after it was due; in Pilot::step.
+};
+
+/// What is sent to the drone, and why.
+struct DeckNews {
+  guard::HandOver state;
+  guard::Action action = guard::Action::kSilent;
+  long frames = 0;                          ///< Of sticks.
+  std::chrono::nanoseconds longest_gap{0};  ///< Between two of them.
+};
+
+/// All that goes between camera, link, pilot and recorder; each end of each wire is one thread's.
+struct Wires {
+  static constexpr std::size_t kPictures = 12;
+
+  Ring<Heard> samples{64};                  ///< link → pilot
+  Ring<RecordedSensors> recorded{128};      ///< link → pilot, of a replay
+  Ring<Picture*> pictures{kPictures};       ///< camera → pilot
+  Ring<FlownTick> flown{1024};              ///< pilot → recorder
+  Ring<Picture*> free_pictures{kPictures};  ///< recorder → camera
+  Ring<Picture*> returned{kPictures};       ///< pilot → camera: what is not recorded
+  Latest<Wanted> wanted;                    ///< pilot → link
+  Latest<ControllerState> state;            ///< link → recorder
+
+  Latest<DeckNews> deck;  ///< link → recorder
+
+  std::atomic<bool> stop = false;  ///< Everybody ends; a drone in the air is brought down first.
+  std::atomic<bool> told_to_end = false;  ///< The drone is to be brought down.
+  std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
+  std::string link_error, camera_error;  ///< Written before its thread is over.
+  std::atomic<int> at_recorder =
+      0;  ///< Pictures; at most kAtRecorder, so that a slow disk does not blind the pilot.
+  static constexpr int kAtRecorder = kPictures - 4;
+  std::atomic<long> pictures_lost = 0, pictures_seen = 0, stalls = 0, ticks_missed = 0,
+                    unrecorded = 0;  ///< Ticks or pictures of ticks.
+};
+
+}  // namespace gatefly::live

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""gatefly run with a drone that behaves like one: tests/support/fake_betaflight.hpp, and a camera that shows nothing but grey."""
+import csv
+import functools
+import os
+import pathlib
+import subprocess
+import time
+
+from program import GATEFLY, ROOT, Cli
+
+DRONE = ROOT / "tests" / "live" / "fake_drone.toml"
+FAKE = os.environ.get("GATEFLY_FAKE_BETAFLIGHT", "")
+PERIOD = 0.025  # s, of stick frames
+# 160 x 315 as stored: the size of a Bebop's pictures. Stands still once there is a file called frozen.
+GREY_STREAM = """#!/usr/bin/env python3
+import os, sys, time
+while True:
+    if not os.path.exists("frozen"):
+        sys.stdout.buffer.write(bytes([128] * (2 * 160 * 315)))
+        sys.stdout.flush()
+    time.sleep(0.033)
+"""
+
+
+class Fake:
+    """The fake controller, a process of its own; words tell it what the pilot's radio does."""
+
+    def __init__(self, folder, *flags):
+        self.log = folder / "fake.csv"
+        self.process = subprocess.Popen([FAKE, "--log", self.log, *flags], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.port = int(self.process.stdout.readline().split()[1])
+
+    def __call__(self, word):
+        self.process.stdin.write(word + "\n")
+        self.process.stdin.flush()
+
+    def rows(self, what=None):
+        with self.log.open(encoding="utf-8") as rows:
+            return [row for row in csv.DictReader(rows) if None not in row.values() and what in (None, row["what"])]
+
+    def end(self):
+        self.process.stdin.close()
+        self.process.stdout.close()
+        self.process.wait()
+
+
+class WithDrone(Cli):
+    """A drone that behaves like one: tests/support/fake_betaflight.hpp, and a camera that shows nothing but grey."""
+
+    def setUp(self):
+        super().setUp()
+        self.fake = Fake(self.folder)
+        self.addCleanup(lambda: self.fake.end())
+        programs = self.folder / "bin"
+        programs.mkdir()
+        script = programs / "gst-launch-1.0"
+        script.write_text(GREY_STREAM, encoding="utf-8")
+        script.chmod(0o700)
+        self.environment = {"PATH": f"{programs}:{os.environ['PATH']}"}
+
+    def words(self, *arguments, drone=DRONE):
+        return ["run", "oval", "--config", "betaflight", "--camera", "gst:videotestsrc", "--link", f"msp:tcp:127.0.0.1:{self.fake.port}",
+                "--drone", str(drone), *map(str, arguments)]
+
+    def start(self, *arguments, **more):
+        """The program in the background."""
+        process = subprocess.Popen([GATEFLY, *self.words(*arguments, **more)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), **self.environment))
+        self.addCleanup(self.end_of, process)
+        return process
+
+    @staticmethod
+    def end_of(process):
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        for stream in (process.stdout, process.stderr):
+            stream.close()
+
+
+@functools.cache
+def program_that_flies():
+    """What `gatefly run` is: the laboratory's program, where there is one."""
+    sibling = pathlib.Path(GATEFLY).with_name("gatefly-lab")
+    return sibling if sibling.exists() else pathlib.Path(GATEFLY)
+
+
+class Handed(WithDrone):
+    """A drone whose hand-over test has passed, as far as its file says."""
+
+    def signed(self, content=None):
+        content = content or DRONE.read_text(encoding="utf-8")
+        plain = self.file("plain.toml", content)
+        mark = subprocess.run([FAKE, "--sign", plain, program_that_flies()], capture_output=True, text=True, check=True).stdout.strip()
+        return self.file("signed.toml", f'{content}\n[hand_over_test]\npassed = "{mark}"\n')
+
+    def until(self, what, seconds=10.0):
+        end = time.monotonic() + seconds
+        while not what():
+            self.assertLess(time.monotonic(), end, "it takes too long")
+            time.sleep(0.02)
+
+    def streamed(self, *arguments):
+        """The program, once it has sent more neutral frames than it needs, and rested."""
+        process = self.start(*arguments, drone=self.signed())
+        self.until(lambda: process.poll() is not None or len(self.fake.rows("frame")) > 65)
+        self.assertIsNone(process.poll(), process.stderr.read() if process.poll() is not None else "")
+        return process
+
+    def flying(self, *arguments, seconds=2.6):
+        """The program, once it has flown for so long."""
+        process = self.streamed(*arguments)
+        self.fake("arm")
+        time.sleep(0.2)
+        self.fake("override on")
+        time.sleep(seconds)
+        self.assertGreater(self.height(self.fake.rows("state")[-1]), 0.5, "it has not taken off")
+        return process
+
+    @staticmethod
+    def height(row):
+        return -float(row["z_m"])
+
+    def down(self, seconds=6.0):
+        """Waits until it is on the floor since the mark; what the drone did from the mark on."""
+        def since():
+            rows = self.fake.rows()
+            first = next((i for i, row in enumerate(rows) if row["what"] == "mark"), len(rows))
+            return rows[first:]
+        self.until(lambda: any(row["what"] == "touch" for row in since()), seconds)
+        rows = since()
+        return rows[:1 + next(i for i, row in enumerate(rows) if row["what"] == "touch")]
+
+    def longest_gap(self):
+        times = [float(row["t_s"]) for row in self.fake.rows("frame")]
+        return max(later - earlier for earlier, later in zip(times, times[1:]))
+
+    def assert_brought_down(self, rows, distance=2.0):
+        """No climb, no further than that [m], within 3 s, not fast."""
+        begin, end = rows[0], rows[-1]
+        self.assertLess(max(map(self.height, rows)), self.height(begin) + 0.10)  # it may still rise a little at the mark
+        self.assertLess(float(end["t_s"]) - float(begin["t_s"]), 3.0)
+        self.assertLess(sum((float(end[axis]) - float(begin[axis])) ** 2 for axis in ("x_m", "y_m")) ** 0.5, distance)
+        self.assertLess(max(float(row["vz_mps"]) for row in rows), 2.5)

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Three threads give the pilot what a replay gives it.
+#include "gatefly/live/session.hpp"
+
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gatefly/live/folder_camera.hpp"
+#include "gatefly/live/linked.hpp"
+
+#include "support/recorded_flight.hpp"
+
+namespace gatefly::live {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Flown {
+  std::vector<Command> commands;
+  std::vector<Estimate> estimates;
+  int pictures = 0;
+};
+
+/// The shipped flight through the threads; `pace` times its own, 0: as fast as it can.
+Flown flown(const std::filesystem::path& directory, double pace) {
+  const io::Config config =
+      io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
+  const io::FlightFolder folder = io::read_flight_folder(directory);
+  const auto ticks = flight_log::ticks_of(folder);
+  SessionPlan plan{
+      .pilot = config.pilot, .rotation_deg = config.camera.stored_rotation_deg, .recorded = true};
+  plan.pilot.track = io::read_track(directory / "track.toml").track;
+  plan.pilot.track.laps = 1;
+  const StoredSize size{config.camera.stored_width(), config.camera.stored_height()};
+  Session session{
+      plan, std::make_unique<FolderCamera>(directory, size, false),
+      [&](Wires& wires, const RunClock& clock) { play(ticks, folder, pace, wires, clock); }};
+  Flown all;
+  const auto take = [&](const FlownTick& tick) {
+    all.commands.push_back(tick.command);
+    all.estimates.push_back(tick.estimate);
+    all.pictures += tick.picture != nullptr;
+  };
+  session.start();
+  while (!session.over()) {
+    if (!session.drain(take)) std::this_thread::sleep_for(1ms);
+  }
+  session.drain(take);
+  session.stop();
+  return all;
+}
+
+std::array<double, 12> numbers_of(const Command& c) {
+  return {c.attitude.roll,   c.attitude.pitch, c.attitude.yaw, c.attitude.yaw_rate,
+          c.attitude.thrust, c.motors[0],      c.motors[1],    c.motors[2],
+          c.motors[3],       c.rates_B.x(),    c.rates_B.y(),  c.rates_B.z()};
+}
+
+class SessionAtPace : public ::testing::TestWithParam<double> {};
+
+TEST_P(SessionAtPace, GivesTheCommandsOfAReplayToTheBit) {
+  const auto directory = support::source_folder() / "tests" / "replay" / "oval_flight";
+  const io::Config config =
+      io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
+  const io::FlightFolder folder = io::read_flight_folder(directory);
+  PilotConfig pilot = config.pilot;
+  pilot.track = io::read_track(directory / "track.toml").track;
+  pilot.track.laps = 1;
+  const auto replayed = support::replayed(pilot, folder, config, flight_log::Estimator::kPilots);
+
+  const Flown live = flown(directory, GetParam());
+  ASSERT_EQ(live.commands.size(), replayed.commands.size());
+  EXPECT_EQ(live.commands.size(), 4103u) << "commands are compared";
+  EXPECT_EQ(live.pictures, 39);
+  for (std::size_t i = 0; i < live.commands.size(); ++i) {
+    ASSERT_EQ(numbers_of(live.commands[i]), numbers_of(replayed.commands[i])) << "command " << i;
+    ASSERT_EQ(live.estimates[i].p_EB, replayed.estimates[i].estimate.p_EB) << "estimate " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Paces, SessionAtPace, ::testing::Values(0.0, 4.0));
+
+}  // namespace
+}  // namespace gatefly::live
