@@ -320,7 +320,7 @@ SearchedFlight searched(const RaceConfig& race) {
 // Six frames in seven are lost: again and again the pilot has to look for its gate.
 TEST(IdealRace, AGateThatWasLostIsFoundAndPassedAndTheNextOneFollows) {
   int rounds = 0, finished = 0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     SCOPED_TRACE(seed);
     RaceConfig race = ideal_race_on("oval", seed, 3);
     race.sim.sensors.frame_loss = 0.85;

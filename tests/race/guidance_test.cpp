@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/guidance.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -145,15 +143,13 @@ TEST(Guidance, NearTheFloorATakeOffGoesStraightUp) {
   EXPECT_LT(back.roll, 0.0);
 }
 
-// It waits where the phase says, looks ahead at first, then to both sides, then all around.
+// It waits where the phase says, looks ahead at first, then to both sides.
 TEST(Guidance, ASearchWaitsOnTheAxisAndLooksAround) {
   Guidance guidance{{}};
-  const SweepParams sweep;
   const Course course = straight_course();
   Phase phase = Search{10.0, -2.2};
   double least = 0.0, most = 0.0;
-  std::array<bool, 12> seen{};  // sectors of 30°
-  for (double t = 10.0; t < 10.0 + sweep.around_after + sweep.around; t += 0.05) {
+  for (double t = 10.0; t < 17.0; t += 0.1) {
     NavigationState now = state_at({3.8, 0, -1.5}, 0.0, t);
     now.since_fix = 5.0;
     const AttitudeCommand c = guidance.command(phase, now, course);
@@ -161,18 +157,12 @@ TEST(Guidance, ASearchWaitsOnTheAxisAndLooksAround) {
     if (t < 11.4) {
       EXPECT_EQ(c.yaw, 0.0) << t;
     }
-    if (t < 10.0 + sweep.around_after) {
-      EXPECT_LE(std::abs(c.yaw), sweep.angle) << t;
-      least = std::min(least, c.yaw), most = std::max(most, c.yaw);
-    } else {
-      seen[static_cast<std::size_t>((c.yaw + kPi) / (30.0 * kDegree)) % 12] = true;
-    }
+    least = std::min(least, c.yaw), most = std::max(most, c.yaw);
   }
-  EXPECT_LT(least, -20.0 * kDegree);
-  EXPECT_GT(most, 35.0 * kDegree);
-  EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](bool sector) { return sector; }));
-  NavigationState fixed = state_at({3.8, 0, -1.5}, 0.0, 16.2);
-  EXPECT_EQ(guidance.command(phase, fixed, course).yaw, 0.0) << "a gate in view: look at it";
+  EXPECT_NEAR(least, -40.0 * kDegree, 0.02);
+  EXPECT_NEAR(most, 40.0 * kDegree, 0.02);
+  NavigationState seen = state_at({3.8, 0, -1.5}, 0.0, 16.2);
+  EXPECT_EQ(guidance.command(phase, seen, course).yaw, 0.0) << "a gate in view: look at it";
 }
 
 // 1 s of a hold beside the place fills the integral; a new search starts without.

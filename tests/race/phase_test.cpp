@@ -102,20 +102,6 @@ TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
   EXPECT_EQ(t.reason, AbortReason::kGateNotFound);
 }
 
-// Whoever still flies to where a gate shows may yet see it; whoever waits for one only drifts on.
-TEST(Phase, ASearchThatNoLongerKnowsItsPlaceLands) {
-  Situation s = flying();
-  s.since_fix = 5;
-  s.position_sigma = kParams.max_position_sigma - 0.01;
-  EXPECT_TRUE(is<Search>(next_phase(Search{9.0}, s, kParams)));
-  s.position_sigma = kParams.max_position_sigma + 0.01;
-  const Transition t = next_phase(Search{9.0}, s, kParams);
-  EXPECT_TRUE(is<Land>(t));
-  EXPECT_EQ(t.reason, AbortReason::kPositionLost);
-  s.gate_x = s.to_go = -6;
-  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
-}
-
 TEST(Phase, EveryFlyingPhaseLandsWhenTheCourseIsDoneOrTheImuIsSilent) {
   const std::vector<Phase> all{TakeOff{9.0}, Straight{}, Turn{}, Search{9.0}};
   for (const Phase& phase : all) {
@@ -167,9 +153,8 @@ TEST(Phase, EveryPhaseHasItsNameAndEveryReasonItsText) {
   EXPECT_STREQ(name_of(Land{}), "land");
   EXPECT_STREQ(name_of(Landed{}), "landed");
   EXPECT_STREQ(text_of(AbortReason::kNone), "");
-  for (const AbortReason reason :
-       {AbortReason::kGateNotFound, AbortReason::kPositionLost, AbortReason::kNoClimb,
-        AbortReason::kUpset, AbortReason::kSensorsLost})
+  for (const AbortReason reason : {AbortReason::kGateNotFound, AbortReason::kNoClimb,
+                                   AbortReason::kUpset, AbortReason::kSensorsLost})
     EXPECT_FALSE(std::string{text_of(reason)}.empty());
 }
 

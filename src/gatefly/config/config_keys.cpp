@@ -368,8 +368,6 @@ Keys control_keys() {
         "ours"),
       k("control.search_timeout_s", 0.5, 120, AT(pilot.phase.search_timeout),
         "longest search for a gate", "ours"),
-      k("control.search_sigma_m", 0.05, 100, AT(pilot.phase.max_position_sigma),
-        "one that searches and knows its place no better lands", "ours"),
       k("control.max_tilt_deg", 20, 180, AT(pilot.phase.max_tilt),
         "tilt beyond which the flight is given up", "ours", kDegree),
       k("control.imu_timeout_ms", 5, 5000, AT(pilot.phase.imu_timeout),

@@ -62,10 +62,8 @@ struct NavigationState {
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();    ///< In the frame of the target gate [m] ...
   Eigen::Vector3d v_GB = Eigen::Vector3d::Zero();    ///< ... and the velocity [m/s].
   double lateral_sigma = 0.0;  ///< Of p_GB.y, without what is gone in the gate itself [m].
-  /// Of p_EB, the worse of north and east; 0 where the filter does not know [m].
-  double position_sigma = 0.0;
-  double since_fix = 1e3;  ///< Since a fix was accepted [s].
-  double since_imu = 0.0;  ///< Since a usable IMU sample [s].
+  double since_fix = 1e3;      ///< Since a fix was accepted [s].
+  double since_imu = 0.0;      ///< Since a usable IMU sample [s].
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
   double wind_variance = 0.0;  ///< Of both components of that together [m²/s²].

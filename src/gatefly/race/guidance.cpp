@@ -92,8 +92,7 @@ AttitudeCommand Guidance::stand(const Stop& stop, const NavigationState& now,
   return c;
 }
 
-// Waits on the gate's axis and looks to both sides of it, then all around: any gate of the map tells
-// where the drone is.
+// Waits on the gate's axis and looks to both sides of it.
 AttitudeCommand Guidance::search(const Search& phase, const NavigationState& now,
                                  const Course& course) {
   const MapGate& gate = course.gate();
@@ -102,12 +101,8 @@ AttitudeCommand Guidance::search(const Search& phase, const NavigationState& now
   const double since = now.time - phase.since;
   const bool ahead =
       now.since_fix < params_.sweep.hold_after_fix || since < params_.sweep.first_ahead;
-  const double around = since - params_.sweep.around_after;
-  const double sweep =
-      around > 0.0 ? 2 * kPi * around / params_.sweep.around
-                   : params_.sweep.angle * gatefly::sin(2 * kPi * since / params_.sweep.period);
-  AttitudeCommand c =
-      hold(wait.head<2>(), wrap_angle(gate.yaw_EG + (ahead ? 0.0 : sweep)), now.dt, now);
+  const double sweep = params_.sweep.angle * gatefly::sin(2 * kPi * since / params_.sweep.period);
+  AttitudeCommand c = hold(wait.head<2>(), gate.yaw_EG + (ahead ? 0.0 : sweep), now.dt, now);
   c.thrust = thrust(gate.p_EG.z(), 0.0, now);
   return c;
 }

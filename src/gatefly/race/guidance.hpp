@@ -20,8 +20,6 @@ struct SweepParams {
   double period = 5.0;            ///< [s] [ours]
   double first_ahead = 1.5;       ///< Looks straight ahead for so long first [s]. [ours]
   double hold_after_fix = 0.5;    ///< And for so long after each fix [s]. [ours]
-  double around_after = 3.0;      ///< From then on it turns all the way round, ... [s] [ours]
-  double around = 8.0;            ///< ... once in so long [s]. [estimate: 1.5 s of a gate in view]
 };
 
 struct LandingParams {

@@ -49,7 +49,7 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
   monitor_.looked(navigator.time());
-  if (course.passed() != passed_) passed_ = course.passed(), target_seen_ = kNever;
+  if (course.passed() != passed_) passed_ = course.passed(), target_seen_ = false;
   const Eigen::Vector2d size =
       sensors.seen ? Eigen::Vector2d{sensors.seen->image_width, sensors.seen->image_height}
                    : Eigen::Vector2d{sensors.image->width(), sensors.image->height()};
@@ -159,7 +159,7 @@ void MapLookout::take_whole_gates(const View& view) {
   if (!taken.empty() && navigator.correct({taken.begin(), taken.size()}, of_target)) {
     last_any_ = navigator.time(), refused_ = 0;
     if (!of_target) return;
-    target_seen_ = navigator.time();
+    target_seen_ = true;
     sighting_.source = Sighting::Source::kCorners;
     describe_fix(sighting_.detections[static_cast<std::size_t>(sighting_.used)], view);
   } else if (refused_ >= map_.lost_after && navigator.time() - last_any_ > map_.lost_time) {
@@ -194,7 +194,7 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
 }
 
 // Near the target two corners of any gate are enough, or the target's side bars. These do not say whose
-// they are: they count where the target's corners were seen not long ago.
+// they are: they count where the target's corners were seen in this approach.
 void MapLookout::take_parts(const View& view) {
   std::optional<GateBars> bars;
   std::optional<GateDetection> cut;
@@ -214,7 +214,7 @@ void MapLookout::take_parts(const View& view) {
                                            map_.max_lower_nis, Sighting::Source::kCorners))
     return;
   sighting_.bars = bars;
-  if (bars && view.navigator.time() - target_seen_ < map_.bars_within)
+  if (bars && target_seen_)
     (void)take_part(view, sight_of(*bars, view.picture), map_.max_bars_nis,
                     Sighting::Source::kBars);
 }
@@ -237,7 +237,7 @@ void MapLookout::take_cut(const View& view, const eskf::GateSight& sight) {
   if (!view.navigator.correct({&seen->sight, 1}, target)) return;
   last_any_ = view.navigator.time(), refused_ = 0;
   if (!target) return;
-  target_seen_ = view.navigator.time();
+  target_seen_ = true;
   sighting_.source = Sighting::Source::kCorners;
   sighting_.nis = seen->innovation.nis, sighting_.nis_dof = seen->innovation.rows;
 }

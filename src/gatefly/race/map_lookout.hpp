@@ -20,8 +20,7 @@ struct MapSightParams {
   double max_bars_nis = 11.0;   ///< Of 2 rows: 1 in 250.
   double part_sigma =
       1.0;  ///< A part may be any gate's for who knows less of his place [m]. [estimate]
-  double bars_within = 3.0;  ///< Side bars count so long after the target's corners [s]. [estimate]
-  double unsure_nis = 14.0;  ///< The limit for detections that are not sure: 1 in 12.
+  double unsure_nis = 14.0;     ///< The limit for detections that are not sure: 1 in 12.
   double confirm_above = 17.0;  ///< A second one of the same gate has to agree: 1 in 33.
   double margin = 3.0;       ///< Next best explanation so much less probable, −2 ln p. [estimate]
   double blind_after = 1.0;  ///< Nothing seen for so long: two have to agree [s].
@@ -75,12 +74,11 @@ class MapLookout {
   struct {
     int face = -1;
     double time = -1e3;
-  } pending_;                             ///< Seen once, and not believed before it is seen again.
-  static constexpr double kNever = -1e3;  ///< [s]
-  double last_any_ = kNever;              ///< A gate was taken in [s].
-  double target_seen_ = kNever;           ///< The target, by its corners [s].
-  int passed_ = 0;                        ///< Gates, when a picture came last.
-  int refused_ = 0;                       ///< Sure detections since then.
+  } pending_;                 ///< Seen once, and not believed before it is seen again.
+  double last_any_ = -1e3;    ///< A gate was taken in [s].
+  bool target_seen_ = false;  ///< By its corners, in this approach.
+  int passed_ = 0;            ///< Gates, when a picture came last.
+  int refused_ = 0;           ///< Sure detections since then.
   int quick_looks_ = 0;
 };
 

@@ -67,8 +67,6 @@ struct Next {
     if (gate_found_again(now, params)) return {Straight{}};
     if (now.time - phase.since > params.search_timeout)
       return {land_from(now), AbortReason::kGateNotFound};
-    if (now.position_sigma > params.max_position_sigma)
-      return {land_from(now), AbortReason::kPositionLost};
     return {phase};
   }
   Transition operator()(const Land& phase) const {
@@ -108,8 +106,6 @@ const char* text_of(AbortReason reason) {
       return "";
     case AbortReason::kGateNotFound:
       return "the next gate was not found";
-    case AbortReason::kPositionLost:
-      return "no gate told where the drone is";
     case AbortReason::kNoClimb:
       return "the drone did not climb";
     case AbortReason::kUpset:

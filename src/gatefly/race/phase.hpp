@@ -37,7 +37,7 @@ struct Landed {};
 using Phase = std::variant<OnGround, TakeOff, Straight, Turn, Search, Land, Landed>;
 
 /// Why a flight was given up; kNone while it was not.
-enum class AbortReason { kNone, kGateNotFound, kPositionLost, kNoClimb, kUpset, kSensorsLost };
+enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
 
 /// Between take-off and landing.
 [[nodiscard]] bool is_flying(const Phase& phase);
@@ -59,13 +59,12 @@ struct Situation {
   double gate_y_ahead = 0.0;  ///< What gate_y will be in the gate's plane [m].
   /// Of gate_y, without what is gone once the drone is in the gate [m].
   double lateral_sigma = 0.0;
-  double position_sigma = 0.0;  ///< Of the place on the map, in the worse direction [m].
-  double speed = 0.0;           ///< [m/s]
-  double forward_speed = 0.0;   ///< [m/s]
-  double yaw = 0.0;             ///< [rad]
-  double since_fix = 0.0;       ///< Since a sighting of the target was accepted [s].
-  double tilt = 0.0;            ///< Between body and earth vertical [rad].
-  double since_imu = 0.0;       ///< Since the last finite IMU sample [s].
+  double speed = 0.0;          ///< [m/s]
+  double forward_speed = 0.0;  ///< [m/s]
+  double yaw = 0.0;            ///< [rad]
+  double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
+  double tilt = 0.0;           ///< Between body and earth vertical [rad].
+  double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
 };
 
 struct PhaseParams {
@@ -95,9 +94,7 @@ struct PhaseParams {
   double max_found_miss = 0.5;   ///< not farther off the axis [m], [ours]
   double min_run_in = 1.2;       ///< with so much way left [m], [ours]
   double max_found_speed = 0.7;  ///< and nearly standing still [m/s]. [ours]
-  double search_timeout = 11.0;  ///< [s] [ours: until it has looked all around]
-  /// A drone that searches, and knows its place no better than this, lands where it is [m]. [ours]
-  double max_position_sigma = 0.6;
+  double search_timeout = 15.0;  ///< [s]
 
   double landed_height = 0.12;  ///< Motors off below this [m] ... [ours: sonar on its feet]
   double land_timeout = 12.0;   ///< ... or after this [s]. [ours: 1 s, then 0.5 m/s from 5 m]

@@ -178,7 +178,6 @@ Situation Pilot::situation() const {
   s.gate_x = now.p_GB.x();
   s.gate_y = now.p_GB.y();
   s.lateral_sigma = now.lateral_sigma;
-  s.position_sigma = now.position_sigma;
   s.speed = now.v_B.head<2>().norm();
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
