@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iostream>
@@ -49,12 +50,20 @@ int open_aside(const fs::path& folder, fs::path& aside) {
 
 /// Whether a file can be made there: by making one. @return errno, 0 when it can.
 int try_folder(const fs::path& folder) {
+  // A signal that ends the program waits until that file is gone.
+  sigset_t ending, before;
+  sigemptyset(&ending);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ending, signal);
+  pthread_sigmask(SIG_BLOCK, &ending, &before);
   fs::path aside;
   const int file = open_aside(folder, aside);
-  if (file < 0) return errno;
-  ::close(file);
-  ::unlink(aside.c_str());
-  return 0;
+  const int error = file < 0 ? errno : 0;
+  if (file >= 0) {
+    ::close(file);
+    ::unlink(aside.c_str());
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return error;
 }
 
 bool write_all(int file, std::string_view content) {
