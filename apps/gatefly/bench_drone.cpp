@@ -84,7 +84,7 @@ int bench_drone(const BenchDroneOptions& options) {
                         : live::Port::tcp(uri.place, uri.port, live::Clock::now() + 3s);
   const live::Introduction said = live::introduction_of(port);
   Protocol protocol{options.common.quiet, options.json};
-  // What follows needs a controller that is known; the sensors do not have to be well for the link to be looked at.
+  // The checks below need a controller that is known. The link is timed even when a sensor is wrong.
   if (!protocol.add(live::of_introduction(said))) return protocol.end();
   msp::ImuScale scale;
   if (!options.common.quiet)

@@ -163,7 +163,7 @@ std::string rates_of(const tuning::Operating& point) {
          io::fixed(point.false_per_image, 3) + " false per picture";
 }
 
-/// What the gates say of the lens, in words; "" where it was named.
+/// The lens that the gates show, in words; "" where a lens was named.
 std::string words_of(const tuning::GateLens& lens, const io::Config& config) {
   using Says = tuning::GateLens::Says;
   if (config.pilot.detector.lens.model) return "";

@@ -104,7 +104,7 @@ class Ended(Handed):
         self.until(lambda: self.fake.rows("state")[-1]["throttle"] != "1000", 2)
         self.fake("mark")
         time.sleep(0.5)
-        # What is streamed to a drone that is the radio's would bring it down, not let it fall.
+        # Streaming goes on while the radio has the drone; it would bring the drone down, not let it fall.
         self.assertTrue(all(int(row["throttle"]) > 1200 for row in self.fake.rows("frame")[-10:]))
         self.fake("disarm")
         self.until(lambda: self.fake.rows("frame")[-1]["throttle"] == "1000", 2)

@@ -268,7 +268,7 @@ TEST(CurvedSides, ANearGateIsFoundThoughNobodyNamedTheLens) {
   }
 }
 
-// What one angle says of a lens is the same in pictures of any size, and about the middle of any shape.
+// One angle means the same lens in pictures of any size, about the middle of any shape.
 TEST(LensBend, OneAngleBendsPicturesOfAnySizeAndShapeAboutTheirMiddle) {
   const LensBend angle{equidistant_lens(640 / 244.5)}, named{{equidistant(244.5), 640, 480}};
   const Eigen::Vector2d a{40.5, 60.5}, b{440.5, 40.5};

@@ -58,6 +58,27 @@ DroneFile the_fake() {
   return read_drone(support::source_folder() / "tests" / "live" / "fake_drone.toml");
 }
 
+/// A link to the fake, which has introduced itself.
+class Listening {
+ public:
+  /// Asks and listens until `end`, or until the link is cut. @return the samples that came.
+  int until(nanoseconds end) {
+    int samples = 0;
+    while (clock_.now() < end && !link.broken()) samples += link.serve(clock_, clock_.now() + 2ms);
+    return samples;
+  }
+
+ private:
+  Served served_;
+  Port port_ = served_.port();
+  const Introduction said_ = introduction_of(port_);
+  RunClock clock_;
+
+ public:
+  MspQueries link{std::move(port_), the_fake(), *said_.facts.boxes};
+  test::FakeBetaflight& fake() { return served_.fake(); }
+};
+
 TEST(Introduction, TheFakeIsTheDroneOfItsFile) {
   Served served;
   Port port = served.port();
@@ -88,46 +109,33 @@ TEST(Introduction, NobodyThereIsOneLine) {
 }
 
 TEST(MspQueries, FiftySamplesASecondArriveOverASerialLineOf115200Baud) {
-  Served served;
-  Port port = served.port();
-  const Introduction said = introduction_of(port);
-  MspQueries link{std::move(port), the_fake(), *said.facts.boxes};
-  const RunClock clock;
-  int samples = 0;
-  while (clock.now() < 2s) samples += link.serve(clock, clock.now() + 2ms);
+  Listening drone;
+  const int samples = drone.until(2s);
   EXPECT_GE(samples, 90) << "in 2 s";
   EXPECT_LE(samples, 102);
-  const ControllerState& state = link.state();
+  const ControllerState& state = drone.link.state();
   EXPECT_NEAR(state.imu.accel_B.z(), -kGravity, 0.5);
   EXPECT_FALSE(state.armed);
   EXPECT_NEAR(state.battery_v, 24.0, 0.01);
   EXPECT_EQ(state.sticks, msp::kNeutral);
-  EXPECT_EQ(served.fake().frames(), 0) << "questions only";
+  EXPECT_EQ(drone.fake().frames(), 0) << "questions only";
 }
 
 TEST(MspQueries, AControllerThatAnswersWhatNobodyAskedHasAnotherClient) {
-  Served served;
-  Port port = served.port();
-  const Introduction said = introduction_of(port);
-  MspQueries link{std::move(port), the_fake(), *said.facts.boxes};
-  const RunClock clock;
-  while (clock.now() < 200ms) (void)link.serve(clock, clock.now() + 2ms);
-  EXPECT_FALSE(link.state().other_client);
-  served.fake().obey("strange");
-  while (clock.now() < 400ms) (void)link.serve(clock, clock.now() + 2ms);
-  EXPECT_TRUE(link.state().other_client);
+  Listening drone;
+  (void)drone.until(200ms);
+  EXPECT_FALSE(drone.link.state().other_client);
+  drone.fake().obey("strange");
+  (void)drone.until(400ms);
+  EXPECT_TRUE(drone.link.state().other_client);
 }
 
 TEST(MspQueries, ALinkThatIsCutIsBrokenAtOnce) {
-  Served served;
-  Port port = served.port();
-  const Introduction said = introduction_of(port);
-  MspQueries link{std::move(port), the_fake(), *said.facts.boxes};
-  const RunClock clock;
-  while (clock.now() < 100ms) (void)link.serve(clock, clock.now() + 2ms);
-  served.fake().obey("cut");
-  while (clock.now() < 300ms && !link.broken()) (void)link.serve(clock, clock.now() + 2ms);
-  EXPECT_TRUE(link.broken());
+  Listening drone;
+  (void)drone.until(100ms);
+  drone.fake().obey("cut");
+  (void)drone.until(300ms);
+  EXPECT_TRUE(drone.link.broken());
 }
 
 TEST(MspPoller, WithoutABatchItAsksOneByOneAndGetsTheSame) {

@@ -26,14 +26,12 @@ struct Flown {
 
 /// The shipped flight through the threads; `pace` times its own, 0: as fast as it can.
 Flown flown(const std::filesystem::path& directory, double pace) {
-  const io::Config config =
-      io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
+  const io::Config config = support::config_of(directory);
   const io::FlightFolder folder = io::read_flight_folder(directory);
   const auto ticks = flight_log::ticks_of(folder);
-  SessionPlan plan{
-      .pilot = config.pilot, .rotation_deg = config.camera.stored_rotation_deg, .recorded = true};
-  plan.pilot.track = io::read_track(directory / "track.toml").track;
-  plan.pilot.track.laps = 1;
+  const SessionPlan plan{.pilot = support::pilot_of(config, directory),
+                         .rotation_deg = config.camera.stored_rotation_deg,
+                         .recorded = true};
   const StoredSize size{config.camera.stored_width(), config.camera.stored_height()};
   Session session{
       plan, std::make_unique<FolderCamera>(directory, size, false),
@@ -63,13 +61,7 @@ class SessionAtPace : public ::testing::TestWithParam<double> {};
 
 TEST_P(SessionAtPace, GivesTheCommandsOfAReplayToTheBit) {
   const auto directory = support::source_folder() / "tests" / "replay" / "oval_flight";
-  const io::Config config =
-      io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
-  const io::FlightFolder folder = io::read_flight_folder(directory);
-  PilotConfig pilot = config.pilot;
-  pilot.track = io::read_track(directory / "track.toml").track;
-  pilot.track.laps = 1;
-  const auto replayed = support::replayed(pilot, folder, config, flight_log::Estimator::kPilots);
+  const auto replayed = support::replayed_simulated(directory, flight_log::Estimator::kPilots);
 
   const Flown live = flown(directory, GetParam());
   ASSERT_EQ(live.commands.size(), replayed.commands.size());

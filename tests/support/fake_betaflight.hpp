@@ -99,7 +99,7 @@ class FakeBetaflight {
     return frames_;
   }
 
-  /// What the pilot's radio does, and what breaks: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
+  /// Words for the radio and for faults: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
   /// "mark", "turn 0" (by hand, a quarter about an axis and back), "swap axes", "invert pitch",
   /// "gyro scale 2", "no accelerometer", "saturate", "bus errors", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
   bool obey(const std::string& word) {

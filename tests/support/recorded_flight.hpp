@@ -50,15 +50,24 @@ inline flight_log::ReplayResult replayed_real(
   return replayed(pilot, folder, config, estimator);
 }
 
-/// A simulated flight, which carries its own track and configuration.
-inline flight_log::ReplayResult replayed_simulated(const std::filesystem::path& directory) {
-  const io::Config config =
-      io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
-  const io::FlightFolder folder = io::read_flight_folder(directory);
+/// A simulated flight carries its own configuration and track.
+inline io::Config config_of(const std::filesystem::path& directory) {
+  return io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
+}
+/// The pilot that flew one lap of it.
+inline PilotConfig pilot_of(const io::Config& config, const std::filesystem::path& directory) {
   PilotConfig pilot = config.pilot;
   pilot.track = io::read_track(directory / "track.toml").track;
   pilot.track.laps = 1;
-  return replayed(pilot, folder, config, flight_log::Estimator::kDrag);
+  return pilot;
+}
+
+inline flight_log::ReplayResult replayed_simulated(
+    const std::filesystem::path& directory,
+    flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
+  const io::Config config = config_of(directory);
+  return replayed(pilot_of(config, directory), io::read_flight_folder(directory), config,
+                  estimator);
 }
 
 }  // namespace gatefly::support

@@ -48,7 +48,7 @@ struct Config {
   std::string detector_mode = "ours";
   std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
               indi_effectiveness = "fixed", output = "motors";
-  /// Of a lens that nobody named, as a set of pictures shows it: equidistant_lens() of detection.
+  /// The angle that a lens nobody named shows across the picture, as `tune` found it: equidistant_lens().
   /// Below 0: unknown.
   double lens_angle = -kDegree;
   Eigen::Vector2d lens_center{0, 0};

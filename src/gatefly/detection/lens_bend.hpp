@@ -32,7 +32,7 @@ class LensBend {
   [[nodiscard]] bool is_known() const { return known_; }
   /// Pixels of the lens' pictures a pixel of `image`; nullopt where that is of another shape.
   [[nodiscard]] std::optional<double> scale_of(const Image& image) const;
-  /// Where the corner of `image`'s first pixel lies in the lens' pictures.
+  /// The place of the corner of `image`'s first pixel in the lens' pictures.
   [[nodiscard]] Eigen::Vector2d origin_in(const Image& image, double scale) const;
 
   /// Unit vector in C that a pixel of the lens' picture looks along; nullopt far outside.

@@ -268,7 +268,7 @@ std::string FlightRecorder::keep_frame(const RecordedRow& row) {
 void FlightRecorder::record_frame(const RecordedRow& row) {
   const std::chrono::nanoseconds time = row.sensors.time;
   const std::string name = keep_frame(row);
-  // Of a file the hash would be its decoder's, which differ.
+  // Decoders differ, so a hash of a decoded file would say nothing.
   const std::string hash = row.file.empty() ? text_of_xxh64(xxh64(row.frame)) : "";
   images_ << name << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count() << ','
           << hash << corners_of(row.next_gate_px) << '\n';

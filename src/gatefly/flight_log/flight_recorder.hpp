@@ -44,7 +44,7 @@ struct RecordedRow {
   const GateDetections& detections;
   std::optional<Truth> truth = std::nullopt;
   std::optional<double> battery_v = std::nullopt;
-  /// What the rotors were told, whoever told them, if that is known [rad/s].
+  /// The rotor speeds that were commanded, by whichever pilot, if they are known [rad/s].
   std::optional<std::array<double, 4>> motors = std::nullopt;
   std::span<const std::uint8_t> frame = {};  ///< As Tick has it ...
   std::span<const std::uint8_t> file = {};   ///< ... or the file that it came as, and that is kept,

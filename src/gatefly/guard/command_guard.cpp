@@ -63,7 +63,7 @@ void CommandGuard::follow_ending(bool ending, double lift, double dt) {
     up_at_most_ = up_, ending_for_ = 0.0;
     return;
   }
-  // Of the lift before it fades: what has faded is not to be made up for.
+  // By the lift before it fades: the climb that fading costs must not be made up for.
   up_at_most_ += ((1.0 + limits_.hover_doubt) * lift - kGravity) * dt;
   up_at_most_ = std::clamp(up_at_most_, -kMostClimb, kMostClimb);
   ending_for_ += dt;

@@ -20,7 +20,7 @@ struct CommandLimits {
   double climb_damping = 2.0;          ///< [1/s]
   double sink = 0.5;          ///< Of a descent, were the rotors as strong as they may be [m/s].
   double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.
-  /// Of a descent's lift goes away, after so long [s]: the ground's cushion holds nothing up for ever.
+  /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
   double fades_after = 3.0, fade = 0.004;  ///< [1/s²]
   double brake_time = 0.6;   ///< In which braking would stop, were there no limit [s].
   double brake_accel = 4.0;  ///< [m/s²]

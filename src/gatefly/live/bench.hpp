@@ -19,7 +19,7 @@ struct Finding {
 using Findings = std::vector<Finding>;
 [[nodiscard]] bool all_well(const Findings& findings);
 
-/// What the drone says of itself.
+/// Checks what the drone answers about itself: identity, settings, flags.
 [[nodiscard]] Findings of_introduction(const Introduction& said);
 
 /// The IMU of a drone that lies level and still: that it lives, its scale, which way is up.
@@ -36,7 +36,7 @@ using Findings = std::vector<Finding>;
 [[nodiscard]] Findings of_link(Port& port, const msp::ChannelOrder& order,
                                std::chrono::milliseconds lasts);
 
-/// What no controller knows.
+/// The constants that no controller knows and the user states.
 struct Told {
   std::string name;
   int hover_stick_us = 0;

@@ -10,7 +10,7 @@
 
 namespace gatefly::live {
 
-/// Where pictures come from. Its thread alone calls it.
+/// A source of pictures. Only the camera's thread calls it.
 class Camera {
  public:
   enum class Got { kPicture, kNothing, kEnded };

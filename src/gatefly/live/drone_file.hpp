@@ -50,7 +50,7 @@ struct DroneFile {
 ///     missing or not known, rates and throttle curves that are not known here.
 [[nodiscard]] DroneFile read_drone(const std::filesystem::path& path);
 
-/// What a hand-over test is bound to: all constants of a drone.toml, and the program; 16 hexadecimal digits.
+/// A hash of all constants of a drone.toml and of the program, to which a hand-over test is bound; 16 hexadecimal digits.
 [[nodiscard]] std::string hand_over_mark(const DroneFile& drone, const std::string& program);
 
 /// A program by its bytes; the one that runs by default.

@@ -16,7 +16,7 @@ namespace gatefly::live {
 /// Stick frames come so often: what MSP at 115,200 baud bears beside the questions.
 inline constexpr std::chrono::nanoseconds kStickPeriod = std::chrono::milliseconds{25};
 
-/// Where the drone may be: a box around the map.
+/// The box around the map that the drone must not leave.
 struct Fence {
   Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();  ///< [m]
   double height = 0.0;                                                            ///< [m]
@@ -25,7 +25,7 @@ struct Fence {
 /// So far around gates and start, and so far above the highest gate's centre, but not above the room [m].
 [[nodiscard]] Fence fence_around(const Track& track, double aside, double above);
 
-/// What brings a drone down, and all that has to be known for it; goes from one process to another as it is.
+/// All that is needed to bring a drone down. It is copied from one process to the other byte by byte.
 struct EndingState {
   guard::CommandGuard guard{};
   double yaw = 0.0, v_x = 0.0, v_y = 0.0, v_z = 0.0;  ///< Last believed; earth [m/s].
@@ -35,7 +35,7 @@ struct EndingState {
 };
 static_assert(std::is_trivially_copyable_v<EndingState>);
 
-/// What is left of a speed that is braked against for a stick period, when nobody tells it anew: its part.
+/// The part of a speed that is left after braking for one stick period without a new estimate.
 [[nodiscard]] double left_after_braking(const guard::CommandLimits& limits);
 /// Rates that turn a drone, of whose attitude roll and pitch are known, towards a command [rad/s].
 [[nodiscard]] Eigen::Vector3d rates_towards(const AttitudeCommand& command, double roll,
@@ -60,7 +60,7 @@ class FlightDeck {
   [[nodiscard]] Sent step(const ControllerState& controller, const Wanted& wanted, bool told_to_end,
                           std::chrono::nanoseconds now);
   [[nodiscard]] const guard::HandOver& state() const { return state_; }
-  /// What is to go on with when this process dies now.
+  /// The state from which the keeper would go on if this process died now.
   [[nodiscard]] const EndingState& ending() const { return ending_; }
 
  private:

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-// What goes from one thread to another: all memory is there from the start, and nobody waits for a lock.
+// Queues between two threads. All memory is allocated at the start, and no thread waits for a lock.
 
 namespace gatefly::live {
 

@@ -28,7 +28,7 @@ using std::chrono::nanoseconds;
 
 constexpr char kDismissed = 'd';
 
-/// What the last words of the first process were.
+/// The last message that the first process sent.
 struct LastWords {
   std::optional<EndingState> ending;  ///< None: nothing was ever sent.
   bool dismissed = false;
@@ -82,7 +82,7 @@ void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, dou
     const AttitudeCommand command = ending.guard.step(
         brakes ? guard::Action::kBrake : guard::Action::kDescend, {}, belief, period);
     ending_for += period;
-    // What braking has taken away of the speed is not known but by its own sum.
+    // Nothing measures how much speed braking has taken away; it is reckoned.
     const double left = left_after_braking({});
     ending.v_x *= left, ending.v_y *= left;
     const Eigen::Vector3d rates_B = level_known ? rates_towards(command, ending.roll, ending.pitch)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <chrono>
 
 #include <sys/types.h>
 
@@ -37,7 +37,6 @@ class Keeper {
  private:
   pid_t process_ = -1;
   int line_ = -1;
-  bool told_ = false;
 };
 
 }  // namespace gatefly::live

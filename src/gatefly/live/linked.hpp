@@ -10,7 +10,7 @@
 #include "gatefly/live/msp_link.hpp"
 #include "gatefly/live/wires.hpp"
 
-// What the thread of a link does, until it is told to stop or the link is cut.
+// The loops of the link's thread. Each runs until it is told to stop or the link is cut.
 
 namespace gatefly::live {
 
@@ -22,7 +22,7 @@ void listen(MspQueries& link, const DroneFile& drone, Wires& wires, const RunClo
 void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock);
 
 /// A recorded flight in the place of a drone.
-/// @param motors  what the rotors were told in each tick, or empty. @param pace  times its own; 0: as fast as it is flown.
+/// @param pace  times its own; 0: as fast as it is flown.
 void play(const std::vector<flight_log::RecordedTick>& ticks, const io::FlightFolder& folder,
           double pace, Wires& wires, const RunClock& clock);
 

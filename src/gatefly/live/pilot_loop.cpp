@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
-/// Of ticks at rest before the pilot is held back: its biases are then nearly learnt, and it would take off with the last ones.
+/// The pilot gets ticks at rest for so long and is then held back: its biases are nearly learnt, and it would take off with more.
 constexpr double kRestSeconds = 1.3;
 /// A held sample that is older is none.
 constexpr nanoseconds kOldest = 100ms;
@@ -31,7 +31,7 @@ PilotLoop::PilotLoop(const SessionPlan& plan, Pilot& pilot, Wires& wires, const 
 void PilotLoop::fly() {
   const nanoseconds period{std::llround(1e9 / plan_.pilot.imu_hz)};
   nanoseconds due = clock_.now();
-  // Who flies goes on after landing: the sticks must not be without a pilot.
+  // A flying pilot goes on after landing: somebody must decide the sticks until the drone is disarmed.
   while (!wires_.stop && !wires_.link_over && (!plan_.looks_on || !pilot_.landed())) {
     due += period;
     std::this_thread::sleep_until(clock_.moment(due));

@@ -41,7 +41,7 @@ int milliseconds_until(Moment deadline) {
   return static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000));
 }
 
-/// Of a name or number.
+/// The IPv4 address of a host name or number.
 in_addr address_of(const std::string& host, const std::string& name) {
   addrinfo wanted{};
   wanted.ai_family = AF_INET;

@@ -12,7 +12,7 @@
 
 namespace gatefly::live {
 
-/// Where bytes come from and go to. Nothing waits longer than it is told, a signal makes it neither fail nor wait anew.
+/// A TCP connection, serial line or UDP socket. No call waits beyond its deadline, and a signal neither fails nor restarts a wait.
 class Port {
  public:
   /// @param fd  becomes its own, and does not block from now on.
@@ -31,7 +31,7 @@ class Port {
   /// The speeds that serial() knows: "9600, 19200, …".
   [[nodiscard]] static std::string speeds();
 
-  /// What has arrived, waiting for it until `deadline`: how many bytes, 0 when none came. nullopt: it is closed or broken.
+  /// Reads what has arrived, waiting until `deadline`. @return the number of bytes, 0 when none came; nullopt: closed or broken.
   [[nodiscard]] std::optional<std::size_t> read(std::span<std::uint8_t> room, Moment deadline);
   /// False: it did not take all of it until `deadline`, or is closed.
   [[nodiscard]] bool write(link::Bytes bytes, Moment deadline);

@@ -22,7 +22,7 @@ struct SessionPlan {
   bool carried = false;   ///< Nobody flies: off the ground once rest is over.
 };
 
-/// What the link's thread does until wires.stop: linked.hpp.
+/// The loop of the link's thread, until wires.stop: linked.hpp.
 using LinkWork = std::function<void(Wires&, const RunClock&)>;
 
 /// A flight of a real drone, or of its recording: a thread each for camera, link and pilot, beside the caller's, which records.

@@ -12,7 +12,7 @@ class StreamWatch {
   void arrived(std::chrono::nanoseconds now) {
     if (count_++ > 0) {
       const auto gap = std::clamp<std::chrono::nanoseconds>(now - last_, kShortest, kLongest);
-      // What is lost makes a gap longer, hardly anything makes it shorter: it goes up slowly.
+      // A lost picture lengthens a gap and hardly anything shortens one, so the period rises slowly.
       period_ = gap < period_ ? period_ + (gap - period_) / 4 : period_ + (gap - period_) / 16;
     }
     last_ = now;

@@ -5,7 +5,7 @@
 
 namespace gatefly::live {
 
-/// What `--link` names.
+/// The link that `--link` names.
 struct LinkUri {
   enum class Kind {
     kSerial,  ///< msp:/dev/ttyTHS1?baud=115200
@@ -18,7 +18,7 @@ struct LinkUri {
   double pace = 1.0;  ///< Of a replay, times its own; 0: as fast as it can be flown.
 };
 
-/// What `--camera` names.
+/// The camera that `--camera` names.
 struct CameraUri {
   enum class Kind {
     kFolder,  ///< file:FOLDER: pictures of a recorded flight at their own pace.

@@ -34,7 +34,7 @@ struct RecordedSensors {
   std::optional<std::array<double, 4>> motors;  ///< What the rotors were told then.
 };
 
-/// What the pilot wants, and believes, for whoever sends it.
+/// The pilot's command and estimate, for the thread that sends sticks.
 struct Wanted {
   static constexpr std::chrono::nanoseconds kNever = -std::chrono::hours{24};
   std::chrono::nanoseconds at = kNever;
@@ -61,7 +61,7 @@ struct FlownTick {
   std::chrono::nanoseconds late{0}, took{0};  ///< Woken up after it was due; in Pilot::step.
 };
 
-/// What is sent to the drone, and why.
+/// The state of the hand-over and what is sent because of it.
 struct DeckNews {
   guard::HandOver state;
   guard::Action action = guard::Action::kSilent;

@@ -90,6 +90,7 @@ std::optional<Quad> MapLookout::expected_bars(const View& view) const {
   const Eigen::Matrix3d R_EB = x.R_EB * rotation_of(-ago * x.rate_B);
   const Eigen::Vector3d p_EB = x.p_EB - ago * x.v_E;
   const MapGate& gate = view.course.gate();
+  const Image& image = *view.sensors.image;
   const Eigen::Matrix3d R_EG = rotation_z(filter.target_yaw());
   const auto corners = gate_corners_G(gate.side - gate.bar);
   Quad bars;
@@ -101,8 +102,8 @@ std::optional<Quad> MapLookout::expected_bars(const View& view) const {
     const auto px = p_C.z() > kNearest ? params_.camera.lens.project(p_C) : std::nullopt;
     if (!px) return std::nullopt;
     bars[i] = *px;
-    in_view = in_view || ((px->array() >= 0.0).all() &&
-                          (px->array() <= view.picture.size_px.array() - 1.0).all());
+    in_view = in_view || (px->x() >= 0.0 && px->y() >= 0.0 && px->x() <= image.width() - 1.0 &&
+                          px->y() <= image.height() - 1.0);
   }
   if (!in_view) return std::nullopt;
   return bars;

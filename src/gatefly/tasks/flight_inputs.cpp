@@ -158,11 +158,14 @@ std::optional<int> laps_of_flight(const fs::path& directory) {
 }
 
 std::uint64_t seed_of_flight(const fs::path& directory) {
-  if (fs::exists(directory / kSummary))
-    (void)io::read_json(directory / kSummary);  // says what is wrong
-  const nlohmann::json seed = FlightSummary{directory}.at("/seed");
+  const fs::path file = directory / kSummary;
+  // Not FlightSummary, which takes a damaged file for one that says nothing.
+  nlohmann::json summary;
+  if (fs::exists(file)) summary = io::read_json(file);
+  const nlohmann::json seed =
+      summary.is_object() ? summary.value("seed", nlohmann::json{}) : nlohmann::json{};
   if (!seed.is_number_unsigned())
-    throw std::runtime_error((directory / kSummary).string() +
+    throw std::runtime_error(file.string() +
                              ": does not say the flight's seed, without which its pictures cannot "
                              "be rendered again");
   return seed.get<std::uint64_t>();

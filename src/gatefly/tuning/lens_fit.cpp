@@ -16,9 +16,9 @@ namespace gatefly::tuning {
 namespace {
 
 constexpr double kLeastSide = 24.0;  // px; shorter sides hardly bow
-// b = angle², to which a side's sag is proportional while it is small. 1.5 times that of a lens of
-// 150°: no bar bows more. [rad²]
-constexpr double kMostOff = 0.2;  // of the centre, of a picture that is cut out of a larger one
+constexpr double kMostOff = 0.2;     // of the centre, of a picture that is cut out of a larger one
+// The bend is angle², to which a side's sag is proportional while it is small. 1.5 times that of a
+// lens of 150°: no bar bows more. [rad²]
 constexpr double kMostBend = 1.5 * 2.62 * 2.62;
 
 /// x(t) = (1 - t) a + t b + 4 t (1 - t) sag: how far beside its chord a bar's middle is [px].
@@ -149,7 +149,7 @@ class Misfit {
 
   using Parameters = Eigen::Vector3d;  // b = angle² [rad²], centre [widths]
 
-  /// What is left of every side, in standard deviations.
+  /// The misfit of every side, in standard deviations.
   [[nodiscard]] std::vector<double> residuals(const Parameters& p) const {
     constexpr double kLensError = 0.04;  // of the sag: no lens is quite equidistant
     const double angle = std::sqrt(std::max(0.0, p[0]));

@@ -28,8 +28,8 @@ struct BowedSide {
 [[nodiscard]] std::vector<BowedSide> bowed_sides(const Image& image, const PixelEvidence& evidence,
                                                  const Quad& bars_px, double bar);
 
-/// What the gates of a set of pictures say about its lens, as an equidistant one: straight bars say
-/// how it bends, so nothing about its focal length.
+/// The lens that the gates of a set of pictures show, as an equidistant one. Straight bars tell how it
+/// bends, but nothing about its focal length.
 struct GateLens {
   enum class Says {
     kNothing,   ///< Too few or too small gates.
@@ -42,7 +42,7 @@ struct GateLens {
   double widest = 0.0;       ///< No wider angle is within two standard deviations [rad].
   int gates = 0, sides = 0;  ///< That were measured.
   bool knows_center = false;
-  /// Of the lens off the picture's middle, in its widths; 0 where it cannot be known.
+  /// The lens' centre off the picture's middle, in its widths; 0 where it cannot be known.
   Eigen::Vector2d center{0, 0};
   Eigen::Vector2d center_sigma{0, 0};
 

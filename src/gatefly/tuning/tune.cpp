@@ -152,7 +152,7 @@ GateLens lens_of(Pictures pictures, const ColorModel& color, const GateDetectorP
     }
     const double before = lens.angle;
     lens = fit_lens(sides);
-    // What is found with a lens that bends shows more of the bend, near the picture's corners.
+    // Searching with the bend finds gates nearer to the picture's corners, and these show more of it.
     if (lens.says != GateLens::Says::kBent || std::abs(lens.angle - before) < lens.angle_sigma)
       break;
     looking.lens = lens.picture_lens();

@@ -45,7 +45,7 @@ struct Tuned {
   int gates = 0;            ///< Labelled, or confident detections.
   double confident = 0;     ///< Fitness from which on a detection was learnt from; 0 with labels.
   double gates_to_hit = 0;  ///< What true positive rates are of; an estimate without labels.
-  /// What the gates say of a lens that nobody named; nothing where the detector was told one.
+  /// The lens that the gates show; kNothing where the detector was told one.
   GateLens lens = {};
   Roc roc = {};  ///< Each half of the pictures searched with colours fitted to the other.
   Operating chosen = {};
