@@ -16,9 +16,9 @@ import time
 import unittest
 
 ROOT, CXX = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
-# A first flight may cost so many compilations of REFERENCE. On one machine of two idle cores it cost 340-358 s of CPU, 56.1-58.0
-# references of 6.0-6.4 s, before the drag filter and the 15-state one compiled in two fifths of their time; wanted are 330 s.
-MOST = 56.0
+# A first flight may cost so many compilations of REFERENCE, made two at a time, as the build works: a core whose neighbour is busy
+# is slower. Wanted are at most 330 s of CPU where a reference costs 5.22 s; there 290-334 s in five runs, 59.8 references in one.
+MOST = 330 / 5.22
 REFERENCE = """
 #include <iostream>
 #include <map>
@@ -42,27 +42,30 @@ def cpu_seconds(*command, cwd, env=None):
     return (done, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, time.monotonic() - start)
 
 
+def reference_seconds(folder):
+    """CPU seconds of one compilation of REFERENCE while another runs beside it."""
+    compile_it = f"{CXX} -std=c++20 -O2 -isystem /usr/include/eigen3 -c reference.cpp -o"
+    done, cpu, _ = cpu_seconds("sh", "-c", f"{compile_it} one.o & {compile_it} two.o && wait $!", cwd=folder)
+    if done.returncode:
+        raise RuntimeError(done.stderr)
+    return cpu / 2
+
+
 class FirstFlight(unittest.TestCase):
     def test_it_stays_within_its_budget(self):
         with tempfile.TemporaryDirectory(prefix="gatefly-first-") as name:
             folder = pathlib.Path(name)
             (folder / "reference.cpp").write_text(REFERENCE)
-            compile_it = (CXX, "-std=c++20", "-O2", "-isystem", "/usr/include/eigen3", "-c", "reference.cpp", "-o", "reference.o")
-            references = []
-            for _ in range(2):
-                done, cpu, _ = cpu_seconds(*compile_it, cwd=folder)
-                self.assertEqual(done.returncode, 0, done.stderr)
-                references.append(cpu)
+            references = [reference_seconds(folder) for _ in range(2)]
             subprocess.run(["git", "clone", "-q", str(ROOT), "clone"], cwd=folder, check=True)
             env = {key: value for key, value in os.environ.items() if not key.startswith(("CMAKE_", "CXX", "CCACHE_"))}
             env["XDG_CACHE_HOME"] = str(folder / "cache")
             done, cpu, wall = cpu_seconds("./gatefly", "fly", cwd=folder / "clone", env=env)
             self.assertIn(done.returncode, (0, 1), done.stderr[-2000:])
             self.assertIn("showroom, seed 1:", done.stdout)
-            done, cpu_after, _ = cpu_seconds(*compile_it, cwd=folder)
-            reference = sorted([*references, cpu_after])[1]
+            reference = sorted([*references, reference_seconds(folder)])[1]
             print(f"first flight: {cpu:.0f} s of CPU, {wall:.0f} s by the clock; reference {reference:.2f} s of CPU; "
-                  f"ratio {cpu / reference:.1f} of {MOST:g}")
+                  f"ratio {cpu / reference:.1f} of {MOST:.1f}")
             self.assertLess(cpu / reference, MOST)
 
 
