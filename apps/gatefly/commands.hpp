@@ -38,6 +38,7 @@ void declare_config(Command& command);
 void declare_replay(Command& command);
 void declare_run(Command& command);
 void declare_bench_drone(Command& command);
+void declare_link_sim(Command& command);
 void declare_detect(Command& command);
 void declare_score(Command& command);
 void declare_campaign(Command& command);

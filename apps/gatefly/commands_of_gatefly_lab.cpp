@@ -18,6 +18,7 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"map", declare_map},
       CommandHere{"run", declare_run},
       CommandHere{"bench-drone", declare_bench_drone},
+      CommandHere{"link-sim", declare_link_sim},
       CommandHere{"replay", declare_replay},  // with --smooth
   };
   return kHere;

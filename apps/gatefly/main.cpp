@@ -71,6 +71,8 @@ constexpr std::array kCommands{
     Listed{"run", "a real drone's camera and flight controller through the pilot", kLaboratory},
     Listed{"bench-drone", "a drone on the bench: what is wrong with it, and its drone.toml",
            kLaboratory},
+    Listed{"link-sim", "a simulated drone behind a real flight controller's program, in real time",
+           kLaboratory},
     Listed{"detect", "gates in images, folders, or a video", kTools},
     Listed{"score", "detections against labels", kTools},
     Listed{"calibrate", "a camera from pictures of a checkerboard or corner lists", kLaboratory},

@@ -21,7 +21,9 @@ class AnswerWatch {
   [[nodiscard]] bool other_client() const { return strange_ >= 2; }
 
  private:
-  static constexpr std::uint8_t kMostOpen = 3;  ///< Questions without an answer; more were lost.
+  /// Questions without an answer; more were lost. A controller that is behind answers late, not to somebody else: a second and
+  /// more of stick frames.
+  static constexpr std::uint8_t kMostOpen = 60;
   std::array<std::uint8_t, 256> open_{};
   int strange_ = 0;
 };

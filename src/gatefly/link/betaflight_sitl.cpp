@@ -34,7 +34,8 @@ void put(link::ByteWriter& out, double a, double b, double c) {
 
 }  // namespace
 
-std::array<std::uint8_t, kStateSize> encode_state(const State& state, const Origin& origin) {
+std::array<std::uint8_t, kStateSize> encode_state(const State& state, Release release,
+                                                  const Origin& origin) {
   const Eigen::Vector3d& gyro = state.imu.gyro_B;
   const Eigen::Vector3d& accel = state.imu.accel_B;
   const Quaternion q = before_its_turns(state.attitude);
@@ -42,7 +43,7 @@ std::array<std::uint8_t, kStateSize> encode_state(const State& state, const Orig
   std::array<std::uint8_t, kStateSize> bytes{};
   link::ByteWriter out{bytes};
   out.put(std::chrono::duration<double>(state.time).count());
-  put(out, gyro.x(), gyro.y(), -gyro.z());
+  put(out, gyro.x(), gyro.y(), release == Release::k4_5 ? gyro.z() : -gyro.z());
   put(out, -accel.x(), accel.y(), accel.z());
   out.put(q.w);
   put(out, q.x, q.y, q.z);

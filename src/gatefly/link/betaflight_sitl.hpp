@@ -35,17 +35,25 @@ struct Origin {
   double pressure_pa = 101325.0;
 };
 
+/// Whose simulator: they read the yaw's gyro with opposite signs.
+enum class Release {
+  k4_5,   ///< And 2025.12.
+  k2026,  ///< From 2026.6 on.
+};
+
 inline constexpr std::size_t kStateSize = 18 * 8;
-/// 18 doubles: time [s]; gyro p, q, **−r** [rad/s]; accelerometer **−x**, y, z [m/s²] of the specific
+/// 18 doubles: time [s]; gyro p, q, **−r** (of 4.5: r) [rad/s]; accelerometer **−x**, y, z [m/s²] of the specific
 /// force; attitude w, x, y, z before two turns that its reader makes; velocity east, north, up [m/s];
 /// longitude, latitude [°], height [m]; pressure [Pa].
 [[nodiscard]] std::array<std::uint8_t, kStateSize> encode_state(const State& state,
+                                                                Release release = Release::k2026,
                                                                 const Origin& origin = {});
 
-/// Motors 0 … 1: rear right, front right, rear left, front left. Four floats.
+/// Motors 0 … 1, four floats: rear right, front right, rear left, front left; of 4.5 as Gazebo counts them: front right, rear left,
+/// front left, rear right. raw_servos_in() has one order always.
 [[nodiscard]] std::optional<std::array<float, 4>> motors_in(Bytes datagram);
 
-/// Pulses as the outputs have them [µs]. u16 number of motors, two bytes of nothing, 16 floats.
+/// Pulses as the outputs have them [µs]: rear right, front right, rear left, front left. u16 number of motors, two bytes of nothing, 16 floats.
 struct RawServos {
   std::uint16_t motors = 0;
   std::array<float, 16> pulse_us{};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/live/msp_poller.hpp"
 
+#include <algorithm>
+
 #include "gatefly/link/layout.hpp"
 #include "gatefly/link/msp_messages.hpp"
 
@@ -31,7 +33,21 @@ void MspPoller::begin_turn(std::chrono::nanoseconds now) {
   ++turn_;
 }
 
+void MspPoller::sticks_sent() {
+  answers_.asked(msp::kSetRawRc);
+  ++sticks_open_;
+}
+
+bool MspPoller::waits_for_sticks(std::chrono::nanoseconds now) {
+  if (sticks_open_ > 1 && !waits_since_) waits_since_ = now;
+  if (sticks_open_ > 1 && now - *waits_since_ < params_.lost_after) return true;
+  if (sticks_open_ > 1) sticks_open_ = 0;  // what is not acknowledged by now will not be
+  waits_since_.reset();
+  return false;
+}
+
 link::Bytes MspPoller::request(std::chrono::nanoseconds now) {
+  if (waits_for_sticks(now)) return {};
   if (!asked_.empty()) {
     if (now - asked_at_ < params_.lost_after) return {};
     asked_.clear();
@@ -73,6 +89,7 @@ void MspPoller::take_frame(const msp::Frame& frame, std::chrono::nanoseconds now
   state_.other_client = answers_.other_client();
   if (frame.id == msp::kSetRawRc) {
     if (frame.direction == msp::Direction::kFromController) ++state_.acknowledged;
+    sticks_open_ = std::max(0, sticks_open_ - 1);
     return;
   }
   const bool ours =

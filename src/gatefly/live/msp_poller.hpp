@@ -35,7 +35,8 @@ struct ControllerState {
 /// Asks a Betaflight over MSP for what a pilot needs, in turn, and reads the answers. Bytes in, bytes out: it opens no port.
 ///
 /// IMU and attitude are asked for with every turn; status and sticks, battery and height in some. As many as are due go in one
-/// request (MSP_MULTIPLE_MSP); one after the other when the controller refuses that. A request is lost after a while.
+/// request (MSP_MULTIPLE_MSP); one after the other when the controller refuses that. A request is lost after a while. A controller takes
+/// so many commands a second, a Betaflight 100 at most: stick frames come first, and questions wait until they are acknowledged.
 class MspPoller {
  public:
   struct Params {
@@ -50,12 +51,13 @@ class MspPoller {
   /// The bytes of the request that is due, valid until the next call; empty when none is.
   [[nodiscard]] link::Bytes request(std::chrono::nanoseconds now);
   /// Stick frames are sent by somebody else, who says so.
-  void sticks_sent() { answers_.asked(msp::kSetRawRc); }
+  void sticks_sent();
   /// Bytes that arrived. @return whether an IMU sample was among them.
   bool take(link::Bytes bytes, std::chrono::nanoseconds now);
   [[nodiscard]] const ControllerState& state() const { return state_; }
 
  private:
+  [[nodiscard]] bool waits_for_sticks(std::chrono::nanoseconds now);
   void begin_turn(std::chrono::nanoseconds now);
   void take_frame(const msp::Frame& frame, std::chrono::nanoseconds now);
   void take_answer(std::uint16_t id, link::Bytes payload, std::chrono::nanoseconds now);
@@ -70,6 +72,8 @@ class MspPoller {
   FixedList<std::uint8_t, 8> due_;    ///< Of this turn, not yet asked for.
   FixedList<std::uint8_t, 8> asked_;  ///< In the request that is open; empty: none is.
   std::chrono::nanoseconds asked_at_{0}, next_turn_{0};
+  int sticks_open_ = 0;  ///< Stick frames that are not acknowledged.
+  std::optional<std::chrono::nanoseconds> waits_since_;  ///< For them, with a question.
   int turn_ = 0;
   bool batched_ = true, sampled_ = false;
   std::array<std::uint8_t, 32> room_{};

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/link_sim/link_sim.hpp"
+
+#include <cstdint>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "gatefly/files/json.hpp"
+#include "gatefly/files/output.hpp"
+#include "gatefly/files/text.hpp"
+#include "gatefly/geometry/attitude.hpp"
+
+#include "commands.hpp"
+#include "race_options.hpp"
+
+namespace gatefly::cli {
+namespace {
+
+using io::fixed;
+
+struct LinkSimOptions {
+  RaceOptions race;
+  link_sim::LinkSimParams params;
+  std::uint64_t seed = 1;
+  std::string log, controller = "betaflight-4.5";
+  bool json = false;
+};
+
+constexpr const char* kLogHeader =
+    "t_s,armed,override,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,"
+    "motor_lf,motor_rf,motor_rb,motor_lb,gates_passed\n";
+
+/// A line of the log.
+std::string row_of(const link_sim::TrueMoment& now) {
+  const sim::BodyState& s = now.state;
+  const Attitude attitude = attitude_of({sim::R_EB_of(s.q_EB)});
+  std::string row = fixed(now.time, 3) + (now.armed ? ",1" : ",0") + (now.overridden ? ",1" : ",0");
+  const auto add = [&](auto... values) { ((row += "," + fixed(values, 4)), ...); };
+  add(s.p_EB.x(), s.p_EB.y(), s.p_EB.z(), s.v_E.x(), s.v_E.y(), s.v_E.z());
+  add(attitude.roll, attitude.pitch, attitude.yaw);
+  add(now.motors[0], now.motors[1], now.motors[2], now.motors[3]);
+  return row + "," + std::to_string(now.gates_passed) + "\n";
+}
+
+std::string outcome_of(const link_sim::Outcome& r) {
+  return (r.finished ? std::string{"finished"} : "not finished: " + r.reason) + ", " +
+         std::to_string(r.gates_passed) + " of " +
+         io::amount(static_cast<std::size_t>(r.gates_total), "gate") +
+         (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
+}
+
+void print_outcome(const std::string& track, std::uint64_t seed, const link_sim::Outcome& r,
+                   bool quiet) {
+  std::cout << track << ", seed " << seed << ": " << coloured(r.finished, outcome_of(r)) << '\n';
+  if (quiet) return;
+  const auto line = [](const char* name, const std::string& text) {
+    std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
+  };
+  line("taken back", r.reason + " after " + fixed(r.flight_time, 1) + " s at (" +
+                         fixed(r.last_p_EB.x(), 2) + ", " + fixed(r.last_p_EB.y(), 2) + ", " +
+                         fixed(r.last_p_EB.z(), 2) + ") m");
+  line("speed", (r.gates_passed > 1 ? fixed(r.mean_speed, 2) : "–") + " m/s mean");
+  line("pictures", std::to_string(r.pictures) + ", " + std::to_string(r.pictures_late) + " late, " +
+                       std::to_string(r.pictures_left_out) + " left out");
+  line("longest stall", fixed(1e3 * r.longest_stall, 0) + " ms");
+}
+
+nlohmann::ordered_json told(const std::string& track, std::uint64_t seed,
+                            const link_sim::Outcome& r) {
+  nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
+  for (const Eigen::Vector2d& offset : r.gate_offsets) offsets.push_back({offset.x(), offset.y()});
+  return {{"kind", "link-sim"},
+          {"track", track},
+          {"seed", seed},
+          {"finished", r.finished},
+          {"landed", r.landed},
+          {"stop_reason", r.reason},
+          {"gates_passed", r.gates_passed},
+          {"gates_total", r.gates_total},
+          {"race_time_s", r.race_time},
+          {"flight_time_s", r.flight_time},
+          {"mean_speed_mps", r.mean_speed},
+          {"gate_offsets_m", offsets},
+          {"pictures", r.pictures},
+          {"pictures_late", r.pictures_late},
+          {"pictures_left_out", r.pictures_left_out},
+          {"longest_stall_ms", 1e3 * r.longest_stall}};
+}
+
+/// gatefly link-sim: exit 0 finished and landed, 1 not, 2 unusable input, 130 Ctrl-C.
+int simulate_link(const LinkSimOptions& options) {
+  check_outputs({{"--log", options.log, {"log of link-sim", kLogHeader}}}, {}, options.race.common);
+  const tasks::RaceMaker maker = race_maker(options.race);
+  const tasks::Race race = maker.race(options.seed);
+  catch_interrupt();
+  link_sim::LinkSimParams params = options.params;
+  params.release = options.controller == "betaflight-4.5" ? betaflight_sitl::Release::k4_5
+                                                          : betaflight_sitl::Release::k2026;
+  const auto say = [&](const std::string& what) {
+    if (!options.race.common.quiet) std::cerr << "gatefly link-sim: " << what << std::endl;
+  };
+  std::string log = kLogHeader;
+  const auto look = [&](const link_sim::TrueMoment& now) {
+    if (!options.log.empty()) log += row_of(now);
+  };
+  const link_sim::Outcome outcome =
+      link_sim::fly(race.config.sim, race.config.pilot.track.laps, params, say,
+                    look, [] { return interrupted(); }, stop_if_interrupted);
+  if (!options.log.empty()) io::write_file(options.log, log);
+  if (interrupted()) return kInterrupted;
+  if (outcome.reason == "no controller")
+    throw std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
+                             std::to_string(options.params.ports.servos));
+  if (options.json)
+    std::cout << io::json_text(told(race.identity.track, options.seed, outcome));
+  else
+    print_outcome(race.identity.track, options.seed, outcome, options.race.common.quiet);
+  return outcome.finished && outcome.landed ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void declare_link_sim(Command& command) {
+  auto options = std::make_shared<LinkSimOptions>();
+  link_sim::Ports& ports = options->params.ports;
+  constexpr int kMostPort = 65535;
+  command.footer(
+      "Example, with Betaflight's simulator running beside it:\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n"
+      "  gatefly run oval --config archer-b2 --config betaflight --camera udp-jpeg:5600 --link "
+      "msp:tcp:127.0.0.1:5771 \\\n"
+      "    --drone drone.toml\n\n"
+      "It waits for the controller, then says \"ready\"; once a program has called at --msp it arms, "
+      "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
+      "over. Everything is on 127.0.0.1.\n"
+      "Exit code 0: all gates passed, and landed; 1: not; 2: unusable arguments, or no controller; "
+      "130: Ctrl-C.");
+  command.option("TRACK", options->race.track, "a name in tracks/ or a file").required();
+  command.option("--seed", options->seed, "which day").show_default();
+  command.option("--laps", options->race.laps, "instead of the track's own number").between(1, 100);
+  command
+      .option("--autopilot", options->controller,
+              "the controller's simulator: its releases differ in a sign")
+      .one_of({"betaflight-4.5", "betaflight-2026"})
+      .show_default();
+  command.option("--baud", options->params.baud, "speed of the serial line")
+      .between(9600, 10'000'000)
+      .show_default();
+  command.option("--loss", options->params.network.loss, "part of the pictures' slices that is lost")
+      .between(0.0, 0.9);
+  command
+      .option("--reorder", options->params.network.reorder,
+              "part of them that comes after the next one")
+      .between(0.0, 0.9);
+  command.option("--time-limit", options->params.radio.time_limit, "of the flight [s]")
+      .between(1.0, 3600.0)
+      .show_default();
+  const auto port = [&](const char* name, int& value, const char* what) {
+    command.option(name, value, what).between(1, kMostPort).show_default();
+  };
+  port("--servos", ports.servos, "UDP port at which the controller tells its motors");
+  port("--state", ports.state, "UDP port at which it hears its sensors");
+  port("--radio", ports.radio, "UDP port of its receiver");
+  port("--controller", ports.controller, "TCP port of its serial line");
+  port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies");
+  port("--pictures", ports.pictures, "UDP port of that program's camera");
+  command
+      .option("--log", options->log, "where the drone truly was, 50 times a second: a CSV")
+      .path("FILE");
+  command.flag("--json", options->json, "print the outcome as JSON");
+  add_force(command, options->race.common);
+  add_drone(command, options->race.drone);
+  add_common(command, options->race.common);
+  command.runs([options] {
+    take_drone(options->race.drone, options->race.common);
+    return simulate_link(*options);
+  });
+}
+
+}  // namespace gatefly::cli

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/link_sim/datagrams.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace gatefly::link_sim {
+
+Datagrams::Datagrams(int port, bool hears)
+    : fd_{socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)} {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  const auto* const place = reinterpret_cast<const sockaddr*>(&address);
+  const int failed = fd_ < 0 || (hears ? bind(fd_, place, sizeof address)
+                                       : connect(fd_, place, sizeof address)) != 0;
+  if (failed) {
+    const std::string why = std::strerror(errno);
+    if (fd_ >= 0) close(fd_);
+    throw std::runtime_error("udp 127.0.0.1:" + std::to_string(port) + ": cannot be opened: " + why);
+  }
+}
+Datagrams Datagrams::to(int port) { return {port, false}; }
+Datagrams Datagrams::at(int port) { return {port, true}; }
+Datagrams::Datagrams(Datagrams&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
+Datagrams::~Datagrams() {
+  if (fd_ >= 0) close(fd_);
+}
+
+void Datagrams::send(link::Bytes bytes) const {
+  (void)!::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+}
+
+std::optional<link::Bytes> Datagrams::receive(std::span<std::uint8_t> room) const {
+  const ssize_t got = recv(fd_, room.data(), room.size(), 0);
+  if (got < 0) return std::nullopt;
+  return link::Bytes{room.first(static_cast<std::size_t>(got))};
+}
+
+}  // namespace gatefly::link_sim

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/link_sim/link_sim.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <thread>
+
+#include "gatefly/link_sim/datagrams.hpp"
+#include "gatefly/link_sim/drone_in_world.hpp"
+#include "gatefly/link_sim/paced_line.hpp"
+#include "gatefly/live/clock.hpp"
+
+namespace gatefly::link_sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kStep = 1ms;
+constexpr auto kMostBehind = 50ms;   ///< More is not made up for: the flight lasts longer then.
+constexpr int kRadioEvery = 20, kLookEvery = 20;  ///< Steps.
+constexpr double kCalibrates = 4.0;  ///< A controller looks at a gyro at rest first [s].
+constexpr double kFalls = 2.0;       ///< From taking it back to the end [s].
+constexpr double kPatience = 20.0;   ///< For a controller to say something to its motors [s].
+
+/// The motors as the controller last told them.
+class Motors {
+ public:
+  explicit Motors(int port) : heard_{Datagrams::at(port)} {}
+
+  void listen(double now) {
+    std::array<std::uint8_t, 256> room{};
+    while (const auto bytes = heard_.receive(room)) {
+      const auto servos = betaflight_sitl::raw_servos_in(*bytes);
+      if (!servos || servos->motors < 4) continue;
+      last_ = now;
+      // Betaflight counts rear right, front right, rear left, front left.
+      constexpr std::array<std::size_t, 4> kTheirs{3, 1, 0, 2};
+      for (std::size_t i = 0; i < 4; ++i)
+        motors_[i] = std::clamp(1e-3 * (servos->pulse_us[kTheirs[i]] - 1000.0), 0.0, 1.0);
+    }
+    if (last_ && now - *last_ > kSilence) motors_ = {};
+  }
+  [[nodiscard]] const std::array<double, 4>& now() const { return motors_; }
+  [[nodiscard]] bool turn() const {
+    return std::all_of(motors_.begin(), motors_.end(), [](double part) { return part > 0.0; });
+  }
+  [[nodiscard]] bool ever() const { return last_.has_value(); }
+
+ private:
+  static constexpr double kSilence = 0.5;  ///< Then a speed controller stops its motor [s].
+  Datagrams heard_;
+  std::array<double, 4> motors_{};
+  std::optional<double> last_;
+};
+
+/// What the controller's sensors feel. Its clock runs as fast as stamps come, by the last two of them: they are those of the real
+/// clock, and steps that are made up for are not sent one upon the other, or its time would jump by seconds.
+class Sensors {
+ public:
+  Sensors(int port, betaflight_sitl::Release release)
+      : to_{Datagrams::to(port)}, release_{release} {}
+
+  void send(betaflight_sitl::State state) {
+    const live::Moment now = live::Clock::now();
+    if (now - last_ < kStep / 2) return;
+    last_ = now;
+    state.time = now - start_;
+    to_.send(betaflight_sitl::encode_state(state, release_));
+  }
+
+ private:
+  Datagrams to_;
+  betaflight_sitl::Release release_;
+  live::Moment start_ = live::Clock::now(), last_ = start_ - kStep;
+};
+
+std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, double limit) {
+  if (drone.hit()) return "hit " + *drone.hit();
+  return drone.time() - radio.handed_over_at() >= limit ? "time limit" : "landed";
+}
+
+}  // namespace
+
+Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
+            const std::function<void(const std::string&)>& say,
+            const std::function<void(const TrueMoment&)>& look, const std::function<bool()>& stop,
+            const std::function<void()>& while_baking) {
+  const Ports& ports = params.ports;
+  Motors motors{ports.servos};
+  Sensors sensors{ports.state, params.release};
+  const Datagrams receiver = Datagrams::to(ports.radio);
+  DroneInWorld drone{day, laps};
+  PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
+  SafetyPilot radio{params.radio};
+  std::optional<PacedLine> line;
+  Outcome outcome;
+  outcome.gates_total = drone.gates_total();
+  std::optional<double> taken_back;
+  live::Moment start = live::Clock::now();
+  for (long step = 0; !taken_back || drone.time() < *taken_back + kFalls; ++step) {
+    const live::Moment due = start + step * kStep;
+    std::this_thread::sleep_until(due);
+    const auto behind = live::Clock::now() - due;
+    outcome.longest_stall =
+        std::max(outcome.longest_stall, std::chrono::duration<double>(behind).count());
+    if (behind > kMostBehind) start += behind;
+    if (stop()) {
+      outcome.reason = "stopped";
+      break;
+    }
+
+    motors.listen(drone.time());
+    drone.step(motors.now(), std::chrono::duration<double>(kStep).count());
+    sensors.send(drone.told());
+    pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, start);
+
+    const SafetyPilot::State before = radio.state();
+    radio.step({.time = drone.time(),
+                .client = line && line->connected(),
+                .motors = motors.turn(),
+                .on_floor = drone.rests(),
+                .airborne = drone.airborne(),
+                .hit = drone.hit().has_value()});
+    if (step % kRadioEvery == 0 || radio.state() != before)
+      receiver.send(betaflight_sitl::encode_receiver(drone.told().time, msp::kNeutral,
+                                                     radio.switches()));
+    if (step % kLookEvery == 0)
+      look({.time = drone.time(),
+            .armed = radio.armed(),
+            .overridden = radio.override_on(),
+            .state = drone.state(),
+            .motors = motors.now(),
+            .gates_passed = static_cast<int>(drone.passes().size())});
+    if (radio.state() != before && radio.state() == SafetyPilot::State::kHandedOver)
+      say("armed, and handed over");
+    if (radio.state() != before && radio.state() == SafetyPilot::State::kNotArmed)
+      say("the controller does not arm; again in a second");
+    if (radio.state() != before && radio.state() == SafetyPilot::State::kTookBack) {
+      taken_back = drone.time();
+      outcome.reason = why_taken_back(drone, radio, params.radio.time_limit);
+      outcome.flight_time = *taken_back - radio.handed_over_at();
+      outcome.last_p_EB = drone.state().p_EB;
+      say("taken back: " + outcome.reason);
+    }
+    if (!line && motors.ever() && drone.time() > kCalibrates) {
+      line.emplace(ports.msp, ports.controller, params.baud);
+      say("ready");
+    }
+    if (!line && drone.time() > kPatience) {
+      outcome.reason = "no controller";
+      break;
+    }
+  }
+  outcome.finished = drone.finished();
+  outcome.landed = outcome.reason == "landed";
+  outcome.gates_passed = static_cast<int>(drone.passes().size());
+  for (const sim::GatePass& pass : drone.passes()) outcome.gate_offsets.push_back(pass.offset);
+  if (!drone.passes().empty())
+    outcome.race_time = drone.passes().back().time - radio.handed_over_at();
+  outcome.mean_speed = drone.mean_speed();
+  outcome.pictures = pictures.sent();
+  outcome.pictures_left_out = pictures.left_out();
+  outcome.pictures_late = pictures.late();
+  return outcome;
+}
+
+}  // namespace gatefly::link_sim
