@@ -252,11 +252,11 @@ TEST(Accident, AttitudeThatIsOldOrStuck) {
   watch.arrived(one, 0ms);
   watch.arrived(other, 25ms);
   for (int i = 2; i < 8; ++i) watch.arrived(other, i * 25ms);
-  EXPECT_EQ(*watch.age(175ms), 150ms) << "samples arrive, always the same";
+  EXPECT_EQ(*watch.age(275ms), 250ms) << "samples arrive, always the same";
 
   Periods run;
   run.take_off();
-  run.now.attitude_age = *watch.age(175ms);
+  run.now.attitude_age = *watch.age(275ms);
   EXPECT_EQ(run.step(), Action::kDescend)
       << "whoever does not know the attitude does not brake by it";
   EXPECT_EQ(run.state.reason, Reason::kAttitudeStale);

@@ -109,7 +109,7 @@ TEST_F(Flight, ALatePilotEndsItWithinThreePeriodsByBraking) {
   EXPECT_LT(sent_.sticks.throttle, drone_.hover_stick);
 }
 
-TEST_F(Flight, PicturesThatStandStillEndItWithinTwoOfThem) {
+TEST_F(Flight, PicturesThatStandStillEndIt) {
   take_off();
   wanted_.picture_limit = 2 * 33ms + 10ms;
   stopped_ = &wanted_.picture_at;

@@ -54,8 +54,9 @@ class Motors {
   std::optional<double> last_;
 };
 
-/// What the controller's sensors feel. Its clock runs as fast as stamps come, by the last two of them: they are those of the real
-/// clock, and steps that are made up for are not sent one upon the other, or its time would jump by seconds.
+/// What the controller's sensors feel. Betaflight lets its clock run as fast as the last two stamps came, unless they are 20 ms apart or
+/// more: two that arrive at once would make its time jump by a second, and it would miss its radio. So ours run ahead, and its
+/// clock goes with the real one.
 class Sensors {
  public:
   Sensors(int port, betaflight_sitl::Release release)
@@ -65,11 +66,13 @@ class Sensors {
     const live::Moment now = live::Clock::now();
     if (now - last_ < kStep / 2) return;
     last_ = now;
-    state.time = now - start_;
+    state.time = kAhead * (now - start_);
     to_.send(betaflight_sitl::encode_state(state, release_));
   }
 
  private:
+  static constexpr int kAhead = 50;
+
   Datagrams to_;
   betaflight_sitl::Release release_;
   live::Moment start_ = live::Clock::now(), last_ = start_ - kStep;

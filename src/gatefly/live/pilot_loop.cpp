@@ -190,7 +190,7 @@ void PilotLoop::say(const Command& command, nanoseconds now) {
        .yaw = estimate.attitude.yaw,
        .height_at = height_at_,
        .picture_at = picture_at_,
-       .picture_limit = pictures_.limit()});
+       .picture_limit = pictures_.gone()});
 }
 
 }  // namespace gatefly::live

@@ -24,6 +24,8 @@ class StreamWatch {
   [[nodiscard]] std::chrono::nanoseconds period() const { return period_; }
   /// An age that says so.
   [[nodiscard]] std::chrono::nanoseconds limit() const { return 2 * period_ + kSlack; }
+  /// An age at which it is taken for gone: so many pictures in a row are not lost by a camera that works.
+  [[nodiscard]] std::chrono::nanoseconds gone() const { return 4 * period_ + kSlack; }
   [[nodiscard]] bool stalled(std::chrono::nanoseconds now) const {
     return count_ > 0 && age(now) > limit();
   }
