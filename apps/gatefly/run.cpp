@@ -62,32 +62,9 @@ Course course_of(const RunOptions& options) {
   return course;
 }
 
-/// A controller that has answered as the drone of the file does.
-struct Introduced {
-  live::Port port;
-  msp::BoxIds boxes;
-};
-Introduced introduced(const live::LinkUri& uri, const live::DroneFile& drone, bool shadow) {
-  live::Port port = uri.kind == live::LinkUri::Kind::kSerial
-                        ? live::Port::serial(uri.place, uri.baud)
-                        : live::Port::tcp(uri.place, uri.port, live::Clock::now() + 3s);
-  const live::Introduction said = live::introduction_of(port);
-  const std::string name = port.name() + ": ";
-  if (said.other_client) throw std::runtime_error(name + "another program talks to the controller");
-  if (const auto others = live::differences(drone, said.facts, said.board); !others.empty())
-    throw std::runtime_error(name + "is not the drone of " + drone.path.string() + ": " +
-                             io::joined(others, "; "));
-  for (const guard::Complaint complaint : guard::complaints_about(said.facts))
-    if (!shadow || complaint != guard::Complaint::kArmed)  // who only listens may come in flight
-      throw std::runtime_error(name + std::string{guard::text_of(complaint)});
-  if (!shadow && said.facts.status->on(msp::Box::kMspOverride, *said.facts.boxes).value_or(true))
-    throw std::runtime_error(name + std::string{guard::text_of(guard::Reason::kOverrideAtStart)});
-  return {std::move(port), *said.facts.boxes};
-}
-
 /// All that flies a drone; the keeper is a process of its own.
 struct Flying {
-  Flying(Introduced met, const live::DroneFile& drone, const live::FlightDeck::Params& params)
+  Flying(live::Introduced met, const live::DroneFile& drone, const live::FlightDeck::Params& params)
       : link{std::move(met.port), drone, met.boxes},
         deck{drone, params},
         keeper{link.fd(), drone, met.boxes, params.hand_over.brake} {}
@@ -289,7 +266,7 @@ void expect_to_fly(const live::DroneFile& drone, const PilotConfig& pilot) {
   if (!drone.hand_over_tested(live::program_mark()))
     throw std::runtime_error(drone.path.string() + ": " +
                              std::string{guard::text_of(guard::Reason::kNotTested)} +
-                             "; --shadow looks on without");
+                             "; bench-drone --hand-over does it, --shadow looks on without");
 }
 
 live::FlightDeck::Params deck_params(const RunOptions& options, const Course& course,
@@ -323,14 +300,14 @@ int run(const RunOptions& options) {
       live::play(recording->ticks, recording->folder, pace, wires, clock);
     };
   } else if (options.shadow) {
-    Introduced met = introduced(link, *drone, true);
+    live::Introduced met = live::introduced(link, *drone, true);
     const auto queries = std::make_shared<live::MspQueries>(std::move(met.port), *drone, met.boxes);
     work = [queries, &drone](live::Wires& wires, const live::RunClock& clock) {
       live::listen(*queries, *drone, wires, clock);
     };
   } else {
     // Its second process before anything else is open: that would be open there, too.
-    const auto flying = std::make_shared<Flying>(introduced(link, *drone, false), *drone,
+    const auto flying = std::make_shared<Flying>(live::introduced(link, *drone, false), *drone,
                                                  deck_params(options, course, *drone));
     work = [flying](live::Wires& wires, const live::RunClock& clock) {
       live::fly(flying->link, flying->deck, flying->keeper, wires, clock);
@@ -393,7 +370,7 @@ void declare_run(Command& command) {
       "out/shadow\n"
       "  gatefly run oval --shadow --camera file:out/oval-1 --link 'replay:out/oval-1?pace=0'\n\n"
       "With --shadow everything runs and nothing is sent but questions. Without it, a drone flies "
-      "whose hand-over test\nhas passed with this program; nothing does that test yet.\n"
+      "whose hand-over test\nhas passed with this program (gatefly bench-drone --hand-over).\n"
       "The folder of --out is one that replay flies again.\n"
       "Exit code 0: done; 1: link, camera or recording failed on the way; 2: unusable arguments, "
       "file or drone; 130: Ctrl-C.");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/live/drone_file.hpp"
 
+#include <stdexcept>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -88,6 +89,25 @@ TEST(HandOverTest, IsBoundToEveryConstantAndToTheProgram) {
   EXPECT_FALSE(d.hand_over_tested("1.1"));
   d.tuning.super_rate[2] += 1;
   EXPECT_FALSE(d.hand_over_tested("1.0"));
+}
+
+TEST(HandOverMark, IsPutInReplacedAndTakenOutAgainAndTheRestStays) {
+  const std::string plain = the_file(), marked = with_hand_over_mark(drone(), plain, "a1");
+  EXPECT_EQ(marked, plain + "\n[hand_over_test]\npassed = \"a1\"\n");
+  EXPECT_EQ(with_hand_over_mark(drone(), marked, "b2"),
+            plain + "\n[hand_over_test]\npassed = \"b2\"\n");
+  EXPECT_EQ(with_hand_over_mark(drone(), marked, ""), plain);
+}
+
+TEST(HandOverMark, AtTheBeginningItIsReplacedToo) {
+  EXPECT_EQ(with_hand_over_mark(
+                drone(), "  [hand_over_test]  # ours\npassed = \"a\"\n[drone]\nname = \"x\"\n", ""),
+            "[drone]\nname = \"x\"\n");
+}
+
+TEST(HandOverMark, WrittenInAnotherWayItIsRefused) {
+  EXPECT_THROW((void)with_hand_over_mark(drone(), "hand_over_test.passed = \"a\"\n", "b"),
+               std::runtime_error);
 }
 
 }  // namespace

@@ -101,7 +101,10 @@ class FakeBetaflight {
 
   /// Words for the radio and for faults: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
   /// "mark", "turn 0" (by hand, a quarter about an axis and back), "swap axes", "invert pitch",
-  /// "gyro scale 2", "no accelerometer", "saturate", "bus errors", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers). False: no such word.
+  /// "gyro scale 2", "no accelerometer", "saturate", "bus errors", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers);
+  /// for what becomes of stick frames: "deaf" (acknowledged and not obeyed), "no yaw" (obeyed but for yaw), "channels swapped" (yaw and throttle),
+  /// "sticks frozen" (the first that are not neutral are kept), "override stuck" (obeyed when it is off, too), "unacknowledged",
+  /// "forgets" (after 0.3 s, as later versions do), "failsafe" (after that its own sticks). False: no such word.
   bool obey(const std::string& word) {
     const std::lock_guard lock{mutex_};
     if (word == "arm")
@@ -109,7 +112,7 @@ class FakeBetaflight {
     else if (word == "disarm")
       armed_ = false;
     else if (word == "override on")
-      override_ = true, override_at_ = seconds();
+      override_ = overridden_ = true, override_at_ = seconds();
     else if (word == "override off")
       override_ = false;
     else if (word == "freeze imu")
@@ -136,6 +139,22 @@ class FakeBetaflight {
       saturated_ = true;
     else if (word == "bus errors")
       bus_errors_ = 12;
+    else if (word == "deaf")
+      deaf_ = true;
+    else if (word == "no yaw")
+      yaws_ = false;
+    else if (word == "channels swapped")
+      channels_swapped_ = true;
+    else if (word == "sticks frozen")
+      sticks_frozen_ = true;
+    else if (word == "override stuck")
+      override_stuck_ = true;
+    else if (word == "unacknowledged")
+      acknowledges_ = false;
+    else if (word == "forgets")
+      forgets_ = true;
+    else if (word == "failsafe")
+      fails_safe_ = true;
     else if (word.starts_with("battery "))
       battery_v_ = std::stod(word.substr(8));
     else
@@ -218,7 +237,8 @@ class FakeBetaflight {
     if (frame.direction != msp::Direction::kToController || silent_) return;
     if (frame.id == msp::kSetRawRc) {
       take_sticks(frame.payload);
-      return reply(frame.id, {}, frame.version);
+      if (acknowledges_) reply(frame.id, {}, frame.version);
+      return;
     }
     for (; strange_ > 0; --strange_) reply(99, {}, frame.version);
     if (frame.id == msp::kMultiple) {
@@ -308,14 +328,25 @@ class FakeBetaflight {
     link::ByteReader in{payload};
     const auto channels = in.take_array<std::uint16_t, 4>();
     if (!in.complete()) return;
-    sent_sticks_ = {
-        .roll = channels[0], .pitch = channels[1], .yaw = channels[3], .throttle = channels[2]};
+    const bool kept = sticks_frozen_ && override_ && sent_sticks_.roll != msp::kNeutral.roll;
+    if (!kept)
+      sent_sticks_ = {
+          .roll = channels[0], .pitch = channels[1], .yaw = channels[3], .throttle = channels[2]};
+    if (channels_swapped_) std::swap(sent_sticks_.yaw, sent_sticks_.throttle);
+    sticks_at_ = seconds();
     ++frames_;
     write_log("frame");
   }
   /// The sticks that it flies by: the radio's are at rest.
   [[nodiscard]] msp::Sticks obeyed() const {
-    return override_ && frames_ > 0 ? sent_sticks_ : msp::kNeutral;
+    const bool old = seconds() - sticks_at_ > 0.3;
+    if (!(override_ || (override_stuck_ && overridden_)) || frames_ == 0 || deaf_)
+      return msp::kNeutral;
+    if (old && fails_safe_) return {1500, 1500, 1500, 1200};
+    if (old && forgets_) return msp::kNeutral;
+    msp::Sticks sticks = sent_sticks_;
+    if (!yaws_) sticks.yaw = msp::kNeutral.yaw;
+    return sticks;
   }
   msp::RawImu raw_imu() {
     const Eigen::Vector3d f_B =
@@ -407,6 +438,10 @@ class FakeBetaflight {
        released_ = false, touched_ = true;
   msp::Sticks sent_sticks_{0, 0, 0, 0};
   msp::RawImu imu_;
+  bool overridden_ = false, deaf_ = false, yaws_ = true, channels_swapped_ = false,
+       sticks_frozen_ = false, override_stuck_ = false, acknowledges_ = true, forgets_ = false,
+       fails_safe_ = false;
+  double sticks_at_ = 0;
   bool swapped_ = false, inverted_ = false, no_accel_ = false, saturated_ = false;
   std::uint16_t bus_errors_ = 0;
   double gyro_part_ = 1.0, turned_from_ = -10.0;

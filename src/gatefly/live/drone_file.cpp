@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
@@ -16,6 +18,7 @@ namespace gatefly::live {
 namespace {
 
 constexpr int kByte = 255;
+constexpr std::string_view kTestTable = "[hand_over_test]";
 
 /// A table of which every key must be there.
 class Strict {
@@ -207,6 +210,25 @@ std::string hand_over_mark(const DroneFile& drone, const std::string& program) {
   const std::string all = constants_of(drone) + "|" + program;
   return io::text_of_xxh64(
       io::xxh64({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
+}
+
+std::string with_hand_over_mark(const DroneFile& drone, const std::string& text,
+                                const std::string& mark) {
+  std::istringstream lines{text};
+  std::string kept;
+  bool inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first != std::string::npos && line[first] == '[')
+      inside = line.compare(first, kTestTable.size(), kTestTable) == 0;
+    if (!inside) kept += line + "\n";
+  }
+  while (kept.ends_with("\n\n")) kept.pop_back();
+  const io::TomlFile left(drone.path, kept);
+  if (left.content().contains("hand_over_test"))
+    io::Table{left}.fail("hand_over_test", "written as a table: " + std::string{kTestTable});
+  if (mark.empty()) return kept;
+  return kept + "\n" + std::string{kTestTable} + "\npassed = \"" + mark + "\"\n";
 }
 
 std::string program_mark(const std::filesystem::path& program) {

@@ -53,6 +53,11 @@ struct DroneFile {
 /// A hash of all constants of a drone.toml and of the program, to which a hand-over test is bound; 16 hexadecimal digits.
 [[nodiscard]] std::string hand_over_mark(const DroneFile& drone, const std::string& program);
 
+/// The text of a drone.toml with another mark in [hand_over_test], or without that table where `mark` is "".
+/// @throws std::runtime_error one line, when the table is written in a way that cannot be replaced.
+[[nodiscard]] std::string with_hand_over_mark(const DroneFile& drone, const std::string& text,
+                                              const std::string& mark);
+
 /// A program by its bytes; the one that runs by default.
 [[nodiscard]] std::string program_mark(const std::filesystem::path& program = "/proc/self/exe");
 

@@ -94,7 +94,7 @@ void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, dou
 }
 
 [[noreturn]] void keep(int line, int port, const DroneFile& drone, const msp::BoxIds& boxes,
-                       nanoseconds brake) {
+                       nanoseconds brake, int witness) {
   setsid();  // what a terminal sends is for the first process
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) (void)dup2(nowhere, stream);
@@ -103,13 +103,15 @@ void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, dou
   if (last.dismissed || !last.ending || !last.ending->in_air) _exit(0);
   ::close(line);
   MspSticks link{Port{port, "keeper"}, drone, boxes};
+  link.report_to(witness);
   bring_down(link, drone, *last.ending, seconds(brake));
   _exit(0);
 }
 
 }  // namespace
 
-Keeper::Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes, nanoseconds brake) {
+Keeper::Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes, nanoseconds brake,
+               int witness) {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::runtime_error(std::string{"the second process cannot be started: "} +
@@ -117,7 +119,7 @@ Keeper::Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes, nanos
   process_ = fork();
   if (process_ == 0) {
     ::close(ends[0]);
-    keep(ends[1], port, drone, boxes, brake);
+    keep(ends[1], port, drone, boxes, brake, witness);
   }
   ::close(ends[1]);
   line_ = ends[0];

@@ -21,9 +21,10 @@ class Keeper {
   static constexpr std::chrono::nanoseconds kSilence = kStickPeriod * 5 / 2;
 
   /// @param port  the controller's, which it inherits. Before the first thread is started.
+  /// @param witness  a socket that hears of every stick frame that it sends (SentFrame); -1: nobody.
   /// @throws std::runtime_error one line, when there can be no second process.
-  Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes,
-         std::chrono::nanoseconds brake);
+  Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes, std::chrono::nanoseconds brake,
+         int witness = -1);
   /// It ends without having done anything, unless it has taken over.
   ~Keeper();
   Keeper(const Keeper&) = delete;

@@ -4,6 +4,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "gatefly/files/text.hpp"
+
 namespace gatefly::live {
 namespace {
 
@@ -70,10 +75,34 @@ Introduction introduction_of(Port& port) {
   return found;
 }
 
+Port opened(const LinkUri& uri) {
+  return uri.kind == LinkUri::Kind::kSerial
+             ? Port::serial(uri.place, uri.baud)
+             : Port::tcp(uri.place, uri.port, Clock::now() + std::chrono::seconds{3});
+}
+
+Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens) {
+  Port port = opened(uri);
+  const Introduction said = introduction_of(port);
+  const std::string name = port.name() + ": ";
+  if (said.other_client) throw std::runtime_error(name + "another program talks to the controller");
+  if (const auto others = differences(drone, said.facts, said.board); !others.empty())
+    throw std::runtime_error(name + "is not the drone of " + drone.path.string() + ": " +
+                             io::joined(others, "; "));
+  for (const guard::Complaint complaint : guard::complaints_about(said.facts))
+    if (!only_listens || complaint != guard::Complaint::kArmed)
+      throw std::runtime_error(name + std::string{guard::text_of(complaint)});
+  if (!only_listens &&
+      said.facts.status->on(msp::Box::kMspOverride, *said.facts.boxes).value_or(true))
+    throw std::runtime_error(name + std::string{guard::text_of(guard::Reason::kOverrideAtStart)});
+  return {std::move(port), *said.facts.boxes};
+}
+
 MspQueries::MspQueries(Port port, const DroneFile& drone, const msp::BoxIds& boxes)
     : port_{std::move(port)}, poller_{drone.imu, boxes} {}
 
 bool MspQueries::serve(const RunClock& clock, std::chrono::nanoseconds until) {
+  start_ = clock.moment(std::chrono::nanoseconds{0});
   if (const link::Bytes request = poller_.request(clock.now()); !request.empty())
     broken_ = !port_.write(request, Clock::now() + 20ms) || broken_;
   const auto got = port_.read(room_, clock.moment(until));
@@ -95,7 +124,22 @@ bool MspSticks::send(const msp::Sticks& sticks) {
   poller_.sticks_sent();
   const bool sent = port_.write({frame.data(), size}, Clock::now() + 10ms);
   broken_ = broken_ || !sent;
+  if (sent && witness_ >= 0) report(sticks);
   return sent;
+}
+
+void MspSticks::report(const msp::Sticks& sticks) const {
+  const ControllerState& state = poller_.state();
+  const SentFrame frame{.process = getpid(),
+                        .at = Clock::now(),
+                        .sent = sticks,
+                        .read = state.sticks,
+                        .read_at = start_ + state.sticks_at,
+                        .status_at = start_ + state.status_at,
+                        .armed = state.armed,
+                        .override_on = state.override_on,
+                        .acknowledged = state.acknowledged};
+  (void)!::send(witness_, &frame, sizeof frame, MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
 }  // namespace gatefly::live

@@ -133,7 +133,7 @@ void MspPoller::take_answer(std::uint16_t id, link::Bytes payload, std::chrono::
     const auto channels = msp::channels_in(payload);
     if (!channels) return;
     if (const auto sticks = msp::sticks_in_rc({channels->begin(), channels->size()}))
-      state_.sticks = *sticks;
+      state_.sticks = *sticks, state_.sticks_at = now;
   } else if (id == msp::Analog::kId) {
     if (const auto analog = link::decoded<msp::Analog>(payload))
       state_.battery_v = 0.01 * analog->voltage;

@@ -26,6 +26,7 @@ struct ControllerState {
   double battery_v = 0.0;  ///< 0: not known.
   double height = 0.0;     ///< Its own idea [m].
   std::chrono::nanoseconds imu_at = kNever, attitude_at = kNever, status_at = kNever;
+  std::chrono::nanoseconds sticks_at = kNever;
   std::chrono::nanoseconds imu_changed_at = kNever;  ///< A sample that repeats itself is stuck.
   int acknowledged = 0;                              ///< Stick frames.
   bool other_client = false;                         ///< It answers what was not asked.

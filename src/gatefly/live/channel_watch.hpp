@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <deque>
+#include <string>
+
+#include "gatefly/link/msp_axes.hpp"
+#include "gatefly/live/clock.hpp"
+
+namespace gatefly::live {
+
+/// Roll, pitch, yaw, throttle of both that differ by more than `within_us`.
+[[nodiscard]] std::array<bool, 4> differing(const msp::Sticks& a, const msp::Sticks& b,
+                                            int within_us);
+[[nodiscard]] bool same_sticks(const msp::Sticks& a, const msp::Sticks& b, int within_us);
+/// "roll 1600, pitch 1350, yaw 1700, throttle 1362"
+[[nodiscard]] std::string text_of(const msp::Sticks& sticks);
+
+/// Compares the channels that a controller flies by with the stick frames that were sent to it.
+///
+/// What is read back must be a frame of the last kLag, or the one in effect at its beginning: the line and the controller take time,
+/// and so does the answer. A frame counts as a whole: channels of two frames are none of them.
+class ChannelWatch {
+ public:
+  static constexpr std::chrono::nanoseconds kLag =
+      std::chrono::milliseconds{130};  ///< Two periods of sticks and a turn of the status.
+  static constexpr int kWithin = 2;    ///< [µs]
+
+  /// Only what is read back from then on counts.
+  void begin(Moment from);
+  void sent(const msp::Sticks& sticks, Moment at);
+  /// In the order of time, after all frames that were sent before.
+  void read(const msp::Sticks& sticks, Moment at);
+
+  [[nodiscard]] int reads() const { return reads_; }
+  [[nodiscard]] int wrong() const { return wrong_; }
+  /// The longest time for which a newer frame was not to be seen yet.
+  [[nodiscard]] std::chrono::nanoseconds behind() const { return behind_; }
+  /// "yaw and throttle": those that did not follow; "" when all did.
+  [[nodiscard]] std::string not_following() const;
+  /// The first that was wrong.
+  [[nodiscard]] const msp::Sticks& wrong_one() const { return wrong_one_; }
+
+ private:
+  struct Frame {
+    msp::Sticks sticks;
+    Moment at;
+  };
+  std::deque<Frame> frames_;  ///< Newest last.
+  Moment from_{};
+  int reads_ = 0, wrong_ = 0;
+  std::array<bool, 4> off_{};
+  msp::Sticks wrong_one_;
+  std::chrono::nanoseconds behind_{0};
+};
+
+}  // namespace gatefly::live
