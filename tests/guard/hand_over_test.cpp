@@ -48,7 +48,7 @@ TEST(HandOver, WhateverFailsInFlightEndsItWithItsReasonInTheSamePeriod) {
   EXPECT_EQ(next(kFlying, in_flight(), kParams).phase, Phase::kFlying);
   EXPECT_EQ(ends([](Situation& s) { s.command_age = 60ms; }), Reason::kPilotLate);
   EXPECT_EQ(ends([](Situation& s) { s.picture_age = 200ms; }), Reason::kPicturesStale);
-  EXPECT_EQ(ends([](Situation& s) { s.attitude_age = 80ms; }), Reason::kAttitudeStale);
+  EXPECT_EQ(ends([](Situation& s) { s.attitude_age = 160ms; }), Reason::kAttitudeStale);
   EXPECT_EQ(ends([](Situation& s) { s.status_age = 600ms; }), Reason::kStatusStale);
   EXPECT_EQ(ends([](Situation& s) { s.tilt = 1.2; }), Reason::kTilt);
   EXPECT_EQ(ends([](Situation& s) { s.tilt = std::numeric_limits<double>::quiet_NaN(); }),
@@ -57,7 +57,7 @@ TEST(HandOver, WhateverFailsInFlightEndsItWithItsReasonInTheSamePeriod) {
   EXPECT_EQ(ends([](Situation& s) { s.battery_v = 19.9; }), Reason::kBattery);
   EXPECT_EQ(ends([](Situation& s) { s.told_to_end = true; }), Reason::kTold);
   EXPECT_EQ(ends([](Situation& s) { s.time = 10min; }), Reason::kTime);
-  EXPECT_EQ(ends([](Situation& s) { s.height_age = 5s, s.time = 15s; }), Reason::kHeightLost);
+  EXPECT_EQ(ends([](Situation& s) { s.height_age = 9s, s.time = 15s; }), Reason::kHeightLost);
 }
 
 TEST(HandOver, ThePilotsSwitchWinsInEveryPhase) {

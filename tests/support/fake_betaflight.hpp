@@ -63,6 +63,7 @@ struct FakeSettings {
   double hover_error = 0.0;   ///< Part by which the rotors give more than the constants say.
   double start_height = 0.0;  ///< Held there until the override is on [m].
   std::string log;            ///< A CSV of every stick frame, and of the drone's motion.
+  int port = 0;               ///< Of its serial line; 0: any that is free.
 };
 
 /// One drone, from its start to the end of the test. Everything happens in serve(), which may be another thread's.
@@ -70,12 +71,15 @@ class FakeBetaflight {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit FakeBetaflight(const FakeSettings& settings)
-      : settings_{settings}, start_{Clock::now()} {
+  explicit FakeBetaflight(const FakeSettings& settings, const FakeConstants& constants = {})
+      : settings_{settings}, constants_{constants}, start_{Clock::now()} {
     listener_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     sockaddr_in at{};
     at.sin_family = AF_INET;
     at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    at.sin_port = htons(static_cast<std::uint16_t>(settings_.port));
+    const int yes = 1;
+    if (listener_ >= 0) setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     socklen_t size = sizeof at;
     if (listener_ < 0 || bind(listener_, reinterpret_cast<const sockaddr*>(&at), size) != 0 ||
         listen(listener_, 4) != 0 ||
@@ -86,7 +90,7 @@ class FakeBetaflight {
     log_ << "t_s,what,roll,pitch,throttle,yaw,armed,override,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps\n";
     z_ = -settings_.start_height;
   }
-  ~FakeBetaflight() {
+  virtual ~FakeBetaflight() {
     if (client_ >= 0) close(client_);
     close(listener_);
   }
@@ -178,7 +182,7 @@ class FakeBetaflight {
     return std::chrono::duration<double>(Clock::now() - start_).count();
   }
 
- private:
+ protected:
   static constexpr double kStep = 0.001;
 
   void accept_client() {
@@ -378,7 +382,7 @@ class FakeBetaflight {
   }
 
   /// Rates and thrust follow the sticks with a lag of 40 ms, air drags by 0.3 a second, the floor is at 0.
-  void move(double dt) {
+  virtual void move(double dt) {
     const msp::Sticks sticks = armed_ ? obeyed() : msp::kNeutral;
     const bool held = settings_.start_height > 0 && !override_ && !released_;
     released_ = released_ || (armed_ && override_);

@@ -40,7 +40,7 @@ AttitudeCommand CommandGuard::limited(const AttitudeCommand& command, const Beli
   c.pitch = std::clamp(c.pitch, -limits_.tilt, limits_.tilt);
   c.thrust = std::clamp(c.thrust, 0.0, limits_.thrust);
   if (!height_known(belief)) {
-    const double most_lift = std::max(0.0, kGravity - limits_.climb_damping * up_);
+    const double most_lift = std::max(0.0, hover_ - limits_.climb_damping * up_);
     c.thrust = std::min(c.thrust, most_lift / upright(c));
   }
   return c;
@@ -48,8 +48,8 @@ AttitudeCommand CommandGuard::limited(const AttitudeCommand& command, const Beli
 
 /// Lift that makes the strongest rotors sink as wanted: of the others it is less than the weight.
 double CommandGuard::ending_lift() const {
-  const double wanted = kGravity - limits_.climb_damping * (up_at_most_ + limits_.sink);
-  return std::clamp(wanted, 0.7 * kGravity, 1.2 * kGravity) / (1.0 + limits_.hover_doubt);
+  const double wanted = hover_ - limits_.climb_damping * (up_at_most_ + limits_.sink);
+  return std::clamp(wanted, 0.7 * hover_, 1.2 * hover_) / (1.0 + limits_.hover_doubt);
 }
 
 AttitudeCommand CommandGuard::descent(const Belief& belief) const {
@@ -58,15 +58,23 @@ AttitudeCommand CommandGuard::descent(const Belief& belief) const {
   return {.yaw = belief.yaw, .thrust = left * ending_lift()};
 }
 
-void CommandGuard::follow_ending(bool ending, double lift, double dt) {
+void CommandGuard::follow_ending(bool ending, const Belief& belief, double lift, double dt) {
   if (!ending) {
-    up_at_most_ = up_, ending_for_ = 0.0;
+    const double climb = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb);
+    up_at_most_ = height_known(belief) ? up_ : std::max({up_, climb, 0.0});
+    ending_for_ = 0.0;
     return;
   }
   // By the lift before it fades: the climb that fading costs must not be made up for.
-  up_at_most_ += ((1.0 + limits_.hover_doubt) * lift - kGravity) * dt;
+  up_at_most_ += ((1.0 + limits_.hover_doubt) * lift - hover_) * dt;
   up_at_most_ = std::clamp(up_at_most_, -kMostClimb, kMostClimb);
   ending_for_ += dt;
+}
+
+void CommandGuard::learn_hover(const Belief& belief, double lift, double dt) {
+  if (!height_known(belief)) return;
+  const double shown = std::clamp(lift, limits_.least_hover * kGravity, kGravity);
+  hover_ += std::min(1.0, dt / limits_.hover_time) * (shown - hover_);
 }
 
 AttitudeCommand CommandGuard::braking(const Belief& belief) const {
@@ -99,9 +107,10 @@ AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
     sent = limited(descent(belief), belief);
   else
     return sent;
-  follow_ending(action != Action::kPilot, ending_lift(), period(dt));
+  follow_ending(action != Action::kPilot, belief, ending_lift(), period(dt));
   const double lift = sent.thrust * upright(sent);
-  up_ = std::clamp(up_ + (lift - kGravity) * period(dt), -kMostClimb, kMostClimb);
+  if (action == Action::kPilot) learn_hover(belief, lift, period(dt));
+  up_ = std::clamp(up_ + (lift - hover_) * period(dt), -kMostClimb, kMostClimb);
   return sent;
 }
 

@@ -7,6 +7,7 @@
 
 #include "gatefly/control/attitude_command.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/guard/hand_over.hpp"
 
 namespace gatefly::guard {
@@ -20,6 +21,8 @@ struct CommandLimits {
   double climb_damping = 2.0;          ///< [1/s]
   double sink = 0.5;          ///< Of a descent, were the rotors as strong as they may be [m/s].
   double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.
+  double hover_time = 2.0;    ///< What hovers is a mean of the pilot's lift over so long [s].
+  double least_hover = 0.8;   ///< Part of the weight; less is not believed.
   /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
   double fades_after = 3.0, fade = 0.004;  ///< [1/s²]
   double brake_time = 0.6;   ///< In which braking would stop, were there no limit [s].
@@ -37,10 +40,11 @@ struct Belief {
 ///
 /// A height that an accelerometer alone carries on drifts, and a pilot that holds it climbs: while nothing tells the height,
 /// lift is not above the weight but for stopping a fall, by the speed that the thrust sent so far amounts to. That does not
-/// drift with the accelerometer, and is off by what hover thrust is off.
+/// drift with the accelerometer, and is off by what hover thrust is off: while gates tell the height, the pilot's own mean lift shows
+/// what hovers, and no more than the weight is believed.
 ///
 /// An ending, braking and descent, knows no height. It goes by the strongest that the rotors may be: these would sink at
-/// CommandLimits::sink, weaker ones faster, and none climb.
+/// CommandLimits::sink, weaker ones faster, and none climb. Of a fall that nothing has measured it makes up for nothing.
 class CommandGuard {
  public:
   explicit CommandGuard(const CommandLimits& limits = {}) : limits_{limits} {}
@@ -55,11 +59,13 @@ class CommandGuard {
   [[nodiscard]] AttitudeCommand limited(const AttitudeCommand& command, const Belief& belief) const;
   [[nodiscard]] AttitudeCommand descent(const Belief& belief) const;
   [[nodiscard]] double ending_lift() const;
-  void follow_ending(bool ending, double lift, double dt);
+  void follow_ending(bool ending, const Belief& belief, double lift, double dt);
+  void learn_hover(const Belief& belief, double lift, double dt);
   [[nodiscard]] AttitudeCommand braking(const Belief& belief) const;
 
   CommandLimits limits_;
   std::chrono::nanoseconds height_age_ = Situation::kNever;  ///< In the period before.
+  double hover_ = kGravity;  ///< Lift that hovers, as the pilot's commands have shown [m/s²].
   double up_ = 0.0;          ///< Climb by the thrust sent since the height was last told [m/s].
   double up_at_most_ = 0.0;  ///< The same of an ending, by the strongest rotors ...
   double ending_for_ = 0.0;  ///< ... since it began [s].

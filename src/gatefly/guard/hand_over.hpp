@@ -79,7 +79,8 @@ struct HandOverParams {
   std::chrono::nanoseconds picture =
       std::chrono::milliseconds{150};  ///< Of 30 Hz: four are missing.
   std::chrono::nanoseconds command = std::chrono::milliseconds{50};
-  std::chrono::nanoseconds height = std::chrono::seconds{4};
+  /// A turn to the next gate takes 5 s, and some time goes to looking for it; meanwhile it does not climb: CommandGuard.
+  std::chrono::nanoseconds height = std::chrono::seconds{8};
   std::chrono::nanoseconds brake = std::chrono::seconds{1};
   std::chrono::nanoseconds flight = std::chrono::minutes{8};
   int neutral_frames = 40;     ///< Before the override may be switched on.

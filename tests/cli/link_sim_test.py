@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""gatefly run flies a simulated drone over the link that a real one has: rendered pictures as slices of JPEG, MSP at 115,200 baud, a
+controller that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), and a safety pilot; in real time.
+
+usage: link_sim_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
+"""
+import json
+import os
+import socket
+import subprocess
+import time
+
+from drone import FAKE, program_that_flies
+from program import GATEFLY, ROOT, Cli, main
+
+FAKE_SITL = FAKE + "_sitl"
+DRONE = ROOT / "tests" / "live" / "fake_sitl_drone.toml"
+
+
+def free_ports(count, kind):
+    sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
+    for each in sockets:
+        each.bind(("127.0.0.1", 0))
+    ports = [each.getsockname()[1] for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports
+
+
+class OverTheLink(Cli):
+    def start(self, *words, **more):
+        process = subprocess.Popen([str(word) for word in words], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), GATEFLY_SOURCE_DIR=str(ROOT)), **more)
+        self.addCleanup(self.end_of, process)
+        return process
+
+    @staticmethod
+    def end_of(process):
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            stream.close()
+
+    def signed(self):
+        content = DRONE.read_text(encoding="utf-8")
+        plain = self.file("plain.toml", content)
+        mark = subprocess.run([FAKE, "--sign", plain, program_that_flies()], capture_output=True, text=True, check=True).stdout.strip()
+        return self.file("drone.toml", f'{content}\n[hand_over_test]\npassed = "{mark}"\n')
+
+    def test_a_lap_of_the_oval_is_flown_and_the_drone_lands(self):
+        servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)
+        controller, msp = free_ports(2, socket.SOCK_STREAM)
+        fake = self.start(FAKE_SITL, "--servos", servos, "--state", state, "--radio", radio, "--msp", controller)
+        self.assertIn("port", fake.stdout.readline())
+        drone = ["--config", "archer-b2", "--config", "betaflight"]
+        world = self.start(GATEFLY, "link-sim", "oval", "--laps", "1", "--seed", "1001", *drone, "--set", "sim.camera_quality=fast", "--json", "--time-limit", "60",
+                           "--servos", servos, "--state", state, "--radio", radio, "--controller", controller, "--msp", msp, "--pictures", pictures, "--log", "truth.csv")
+        self.assertIn("ready", world.stderr.readline())
+        pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"msp:tcp:127.0.0.1:{msp}", "--drone",
+                           self.signed(), "--out", "flight", "--json")
+        told, heard = world.communicate(timeout=120)
+        outcome = json.loads(told)
+        told, said = pilot.communicate(timeout=20)
+        flown = json.loads(told)
+        everything = f"{outcome}\n{heard}\n{said}"
+        self.assertTrue(outcome["finished"], everything)
+        self.assertTrue(outcome["landed"], everything)
+        self.assertEqual((world.returncode, pilot.returncode), (0, 0), everything)
+        self.assertGreater(outcome["mean_speed_mps"], 1.2)
+        self.assertEqual(flown["mode"], "flown")
+        self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
+        self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
+        self.assertTrue((self.folder / "truth.csv").read_text(encoding="utf-8").startswith("t_s,armed,override,x_m"))
+        # What was recorded flies again: the pilot's answers follow from its sensors alone.
+        self.gatefly("replay", "flight")
+
+    def test_without_a_controller_it_says_so(self):
+        servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)
+        begin = time.monotonic()
+        world = self.start(GATEFLY, "link-sim", "oval", "--set", "sim.camera_quality=fast", "--servos", servos, "--state", state, "--radio", radio, "--pictures", pictures)
+        _, said = world.communicate(timeout=60)
+        self.assertEqual(world.returncode, 2)
+        self.assertEqual(said.count("\n"), 1, said)
+        self.assertIn(f"no flight controller tells motors at udp 127.0.0.1:{servos}", said)
+        self.assertLess(time.monotonic() - begin, 40)
+
+
+if __name__ == "__main__":
+    main()
