@@ -74,7 +74,8 @@ class OverTheLink(Cli):
         self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
         self.assertTrue((self.folder / "truth.csv").read_text(encoding="utf-8").startswith("t_s,armed,override,x_m"))
         # What was recorded flies again: the pilot's answers follow from its sensors alone.
-        self.gatefly("replay", "flight")
+        done = self.run_it("replay", "flight")
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_without_a_controller_it_says_so(self):
         servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)

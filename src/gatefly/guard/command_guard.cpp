@@ -55,7 +55,8 @@ double CommandGuard::ending_lift() const {
 AttitudeCommand CommandGuard::descent(const Belief& belief) const {
   const double since = std::max(0.0, ending_for_ - limits_.fades_after);
   const double left = std::max(0.2, 1.0 - limits_.fade * since * since);
-  return {.yaw = belief.yaw, .thrust = left * ending_lift()};
+  const double part = belief.stands ? std::min(left, limits_.set_down) : left;
+  return {.yaw = belief.yaw, .thrust = part * ending_lift()};
 }
 
 void CommandGuard::follow_ending(bool ending, const Belief& belief, double lift, double dt) {

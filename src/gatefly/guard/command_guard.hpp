@@ -24,7 +24,10 @@ struct CommandLimits {
   double hover_time = 2.0;    ///< What hovers is a mean of the pilot's lift over so long [s].
   double least_hover = 0.8;   ///< Part of the weight; less is not believed.
   /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
-  double fades_after = 3.0, fade = 0.004;  ///< [1/s²]
+  double fades_after = 3.0, fade = 0.015;  ///< [1/s²]
+  /// Part of a descent's lift, when the pilot believes that it stands: what is left to fall is not much, and near the floor a gentle
+  /// descent floats, and drifts, for seconds.
+  double set_down = 0.85;
   double brake_time = 0.6;   ///< In which braking would stop, were there no limit [s].
   double brake_accel = 4.0;  ///< [m/s²]
 };
@@ -34,6 +37,7 @@ struct Belief {
   double yaw = 0.0;                               ///< [rad]
   Eigen::Vector3d v_E = Eigen::Vector3d::Zero();  ///< [m/s]
   std::chrono::nanoseconds height_age{0};  ///< Since a gate or a range finder told the height.
+  bool stands = false;                     ///< The pilot has landed, it says.
 };
 
 /// The pilot's command after the guard's limits, as it goes to the drone.
