@@ -107,9 +107,9 @@ int simulate_link(const LinkSimOptions& options) {
   const auto look = [&](const link_sim::TrueMoment& now) {
     if (!options.log.empty()) log += row_of(now);
   };
-  const link_sim::Outcome outcome =
-      link_sim::fly(race.config.sim, race.config.pilot.track.laps, params, say,
-                    look, [] { return interrupted(); }, stop_if_interrupted);
+  const link_sim::Outcome outcome = link_sim::fly(
+      race.config.sim, race.config.pilot.track.laps, params, say, look,
+      [] { return interrupted(); }, stop_if_interrupted);
   if (!options.log.empty()) io::write_file(options.log, log);
   if (interrupted()) return kInterrupted;
   if (outcome.reason == "no controller")
@@ -134,7 +134,8 @@ void declare_link_sim(Command& command) {
       "  gatefly run oval --config archer-b2 --config betaflight --camera udp-jpeg:5600 --link "
       "msp:tcp:127.0.0.1:5771 \\\n"
       "    --drone drone.toml\n\n"
-      "It waits for the controller, then says \"ready\"; once a program has called at --msp it arms, "
+      "It waits for the controller, then says \"ready\"; once a program has called at --msp it "
+      "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
       "over. Everything is on 127.0.0.1.\n"
       "Exit code 0: all gates passed, and landed; 1: not; 2: unusable arguments, or no controller; "
@@ -150,7 +151,8 @@ void declare_link_sim(Command& command) {
   command.option("--baud", options->params.baud, "speed of the serial line")
       .between(9600, 10'000'000)
       .show_default();
-  command.option("--loss", options->params.network.loss, "part of the pictures' slices that is lost")
+  command
+      .option("--loss", options->params.network.loss, "part of the pictures' slices that is lost")
       .between(0.0, 0.9);
   command
       .option("--reorder", options->params.network.reorder,
@@ -168,8 +170,7 @@ void declare_link_sim(Command& command) {
   port("--controller", ports.controller, "TCP port of its serial line");
   port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies");
   port("--pictures", ports.pictures, "UDP port of that program's camera");
-  command
-      .option("--log", options->log, "where the drone truly was, 50 times a second: a CSV")
+  command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV")
       .path("FILE");
   command.flag("--json", options->json, "print the outcome as JSON");
   add_force(command, options->race.common);

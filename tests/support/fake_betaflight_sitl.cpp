@@ -71,7 +71,8 @@ class FakeSitl : public FakeBetaflight {
     waited_ = 0.0;
     const Eigen::Vector2d angles = autopilot_.angles();
     q_ = quaternion_of(gatefly::Attitude{angles.x(), angles.y(), std::remainder(yaw_, 2 * kPi)});
-    accel_E_ = rotation_EB(q_) * accel_filter_.update(felt_.accel_B) + Eigen::Vector3d(0, 0, kGravity);
+    accel_E_ =
+        rotation_EB(q_) * accel_filter_.update(felt_.accel_B) + Eigen::Vector3d(0, 0, kGravity);
     tell(speeds);
   }
   /// Of 18 doubles: gyro p, q, r as 4.5 has it, accelerometer -x, y, z.

@@ -25,7 +25,8 @@ Datagrams::Datagrams(int port, bool hears)
   if (failed) {
     const std::string why = std::strerror(errno);
     if (fd_ >= 0) close(fd_);
-    throw std::runtime_error("udp 127.0.0.1:" + std::to_string(port) + ": cannot be opened: " + why);
+    throw std::runtime_error("udp 127.0.0.1:" + std::to_string(port) +
+                             ": cannot be opened: " + why);
   }
 }
 Datagrams Datagrams::to(int port) { return {port, false}; }

@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kStep = 1ms;
-constexpr auto kMostBehind = 50ms;   ///< More is not made up for: the flight lasts longer then.
+constexpr auto kMostBehind = 50ms;  ///< More is not made up for: the flight lasts longer then.
 constexpr int kRadioEvery = 20, kLookEvery = 20;  ///< Steps.
 constexpr double kCalibrates = 4.0;  ///< A controller looks at a gyro at rest first [s].
 constexpr double kFalls = 2.0;       ///< From taking it back to the end [s].
@@ -126,8 +126,8 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
                 .airborne = drone.airborne(),
                 .hit = drone.hit().has_value()});
     if (step % kRadioEvery == 0 || radio.state() != before)
-      receiver.send(betaflight_sitl::encode_receiver(drone.told().time, msp::kNeutral,
-                                                     radio.switches()));
+      receiver.send(
+          betaflight_sitl::encode_receiver(drone.told().time, msp::kNeutral, radio.switches()));
     if (step % kLookEvery == 0)
       look({.time = drone.time(),
             .armed = radio.armed(),

@@ -56,8 +56,8 @@ class Direction {
   /// False when an end is gone.
   bool carry(double elapsed) {
     constexpr double kHeld = 0.01;  // what a UART's buffer evens out [s]
-    allowed_ = std::min(allowed_ + elapsed * bytes_per_second_,
-                        std::max(1.0, kHeld * bytes_per_second_));
+    allowed_ =
+        std::min(allowed_ + elapsed * bytes_per_second_, std::max(1.0, kHeld * bytes_per_second_));
     std::array<std::uint8_t, 4096> room{};
     const auto most = std::min(room.size(), static_cast<std::size_t>(allowed_));
     if (most == 0) return true;

@@ -21,8 +21,7 @@ constexpr std::size_t kPoses = 512;      ///< Half a second.
 }  // namespace
 
 PictureFeed::PictureFeed(const sim::SimConfig& config, Datagrams to,
-                         const NetworkTroubles& troubles,
-                         const std::function<void()>& while_baking)
+                         const NetworkTroubles& troubles, const std::function<void()>& while_baking)
     : config_{config},
       renderer_{config.world,     config.camera,       config.light, config.seed,
                 config.cache_dir, config.bake_threads, while_baking},

@@ -15,18 +15,19 @@ class SafetyPilot {
   struct Params {
     double wait = 4.0;       ///< From the first client of the controller to arming.
     double hand_over = 0.5;  ///< From arming to the override.
-    double again = 1.0;      ///< The arming switch off, when the motors do not turn, until it is on again.
-    double rest = 1.0;       ///< On the floor, once it has flown, until it is disarmed.
+    double again =
+        1.0;  ///< The arming switch off, when the motors do not turn, until it is on again.
+    double rest = 1.0;          ///< On the floor, once it has flown, until it is disarmed.
     double time_limit = 180.0;  ///< From the override to taking it back.
   };
   /// What there is to see, at a time [s] that does not run backwards.
   struct Seen {
     double time = 0.0;
-    bool client = false;     ///< Somebody talks to the controller.
-    bool motors = false;     ///< They turn: it has armed.
-    bool on_floor = true;    ///< And does not move.
-    bool airborne = false;   ///< Has left the floor at least once.
-    bool hit = false;        ///< Something but the floor was touched in the air.
+    bool client = false;    ///< Somebody talks to the controller.
+    bool motors = false;    ///< They turn: it has armed.
+    bool on_floor = true;   ///< And does not move.
+    bool airborne = false;  ///< Has left the floor at least once.
+    bool hit = false;       ///< Something but the floor was touched in the air.
   };
   SafetyPilot() = default;
   explicit SafetyPilot(const Params& params) : params_{params} {}
@@ -42,7 +43,9 @@ class SafetyPilot {
   State step(const Seen& seen);
 
   [[nodiscard]] State state() const { return state_; }
-  [[nodiscard]] bool armed() const { return state_ == State::kArmed || state_ == State::kHandedOver; }
+  [[nodiscard]] bool armed() const {
+    return state_ == State::kArmed || state_ == State::kHandedOver;
+  }
   [[nodiscard]] bool override_on() const { return state_ == State::kHandedOver; }
   /// When it was handed over; meaningless before [s].
   [[nodiscard]] double handed_over_at() const { return handed_over_at_; }
