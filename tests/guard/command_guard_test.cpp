@@ -143,5 +143,56 @@ TEST(CommandGuard, AFallMayBeStoppedThoughNothingTellsTheHeight) {
   EXPECT_NEAR(sent.thrust, kGravity + 1.5, 1e-9);
 }
 
+/// Rotors that are stronger than told hover with less: the pilot has found that out, and holds its height with 0.93 of the weight.
+TEST(CommandGuard, AFallThatNothingHasMeasuredIsNotMadeUpFor) {
+  CommandGuard guard;
+  const AttitudeCommand hovers{.thrust = 0.93 * kGravity};
+  (void)guard.step(Action::kPilot, hovers, {}, kDt);  // a gate, and none for six seconds
+  std::chrono::milliseconds age = 0ms;
+  for (double t = 0; t < 6; t += kDt, age += 25ms)
+    (void)guard.step(Action::kPilot, hovers, {.height_age = age}, kDt);
+  for (double t = 0; t < 1; t += kDt) {
+    const AttitudeCommand sent = guard.step(Action::kBrake, {}, {.height_age = age}, kDt);
+    EXPECT_LT(sent.thrust, hovers.thrust) << "it would climb, " << t << " s later";
+  }
+}
+
+/// What a guard allows, and what it lets a descent have, after eight seconds of a pilot's lift while gates tell the height.
+struct Learnt {
+  double allowed = 0.0, descent = 0.0;
+};
+Learnt learnt(double part, double climb_a_second = 0.0) {
+  CommandGuard guard;
+  Vector3d v_E = Vector3d::Zero();
+  for (double t = 0; t < 8; t += kDt, v_E.z() -= climb_a_second * kDt)
+    (void)guard.step(Action::kPilot, {.thrust = part * kGravity}, {.v_E = v_E}, kDt);
+  CommandGuard ends = guard;
+  (void)guard.step(Action::kPilot, {.thrust = part * kGravity}, {}, kDt);
+  return {guard.step(Action::kPilot, {.thrust = 2 * kGravity}, {.height_age = 1s}, kDt).thrust,
+          ends.step(Action::kDescend, {}, {}, kDt).thrust};
+}
+
+TEST(CommandGuard, LearnsWhatHoversWhileGatesTellTheHeight) {
+  const Learnt nominal = learnt(1.0), strong = learnt(0.9), weak = learnt(1.1);
+  EXPECT_NEAR(nominal.allowed, kGravity, 0.01 * kGravity);
+  EXPECT_NEAR(strong.allowed, 0.9 * kGravity, 0.02 * kGravity);
+  EXPECT_NEAR(weak.allowed, 1.1 * kGravity, 0.02 * kGravity) << "less would let it sink";
+  EXPECT_NEAR(strong.descent, 0.9 * nominal.descent, 0.02 * kGravity);
+  EXPECT_LE(weak.descent, nominal.descent + 1e-9) << "an ending goes by the strongest";
+}
+
+TEST(CommandGuard, APilotThatClimbsOrDivesShowsNothing) {
+  EXPECT_NEAR(learnt(1.03, 0.03 * kGravity).allowed, kGravity, 0.03 * kGravity);
+  EXPECT_LT(learnt(1.5).allowed, 1.16 * kGravity);
+  EXPECT_GT(learnt(0.3).descent, 0.75 * learnt(1.0).descent);
+}
+
+TEST(CommandGuard, APilotThatStandsIsSetDown) {
+  CommandGuard guard, in_the_air;
+  const double sets_down = guard.step(Action::kDescend, {}, {.stands = true}, kDt).thrust;
+  EXPECT_LT(sets_down, 0.9 * in_the_air.step(Action::kDescend, {}, {}, kDt).thrust);
+  EXPECT_GT(sets_down, 0.6 * kGravity) << "it may be wrong by a decimetre or four";
+}
+
 }  // namespace
 }  // namespace gatefly::guard

@@ -48,8 +48,9 @@ AttitudeCommand CommandGuard::limited(const AttitudeCommand& command, const Beli
 
 /// Lift that makes the strongest rotors sink as wanted: of the others it is less than the weight.
 double CommandGuard::ending_lift() const {
-  const double wanted = hover_ - limits_.climb_damping * (up_at_most_ + limits_.sink);
-  return std::clamp(wanted, 0.7 * hover_, 1.2 * hover_) / (1.0 + limits_.hover_doubt);
+  const double hover = std::min(hover_, kGravity);
+  const double wanted = hover - limits_.climb_damping * (up_at_most_ + limits_.sink);
+  return std::clamp(wanted, 0.7 * hover, 1.2 * hover) / (1.0 + limits_.hover_doubt);
 }
 
 AttitudeCommand CommandGuard::descent(const Belief& belief) const {
@@ -67,15 +68,20 @@ void CommandGuard::follow_ending(bool ending, const Belief& belief, double lift,
     return;
   }
   // By the lift before it fades: the climb that fading costs must not be made up for.
-  up_at_most_ += ((1.0 + limits_.hover_doubt) * lift - hover_) * dt;
+  up_at_most_ += ((1.0 + limits_.hover_doubt) * lift - std::min(hover_, kGravity)) * dt;
   up_at_most_ = std::clamp(up_at_most_, -kMostClimb, kMostClimb);
   ending_for_ += dt;
 }
 
-void CommandGuard::learn_hover(const Belief& belief, double lift, double dt) {
-  if (!height_known(belief)) return;
-  const double shown = std::clamp(lift, limits_.least_hover * kGravity, kGravity);
-  hover_ += std::min(1.0, dt / limits_.hover_time) * (shown - hover_);
+/// What the last command has done: its lift less the climb that it brought.
+void CommandGuard::learn_hover(const Belief& belief, double dt) {
+  const double climb = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb);
+  if (learns_ && belief.height_age <= limits_.learns_from) {
+    const double shown = std::clamp(lift_ - (climb - climb_) / dt, 0.0, limits_.thrust);
+    hover_ += std::min(1.0, dt / limits_.hover_time) * (shown - hover_);
+    hover_ = std::clamp(hover_, limits_.least_hover * kGravity, limits_.most_hover * kGravity);
+  }
+  climb_ = climb;
 }
 
 AttitudeCommand CommandGuard::braking(const Belief& belief) const {
@@ -99,6 +105,7 @@ AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
   const bool told_anew = belief.height_age <= height_age_ && height_known(belief);
   if (told_anew) up_ = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb);
   height_age_ = belief.height_age;
+  learn_hover(belief, period(dt));
   AttitudeCommand sent{.yaw = belief.yaw};
   if (action == Action::kPilot)
     sent = limited(finite(pilot) ? pilot : descent(belief), belief);
@@ -107,10 +114,10 @@ AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
   else if (action == Action::kDescend)
     sent = limited(descent(belief), belief);
   else
-    return sent;
+    return learns_ = false, sent;
   follow_ending(action != Action::kPilot, belief, ending_lift(), period(dt));
   const double lift = sent.thrust * upright(sent);
-  if (action == Action::kPilot) learn_hover(belief, lift, period(dt));
+  lift_ = lift, learns_ = action == Action::kPilot;
   up_ = std::clamp(up_ + (lift - hover_) * period(dt), -kMostClimb, kMostClimb);
   return sent;
 }

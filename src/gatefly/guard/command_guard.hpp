@@ -21,8 +21,10 @@ struct CommandLimits {
   double climb_damping = 2.0;          ///< [1/s]
   double sink = 0.5;          ///< Of a descent, were the rotors as strong as they may be [m/s].
   double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.
+  /// A climb that a gate told so lately is one to learn from; an accelerometer's is not.
+  std::chrono::nanoseconds learns_from = std::chrono::milliseconds{60};
   double hover_time = 2.0;    ///< What hovers is a mean of the pilot's lift over so long [s].
-  double least_hover = 0.8;   ///< Part of the weight; less is not believed.
+  double least_hover = 0.8, most_hover = 1.15;  ///< Parts of the weight; beyond is not believed.
   /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
   double fades_after = 3.0, fade = 0.015;  ///< [1/s²]
   /// Part of a descent's lift, when the pilot believes that it stands: what is left to fall is not much, and near the floor a gentle
@@ -44,8 +46,8 @@ struct Belief {
 ///
 /// A height that an accelerometer alone carries on drifts, and a pilot that holds it climbs: while nothing tells the height,
 /// lift is not above the weight but for stopping a fall, by the speed that the thrust sent so far amounts to. That does not
-/// drift with the accelerometer, and is off by what hover thrust is off: while gates tell the height, the pilot's own mean lift shows
-/// what hovers, and no more than the weight is believed.
+/// drift with the accelerometer, and is off by what hover thrust is off: while gates tell the height, the pilot's own mean lift, less
+/// what it has climbed by, shows what hovers.
 ///
 /// An ending, braking and descent, knows no height. It goes by the strongest that the rotors may be: these would sink at
 /// CommandLimits::sink, weaker ones faster, and none climb. Of a fall that nothing has measured it makes up for nothing.
@@ -64,12 +66,14 @@ class CommandGuard {
   [[nodiscard]] AttitudeCommand descent(const Belief& belief) const;
   [[nodiscard]] double ending_lift() const;
   void follow_ending(bool ending, const Belief& belief, double lift, double dt);
-  void learn_hover(const Belief& belief, double lift, double dt);
+  void learn_hover(const Belief& belief, double dt);
   [[nodiscard]] AttitudeCommand braking(const Belief& belief) const;
 
   CommandLimits limits_;
   std::chrono::nanoseconds height_age_ = Situation::kNever;  ///< In the period before.
-  double hover_ = kGravity;  ///< Lift that hovers, as the pilot's commands have shown [m/s²].
+  double hover_ = kGravity;  ///< Lift that hovers, as the pilot's commands have shown [m/s²] ...
+  double lift_ = 0.0, climb_ = 0.0;  ///< ... by the last lift and the climb when it was sent.
+  bool learns_ = false;
   double up_ = 0.0;          ///< Climb by the thrust sent since the height was last told [m/s].
   double up_at_most_ = 0.0;  ///< The same of an ending, by the strongest rotors ...
   double ending_for_ = 0.0;  ///< ... since it began [s].
