@@ -130,10 +130,7 @@ void declare_link_sim(Command& command) {
   constexpr int kMostPort = 65535;
   command.footer(
       "Example, with Betaflight's simulator running beside it:\n"
-      "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n"
-      "  gatefly run oval --config archer-b2 --config betaflight --camera udp-jpeg:5600 --link "
-      "msp:tcp:127.0.0.1:5771 \\\n"
-      "    --drone drone.toml\n\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n\n"
       "It waits for the controller, then says \"ready\"; once a program has called at --msp it "
       "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
