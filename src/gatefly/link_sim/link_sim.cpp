@@ -55,27 +55,24 @@ class Motors {
 };
 
 /// What the controller's sensors feel. Betaflight lets its clock run as fast as the last two stamps came, unless they are 20 ms apart or
-/// more: two that arrive at once would make its time jump by a second, and it would miss its radio. So ours run ahead, and its
-/// clock goes with the real one.
+/// more: two that arrive at once would make its time run hundreds of times too fast, and it would miss its radio. So each stamp is
+/// further than that from the one before, whenever it is sent, and its clock goes with the real one.
 class Sensors {
  public:
   Sensors(int port, betaflight_sitl::Release release)
       : to_{Datagrams::to(port)}, release_{release} {}
 
   void send(betaflight_sitl::State state) {
-    const live::Moment now = live::Clock::now();
-    if (now - last_ < kStep / 2) return;
-    last_ = now;
-    state.time = kAhead * (now - start_);
+    state.time = stamp_ += kBetweenStamps;
     to_.send(betaflight_sitl::encode_state(state, release_));
   }
 
  private:
-  static constexpr int kAhead = 50;
+  static constexpr auto kBetweenStamps = 50ms;
 
   Datagrams to_;
   betaflight_sitl::Release release_;
-  live::Moment start_ = live::Clock::now(), last_ = start_ - kStep;
+  std::chrono::nanoseconds stamp_{};
 };
 
 std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, double limit) {
