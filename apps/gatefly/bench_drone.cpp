@@ -71,7 +71,7 @@ bool is_name(const std::string& name) {
          });
 }
 
-/// What the program asks for, on stderr.
+/// Asks whoever is at the drone for something, on stderr.
 void ask_for(const std::string& what) { std::cerr << "gatefly bench-drone: " << what << '\n'; }
 
 /// Writes the file with another mark, or none.

@@ -110,11 +110,11 @@ int simulate_link(const LinkSimOptions& options) {
   const link_sim::Outcome outcome = link_sim::fly(
       race.config.sim, race.config.pilot.track.laps, params, say, look,
       [] { return interrupted(); }, stop_if_interrupted);
-  if (!options.log.empty()) io::write_file(options.log, log);
   if (interrupted()) return kInterrupted;
   if (outcome.reason == "no controller")
     throw std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
                              std::to_string(options.params.ports.servos));
+  if (!options.log.empty()) io::write_file(options.log, log);
   if (options.json)
     std::cout << io::json_text(told(race.identity.track, options.seed, outcome));
   else

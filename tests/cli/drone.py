@@ -23,6 +23,22 @@ while True:
 """
 
 
+def end_of(process):
+    if process.poll() is None:
+        process.kill()
+    process.wait()
+    for stream in (process.stdin, process.stdout, process.stderr):
+        if stream:
+            stream.close()
+
+
+def signed(test, content):
+    """A drone.toml of that content whose hand-over test has passed, as far as it says."""
+    plain = test.file("plain.toml", content)
+    mark = subprocess.run([FAKE, "--sign", plain, program_that_flies()], capture_output=True, text=True, check=True).stdout.strip()
+    return test.file("signed.toml", f'{content}\n[hand_over_test]\npassed = "{mark}"\n')
+
+
 class Fake:
     """The fake controller, a process of its own; words tell it what the pilot's radio does."""
 
@@ -67,16 +83,8 @@ class WithDrone(Cli):
         """The program in the background."""
         process = subprocess.Popen([GATEFLY, *self.words(*arguments, **more)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), **self.environment))
-        self.addCleanup(self.end_of, process)
+        self.addCleanup(end_of, process)
         return process
-
-    @staticmethod
-    def end_of(process):
-        if process.poll() is None:
-            process.kill()
-        process.wait()
-        for stream in (process.stdout, process.stderr):
-            stream.close()
 
 
 @functools.cache
@@ -90,10 +98,7 @@ class Handed(WithDrone):
     """A drone whose hand-over test has passed, as far as its file says."""
 
     def signed(self, content=None):
-        content = content or DRONE.read_text(encoding="utf-8")
-        plain = self.file("plain.toml", content)
-        mark = subprocess.run([FAKE, "--sign", plain, program_that_flies()], capture_output=True, text=True, check=True).stdout.strip()
-        return self.file("signed.toml", f'{content}\n[hand_over_test]\npassed = "{mark}"\n')
+        return signed(self, content or DRONE.read_text(encoding="utf-8"))
 
     def until(self, what, seconds=10.0):
         end = time.monotonic() + seconds

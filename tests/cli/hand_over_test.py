@@ -13,7 +13,7 @@ import threading
 import time
 import tomllib
 
-from drone import DRONE, Handed
+from drone import DRONE, Handed, end_of
 from program import GATEFLY, main
 
 # What somebody at the radio does when asked; the first that is in the line.
@@ -34,7 +34,7 @@ class HandOver(Handed):
     def background(self, *more):
         process = subprocess.Popen([GATEFLY, *self.flags(*more)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), **self.environment))
-        self.addCleanup(self.end_of, process)
+        self.addCleanup(end_of, process)
         # A process that flies goes on until the radio has the drone.
         self.addCleanup(lambda: (self.fake("override off"), self.fake("disarm")))
         return process

@@ -11,7 +11,7 @@ import socket
 import subprocess
 import time
 
-from drone import FAKE, program_that_flies
+from drone import FAKE, end_of, signed
 from program import GATEFLY, ROOT, Cli, main
 
 FAKE_SITL = FAKE + "_sitl"
@@ -32,22 +32,8 @@ class OverTheLink(Cli):
     def start(self, *words, **more):
         process = subprocess.Popen([str(word) for word in words], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), GATEFLY_SOURCE_DIR=str(ROOT)), **more)
-        self.addCleanup(self.end_of, process)
+        self.addCleanup(end_of, process)
         return process
-
-    @staticmethod
-    def end_of(process):
-        if process.poll() is None:
-            process.kill()
-        process.wait()
-        for stream in (process.stdin, process.stdout, process.stderr):
-            stream.close()
-
-    def signed(self):
-        content = DRONE.read_text(encoding="utf-8")
-        plain = self.file("plain.toml", content)
-        mark = subprocess.run([FAKE, "--sign", plain, program_that_flies()], capture_output=True, text=True, check=True).stdout.strip()
-        return self.file("drone.toml", f'{content}\n[hand_over_test]\npassed = "{mark}"\n')
 
     def test_a_lap_of_the_oval_is_flown_and_the_drone_lands(self):
         servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)
@@ -59,7 +45,7 @@ class OverTheLink(Cli):
                            "--servos", servos, "--state", state, "--radio", radio, "--controller", controller, "--msp", msp, "--pictures", pictures, "--log", "truth.csv")
         self.assertIn("ready", world.stderr.readline())
         pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"msp:tcp:127.0.0.1:{msp}", "--drone",
-                           self.signed(), "--out", "flight", "--json")
+                           signed(self, DRONE.read_text(encoding="utf-8")), "--out", "flight", "--json")
         told, heard = world.communicate(timeout=120)
         outcome = json.loads(told)
         told, said = pilot.communicate(timeout=20)

@@ -157,7 +157,7 @@ TEST(CommandGuard, AFallThatNothingHasMeasuredIsNotMadeUpFor) {
   }
 }
 
-/// What a guard allows, and what it lets a descent have, after eight seconds of a pilot's lift while gates tell the height.
+/// The lift that a guard allows, and a descent's, after eight seconds of a pilot's lift while gates tell the height.
 struct Learnt {
   double allowed = 0.0, descent = 0.0;
 };

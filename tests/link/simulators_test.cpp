@@ -126,6 +126,10 @@ TEST(BetaflightSitl, StateHasTheSignsThatItsReaderUndoes) {
   EXPECT_THAT(Vector3d(d[1], d[2], d[3]), IsNear(Vector3d(1, 2, -3), 0));
   EXPECT_THAT(Vector3d(d[4], d[5], d[6]), IsNear(Vector3d(-4, 5, 6), 0));
   EXPECT_THAT(Vector3d(d[11], d[12], d[13]), IsNear(Vector3d(8, 7, -9), 0)) << "east, north, up";
+  EXPECT_EQ(
+      betaflight_sitl::encode_state({.imu = {.gyro_B = {0, 0, 3}}}, betaflight_sitl::Release::k4_5),
+      betaflight_sitl::encode_state({.imu = {.gyro_B = {0, 0, -3}}}))
+      << "4.5 reads the yaw's gyro with the other sign";
   EXPECT_EQ(d[16], 10);
   EXPECT_NEAR(d[17], 101325 - 117, 1);
 }

@@ -63,7 +63,7 @@ struct FakeSettings {
   double hover_error = 0.0;   ///< Part by which the rotors give more than the constants say.
   double start_height = 0.0;  ///< Held there until the override is on [m].
   std::string log;            ///< A CSV of every stick frame, and of the drone's motion.
-  int port = 0;               ///< Of its serial line; 0: any that is free.
+  int port = 0;               ///< TCP port of its serial line; 0: any that is free.
 };
 
 /// One drone, from its start to the end of the test. Everything happens in serve(), which may be another thread's.

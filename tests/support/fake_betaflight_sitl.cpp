@@ -65,7 +65,7 @@ class FakeSitl : public FakeBetaflight {
     waited_ += dt;
     if (!felt) return;
     const std::array<double, 4> speeds = autopilot_.step({obeyed(), armed_}, felt_, waited_);
-    // What it tells is filtered: at 50 samples a second the rotors' vibration would be all there is.
+    // Its telemetry is filtered: at 50 samples a second the rotors' vibration would be all there is.
     rates_B_ = gyro_filter_.update(felt_.gyro_B);
     yaw_ += rates_B_.z() * waited_;
     waited_ = 0.0;
@@ -75,7 +75,7 @@ class FakeSitl : public FakeBetaflight {
         rotation_EB(q_) * accel_filter_.update(felt_.accel_B) + Eigen::Vector3d(0, 0, kGravity);
     tell(speeds);
   }
-  /// Of 18 doubles: gyro p, q, r as 4.5 has it, accelerometer -x, y, z.
+  /// Reads gyro p, q, r, as 4.5 has it, and accelerometer -x, y, z from 18 doubles.
   bool feel(link::Bytes bytes) {
     if (bytes.size() != betaflight_sitl::kStateSize) return false;
     std::array<double, 18> all{};

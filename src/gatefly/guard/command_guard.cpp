@@ -73,7 +73,7 @@ void CommandGuard::follow_ending(bool ending, const Belief& belief, double lift,
   ending_for_ += dt;
 }
 
-/// What the last command has done: its lift less the climb that it brought.
+/// Compares the last command's lift with the climb that it brought.
 void CommandGuard::learn_hover(const Belief& belief, double dt) {
   const double climb = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb);
   if (learns_ && belief.height_age <= limits_.learns_from) {

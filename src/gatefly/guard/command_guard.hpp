@@ -23,7 +23,7 @@ struct CommandLimits {
   double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.
   /// A climb that a gate told so lately is one to learn from; an accelerometer's is not.
   std::chrono::nanoseconds learns_from = std::chrono::milliseconds{60};
-  double hover_time = 2.0;  ///< What hovers is a mean of the pilot's lift over so long [s].
+  double hover_time = 2.0;  ///< Time constant of the mean that is taken for hovering [s].
   double least_hover = 0.8, most_hover = 1.15;  ///< Parts of the weight; beyond is not believed.
   /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
   double fades_after = 3.0, fade = 0.015;  ///< [1/s²]
@@ -50,7 +50,8 @@ struct Belief {
 /// what it has climbed by, shows what hovers.
 ///
 /// An ending, braking and descent, knows no height. It goes by the strongest that the rotors may be: these would sink at
-/// CommandLimits::sink, weaker ones faster, and none climb. Of a fall that nothing has measured it makes up for nothing.
+/// CommandLimits::sink, weaker ones faster, and none climb. It adds no lift against a fall that no gate has
+/// measured.
 class CommandGuard {
  public:
   explicit CommandGuard(const CommandLimits& limits = {}) : limits_{limits} {}

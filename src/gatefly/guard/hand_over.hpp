@@ -74,7 +74,7 @@ enum class Phase : std::uint8_t {
 /// Limits. All ours, none flown yet; a period is that of the stick stream, 25 ms at 40 Hz.
 struct HandOverParams {
   std::chrono::nanoseconds status = std::chrono::milliseconds{500};
-  /// An answer that is lost makes 100 ms: 60 until it is asked for again, 20 of a turn, 20 of its answer.
+  /// One lost answer leaves 100 ms without an attitude: 60 until it is asked for again, 20 of a turn, 20 of the answer.
   std::chrono::nanoseconds attitude = std::chrono::milliseconds{150};
   std::chrono::nanoseconds picture =
       std::chrono::milliseconds{150};  ///< Of 30 Hz: four are missing.

@@ -29,7 +29,7 @@ class DroneInWorld {
 
   [[nodiscard]] bool airborne() const { return airborne_; }
   [[nodiscard]] bool rests() const;
-  /// What was touched in the air first, the floor aside; nullopt while nothing was.
+  /// The first thing that was touched in the air, the floor aside; nullopt while nothing was.
   [[nodiscard]] const std::optional<std::string>& hit() const { return hit_; }
   [[nodiscard]] const std::vector<sim::GatePass>& passes() const { return passes_; }
   [[nodiscard]] int gates_total() const { return referee_.total(); }

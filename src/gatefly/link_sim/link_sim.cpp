@@ -54,9 +54,10 @@ class Motors {
   std::optional<double> last_;
 };
 
-/// What the controller's sensors feel. Betaflight lets its clock run as fast as the last two stamps came, unless they are 20 ms apart or
-/// more: two that arrive at once would make its time run hundreds of times too fast, and it would miss its radio. So each stamp is
-/// further than that from the one before, whenever it is sent, and its clock goes with the real one.
+/// Tells the controller what its sensors feel.
+///
+/// Betaflight sets the rate of its clock from the last two stamps, unless they are 20 ms apart or more. Two packets that arrive at once
+/// made it run hundreds of times too fast, so that it missed its radio. Stamps 50 ms apart leave its clock alone.
 class Sensors {
  public:
   Sensors(int port, betaflight_sitl::Release release)
@@ -132,11 +133,13 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
             .state = drone.state(),
             .motors = motors.now(),
             .gates_passed = static_cast<int>(drone.passes().size())});
-    if (radio.state() != before && radio.state() == SafetyPilot::State::kHandedOver)
-      say("armed, and handed over");
-    if (radio.state() != before && radio.state() == SafetyPilot::State::kNotArmed)
+    const auto enters = [&](SafetyPilot::State state) {
+      return radio.state() == state && before != state;
+    };
+    if (enters(SafetyPilot::State::kHandedOver)) say("armed, and handed over");
+    if (enters(SafetyPilot::State::kNotArmed))
       say("the controller does not arm; again in a second");
-    if (radio.state() != before && radio.state() == SafetyPilot::State::kTookBack) {
+    if (enters(SafetyPilot::State::kTookBack)) {
       taken_back = drone.time();
       outcome.reason = why_taken_back(drone, radio, params.radio.time_limit);
       outcome.flight_time = *taken_back - radio.handed_over_at();

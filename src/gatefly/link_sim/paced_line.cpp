@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
-#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -18,40 +18,19 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "gatefly/live/port.hpp"
+
 namespace gatefly::link_sim {
 namespace {
 
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-sockaddr_in at_home(int port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  return address;
-}
-
-void send_at_once(int fd) {
-  const int yes = 1;
-  setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-}
-
-int called(int port) {
-  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const sockaddr_in to = at_home(port);
-  if (fd >= 0 && connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) {
-    send_at_once(fd);
-    return fd;
-  }
-  if (fd >= 0) close(fd);
-  return -1;
-}
-
 /// One direction: what it may carry grows with time, ten bits a byte, and what is not used is lost.
 class Direction {
  public:
-  Direction(int from, int to, int baud) : from_{from}, to_{to}, bytes_per_second_{baud / 10.0} {}
+  Direction(live::Port& from, live::Port& to, int baud)
+      : from_{from}, to_{to}, bytes_per_second_{baud / 10.0} {}
 
   /// False when an end is gone.
   bool carry(double elapsed) {
@@ -61,15 +40,14 @@ class Direction {
     std::array<std::uint8_t, 4096> room{};
     const auto most = std::min(room.size(), static_cast<std::size_t>(allowed_));
     if (most == 0) return true;
-    const ssize_t got = recv(from_, room.data(), most, MSG_DONTWAIT);
-    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return false;
-    if (got < 0) return true;
-    allowed_ -= static_cast<double>(got);
-    return send(to_, room.data(), static_cast<std::size_t>(got), MSG_NOSIGNAL) == got;
+    const auto got = from_.read(std::span{room}.first(most), live::Clock::now());
+    if (!got) return false;
+    allowed_ -= static_cast<double>(*got);
+    return *got == 0 || to_.write(link::Bytes{room}.first(*got), live::Clock::now() + 10ms);
   }
 
  private:
-  int from_, to_;
+  live::Port &from_, &to_;
   double bytes_per_second_, allowed_ = 0.0;
 };
 
@@ -79,7 +57,10 @@ PacedLine::PacedLine(int port, int controller, int baud)
     : listener_{socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)},
       controller_port_{controller},
       baud_{baud} {
-  const sockaddr_in at = at_home(port);
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  at.sin_port = htons(static_cast<std::uint16_t>(port));
   const int yes = 1;
   if (listener_ >= 0) setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (listener_ < 0 || bind(listener_, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 ||
@@ -101,21 +82,24 @@ void PacedLine::work() {
   while (!over_) {
     pollfd waiting{listener_, POLLIN, 0};
     if (poll(&waiting, 1, 50) <= 0) continue;
-    const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (client < 0) continue;
-    send_at_once(client);
-    const int controller = called(controller_port_);
-    if (controller >= 0) {
+    const int accepted = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (accepted < 0) continue;
+    const int yes = 1;
+    setsockopt(accepted, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    live::Port client{accepted, "client"};
+    try {
+      live::Port controller =
+          live::Port::tcp("127.0.0.1", controller_port_, live::Clock::now() + 1s);
       connected_ = true;
       carry(client, controller);
       connected_ = false;
-      close(controller);
+    } catch (const std::runtime_error&) {
+      // Nobody is there: the client is hung up on.
     }
-    close(client);
   }
 }
 
-void PacedLine::carry(int client, int controller) {
+void PacedLine::carry(live::Port& client, live::Port& controller) {
   Direction there{client, controller, baud_}, back{controller, client, baud_};
   for (auto last = steady_clock::now(); !over_; std::this_thread::sleep_for(500us)) {
     const auto now = steady_clock::now();

@@ -4,6 +4,10 @@
 #include <atomic>
 #include <thread>
 
+namespace gatefly::live {
+class Port;
+}
+
 namespace gatefly::link_sim {
 
 /// A serial line between a program and a flight controller that has TCP only: bytes go both ways as fast as its speed lets them.
@@ -22,7 +26,7 @@ class PacedLine {
 
  private:
   void work();
-  void carry(int client, int controller);
+  void carry(live::Port& client, live::Port& controller);
 
   int listener_ = -1, controller_port_, baud_;
   std::atomic<bool> over_ = false, connected_ = false;

@@ -15,7 +15,7 @@ namespace gatefly::link_sim {
 namespace {
 
 constexpr int kQuality = 90;             ///< Ours; TS-002 does not say.
-constexpr std::size_t kDatagram = 1400;  ///< What an Ethernet frame takes.
+constexpr std::size_t kDatagram = 1400;  ///< Fits into an Ethernet frame [bytes].
 constexpr std::size_t kPoses = 512;      ///< Half a second.
 
 }  // namespace

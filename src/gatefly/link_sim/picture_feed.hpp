@@ -19,7 +19,7 @@
 
 namespace gatefly::link_sim {
 
-/// What a network does to slices of pictures.
+/// Faults of the network that carries the slices.
 struct NetworkTroubles {
   double loss = 0.0;     ///< Part of the slices that never arrive.
   double reorder = 0.0;  ///< Part that arrives after the next one.

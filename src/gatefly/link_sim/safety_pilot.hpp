@@ -20,7 +20,7 @@ class SafetyPilot {
     double rest = 1.0;          ///< On the floor, once it has flown, until it is disarmed.
     double time_limit = 180.0;  ///< From the override to taking it back.
   };
-  /// What there is to see, at a time [s] that does not run backwards.
+  /// Observations at a time [s] that does not run backwards.
   struct Seen {
     double time = 0.0;
     bool client = false;    ///< Somebody talks to the controller.

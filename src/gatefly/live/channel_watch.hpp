@@ -20,8 +20,8 @@ namespace gatefly::live {
 
 /// Compares the channels that a controller flies by with the stick frames that were sent to it.
 ///
-/// What is read back must be a frame of the last kLag, or the one in effect at its beginning: the line and the controller take time,
-/// and so does the answer. A frame counts as a whole: channels of two frames are none of them.
+/// Sticks that are read back must be those of a frame of the last kLag, or of the one in effect at its beginning: the line, the
+/// controller and the answer take time. A frame counts as a whole: channels of two frames are none of them.
 class ChannelWatch {
  public:
   static constexpr std::chrono::nanoseconds kLag =

@@ -99,6 +99,7 @@ FlightDeck::Sent FlightDeck::step(const ControllerState& controller, const Wante
              .roll = controller.attitude.roll,
              .pitch = controller.attitude.pitch,
              .ending_for = is_ending(action) ? seconds(now - state_.since) : 0.0,
+             .stands = wanted.landed,
              .in_air = !rests && (action == guard::Action::kPilot || is_ending(action))};
   if (action < guard::Action::kPilot || rests) return {action, msp::kNeutral};
   const AttitudeCommand& pilot = wanted.command.attitude;

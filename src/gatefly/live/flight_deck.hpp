@@ -31,6 +31,7 @@ struct EndingState {
   double yaw = 0.0, v_x = 0.0, v_y = 0.0, v_z = 0.0;  ///< Last believed; earth [m/s].
   double roll = 0.0, pitch = 0.0;                     ///< Last told by the controller [rad].
   double ending_for = 0.0;                            ///< [s]; 0: it flies.
+  bool stands = false;                                ///< The pilot has landed, it says.
   bool in_air = false;                                ///< Silence now would be an accident.
 };
 static_assert(std::is_trivially_copyable_v<EndingState>);

@@ -285,7 +285,7 @@ bool HandOverWalk::both_killed() {
          alone(view_.last()->sent, since) && taken_back(" after it", true) && disarmed();
 }
 
-/// What the channels do when nobody sends. Both is well: the pilot has to know it.
+/// Finds out what the channels do when nobody sends. Either answer is well: the pilot only has to know it.
 bool HandOverWalk::alone(const msp::Sticks& last, Moment since) {
   const std::string line = "both processes killed, as with the cable out: ";
   std::optional<nanoseconds> given_back;

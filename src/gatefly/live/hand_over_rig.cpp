@@ -58,7 +58,7 @@ double test_thrust(const DroneFile& drone) {
   return 0.5 * kGravity;
 }
 
-/// What its threads share.
+/// State that the threads of the flying process share.
 struct Rigged {
   struct Sight {
     nanoseconds picture_at{0}, limit{0};
@@ -93,7 +93,7 @@ void move_all_sticks(Rigged& rig, const DroneFile& drone) {
   while (!rig.wires.stop && !rig.wires.link_over) {
     while (const nanoseconds* const arrived = rig.arrivals.front()) {
       pictures.arrived(*arrived);
-      sight = {.picture_at = *arrived, .limit = pictures.limit(), .sees = true};
+      sight = {.picture_at = *arrived, .limit = pictures.gone(), .sees = true};
       rig.arrivals.pop();
     }
     rig.sight.write(sight);
@@ -103,7 +103,7 @@ void move_all_sticks(Rigged& rig, const DroneFile& drone) {
     wanted.steers = true;
     wanted.v_E = {kSpeed, 0, 0};
     if (sight.sees) wanted.picture_at = sight.picture_at;
-    wanted.picture_limit = pictures.limit();
+    wanted.picture_limit = pictures.gone();
     wanted.command.attitude.thrust = thrust;
     wanted.command.rates_B = rates[static_cast<std::size_t>(now / kSwaps % 2)];
     rig.wires.wanted.write(wanted);

@@ -22,13 +22,13 @@ struct RigNews {
   guard::Action action = guard::Action::kSilent;
   Moment since;                               ///< When the phase began.
   Moment picture_at;                          ///< The last one; of a camera that has shown one.
-  std::chrono::nanoseconds picture_limit{0};  ///< An age that says that they stand still.
+  std::chrono::nanoseconds picture_limit{0};  ///< Age at which they count as gone.
   bool sees = false;                          ///< A picture has come.
   pid_t keeper = -1;                          ///< Its second process.
   std::array<char, 240> trouble{};            ///< With link, camera or second process; "": none.
 };
 
-/// What flies in a hand-over test, in a process of its own that can be killed: link, deck, second process and camera are those of
+/// The process that flies in a hand-over test, and that can be killed: link, deck, second process and camera are those of
 /// `run`; in the pilot's place somebody moves all sticks, each by another amount and the other way every half second, with less
 /// thrust than hovering takes.
 ///
@@ -58,7 +58,7 @@ class HandOverRig {
 
   void close_camera() { order('c'); }
   void bring_down() { order('e'); }
-  /// With -9. It is dead when that returns.
+  /// Kills with -9; the process is dead when this returns.
   void kill_first();
   void kill_both();
 
@@ -68,7 +68,8 @@ class HandOverRig {
   void hear_news();
 
   pid_t process_ = -1;
-  int frames_ = -1, talk_ = -1;  ///< From both processes; with the first.
+  int frames_ = -1,
+      talk_ = -1;  ///< Sockets: frames of both processes; news and orders of the first.
   RigNews news_;
 };
 

@@ -14,14 +14,14 @@
 
 namespace gatefly::live {
 
-/// What is known of the controller now, whoever asks it.
+/// The latest known state of the controller, whoever asked for it.
 struct Witnessed {
   bool armed = false, override_on = false;
   msp::Sticks sticks;
   Moment sticks_at, status_at, overridden_at;  ///< The last: status with the override on.
 };
 
-/// What a hand-over test sees of controller and rig: told by the rig while one of its processes is there, asked for when none is.
+/// A hand-over test's view of controller and rig: the rig tells it while one of its processes lives, and it asks itself when none does.
 /// Two who ask at once would hang the controller.
 class HandOverView {
  public:
@@ -33,7 +33,7 @@ class HandOverView {
   /// Looks for about 5 ms.
   void look();
 
-  /// While one of its processes is there, as far as we have looked; else nullptr.
+  /// nullptr once the last look() has seen both of its processes gone.
   [[nodiscard]] HandOverRig* rig() { return rig_.get(); }
   /// Last words of the latest rig's first process.
   [[nodiscard]] const RigNews& news() const { return news_; }
@@ -45,7 +45,7 @@ class HandOverView {
   /// Why it cannot go on: link, camera, a rig that ends; "" when it can.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] bool link_is_gone() const { return queries_ && queries_->broken(); }
-  /// Whether it is meant that the rig ends.
+  /// Says whether the end of the rig is part of the test; else it is trouble.
   void let_end(bool may_end) { may_end_ = may_end; }
 
   [[nodiscard]] long frames() const { return frames_; }
@@ -62,7 +62,7 @@ class HandOverView {
   const DroneFile& drone_;
   std::unique_ptr<HandOverRig> rig_;
   std::unique_ptr<MspQueries> queries_;  ///< None while the rig is there.
-  RunClock clock_;                       ///< Of queries_.
+  RunClock clock_;                       ///< The times of queries_ are measured by it.
   ChannelWatch channels_;
   Witnessed told_;
   RigNews news_;

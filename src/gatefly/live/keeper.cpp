@@ -77,7 +77,8 @@ void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, dou
         state.attitude_at >= 0ns ? clock.now() - state.attitude_at < 150ms : clock.now() < 100ms;
     const guard::Belief belief{.yaw = ending.yaw,
                                .v_E = {ending.v_x, ending.v_y, ending.v_z},
-                               .height_age = guard::Situation::kNever};
+                               .height_age = guard::Situation::kNever,
+                               .stands = ending.stands};
     const bool brakes = level_known && ending_for < brake;
     const AttitudeCommand command = ending.guard.step(
         brakes ? guard::Action::kBrake : guard::Action::kDescend, {}, belief, period);

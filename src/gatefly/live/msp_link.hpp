@@ -61,7 +61,7 @@ class MspQueries {
   friend class MspSticks;
   Port port_;
   MspPoller poller_;
-  Moment start_;  ///< Of the clock that the poller's times are by.
+  Moment start_;  ///< Start of the clock that the poller's times are measured by.
   std::array<std::uint8_t, 512> room_{};
   bool broken_ = false;
 };

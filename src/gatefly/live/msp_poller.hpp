@@ -74,7 +74,7 @@ class MspPoller {
   FixedList<std::uint8_t, 8> asked_;  ///< In the request that is open; empty: none is.
   std::chrono::nanoseconds asked_at_{0}, next_turn_{0};
   int sticks_open_ = 0;  ///< Stick frames that are not acknowledged.
-  std::optional<std::chrono::nanoseconds> waits_since_;  ///< For them, with a question.
+  std::optional<std::chrono::nanoseconds> waits_since_;  ///< A question waits for them.
   int turn_ = 0;
   bool batched_ = true, sampled_ = false;
   std::array<std::uint8_t, 32> room_{};
