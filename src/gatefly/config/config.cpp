@@ -12,6 +12,7 @@
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/key_names.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/config/texts.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
@@ -248,8 +249,14 @@ Config::Config() { pilot = pilot_config(*this); }
 
 Config load_config(std::span<const std::filesystem::path> files,
                    std::span<const std::string> settings) {
+  return load_config(files, settings, std::nullopt);
+}
+
+Config load_config(std::span<const std::filesystem::path> files,
+                   std::span<const std::string> settings, const std::optional<TextFile>& text) {
   Config config;
   for (const auto& file : files) read_config_file(config, TomlFile{file}, file);
+  if (text) read_config_file(config, TomlFile{text->name, text->content}, {});
   for (const std::string& setting : settings) {
     if (setting.find_first_of("\n\r") != std::string::npos)  // a flight keeps each on a line
       throw std::runtime_error("--set " + one_line(setting) + ": must be on one line");

@@ -18,4 +18,23 @@ namespace gatefly::io {
                                             const std::vector<std::string>& configs = {},
                                             const std::vector<std::string>& settings = {});
 
+/// The same, where files or texts of files may be given.
+struct PilotSources {
+  std::string track;                  ///< File or name; "": the text counts.
+  std::string track_text;             ///< What would stand in a track file.
+  std::vector<std::string> configs;   ///< Files or names.
+  std::string config_text;            ///< What would stand in one more file, after these.
+  std::vector<std::string> settings;  ///< "section.key=value", after all of it.
+};
+
+/// What a pilot is told, and how its camera stores pictures.
+struct PilotFiles {
+  PilotConfig pilot;
+  int stored_width = 0, stored_height = 0;  ///< [px]
+  int stored_rotation_deg = 0;              ///< Counter-clockwise, until it is upright.
+};
+
+/// @throws std::runtime_error one line; a text is called "track text", "config text".
+[[nodiscard]] PilotFiles read_pilot_files(const PilotSources& sources);
+
 }  // namespace gatefly::io

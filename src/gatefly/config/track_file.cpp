@@ -10,6 +10,7 @@
 
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/config/texts.hpp"
 #include "gatefly/config/track_keys.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
@@ -253,10 +254,8 @@ const json& list_of(Table& table, const char* key, std::size_t least, std::size_
   return list;
 }
 
-}  // namespace
-
-TrackFile read_track(const std::filesystem::path& path, const GateDescription& defaults) {
-  const TomlFile file(path);
+TrackFile track_of(const TomlFile& file, const std::filesystem::path& path,
+                   const GateDescription& defaults) {
   Section top{Table(file), ""};
   Table& table = top.table();
 
@@ -290,6 +289,16 @@ TrackFile read_track(const std::filesystem::path& path, const GateDescription& d
   table.refuse_others();
   check_inside_room(track.track, file);
   return track;
+}
+
+}  // namespace
+
+TrackFile read_track(const std::filesystem::path& path, const GateDescription& defaults) {
+  return track_of(TomlFile{path}, path, defaults);
+}
+
+TrackFile read_track(const TextFile& text, const GateDescription& defaults) {
+  return track_of(TomlFile{text.name, text.content}, text.name, defaults);
 }
 
 std::vector<std::string> track_colors() {

@@ -28,7 +28,7 @@ fs::path this_binary() {
   Dl_info library{};
   if (dladdr(&kHere, &library) != 0 && library.dli_fname != nullptr) {
     const fs::path path = fs::canonical(library.dli_fname, error);
-    if (path.extension() == ".so") return path;
+    if (path.filename().string().find(".so") != std::string::npos) return path;
   }
   return fs::read_symlink("/proc/self/exe", error);
 }
