@@ -30,6 +30,8 @@ gatefly_pkg_config(gatefly)
 if(GATEFLY_PROGRAM)
   install(EXPORT gatefly-files-targets NAMESPACE gatefly:: DESTINATION ${package_dir} COMPONENT library)
   gatefly_pkg_config(gatefly-files)
+  install(EXPORT gatefly-c-targets NAMESPACE gatefly:: DESTINATION ${package_dir} COMPONENT library)
+  gatefly_pkg_config(gatefly-c)
   install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT library PATTERN python EXCLUDE)
   # The build folder has them, too, where the program looks for them: files/shipped_files.hpp.
   foreach(folder cameras configs tracks vehicles)

@@ -19,6 +19,7 @@ VERSION = re.search(r"project\(gatefly VERSION (\S+)", (SOURCE / "CMakeLists.txt
 # Whoever includes one of these has all that is meant for others.
 DOORS = ("detection/gate_detector.hpp", "pose/gate_fix.hpp", "estimation/navigator.hpp", "race/pilot.hpp",
          "files/image_file.hpp", "config/pilot_files.hpp")
+CC = ("gcc", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 INCLUDE = re.compile(r'#include "(gatefly/[^"]+)"')
 HELD_ON_THE_FLOOR = ["ground", "take-off", "land", "landed", "the drone did not climb"]
 
@@ -60,14 +61,28 @@ class Installed(unittest.TestCase):
         cls.picture = cls.folder / "frame.ppm"
         picture(cls.picture)
 
+    def flown_tapes(self, program, env):
+        """The recorded race as the pilot in C++ flies it, and as a program in C does; from 0 and from 4 s before 32 bits are full."""
+        flight = SOURCE / "tests" / "replay" / "oval_flight"
+        setup = (flight / "track.toml", flight / "config-0.toml")
+        for start in (0, 2**32 - 4_000_000):
+            with self.subTest(start=start):
+                tape, wanted, got = (self.folder / name for name in ("flight.tape", "wanted", "got"))
+                run(BUILD / "tests" / "pack_flight", flight, tape, wanted, start, *setup)
+                said = run(program, tape, got, *setup, env=env)
+                self.assertIn("4096 steps, 39 pictures", said)
+                self.assertEqual(got.read_bytes(), wanted.read_bytes())
+                self.assertEqual(len(wanted.read_bytes()), 4096 * 29 * 8)
+
     def expect_examples_to_work(self, folder):
         found = run(folder / "find_gates", self.picture, cwd=self.folder)
         corners = [float(number) for number in re.findall(r"-?\d+\.?\d*", found.split(":")[1])]
         self.assertEqual(found.count("fitness"), 1)
         for corner, wanted in zip(corners, (110, 60, 209, 60, 209, 159, 110, 159), strict=True):
             self.assertAlmostEqual(corner, wanted, delta=2)
-        said = run(folder / "pilot_loop", "oval", "cameras/bebop.toml", cwd=self.folder, env=self.env)
-        self.assertEqual(phases(said), HELD_ON_THE_FLOOR)
+        for program in ("pilot_loop", "pilot_loop_c"):
+            said = run(folder / program, "oval", "cameras/bebop.toml", cwd=self.folder, env=self.env)
+            self.assertEqual(phases(said), HELD_ON_THE_FLOOR)
 
     def test_the_program_works_from_any_folder(self):
         elsewhere = self.folder / "elsewhere"
@@ -124,7 +139,40 @@ class Installed(unittest.TestCase):
         flags = run("pkg-config", "--cflags", "--libs", "gatefly-files", env=self.env).split()
         for source in examples.glob("*.cpp"):
             run(CXX, "-std=c++20", source, *flags, "-o", build / source.stem)
+        flags = run("pkg-config", "--cflags", "--libs", "gatefly-c", env=self.env).split()
+        run(*CC, "-std=c99", examples / "pilot_loop.c", *flags, *self.runtime_path(), "-o", build / "pilot_loop_c")
         self.expect_examples_to_work(build)
+
+    def runtime_path(self):
+        return (f"-Wl,-rpath,{next(self.prefix.rglob('libgatefly_c.so')).parent}",)
+
+    def test_a_program_in_c_flies_the_recorded_race_as_the_pilot_in_cpp_does(self):
+        source = SOURCE / "tests" / "c_interface" / "fly_tape.c"
+        for standard in ("c99", "c11"):
+            flags = run("pkg-config", "--cflags", "--libs", "gatefly-c", env=self.env).split()
+            run(*CC, f"-std={standard}", source, *flags, *self.runtime_path(), "-o", self.folder / standard)
+        self.flown_tapes(self.folder / "c99", self.env)
+        static = run("pkg-config", "--static", "--cflags", "--libs", "gatefly-c", env=self.env).replace("-lgatefly_c ", "-l:libgatefly_c.a ")
+        run(*CC, "-std=c99", source, *static.split(), "-o", self.folder / "static")
+        self.flown_tapes(self.folder / "static", self.env)
+        self.assertNotIn("gatefly", run("ldd", self.folder / "static"))
+
+    def test_a_project_in_c_alone_finds_the_c_interface_and_needs_nothing_else(self):
+        project = self.folder / "in_c"
+        project.mkdir()
+        (project / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.23)\nproject(p LANGUAGES C)\nfind_package(gatefly REQUIRED COMPONENTS c)\n"
+            f"add_executable(fly_tape {SOURCE}/tests/c_interface/fly_tape.c)\ntarget_link_libraries(fly_tape PRIVATE gatefly::c)\n")
+        run(*CONFIGURE, "-S", project, "-B", project / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}", "-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
+        run(CMAKE, "--build", project / "build")
+        self.flown_tapes(project / "build" / "fly_tape", self.env)
+
+    def test_the_shared_library_shows_the_functions_of_the_header_and_nothing_else(self):
+        header = (self.prefix / "include" / "gatefly.h").read_text()
+        declared = set(re.findall(r"^GATEFLY_API .*?(gatefly_\w+)\(", header, re.M))
+        shown = run("nm", "-D", "--defined-only", next(self.prefix.rglob("libgatefly_c.so")))
+        self.assertEqual({line.split()[-1] for line in shown.splitlines()}, declared)
+        self.assertGreater(len(declared), 10)
 
     def test_the_flight_code_alone_needs_eigen_only(self):
         source = self.folder / "pilot_only.cpp"

@@ -127,7 +127,7 @@ gatefly_status judged(const Imu& imu) {
   if (!imu.gyro_B.allFinite() || !imu.accel_B.allFinite()) return GATEFLY_NOT_FINITE;
   const bool possible = imu.gyro_B.cwiseAbs().maxCoeff() < kMostGyro &&
                         imu.accel_B.cwiseAbs().maxCoeff() < kMostAccel;
-  return possible ? GATEFLY_OK : GATEFLY_OUT_OF_RANGE;
+  return possible ? gatefly_status{GATEFLY_OK} : gatefly_status{GATEFLY_OUT_OF_RANGE};
 }
 
 Imu imu_of(const double* gyro, const double* accel) {
@@ -291,7 +291,7 @@ void gatefly_destroy(gatefly_pilot* pilot) {
 
 gatefly_status gatefly_step(gatefly_pilot* pilot, uint32_t time_us, const double gyro_radps[3],
                             const double accel_mps2[3], gatefly_command* command) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     if (gyro_radps == nullptr || accel_mps2 == nullptr || command == nullptr) return GATEFLY_NULL;
     if (command->struct_size < sizeof(gatefly_command)) return GATEFLY_WRONG_SIZE;
     gatefly_pilot& p = *pilot;
@@ -320,7 +320,7 @@ gatefly_status gatefly_step(gatefly_pilot* pilot, uint32_t time_us, const double
 gatefly_status gatefly_push_navigation_imu(gatefly_pilot* pilot, uint32_t time_us,
                                            const double gyro_radps[3],
                                            const double accel_mps2[3]) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     if (gyro_radps == nullptr || accel_mps2 == nullptr) return GATEFLY_NULL;
     const Imu imu = imu_of(gyro_radps, accel_mps2);
     const gatefly_status status = judged(imu);
@@ -332,13 +332,13 @@ gatefly_status gatefly_push_navigation_imu(gatefly_pilot* pilot, uint32_t time_u
 }
 
 gatefly_status gatefly_push_sonar(gatefly_pilot* pilot, uint32_t time_us, double range_m) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     return push_height(*pilot, pilot->sonar, time_us, range_m, 0.0, 100.0, pilot->next.sonar);
   });
 }
 
 gatefly_status gatefly_push_baro(gatefly_pilot* pilot, uint32_t time_us, double height_m) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     return push_height(*pilot, pilot->baro, time_us, height_m, -1000.0, 1000.0, pilot->next.baro);
   });
 }
@@ -346,7 +346,7 @@ gatefly_status gatefly_push_baro(gatefly_pilot* pilot, uint32_t time_us, double 
 gatefly_status gatefly_push_image(gatefly_pilot* pilot, uint32_t time_us, gatefly_format format,
                                   uint32_t width, uint32_t height, const uint8_t* bytes,
                                   size_t size) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     if (bytes == nullptr) return GATEFLY_NULL;
     gatefly::PixelFormat layout{};
     switch (format) {
@@ -375,7 +375,7 @@ gatefly_status gatefly_push_image(gatefly_pilot* pilot, uint32_t time_us, gatefl
 }
 
 gatefly_status gatefly_look_on(gatefly_pilot* pilot, int lifted, const double* motors_radps) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     std::optional<std::array<double, 4>> motors;
     if (motors_radps != nullptr) {
       motors.emplace();
@@ -396,7 +396,7 @@ gatefly_status gatefly_get_command(const gatefly_pilot* pilot, gatefly_command* 
 }
 
 gatefly_status gatefly_get_state(const gatefly_pilot* pilot, gatefly_state* state) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     const Pilot& p = pilot->pilot;
     const gatefly::Estimate e = p.estimate();
     gatefly_state s{};
@@ -421,7 +421,7 @@ gatefly_status gatefly_get_state(const gatefly_pilot* pilot, gatefly_state* stat
 }
 
 gatefly_status gatefly_get_health(const gatefly_pilot* pilot, gatefly_health* health) {
-  return guarded(pilot, [&] {
+  return guarded(pilot, [&]() -> gatefly_status {
     const gatefly_pilot& p = *pilot;
     gatefly_health h = p.counts;
     h.clock_jumps = p.clock.jumps();

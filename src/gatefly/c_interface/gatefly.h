@@ -45,7 +45,8 @@ extern "C" {
 #endif
 
 /** What became of a call. Only GATEFLY_NULL ... GATEFLY_INTERNAL leave what they should write unwritten. */
-typedef enum gatefly_status {
+typedef int32_t gatefly_status;
+enum {
   GATEFLY_OK = 0,
   /* The pilot has got something that it cannot use; it goes on without. */
   GATEFLY_NOT_FINITE = 1,   /**< NaN or infinity among the numbers. */
@@ -59,7 +60,7 @@ typedef enum gatefly_status {
   GATEFLY_WRONG_SETUP = 19,   /**< The configuration cannot be flown: the text says why. */
   GATEFLY_WRONG_ARGUMENT = 20, /**< A value that this function does not know. */
   GATEFLY_INTERNAL = 21       /**< Never, and if so a fault of this library. */
-} gatefly_status;
+};
 
 /** A pilot; only this library knows what is in it. */
 typedef struct gatefly_pilot gatefly_pilot;
@@ -90,8 +91,8 @@ typedef struct gatefly_command {
   double rates_radps[3];  /**< With control.output for an autopilot: turn rates about x, y, z. */
 } gatefly_command;
 
-/** Where in its flight a pilot is. */
-typedef enum gatefly_phase {
+/** Where in its flight a pilot is: gatefly_state.phase. */
+enum {
   GATEFLY_ON_GROUND = 0,
   GATEFLY_TAKE_OFF = 1,
   GATEFLY_STRAIGHT = 2,
@@ -99,22 +100,22 @@ typedef enum gatefly_phase {
   GATEFLY_SEARCH = 4,
   GATEFLY_LAND = 5,
   GATEFLY_LANDED = 6
-} gatefly_phase;
+};
 
-/** Why a flight was given up. */
-typedef enum gatefly_abort {
+/** Why a flight was given up: gatefly_state.abort_reason. */
+enum {
   GATEFLY_NOT_ABORTED = 0,
   GATEFLY_GATE_NOT_FOUND = 1,
   GATEFLY_NO_CLIMB = 2,
   GATEFLY_UPSET = 3,
   GATEFLY_SENSORS_LOST = 4
-} gatefly_abort;
+};
 
 /** What the pilot believes; for logs and displays. */
 typedef struct gatefly_state {
   uint32_t struct_size;       /**< sizeof(gatefly_state), set by the caller. */
-  uint32_t phase;             /**< gatefly_phase */
-  uint32_t abort_reason;      /**< gatefly_abort */
+  uint32_t phase;             /**< GATEFLY_ON_GROUND ... GATEFLY_LANDED */
+  uint32_t abort_reason;      /**< GATEFLY_NOT_ABORTED ... */
   uint32_t finished;          /**< 1: every gate of every lap is passed. */
   uint32_t gates_passed;      /**< Of all laps. */
   uint32_t target_gate;       /**< Flown to, from 0. */
@@ -157,11 +158,12 @@ typedef struct gatefly_health {
 } gatefly_health;
 
 /** How a picture's bytes are laid out, line by line without padding. */
-typedef enum gatefly_format {
+typedef uint32_t gatefly_format;
+enum {
   GATEFLY_UYVY = 0,  /**< YUV 4:2:2, 2 bytes a pixel: U Y0 V Y1. Full range, grey is 128. */
   GATEFLY_RGB = 1,   /**< 3 bytes a pixel. */
   GATEFLY_YUV444 = 2 /**< 3 bytes a pixel: Y, Cb, Cr. */
-} gatefly_format;
+};
 
 /** GATEFLY_ABI of the library that is linked; another one than the header's must not be used. */
 GATEFLY_API uint32_t gatefly_abi(void);
