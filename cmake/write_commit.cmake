@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 # cmake -DSOURCE=... -DOUT=... -P: writes which commit this is built from, as gatefly_commit() names it. Only written when it
 # has changed.
 include(${CMAKE_CURRENT_LIST_DIR}/gatefly_version.cmake)

@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 3> kStill{0.0, 0.0, 0.0}, kRest{0.0, 0.0, -9.81};
-constexpr const char* kTrack =
-    "[[gates]]\nposition_m = [4, 0, -1.5]\nheading_deg = 0\n";
+constexpr const char* kTrack = "[[gates]]\nposition_m = [4, 0, -1.5]\nheading_deg = 0\n";
 constexpr std::uint32_t kTick = 1953;  // µs
 
 template <class Struct>
@@ -183,8 +182,7 @@ TEST_F(CPilot, PicturesOfAnotherSizeOrTimeAreRefused) {
   EXPECT_EQ(push(stamp + 1, GATEFLY_UYVY, 160, bytes.size() - 1), GATEFLY_WRONG_IMAGE);
   EXPECT_EQ(push(stamp + 1, GATEFLY_RGB, 160, bytes.size()), GATEFLY_WRONG_IMAGE);
   EXPECT_EQ(push(stamp + 1, GATEFLY_UYVY, 162, bytes.size()), GATEFLY_WRONG_IMAGE);
-  EXPECT_EQ(push(stamp + 1, 7, 160, bytes.size()),
-            GATEFLY_WRONG_ARGUMENT);
+  EXPECT_EQ(push(stamp + 1, 7, 160, bytes.size()), GATEFLY_WRONG_ARGUMENT);
   EXPECT_EQ(gatefly_push_image(pilot, stamp + 1, GATEFLY_UYVY, 160, 315, nullptr, bytes.size()),
             GATEFLY_NULL);
   EXPECT_EQ(push(stamp + 2, GATEFLY_UYVY, 160, bytes.size()), GATEFLY_OK);
@@ -199,8 +197,8 @@ TEST_F(CPilot, PicturesOfAnotherSizeOrTimeAreRefused) {
 TEST_F(CPilot, NullAndForeignPointersAreAnError) {
   auto s = sized<gatefly_state>();
   std::vector<std::uint64_t> no_pilot(gatefly_size() / 8 + 1);
-  for (gatefly_pilot* none : {static_cast<gatefly_pilot*>(nullptr),
-                              reinterpret_cast<gatefly_pilot*>(no_pilot.data())}) {
+  for (gatefly_pilot* none :
+       {static_cast<gatefly_pilot*>(nullptr), reinterpret_cast<gatefly_pilot*>(no_pilot.data())}) {
     EXPECT_EQ(gatefly_step(none, 1, kStill.data(), kRest.data(), &command), GATEFLY_NULL);
     EXPECT_EQ(gatefly_push_sonar(none, 1, 1.0), GATEFLY_NULL);
     EXPECT_EQ(gatefly_push_baro(none, 1, 1.0), GATEFLY_NULL);

@@ -13,7 +13,8 @@ constexpr std::uint32_t kTick = 1953;  // 512 Hz [µs]
 
 TEST(MicrosecondClock, ADayOfStampsRunsOnWithoutAStepTooLong) {
   MicrosecondClock clock;
-  constexpr std::uint64_t kDay = 86'400'000'000, kStep = 499'999;  // seldom, so that it takes no time
+  constexpr std::uint64_t kDay = 86'400'000'000,
+                          kStep = 499'999;  // seldom, so that it takes no time
   std::uint64_t expected = 7;
   for (std::uint64_t t = 7; t < kDay; t += kStep) {
     ASSERT_EQ(clock.next(static_cast<std::uint32_t>(t)), expected);

@@ -78,7 +78,8 @@ void write_outputs(std::ostream& file, const Command& c, const Pilot& pilot) {
   for (const double value : {e.attitude.roll, e.attitude.pitch, e.attitude.yaw}) put(file, value);
   for (int i = 0; i < 3; ++i) put(file, e.p_GB[i]);
   for (int i = 0; i < 3; ++i) put(file, std::sqrt(std::max(0.0, e.covariance_GB(i, i))));
-  put(file, static_cast<double>(pilot.phase().index())), put(file, static_cast<double>(e.gates_passed));
+  put(file, static_cast<double>(pilot.phase().index())),
+      put(file, static_cast<double>(e.gates_passed));
 }
 
 io::PilotSources sources(const std::vector<std::string>& arguments) {
@@ -91,7 +92,8 @@ io::PilotSources sources(const std::vector<std::string>& arguments) {
 }
 
 void pack(const std::vector<std::string>& arguments) {
-  const io::PilotFiles files = io::read_pilot_files(sources({arguments.begin() + 4, arguments.end()}));
+  const io::PilotFiles files =
+      io::read_pilot_files(sources({arguments.begin() + 4, arguments.end()}));
   const io::FlightFolder folder = io::read_flight_folder(arguments[0]);
   const std::uint64_t from = std::stoull(arguments[3]);
 
@@ -119,9 +121,9 @@ void pack(const std::vector<std::string>& arguments) {
     Sensors sensors = tick.sensors;
     sensors.time = std::chrono::microseconds{tick.time_us};
     if (tick.picture >= 0)
-      sensors.image = Image{pictures[static_cast<std::size_t>(tick.picture)].data(),
-                            PixelFormat::kUyvy, files.stored_width, files.stored_height,
-                            files.stored_rotation_deg};
+      sensors.image =
+          Image{pictures[static_cast<std::size_t>(tick.picture)].data(), PixelFormat::kUyvy,
+                files.stored_width, files.stored_height, files.stored_rotation_deg};
     const Command command = pilot.step(sensors);
     write_outputs(outputs, command, pilot);
   }

@@ -318,8 +318,7 @@ gatefly_status gatefly_step(gatefly_pilot* pilot, uint32_t time_us, const double
 }
 
 gatefly_status gatefly_push_navigation_imu(gatefly_pilot* pilot, uint32_t time_us,
-                                           const double gyro_radps[3],
-                                           const double accel_mps2[3]) {
+                                           const double gyro_radps[3], const double accel_mps2[3]) {
   return guarded(pilot, [&]() -> gatefly_status {
     if (gyro_radps == nullptr || accel_mps2 == nullptr) return GATEFLY_NULL;
     const Imu imu = imu_of(gyro_radps, accel_mps2);
@@ -391,8 +390,7 @@ gatefly_status gatefly_look_on(gatefly_pilot* pilot, int lifted, const double* m
 }
 
 gatefly_status gatefly_get_command(const gatefly_pilot* pilot, gatefly_command* command) {
-  return guarded(pilot,
-                 [&] { return written(pilot->command, command, sizeof(gatefly_command)); });
+  return guarded(pilot, [&] { return written(pilot->command, command, sizeof(gatefly_command)); });
 }
 
 gatefly_status gatefly_get_state(const gatefly_pilot* pilot, gatefly_state* state) {
@@ -412,8 +410,7 @@ gatefly_status gatefly_get_state(const gatefly_pilot* pilot, gatefly_state* stat
     s.attitude_rad[1] = e.attitude.pitch;
     s.attitude_rad[2] = e.attitude.yaw;
     std::copy_n(e.p_GB.data(), 3, s.gate_position_m);
-    for (int i = 0; i < 3; ++i)
-      s.gate_sigma_m[i] = std::sqrt(std::max(0.0, e.covariance_GB(i, i)));
+    for (int i = 0; i < 3; ++i) s.gate_sigma_m[i] = std::sqrt(std::max(0.0, e.covariance_GB(i, i)));
     std::copy_n(e.gyro_bias.data(), 3, s.gyro_bias_radps);
     std::copy_n(e.accel_bias.data(), 3, s.accel_bias_mps2);
     return written(s, state, sizeof s);

@@ -35,10 +35,10 @@ class MicrosecondClock {
   std::uint64_t take(std::uint32_t stamp, std::int64_t step);
 
   bool started_ = false;
-  std::uint32_t last_ = 0;      ///< Stamp of the last sample that was taken.
-  std::uint64_t time_ = 0;      ///< Its time [µs].
-  std::uint32_t refused_ = 0;   ///< Stamp of the last one that was not ...
-  int agreeing_ = 0;            ///< ... and how many such follow each other.
+  std::uint32_t last_ = 0;     ///< Stamp of the last sample that was taken.
+  std::uint64_t time_ = 0;     ///< Its time [µs].
+  std::uint32_t refused_ = 0;  ///< Stamp of the last one that was not ...
+  int agreeing_ = 0;           ///< ... and how many such follow each other.
   int in_a_row_ = 0;
   std::uint64_t jumps_ = 0, wraps_ = 0;
 };
