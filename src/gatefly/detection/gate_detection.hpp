@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/geometry/exponential.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -35,11 +36,11 @@ using GateDetections = FixedList<GateDetection, 6>;
 /// Fitness of a frame with this score: part of such frames that were gates, on the authors' labelled
 /// pictures.
 [[nodiscard]] inline double confidence_of(double score) {
-  return 1.0 / (1.0 + std::exp(-2.2 * (score - 2.45)));
+  return 1.0 / (1.0 + gatefly::exp(-2.2 * (score - 2.45)));
 }
 /// Back from a confidence.
 [[nodiscard]] inline double score_of(double confidence) {
-  return 2.45 + std::log(confidence / (1.0 - confidence)) / 2.2;
+  return 2.45 + gatefly::log(confidence / (1.0 - confidence)) / 2.2;
 }
 
 /// The lower corners of a gate: all that is needed of one whose upper bar is above the picture.

@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/exponential.hpp"
 #include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/pose/pose_moments.hpp"
@@ -85,7 +86,7 @@ double outlier_cost(const Sight& sight, const MapPoseParams& params) {
   // Densities of N(0, σ²) and N(0, outlier σ²) at their middles, with their shares.
   const double ratio = params.outlier_sigma_px * params.outlier_sigma_px / sight.variance_px;
   const double share = (1.0 - params.outlier_share) / params.outlier_share;
-  return 2.0 * std::log(share) + (sight.line ? 1.0 : 2.0) * std::log(std::max(1.0, ratio));
+  return 2.0 * gatefly::log(share) + (sight.line ? 1.0 : 2.0) * gatefly::log(std::max(1.0, ratio));
 }
 
 /// What a fit pays for what it leaves out: each is N(0, outlier σ²) around where it should show.
@@ -214,7 +215,7 @@ Summary summary_of(const Hypotheses& list, const Problem& problem) {
   Mixture all, alike;
   double others = 0.0;
   for (const Hypothesis& one : list) {
-    double weight = std::exp(0.5 * (best.cost - one.cost));
+    double weight = gatefly::exp(0.5 * (best.cost - one.cost));
     // Laplace; between different observations it would favour those that tell less.
     if (one.active == best.active)
       weight *= std::sqrt(one.moments.covariance.determinant() / best_volume);
@@ -307,7 +308,7 @@ MapPoseAnswer map_pose(const GateObservations& seen, const PosePrior& given, con
 double normal_deviate(double chi2, int dof) {
   if (dof < 1) return 0.0;
   const double spread = 2.0 / (9.0 * dof);
-  return (std::cbrt(chi2 / dof) - (1.0 - spread)) / std::sqrt(spread);
+  return (gatefly::cbrt(chi2 / dof) - (1.0 - spread)) / std::sqrt(spread);
 }
 
 const char* text_of(NoPose reason) {

@@ -12,6 +12,8 @@
 namespace gatefly {
 namespace {
 
+double hypotenuse(double a, double b) { return std::sqrt(a * a + b * b); }
+
 constexpr double kNever = 1e9;  // [m]
 constexpr LookFor kPartToo{
     .gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo, .again = true};
@@ -178,9 +180,9 @@ std::optional<Fix> Lookout::fix_of(const GateDetection& seen, const Past& then,
 
 PoseParams Lookout::pose_params(const Navigator& navigator) const {
   PoseParams params = params_.pose;
-  params.attitude_sigma = std::hypot(params_.pose.attitude_sigma, navigator.ahrs().tilt_sigma());
+  params.attitude_sigma = hypotenuse(params_.pose.attitude_sigma, navigator.ahrs().tilt_sigma());
   params.gate_yaw_sigma = params_.gate_yaw_sigma;
-  params.heading_sigma = std::hypot(navigator.ahrs().heading_sigma(), params_.gate_yaw_sigma);
+  params.heading_sigma = hypotenuse(navigator.ahrs().heading_sigma(), params_.gate_yaw_sigma);
   return params;
 }
 

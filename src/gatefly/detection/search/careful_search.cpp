@@ -13,6 +13,7 @@
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
 #include "gatefly/detection/search/meant_detection.hpp"
+#include "gatefly/geometry/exponential.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly {
@@ -48,7 +49,7 @@ bool better_here(const Frame& a, const Frame& b) {
   // [of 0, .5, 1, 1.7: the most gates of all labelled sets]
   constexpr double kNatsPerDoubling = 0.5;
   const auto worth = [](const Frame& f) {
-    return f.score.total + kNatsPerDoubling * std::log2(std::max(1.0, std::abs(area(f.quad))));
+    return f.score.total + kNatsPerDoubling * gatefly::log2(std::max(1.0, std::abs(area(f.quad))));
   };
   return worth(a) > worth(b);
 }

@@ -11,6 +11,7 @@
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/geometry/exponential.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -55,7 +56,7 @@ struct Frame {
 /// Part of corners within 6 px of their label, by the evidence along the weaker of their two sides,
 /// on the authors' labelled pictures.
 [[nodiscard]] inline double corner_confidence_of(double side) {
-  return 1.0 / (1.0 + std::exp(-0.5 - 1.6 * side));
+  return 1.0 / (1.0 + gatefly::exp(-0.5 - 1.6 * side));
 }
 
 /// A frame as it is reported: the corners that are meant, and confidences.

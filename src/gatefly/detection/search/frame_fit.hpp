@@ -14,6 +14,7 @@
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/frame.hpp"
+#include "gatefly/geometry/exponential.hpp"
 
 namespace gatefly {
 
@@ -76,7 +77,7 @@ class FrameFit {
     s.inside = std::max(s.inside, middle(q));
     s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
               weights_.outside * s.outside - weights_.beyond * (s.beyond - kUndecidedBeyond) +
-              weights_.size * std::log2(std::max(1.0, length * cell_px_) / 50.0) + weights_.added -
+              weights_.size * gatefly::log2(std::max(1.0, length * cell_px_) / 50.0) + weights_.added -
               kUnseenSide * unseen;
     return s;
   }

@@ -9,6 +9,7 @@
 #include "gatefly/detection/search/bar_pieces.hpp"
 #include "gatefly/detection/search/board_edges.hpp"
 #include "gatefly/detection/search/frame_fit.hpp"
+#include "gatefly/geometry/exponential.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -262,7 +263,7 @@ std::optional<Candidate> candidate_of(const Pair& pair, const Image& image, cons
   constexpr double kNotLookedAt = 0.9;
   const FrameWeights& weights = fit.weights();
   found.score = sum / sides + weights.weakest * weakest - weights.inside * inside + kNotLookedAt +
-                weights.size * std::log2(std::max(1.0, pair.apart) / 50.0) + weights.added;
+                weights.size * gatefly::log2(std::max(1.0, pair.apart) / 50.0) + weights.added;
   return found.score < params.min_score ? std::nullopt : std::optional{found};
 }
 

@@ -14,6 +14,7 @@
 #include "gatefly/detection/search/frame_fit.hpp"
 #include "gatefly/detection/search/frame_pull.hpp"
 #include "gatefly/detection/search/meant_detection.hpp"
+#include "gatefly/geometry/exponential.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 
 namespace gatefly {
@@ -103,7 +104,7 @@ SnakeSearch::Pairs SnakeSearch::pairs_of(const BarFinder::Bars& bars) const {
       if (shared < kLeastShared * height || p.width > 2.2 * height || p.width < 0.25 * height)
         continue;
       p.worth = (l.strength + r.strength) * std::max(0.2 * height, shared) /
-                (height * (1.0 + std::abs(std::log(p.width / height))));
+                (height * (1.0 + std::abs(gatefly::log(p.width / height))));
       if (pairs.push_back(p)) continue;
       Pair& worst = *std::max_element(pairs.begin(), pairs.end(), better);
       if (better(p, worst)) worst = p;
