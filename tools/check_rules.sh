@@ -7,6 +7,8 @@
 #   fuzzers      hostile pictures under sanitizers, seconds of libFuzzer where there is clang (tests/fuzz)
 #   no_simulator the program works without MuJoCo and Embree
 #   no_simulator_whole   the same, everything built anew for it; before a release
+#   armv7, aarch64   the flight code's tests and a recorded race by qemu, as on this processor
+#   companion    preset companion builds, with g++ 11, too, where that is installed, and replays
 set -uo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
@@ -15,13 +17,16 @@ tidy() { python3 tools/check_tidy.py; }
 fuzzers() { cmake --build build/release --target fuzzers && ctest --test-dir build/release -L fuzz -LE full --output-on-failure; }
 no_simulator() { tools/check_without_simulator.sh; }
 no_simulator_whole() { tools/check_without_simulator.sh --whole; }
+armv7() { tools/check_arm.py armv7; }
+aarch64() { tools/check_arm.py aarch64; }
+companion() { tools/check_companion.sh; }
 sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }
 
 failed=0
 TIMEFORMAT='%0R s, %0U s CPU'
 [[ $# -gt 0 ]] || set -- format tidy sanitizers fuzzers no_simulator
 for rule in "$@"; do
-  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole" >&2; exit 2 ;; esac
+  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion" >&2; exit 2 ;; esac
   log="$(mktemp)"
   took="$( { time "$rule" >"$log" 2>&1; echo "$?" >"$log.code"; } 2>&1 )"
   code="$(cat "$log.code")"

@@ -58,7 +58,7 @@ void declare_completion(Command& command);
 /// A subcommand that is compiled into this program.
 struct CommandHere {
   std::string_view name;
-  void (*declare)(Command& command);      ///< nullptr: needs the simulator, which was left out.
+  void (*declare)(Command& command);      ///< nullptr: needs what was left out.
   const char* laboratory_flag = nullptr;  ///< With this flag it is the laboratory's.
 };
 /// Which these are: commands_of_*.cpp. What flies is in `gatefly`; what looks at flights and pictures,

@@ -93,7 +93,12 @@ constexpr std::array kCommands{
     Listed{"completion", "completes commands in your shell: bash, zsh, fish", kTools},
 };
 
-constexpr const char* kNoSimulator = "this program was built without the simulator";
+/// Why a command is not in this program.
+const char* why_left_out(std::string_view name) {
+  if (name == "calibrate" || name == "tune")
+    return "this program was built without Ceres and OpenCV";
+  return "this program was built without the simulator";
+}
 
 const CommandHere* find_here(std::string_view name) {
   const auto here = commands_here();
@@ -179,7 +184,7 @@ int run_main(std::span<char*> given) {
   for (const auto& [name, help, program] : kCommands) {
     const CommandHere* here = find_here(name);
     const bool left_out = here != nullptr && here->declare == nullptr;
-    Command command{app.add_subcommand(name, left_out ? kNoSimulator : help), run};
+    Command command{app.add_subcommand(name, left_out ? why_left_out(name) : help), run};
     if (here != nullptr && !left_out) here->declare(command);
   }
 
@@ -202,7 +207,7 @@ int run_main(std::span<char*> given) {
     if (is_for_laboratory(*here, arguments))
       return call_sibling(name, kLaboratory, arguments.data());
     if (here->declare == nullptr) {
-      std::cerr << "gatefly " << name << ": " << kNoSimulator << '\n';
+      std::cerr << "gatefly " << name << ": " << why_left_out(name) << '\n';
       return kUnusable;
     }
   }

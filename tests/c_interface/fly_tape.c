@@ -3,12 +3,14 @@
  * fly_tape TAPE OUTPUTS TRACK [CONFIG | section.key=value]...
  *
  * Flies a recording that pack_flight made, by gatefly.h and C99 alone; writes what comes out of every step
- * and prints a hash of it. An OUTPUTS of "-" writes nothing.
+ * and prints a hash of it. An OUTPUTS of "-" writes nothing. With FLY_TAPE_MARKS=1 getppid() is called before and
+ * after each step, for who counts instructions in between (tools/count_steps.py).
  */
 #include <gatefly.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { OUTPUTS = 29, MOST = 16 };
 
@@ -96,15 +98,18 @@ int main(int argc, char** argv) {
   if (gatefly_create(memory, gatefly_size(), &setup, &pilot, error, sizeof error) != GATEFLY_OK)
     must(0, error);
 
+  const int marks = getenv("FLY_TAPE_MARKS") != NULL;
   FILE* outputs = strcmp(argv[2], "-") == 0 ? NULL : fopen(argv[2], "wb");
   for (i = 0; i < head[0]; ++i) {
     gatefly_command command = {.struct_size = sizeof command};
     gatefly_state state = {.struct_size = sizeof state};
     double out[OUTPUTS];
     push(pilot, &ticks[i], head[2], head[3], pictures);
-    must(gatefly_step(pilot, (uint32_t)ticks[i].time_us, ticks[i].gyro, ticks[i].accel, &command) ==
-             GATEFLY_OK,
-         "a step is refused");
+    if (marks) (void)getppid();
+    const gatefly_status status =
+        gatefly_step(pilot, (uint32_t)ticks[i].time_us, ticks[i].gyro, ticks[i].accel, &command);
+    if (marks) (void)getppid();
+    must(status == GATEFLY_OK, "a step is refused");
     must(gatefly_get_state(pilot, &state) == GATEFLY_OK, "no state");
     must(state.time_us == ticks[i].time_us, "the clock went astray");
     collect(&command, &state, out);
