@@ -4,7 +4,8 @@
  *
  * Flies a recording that pack_flight made, by gatefly.h and C99 alone; writes what comes out of every step
  * and prints a hash of it. An OUTPUTS of "-" writes nothing. With FLY_TAPE_MARKS=1 getppid() is called before and
- * after each step, for who counts instructions in between (tools/count_steps.py).
+ * after each step, for who counts instructions in between (tools/count_steps.py). With FLY_TAPE_STACK=1 it says how
+ * much stack all steps together took.
  */
 #include <gatefly.h>
 #include <stdio.h>
@@ -19,6 +20,16 @@ typedef struct {
   int64_t picture;
   double gyro[3], accel[3], sonar, baro, looks_on, lifted, motors[4];
 } tick;
+
+/* Paints the stack below its caller, or counts from there on to where the paint is whole. */
+enum { PAINTED = 1 << 18, PAINT = 0x5a };
+__attribute__((noinline)) static size_t stack_below(int paint) {
+  volatile unsigned char area[PAINTED];
+  size_t i = 0;
+  for (; paint && i < PAINTED; ++i) area[i] = PAINT;
+  for (i = 0; i < PAINTED && area[i] == PAINT;) ++i;
+  return PAINTED - i;
+}
 
 static void must(int holds, const char* what) {
   if (holds) return;
@@ -98,8 +109,9 @@ int main(int argc, char** argv) {
   if (gatefly_create(memory, gatefly_size(), &setup, &pilot, error, sizeof error) != GATEFLY_OK)
     must(0, error);
 
-  const int marks = getenv("FLY_TAPE_MARKS") != NULL;
+  const int marks = getenv("FLY_TAPE_MARKS") != NULL, stack = getenv("FLY_TAPE_STACK") != NULL;
   FILE* outputs = strcmp(argv[2], "-") == 0 ? NULL : fopen(argv[2], "wb");
+  if (stack) (void)stack_below(1);
   for (i = 0; i < head[0]; ++i) {
     gatefly_command command = {.struct_size = sizeof command};
     gatefly_state state = {.struct_size = sizeof state};
@@ -116,6 +128,7 @@ int main(int argc, char** argv) {
     hash = hashed(hash, out, sizeof out);
     if (outputs != NULL) must(fwrite(out, sizeof out, 1, outputs) == 1, "cannot write");
   }
+  if (stack) printf("stack: %u bytes\n", (unsigned)stack_below(0));
   must(outputs == NULL || fclose(outputs) == 0, "cannot write");
   printf("%016llx %u steps, %u pictures\n", (unsigned long long)hash, head[0], head[1]);
   gatefly_destroy(pilot);

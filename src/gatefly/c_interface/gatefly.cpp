@@ -17,6 +17,13 @@
 #include "gatefly/config/pilot_files.hpp"
 #include "gatefly/race/pilot.hpp"
 
+// What may not allocate, lock or call the system: checked by clang (tools/check_realtime.sh).
+#if defined(__clang__) && __clang_major__ >= 20
+#define GATEFLY_NONBLOCKING noexcept [[clang::nonblocking]]
+#else
+#define GATEFLY_NONBLOCKING noexcept
+#endif
+
 namespace {
 
 using gatefly::Command;
@@ -102,7 +109,7 @@ struct gatefly_pilot {
         rotation{files.stored_rotation_deg},
         period{static_cast<std::uint64_t>(1e6 / files.pilot.imu_hz)} {}
 
-  gatefly_status step(const Imu& imu);
+  gatefly_status step(const Imu& imu) GATEFLY_NONBLOCKING;
 
   std::uint64_t alive = kAlive;
   void* memory = nullptr;  // where it begins, aligned or not ...
@@ -192,7 +199,7 @@ bool is_whole(const gatefly_setup& setup) {
 
 }  // namespace
 
-gatefly_status gatefly_pilot::step(const Imu& imu) {
+gatefly_status gatefly_pilot::step(const Imu& imu) GATEFLY_NONBLOCKING {
   const gatefly_status status = judged(imu);
   next.time = std::chrono::microseconds{time};
   next.imu = imu;
