@@ -18,10 +18,13 @@ PilotConfig read_pilot_config(const std::string& track, const std::vector<std::s
 }
 
 PilotFiles read_pilot_files(const PilotSources& sources) {
-  // What gatefly comes with may be missing where nothing of it is named: default.toml says what the
-  // program's own defaults are.
+  // An autopilot has its own files and none of those that gatefly comes with: default.toml only says
+  // what the program's own defaults are.
   std::vector<std::filesystem::path> files;
-  if (!sources.configs.empty() || !shipped_dir().empty()) files = config_files(sources.configs);
+  if (shipped_dir().empty())
+    for (const std::string& name : sources.configs) files.push_back(find_config(name));
+  else
+    files = config_files(sources.configs);
   std::optional<TextFile> text;
   if (!sources.config_text.empty()) text = TextFile{"config text", sources.config_text};
   const Config config = load_config(files, sources.settings, text);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "gatefly/detection/paper/paper_detector.hpp"
 #include "gatefly/detection/paper/side_bars.hpp"
@@ -22,9 +23,12 @@ std::optional<Quad> previous_of(const LookFor& look_for) {
   return look_for.previous != nullptr ? std::optional{*look_for.previous} : std::nullopt;
 }
 
-PaperDetections best_first(PaperDetections gates) {
-  insertion_sort(gates, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
-  return gates;
+// Never inlined: the paper's list has 200 KB, which our modes shall not have on their stack.
+[[gnu::noinline]] void list_as_paper(const Image& image, Rng& rng,
+                                     std::vector<GateDetection>& gates) {
+  PaperDetections found = detect_as_paper(image, {}, rng);
+  insertion_sort(found, [](const auto& a, const auto& b) { return a.fitness > b.fitness; });
+  gates.assign(found.begin(), found.end());
 }
 
 }  // namespace
@@ -99,7 +103,7 @@ void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
     case DetectorMode::kCareful:
       return list(everywhere(image));
     case DetectorMode::kPaper:
-      return list(best_first(detect_as_paper(image, {}, rng)));
+      return list_as_paper(image, rng, gates_);
     case DetectorMode::kFlown:
       if (const auto gate = detect_as_flown(image, {}, rng, previous_of(look_for)))
         gates_.push_back(*gate);
