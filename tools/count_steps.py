@@ -3,16 +3,21 @@
 """Instructions of each step of the pilot over a recorded flight, on this processor or an ARM: the same at any load.
 
 usage: count_steps.py x86_64|armv7|aarch64 TAPE TRACK [CONFIG | section.key=value]...
+       count_steps.py --budget [--renew]    of the flight in tests/replay, against tests/c_interface/budget.csv: more than 2 % above it is
+                                            exit 1; 77 where another compiler has built it, or qemu is not installed
 
 TAPE is what build/release/tests/pack_flight makes of a flight's folder; `all`, `checker:N`, `noise`, `stripes:N` after it with a
 comma put such a picture in the place of each of its own: TAPE,checker:8. Counted by qemu's user mode with tools/qemu_count.c as its
 plugin, for x86-64, too; programs of build/PRESET (fly_tape). Prints mean, p99 and worst of the steps that look at a picture and of those
 that do not, in flight (after the rest on the ground)."""
+import csv
 import os
 import pathlib
 import platform
 import random
+import re
 import shutil
+import statistics
 import struct
 import subprocess
 import sys
@@ -23,6 +28,8 @@ TICK = struct.Struct("<Qq14d")
 # qemu's program, the number of getppid there, the build's folder, where that processor's libraries are.
 PROCESSORS = {"x86_64": ("qemu-x86_64", 110, "release", "/"), "armv7": ("qemu-arm", 64, "armv7", "/usr/arm-linux-gnueabihf"),
               "aarch64": ("qemu-aarch64", 173, "aarch64", "/usr/aarch64-linux-gnu")}
+REST = 1024  # steps on the ground to begin with, at least: 768, and what follows
+BUDGET = ROOT / "tests/c_interface/budget.csv"
 ORANGE, GREY = (30, 150, 240), (128, 128, 128)  # Cb, Y, Cr
 
 
@@ -72,7 +79,44 @@ def line(name, counts):
     return f"{name:8} {len(counts):6} steps  mean {sum(counts) / len(counts):11,.0f}  p99 {p99:11,}  worst {counts[-1]:11,}"
 
 
+def compiler():
+    """What build/release was compiled by, as counts depend on it."""
+    cache = (ROOT / "build/release/CMakeCache.txt").read_text()
+    program = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache, re.M)[1]
+    return subprocess.run([program, "-dumpfullversion"], check=True, capture_output=True, text=True).stdout.strip()
+
+
+def budget(renew):
+    """Compares the means of today with those that are committed."""
+    if platform.machine() != "x86_64" or shutil.which("qemu-x86_64") is None:
+        print("budget: skipped, not installed: qemu-user, or no x86-64")
+        return 77
+    flight = ROOT / "tests/replay/oval_flight"
+    setup = [str(flight / "track.toml"), str(flight / "config-0.toml")]
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        subprocess.run([ROOT / "build/release/tests/pack_flight", flight, folder / "tape", folder / "outputs", "0", *setup], check=True)
+        tape, looks = read_tape(folder / "tape", folder)
+        steps = counted("x86_64", tape, setup, folder)
+    now = {name: round(statistics.mean(steps[i] for i in range(REST, len(steps)) if looks[i] == wanted)) for name, wanted in (("picture", True), ("imu", False))}
+    if renew:
+        BUDGET.write_text("compiler,stage,instructions\n" + "".join(f"{compiler()},{name},{count}\n" for name, count in now.items()))
+        return 0
+    rows = list(csv.DictReader(BUDGET.open()))
+    if rows[0]["compiler"] != compiler():
+        print(f"budget: skipped, counted with g++ {rows[0]['compiler']}, this is {compiler()}")
+        return 77
+    over = 0
+    for row in rows:
+        count, allowed = now[row["stage"]], int(row["instructions"])
+        print(f"budget: {row['stage']}: {count:,} instructions a step, {100 * (count / allowed - 1):+.2f} %")
+        over += count > 1.02 * allowed
+    return 1 if over else 0
+
+
 def main(arguments):
+    if arguments[:1] == ["--budget"] and set(arguments[1:]) <= {"--renew"}:
+        sys.exit(budget("--renew" in arguments))
     if len(arguments) < 3 or arguments[0] not in PROCESSORS:
         sys.exit(__doc__)
     if shutil.which(PROCESSORS[arguments[0]][0]) is None:
@@ -83,7 +127,7 @@ def main(arguments):
         folder = pathlib.Path(temporary)
         tape, looks = read_tape(arguments[1], folder)
         steps = counted(arguments[0], tape, arguments[2:], folder)
-    flown = range(1024, len(steps))  # the rest on the ground is 768 of 512 Hz
+    flown = range(REST, len(steps))
     print(line("picture", [steps[i] for i in flown if looks[i]]))
     print(line("imu", [steps[i] for i in flown if not looks[i]]))
 
