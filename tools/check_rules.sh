@@ -10,6 +10,7 @@
 #   armv7, aarch64   the flight code's tests and a recorded race by qemu, as on this processor
 #   realtime     no step allocates, locks or calls the system (clang 22)
 #   budget       a step takes at most 2 % more instructions than tests/c_interface/budget.csv says
+#   stack        a step of our modes takes at most 32 KB of stack, and nothing in it calls itself
 #   companion    preset companion builds, with g++ 11, too, where that is installed, and replays
 set -uo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -22,6 +23,7 @@ no_simulator_whole() { tools/check_without_simulator.sh --whole; }
 armv7() { tools/check_arm.py armv7; }
 aarch64() { tools/check_arm.py aarch64; }
 budget() { tools/count_steps.py --budget; }
+stack() { cmake --build build/release --target gatefly_c && tools/check_stack.py build/release/src/gatefly/c_interface/libgatefly_c.so gatefly_step 32768 paper Paper side_bars; }
 realtime() { tools/check_realtime.sh; }
 companion() { tools/check_companion.sh; }
 sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }
@@ -30,7 +32,7 @@ failed=0
 TIMEFORMAT='%0R s, %0U s CPU'
 [[ $# -gt 0 ]] || set -- format tidy sanitizers fuzzers no_simulator
 for rule in "$@"; do
-  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion | realtime | budget) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion, realtime, budget" >&2; exit 2 ;; esac
+  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion | realtime | budget | stack) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion, realtime, budget, stack" >&2; exit 2 ;; esac
   log="$(mktemp)"
   took="$( { time "$rule" >"$log" 2>&1; echo "$?" >"$log.code"; } 2>&1 )"
   code="$(cat "$log.code")"
