@@ -14,7 +14,7 @@ constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLog2E = 1.44269504088896340736;
 // ln 2 in two parts: whole multiples of the first up to 2^11 are exact.
 constexpr double kLn2High = 0x1.62e42fep-1;
-constexpr double kLn2Low = 1.90465429995776804e-09;
+constexpr double kLn2Low = 1.8206359985041462e-09;
 constexpr double kSmallest = std::numeric_limits<double>::min();
 
 constexpr int kBias = 1023, kDigits = 52;
