@@ -93,15 +93,18 @@ std::optional<GatePart> GateDetector::part(const Image& image) {
 }
 
 void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
-  const auto list = [&](const auto& found) { gates_.assign(found.begin(), found.end()); };
   Rng rng{kSeed};
+  // One list, whoever fills it: on the stack each would count.
+  const auto found = [&]() -> GateDetections {
+    if (mode_ == DetectorMode::kFast) return searches_->snakes.detect(image, searches_->color);
+    return mode_ == DetectorMode::kOurs ? ours(image, look_for) : everywhere(image);
+  };
+  const auto list = [&](const GateDetections& gates) { gates_.assign(gates.begin(), gates.end()); };
   switch (mode_) {
     case DetectorMode::kOurs:
-      return list(ours(image, look_for));
     case DetectorMode::kFast:
-      return list(searches_->snakes.detect(image, searches_->color));
     case DetectorMode::kCareful:
-      return list(everywhere(image));
+      return list(found());
     case DetectorMode::kPaper:
       return list_as_paper(image, rng, gates_);
     case DetectorMode::kFlown:

@@ -199,6 +199,34 @@ double learnt_spread(double spread, const GateRows::Residual& y, const GateRows&
   return std::clamp(next, noise.least_spread, noise.most_spread);
 }
 
+using SpreadTransposed =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, GateRows::kMaxRows, kMaxStates>;
+
+// One Gauss-Newton step: the error's mean, and Wᵀ with W Wᵀ = P Hᵀ S⁻¹ H P; and, from the spread there is, the next.
+// Never inlined, as what follows: its matrices shall not be on the stack while rows are made.
+[[gnu::noinline]] bool iterate(const Covariance& P, const GateRows& rows, const SightNoise& noise,
+                               const double* learns_from, double* learnt, ErrorVector& error,
+                               SpreadTransposed& Wt) {
+  const Spread PHt = spread(P, rows);
+  const Eigen::LLT<GateRows::Noise> llt{innovation_covariance(PHt, rows)};
+  if (llt.info() != Eigen::Success) return false;
+  GateRows::Residual y = rows.residual;
+  for (int c = 0; c < GateRows::kColumns; ++c)
+    y += rows.jacobian.col(c) * error(rows.states[static_cast<std::size_t>(c)]);
+  error = PHt * llt.solve(y);
+  if (learns_from != nullptr) *learnt = learnt_spread(*learns_from, y, rows, llt, noise);
+  Wt = PHt.transpose();
+  llt.matrixL().solveInPlace(Wt);
+  return true;
+}
+
+// P - W Wᵀ, column after column.
+[[gnu::noinline]] void narrow(Covariance& P, const SpreadTransposed& Wt) {
+  const Spread W = Wt.transpose();
+  for (Eigen::Index r = 0; r < W.cols(); ++r)
+    for (Eigen::Index j = 0; j < P.cols(); ++j) P.col(j) -= W(j, r) * W.col(r);
+}
+
 // Nothing is known of what lasts of another gate's corners.
 void forget_corner(Nominal& x, Covariance& P, int face, const CameraModel& camera,
                    const SightNoise& noise) {
@@ -261,27 +289,19 @@ bool correct_by_gate(Nominal& x, Covariance& P, const GateSight& sight, const Ga
   const Nominal prior = x;
   Nominal at = x;
   ErrorVector error = ErrorVector::Zero(P.rows());
-  Spread W;
+  SpreadTransposed Wt;
   double spread_then = x.spread;
   for (int i = 0; i < kIterations; ++i) {
     const auto rows = gate_rows(at, sight, gate, offset, false, camera, noise);
     if (!rows) return false;
-    const Spread PHt = spread(P, *rows);
-    const Eigen::LLT<GateRows::Noise> llt{innovation_covariance(PHt, *rows)};
-    if (llt.info() != Eigen::Success) return false;
-    GateRows::Residual y = rows->residual;
-    for (int c = 0; c < GateRows::kColumns; ++c)
-      y += rows->jacobian.col(c) * error(rows->states[static_cast<std::size_t>(c)]);
-    error = PHt * llt.solve(y);
-    if (whole) spread_then = learnt_spread(x.spread, y, *rows, llt, noise);
-    W = llt.matrixL().solve(PHt.transpose()).transpose();
+    if (!iterate(P, *rows, noise, whole ? &x.spread : nullptr, &spread_then, error, Wt))
+      return false;
     at = prior;
     add(at, error);
   }
   x = at;
   x.spread = spread_then;
-  for (Eigen::Index r = 0; r < W.cols(); ++r)
-    for (Eigen::Index j = 0; j < P.cols(); ++j) P.col(j) -= W(j, r) * W.col(r);
+  narrow(P, Wt);
   return true;
 }
 
