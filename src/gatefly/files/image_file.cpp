@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -215,20 +214,6 @@ std::optional<int> exif_rotation_deg(int orientation) {
       return std::nullopt;
   }
 }
-
-std::string kind_of(const std::filesystem::path& path) {
-  std::string kind = path.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kind;
-}
-
-bool is_picture(const std::filesystem::path& path) {
-  const std::string kind = kind_of(path);
-  return kind == ".jpg" || kind == ".jpeg" || kind == ".png" || kind == ".ppm" || kind == ".uyvy";
-}
-
-bool is_raw(const std::filesystem::path& path) { return kind_of(path) == ".uyvy"; }
 
 ImageFile decoded_jpeg(const std::string& name, const std::string& bytes) {
   Decoder decoder;
