@@ -26,7 +26,7 @@ struct LinkSimOptions {
   RaceOptions race;
   link_sim::LinkSimParams params;
   std::uint64_t seed = 1;
-  std::string log, controller = "betaflight-4.5";
+  std::string log, bench, controller = "betaflight-4.5";
   bool json = false;
 };
 
@@ -103,6 +103,17 @@ int simulate_link(const LinkSimOptions& options) {
   const auto say = [&](const std::string& what) {
     if (!options.race.common.quiet) std::cerr << "gatefly link-sim: " << what << std::endl;
   };
+  const auto no_controller = [&] {
+    return std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
+                              std::to_string(params.ports.servos));
+  };
+  if (!options.bench.empty()) {
+    if (!link_sim::hold(
+            race.config.sim, options.bench, params, say, [] { return interrupted(); },
+            stop_if_interrupted))
+      throw no_controller();
+    return kInterrupted;
+  }
   std::string log = kLogHeader;
   const auto look = [&](const link_sim::TrueMoment& now) {
     if (!options.log.empty()) log += row_of(now);
@@ -111,9 +122,7 @@ int simulate_link(const LinkSimOptions& options) {
       race.config.sim, race.config.pilot.track.laps, params, say, look,
       [] { return interrupted(); }, stop_if_interrupted);
   if (interrupted()) return kInterrupted;
-  if (outcome.reason == "no controller")
-    throw std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
-                             std::to_string(options.params.ports.servos));
+  if (outcome.reason == "no controller") throw no_controller();
   if (!options.log.empty()) io::write_file(options.log, log);
   if (options.json)
     std::cout << io::json_text(told(race.identity.track, options.seed, outcome));
@@ -135,6 +144,11 @@ void declare_link_sim(Command& command) {
       "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
       "over. Everything is on 127.0.0.1.\n"
+      "With --bench FILE the drone is in somebody's hand, without propellers, who turns it and "
+      "switches at the radio as new "
+      "lines of\nFILE ask: what `gatefly bench-drone` says (2> FILE), or one of the words turn, "
+      "arm, override on, override off, "
+      "disarm.\nCtrl-C ends it.\n"
       "Exit code 0: all gates passed, and landed; 1: not; 2: unusable arguments, or no controller; "
       "130: Ctrl-C.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").required();
@@ -167,9 +181,16 @@ void declare_link_sim(Command& command) {
   port("--controller", ports.controller, "TCP port of its serial line");
   port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies");
   port("--pictures", ports.pictures, "UDP port of that program's camera");
-  command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV")
+  Flag log =
+      command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV");
+  log.path("FILE");
+  Flag json = command.flag("--json", options->json, "print the outcome as JSON");
+  command
+      .option("--bench", options->bench,
+              "do not fly: hold the drone at a bench, and do what new lines of this file ask for")
+      .excludes(log)
+      .excludes(json)
       .path("FILE");
-  command.flag("--json", options->json, "print the outcome as JSON");
   add_force(command, options->race.common);
   add_drone(command, options->race.drone);
   add_common(command, options->race.common);

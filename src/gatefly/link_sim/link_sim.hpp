@@ -70,4 +70,15 @@ struct Outcome {
                           const std::function<bool()>& stop,
                           const std::function<void()>& while_baking);
 
+/// Holds a day's drone at a bench, propellers off, until `stop`: level and still, turned and switched as new lines of the file
+/// `asks` say (BenchHand), with the same controller, line and camera.
+///
+/// @return false: no controller has told its motors.
+/// @throws std::runtime_error one line: a port is taken, `asks` cannot be read.
+[[nodiscard]] bool hold(const sim::SimConfig& day, const std::string& asks,
+                        const LinkSimParams& params,
+                        const std::function<void(const std::string&)>& say,
+                        const std::function<bool()>& stop,
+                        const std::function<void()>& while_baking);
+
 }  // namespace gatefly::link_sim
