@@ -32,7 +32,7 @@ struct LinkSimOptions {
 
 constexpr const char* kLogHeader =
     "t_s,armed,override,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,"
-    "motor_lf,motor_rf,motor_rb,motor_lb,gates_passed\n";
+    "motor_lf,motor_rf,motor_rb,motor_lb,gates_passed,sticks_held_ms\n";
 
 /// A line of the log.
 std::string row_of(const link_sim::TrueMoment& now) {
@@ -43,7 +43,8 @@ std::string row_of(const link_sim::TrueMoment& now) {
   add(s.p_EB.x(), s.p_EB.y(), s.p_EB.z(), s.v_E.x(), s.v_E.y(), s.v_E.z());
   add(attitude.roll, attitude.pitch, attitude.yaw);
   add(now.motors[0], now.motors[1], now.motors[2], now.motors[3]);
-  return row + "," + std::to_string(now.gates_passed) + "\n";
+  return row + "," + std::to_string(now.gates_passed) + "," + fixed(1e3 * now.sticks_held, 1) +
+         "\n";
 }
 
 std::string outcome_of(const link_sim::Outcome& r) {
@@ -172,6 +173,14 @@ void declare_link_sim(Command& command) {
   command.option("--time-limit", options->params.radio.time_limit, "of the flight [s]")
       .between(1.0, 3600.0)
       .show_default();
+  command
+      .option("--link-out-s", options->params.link_out,
+              "so long after the hand-over the cable is pulled [s]")
+      .between(0.0, 3600.0);
+  command
+      .option("--camera-out-s", options->params.camera_out,
+              "so long after the hand-over the camera hangs [s]")
+      .between(0.0, 3600.0);
   const auto port = [&](const char* name, int& value, const char* what) {
     command.option(name, value, what).between(1, kMostPort).show_default();
   };

@@ -30,10 +30,9 @@ class OverTheLink(Cli):
         self.addCleanup(ended, world)
         pilot = self.drone.run("--laps", "1", "--drone", drone, "--out", "flight", "--json")
         self.addCleanup(ended, pilot)
-        told, heard = world.communicate(timeout=120)
-        outcome = json.loads(told)
+        outcome = json.loads(world.communicate(timeout=120)[0])
         told, said = pilot.communicate(timeout=20)
-        everything = f"{outcome}\n{heard}\n{said}"
+        everything = f"{outcome}\n{self.drone.heard()}\n{said}"
         self.assertTrue(outcome["finished"], everything)
         self.assertTrue(outcome["landed"], everything)
         self.assertEqual((world.returncode, pilot.returncode), (0, 0), everything)

@@ -66,13 +66,26 @@ class Simulated:
     def world(self, *words, **more):
         """link-sim around the controller, once it is ready."""
         ports = [word for name in PORTS for word in (f"--{name}", self.ports[name])]
-        process = self.start(self.gatefly, "link-sim", "oval", *DRONE, "--set", "sim.camera_quality=fast", *ports, *words, **more)
-        line = process.stderr.readline()
-        if "ready" not in line:
-            said = line + process.stderr.read()
+        with open(self.folder / "world.txt", "w", encoding="utf-8") as says:
+            process = self.start(self.gatefly, "link-sim", "oval", *DRONE, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
+        try:
+            self.until_it_says("ready", process, 60)
+        except RuntimeError:
             ended(process)
-            raise RuntimeError(f"link-sim: {said}")
+            raise
         return process
+
+    def heard(self):
+        """All that link-sim has said so far."""
+        return (self.folder / "world.txt").read_text(encoding="utf-8")
+
+    def until_it_says(self, what, process, seconds, meanwhile=lambda: True):
+        """Waits until link-sim has said that. meanwhile: what must be so until then."""
+        end = time.monotonic() + seconds
+        while what not in self.heard():
+            if process.poll() is not None or time.monotonic() > end or not meanwhile():
+                raise RuntimeError(f"link-sim has not said '{what}': {self.heard()}")
+            time.sleep(0.002)
 
     def run(self, *words, **more):
         """`gatefly run` in the background."""

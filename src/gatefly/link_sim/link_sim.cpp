@@ -73,7 +73,13 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
             .overridden = radio.override_on(),
             .state = drone.state(),
             .motors = motors.now(),
+            .sticks_held = line ? line->stick_gaps().longest(live::Clock::now()) : 0.0,
             .gates_passed = static_cast<int>(drone.passes().size())});
+    const auto is_over_for = [&](const std::optional<double>& limit) {
+      return limit && radio.override_on() && drone.time() - radio.handed_over_at() >= *limit;
+    };
+    if (line && is_over_for(params.link_out)) line->cut();
+    if (is_over_for(params.camera_out)) pictures.freeze();
     const auto enters = [&](SafetyPilot::State state) {
       return radio.state() == state && before != state;
     };
