@@ -72,7 +72,7 @@ bool is_name(const std::string& name) {
 }
 
 /// Asks whoever is at the drone for something, on stderr.
-void ask_for(const std::string& what) { std::cerr << "gatefly bench-drone: " << what << '\n'; }
+void ask_for(const std::string& what) { std::cerr << live::kBenchSays << what << '\n'; }
 
 /// Writes the file with another mark, or none.
 void set_mark(const live::DroneFile& drone, const std::string& mark) {

@@ -26,13 +26,13 @@ struct LinkSimOptions {
   RaceOptions race;
   link_sim::LinkSimParams params;
   std::uint64_t seed = 1;
-  std::string log, controller = "betaflight-4.5";
+  std::string log, bench, controller = "betaflight-4.5";
   bool json = false;
 };
 
 constexpr const char* kLogHeader =
     "t_s,armed,override,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad,"
-    "motor_lf,motor_rf,motor_rb,motor_lb,gates_passed\n";
+    "motor_lf,motor_rf,motor_rb,motor_lb,gates_passed,sticks_held_ms\n";
 
 /// A line of the log.
 std::string row_of(const link_sim::TrueMoment& now) {
@@ -43,7 +43,8 @@ std::string row_of(const link_sim::TrueMoment& now) {
   add(s.p_EB.x(), s.p_EB.y(), s.p_EB.z(), s.v_E.x(), s.v_E.y(), s.v_E.z());
   add(attitude.roll, attitude.pitch, attitude.yaw);
   add(now.motors[0], now.motors[1], now.motors[2], now.motors[3]);
-  return row + "," + std::to_string(now.gates_passed) + "\n";
+  return row + "," + std::to_string(now.gates_passed) + "," + fixed(1e3 * now.sticks_held, 1) +
+         "\n";
 }
 
 std::string outcome_of(const link_sim::Outcome& r) {
@@ -103,6 +104,17 @@ int simulate_link(const LinkSimOptions& options) {
   const auto say = [&](const std::string& what) {
     if (!options.race.common.quiet) std::cerr << "gatefly link-sim: " << what << std::endl;
   };
+  const auto no_controller = [&] {
+    return std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
+                              std::to_string(params.ports.servos));
+  };
+  if (!options.bench.empty()) {
+    if (!link_sim::hold(
+            race.config.sim, options.bench, params, say, [] { return interrupted(); },
+            stop_if_interrupted))
+      throw no_controller();
+    return kInterrupted;
+  }
   std::string log = kLogHeader;
   const auto look = [&](const link_sim::TrueMoment& now) {
     if (!options.log.empty()) log += row_of(now);
@@ -111,9 +123,7 @@ int simulate_link(const LinkSimOptions& options) {
       race.config.sim, race.config.pilot.track.laps, params, say, look,
       [] { return interrupted(); }, stop_if_interrupted);
   if (interrupted()) return kInterrupted;
-  if (outcome.reason == "no controller")
-    throw std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
-                             std::to_string(options.params.ports.servos));
+  if (outcome.reason == "no controller") throw no_controller();
   if (!options.log.empty()) io::write_file(options.log, log);
   if (options.json)
     std::cout << io::json_text(told(race.identity.track, options.seed, outcome));
@@ -135,6 +145,11 @@ void declare_link_sim(Command& command) {
       "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
       "over. Everything is on 127.0.0.1.\n"
+      "With --bench FILE the drone is in somebody's hand, without propellers, who turns it and "
+      "switches at the radio as new "
+      "lines of\nFILE ask: what `gatefly bench-drone` says (2> FILE), or one of the words turn, "
+      "arm, override on, override off, "
+      "disarm.\nCtrl-C ends it.\n"
       "Exit code 0: all gates passed, and landed; 1: not; 2: unusable arguments, or no controller; "
       "130: Ctrl-C.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").required();
@@ -158,6 +173,14 @@ void declare_link_sim(Command& command) {
   command.option("--time-limit", options->params.radio.time_limit, "of the flight [s]")
       .between(1.0, 3600.0)
       .show_default();
+  command
+      .option("--link-out-s", options->params.link_out,
+              "so long after the hand-over the cable is pulled [s]")
+      .between(0.0, 3600.0);
+  command
+      .option("--camera-out-s", options->params.camera_out,
+              "so long after the hand-over the camera hangs [s]")
+      .between(0.0, 3600.0);
   const auto port = [&](const char* name, int& value, const char* what) {
     command.option(name, value, what).between(1, kMostPort).show_default();
   };
@@ -167,9 +190,16 @@ void declare_link_sim(Command& command) {
   port("--controller", ports.controller, "TCP port of its serial line");
   port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies");
   port("--pictures", ports.pictures, "UDP port of that program's camera");
-  command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV")
+  Flag log =
+      command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV");
+  log.path("FILE");
+  Flag json = command.flag("--json", options->json, "print the outcome as JSON");
+  command
+      .option("--bench", options->bench,
+              "do not fly: hold the drone at a bench, and do what new lines of this file ask for")
+      .excludes(log)
+      .excludes(json)
       .path("FILE");
-  command.flag("--json", options->json, "print the outcome as JSON");
   add_force(command, options->race.common);
   add_drone(command, options->race.drone);
   add_common(command, options->race.common);

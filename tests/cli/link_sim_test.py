@@ -1,59 +1,45 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """gatefly run flies a simulated drone over the link that a real one has: rendered pictures as slices of JPEG, MSP at 115,200 baud, a
-controller that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), and a safety pilot; in real time.
+controller that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), and a safety pilot; in real time. Its drone.toml is
+bench-drone's own, from the same drone in a simulated hand.
 
 usage: link_sim_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import json
-import os
-import socket
-import subprocess
+import signal
 import time
 
-from drone import FAKE, end_of, signed
+from drone import FAKE, signed
 from program import GATEFLY, ROOT, Cli, main
+from simulated import Simulated, ended
 
 FAKE_SITL = FAKE + "_sitl"
 DRONE = ROOT / "tests" / "live" / "fake_sitl_drone.toml"
 
 
-def free_ports(count, kind):
-    sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
-    for each in sockets:
-        each.bind(("127.0.0.1", 0))
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
-
-
 class OverTheLink(Cli):
-    def start(self, *words, **more):
-        process = subprocess.Popen([str(word) for word in words], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), GATEFLY_SOURCE_DIR=str(ROOT)), **more)
-        self.addCleanup(end_of, process)
-        return process
+    def setUp(self):
+        super().setUp()
+        self.drone = Simulated(GATEFLY, ROOT, self.folder, fake=FAKE_SITL)
+        self.addCleanup(ended, self.drone.controller)
 
-    def test_a_lap_of_the_oval_is_flown_and_the_drone_lands(self):
-        servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)
-        controller, msp = free_ports(2, socket.SOCK_STREAM)
-        fake = self.start(FAKE_SITL, "--servos", servos, "--state", state, "--radio", radio, "--msp", controller)
-        self.assertIn("port", fake.stdout.readline())
-        drone = ["--config", "archer-b2", "--config", "betaflight"]
-        world = self.start(GATEFLY, "link-sim", "oval", "--laps", "1", "--seed", "1001", *drone, "--set", "sim.camera_quality=fast", "--json", "--time-limit", "60",
-                           "--servos", servos, "--state", state, "--radio", radio, "--controller", controller, "--msp", msp, "--pictures", pictures, "--log", "truth.csv")
-        self.assertIn("ready", world.stderr.readline())
-        pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"msp:tcp:127.0.0.1:{msp}", "--drone",
-                           signed(self, DRONE.read_text(encoding="utf-8")), "--out", "flight", "--json")
-        told, heard = world.communicate(timeout=120)
-        outcome = json.loads(told)
+    def lap(self, drone):
+        """A lap of the oval, from arming to landing, and all that was said."""
+        world = self.drone.world("--laps", "1", "--seed", "1001", "--json", "--time-limit", "60", "--log", "truth.csv")
+        self.addCleanup(ended, world)
+        pilot = self.drone.run("--laps", "1", "--drone", drone, "--out", "flight", "--json")
+        self.addCleanup(ended, pilot)
+        outcome = json.loads(world.communicate(timeout=120)[0])
         told, said = pilot.communicate(timeout=20)
-        flown = json.loads(told)
-        everything = f"{outcome}\n{heard}\n{said}"
+        everything = f"{outcome}\n{self.drone.heard()}\n{said}"
         self.assertTrue(outcome["finished"], everything)
         self.assertTrue(outcome["landed"], everything)
         self.assertEqual((world.returncode, pilot.returncode), (0, 0), everything)
+        return outcome, json.loads(told)
+
+    def test_a_lap_of_the_oval_is_flown_and_the_drone_lands(self):
+        outcome, flown = self.lap(signed(self, DRONE.read_text(encoding="utf-8")))
         self.assertGreater(outcome["mean_speed_mps"], 1.2)
         self.assertEqual(flown["mode"], "flown")
         self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
@@ -63,15 +49,34 @@ class OverTheLink(Cli):
         done = self.run_it("replay", "flight")
         self.assertEqual(done.returncode, 0, done.stderr)
 
+    def test_from_the_bench_to_a_lap_by_our_own_means(self):
+        drone, said = self.drone.benched(1001)
+        for line in ("512 counts are 1 g", "gyro about front (roll): agrees", "gyro about down (yaw): agrees", "program killed (-9)", "the hand-over test has passed"):
+            self.assertIn(line, said)
+        self.assertNotIn("WRONG", said)
+        self.lap(drone)
+
+    def test_a_drone_that_nobody_has_calibrated_is_found_out(self):
+        world = self.drone.world("--seed", "1001", "--bench", "asks.txt")
+        code, said = self.drone.bench("asks.txt", "--name", "simulated", *self.drone.told, "--least-v", "0")
+        self.assertEqual(code, 1, said)
+        self.assertIn("accelerometer: 473 counts at rest, no scale that is known: calibrate it", said)
+        self.assertFalse((self.folder / "drone.toml").exists())
+        world.send_signal(signal.SIGINT)
+        world.wait(timeout=20)
+        self.assertEqual(world.returncode, 130)
+        ended(world)
+
     def test_without_a_controller_it_says_so(self):
-        servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)
-        begin = time.monotonic()
-        world = self.start(GATEFLY, "link-sim", "oval", "--set", "sim.camera_quality=fast", "--servos", servos, "--state", state, "--radio", radio, "--pictures", pictures)
-        _, said = world.communicate(timeout=60)
-        self.assertEqual(world.returncode, 2)
-        self.assertEqual(said.count("\n"), 1, said)
-        self.assertIn(f"no flight controller tells motors at udp 127.0.0.1:{servos}", said)
-        self.assertLess(time.monotonic() - begin, 40)
+        ended(self.drone.controller)
+        servos = self.drone.ports["servos"]
+        for more in ([], ["--bench", "asks.txt"]):
+            with self.subTest(more):
+                begin = time.monotonic()
+                with self.assertRaises(RuntimeError) as said:
+                    self.drone.world(*more)
+                self.assertIn(f"no flight controller tells motors at udp 127.0.0.1:{servos}", str(said.exception))
+                self.assertLess(time.monotonic() - begin, 40)
 
 
 if __name__ == "__main__":

@@ -108,6 +108,15 @@ TEST(Introduction, NobodyThereIsOneLine) {
               testing::HasSubstr("cannot be opened: Connection refused"));
 }
 
+TEST(Introduction, AnswersToAProgramThatHasEndedAreNoOtherClientsButThoseThatKeepComingAre) {
+  Served late, other;
+  late.fake().obey("late 1.0");
+  other.fake().obey("late 60");
+  Port port = late.port(), others = other.port();
+  EXPECT_FALSE(introduction_of(port).other_client);
+  EXPECT_TRUE(introduction_of(others).other_client);
+}
+
 TEST(MspQueries, FiftySamplesASecondArriveOverASerialLineOf115200Baud) {
   Listening drone;
   const int samples = drone.until(2s);

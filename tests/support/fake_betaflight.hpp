@@ -105,7 +105,7 @@ class FakeBetaflight {
 
   /// Words for the radio and for faults: "arm", "disarm", "override on", "override off", "freeze imu", "cut",
   /// "mark", "turn 0" (by hand, a quarter about an axis and back), "swap axes", "invert pitch",
-  /// "gyro scale 2", "no accelerometer", "saturate", "bus errors", "strange" (answers that nobody asked for), "battery 18.5", "silent" (no answers);
+  /// "gyro scale 2", "no accelerometer", "saturate", "bus errors", "strange" (answers that nobody asked for), "late 1.5" (so long it sends answers of an earlier client), "battery 18.5", "silent" (no answers);
   /// for what becomes of stick frames: "deaf" (acknowledged and not obeyed), "no yaw" (obeyed but for yaw), "channels swapped" (yaw and throttle),
   /// "sticks frozen" (the first that are not neutral are kept), "override stuck" (obeyed when it is off, too), "unacknowledged",
   /// "forgets" (after 0.3 s, as later versions do), "failsafe" (after that its own sticks). False: no such word.
@@ -123,6 +123,8 @@ class FakeBetaflight {
       frozen_ = true;
     else if (word == "strange")
       strange_ = 3;
+    else if (word.starts_with("late "))
+      late_until_ = seconds() + std::stod(word.substr(5));
     else if (word == "silent")
       silent_ = true;
     else if (word == "cut")
@@ -173,6 +175,8 @@ class FakeBetaflight {
     const double now = seconds();
     for (; last_ + kStep <= now; last_ += kStep) move(kStep);
     accept_client();
+    if (now < late_until_ && now - late_at_ > 0.02)
+      late_at_ = now, reply(msp::kSetRawRc, {}, msp::Version::k1);
     receive(now);
     transmit(now);
     if (now - logged_ >= 0.02) logged_ = now, write_log("state");
@@ -445,7 +449,7 @@ class FakeBetaflight {
   bool overridden_ = false, deaf_ = false, yaws_ = true, channels_swapped_ = false,
        sticks_frozen_ = false, override_stuck_ = false, acknowledges_ = true, forgets_ = false,
        fails_safe_ = false;
-  double sticks_at_ = 0;
+  double sticks_at_ = 0, late_until_ = 0, late_at_ = 0;
   bool swapped_ = false, inverted_ = false, no_accel_ = false, saturated_ = false;
   std::uint16_t bus_errors_ = 0;
   double gyro_part_ = 1.0, turned_from_ = -10.0;

@@ -64,7 +64,11 @@ class FakeSitl : public FakeBetaflight {
     while (const auto bytes = state_.receive(room)) felt = feel(*bytes) || felt;
     waited_ += dt;
     if (!felt) return;
-    const std::array<double, 4> speeds = autopilot_.step({obeyed(), armed_}, felt_, waited_);
+    // In a hand it is disarmed and does not stand: its angles follow the gyro, its motors stay off.
+    still_for_ = felt_.gyro_B.norm() > 0.15 ? 0.0 : still_for_ + waited_;
+    const bool in_hand = !armed_ && still_for_ < 1.0;
+    std::array<double, 4> speeds = autopilot_.step({obeyed(), armed_ || in_hand}, felt_, waited_);
+    if (in_hand) speeds = {};
     // Its telemetry is filtered: at 50 samples a second the rotors' vibration would be all there is.
     rates_B_ = gyro_filter_.update(felt_.gyro_B);
     yaw_ += rates_B_.z() * waited_;
@@ -81,6 +85,12 @@ class FakeSitl : public FakeBetaflight {
     std::array<double, 18> all{};
     std::memcpy(all.data(), bytes.data(), bytes.size());
     felt_ = {{all[1], all[2], all[3]}, {-all[4], all[5], all[6]}};
+    if (averaged_ > 0) {
+      bias_ += (felt_.accel_B + Eigen::Vector3d(0, 0, kGravity)) / kAveraged;
+      if (--averaged_ == 0) std::cout << "calibrated" << std::endl;
+    } else {
+      felt_.accel_B -= bias_;
+    }
     return true;
   }
   void hear_radio(link::Bytes bytes) {
@@ -89,6 +99,10 @@ class FakeSitl : public FakeBetaflight {
     std::memcpy(channels.data(), bytes.data() + sizeof(double), sizeof channels);
     constexpr int kOn = 1700;
     armed_ = channels[4] > kOn;
+    // Throttle up, yaw left, pitch back: the accelerometer is calibrated.
+    const bool asks = !armed_ && channels[2] > 1900 && channels[3] < 1050 && channels[1] < 1050;
+    if (asks && !asked_) bias_.setZero(), averaged_ = kAveraged;
+    asked_ = asks;
     override_ = channels[8] > kOn;
   }
   void tell(const std::array<double, 4>& speeds) {
@@ -103,10 +117,14 @@ class FakeSitl : public FakeBetaflight {
   }
 
   link_sim::Datagrams state_, radio_, servos_;
-  double highest_, yaw_ = 0.0, waited_ = 0.0;
+  double highest_, yaw_ = 0.0, waited_ = 0.0, still_for_ = 10.0;
   autopilot::Autopilot autopilot_;
   Imu felt_;
   static constexpr double kHz = 1000.0;
+  static constexpr int kAveraged = 400;
+  int averaged_ = 0;  ///< Samples still to come.
+  bool asked_ = false;
+  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
   LowPass gyro_filter_, accel_filter_;
 };
 

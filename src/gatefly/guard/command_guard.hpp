@@ -19,19 +19,21 @@ struct CommandLimits {
   std::chrono::nanoseconds height_trust =
       std::chrono::milliseconds{500};  ///< Without a height for longer: no climbing.
   double climb_damping = 2.0;          ///< [1/s]
-  double sink = 0.5;          ///< Of a descent, were the rotors as strong as they may be [m/s].
+  /// Of a descent, were the rotors as strong as they may be [m/s]: on the floor within 3 s from 1.5 m then, too. Slower is not
+  /// softer for those that are weaker, and longer in the air, where nobody sees what the drone drifts towards.
+  double sink = 0.8;
   double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.
   /// A climb that a gate told so lately is one to learn from; an accelerometer's is not.
   std::chrono::nanoseconds learns_from = std::chrono::milliseconds{60};
   double hover_time = 2.0;  ///< Time constant of the mean that is taken for hovering [s].
   double least_hover = 0.8, most_hover = 1.15;  ///< Parts of the weight; beyond is not believed.
   /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
-  double fades_after = 3.0, fade = 0.015;  ///< [1/s²]
+  double fades_after = 1.5, fade = 0.05;  ///< [1/s²]
   /// Part of a descent's lift, when the pilot believes that it stands: what is left to fall is not much, and near the floor a gentle
   /// descent floats, and drifts, for seconds.
   double set_down = 0.85;
-  double brake_time = 0.6;   ///< In which braking would stop, were there no limit [s].
-  double brake_accel = 4.0;  ///< [m/s²]
+  double brake_time = 0.4;   ///< In which braking would stop, were there no limit [s].
+  double brake_accel = 5.0;  ///< [m/s²]
 };
 
 /// The estimate that the guard acts by.

@@ -1,80 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/link_sim/link_sim.hpp"
 
-#include <algorithm>
-#include <array>
+#include <chrono>
 #include <optional>
-#include <thread>
 
+#include "gatefly/link_sim/bench_hand.hpp"
+#include "gatefly/link_sim/controller_wires.hpp"
 #include "gatefly/link_sim/datagrams.hpp"
 #include "gatefly/link_sim/drone_in_world.hpp"
+#include "gatefly/link_sim/held_drone.hpp"
+#include "gatefly/link_sim/new_lines.hpp"
+#include "gatefly/link_sim/pace.hpp"
 #include "gatefly/link_sim/paced_line.hpp"
-#include "gatefly/live/clock.hpp"
 
 namespace gatefly::link_sim {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr auto kStep = 1ms;
-constexpr auto kMostBehind = 50ms;  ///< More is not made up for: the flight lasts longer then.
-constexpr int kRadioEvery = 20, kLookEvery = 20;  ///< Steps.
+constexpr int kRadioEvery = 20, kLookEvery = 20, kReadEvery = 20;             ///< Steps.
+constexpr double kStep = std::chrono::duration<double>(Pace::kStep).count();  ///< [s]
 constexpr double kCalibrates = 4.0;  ///< A controller looks at a gyro at rest first [s].
 constexpr double kFalls = 2.0;       ///< From taking it back to the end [s].
 constexpr double kPatience = 20.0;   ///< For a controller to say something to its motors [s].
-
-/// The motors as the controller last told them.
-class Motors {
- public:
-  explicit Motors(int port) : heard_{Datagrams::at(port)} {}
-
-  void listen(double now) {
-    std::array<std::uint8_t, 256> room{};
-    while (const auto bytes = heard_.receive(room)) {
-      const auto servos = betaflight_sitl::raw_servos_in(*bytes);
-      if (!servos || servos->motors < 4) continue;
-      last_ = now;
-      // Betaflight counts rear right, front right, rear left, front left.
-      constexpr std::array<std::size_t, 4> kTheirs{3, 1, 0, 2};
-      for (std::size_t i = 0; i < 4; ++i)
-        motors_[i] = std::clamp(1e-3 * (servos->pulse_us[kTheirs[i]] - 1000.0), 0.0, 1.0);
-    }
-    if (last_ && now - *last_ > kSilence) motors_ = {};
-  }
-  [[nodiscard]] const std::array<double, 4>& now() const { return motors_; }
-  [[nodiscard]] bool turn() const {
-    return std::all_of(motors_.begin(), motors_.end(), [](double part) { return part > 0.0; });
-  }
-  [[nodiscard]] bool ever() const { return last_.has_value(); }
-
- private:
-  static constexpr double kSilence = 0.5;  ///< Then a speed controller stops its motor [s].
-  Datagrams heard_;
-  std::array<double, 4> motors_{};
-  std::optional<double> last_;
-};
-
-/// Tells the controller what its sensors feel.
-///
-/// Betaflight sets the rate of its clock from the last two stamps, unless they are 20 ms apart or more. Two packets that arrive at once
-/// made it run hundreds of times too fast, so that it missed its radio. Stamps 50 ms apart leave its clock alone.
-class Sensors {
- public:
-  Sensors(int port, betaflight_sitl::Release release)
-      : to_{Datagrams::to(port)}, release_{release} {}
-
-  void send(betaflight_sitl::State state) {
-    state.time = stamp_ += kBetweenStamps;
-    to_.send(betaflight_sitl::encode_state(state, release_));
-  }
-
- private:
-  static constexpr auto kBetweenStamps = 50ms;
-
-  Datagrams to_;
-  betaflight_sitl::Release release_;
-  std::chrono::nanoseconds stamp_{};
-};
 
 std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, double limit) {
   if (drone.hit()) return "hit " + *drone.hit();
@@ -98,23 +44,18 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
   Outcome outcome;
   outcome.gates_total = drone.gates_total();
   std::optional<double> taken_back;
-  live::Moment start = live::Clock::now();
-  for (long step = 0; !taken_back || drone.time() < *taken_back + kFalls; ++step) {
-    const live::Moment due = start + step * kStep;
-    std::this_thread::sleep_until(due);
-    const auto behind = live::Clock::now() - due;
-    outcome.longest_stall =
-        std::max(outcome.longest_stall, std::chrono::duration<double>(behind).count());
-    if (behind > kMostBehind) start += behind;
+  Pace pace;
+  while (!taken_back || drone.time() < *taken_back + kFalls) {
+    pace.wait();
     if (stop()) {
       outcome.reason = "stopped";
       break;
     }
 
     motors.listen(drone.time());
-    drone.step(motors.now(), std::chrono::duration<double>(kStep).count());
+    drone.step(motors.now(), kStep);
     sensors.send(drone.told());
-    pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, start);
+    pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, pace.start());
 
     const SafetyPilot::State before = radio.state();
     radio.step({.time = drone.time(),
@@ -123,16 +64,22 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
                 .on_floor = drone.rests(),
                 .airborne = drone.airborne(),
                 .hit = drone.hit().has_value()});
-    if (step % kRadioEvery == 0 || radio.state() != before)
+    if (pace.every(kRadioEvery) || radio.state() != before)
       receiver.send(
           betaflight_sitl::encode_receiver(drone.told().time, msp::kNeutral, radio.switches()));
-    if (step % kLookEvery == 0)
+    if (pace.every(kLookEvery))
       look({.time = drone.time(),
             .armed = radio.armed(),
             .overridden = radio.override_on(),
             .state = drone.state(),
             .motors = motors.now(),
+            .sticks_held = line ? line->stick_gaps().longest(live::Clock::now()) : 0.0,
             .gates_passed = static_cast<int>(drone.passes().size())});
+    const auto is_over_for = [&](const std::optional<double>& limit) {
+      return limit && radio.override_on() && drone.time() - radio.handed_over_at() >= *limit;
+    };
+    if (line && is_over_for(params.link_out)) line->cut();
+    if (is_over_for(params.camera_out)) pictures.freeze();
     const auto enters = [&](SafetyPilot::State state) {
       return radio.state() == state && before != state;
     };
@@ -155,6 +102,7 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
       break;
     }
   }
+  outcome.longest_stall = pace.longest_stall();
   outcome.finished = drone.finished();
   outcome.landed = outcome.reason == "landed";
   outcome.gates_passed = static_cast<int>(drone.passes().size());
@@ -166,6 +114,43 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
   outcome.pictures_left_out = pictures.left_out();
   outcome.pictures_late = pictures.late();
   return outcome;
+}
+
+bool hold(const sim::SimConfig& day, const std::string& asks, const LinkSimParams& params,
+          const std::function<void(const std::string&)>& say, const std::function<bool()>& stop,
+          const std::function<void()>& while_baking) {
+  const Ports& ports = params.ports;
+  NewLines lines{asks};
+  Motors motors{ports.servos};
+  Sensors sensors{ports.state, params.release};
+  const Datagrams receiver = Datagrams::to(ports.radio);
+  HeldDrone drone{day};
+  PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
+  BenchHand hand;
+  std::optional<PacedLine> line;
+  for (Pace pace; !stop();) {
+    pace.wait();
+    motors.listen(drone.time());
+    drone.step(kStep);
+    sensors.send(drone.told());
+    pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, pace.start());
+    if (pace.every(kReadEvery))
+      for (const std::string& asked : lines.read()) hand.hear(asked, drone.time());
+    const auto done = hand.step(drone.time(), motors.turn());
+    if (done) say(std::string{text_of(*done)});
+    if (done == Deed::kTurnRoll) drone.turn(0);
+    if (done == Deed::kTurnPitch) drone.turn(1);
+    if (done == Deed::kTurnYaw) drone.turn(2);
+    if (pace.every(kRadioEvery) || done)
+      receiver.send(betaflight_sitl::encode_receiver(
+          drone.told().time, hand.sticks(), switches_of(hand.armed(), hand.override_on())));
+    if (!line && motors.ever() && drone.time() > kCalibrates) {
+      line.emplace(ports.msp, ports.controller, params.baud);
+      say("ready");
+    }
+    if (!line && drone.time() > kPatience) return false;
+  }
+  return true;
 }
 
 }  // namespace gatefly::link_sim

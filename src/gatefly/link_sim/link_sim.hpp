@@ -33,6 +33,7 @@ struct TrueMoment {
   bool armed = false, overridden = false;
   sim::BodyState state;
   std::array<double, 4> motors{};  ///< 0 … 1: front left, front right, rear right, rear left.
+  double sticks_held = 0.0;        ///< StickGaps since the moment before [s].
   int gates_passed = 0;
 };
 
@@ -42,6 +43,8 @@ struct LinkSimParams {
   int baud = 115200;
   NetworkTroubles network;
   SafetyPilot::Params radio;
+  /// So long after the hand-over the cable is pulled, or the camera hangs [s]; nullopt: never.
+  std::optional<double> link_out, camera_out;
 };
 
 /// How a flight went, by the truth, and how well this machine kept real time.
@@ -69,5 +72,16 @@ struct Outcome {
                           const std::function<void(const TrueMoment&)>& look,
                           const std::function<bool()>& stop,
                           const std::function<void()>& while_baking);
+
+/// Holds a day's drone at a bench, propellers off, until `stop`: level and still, turned and switched as new lines of the file
+/// `asks` say (BenchHand), with the same controller, line and camera.
+///
+/// @return false: no controller has told its motors.
+/// @throws std::runtime_error one line: a port is taken, `asks` cannot be read.
+[[nodiscard]] bool hold(const sim::SimConfig& day, const std::string& asks,
+                        const LinkSimParams& params,
+                        const std::function<void(const std::string&)>& say,
+                        const std::function<bool()>& stop,
+                        const std::function<void()>& while_baking);
 
 }  // namespace gatefly::link_sim

@@ -10,6 +10,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -29,8 +30,8 @@ using std::chrono::steady_clock;
 /// One direction: what it may carry grows with time, ten bits a byte, and what is not used is lost.
 class Direction {
  public:
-  Direction(live::Port& from, live::Port& to, int baud)
-      : from_{from}, to_{to}, bytes_per_second_{baud / 10.0} {}
+  Direction(live::Port& from, live::Port& to, int baud, StickGaps* watch = nullptr)
+      : from_{from}, to_{to}, bytes_per_second_{baud / 10.0}, watch_{watch} {}
 
   /// False when an end is gone.
   bool carry(double elapsed) {
@@ -43,15 +44,32 @@ class Direction {
     const auto got = from_.read(std::span{room}.first(most), live::Clock::now());
     if (!got) return false;
     allowed_ -= static_cast<double>(*got);
+    if (watch_ != nullptr) watch_->take(link::Bytes{room}.first(*got), live::Clock::now());
     return *got == 0 || to_.write(link::Bytes{room}.first(*got), live::Clock::now() + 10ms);
   }
 
  private:
   live::Port &from_, &to_;
   double bytes_per_second_, allowed_ = 0.0;
+  StickGaps* watch_;
 };
 
 }  // namespace
+
+void StickGaps::take(link::Bytes bytes, live::Moment now) {
+  const std::lock_guard lock{mutex_};
+  stream_.feed(bytes, [&](const msp::Frame& frame) {
+    if (frame.id != msp::kSetRawRc || frame.direction != msp::Direction::kToController) return;
+    if (last_) longest_ = std::max(longest_, now - *last_);
+    last_ = now;
+  });
+}
+
+double StickGaps::longest(live::Moment now) {
+  const std::lock_guard lock{mutex_};
+  if (!last_) return 0.0;
+  return std::chrono::duration<double>(std::max(std::exchange(longest_, {}), now - *last_)).count();
+}
 
 PacedLine::PacedLine(int port, int controller, int baud)
     : listener_{socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)},
@@ -100,12 +118,12 @@ void PacedLine::work() {
 }
 
 void PacedLine::carry(live::Port& client, live::Port& controller) {
-  Direction there{client, controller, baud_}, back{controller, client, baud_};
+  Direction there{client, controller, baud_, &stick_gaps_}, back{controller, client, baud_};
   for (auto last = steady_clock::now(); !over_; std::this_thread::sleep_for(500us)) {
     const auto now = steady_clock::now();
     const double elapsed = std::chrono::duration<double>(now - last).count();
     last = now;
-    if (!there.carry(elapsed) || !back.carry(elapsed)) return;
+    if (!cut_ && (!there.carry(elapsed) || !back.carry(elapsed))) return;
     if (const int second = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC); second >= 0)
       close(second);
   }

@@ -2,13 +2,34 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
+#include <optional>
 #include <thread>
+
+#include "gatefly/link/bytes.hpp"
+#include "gatefly/link/msp.hpp"
+#include "gatefly/live/clock.hpp"
 
 namespace gatefly::live {
 class Port;
 }
 
 namespace gatefly::link_sim {
+
+/// How long a controller has had to do with one stick frame. Two threads may use it.
+class StickGaps {
+ public:
+  /// Bytes on their way to the controller.
+  void take(link::Bytes bytes, live::Moment now);
+  /// The longest time from one stick frame to the next that has ended, or still lasts, since this was last asked [s]; 0 before the first.
+  [[nodiscard]] double longest(live::Moment now);
+
+ private:
+  std::mutex mutex_;
+  msp::Stream stream_;
+  std::optional<live::Moment> last_;
+  live::Clock::duration longest_{};
+};
 
 /// A serial line between a program and a flight controller that has TCP only: bytes go both ways as fast as its speed lets them.
 /// As on a serial line there is one client; a second one is hung up on.
@@ -23,13 +44,18 @@ class PacedLine {
 
   /// A client is there, and the controller has answered its call.
   [[nodiscard]] bool connected() const { return connected_; }
+  /// From now on nothing is carried, and both ends hear nothing of it: the cable is out.
+  void cut() { cut_ = true; }
+  /// Of what goes to the controller.
+  [[nodiscard]] StickGaps& stick_gaps() { return stick_gaps_; }
 
  private:
   void work();
   void carry(live::Port& client, live::Port& controller);
 
   int listener_ = -1, controller_port_, baud_;
-  std::atomic<bool> over_ = false, connected_ = false;
+  std::atomic<bool> over_ = false, connected_ = false, cut_ = false;
+  StickGaps stick_gaps_;
   std::thread thread_;
 };
 

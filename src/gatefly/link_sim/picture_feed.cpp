@@ -52,7 +52,7 @@ void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
   const bool lost = schedule_.uniform() < truth.frame_loss;
   next_start_ += 1.0 / truth.camera_hz;
   ++frame_;
-  if (lost) return;
+  if (lost || frozen_) return;
   const auto first = std::find_if(history_.begin(), history_.end(),
                                   [&](const sim::BodyPose& p) { return p.t > began - 0.01; });
   const auto due = std::chrono::duration<double>(began + span_ + truth.camera_latency + jitter);

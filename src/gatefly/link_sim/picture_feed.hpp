@@ -40,6 +40,8 @@ class PictureFeed {
 
   /// The body's pose, after every step of the physics, whose time 0 was at `start`.
   void remember(const sim::BodyPose& pose, live::Moment start);
+  /// No more pictures, as of a camera that hangs.
+  void freeze() { frozen_ = true; }
   [[nodiscard]] long sent() const { return sent_; }
   [[nodiscard]] long left_out() const { return left_out_; }
   /// Sent later than they were due, because rendering took too long.
@@ -67,7 +69,7 @@ class PictureFeed {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Exposure> next_;
-  bool busy_ = false, over_ = false;
+  bool busy_ = false, over_ = false, frozen_ = false;
   std::atomic<long> sent_ = 0, left_out_ = 0, late_ = 0;
   std::thread thread_;
 };

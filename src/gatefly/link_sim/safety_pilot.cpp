@@ -37,12 +37,12 @@ SafetyPilot::State SafetyPilot::step(const Seen& seen) {
   return state_;
 }
 
-std::array<std::uint16_t, 12> SafetyPilot::switches() const {
+std::array<std::uint16_t, 12> switches_of(bool armed, bool override_on) {
   constexpr std::uint16_t kOff = 1000, kOn = 2000;
   std::array<std::uint16_t, 12> aux{};
   aux.fill(kOff);
-  if (armed()) aux[0] = kOn;
-  if (override_on()) aux[4] = kOn;
+  if (armed) aux[0] = kOn;
+  if (override_on) aux[4] = kOn;
   return aux;
 }
 

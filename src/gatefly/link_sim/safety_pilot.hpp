@@ -6,6 +6,9 @@
 
 namespace gatefly::link_sim {
 
+/// A radio's AUX1 … AUX12 [µs]: arming on AUX1, the override on AUX5, as in the AI Grand Prix.
+[[nodiscard]] std::array<std::uint16_t, 12> switches_of(bool armed, bool override_on);
+
 /// The person with the radio: arms, hands over, and takes the drone back when it has landed or hit something.
 ///
 /// A state machine without a clock. The sticks stay at rest: only the switches move.
@@ -49,8 +52,9 @@ class SafetyPilot {
   [[nodiscard]] bool override_on() const { return state_ == State::kHandedOver; }
   /// When it was handed over; meaningless before [s].
   [[nodiscard]] double handed_over_at() const { return handed_over_at_; }
-  /// AUX1 … AUX12 [µs]: arming on AUX1, the override on AUX5, as in the AI Grand Prix.
-  [[nodiscard]] std::array<std::uint16_t, 12> switches() const;
+  [[nodiscard]] std::array<std::uint16_t, 12> switches() const {
+    return switches_of(armed(), override_on());
+  }
 
  private:
   void enter(State state, double time) { state_ = state, since_ = time; }

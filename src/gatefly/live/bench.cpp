@@ -231,7 +231,7 @@ Findings of_turns(Port& port, const msp::ImuScale& scale, std::chrono::milliseco
       for (int axis = 0; axis < 3; ++axis)
         if (check.verdict(axis) == guard::AxisVerdict::kNotTurned)
           left += (left.empty() ? "" : ", ") + std::string{kAxes[static_cast<std::size_t>(axis)]};
-      if (!left.empty()) say("turn it by a quarter and back, in a second, about: " + left);
+      if (!left.empty()) say(std::string{kTurnPrompt} + left);
       if (left.empty() && !check.all_agree()) return true;
     }
     return check.all_agree();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gatefly/link/msp_axes.hpp"
@@ -25,6 +26,11 @@ using Findings = std::vector<Finding>;
 /// The IMU of a drone that lies level and still: that it lives, its scale, which way is up.
 /// @param scale  gets the size of the accelerometer's counts.
 [[nodiscard]] Findings of_rest(Port& port, std::chrono::milliseconds lasts, msp::ImuScale& scale);
+
+/// How a line begins that asks whoever is at the drone for something, and how one for a turn goes on.
+inline constexpr std::string_view kBenchSays = "gatefly bench-drone: ",
+                                  kTurnPrompt =
+                                      "turn it by a quarter and back, in a second, about: ";
 
 /// Its gyro beside its attitude, while somebody turns it about each axis, until all agree or `limit`.
 /// @param say  hears which axes still have to be turned, once a second.

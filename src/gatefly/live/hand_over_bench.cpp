@@ -59,7 +59,7 @@ class HandOverWalk {
   template <class Still>
   bool watch(nanoseconds lasts, Still&& still, const std::string& else_line);
   template <class Done>
-  bool at_radio(const std::string& what, Done&& done);
+  bool asked_for(std::string_view what, Done&& done);
   bool wrong(const std::string& line) {
     test_.found({false, line});
     return false;
@@ -106,8 +106,8 @@ bool HandOverWalk::watch(nanoseconds lasts, Still&& still, const std::string& el
 
 /// Asks somebody to do that at the radio, and waits for it.
 template <class Done>
-bool HandOverWalk::at_radio(const std::string& what, Done&& done) {
-  test_.say(what);
+bool HandOverWalk::asked_for(std::string_view what, Done&& done) {
+  test_.say(std::string{what});
   guard::Reason said = guard::Reason::kNone;
   const auto done_or_refused = [&] {
     // A hand-over in the wrong order is not taken; it can be done again.
@@ -120,7 +120,7 @@ bool HandOverWalk::at_radio(const std::string& what, Done&& done) {
   };
   return wait(test_.step, done_or_refused,
               "for " + io::fixed(seconds(test_.step), 0) +
-                  " s the controller has not seen this at the radio: " + what);
+                  " s the controller has not seen this at the radio: " + std::string{what});
 }
 
 // ---- Steps ----
@@ -142,15 +142,13 @@ bool HandOverWalk::streaming() {
 }
 
 bool HandOverWalk::handed_over() {
-  if (!at_radio("throttle down, sticks centred, hands off them; arm",
-                [this] { return view_.told().armed; }))
-    return false;
+  if (!asked_for(at_radio::kArm, [this] { return view_.told().armed; })) return false;
   radio_ = view_.told().sticks;
   const std::uint16_t mid = drone_.receiver.mid;
   if (!same_sticks(radio_, {mid, mid, mid, radio_.throttle}, kCentred) ||
       radio_.throttle >= drone_.receiver.min_check)
     return wrong("the radio's sticks are not at rest: " + text_of(radio_));
-  return at_radio("switch the override on", [this] { return view_.flies(); });
+  return asked_for(at_radio::kOverrideOn, [this] { return view_.flies(); });
 }
 
 /// Whether what has been read back since channels() began is what was sent.
@@ -177,7 +175,7 @@ bool HandOverWalk::follows(nanoseconds lasts, const std::string& when) {
 /// @param program_ends  what flies ends with it.
 bool HandOverWalk::taken_back(const std::string& after, bool program_ends) {
   view_.let_end(program_ends);
-  if (!at_radio("switch the override off", [this] { return !view_.told().override_on; }))
+  if (!asked_for(at_radio::kOverrideOff, [this] { return !view_.told().override_on; }))
     return false;
   const auto not_radios = [this] {
     return "override off: the channels are not the radio's, " + text_of(view_.told().sticks) +
@@ -198,12 +196,13 @@ bool HandOverWalk::taken_back(const std::string& after, bool program_ends) {
 }
 
 bool HandOverWalk::disarmed() {
-  return at_radio("disarm", [this] { return !view_.told().armed && view_.rig() == nullptr; });
+  return asked_for(at_radio::kDisarm,
+                   [this] { return !view_.told().armed && view_.rig() == nullptr; });
 }
 
 /// The camera is closed in flight.
 bool HandOverWalk::blind() {
-  if (!at_radio("switch the override on again", [this] { return view_.flies(); }) ||
+  if (!asked_for(at_radio::kOverrideOnAgain, [this] { return view_.flies(); }) ||
       !follows(500ms, "override on again"))
     return false;
   view_.rig()->close_camera();
@@ -327,7 +326,7 @@ void HandOverWalk::come_to_rest() {
     if (Clock::now() > alone_since + test_.step || view_.link_is_gone()) return;
     if (known && Clock::now() - said > 10s) {
       said = Clock::now();
-      test_.say("switch the override off, then disarm");
+      test_.say(std::string{at_radio::kBothOff});
     }
     view_.look();
   }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "gatefly/live/bench.hpp"
 #include "gatefly/live/drone_file.hpp"
@@ -11,6 +12,15 @@
 #include "gatefly/live/msp_link.hpp"
 
 namespace gatefly::live {
+
+/// What somebody at the radio is asked for.
+namespace at_radio {
+inline constexpr std::string_view kArm = "throttle down, sticks centred, hands off them; arm",
+                                  kOverrideOn = "switch the override on",
+                                  kOverrideOnAgain = "switch the override on again",
+                                  kOverrideOff = "switch the override off", kDisarm = "disarm",
+                                  kBothOff = "switch the override off, then disarm";
+}  // namespace at_radio
 
 /// The hand-over test, propellers off: somebody arms and switches at the radio as asked, and what the channels do is compared with
 /// what is sent, while the program has the drone, when it is taken back, and when camera, first process, and both are gone.

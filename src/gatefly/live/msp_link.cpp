@@ -35,11 +35,27 @@ bool asked(Port& port, msp::Stream& stream, std::uint16_t id, Take&& take) {
   return false;
 }
 
+/// Waits until nothing comes any more: a controller that is slow still answers a program that has just ended. @return false: frames
+/// keep coming, so somebody else asks for them.
+bool falls_silent(Port& port, msp::Stream& stream) {
+  constexpr auto kSilence = 200ms, kLongest = 3000ms;
+  std::array<std::uint8_t, 512> room{};
+  const Moment begin = Clock::now();
+  for (Moment last = begin; Clock::now() < last + kSilence;) {
+    if (Clock::now() > begin + kLongest) return false;
+    const auto got = port.read(room, last + kSilence);
+    if (!got) return true;  // the first question will say so
+    stream.feed(link::Bytes{room}.first(*got), [&](const msp::Frame&) { last = Clock::now(); });
+  }
+  return true;
+}
+
 }  // namespace
 
 Introduction introduction_of(Port& port) {
   Introduction found;
   msp::Stream stream;
+  const bool quiet = falls_silent(port, stream);
   guard::Interview interview;
   guard::AnswerWatch answers;
   int answered = 0, tries = 0;
@@ -71,7 +87,7 @@ Introduction introduction_of(Port& port) {
       return true;
     });
   }
-  found.other_client = answers.other_client();
+  found.other_client = !quiet || answers.other_client();
   return found;
 }
 

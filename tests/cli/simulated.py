@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A drone in a simulator, as `gatefly run` and `bench-drone` have one: a flight controller that runs as a program, and `gatefly link-sim` around it. The
+controller is a fake that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), or Betaflight's own simulator target, set up as
+tests/live/betaflight_4_5.txt says.
+"""
+import os
+import pathlib
+import shutil
+import socket
+import subprocess
+import time
+
+DRONE = ["--config", "archer-b2", "--config", "betaflight"]
+PORTS = ("servos", "state", "radio", "pictures", "controller", "msp")
+BETAFLIGHTS_OWN = {"servos": 9001, "state": 9003, "radio": 9004, "controller": 5761}
+
+
+def free_ports(count, kind):
+    sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
+    for each in sockets:
+        each.bind(("127.0.0.1", 0))
+    ports = [each.getsockname()[1] for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports
+
+
+def ended(process):
+    if process.poll() is None:
+        process.kill()
+    process.wait()
+    for stream in (process.stdin, process.stdout, process.stderr):
+        if stream:
+            stream.close()
+
+
+class Simulated:
+    """A controller, and the ports of everything around it.
+
+    told: what no controller knows, found by flying it: the throttle stick at which it hovers, the exponent of thrust over throttle.
+    """
+
+    def __init__(self, gatefly, root, folder, fake="", betaflight="", memory=""):
+        """fake: the fake's program. betaflight: instead, Betaflight's, with the memory (eeprom.bin) that it was set up in."""
+        self.gatefly, self.root, self.folder = gatefly, pathlib.Path(root), pathlib.Path(folder)
+        self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), GATEFLY_SOURCE_DIR=str(root))
+        self.ports = dict(zip(PORTS, free_ports(4, socket.SOCK_DGRAM) + free_ports(2, socket.SOCK_STREAM)))
+        if betaflight:
+            self.ports.update(BETAFLIGHTS_OWN)
+            shutil.copy(memory, self.folder / "eeprom.bin")
+            self.controller = self.start(betaflight, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.told = ["--hover-stick-us", "1248", "--exponent", "1.66"]
+            time.sleep(1)
+        else:
+            self.controller = self.start(fake, *(word for name in ("servos", "state", "radio") for word in (f"--{name}", self.ports[name])),
+                                         "--msp", self.ports["controller"], stderr=subprocess.DEVNULL)
+            self.told = ["--hover-stick-us", "1273", "--exponent", "1.73"]
+            self.controller.stdout.readline()
+        self.link = ["--link", f"msp:tcp:127.0.0.1:{self.ports['msp']}"]
+        self.camera = ["--camera", f"udp-jpeg:{self.ports['pictures']}"]
+
+    def start(self, *words, **more):
+        streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
+        return subprocess.Popen([str(word) for word in words], cwd=self.folder, text=True, env=self.environment, **streams)
+
+    def world(self, *words, **more):
+        """link-sim around the controller, once it is ready."""
+        ports = [word for name in PORTS for word in (f"--{name}", self.ports[name])]
+        with open(self.folder / "world.txt", "w", encoding="utf-8") as says:
+            process = self.start(self.gatefly, "link-sim", "oval", *DRONE, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
+        try:
+            self.until_it_says("ready", process, 60)
+        except RuntimeError:
+            ended(process)
+            raise
+        return process
+
+    def heard(self):
+        """All that link-sim has said so far."""
+        return (self.folder / "world.txt").read_text(encoding="utf-8")
+
+    def until_it_says(self, what, process, seconds, meanwhile=lambda: True):
+        """Waits until link-sim has said that. meanwhile: what must be so until then."""
+        end = time.monotonic() + seconds
+        while what not in self.heard():
+            if process.poll() is not None or time.monotonic() > end or not meanwhile():
+                raise RuntimeError(f"link-sim has not said '{what}': {self.heard()}")
+            time.sleep(0.002)
+
+    def run(self, *words, **more):
+        """`gatefly run` in the background."""
+        return self.start(self.gatefly, "run", "oval", *DRONE, *self.camera, *self.link, *words, **more)
+
+    def bench(self, asks, *words):
+        """`gatefly bench-drone`, whose lines the drone's hand reads from the file `asks`. @return its exit code and all that it has said."""
+        with open(self.folder / asks, "w", encoding="utf-8") as file:
+            done = subprocess.run([str(word) for word in (self.gatefly, "bench-drone", "--propellers-off", *self.link, *words)], cwd=self.folder, env=self.environment,
+                                  stdout=subprocess.PIPE, stderr=file, text=True, timeout=180, check=False)
+        return done.returncode, done.stdout + (self.folder / asks).read_text(encoding="utf-8")
+
+    def benched(self, seed):
+        """A drone.toml by our own means: calibrated, read, turned, handed over. @return its path and all that was said."""
+        asks = self.folder / "asks.txt"
+        world = self.world("--seed", seed, "--bench", asks)
+        try:
+            with asks.open("a", encoding="utf-8") as file:
+                file.write("calibrate\n")
+            time.sleep(2.5)
+            drone = self.folder / "drone.toml"
+            code, said = self.bench(asks, "--name", "simulated", *self.told, "--least-v", "0", "--out", drone)
+            if code == 0:
+                code, more = self.bench(asks, "--hand-over", drone, *self.camera, *DRONE)
+                said += more
+            if code != 0:
+                raise RuntimeError(said)
+            return drone, said
+        finally:
+            world.terminate()
+            world.wait(timeout=20)
+            ended(world)
