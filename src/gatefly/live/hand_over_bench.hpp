@@ -8,7 +8,7 @@
 #include "gatefly/live/bench.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/hand_over_rig.hpp"
-#include "gatefly/live/msp_link.hpp"
+#include "gatefly/live/controller_link.hpp"
 
 namespace gatefly::live {
 
