@@ -262,7 +262,8 @@ std::string flown(live::Session& session, live::RunRecorder& recorder, const Run
 void expect_to_fly(const live::DroneFile& drone, const PilotConfig& pilot) {
   if (pilot.output != Output::kRatesThrust)
     throw std::runtime_error(
-        "control.output must be \"rates_thrust\" to fly a drone (--config betaflight, or arducopter)");
+        "control.output must be \"rates_thrust\" to fly a drone (--config betaflight, or "
+        "arducopter)");
   if (!drone.hand_over_tested(live::program_mark()))
     throw std::runtime_error(drone.path.string() + ": " +
                              std::string{guard::text_of(guard::Reason::kNotTested)} +
@@ -392,8 +393,8 @@ void declare_run(Command& command) {
   command
       .option(
           "--link", options->link,
-          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, mavlink:serial:…, mavlink:tcp:…, "
-          "mavlink:udp:…, or replay:DIR?pace=1, a recorded flight")
+          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, mavlink:serial:/dev/ttyX?baud=921600, "
+          "mavlink:tcp:HOST:PORT, mavlink:udp:HOST:PORT, or replay:DIR?pace=1, a recorded flight")
       .required()
       .type_name("URI");
   command.option("--drone", options->drone, "drone.toml: every constant of the drone").path("FILE");

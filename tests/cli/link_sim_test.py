@@ -15,6 +15,8 @@ from drone import FAKE, end_of, signed
 from program import GATEFLY, ROOT, Cli, main
 
 FAKE_SITL = FAKE + "_sitl"
+FAKE_ARDU_SITL = os.environ.get("GATEFLY_FAKE_ARDUCOPTER", "") + "_sitl"
+ARDU = ROOT / "tests" / "live" / "fake_arducopter_sitl.toml"
 DRONE = ROOT / "tests" / "live" / "fake_sitl_drone.toml"
 
 
@@ -62,6 +64,26 @@ class OverTheLink(Cli):
         # What was recorded flies again: the pilot's answers follow from its sensors alone.
         done = self.run_it("replay", "flight")
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_an_arducopter_flies_a_lap_and_lands_too(self):
+        servos, radio, pictures = free_ports(3, socket.SOCK_DGRAM)
+        controller, line = free_ports(2, socket.SOCK_STREAM)
+        fake = self.start(FAKE_ARDU_SITL, "--servos", servos, "--radio", radio, "--port", controller, "--hover", "0.166")
+        self.assertIn("port", fake.stdout.readline())
+        drone = ["--config", "archer-b2", "--config", "arducopter"]
+        world = self.start(GATEFLY, "link-sim", "oval", "--laps", "1", "--seed", "1001", *drone, "--autopilot", "arducopter", "--set", "sim.camera_quality=fast", "--json",
+                           "--time-limit", "60", "--servos", servos, "--radio", radio, "--controller", controller, "--msp", line, "--pictures", pictures)
+        self.assertIn("ready", world.stderr.readline())
+        pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"mavlink:tcp:127.0.0.1:{line}", "--drone",
+                           signed(self, ARDU.read_text(encoding="utf-8")), "--json")
+        told, heard = world.communicate(timeout=120)
+        outcome = json.loads(told)
+        told, said = pilot.communicate(timeout=20)
+        flown = json.loads(told)
+        everything = f"{outcome}\n{heard}\n{said}"
+        self.assertTrue(outcome["finished"] and outcome["landed"], everything)
+        self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
+        self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
 
     def test_without_a_controller_it_says_so(self):
         servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)

@@ -2,14 +2,13 @@
 // Which sticks go to the drone, period by period.
 #include "gatefly/live/flight_deck.hpp"
 
-#include "gatefly/live/msp_speaker.hpp"
-
 #include <chrono>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/live/msp_speaker.hpp"
 
 #include "support/real_data.hpp"
 
@@ -55,11 +54,11 @@ class Flight : public testing::Test {
 
   DroneFile drone_ = read_drone(support::source_folder() / "tests" / "live" / "fake_drone.toml");
   FlightDeck deck_{[] {
-                     FlightDeck::Params params;
-                     params.hand_over_tested = true;
-                     params.fence = {.low = {-5, -5}, .high = {5, 5}, .height = 3};
-                     return params;
-                   }()};
+    FlightDeck::Params params;
+    params.hand_over_tested = true;
+    params.fence = {.low = {-5, -5}, .high = {5, 5}, .height = 3};
+    return params;
+  }()};
   ControllerState controller_;
   Wanted wanted_;
   nanoseconds now_{0};

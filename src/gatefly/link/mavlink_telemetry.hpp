@@ -312,7 +312,8 @@ struct AutopilotVersion {
   static constexpr void layout(Self& m, Visit& visit) {
     visit("capabilities", m.capabilities, "bits");
     visit("uid", m.uid, "");
-    visit("flight_sw_version", m.flight_sw_version, "major, minor, patch, kind: a byte each, the highest first");
+    visit("flight_sw_version", m.flight_sw_version,
+          "major, minor, patch, kind: a byte each, the highest first");
     visit("middleware_sw_version", m.middleware_sw_version, "");
     visit("os_sw_version", m.os_sw_version, "");
     visit("board_version", m.board_version, "");

@@ -2,11 +2,11 @@
 #include "gatefly/link_sim/link_sim.hpp"
 
 #include <algorithm>
-#include <array>
+#include <memory>
 #include <optional>
 #include <thread>
 
-#include "gatefly/link_sim/datagrams.hpp"
+#include "gatefly/link_sim/controller.hpp"
 #include "gatefly/link_sim/drone_in_world.hpp"
 #include "gatefly/link_sim/paced_line.hpp"
 #include "gatefly/live/clock.hpp"
@@ -23,59 +23,6 @@ constexpr double kCalibrates = 4.0;  ///< A controller looks at a gyro at rest f
 constexpr double kFalls = 2.0;       ///< From taking it back to the end [s].
 constexpr double kPatience = 20.0;   ///< For a controller to say something to its motors [s].
 
-/// The motors as the controller last told them.
-class Motors {
- public:
-  explicit Motors(int port) : heard_{Datagrams::at(port)} {}
-
-  void listen(double now) {
-    std::array<std::uint8_t, 256> room{};
-    while (const auto bytes = heard_.receive(room)) {
-      const auto servos = betaflight_sitl::raw_servos_in(*bytes);
-      if (!servos || servos->motors < 4) continue;
-      last_ = now;
-      // Betaflight counts rear right, front right, rear left, front left.
-      constexpr std::array<std::size_t, 4> kTheirs{3, 1, 0, 2};
-      for (std::size_t i = 0; i < 4; ++i)
-        motors_[i] = std::clamp(1e-3 * (servos->pulse_us[kTheirs[i]] - 1000.0), 0.0, 1.0);
-    }
-    if (last_ && now - *last_ > kSilence) motors_ = {};
-  }
-  [[nodiscard]] const std::array<double, 4>& now() const { return motors_; }
-  [[nodiscard]] bool turn() const {
-    return std::all_of(motors_.begin(), motors_.end(), [](double part) { return part > 0.0; });
-  }
-  [[nodiscard]] bool ever() const { return last_.has_value(); }
-
- private:
-  static constexpr double kSilence = 0.5;  ///< Then a speed controller stops its motor [s].
-  Datagrams heard_;
-  std::array<double, 4> motors_{};
-  std::optional<double> last_;
-};
-
-/// Tells the controller what its sensors feel.
-///
-/// Betaflight sets the rate of its clock from the last two stamps, unless they are 20 ms apart or more. Two packets that arrive at once
-/// made it run hundreds of times too fast, so that it missed its radio. Stamps 50 ms apart leave its clock alone.
-class Sensors {
- public:
-  Sensors(int port, betaflight_sitl::Release release)
-      : to_{Datagrams::to(port)}, release_{release} {}
-
-  void send(betaflight_sitl::State state) {
-    state.time = stamp_ += kBetweenStamps;
-    to_.send(betaflight_sitl::encode_state(state, release_));
-  }
-
- private:
-  static constexpr auto kBetweenStamps = 50ms;
-
-  Datagrams to_;
-  betaflight_sitl::Release release_;
-  std::chrono::nanoseconds stamp_{};
-};
-
 std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, double limit) {
   if (drone.hit()) return "hit " + *drone.hit();
   return drone.time() - radio.handed_over_at() >= limit ? "time limit" : "landed";
@@ -88,9 +35,7 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
             const std::function<void(const TrueMoment&)>& look, const std::function<bool()>& stop,
             const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
-  Motors motors{ports.servos};
-  Sensors sensors{ports.state, params.release};
-  const Datagrams receiver = Datagrams::to(ports.radio);
+  const std::unique_ptr<Controller> controller = controller_of(params);
   DroneInWorld drone{day, laps};
   PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
   SafetyPilot radio{params.radio};
@@ -111,27 +56,25 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
       break;
     }
 
-    motors.listen(drone.time());
-    drone.step(motors.now(), std::chrono::duration<double>(kStep).count());
-    sensors.send(drone.told());
+    controller->listen(drone.time());
+    drone.step(controller->motors(), std::chrono::duration<double>(kStep).count());
+    controller->feel(drone);
     pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, start);
 
     const SafetyPilot::State before = radio.state();
     radio.step({.time = drone.time(),
                 .client = line && line->connected(),
-                .motors = motors.turn(),
+                .motors = controller->turn(),
                 .on_floor = drone.rests(),
                 .airborne = drone.airborne(),
                 .hit = drone.hit().has_value()});
-    if (step % kRadioEvery == 0 || radio.state() != before)
-      receiver.send(
-          betaflight_sitl::encode_receiver(drone.told().time, msp::kNeutral, radio.switches()));
+    if (step % kRadioEvery == 0 || radio.state() != before) controller->hear_radio(drone, radio);
     if (step % kLookEvery == 0)
       look({.time = drone.time(),
             .armed = radio.armed(),
             .overridden = radio.override_on(),
             .state = drone.state(),
-            .motors = motors.now(),
+            .motors = controller->motors(),
             .gates_passed = static_cast<int>(drone.passes().size())});
     const auto enters = [&](SafetyPilot::State state) {
       return radio.state() == state && before != state;
@@ -146,7 +89,7 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
       outcome.last_p_EB = drone.state().p_EB;
       say("taken back: " + outcome.reason);
     }
-    if (!line && motors.ever() && drone.time() > kCalibrates) {
+    if (!line && controller->ever() && drone.time() > kCalibrates) {
       line.emplace(ports.msp, ports.controller, params.baud);
       say("ready");
     }

@@ -99,9 +99,8 @@ void ArduListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanosecon
     for (int i = 0; i < 3; ++i) out.put(part[i]);
   imu_watch_.arrived(values, now);
   const bool goes_on = stamp_ && stamp_us > *stamp_ && stamp_us - *stamp_ < 1'000'000;
-  state_.imu_taken = goes_on
-                         ? taken_.take(now, std::chrono::microseconds{stamp_us - *stamp_})
-                         : taken_.take(now);
+  state_.imu_taken =
+      goes_on ? taken_.take(now, std::chrono::microseconds{stamp_us - *stamp_}) : taken_.take(now);
   stamp_ = stamp_us;
   state_.imu = imu;
   state_.imu_at = now;
@@ -143,9 +142,8 @@ void ArduListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
     const bool known = status->voltage_battery != kUnknownVoltage;
     state_.battery_v = known ? 1e-3 * status->voltage_battery : 0.0;
   } else if (const auto target = mavlink::message_in<mavlink::AttitudeTarget>(frame)) {
-    state_.sticks =
-        sticks_of({target->body_roll_rate, target->body_pitch_rate, target->body_yaw_rate},
-                  target->thrust);
+    state_.sticks = sticks_of(
+        {target->body_roll_rate, target->body_pitch_rate, target->body_yaw_rate}, target->thrust);
     state_.sticks_at = now;
   } else if (const auto clock = mavlink::message_in<mavlink::Timesync>(frame)) {
     take_clock(*clock, now);

@@ -89,15 +89,13 @@ Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_list
 
 LinkQueries queries_on(Port port, const DroneFile& drone, const Acquaintance& known) {
   if (drone.ardu)
-    return {std::move(port),
-            std::make_unique<ArduListener>(ardu_params(drone, known.imu_hz))};
+    return {std::move(port), std::make_unique<ArduListener>(ardu_params(drone, known.imu_hz))};
   return {std::move(port),
           std::make_unique<MspPoller>(drone.imu, known.boxes, poller_params(drone))};
 }
 
 LinkCommands commands_on(Port port, const DroneFile& drone, const Acquaintance& known) {
-  if (drone.ardu)
-    return {std::move(port), std::make_unique<ArduSpeaker>(drone, known.imu_hz)};
+  if (drone.ardu) return {std::move(port), std::make_unique<ArduSpeaker>(drone, known.imu_hz)};
   return {std::move(port), std::make_unique<MspSpeaker>(drone, known.boxes)};
 }
 

@@ -15,9 +15,9 @@ namespace gatefly::live {
 
 /// What is wanted of a drone in a period, in our axes.
 struct Demand {
-  bool rests = true;                                   ///< On the floor: no turn, no thrust.
+  bool rests = true;                                  ///< On the floor: no turn, no thrust.
   Eigen::Vector3d rates_B = Eigen::Vector3d::Zero();  ///< About front, right, down [rad/s].
-  double thrust = 0.0;                                 ///< Specific [m/s²].
+  double thrust = 0.0;                                ///< Specific [m/s²].
 };
 
 /// Asks a controller, and understands what it tells. It has no function that flies.

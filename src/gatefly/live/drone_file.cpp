@@ -348,7 +348,8 @@ std::vector<std::string> differences(const DroneFile& drone, const guard::ArduFa
   const ArduDrone is = ardu_drone_of(facts);
   const ArduDrone& file = *drone.ardu;
   const auto differs = [&](const char* what, const std::string& told, const std::string& wanted) {
-    if (told != wanted) found.push_back(std::string{what} + " is " + told + ", in the file " + wanted);
+    if (told != wanted)
+      found.push_back(std::string{what} + " is " + told + ", in the file " + wanted);
   };
   differs("version", is.version, file.version);
   for (const auto& [what, told, wanted] :

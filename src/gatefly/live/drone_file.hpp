@@ -32,7 +32,7 @@ struct ArduDrone {
   double guided_timeout_s = 0.0;
   double hover = 0.0;  ///< MOT_THST_HOVER: part of the thrust that hovers.
   double expo = 0.0, spin_min = 0.0, spin_max = 0.0;  ///< Of its thrust curve.
-  bool angle_boost = false;  ///< It adds thrust itself when it is tilted.
+  bool angle_boost = false;                           ///< It adds thrust itself when it is tilted.
 
   /// Thrust to be sent, 0 … 1, for one of 0 … 1000 along the body's axis. @param upright  cosine of the tilt.
   [[nodiscard]] double thrust_part(double throttle, double upright) const;
@@ -54,7 +54,7 @@ struct DroneFile {
   msp::ThrottleCurve throttle = msp::ThrottleCurve::from({}, {.min_check = 1050}).value();
   msp::ChannelOrder order;
   int hover_stick = 0;  ///< [µs]
-  Hover hover;  ///< Of both kinds.
+  Hover hover;          ///< Of both kinds.
   double least_battery_v = 0.0;
   std::string tested;  ///< What the hand-over test was passed with; "": it was not.
 

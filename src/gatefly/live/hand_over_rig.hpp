@@ -9,8 +9,8 @@
 
 #include "gatefly/guard/hand_over.hpp"
 #include "gatefly/live/camera.hpp"
-#include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/controller_link.hpp"
+#include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/uri.hpp"
 
 namespace gatefly::live {

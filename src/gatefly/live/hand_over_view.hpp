@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "gatefly/live/channel_watch.hpp"
-#include "gatefly/live/hand_over_rig.hpp"
 #include "gatefly/live/controller_link.hpp"
+#include "gatefly/live/hand_over_rig.hpp"
 
 namespace gatefly::live {
 
@@ -62,7 +62,7 @@ class HandOverView {
   const DroneFile& drone_;
   std::unique_ptr<HandOverRig> rig_;
   std::unique_ptr<LinkQueries> queries_;  ///< None while the rig is there.
-  RunClock clock_;                       ///< The times of queries_ are measured by it.
+  RunClock clock_;                        ///< The times of queries_ are measured by it.
   ChannelWatch channels_;
   Witnessed told_;
   RigNews news_;

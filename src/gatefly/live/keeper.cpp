@@ -87,8 +87,7 @@ void bring_down(LinkCommands& link, EndingState ending, double brake) {
     ending.v_x *= left, ending.v_y *= left;
     const Eigen::Vector3d rates_B = level_known ? rates_towards(command, ending.roll, ending.pitch)
                                                 : Eigen::Vector3d::Zero().eval();
-    (void)link.send({.rests = false, .rates_B = rates_B, .thrust = command.thrust},
-                    clock);
+    (void)link.send({.rests = false, .rates_B = rates_B, .thrust = command.thrust}, clock);
     while (clock.now() < next + kStickPeriod && !link.broken())
       (void)link.serve(clock, std::min(next + kStickPeriod, clock.now() + 2ms));
   }

@@ -27,7 +27,8 @@ void listen(LinkQueries& link, Wires& wires, const RunClock& clock) {
   if (link.broken()) wires.link_error = link.name() + ": the connection is gone";
 }
 
-void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock) {
+void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires,
+         const RunClock& clock) {
   DeckNews news;
   bool keeper_gone = false;
   nanoseconds sent_at{0};

@@ -5,9 +5,9 @@
 
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/flight_log/recording.hpp"
+#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/flight_deck.hpp"
 #include "gatefly/live/keeper.hpp"
-#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/wires.hpp"
 
 // The loops of the link's thread. Each runs until it is told to stop or the link is cut.

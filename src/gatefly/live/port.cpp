@@ -154,8 +154,8 @@ Port Port::udp_from(const std::string& bind_to, int port, const std::string& pee
     std::array<std::uint8_t, 1> room{};
     sockaddr_in from{};
     socklen_t size = sizeof from;
-    const ssize_t got = recvfrom(made.fd_, room.data(), room.size(), 0,
-                                 reinterpret_cast<sockaddr*>(&from), &size);
+    const ssize_t got =
+        recvfrom(made.fd_, room.data(), room.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
     if (got < 0 || from.sin_addr.s_addr != *made.peer_) continue;
     // From now on the kernel drops what others send.
     if (connect(made.fd_, reinterpret_cast<const sockaddr*>(&from), size) != 0)

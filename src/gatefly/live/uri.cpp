@@ -81,10 +81,10 @@ LinkUri link_uri(const std::string& text) {
   UriText uri{"--link", text};
   LinkUri link;
   link.mavlink = uri.takes("mavlink:");
-  const std::string forms =
-      link.mavlink ? "mavlink:serial:/dev/ttyX?baud=115200, mavlink:tcp:HOST:PORT, "
-                     "mavlink:udp:HOST:PORT or mavlink:udpin:ADDRESS:PORT"
-                   : "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT";
+  const std::string forms = link.mavlink
+                                ? "mavlink:serial:/dev/ttyX?baud=115200, mavlink:tcp:HOST:PORT, "
+                                  "mavlink:udp:HOST:PORT or mavlink:udpin:ADDRESS:PORT"
+                                : "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT";
   if (uri.takes("betaflight-sitl:"))
     uri.fail("is not built yet; there are msp:, mavlink: and replay:");
   if (!link.mavlink && uri.takes("replay:")) {
