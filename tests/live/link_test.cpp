@@ -13,6 +13,7 @@
 #include "gatefly/live/arrival_clock.hpp"
 #include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/msp_introduction.hpp"
+#include "gatefly/live/msp_speaker.hpp"
 #include "gatefly/live/stream_watch.hpp"
 
 #include "support/fake_betaflight.hpp"

@@ -37,7 +37,7 @@ struct FakeArduSettings {
   double hover_error = 0.0;   ///< Part by which the rotors give more than the parameters say.
   double start_height = 0.0;  ///< Held there until it is handed over [m].
   double hover = 0.2;         ///< MOT_THST_HOVER.
-  std::string log;            ///< A CSV of every set point, and of the drone's motion.
+  std::string log{};          ///< A CSV of every set point, and of the drone's motion.
   int port = 0;               ///< TCP port; 0: any that is free.
   int calls = 0;              ///< UDP port of 127.0.0.1 that it calls instead; 0: none.
 };

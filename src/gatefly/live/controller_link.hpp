@@ -73,7 +73,7 @@ class LinkCommands : public LinkQueries {
 
 /// What a controller has said that is needed to understand it, and is no constant of the drone.
 struct Acquaintance {
-  msp::BoxIds boxes;     ///< Of a Betaflight.
+  msp::BoxIds boxes{};   ///< Of a Betaflight.
   double imu_hz = 50.0;  ///< At which one that sends by itself is asked for samples.
 };
 
