@@ -2,29 +2,81 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds autopilots' simulators, which tests talk to, in a folder outside of the project. Nothing of theirs becomes part of gatefly.
 #
-# usage: tools/autopilots.sh FOLDER [REPOSITORY]
-#   FOLDER      where sources and programs go; what is there already is not built again
-#   REPOSITORY  Betaflight's, if not from GitHub: a URL, or a clone on this machine
+# usage: tools/autopilots.sh [--arducopter] FOLDER [REPOSITORY]
+#   --arducopter  ArduCopter instead of Betaflight
+#   FOLDER        where sources and programs go; what is there already is not built again
+#   REPOSITORY    if not from GitHub: of Betaflight a URL, or a clone on this machine; of ArduCopter a folder of
+#                 clones, one for each of its parts: OWNER/NAME, OWNER+NAME or OWNER+NAME/repo
 #
 # Then: GATEFLY_BETAFLIGHT=FOLDER/betaflight_SITL.elf build/release/tests/link_test --gtest_filter='RealBetaflight.*'
-# Needs git, make, gcc. Betaflight 2026.12-alpha, MSP API 1.49: half a minute.
+#       GATEFLY_ARDUCOPTER=FOLDER/arducopter tests/cli/arducopter_test.py build/release/gatefly-lab
+# Betaflight 2026.12-alpha, MSP API 1.49, needs git, make, gcc: half a minute. ArduCopter 4.7 of December 2025 needs g++ and
+# python3 with empy 3, pexpect, future, lxml, setuptools: six minutes of two cores.
 set -euo pipefail
 
-commit=301d01abc4
 fail() { echo "autopilots.sh: $*" >&2; exit 2; }
+need() { for program in "$@"; do command -v "$program" >/dev/null || fail "$program is missing"; done; }
 
-(($# >= 1 && $# <= 2)) && [[ "$1" != -* ]] || { sed -n '3,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2; }
+arducopter=0
+[[ "${1:-}" == --arducopter ]] && arducopter=1 && shift
+(($# >= 1 && $# <= 2)) && [[ "$1" != -* ]] || { sed -n '3,15s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2; }
 root="$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)"
 folder="$(readlink -m "$1")"
-repository="${2:-https://github.com/betaflight/betaflight}"
 case "$folder/" in "$root"/*) fail "$folder is inside the project" ;; esac
 
-program="$folder/betaflight_SITL.elf"
-if [[ ! -x "$program" ]]; then
-  for needed in git make gcc; do
-    command -v "$needed" >/dev/null || fail "$needed is missing"
+# Its sources: part OWNER/NAME COMMIT WHERE [pathspec ...], at the commits that its own tree names for its submodules.
+part() {
+  local name="$1" commit="$2" where="$3" from="" clone
+  shift 3
+  if [[ -n "$clones" ]]; then
+    for clone in "$clones/$name" "$clones/${name/\//+}" "$clones/${name/\//+}/repo"; do
+      if git -C "$clone" cat-file -e "$commit" 2>/dev/null; then from="$clone"; fi
+    done
+    [[ -n "$from" ]] || fail "$clones has no clone of $name with $commit"
+  else
+    from="$folder/${name/\//+}.git"
+    rm -rf "$from"
+    git clone --quiet --bare --filter=blob:none "https://github.com/$name" "$from" || fail "$name cannot be cloned"
+  fi
+  mkdir -p "$where"
+  git -C "$from" archive "$commit" -- . "$@" 2>>"$folder/sources.log" | tar -x -C "$where" || fail "$name does not have all of $commit: $folder/sources.log"
+}
+
+build_arducopter() {
+  need git g++ python3
+  local sources="$folder/ardupilot" log="$folder/arducopter.log"
+  # A python3 of one's own need not be the one that the system's packages are for.
+  local python="" each
+  for each in python3 /usr/bin/python3; do
+    if [[ -z "$python" ]] && "$each" -c 'import em, pexpect, future, lxml, setuptools' 2>/dev/null; then python="$each"; fi
   done
-  sources="$folder/betaflight"
+  [[ -n "$python" ]] || fail "python3 lacks one of empy 3, pexpect, future, lxml, setuptools"
+  rm -rf "$sources"
+  # A mirror may lack large files: libraries of chips and pictures of boards, which the simulator does not need.
+  part rishabsingh3003/ardupilot 12f6aa4e27 "$sources" ':(exclude)libraries/AP_GyroFFT/CMSIS_5/lib' \
+    ':(exclude)libraries/AP_HAL_ChibiOS/hwdef/**.png' ':(exclude)libraries/AP_HAL_ChibiOS/hwdef/**.jpg' ':(exclude)libraries/SITL/examples'
+  part ArduPilot/mavlink f5eeecf85b6d9efb32a5a60e63135310b6f93c8b "$sources/modules/mavlink"
+  part ArduPilot/pymavlink aa033552599c981b3e916b42383de8a21754c9b4 "$sources/modules/mavlink/pymavlink" ':(exclude)generator/swift'
+  part ArduPilot/waf 35eadbb64e2052099a853b571e507c33032b392c "$sources/modules/waf"
+  part ArduPilot/littlefs 34be692aafaaf4319a18e415b08aa4332697408b "$sources/modules/littlefs"
+  part dronecan/DSDL 1b2118cf358027453830ef644838a3bedb9411ea "$sources/modules/DroneCAN/DSDL"
+  part dronecan/dronecan_dsdlc bd9124715cc7cbb9bbe3f3270da0edb020507816 "$sources/modules/DroneCAN/dronecan_dsdlc"
+  part dronecan/libcanard b2da417dfcbc0a4b617aeaa0d680dc357b233172 "$sources/modules/DroneCAN/libcanard"
+  part dronecan/pydronecan 1f494e9a56ac9930f1e11c2f453789414b10d54e "$sources/modules/DroneCAN/pydronecan"
+  # Its version is that of a commit: of one of its own, lest it finds a repository around it.
+  git -C "$sources" init --quiet
+  git -C "$sources" -c user.name=nobody -c user.email=nobody@localhost commit --quiet --allow-empty -m "as fetched"
+  (cd "$sources" &&
+    "$python" ./waf configure --board sitl --no-submodule-update --disable-Networking --disable-PPP &&
+    "$python" ./waf copter -j"${JOBS:-$(nproc)}") >"$log" 2>&1 ||
+    { tail -20 "$log" >&2; fail "ArduCopter does not build: $log"; }
+  cp "$sources/build/sitl/bin/arducopter" "$folder/arducopter"
+}
+
+build_betaflight() {
+  local commit=301d01abc4 repository="${1:-https://github.com/betaflight/betaflight}"
+  need git make gcc
+  local sources="$folder/betaflight" log="$folder/betaflight.log" module
   rm -rf "$sources" "$folder/betaflight.git"
   mkdir -p "$sources"
   if [[ ! -d "$repository" ]]; then
@@ -39,8 +91,16 @@ if [[ ! -x "$program" ]]; then
     mkdir -p "$sources/$module"
     touch "$sources/$module/.git"
   done < <(sed -n 's/^[[:space:]]*path = //p' "$sources/.gitmodules")
-  log="$folder/betaflight.log"
   make -C "$sources" -j"${JOBS:-$(nproc)}" TARGET=SITL >"$log" 2>&1 || { tail -20 "$log" >&2; fail "Betaflight does not build: $log"; }
-  cp "$sources/obj/main/betaflight_SITL.elf" "$program"
+  cp "$sources/obj/main/betaflight_SITL.elf" "$folder/betaflight_SITL.elf"
+}
+
+mkdir -p "$folder"
+if ((arducopter)); then
+  clones="${2:+$(readlink -f "$2")}"
+  [[ -x "$folder/arducopter" ]] || build_arducopter
+  echo "$folder/arducopter"
+else
+  [[ -x "$folder/betaflight_SITL.elf" ]] || build_betaflight "${2:-}"
+  echo "$folder/betaflight_SITL.elf"
 fi
-echo "$program"

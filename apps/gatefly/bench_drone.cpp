@@ -12,6 +12,7 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/live/ardu_bench.hpp"
 #include "gatefly/live/bench.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/hand_over_bench.hpp"
@@ -88,6 +89,10 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
     throw std::runtime_error("--camera " + options.camera + ": a recording is no camera");
   const io::Config config = load(options.common);
   const live::DroneFile drone = live::read_drone(options.hand_over);
+  if (drone.ardu || link.mavlink)
+    throw std::runtime_error(options.hand_over +
+                             ": there is no hand-over test for an ArduCopter yet; look on with "
+                             "gatefly run --shadow");
   (void)live::with_hand_over_mark(drone, io::read_file(drone.path), "");  // that it can be written
   live::Introduced met = live::introduced(link, drone, false);
   // From now on it has not passed, however this ends.
@@ -116,6 +121,29 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
                       "drone, until the file or the program changes");
 }
 
+/// The same of an ArduCopter.
+int bench_ardu(const BenchDroneOptions& options, const live::LinkUri& uri, live::Port port) {
+  const live::ArduIntroduction said = live::ardu_introduction_of(port, uri.system);
+  Protocol protocol{options.common.quiet, options.json};
+  if (!protocol.add(live::of_introduction(said))) return protocol.end();
+  live::DroneFile drone;
+  drone.ardu = live::ardu_drone_of(said.facts);
+  drone.ardu->system = uri.system;
+  live::LinkCommands link = live::commands_on(std::move(port), drone, {});
+  if (!options.common.quiet) ask_for("leave it level and still for three seconds");
+  if (!protocol.add(live::of_rest(link, 3s))) return protocol.end();
+  const auto say = [&](const std::string& what) {
+    if (!options.common.quiet) ask_for(what);
+  };
+  const auto limit = std::chrono::milliseconds{static_cast<int>(1e3 * options.turn_s)};
+  protocol.add(live::of_turns(link, limit, say));
+  protocol.add(live::of_link(link, 3s));
+  if (!protocol.well()) return protocol.end();
+  io::write_file(options.out, live::drone_toml(*drone.ardu, options.told));
+  return protocol.end(options.out,
+                      "for --shadow: there is no hand-over test for an ArduCopter yet");
+}
+
 /// gatefly bench-drone: exit 0 all is well and the file written, 1 something is wrong with the drone, 2 unusable input.
 int bench_drone(const BenchDroneOptions& options) {
   const live::LinkUri uri = live::link_uri(options.link);
@@ -125,8 +153,11 @@ int bench_drone(const BenchDroneOptions& options) {
     throw std::runtime_error("--propellers-off is missing: take them off, then say so");
   if (!options.hand_over.empty()) return hand_over(options, uri);
   if (!options.camera.empty()) throw std::runtime_error("--camera: is for --hand-over");
+  if (uri.mavlink && options.told.hover_stick_us != 0)
+    throw std::runtime_error("--hover-stick-us: an ArduCopter tells itself: MOT_THST_HOVER");
+  const bool no_hover = !uri.mavlink && options.told.hover_stick_us == 0;
   for (const auto& [flag, missing] : {std::pair{"--name", options.told.name.empty()},
-                                      {"--hover-stick-us", options.told.hover_stick_us == 0},
+                                      {"--hover-stick-us", no_hover},
                                       {"--exponent", options.told.exponent == 0.0},
                                       {"--least-v", options.told.least_v < 0.0}})
     if (missing) throw std::runtime_error(std::string{flag} + " is required");
@@ -135,6 +166,7 @@ int bench_drone(const BenchDroneOptions& options) {
   check_outputs({{"--out", options.out, {"file of a drone", live::kDroneFileMark}}}, {},
                 options.common);
   live::Port port = live::opened(uri);
+  if (uri.mavlink) return bench_ardu(options, uri, std::move(port));
   const live::Introduction said = live::introduction_of(port);
   Protocol protocol{options.common.quiet, options.json};
   // The checks below need a controller that is known. The link is timed even when a sensor is wrong.
@@ -173,7 +205,9 @@ void declare_bench_drone(Command& command) {
       "Exit code 0: all is well, the file is written; 1: something is wrong with the drone, a line "
       "each; 2: unusable arguments,\n"
       "or nobody answers.");
-  command.option("--link", options->link, "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT")
+  command
+      .option("--link", options->link,
+              "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, or mavlink: as of run")
       .required()
       .type_name("URI");
   command.flag("--propellers-off", options->propellers_off,

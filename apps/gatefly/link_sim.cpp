@@ -27,6 +27,8 @@ struct LinkSimOptions {
   link_sim::LinkSimParams params;
   std::uint64_t seed = 1;
   std::string log, bench, controller = "betaflight-4.5";
+  /// What was not given is what the controller has.
+  std::optional<int> servos, state, radio, controller_port;
   bool json = false;
 };
 
@@ -99,6 +101,18 @@ int simulate_link(const LinkSimOptions& options) {
   const tasks::Race race = maker.race(options.seed);
   catch_interrupt();
   link_sim::LinkSimParams params = options.params;
+  if (options.controller == "arducopter") {
+    params.autopilot = link_sim::Autopilot::kArduCopter;
+    const int msp = params.ports.msp, pictures = params.ports.pictures;
+    params.ports = link_sim::kArduCopterPorts;
+    params.ports.msp = msp, params.ports.pictures = pictures;
+    // Its motors stand for two seconds after arming.
+    params.radio.hand_over = 3.0;
+  }
+  params.ports.servos = options.servos.value_or(params.ports.servos);
+  params.ports.state = options.state.value_or(params.ports.state);
+  params.ports.radio = options.radio.value_or(params.ports.radio);
+  params.ports.controller = options.controller_port.value_or(params.ports.controller);
   params.release = options.controller == "betaflight-4.5" ? betaflight_sitl::Release::k4_5
                                                           : betaflight_sitl::Release::k2026;
   const auto say = [&](const std::string& what) {
@@ -140,7 +154,9 @@ void declare_link_sim(Command& command) {
   constexpr int kMostPort = 65535;
   command.footer(
       "Example, with Betaflight's simulator running beside it:\n"
-      "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n"
+      "with ArduCopter's (arducopter --model json:127.0.0.1 --serial0 tcp:5760):\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot arducopter\n\n"
       "It waits for the controller, then says \"ready\"; once a program has called at --msp it "
       "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
@@ -158,7 +174,7 @@ void declare_link_sim(Command& command) {
   command
       .option("--autopilot", options->controller,
               "the controller's simulator: its releases differ in a sign")
-      .one_of({"betaflight-4.5", "betaflight-2026"})
+      .one_of({"betaflight-4.5", "betaflight-2026", "arducopter"})
       .show_default();
   command.option("--baud", options->params.baud, "speed of the serial line")
       .between(9600, 10'000'000)
@@ -181,15 +197,19 @@ void declare_link_sim(Command& command) {
       .option("--camera-out-s", options->params.camera_out,
               "so long after the hand-over the camera hangs [s]")
       .between(0.0, 3600.0);
-  const auto port = [&](const char* name, int& value, const char* what) {
-    command.option(name, value, what).between(1, kMostPort).show_default();
+  const auto port = [&](const char* name, auto& value, const char* what) {
+    return command.option(name, value, what).between(1, kMostPort);
   };
-  port("--servos", ports.servos, "UDP port at which the controller tells its motors");
-  port("--state", ports.state, "UDP port at which it hears its sensors");
-  port("--radio", ports.radio, "UDP port of its receiver");
-  port("--controller", ports.controller, "TCP port of its serial line");
-  port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies");
-  port("--pictures", ports.pictures, "UDP port of that program's camera");
+  port("--servos", options->servos,
+       "UDP port at which the controller tells its motors: 9001; ArduCopter's 9002");
+  port("--state", options->state,
+       "UDP port at which it hears its sensors: 9003; ArduCopter hears them at its own");
+  port("--radio", options->radio, "UDP port of its receiver: 9004; ArduCopter's 5501");
+  port("--controller", options->controller_port,
+       "TCP port of its serial line: 5761; ArduCopter's 5760");
+  port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies")
+      .show_default();
+  port("--pictures", ports.pictures, "UDP port of that program's camera").show_default();
   Flag log =
       command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV");
   log.path("FILE");

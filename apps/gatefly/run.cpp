@@ -65,10 +65,10 @@ Course course_of(const RunOptions& options) {
 /// All that flies a drone; the keeper is a process of its own.
 struct Flying {
   Flying(live::Introduced met, const live::DroneFile& drone, const live::FlightDeck::Params& params)
-      : link{std::move(met.port), drone, met.boxes},
-        deck{drone, params},
-        keeper{link.fd(), drone, met.boxes, params.hand_over.brake} {}
-  live::MspSticks link;
+      : link{live::commands_on(std::move(met.port), drone, met.known)},
+        deck{params},
+        keeper{link.fd(), drone, met.known, params.hand_over.brake} {}
+  live::LinkCommands link;
   live::FlightDeck deck;
   live::Keeper keeper;
 };
@@ -262,11 +262,20 @@ std::string flown(live::Session& session, live::RunRecorder& recorder, const Run
 void expect_to_fly(const live::DroneFile& drone, const PilotConfig& pilot) {
   if (pilot.output != Output::kRatesThrust)
     throw std::runtime_error(
-        "control.output must be \"rates_thrust\" to fly a Betaflight (--config betaflight)");
+        "control.output must be \"rates_thrust\" to fly a drone (--config betaflight, or "
+        "arducopter)");
   if (!drone.hand_over_tested(live::program_mark()))
     throw std::runtime_error(drone.path.string() + ": " +
                              std::string{guard::text_of(guard::Reason::kNotTested)} +
                              "; bench-drone --hand-over does it, --shadow looks on without");
+}
+
+/// Meets the drone; one that sends by itself is asked for samples as often as the pilot's filter expects them.
+live::Introduced introduced(const live::LinkUri& uri, const live::DroneFile& drone,
+                            const Course& course, bool only_listens) {
+  live::Introduced met = live::introduced(uri, drone, only_listens);
+  if (course.pilot.filter_imu_hz > 0.0) met.known.imu_hz = course.pilot.filter_imu_hz;
+  return met;
 }
 
 live::FlightDeck::Params deck_params(const RunOptions& options, const Course& course,
@@ -300,14 +309,15 @@ int run(const RunOptions& options) {
       live::play(recording->ticks, recording->folder, pace, wires, clock);
     };
   } else if (options.shadow) {
-    live::Introduced met = live::introduced(link, *drone, true);
-    const auto queries = std::make_shared<live::MspQueries>(std::move(met.port), *drone, met.boxes);
-    work = [queries, &drone](live::Wires& wires, const live::RunClock& clock) {
-      live::listen(*queries, *drone, wires, clock);
+    live::Introduced met = introduced(link, *drone, course, true);
+    const auto queries = std::make_shared<live::LinkQueries>(
+        live::queries_on(std::move(met.port), *drone, met.known));
+    work = [queries](live::Wires& wires, const live::RunClock& clock) {
+      live::listen(*queries, wires, clock);
     };
   } else {
     // Its second process before anything else is open: that would be open there, too.
-    const auto flying = std::make_shared<Flying>(live::introduced(link, *drone, false), *drone,
+    const auto flying = std::make_shared<Flying>(introduced(link, *drone, course, false), *drone,
                                                  deck_params(options, course, *drone));
     work = [flying](live::Wires& wires, const live::RunClock& clock) {
       live::fly(flying->link, flying->deck, flying->keeper, wires, clock);
@@ -383,7 +393,8 @@ void declare_run(Command& command) {
   command
       .option(
           "--link", options->link,
-          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, or replay:DIR?pace=1, a recorded flight")
+          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, mavlink:serial:/dev/ttyX?baud=921600, "
+          "mavlink:tcp:HOST:PORT, mavlink:udp:HOST:PORT, or replay:DIR?pace=1, a recorded flight")
       .required()
       .type_name("URI");
   command.option("--drone", options->drone, "drone.toml: every constant of the drone").path("FILE");

@@ -42,9 +42,9 @@ def signed(test, content):
 class Fake:
     """The fake controller, a process of its own; words tell it what the pilot's radio does."""
 
-    def __init__(self, folder, *flags):
+    def __init__(self, folder, *flags, program=FAKE):
         self.log = folder / "fake.csv"
-        self.process = subprocess.Popen([FAKE, "--log", self.log, *flags], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([program, "--log", self.log, *flags], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.port = int(self.process.stdout.readline().split()[1])
 
     def __call__(self, word):
@@ -56,7 +56,8 @@ class Fake:
             return [row for row in csv.DictReader(rows) if None not in row.values() and what in (None, row["what"])]
 
     def end(self):
-        self.process.stdin.close()
+        if not self.process.stdin.closed:
+            self.process.stdin.close()
         self.process.stdout.close()
         self.process.wait()
 
@@ -64,9 +65,15 @@ class Fake:
 class WithDrone(Cli):
     """A drone that behaves like one: tests/support/fake_betaflight.hpp, and a camera that shows nothing but grey."""
 
+    FAKE = FAKE
+    CONFIG = "betaflight"
+
+    def link(self):
+        return f"msp:tcp:127.0.0.1:{self.fake.port}"
+
     def setUp(self):
         super().setUp()
-        self.fake = Fake(self.folder)
+        self.fake = Fake(self.folder, program=self.FAKE)
         self.addCleanup(lambda: self.fake.end())
         programs = self.folder / "bin"
         programs.mkdir()
@@ -76,8 +83,7 @@ class WithDrone(Cli):
         self.environment = {"PATH": f"{programs}:{os.environ['PATH']}"}
 
     def words(self, *arguments, drone=DRONE):
-        return ["run", "oval", "--config", "betaflight", "--camera", "gst:videotestsrc", "--link", f"msp:tcp:127.0.0.1:{self.fake.port}",
-                "--drone", str(drone), *map(str, arguments)]
+        return ["run", "oval", "--config", self.CONFIG, "--camera", "gst:videotestsrc", "--link", self.link(), "--drone", str(drone), *map(str, arguments)]
 
     def start(self, *arguments, **more):
         """The program in the background."""

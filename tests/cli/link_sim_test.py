@@ -7,14 +7,18 @@ bench-drone's own, from the same drone in a simulated hand.
 usage: link_sim_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
 import json
+import os
 import signal
+import socket
 import time
 
 from drone import FAKE, signed
 from program import GATEFLY, ROOT, Cli, main
-from simulated import Simulated, ended
+from simulated import Simulated, ended, free_ports
 
 FAKE_SITL = FAKE + "_sitl"
+FAKE_ARDU_SITL = os.environ.get("GATEFLY_FAKE_ARDUCOPTER", "") + "_sitl"
+ARDU = ROOT / "tests" / "live" / "fake_arducopter_sitl.toml"
 DRONE = ROOT / "tests" / "live" / "fake_sitl_drone.toml"
 
 
@@ -23,6 +27,11 @@ class OverTheLink(Cli):
         super().setUp()
         self.drone = Simulated(GATEFLY, ROOT, self.folder, fake=FAKE_SITL)
         self.addCleanup(ended, self.drone.controller)
+
+    def start(self, *words):
+        process = self.drone.start(*words)
+        self.addCleanup(ended, process)
+        return process
 
     def lap(self, drone):
         """A lap of the oval, from arming to landing, and all that was said."""
@@ -66,6 +75,26 @@ class OverTheLink(Cli):
         world.wait(timeout=20)
         self.assertEqual(world.returncode, 130)
         ended(world)
+
+    def test_an_arducopter_flies_a_lap_and_lands_too(self):
+        servos, radio, pictures = free_ports(3, socket.SOCK_DGRAM)
+        controller, line = free_ports(2, socket.SOCK_STREAM)
+        fake = self.start(FAKE_ARDU_SITL, "--servos", servos, "--radio", radio, "--port", controller, "--hover", "0.166")
+        self.assertIn("port", fake.stdout.readline())
+        drone = ["--config", "archer-b2", "--config", "arducopter"]
+        world = self.start(GATEFLY, "link-sim", "oval", "--laps", "1", "--seed", "1001", *drone, "--autopilot", "arducopter", "--set", "sim.camera_quality=fast", "--json",
+                           "--time-limit", "60", "--servos", servos, "--radio", radio, "--controller", controller, "--msp", line, "--pictures", pictures)
+        self.assertIn("ready", world.stderr.readline())
+        pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"mavlink:tcp:127.0.0.1:{line}", "--drone",
+                           signed(self, ARDU.read_text(encoding="utf-8")), "--json")
+        told, heard = world.communicate(timeout=120)
+        outcome = json.loads(told)
+        told, said = pilot.communicate(timeout=20)
+        flown = json.loads(told)
+        everything = f"{outcome}\n{heard}\n{said}"
+        self.assertTrue(outcome["finished"] and outcome["landed"], everything)
+        self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
+        self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
 
     def test_without_a_controller_it_says_so(self):
         ended(self.drone.controller)

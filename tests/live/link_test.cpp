@@ -11,7 +11,9 @@
 
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/live/arrival_clock.hpp"
-#include "gatefly/live/msp_link.hpp"
+#include "gatefly/live/controller_link.hpp"
+#include "gatefly/live/msp_introduction.hpp"
+#include "gatefly/live/msp_speaker.hpp"
 #include "gatefly/live/stream_watch.hpp"
 
 #include "support/fake_betaflight.hpp"
@@ -26,16 +28,17 @@ using std::chrono::nanoseconds;
 using test::error_of;
 
 template <class Link>
-concept SendsSticks = requires(Link link, msp::Sticks sticks) {
-  link.send(sticks);
+concept Flies = requires(Link link, Demand demand, RunClock clock) {
+  link.send(demand, clock);
 };
 template <class Link>
 concept GivesItsPort = requires(Link link) {
   link.port();
 }
 || requires(Link link) { link.port_; };
-static_assert(!SendsSticks<MspQueries>, "a shadow's link has no function that sends sticks");
-static_assert(!GivesItsPort<MspQueries>, "nor can anybody write past it");
+static_assert(Flies<LinkCommands>);
+static_assert(!Flies<LinkQueries>, "a shadow's link has no function that flies");
+static_assert(!GivesItsPort<LinkQueries>, "nor can anybody write past it");
 
 /// A fake controller that serves in a thread of its own.
 class Served {
@@ -75,7 +78,7 @@ class Listening {
   RunClock clock_;
 
  public:
-  MspQueries link{std::move(port_), the_fake(), *said_.facts.boxes};
+  LinkQueries link = queries_on(std::move(port_), the_fake(), {.boxes = *said_.facts.boxes});
   test::FakeBetaflight& fake() { return served_.fake(); }
 };
 
@@ -117,7 +120,7 @@ TEST(Introduction, AnswersToAProgramThatHasEndedAreNoOtherClientsButThoseThatKee
   EXPECT_TRUE(introduction_of(others).other_client);
 }
 
-TEST(MspQueries, FiftySamplesASecondArriveOverASerialLineOf115200Baud) {
+TEST(LinkQueries, FiftySamplesASecondArriveOverASerialLineOf115200Baud) {
   Listening drone;
   const int samples = drone.until(2s);
   EXPECT_GE(samples, 90) << "in 2 s";
@@ -130,7 +133,7 @@ TEST(MspQueries, FiftySamplesASecondArriveOverASerialLineOf115200Baud) {
   EXPECT_EQ(drone.fake().frames(), 0) << "questions only";
 }
 
-TEST(MspQueries, AControllerThatAnswersWhatNobodyAskedHasAnotherClient) {
+TEST(LinkQueries, AControllerThatAnswersWhatNobodyAskedHasAnotherClient) {
   Listening drone;
   (void)drone.until(200ms);
   EXPECT_FALSE(drone.link.state().other_client);
@@ -139,7 +142,7 @@ TEST(MspQueries, AControllerThatAnswersWhatNobodyAskedHasAnotherClient) {
   EXPECT_TRUE(drone.link.state().other_client);
 }
 
-TEST(MspQueries, ALinkThatIsCutIsBrokenAtOnce) {
+TEST(LinkQueries, ALinkThatIsCutIsBrokenAtOnce) {
   Listening drone;
   (void)drone.until(100ms);
   drone.fake().obey("cut");

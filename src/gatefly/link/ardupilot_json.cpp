@@ -87,4 +87,13 @@ std::size_t encode_state(const State& state, std::span<char> out) {
   return line.size();
 }
 
+std::array<std::uint8_t, 32> encode_receiver(const msp::Sticks& sticks,
+                                             const std::array<std::uint16_t, 12>& aux) {
+  std::array<std::uint8_t, 32> datagram{};
+  link::ByteWriter out{datagram};
+  out.put(sticks.roll), out.put(sticks.pitch), out.put(sticks.throttle), out.put(sticks.yaw);
+  for (const std::uint16_t pulse : aux) out.put(pulse);
+  return datagram;
+}
+
 }  // namespace gatefly::ardupilot

@@ -12,6 +12,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/link/bytes.hpp"
+#include "gatefly/link/msp_axes.hpp"
 #include "gatefly/sensing/imu.hpp"
 
 /// Both sides of ArduPilot's simulator ("JSON", UDP 9002): servo packets to a physics model, its state back.
@@ -45,5 +46,9 @@ inline constexpr std::size_t kLongestLine = 1024;
 /// Writes the line that answers; returns its length, 0 when it does not fit or something is no number: its
 /// reader takes anything for a number.
 [[nodiscard]] std::size_t encode_state(const State& state, std::span<char> out);
+
+/// A receiver's 16 pulses [µs], which it hears at UDP 5501: roll, pitch, throttle, yaw, AUX1 … AUX12.
+[[nodiscard]] std::array<std::uint8_t, 32> encode_receiver(
+    const msp::Sticks& sticks, const std::array<std::uint16_t, 12>& aux);
 
 }  // namespace gatefly::ardupilot

@@ -20,6 +20,13 @@ Eigen::Vector3d vector(T x, T y, T z) {
   return {double(x), double(y), double(z)};
 }
 
+/// From mg and mrad/s.
+template <class Message>
+gatefly::Imu from_thousandths(const Message& imu) {
+  return {1e-3 * vector(imu.xgyro, imu.ygyro, imu.zgyro),
+          1e-3 * kGravity * vector(imu.xacc, imu.yacc, imu.zacc)};
+}
+
 /// A thrust that is no number becomes 0.
 float part(double thrust) {
   return std::isfinite(thrust) ? static_cast<float>(std::clamp(thrust, 0.0, 1.0)) : 0.0F;
@@ -46,10 +53,9 @@ gatefly::Imu imu_of(const HighresImu& imu) {
   return {vector(imu.xgyro, imu.ygyro, imu.zgyro), vector(imu.xacc, imu.yacc, imu.zacc)};
 }
 
-gatefly::Imu imu_of(const ScaledImu& imu) {
-  return {1e-3 * vector(imu.xgyro, imu.ygyro, imu.zgyro),
-          1e-3 * kGravity * vector(imu.xacc, imu.yacc, imu.zacc)};
-}
+gatefly::Imu imu_of(const ScaledImu& imu) { return from_thousandths(imu); }
+
+gatefly::Imu ardupilot_imu_of(const RawImu& imu) { return from_thousandths(imu); }
 
 gatefly::Attitude attitude_of(const Attitude& attitude) {
   return {double(attitude.roll), double(attitude.pitch), double(attitude.yaw)};

@@ -20,6 +20,8 @@ namespace gatefly::mavlink {
 [[nodiscard]] gatefly::Imu imu_of(const HighresImu& imu);
 /// From mg and mrad/s.
 [[nodiscard]] gatefly::Imu imu_of(const ScaledImu& imu);
+/// ArduPilot's RAW_IMU has mg and mrad/s, too; others have counts, whose size nobody tells.
+[[nodiscard]] gatefly::Imu ardupilot_imu_of(const RawImu& imu);
 [[nodiscard]] gatefly::Attitude attitude_of(const Attitude& attitude);
 [[nodiscard]] gatefly::Attitude attitude_of(const AttitudeQuaternion& attitude);
 
@@ -28,6 +30,9 @@ struct Place {
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
 };
 [[nodiscard]] Place place_of(const LocalPositionNed& place);
+
+/// ArduCopter's custom_mode in which it flies by set points of attitude or rates without knowing where it is.
+inline constexpr std::uint32_t kGuidedNoGps = 20;
 
 /// Whom a command is for.
 struct Target {

@@ -298,6 +298,35 @@ struct BatteryStatus {
   }
 };
 
+struct AutopilotVersion {
+  static constexpr std::uint32_t kId = 148;
+  static constexpr std::string_view kName = "AUTOPILOT_VERSION";
+  std::uint64_t capabilities = 0, uid = 0;
+  std::uint32_t flight_sw_version = 0, middleware_sw_version = 0, os_sw_version = 0,
+                board_version = 0;
+  std::uint16_t vendor_id = 0, product_id = 0;
+  std::array<std::uint8_t, 8> flight_custom_version{}, middleware_custom_version{},
+      os_custom_version{};
+  std::array<std::uint8_t, 18> uid2{};
+  template <class Self, class Visit>
+  static constexpr void layout(Self& m, Visit& visit) {
+    visit("capabilities", m.capabilities, "bits");
+    visit("uid", m.uid, "");
+    visit("flight_sw_version", m.flight_sw_version,
+          "major, minor, patch, kind: a byte each, the highest first");
+    visit("middleware_sw_version", m.middleware_sw_version, "");
+    visit("os_sw_version", m.os_sw_version, "");
+    visit("board_version", m.board_version, "");
+    visit("vendor_id", m.vendor_id, "");
+    visit("product_id", m.product_id, "");
+    visit("flight_custom_version", m.flight_custom_version, "");
+    visit("middleware_custom_version", m.middleware_custom_version, "");
+    visit("os_custom_version", m.os_custom_version, "");
+    visit.later();
+    visit("uid2", m.uid2, "");
+  }
+};
+
 struct Statustext {
   static constexpr std::uint32_t kId = 253;
   static constexpr std::string_view kName = "STATUSTEXT";
@@ -352,6 +381,6 @@ struct Odometry {
 /// All of this file.
 using Telemetry = std::tuple<Heartbeat, SysStatus, ScaledImu, RawImu, Attitude, AttitudeQuaternion,
                              LocalPositionNed, AttitudeTarget, HighresImu, DistanceSensor, Altitude,
-                             BatteryStatus, Statustext, Odometry>;
+                             BatteryStatus, AutopilotVersion, Statustext, Odometry>;
 
 }  // namespace gatefly::mavlink

@@ -13,12 +13,21 @@
 
 namespace gatefly::link_sim {
 
-Datagrams::Datagrams(int port, bool hears)
-    : fd_{socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)} {
+namespace {
+
+sockaddr_in here(int port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(static_cast<std::uint16_t>(port));
+  return address;
+}
+
+}  // namespace
+
+Datagrams::Datagrams(int port, bool hears)
+    : fd_{socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)} {
+  const sockaddr_in address = here(port);
   const auto* const place = reinterpret_cast<const sockaddr*>(&address);
   const int failed = fd_ < 0 || (hears ? bind(fd_, place, sizeof address)
                                        : connect(fd_, place, sizeof address)) != 0;
@@ -31,7 +40,8 @@ Datagrams::Datagrams(int port, bool hears)
 }
 Datagrams Datagrams::to(int port) { return {port, false}; }
 Datagrams Datagrams::at(int port) { return {port, true}; }
-Datagrams::Datagrams(Datagrams&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
+Datagrams::Datagrams(Datagrams&& other) noexcept
+    : fd_{std::exchange(other.fd_, -1)}, last_sender_{other.last_sender_} {}
 Datagrams::~Datagrams() {
   if (fd_ >= 0) close(fd_);
 }
@@ -40,9 +50,19 @@ void Datagrams::send(link::Bytes bytes) const {
   (void)!::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
 }
 
-std::optional<link::Bytes> Datagrams::receive(std::span<std::uint8_t> room) const {
-  const ssize_t got = recv(fd_, room.data(), room.size(), 0);
+void Datagrams::answer(link::Bytes bytes) const {
+  const sockaddr_in to = here(last_sender_);
+  (void)sendto(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL,
+               reinterpret_cast<const sockaddr*>(&to), sizeof to);
+}
+
+std::optional<link::Bytes> Datagrams::receive(std::span<std::uint8_t> room) {
+  sockaddr_in from{};
+  socklen_t size = sizeof from;
+  const ssize_t got =
+      recvfrom(fd_, room.data(), room.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
   if (got < 0) return std::nullopt;
+  last_sender_ = ntohs(from.sin_port);
   return link::Bytes{room.first(static_cast<std::size_t>(got))};
 }
 

@@ -25,12 +25,14 @@ class Datagrams {
 
   /// Nobody need be there to hear it.
   void send(link::Bytes bytes) const;
+  /// To whom the last one that was received came from.
+  void answer(link::Bytes bytes) const;
   /// The next one that has arrived, in `room`.
-  [[nodiscard]] std::optional<link::Bytes> receive(std::span<std::uint8_t> room) const;
+  [[nodiscard]] std::optional<link::Bytes> receive(std::span<std::uint8_t> room);
 
  private:
   Datagrams(int port, bool hears);
-  int fd_ = -1;
+  int fd_ = -1, last_sender_ = 0;  ///< A port.
 };
 
 }  // namespace gatefly::link_sim

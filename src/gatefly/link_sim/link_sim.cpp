@@ -2,11 +2,11 @@
 #include "gatefly/link_sim/link_sim.hpp"
 
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "gatefly/link_sim/bench_hand.hpp"
-#include "gatefly/link_sim/controller_wires.hpp"
-#include "gatefly/link_sim/datagrams.hpp"
+#include "gatefly/link_sim/controller.hpp"
 #include "gatefly/link_sim/drone_in_world.hpp"
 #include "gatefly/link_sim/held_drone.hpp"
 #include "gatefly/link_sim/new_lines.hpp"
@@ -34,9 +34,7 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
             const std::function<void(const TrueMoment&)>& look, const std::function<bool()>& stop,
             const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
-  Motors motors{ports.servos};
-  Sensors sensors{ports.state, params.release};
-  const Datagrams receiver = Datagrams::to(ports.radio);
+  const std::unique_ptr<Controller> controller = controller_of(params);
   DroneInWorld drone{day, laps};
   PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
   SafetyPilot radio{params.radio};
@@ -52,27 +50,26 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
       break;
     }
 
-    motors.listen(drone.time());
-    drone.step(motors.now(), kStep);
-    sensors.send(drone.told());
+    controller->listen(drone.time());
+    drone.step(controller->motors(), kStep);
+    controller->feel(drone.told(), drone.state());
     pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, pace.start());
 
     const SafetyPilot::State before = radio.state();
     radio.step({.time = drone.time(),
                 .client = line && line->connected(),
-                .motors = motors.turn(),
+                .motors = controller->turn(),
                 .on_floor = drone.rests(),
                 .airborne = drone.airborne(),
                 .hit = drone.hit().has_value()});
     if (pace.every(kRadioEvery) || radio.state() != before)
-      receiver.send(
-          betaflight_sitl::encode_receiver(drone.told().time, msp::kNeutral, radio.switches()));
+      controller->hear_radio(drone.told().time, msp::kNeutral, radio.switches());
     if (pace.every(kLookEvery))
       look({.time = drone.time(),
             .armed = radio.armed(),
             .overridden = radio.override_on(),
             .state = drone.state(),
-            .motors = motors.now(),
+            .motors = controller->motors(),
             .sticks_held = line ? line->stick_gaps().longest(live::Clock::now()) : 0.0,
             .gates_passed = static_cast<int>(drone.passes().size())});
     const auto is_over_for = [&](const std::optional<double>& limit) {
@@ -93,7 +90,7 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
       outcome.last_p_EB = drone.state().p_EB;
       say("taken back: " + outcome.reason);
     }
-    if (!line && motors.ever() && drone.time() > kCalibrates) {
+    if (!line && controller->ever() && drone.time() > kCalibrates) {
       line.emplace(ports.msp, ports.controller, params.baud);
       say("ready");
     }
@@ -121,30 +118,28 @@ bool hold(const sim::SimConfig& day, const std::string& asks, const LinkSimParam
           const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
   NewLines lines{asks};
-  Motors motors{ports.servos};
-  Sensors sensors{ports.state, params.release};
-  const Datagrams receiver = Datagrams::to(ports.radio);
+  const std::unique_ptr<Controller> controller = controller_of(params);
   HeldDrone drone{day};
   PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
   BenchHand hand;
   std::optional<PacedLine> line;
   for (Pace pace; !stop();) {
     pace.wait();
-    motors.listen(drone.time());
+    controller->listen(drone.time());
     drone.step(kStep);
-    sensors.send(drone.told());
+    controller->feel(drone.told(), drone.state());
     pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, pace.start());
     if (pace.every(kReadEvery))
       for (const std::string& asked : lines.read()) hand.hear(asked, drone.time());
-    const auto done = hand.step(drone.time(), motors.turn());
+    const auto done = hand.step(drone.time(), controller->turn());
     if (done) say(std::string{text_of(*done)});
     if (done == Deed::kTurnRoll) drone.turn(0);
     if (done == Deed::kTurnPitch) drone.turn(1);
     if (done == Deed::kTurnYaw) drone.turn(2);
     if (pace.every(kRadioEvery) || done)
-      receiver.send(betaflight_sitl::encode_receiver(
-          drone.told().time, hand.sticks(), switches_of(hand.armed(), hand.override_on())));
-    if (!line && motors.ever() && drone.time() > kCalibrates) {
+      controller->hear_radio(drone.told().time, hand.sticks(),
+                             switches_of(hand.armed(), hand.override_on()));
+    if (!line && controller->ever() && drone.time() > kCalibrates) {
       line.emplace(ports.msp, ports.controller, params.baud);
       say("ready");
     }

@@ -17,6 +17,9 @@
 
 namespace gatefly::link_sim {
 
+/// Whose program it is.
+enum class Autopilot { kBetaflight, kArduCopter };
+
 /// Ports of 127.0.0.1. The first four are those of Betaflight's simulator target.
 struct Ports {
   int servos = 9001;      ///< UDP: what it tells the motors, here.
@@ -37,7 +40,12 @@ struct TrueMoment {
   int gates_passed = 0;
 };
 
+/// Those of ArduCopter: it asks and is answered at one, so that there is none of its own for its state.
+inline constexpr Ports kArduCopterPorts{
+    .servos = 9002, .state = 0, .radio = 5501, .controller = 5760};
+
 struct LinkSimParams {
+  Autopilot autopilot = Autopilot::kBetaflight;
   Ports ports;
   betaflight_sitl::Release release = betaflight_sitl::Release::k4_5;
   int baud = 115200;

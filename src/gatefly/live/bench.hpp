@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gatefly/link/msp_axes.hpp"
-#include "gatefly/live/msp_link.hpp"
+#include "gatefly/live/msp_introduction.hpp"
 
 namespace gatefly::live {
 

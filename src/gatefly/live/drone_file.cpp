@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <tuple>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
@@ -61,10 +62,34 @@ To narrow(int value) {
   return static_cast<To>(value);
 }
 
+/// An ArduCopter's [controller].
+void read_ardu(Strict controller, DroneFile& drone) {
+  ArduDrone& ardu = drone.ardu.emplace();
+  ardu.version = controller.text("version");
+  ardu.system = controller.whole("system", 1, 254);
+  ardu.guided_options = controller.whole("guided_options", 0, 65535);
+  ardu.guided_timeout_s = controller.number("guided_timeout_s", 0.1, 5.0);
+  controller.table().refuse_others();
+}
+
+void read_thrust(Strict thrust, DroneFile& drone) {
+  ArduDrone& ardu = *drone.ardu;
+  ardu.hover = thrust.number("hover", 0.05, 0.8);
+  ardu.expo = thrust.number("expo", -1.0, 1.0);
+  ardu.spin_min = thrust.number("spin_min", 0.0, 0.3);
+  ardu.spin_max = thrust.number("spin_max", 0.5, 1.0);
+  ardu.angle_boost = thrust.whole("angle_boost", 0, 1) == 1;
+  drone.hover = {.throttle = 1e3 * ardu.hover, .exponent = thrust.number("exponent", 0.8, 3.0)};
+  thrust.table().refuse_others();
+}
+
 void read_controller(Strict controller, DroneFile& drone) {
+  const std::string firmware = controller.text("firmware");
+  if (firmware == "ARDU") return read_ardu(std::move(controller), drone);
   drone.board = controller.text("board");
   if (drone.board.size() != 4) controller.fail("board", "the four letters of MSP_BOARD_INFO");
-  if (controller.text("firmware") != "BTFL") controller.fail("firmware", "\"BTFL\": Betaflight");
+  if (firmware != "BTFL")
+    controller.fail("firmware", "\"BTFL\": Betaflight, or \"ARDU\": ArduCopter");
   drone.api_minor = controller.whole("api_minor", 43, 46);
   controller.table().refuse_others();
 }
@@ -155,6 +180,12 @@ std::string constants_of(const DroneFile& d) {
     add(value);
   for (std::size_t i = 0; i < 3; ++i) add(t.super_rate[i]), add(t.rate_limit[i]);
   for (std::size_t i = 0; i < 4; ++i) add(d.map.place[i]);
+  if (!d.ardu) return all;
+  const ArduDrone& a = *d.ardu;
+  all += "|" + a.version;
+  for (const double value : {double(a.system), double(a.guided_options), a.guided_timeout_s,
+                             a.hover, a.expo, a.spin_min, a.spin_max, double(a.angle_boost)})
+    add(value);
   return all;
 }
 
@@ -164,6 +195,11 @@ double Hover::throttle_for(double thrust) const {
   constexpr double kMost = 1000.0;
   if (!(thrust > 0.0)) return 0.0;
   return std::min(kMost, throttle * std::pow(thrust / kGravity, 1.0 / exponent));
+}
+
+double ArduDrone::thrust_part(double throttle, double upright) const {
+  const double part = 1e-3 * throttle;
+  return angle_boost ? part * std::clamp(upright, 0.5, 1.0) : part;
 }
 
 msp::Sticks DroneFile::sticks(const Eigen::Vector3d& rates_B, double thrust) const {
@@ -182,17 +218,25 @@ DroneFile read_drone(const std::filesystem::path& path) {
   io::Table file(content);
   DroneFile drone;
   drone.path = path;
-  for (const char* section :
-       {"drone", "controller", "imu", "rates", "throttle", "channels", "battery"})
-    if (!file.has(section)) file.fail(section, "there: a drone has no defaults");
+  const auto expect = [&file](std::initializer_list<const char*> sections) {
+    for (const char* section : sections)
+      if (!file.has(section)) file.fail(section, "there: a drone has no defaults");
+  };
+  expect({"drone", "controller", "battery"});
   Strict identity{file.table("drone")};
   drone.name = identity.text("name");
   identity.table().refuse_others();
   read_controller(Strict{file.table("controller")}, drone);
-  read_imu(Strict{file.table("imu")}, drone);
-  read_rates(Strict{file.table("rates")}, drone);
-  read_throttle(Strict{file.table("throttle")}, drone);
-  read_channels(Strict{file.table("channels")}, drone);
+  if (drone.ardu) {
+    expect({"thrust"});
+    read_thrust(Strict{file.table("thrust")}, drone);
+  } else {
+    expect({"imu", "rates", "throttle", "channels"});
+    read_imu(Strict{file.table("imu")}, drone);
+    read_rates(Strict{file.table("rates")}, drone);
+    read_throttle(Strict{file.table("throttle")}, drone);
+    read_channels(Strict{file.table("channels")}, drone);
+  }
   Strict battery{file.table("battery")};
   drone.least_battery_v = battery.number("least_v", 0, 60);
   battery.table().refuse_others();
@@ -202,7 +246,7 @@ DroneFile read_drone(const std::filesystem::path& path) {
     test.table().refuse_others();
   }
   file.refuse_others();
-  derive(file, drone);
+  if (!drone.ardu) derive(file, drone);
   return drone;
 }
 
@@ -275,6 +319,49 @@ std::vector<std::string> differences(const DroneFile& drone, const guard::DroneF
   if (facts.map)
     for (std::size_t i = 0; i < 4; ++i)
       compare("channel place", facts.map->place[i], drone.map.place[i]);
+  return found;
+}
+
+ArduDrone ardu_drone_of(const guard::ArduFacts& facts) {
+  using Parameter = guard::ArduParameter;
+  // A parameter is a float: of its decimals those that somebody may have written.
+  const auto is = [&](Parameter which) {
+    return std::round(1e5 * double(facts.parameter(which).value_or(0.0f))) / 1e5;
+  };
+  const std::uint32_t version = facts.version ? facts.version->flight_sw_version : 0;
+  const auto part = [version](int shift) { return std::to_string((version >> shift) & kByte); };
+  return {.version = part(24) + "." + part(16) + "." + part(8),
+          .system = 1,
+          .guided_options = static_cast<int>(is(Parameter::kGuidedOptions)),
+          .guided_timeout_s = is(Parameter::kGuidedTimeout),
+          .hover = is(Parameter::kHoverThrust),
+          .expo = is(Parameter::kThrustExpo),
+          .spin_min = is(Parameter::kSpinMin),
+          .spin_max = is(Parameter::kSpinMax),
+          .angle_boost = is(Parameter::kAngleBoost) != 0.0};
+}
+
+std::vector<std::string> differences(const DroneFile& drone, const guard::ArduFacts& facts) {
+  /// What it learns about hovering while it flies; more is another drone.
+  constexpr double kLearns = 0.1;
+  std::vector<std::string> found;
+  const ArduDrone is = ardu_drone_of(facts);
+  const ArduDrone& file = *drone.ardu;
+  const auto differs = [&](const char* what, const std::string& told, const std::string& wanted) {
+    if (told != wanted)
+      found.push_back(std::string{what} + " is " + told + ", in the file " + wanted);
+  };
+  differs("version", is.version, file.version);
+  for (const auto& [what, told, wanted] :
+       {std::tuple{"GUID_OPTIONS", double(is.guided_options), double(file.guided_options)},
+        {"GUID_TIMEOUT", is.guided_timeout_s, file.guided_timeout_s},
+        {"MOT_THST_EXPO", is.expo, file.expo},
+        {"MOT_SPIN_MIN", is.spin_min, file.spin_min},
+        {"MOT_SPIN_MAX", is.spin_max, file.spin_max},
+        {"ATC_ANGLE_BOOST", double(is.angle_boost), double(file.angle_boost)}})
+    differs(what, io::text_of(told), io::text_of(wanted));
+  if (std::abs(is.hover - file.hover) > kLearns * file.hover)
+    differs("MOT_THST_HOVER", io::text_of(is.hover), io::text_of(file.hover));
   return found;
 }
 

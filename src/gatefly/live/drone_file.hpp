@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "gatefly/guard/ardu_interview.hpp"
 #include "gatefly/guard/interview.hpp"
 #include "gatefly/link/msp_axes.hpp"
 #include "gatefly/link/msp_messages.hpp"
@@ -14,7 +16,7 @@
 
 namespace gatefly::live {
 
-/// Throttle (0 … 1000, behind the throttle curve) and the thrust that it gives: (throttle / hover)^exponent times the weight.
+/// Throttle (0 … 1000, behind the throttle curve; of an ArduCopter thousandths of its thrust) and the thrust that it gives: (throttle / hover)^exponent times the weight.
 struct Hover {
   double throttle = 0.0;
   double exponent = 1.0;
@@ -22,10 +24,26 @@ struct Hover {
   [[nodiscard]] double throttle_for(double thrust) const;
 };
 
+/// The constants of an ArduCopter, which takes rates and thrust as they are.
+struct ArduDrone {
+  std::string version;  ///< "4.7.0"
+  int system = 1;       ///< Its MAVLink id.
+  int guided_options = 0;
+  double guided_timeout_s = 0.0;
+  double hover = 0.0;  ///< MOT_THST_HOVER: part of the thrust that hovers.
+  double expo = 0.0, spin_min = 0.0, spin_max = 0.0;  ///< Of its thrust curve.
+  bool angle_boost = false;                           ///< It adds thrust itself when it is tilted.
+
+  /// Thrust to be sent, 0 … 1, for one of 0 … 1000 along the body's axis. @param upright  cosine of the tilt.
+  [[nodiscard]] double thrust_part(double throttle, double upright) const;
+};
+
 /// Every constant of a drone that `run` may use: drone.toml. Nothing in it has a default.
 struct DroneFile {
   std::filesystem::path path;
-  std::string name, board;
+  std::string name;
+  std::optional<ArduDrone> ardu;  ///< An ArduCopter's; else a Betaflight's, which are these:
+  std::string board;
   int api_minor = 0;
   msp::ImuScale imu;
   msp::RcTuning tuning;  ///< What the controller must answer, to the byte ...
@@ -36,7 +54,7 @@ struct DroneFile {
   msp::ThrottleCurve throttle = msp::ThrottleCurve::from({}, {.min_check = 1050}).value();
   msp::ChannelOrder order;
   int hover_stick = 0;  ///< [µs]
-  Hover hover;
+  Hover hover;          ///< Of both kinds.
   double least_battery_v = 0.0;
   std::string tested;  ///< What the hand-over test was passed with; "": it was not.
 
@@ -65,5 +83,10 @@ struct DroneFile {
 [[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
                                                    const guard::DroneFacts& facts,
                                                    const std::string& board);
+[[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
+                                                   const guard::ArduFacts& facts);
+
+/// What an ArduCopter says of itself, as a file has it. Only where guard::complaints_about() has none.
+[[nodiscard]] ArduDrone ardu_drone_of(const guard::ArduFacts& facts);
 
 }  // namespace gatefly::live

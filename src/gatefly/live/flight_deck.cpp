@@ -101,14 +101,14 @@ FlightDeck::Sent FlightDeck::step(const ControllerState& controller, const Wante
              .ending_for = is_ending(action) ? seconds(now - state_.since) : 0.0,
              .stands = wanted.landed,
              .in_air = !rests && (action == guard::Action::kPilot || is_ending(action))};
-  if (action < guard::Action::kPilot || rests) return {action, msp::kNeutral};
+  if (action < guard::Action::kPilot || rests) return {action, {}};
   const AttitudeCommand& pilot = wanted.command.attitude;
   const bool as_wanted =
       action == guard::Action::kPilot && command.roll == pilot.roll && command.pitch == pilot.pitch;
   Eigen::Vector3d rates_B = as_wanted ? wanted.command.rates_B : Eigen::Vector3d::Zero().eval();
   if (!as_wanted && situation.attitude_age <= params.attitude)
     rates_B = rates_towards(command, controller.attitude.roll, controller.attitude.pitch);
-  return {action, drone_.sticks(rates_B, command.thrust)};
+  return {action, {.rests = false, .rates_B = rates_B, .thrust = command.thrust}};
 }
 
 }  // namespace gatefly::live

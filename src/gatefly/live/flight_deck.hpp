@@ -6,14 +6,13 @@
 
 #include "gatefly/guard/command_guard.hpp"
 #include "gatefly/guard/hand_over.hpp"
-#include "gatefly/live/drone_file.hpp"
-#include "gatefly/live/msp_poller.hpp"
+#include "gatefly/live/dialect.hpp"
 #include "gatefly/live/wires.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly::live {
 
-/// Stick frames come so often: what MSP at 115,200 baud bears beside the questions.
+/// Set points come so often: what MSP at 115,200 baud bears beside the questions.
 inline constexpr std::chrono::nanoseconds kStickPeriod = std::chrono::milliseconds{25};
 
 /// The box around the map that the drone must not leave.
@@ -42,7 +41,7 @@ static_assert(std::is_trivially_copyable_v<EndingState>);
 [[nodiscard]] Eigen::Vector3d rates_towards(const AttitudeCommand& command, double roll,
                                             double pitch);
 
-/// Decides, period by period, which sticks are sent: what the pilot wants, or what guard/hand_over says instead.
+/// Decides, period by period, what is sent: what the pilot wants, or what guard/hand_over says instead.
 class FlightDeck {
  public:
   struct Params {
@@ -51,12 +50,11 @@ class FlightDeck {
     Fence fence;
     bool hand_over_tested = false;
   };
-  FlightDeck(const DroneFile& drone, const Params& params)
-      : drone_{drone}, params_{params}, guard_{params.limits} {}
+  explicit FlightDeck(const Params& params) : params_{params}, guard_{params.limits} {}
 
   struct Sent {
     guard::Action action = guard::Action::kSilent;
-    msp::Sticks sticks;
+    Demand demand;
   };
   [[nodiscard]] Sent step(const ControllerState& controller, const Wanted& wanted, bool told_to_end,
                           std::chrono::nanoseconds now);
@@ -68,7 +66,6 @@ class FlightDeck {
   [[nodiscard]] guard::Situation situation(const ControllerState& controller, const Wanted& wanted,
                                            bool told_to_end, std::chrono::nanoseconds now) const;
 
-  const DroneFile& drone_;
   Params params_;
   guard::CommandGuard guard_;
   guard::HandOver state_;

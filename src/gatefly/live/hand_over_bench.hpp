@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "gatefly/live/bench.hpp"
+#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/hand_over_rig.hpp"
-#include "gatefly/live/msp_link.hpp"
 
 namespace gatefly::live {
 

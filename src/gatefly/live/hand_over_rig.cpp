@@ -147,20 +147,20 @@ void report_and_obey(int line, Rigged& rig, RigNews news,
 
 /// The process that flies.
 void fly_rig(int frames, int line, const Port& port, const DroneFile& drone,
-             const msp::BoxIds& boxes, const HandOverRig::Plan& plan,
+             const Acquaintance& known, const HandOverRig::Plan& plan,
              const std::function<bool()>& told_to_end) {
   RigNews news;
   try {
-    MspSticks link{Port{port.fd(), port.name()}, drone, boxes};
+    LinkCommands link = commands_on(Port{port.fd(), port.name()}, drone, known);
     link.report_to(frames);
     FlightDeck::Params params;
     params.hand_over = plan.limits;
     params.hand_over_tested = true;  // this is the test
     // It lies on a bench, whatever its estimate would be.
     params.fence = {.low = {-1, -1}, .high = {1, 1}, .height = 1};
-    FlightDeck deck{drone, params};
+    FlightDeck deck{params};
     // As in `run`: the second process before anything else is open.
-    Keeper keeper{link.fd(), drone, boxes, params.hand_over.brake, frames};
+    Keeper keeper{link.fd(), drone, known, params.hand_over.brake, frames};
     news.keeper = keeper.process();
     const auto rig = std::make_unique<Rigged>();
     auto camera = opened(plan.camera, plan.size, true);
@@ -194,7 +194,7 @@ std::array<int, 2> packet_line() {
 
 }  // namespace
 
-HandOverRig::HandOverRig(const Port& port, const DroneFile& drone, const msp::BoxIds& boxes,
+HandOverRig::HandOverRig(const Port& port, const DroneFile& drone, const Acquaintance& known,
                          const Plan& plan, const std::function<bool()>& told_to_end) {
   // Its second process is ours when the first has been killed: so that we know when it has ended.
   (void)prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
@@ -202,7 +202,7 @@ HandOverRig::HandOverRig(const Port& port, const DroneFile& drone, const msp::Bo
   process_ = fork();
   if (process_ == 0) {
     ::close(frames[0]), ::close(talk[0]);
-    fly_rig(frames[1], talk[1], port, drone, boxes, plan, told_to_end);
+    fly_rig(frames[1], talk[1], port, drone, known, plan, told_to_end);
     _exit(0);
   }
   ::close(frames[1]), ::close(talk[1]);

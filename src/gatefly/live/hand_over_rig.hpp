@@ -9,8 +9,8 @@
 
 #include "gatefly/guard/hand_over.hpp"
 #include "gatefly/live/camera.hpp"
+#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/drone_file.hpp"
-#include "gatefly/live/msp_link.hpp"
 #include "gatefly/live/uri.hpp"
 
 namespace gatefly::live {
@@ -44,7 +44,7 @@ class HandOverRig {
   /// @param port  the controller's, which it inherits: ask nothing there while the rig lives.
   /// @param told_to_end  asked in the other process, too.
   /// @throws std::runtime_error one line, when there can be no process.
-  HandOverRig(const Port& port, const DroneFile& drone, const msp::BoxIds& boxes, const Plan& plan,
+  HandOverRig(const Port& port, const DroneFile& drone, const Acquaintance& known, const Plan& plan,
               const std::function<bool()>& told_to_end);
   ~HandOverRig();
   HandOverRig(const HandOverRig&) = delete;

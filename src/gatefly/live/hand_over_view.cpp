@@ -16,7 +16,7 @@ void HandOverView::begin_flight(const HandOverRig::Plan& plan,
                                 const std::function<bool()>& told_to_end) {
   queries_.reset(), last_.reset();
   news_ = {}, may_end_ = false;
-  rig_ = std::make_unique<HandOverRig>(port_, drone_, boxes_, plan, told_to_end);
+  rig_ = std::make_unique<HandOverRig>(port_, drone_, known_, plan, told_to_end);
 }
 
 void HandOverView::heard(const SentFrame& frame) {
@@ -44,7 +44,8 @@ void HandOverView::ask() {
     const Moment end = Clock::now() + 300ms;
     while (Clock::now() < end && port_.read(room, Clock::now() + 40ms).value_or(0) > 0) {
     }
-    queries_ = std::make_unique<MspQueries>(Port{dup(port_.fd()), port_.name()}, drone_, boxes_);
+    queries_ = std::make_unique<LinkQueries>(
+        queries_on(Port{dup(port_.fd()), port_.name()}, drone_, known_));
     clock_ = RunClock{};
   }
   (void)queries_->serve(clock_, clock_.now() + 5ms);

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "gatefly/live/channel_watch.hpp"
+#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/hand_over_rig.hpp"
-#include "gatefly/live/msp_link.hpp"
 
 namespace gatefly::live {
 
@@ -26,7 +26,7 @@ struct Witnessed {
 class HandOverView {
  public:
   HandOverView(Introduced met, const DroneFile& drone)
-      : port_{std::move(met.port)}, boxes_{met.boxes}, drone_{drone} {}
+      : port_{std::move(met.port)}, known_{met.known}, drone_{drone} {}
 
   /// A new rig; there must be none. @throws std::runtime_error one line.
   void begin_flight(const HandOverRig::Plan& plan, const std::function<bool()>& told_to_end);
@@ -58,11 +58,11 @@ class HandOverView {
   void ask();
 
   Port port_;
-  msp::BoxIds boxes_;
+  Acquaintance known_;
   const DroneFile& drone_;
   std::unique_ptr<HandOverRig> rig_;
-  std::unique_ptr<MspQueries> queries_;  ///< None while the rig is there.
-  RunClock clock_;                       ///< The times of queries_ are measured by it.
+  std::unique_ptr<LinkQueries> queries_;  ///< None while the rig is there.
+  RunClock clock_;                        ///< The times of queries_ are measured by it.
   ChannelWatch channels_;
   Witnessed told_;
   RigNews news_;

@@ -18,7 +18,6 @@
 #include <unistd.h>
 
 #include "gatefly/geometry/seconds.hpp"
-#include "gatefly/live/msp_link.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -62,7 +61,7 @@ LastWords listened(int line) {
 }
 
 /// Brakes, descends, until somebody has the drone.
-void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, double brake) {
+void bring_down(LinkCommands& link, EndingState ending, double brake) {
   const RunClock clock;
   double ending_for = ending.ending_for;
   const double period = seconds(kStickPeriod);
@@ -88,13 +87,13 @@ void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, dou
     ending.v_x *= left, ending.v_y *= left;
     const Eigen::Vector3d rates_B = level_known ? rates_towards(command, ending.roll, ending.pitch)
                                                 : Eigen::Vector3d::Zero().eval();
-    (void)link.send(drone.sticks(rates_B, command.thrust));
+    (void)link.send({.rests = false, .rates_B = rates_B, .thrust = command.thrust}, clock);
     while (clock.now() < next + kStickPeriod && !link.broken())
       (void)link.serve(clock, std::min(next + kStickPeriod, clock.now() + 2ms));
   }
 }
 
-[[noreturn]] void keep(int line, int port, const DroneFile& drone, const msp::BoxIds& boxes,
+[[noreturn]] void keep(int line, int port, const DroneFile& drone, const Acquaintance& known,
                        nanoseconds brake, int witness) {
   setsid();  // what a terminal sends is for the first process
   const int nowhere = open("/dev/null", O_RDWR);
@@ -103,15 +102,15 @@ void bring_down(MspSticks& link, const DroneFile& drone, EndingState ending, dou
   const LastWords last = listened(line);
   if (last.dismissed || !last.ending || !last.ending->in_air) _exit(0);
   ::close(line);
-  MspSticks link{Port{port, "keeper"}, drone, boxes};
+  LinkCommands link = commands_on(Port{port, "keeper"}, drone, known);
   link.report_to(witness);
-  bring_down(link, drone, *last.ending, seconds(brake));
+  bring_down(link, *last.ending, seconds(brake));
   _exit(0);
 }
 
 }  // namespace
 
-Keeper::Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes, nanoseconds brake,
+Keeper::Keeper(int port, const DroneFile& drone, const Acquaintance& known, nanoseconds brake,
                int witness) {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
@@ -120,7 +119,7 @@ Keeper::Keeper(int port, const DroneFile& drone, const msp::BoxIds& boxes, nanos
   process_ = fork();
   if (process_ == 0) {
     ::close(ends[0]);
-    keep(ends[1], port, drone, boxes, brake, witness);
+    keep(ends[1], port, drone, known, brake, witness);
   }
   ::close(ends[1]);
   line_ = ends[0];

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <thread>
 
-#include "gatefly/live/arrival_clock.hpp"
-
 namespace gatefly::live {
 namespace {
 
@@ -14,29 +12,23 @@ using std::chrono::nanoseconds;
 
 /// So much after it was taken a sample goes to the pilot: what is late by less comes regularly. Ours.
 constexpr nanoseconds kHeldBack = 4ms;
-/// Part of the hover's throttle that a pilot who stands does not give.
-constexpr double kLiftingPart = 0.8;
 
 }  // namespace
 
-void listen(MspQueries& link, const DroneFile& drone, Wires& wires, const RunClock& clock) {
-  ArrivalClock taken{MspPoller::Params{}.turn};
+void listen(LinkQueries& link, Wires& wires, const RunClock& clock) {
   while (!wires.stop && !link.broken()) {
     const bool sampled = link.serve(clock, clock.now() + 2ms);
     const ControllerState& state = link.state();
-    if (sampled) {
-      const int throttle = drone.throttle.throttle(state.sticks.throttle);
-      const bool lifted = state.armed && throttle > kLiftingPart * drone.hover.throttle;
-      const nanoseconds due = taken.take(state.imu_at) + kHeldBack;
-      (void)wires.samples.push({.imu = state.imu, .due = due, .lifted = lifted});
-    }
+    if (sampled)
+      (void)wires.samples.push(
+          {.imu = state.imu, .due = state.imu_taken + kHeldBack, .lifted = state.lifted});
     wires.state.write(state);
   }
   if (link.broken()) wires.link_error = link.name() + ": the connection is gone";
 }
 
-void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock) {
-  ArrivalClock taken{MspPoller::Params{}.turn};
+void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires,
+         const RunClock& clock) {
   DeckNews news;
   bool keeper_gone = false;
   nanoseconds sent_at{0};
@@ -45,7 +37,7 @@ void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const 
       if (!link.serve(clock, std::min(next, clock.now() + 2ms))) continue;
       const ControllerState& state = link.state();
       (void)wires.samples.push({.imu = state.imu,
-                                .due = taken.take(state.imu_at) + kHeldBack,
+                                .due = state.imu_taken + kHeldBack,
                                 .may_start = news.state.phase == guard::Phase::kFlying});
     }
     const bool end = wires.told_to_end || wires.stop || keeper_gone;
@@ -56,7 +48,7 @@ void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const 
       return;
     }
     keeper_gone = heard == Keeper::Heard::kGone;
-    if (sent.action != guard::Action::kSilent && link.send(sent.sticks)) {
+    if (sent.action != guard::Action::kSilent && link.send(sent.demand, clock)) {
       const nanoseconds now = clock.now();
       if (news.frames++ > 0) news.longest_gap = std::max(news.longest_gap, now - sent_at);
       sent_at = now;

@@ -5,9 +5,9 @@
 
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/flight_log/recording.hpp"
+#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/flight_deck.hpp"
 #include "gatefly/live/keeper.hpp"
-#include "gatefly/live/msp_link.hpp"
 #include "gatefly/live/wires.hpp"
 
 // The loops of the link's thread. Each runs until it is told to stop or the link is cut.
@@ -15,11 +15,11 @@
 namespace gatefly::live {
 
 /// Listens to a controller; sends it nothing but questions.
-void listen(MspQueries& link, const DroneFile& drone, Wires& wires, const RunClock& clock);
+void listen(LinkQueries& link, Wires& wires, const RunClock& clock);
 
-/// Flies a drone: every period the deck decides, the keeper hears of it, the sticks go. Ends when the flight is over, not before:
+/// Flies a drone: every period the deck decides, the keeper hears of it, the set point goes. Ends when the flight is over, not before:
 /// whoever stops it in the air waits for the descent.
-void fly(MspSticks& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock);
+void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock);
 
 /// A recorded flight in the place of a drone.
 /// @param pace  times its own; 0: as fast as it is flown.

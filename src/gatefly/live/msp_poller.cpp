@@ -14,7 +14,7 @@ constexpr std::uint8_t id_of(std::uint16_t id) { return static_cast<std::uint8_t
 }  // namespace
 
 MspPoller::MspPoller(const msp::ImuScale& scale, const msp::BoxIds& boxes, const Params& params)
-    : scale_{scale}, boxes_{boxes}, params_{params} {}
+    : scale_{scale}, boxes_{boxes}, params_{params}, taken_{params.turn} {}
 
 void MspPoller::begin_turn(std::chrono::nanoseconds now) {
   // After a pause turns are not made up for.
@@ -116,6 +116,7 @@ void MspPoller::take_answer(std::uint16_t id, link::Bytes payload, std::chrono::
     state_.imu = msp::imu_of(*raw, scale_);
     state_.imu_at = now;
     state_.imu_changed_at = now - imu_watch_.age(now).value_or(std::chrono::nanoseconds{0});
+    state_.imu_taken = taken_.take(now);
     ++state_.samples;
     sampled_ = true;
   } else if (id == msp::Attitude::kId) {
@@ -134,6 +135,7 @@ void MspPoller::take_answer(std::uint16_t id, link::Bytes payload, std::chrono::
     if (!channels) return;
     if (const auto sticks = msp::sticks_in_rc({channels->begin(), channels->size()}))
       state_.sticks = *sticks, state_.sticks_at = now;
+    state_.lifted = state_.armed && state_.sticks.throttle > params_.lifting_stick;
   } else if (id == msp::Analog::kId) {
     if (const auto analog = link::decoded<msp::Analog>(payload))
       state_.battery_v = 0.01 * analog->voltage;

@@ -6,56 +6,41 @@
 #include <cstdint>
 #include <optional>
 
-#include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/guard/answer_watch.hpp"
 #include "gatefly/link/msp.hpp"
 #include "gatefly/link/msp_axes.hpp"
 #include "gatefly/link/msp_lists.hpp"
-#include "gatefly/sensing/imu.hpp"
+#include "gatefly/live/arrival_clock.hpp"
+#include "gatefly/live/dialect.hpp"
 
 namespace gatefly::live {
-
-/// A controller, as its answers tell it. Times are of arrival; never is before the first.
-struct ControllerState {
-  static constexpr std::chrono::nanoseconds kNever = -std::chrono::hours{24};
-  Imu imu;
-  gatefly::Attitude attitude;
-  bool armed = false, override_on = false;
-  msp::Sticks sticks;      ///< That it flies by, whoever moves them.
-  double battery_v = 0.0;  ///< 0: not known.
-  double height = 0.0;     ///< Its own idea [m].
-  std::chrono::nanoseconds imu_at = kNever, attitude_at = kNever, status_at = kNever;
-  std::chrono::nanoseconds sticks_at = kNever;
-  std::chrono::nanoseconds imu_changed_at = kNever;  ///< A sample that repeats itself is stuck.
-  int acknowledged = 0;                              ///< Stick frames.
-  bool other_client = false;                         ///< It answers what was not asked.
-  std::uint64_t samples = 0, asked = 0, lost = 0, refused = 0;
-};
 
 /// Asks a Betaflight over MSP for what a pilot needs, in turn, and reads the answers. Bytes in, bytes out: it opens no port.
 ///
 /// IMU and attitude are asked for with every turn; status and sticks, battery and height in some. As many as are due go in one
 /// request (MSP_MULTIPLE_MSP); one after the other when the controller refuses that. A request is lost after a while. A controller takes
 /// so many commands a second, a Betaflight 100 at most: stick frames come first, and questions wait until they are acknowledged.
-class MspPoller {
+class MspPoller : public Listener {
  public:
   struct Params {
     std::chrono::nanoseconds turn = std::chrono::milliseconds{20};  ///< 50 a second. Ours.
     int status_every = 4, battery_every = 25;                       ///< Turns.
     std::chrono::nanoseconds lost_after = std::chrono::milliseconds{60};
+    /// From here on the throttle's stick lifts a drone [µs].
+    int lifting_stick = 2000;
   };
   MspPoller(const msp::ImuScale& scale, const msp::BoxIds& boxes)
       : MspPoller(scale, boxes, Params{}) {}
   MspPoller(const msp::ImuScale& scale, const msp::BoxIds& boxes, const Params& params);
 
-  /// The bytes of the request that is due, valid until the next call; empty when none is.
-  [[nodiscard]] link::Bytes request(std::chrono::nanoseconds now);
+  [[nodiscard]] link::Bytes request(std::chrono::nanoseconds now) override;
+  bool take(link::Bytes bytes, std::chrono::nanoseconds now) override;
+  [[nodiscard]] const ControllerState& state() const override { return state_; }
+
+ protected:
   /// Stick frames are sent by somebody else, who says so.
   void sticks_sent();
-  /// Bytes that arrived. @return whether an IMU sample was among them.
-  bool take(link::Bytes bytes, std::chrono::nanoseconds now);
-  [[nodiscard]] const ControllerState& state() const { return state_; }
 
  private:
   [[nodiscard]] bool waits_for_sticks(std::chrono::nanoseconds now);
@@ -69,6 +54,7 @@ class MspPoller {
   msp::Stream stream_;
   guard::AnswerWatch answers_;
   guard::SampleWatch imu_watch_;
+  ArrivalClock taken_;
   ControllerState state_;
   FixedList<std::uint8_t, 8> due_;    ///< Of this turn, not yet asked for.
   FixedList<std::uint8_t, 8> asked_;  ///< In the request that is open; empty: none is.

@@ -65,12 +65,20 @@ sockaddr_in socket_address(in_addr host, int port) {
 }  // namespace
 
 Port::Port(int fd, std::string name) : fd_{fd}, name_{std::move(name)} {
-  if (fd_ >= 0) fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
+  if (fd_ < 0) return;
+  fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
+  int type = 0;
+  socklen_t size = sizeof type;
+  datagrams_ = getsockopt(fd_, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM;
 }
 Port::Port(Port&& other) noexcept
-    : fd_{std::exchange(other.fd_, -1)}, name_{std::move(other.name_)}, peer_{other.peer_} {}
+    : fd_{std::exchange(other.fd_, -1)},
+      name_{std::move(other.name_)},
+      datagrams_{other.datagrams_},
+      peer_{other.peer_} {}
 Port& Port::operator=(Port&& other) noexcept {
-  std::swap(fd_, other.fd_), std::swap(name_, other.name_), std::swap(peer_, other.peer_);
+  std::swap(fd_, other.fd_), std::swap(name_, other.name_);
+  std::swap(datagrams_, other.datagrams_), std::swap(peer_, other.peer_);
   return *this;
 }
 Port::~Port() {
@@ -126,6 +134,38 @@ Port Port::udp(const std::string& bind_to, int port, const std::string& peer) {
   return made;
 }
 
+Port Port::udp_to(const std::string& host, int port, const std::string& bind_to) {
+  const std::string name = "udp " + host + ":" + std::to_string(port);
+  const sockaddr_in to = socket_address(address_of(host, name), port);
+  const sockaddr_in at = socket_address(address_of(bind_to, name), 0);
+  Port made{socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), name};
+  if (made.fd_ < 0 || bind(made.fd_, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0)
+    cannot_open(name, std::strerror(errno));
+  if (connect(made.fd_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
+    cannot_open(name, std::string{std::strerror(errno)} + " from " + bind_to +
+                          ": ?bind=ADDRESS names this machine's there");
+  return made;
+}
+
+Port Port::udp_from(const std::string& bind_to, int port, const std::string& peer,
+                    Moment deadline) {
+  Port made = udp(bind_to, port, peer);
+  while (made.ready(POLLIN, deadline)) {
+    std::array<std::uint8_t, 1> room{};
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t got =
+        recvfrom(made.fd_, room.data(), room.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+    if (got < 0 || from.sin_addr.s_addr != *made.peer_) continue;
+    // From now on the kernel drops what others send.
+    if (connect(made.fd_, reinterpret_cast<const sockaddr*>(&from), size) != 0)
+      cannot_open(made.name_, std::strerror(errno));
+    made.peer_.reset();
+    return made;
+  }
+  cannot_open(made.name_, "nobody calls from " + peer);
+}
+
 std::string Port::speeds() {
   std::string all;
   for (const Speed& speed : kSpeeds) all += (all.empty() ? "" : ", ") + std::to_string(speed.baud);
@@ -147,6 +187,8 @@ std::optional<std::size_t> Port::receive(std::span<std::uint8_t> room) const {
     const ssize_t got = ::read(fd_, room.data(), room.size());
     if (got > 0) return static_cast<std::size_t>(got);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+    // An empty datagram, or that the last one found nobody: he may come back.
+    if (datagrams_ && (got == 0 || errno == ECONNREFUSED)) return 0;
     return std::nullopt;
   }
   sockaddr_in from{};
@@ -171,6 +213,8 @@ bool Port::write(link::Bytes bytes, Moment deadline) {
     const ssize_t put = ::write(fd_, bytes.data(), bytes.size());
     if (put > 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(put));
+    } else if (put < 0 && errno == ECONNREFUSED && datagrams_) {
+      // What the one before has found; this one is sent the next time round.
     } else if (put < 0 && errno != EAGAIN && errno != EINTR) {
       return false;
     } else if (!ready(POLLOUT, deadline)) {

@@ -28,6 +28,13 @@ class Port {
   /// Datagrams at `port` of the address `bind`, of one that `peer` names; others are dropped.
   /// @throws std::runtime_error one line: no such address, the port is taken.
   [[nodiscard]] static Port udp(const std::string& bind, int port, const std::string& peer);
+  /// Datagrams to and from `port` of `host`, and nobody else's; ours go out from the address `bind`.
+  /// @throws std::runtime_error one line: no such address.
+  [[nodiscard]] static Port udp_to(const std::string& host, int port, const std::string& bind);
+  /// Datagrams to and from the first sender at `peer` that calls at `port` of the address `bind`, and nobody else's.
+  /// @throws std::runtime_error one line: no such address, the port is taken, nobody calls until `deadline`.
+  [[nodiscard]] static Port udp_from(const std::string& bind, int port, const std::string& peer,
+                                     Moment deadline);
   /// The speeds that serial() knows: "9600, 19200, …".
   [[nodiscard]] static std::string speeds();
 
@@ -45,6 +52,7 @@ class Port {
 
   int fd_ = -1;
   std::string name_;
+  bool datagrams_ = false;
   std::optional<std::uint32_t> peer_;  ///< IPv4 address as on the wire; of UDP.
 };
 

@@ -80,32 +80,47 @@ constexpr int kMostPort = 65535;
 LinkUri link_uri(const std::string& text) {
   UriText uri{"--link", text};
   LinkUri link;
-  if (uri.takes("mavlink:") || uri.takes("betaflight-sitl:"))
-    uri.fail(
-        "is not built yet; there are msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, replay:DIR");
-  if (uri.takes("replay:")) {
+  link.mavlink = uri.takes("mavlink:");
+  const std::string forms = link.mavlink
+                                ? "mavlink:serial:/dev/ttyX?baud=115200, mavlink:tcp:HOST:PORT, "
+                                  "mavlink:udp:HOST:PORT or mavlink:udpin:ADDRESS:PORT"
+                                : "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT";
+  if (uri.takes("betaflight-sitl:"))
+    uri.fail("is not built yet; there are msp:, mavlink: and replay:");
+  if (!link.mavlink && uri.takes("replay:")) {
     uri.take_options();
     link.kind = LinkUri::Kind::kReplay;
     link.place = uri.rest("folder");
     link.pace = uri.number("pace", uri.option("pace", "1"), 0.0, 100.0);
-  } else if (uri.takes("msp:tcp:")) {
-    uri.take_options();
+    uri.refuse_other_options();
+    return link;
+  }
+  if (!link.mavlink && !uri.takes("msp:"))
+    uri.fail("must begin with msp: (" + forms + "), mavlink: or replay:");
+  uri.take_options();
+  if (uri.takes("tcp:"))
     link.kind = LinkUri::Kind::kTcp;
-    const std::string place = uri.rest("host");
-    const auto colon = place.rfind(':');
-    if (colon == std::string::npos || colon == 0) uri.fail("must be msp:tcp:HOST:PORT");
-    link.place = place.substr(0, colon);
-    link.port = uri.number("PORT", place.substr(colon + 1), 1, kMostPort);
-  } else if (uri.takes("msp:")) {
-    uri.take_options();
+  else if (link.mavlink && uri.takes("udp:"))
+    link.kind = LinkUri::Kind::kUdp;
+  else if (link.mavlink && uri.takes("udpin:"))
+    link.kind = LinkUri::Kind::kUdpIn;
+  else
     link.kind = LinkUri::Kind::kSerial;
+  if (link.kind == LinkUri::Kind::kSerial) {
+    if (link.mavlink && !uri.takes("serial:")) uri.fail("must be " + forms);
     link.place = uri.rest("device");
-    if (!link.place.starts_with('/'))
-      uri.fail("must be msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT");
+    if (!link.place.starts_with('/')) uri.fail("must be " + forms);
     link.baud = uri.number("baud", uri.option("baud", "115200"), 1, 10'000'000);
   } else {
-    uri.fail("must begin with msp: (msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT) or replay:");
+    const std::string place = uri.rest("host");
+    const auto colon = place.rfind(':');
+    if (colon == std::string::npos || colon == 0) uri.fail("must be " + forms);
+    link.place = place.substr(0, colon);
+    link.port = uri.number("PORT", std::string_view{place}.substr(colon + 1), 1, kMostPort);
   }
+  if (link.kind == LinkUri::Kind::kUdp) link.bind = uri.option("bind", link.bind);
+  if (link.kind == LinkUri::Kind::kUdpIn) link.peer = uri.option("peer", link.peer);
+  if (link.mavlink) link.system = uri.number("system", uri.option("system", "1"), 1, 254);
   uri.refuse_other_options();
   return link;
 }

@@ -10,11 +10,16 @@ struct LinkUri {
   enum class Kind {
     kSerial,  ///< msp:/dev/ttyTHS1?baud=115200
     kTcp,     ///< msp:tcp:127.0.0.1:5761
+    kUdp,     ///< mavlink:udp:127.0.0.1:14550?bind=127.0.0.1: we call.
+    kUdpIn,   ///< mavlink:udpin:127.0.0.1:14550?peer=127.0.0.1: it calls us.
     kReplay,  ///< replay:FOLDER?pace=1: a recorded flight's sensors in the place of a drone's.
   };
   Kind kind = Kind::kTcp;
-  std::string place;  ///< A device, host or folder.
+  bool mavlink = false;  ///< Not MSP.
+  std::string place;     ///< A device, host or folder.
   int port = 0, baud = 115200;
+  std::string bind = "127.0.0.1", peer = "127.0.0.1";
+  int system = 1;  ///< The MAVLink id of the drone that bench-drone asks; a flight's is its file's.
   double pace = 1.0;  ///< Of a replay, times its own; 0: as fast as it can be flown.
 };
 

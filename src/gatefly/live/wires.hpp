@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 
 #include "gatefly/guard/hand_over.hpp"
+#include "gatefly/live/controller_state.hpp"
 #include "gatefly/live/handoff.hpp"
-#include "gatefly/live/msp_poller.hpp"
 #include "gatefly/live/picture.hpp"
 #include "gatefly/race/pilot.hpp"
 
@@ -34,7 +34,7 @@ struct RecordedSensors {
   std::optional<std::array<double, 4>> motors;  ///< What the rotors were told then.
 };
 
-/// The pilot's command and estimate, for the thread that sends sticks.
+/// The pilot's command and estimate, for the thread that sends set points.
 struct Wanted {
   static constexpr std::chrono::nanoseconds kNever = -std::chrono::hours{24};
   std::chrono::nanoseconds at = kNever;
@@ -65,7 +65,7 @@ struct FlownTick {
 struct DeckNews {
   guard::HandOver state;
   guard::Action action = guard::Action::kSilent;
-  long frames = 0;                          ///< Of sticks.
+  long frames = 0;                          ///< Set points.
   std::chrono::nanoseconds longest_gap{0};  ///< Between two of them.
 };
 

@@ -4,11 +4,11 @@
 //
 //   cd /tmp && npm install node-mavlink@2.3.0 mavlink-mappings@1.0.21-20250824-1
 //   NODE_PATH=/tmp/node_modules node make_mavlink_golden.js > mavlink_golden.txt
-const {minimal, common} = require('mavlink-mappings');
+const {minimal, standard, common} = require('mavlink-mappings');
 const {MavLinkProtocolV2} = require('node-mavlink');
 
-const ids = [0, 1, 20, 22, 23, 26, 27, 30, 31, 32, 76, 77, 82, 83, 84, 93, 105, 107, 111, 113, 132, 141, 147, 253, 331];
-const messages = {...minimal.REGISTRY, ...common.REGISTRY};
+const ids = [0, 1, 20, 22, 23, 26, 27, 30, 31, 32, 76, 77, 82, 83, 84, 93, 105, 107, 111, 113, 132, 141, 147, 253, 331, 148];
+const messages = {...minimal.REGISTRY, ...standard.REGISTRY, ...common.REGISTRY};
 
 let state = 12345;
 const random = () => (state = (state * 1103515245 + 12345) % 2147483648) / 2147483648;

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/guard/ardu_interview.hpp"
+
+#include <algorithm>
+
+namespace gatefly::guard {
+namespace {
+
+constexpr std::uint8_t kArduPilot = 3, kArmedBit = 128;
+/// MAV_TYPE of quadrotor, coaxial, hexarotor, octorotor, tricopter, dodecarotor, decarotor.
+constexpr std::array<std::uint8_t, 7> kMulticopters{2, 3, 13, 14, 15, 29, 35};
+constexpr std::uint32_t kGyroBit = 1, kAccelerometerBit = 2;
+constexpr int kThrustAsThrust = 8;
+/// Silent for longer, nobody of ours is left to speak: the second process takes 62 ms.
+constexpr float kLongestTimeout = 1.0f;
+
+bool works(const mavlink::SysStatus& status, std::uint32_t bit) {
+  return (status.onboard_control_sensors_present & status.onboard_control_sensors_health & bit) !=
+         0;
+}
+
+void add_parameters(const ArduFacts& facts, ArduComplaints& complaints) {
+  const auto& all = facts.parameters;
+  if (!std::all_of(all.begin(), all.end(), [](const auto& each) { return each.has_value(); })) {
+    complaints.push_back(ArduComplaint::kNoParameters);
+    return;
+  }
+  const auto options = static_cast<int>(*facts.parameter(ArduParameter::kGuidedOptions));
+  if ((options & kThrustAsThrust) == 0) complaints.push_back(ArduComplaint::kThrustIsClimbRate);
+  const float timeout = *facts.parameter(ArduParameter::kGuidedTimeout);
+  if (!(timeout > 0.0f && timeout <= kLongestTimeout))
+    complaints.push_back(ArduComplaint::kTimeout);
+  const float hover = *facts.parameter(ArduParameter::kHoverThrust);
+  if (!(hover >= 0.05f && hover <= 0.8f)) complaints.push_back(ArduComplaint::kNoHover);
+}
+
+}  // namespace
+
+bool ArduFacts::armed() const { return !heartbeat || (heartbeat->base_mode & kArmedBit) != 0; }
+
+ArduComplaints complaints_about(const ArduFacts& facts) {
+  ArduComplaints complaints;
+  if (!facts.heartbeat || facts.heartbeat->autopilot != kArduPilot) {
+    complaints.push_back(ArduComplaint::kNotArduPilot);
+    return complaints;
+  }
+  if (std::find(kMulticopters.begin(), kMulticopters.end(), facts.heartbeat->type) ==
+      kMulticopters.end())
+    complaints.push_back(ArduComplaint::kNoMulticopter);
+  if (!facts.version) complaints.push_back(ArduComplaint::kNoVersion);
+  add_parameters(facts, complaints);
+  if (!facts.sensors || !works(*facts.sensors, kGyroBit))
+    complaints.push_back(ArduComplaint::kNoGyro);
+  if (!facts.sensors || !works(*facts.sensors, kAccelerometerBit))
+    complaints.push_back(ArduComplaint::kNoAccelerometer);
+  if (facts.armed()) complaints.push_back(ArduComplaint::kArmed);
+  return complaints;
+}
+
+std::string_view text_of(ArduComplaint complaint) {
+  switch (complaint) {
+    case ArduComplaint::kNotArduPilot:
+      return "the controller does not say that it is an ArduPilot";
+    case ArduComplaint::kNoMulticopter:
+      return "the controller does not say that it is a multicopter";
+    case ArduComplaint::kNoVersion:
+      return "the controller does not tell its version";
+    case ArduComplaint::kNoParameters:
+      return "the controller does not tell all parameters that a set point's effect depends on";
+    case ArduComplaint::kThrustIsClimbRate:
+      return "it takes thrust for a rate of climb: set bit 3 of GUID_OPTIONS (8)";
+    case ArduComplaint::kTimeout:
+      return "it holds on to the last set point for too long: set GUID_TIMEOUT = 1";
+    case ArduComplaint::kNoHover:
+      return "MOT_THST_HOVER is not within 0.05 to 0.8: let it hover by hand, or set it";
+    case ArduComplaint::kNoGyro:
+      return "there is no gyro that works";
+    case ArduComplaint::kNoAccelerometer:
+      return "there is no accelerometer that works";
+    case ArduComplaint::kArmed:
+      return "the drone is armed";
+  }
+  return "";
+}
+
+}  // namespace gatefly::guard

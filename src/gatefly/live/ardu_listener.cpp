@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/live/ardu_listener.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gatefly/link/mavlink_axes.hpp"
+
+namespace gatefly::live {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
+
+constexpr std::uint8_t kArmedBit = 128, kInAir = 4;  // MAV_STATE_ACTIVE: not landed
+constexpr std::uint16_t kUnknownVoltage = 65535;
+constexpr nanoseconds kBeatEvery = 500ms, kClockEvery = 200ms;
+constexpr nanoseconds kAskAgain = 500ms;  ///< What does not come is asked for again.
+constexpr nanoseconds kFineImuGone = 1s;  ///< Then the coarse one will do.
+
+nanoseconds interval_of(double hz) { return nanoseconds{std::llround(1e9 / hz)}; }
+
+/// As four sticks, so that what it flies by can be compared with what was sent: mrad/s from the middle, thousandths of the thrust.
+msp::Sticks sticks_of(const Eigen::Vector3d& rates_B, double thrust) {
+  const auto channel = [](double value) {
+    return static_cast<std::uint16_t>(
+        std::lround(std::isfinite(value) ? std::clamp(value, 0.0, 3000.0) : 0.0));
+  };
+  return {.roll = channel(1500 + 1e3 * rates_B.x()),
+          .pitch = channel(1500 - 1e3 * rates_B.y()),
+          .yaw = channel(1500 + 1e3 * rates_B.z()),
+          .throttle = channel(1000 + 1e3 * thrust)};
+}
+
+}  // namespace
+
+msp::Sticks ardu_sticks(const mavlink::SetAttitudeTarget& target) {
+  return sticks_of({target.body_roll_rate, target.body_pitch_rate, target.body_yaw_rate},
+                   target.thrust);
+}
+
+ArduListener::ArduListener(const Params& params)
+    : params_{params},
+      words_{params.system},
+      others_{words_},
+      taken_{interval_of(params.imu_hz)},
+      wishes_{{{mavlink::Heartbeat::kId, interval_of(params.status_hz)},
+               {mavlink::Attitude::kId, interval_of(params.attitude_hz)},
+               {mavlink::SysStatus::kId, interval_of(params.battery_hz)},
+               {mavlink::AttitudeTarget::kId, interval_of(params.target_hz)},
+               {mavlink::HighresImu::kId, interval_of(params.imu_hz)},
+               {mavlink::RawImu::kId, interval_of(params.imu_hz)}}} {}
+
+void ArduListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool beside_set_point) {
+  // The question's own time comes back with the answer: its last bit tells what it was asked for.
+  const std::int64_t tagged = (now.count() & ~std::int64_t{1}) | (beside_set_point ? 1 : 0);
+  words_.ask_clock(out, nanoseconds{tagged});
+  clock_asked_at_ = now;
+}
+
+bool ArduListener::wanted(Wishes which, nanoseconds now) const {
+  const Wish& wish = wishes_[which];
+  if (which == kCoarseImu && now - std::max(started_, wishes_[kFineImu].heard) < kFineImuGone)
+    return false;
+  // Heartbeats come without being asked, but once a second; so a wish is not fulfilled by any.
+  const bool comes = now - wish.heard < 3 * wish.interval;
+  return !comes && now - wish.asked >= kAskAgain;
+}
+
+link::Bytes ArduListener::request(nanoseconds now) {
+  if (started_ < 0ns) started_ = now;
+  link::ByteWriter out{room_};
+  if (now - beat_at_ >= kBeatEvery) words_.heartbeat(out), beat_at_ = now;
+  if (to_be_told_) words_.answer_clock(out, *to_be_told_), to_be_told_.reset();
+  if (now - clock_asked_at_ >= kClockEvery) ask_clock(out, now, false);
+  for (const Wishes which : {kBeat, kAttitude, kBattery, kTarget, kFineImu, kCoarseImu}) {
+    if (!wanted(which, now)) continue;
+    Wish& wish = wishes_[which];
+    words_.ask_for(out, wish.message,
+                   std::chrono::duration_cast<std::chrono::microseconds>(wish.interval));
+    wish.asked = now;
+    ++state_.asked;
+  }
+  return out.written();
+}
+
+bool ArduListener::take(link::Bytes bytes, nanoseconds now) {
+  sampled_ = false;
+  stream_.feed(bytes, [&](const mavlink::Frame& frame) { take_frame(frame, now); });
+  return sampled_;
+}
+
+void ArduListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanoseconds now) {
+  if (!imu.gyro_B.allFinite() || !imu.accel_B.allFinite()) return;
+  // An IMU that repeats itself is stuck, whatever its stamp says.
+  std::array<std::uint8_t, 6 * sizeof(double)> values{};
+  link::ByteWriter out{values};
+  for (const Eigen::Vector3d& part : {imu.gyro_B, imu.accel_B})
+    for (int i = 0; i < 3; ++i) out.put(part[i]);
+  imu_watch_.arrived(values, now);
+  const bool goes_on = stamp_ && stamp_us > *stamp_ && stamp_us - *stamp_ < 1'000'000;
+  state_.imu_taken =
+      goes_on ? taken_.take(now, std::chrono::microseconds{stamp_us - *stamp_}) : taken_.take(now);
+  stamp_ = stamp_us;
+  state_.imu = imu;
+  state_.imu_at = now;
+  state_.imu_changed_at = now - imu_watch_.age(now).value_or(0ns);
+  ++state_.samples;
+  sampled_ = true;
+}
+
+void ArduListener::take_clock(const mavlink::Timesync& message, nanoseconds now) {
+  if (const auto answer = mavlink::clock_answer(message, now)) {
+    to_be_told_ = answer;
+  } else if (message.tc1 != 0 && message.ts1 > 0 && message.ts1 <= now.count() + 1) {
+    if ((message.ts1 & 1) != 0) ++state_.acknowledged;
+  }
+}
+
+void ArduListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
+  others_.heard(frame);
+  state_.other_client = others_.other_client();
+  if (!words_.is_drone(frame.sender)) return;
+  for (Wish& wish : wishes_)
+    if (wish.message == frame.id) wish.heard = now;
+  if (const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame)) {
+    state_.armed = (beat->base_mode & kArmedBit) != 0;
+    state_.override_on = beat->custom_mode == mavlink::kGuidedNoGps;
+    state_.lifted = state_.armed && beat->system_status >= kInAir;
+    state_.status_at = now;
+  } else if (const auto fine = mavlink::message_in<mavlink::HighresImu>(frame)) {
+    take_sample(mavlink::imu_of(*fine), fine->time_usec, now);
+  } else if (const auto coarse = mavlink::message_in<mavlink::RawImu>(frame)) {
+    if (now - wishes_[kFineImu].heard >= kFineImuGone)
+      take_sample(mavlink::ardupilot_imu_of(*coarse), coarse->time_usec, now);
+  } else if (const auto attitude = mavlink::message_in<mavlink::Attitude>(frame)) {
+    const gatefly::Attitude is = mavlink::attitude_of(*attitude);
+    if (!std::isfinite(is.roll) || !std::isfinite(is.pitch) || !std::isfinite(is.yaw)) return;
+    state_.attitude = is;
+    state_.attitude_at = now;
+  } else if (const auto status = mavlink::message_in<mavlink::SysStatus>(frame)) {
+    const bool known = status->voltage_battery != kUnknownVoltage;
+    state_.battery_v = known ? 1e-3 * status->voltage_battery : 0.0;
+  } else if (const auto target = mavlink::message_in<mavlink::AttitudeTarget>(frame)) {
+    state_.sticks = sticks_of(
+        {target->body_roll_rate, target->body_pitch_rate, target->body_yaw_rate}, target->thrust);
+    state_.sticks_at = now;
+  } else if (const auto clock = mavlink::message_in<mavlink::Timesync>(frame)) {
+    take_clock(*clock, now);
+  }
+}
+
+}  // namespace gatefly::live

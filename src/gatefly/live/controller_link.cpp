@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/live/controller_link.hpp"
+
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "gatefly/files/text.hpp"
+#include "gatefly/guard/hand_over.hpp"
+#include "gatefly/live/ardu_introduction.hpp"
+#include "gatefly/live/ardu_speaker.hpp"
+#include "gatefly/live/msp_introduction.hpp"
+#include "gatefly/live/msp_speaker.hpp"
+
+namespace gatefly::live {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kCallsFor = 3s;
+
+[[noreturn]] void not_the_drone(const DroneFile& drone, const std::vector<std::string>& others) {
+  throw std::runtime_error("is not the drone of " + drone.path.string() + ": " +
+                           io::joined(others, "; "));
+}
+
+[[noreturn]] void refuse(std::string_view why) { throw std::runtime_error(std::string{why}); }
+
+/// Throws what is wrong with a Betaflight.
+Acquaintance met_betaflight(Port& port, const DroneFile& drone, bool only_listens) {
+  const Introduction said = introduction_of(port);
+  if (said.other_client) refuse(guard::text_of(guard::Reason::kOtherClient));
+  if (const auto others = differences(drone, said.facts, said.board); !others.empty())
+    not_the_drone(drone, others);
+  for (const guard::Complaint complaint : guard::complaints_about(said.facts))
+    if (!only_listens || complaint != guard::Complaint::kArmed) refuse(guard::text_of(complaint));
+  if (!only_listens &&
+      said.facts.status->on(msp::Box::kMspOverride, *said.facts.boxes).value_or(true))
+    refuse(guard::text_of(guard::Reason::kOverrideAtStart));
+  return {.boxes = *said.facts.boxes};
+}
+
+/// The same of an ArduCopter.
+Acquaintance met_ardu(Port& port, const DroneFile& drone, bool only_listens) {
+  const ArduIntroduction said = ardu_introduction_of(port, drone.ardu->system);
+  if (said.other_client) refuse(guard::text_of(guard::Reason::kOtherClient));
+  for (const guard::ArduComplaint complaint : guard::complaints_about(said.facts))
+    if (!only_listens || complaint != guard::ArduComplaint::kArmed)
+      refuse(guard::text_of(complaint));
+  if (const auto others = differences(drone, said.facts); !others.empty())
+    not_the_drone(drone, others);
+  if (!only_listens && said.facts.heartbeat->custom_mode == mavlink::kGuidedNoGps)
+    refuse("the mode is GUIDED_NOGPS: choose another before the program starts");
+  return {};
+}
+
+}  // namespace
+
+Port opened(const LinkUri& uri) {
+  switch (uri.kind) {
+    case LinkUri::Kind::kSerial:
+      return Port::serial(uri.place, uri.baud);
+    case LinkUri::Kind::kUdp:
+      return Port::udp_to(uri.place, uri.port, uri.bind);
+    case LinkUri::Kind::kUdpIn:
+      return Port::udp_from(uri.place, uri.port, uri.peer, Clock::now() + kCallsFor);
+    default:
+      return Port::tcp(uri.place, uri.port, Clock::now() + kCallsFor);
+  }
+}
+
+Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens) {
+  if (uri.mavlink != drone.ardu.has_value())
+    throw std::runtime_error(drone.path.string() + ": is a drone for --link " +
+                             (drone.ardu ? "mavlink:" : "msp:"));
+  Port port = opened(uri);
+  try {
+    const Acquaintance known = drone.ardu ? met_ardu(port, drone, only_listens)
+                                          : met_betaflight(port, drone, only_listens);
+    return {std::move(port), known};
+  } catch (const std::runtime_error& error) {
+    const std::string text = error.what();
+    throw std::runtime_error(text.starts_with(port.name()) ? text : port.name() + ": " + text);
+  }
+}
+
+LinkQueries queries_on(Port port, const DroneFile& drone, const Acquaintance& known) {
+  if (drone.ardu)
+    return {std::move(port), std::make_unique<ArduListener>(ardu_params(drone, known.imu_hz))};
+  return {std::move(port),
+          std::make_unique<MspPoller>(drone.imu, known.boxes, poller_params(drone))};
+}
+
+LinkCommands commands_on(Port port, const DroneFile& drone, const Acquaintance& known) {
+  if (drone.ardu) return {std::move(port), std::make_unique<ArduSpeaker>(drone, known.imu_hz)};
+  return {std::move(port), std::make_unique<MspSpeaker>(drone, known.boxes)};
+}
+
+LinkQueries::LinkQueries(Port port, std::unique_ptr<Listener> listener)
+    : port_{std::move(port)}, listener_{std::move(listener)} {}
+
+bool LinkQueries::serve(const RunClock& clock, std::chrono::nanoseconds until) {
+  clock_ = clock;
+  if (const link::Bytes request = listener_->request(clock.now()); !request.empty())
+    broken_ = !port_.write(request, Clock::now() + 20ms) || broken_;
+  const auto got = port_.read(room_, clock.moment(until));
+  if (!got) {
+    broken_ = true;
+    return false;
+  }
+  return *got > 0 && listener_->take(link::Bytes{room_}.first(*got), clock.now());
+}
+
+LinkCommands::LinkCommands(Port port, Speaker& speaker, std::unique_ptr<Listener> listener)
+    : LinkQueries{std::move(port), std::move(listener)}, speaker_{&speaker} {}
+
+bool LinkCommands::send(const Demand& demand, const RunClock& clock) {
+  clock_ = clock;
+  const link::Bytes bytes = speaker_->set_point(demand, clock.now());
+  const bool sent = !bytes.empty() && port_.write(bytes, Clock::now() + 10ms);
+  broken_ = broken_ || !sent;
+  if (sent && witness_ >= 0) report(speaker_->sticks(demand));
+  return sent;
+}
+
+void LinkCommands::report(const msp::Sticks& sticks) const {
+  const ControllerState& now = state();
+  const SentFrame frame{.process = getpid(),
+                        .at = Clock::now(),
+                        .sent = sticks,
+                        .read = now.sticks,
+                        .read_at = clock_.moment(now.sticks_at),
+                        .status_at = clock_.moment(now.status_at),
+                        .armed = now.armed,
+                        .override_on = now.override_on,
+                        .acknowledged = now.acknowledged};
+  (void)!::send(witness_, &frame, sizeof frame, MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+}  // namespace gatefly::live
