@@ -18,7 +18,8 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"render", nullptr},        CommandHere{"reproduce", nullptr},
       CommandHere{"bench", nullptr},         CommandHere{"map", declare_map},
       CommandHere{"run", declare_run},       CommandHere{"bench-drone", declare_bench_drone},
-      CommandHere{"link-sim", nullptr},
+      CommandHere{"link-sim", nullptr},      CommandHere{"import", declare_import},
+      CommandHere{"record", declare_record},
   };
   return kHere;
 }
