@@ -84,7 +84,7 @@ constexpr std::array kCommands{
            kLaboratory},
     Listed{"campaign", "many seeded races: how often, how fast, and what went wrong", kTools},
     Listed{"reproduce", "the paper's figures and tables, \"paper | ours\"", kLaboratory},
-    Listed{"identify", "drag, accelerometer bias and heading offset from recorded flights",
+    Listed{"identify", "a drone's constants from recorded flights: drag, or thrust and camera",
            kLaboratory},
     Listed{"map", "a course as recorded flights have learnt it, with how sure that is",
            kLaboratory},

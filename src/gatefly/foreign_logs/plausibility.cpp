@@ -30,6 +30,9 @@ constexpr double kUpright = 0.8;      // cosine of the tilt at rest: a start box
 constexpr double kRestRate = 0.5;     // of a gyro with its worst bias [rad/s]
 constexpr double kFastest = 40.0;     // 2000 °/s are 35 rad/s
 constexpr double kTurned = 0.15;      // rates that are enough to compare [rad/s], rms
+constexpr double kFollowed = 8.0, kWindow = 2.0;  // gravity is followed for so long by the gyro [s]
+constexpr double kGravityGone = 5.0;  // m/s²: no drone of ours speeds up by 10 m/s in a window
+constexpr double kEnough = 0.5;       // rad: a turn that shows it
 constexpr double kSlopeLow = 0.7, kSlopeHigh = 1.4;
 
 constexpr std::array kGyro{"gyro_p_radps", "gyro_q_radps", "gyro_r_radps"};
@@ -116,6 +119,45 @@ std::string axis_hint(const Eigen::Vector3d& accel_B) {
          ": axes are swapped, or the drone lay on its side";
 }
 
+/// From rest on the gyro tells where down is, and what the accelerometer reads must go on to hold the drone up: on the mean of two
+/// seconds, but for what its speed has changed by. A gyro of another scale loses gravity at the first turn.
+void check_gravity_stays(const ForeignFlight& flight, const Rest& rest, Plausibility& found) {
+  const Eigen::Vector3d& f = rest.accel_B;
+  Quaternion q = quaternion_of(
+      {.roll = atan2(-f.y(), -f.z()), .pitch = atan2(f.x(), std::hypot(f.y(), f.z())), .yaw = 0.0});
+  const double from = rest.begin + 0.5 * kRestSeconds;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double time = 0.0, turned = 0.0, worst = 0.0, last = from;
+  for (std::size_t row = 0; row < flight.times.size(); ++row) {
+    const double t = seconds(flight.times[row]), dt = t - last;
+    if (t <= from) continue;
+    if (t > from + kFollowed) break;
+    Eigen::Vector3d gyro_B, accel_B;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      gyro_B[i] = flight.columns.at(kGyro[static_cast<std::size_t>(i)])[row];
+      accel_B[i] = flight.columns.at(kAccel[static_cast<std::size_t>(i)])[row];
+    }
+    last = t;
+    if (!gyro_B.allFinite() || !accel_B.allFinite()) continue;
+    q = integrated(q, gyro_B - rest.gyro_B, dt);
+    turned += dt * (gyro_B - rest.gyro_B).norm();
+    sum += dt * (rotation_EB(q).matrix * accel_B + kGravity * Eigen::Vector3d::UnitZ());
+    time += dt;
+    if (time < kWindow) continue;
+    worst = std::max(worst, (sum / time).norm());
+    sum.setZero(), time = 0.0;
+  }
+  if (turned < kEnough) return;
+  const std::string off = fixed(worst, 1) + " m/s^2";
+  if (worst > kGravityGone)
+    found.wrong.push_back(
+        "in the " + fixed(kFollowed, 0) +
+        " s after its rest gyro_* lose gravity: what acc_* read there is off by " + off +
+        " on the mean of " + fixed(kWindow, 0) + " s; wrong unit, scale, sign or axis of the gyro");
+  else
+    found.checked.push_back("gravity stays down as the gyro turns, within " + off);
+}
+
 void check_rest(const ForeignFlight& flight, Plausibility& found) {
   const auto rest = rest_of(flight);
   if (!rest) {
@@ -136,6 +178,8 @@ void check_rest(const ForeignFlight& flight, Plausibility& found) {
     found.wrong.push_back(when + ": gyro_* read " + text_of(rest->gyro_B) +
                           " rad/s, must be below " + fixed(kRestRate, 1) +
                           "; are they in deg/s, or counts?");
+  if (!found.wrong.empty()) return;
+  check_gravity_stays(flight, *rest, found);
   if (found.wrong.empty())
     found.checked.push_back(when + " the accelerometer reads " + fixed(length, 2) +
                             " m/s^2 upwards, the gyro " + fixed(rest->gyro_B.norm(), 3) + " rad/s");
@@ -178,7 +222,7 @@ void check_against_attitude(const ForeignFlight& flight, Plausibility& found) {
   const auto attitudes = attitudes_of(flight);
   if (attitudes.size() < 3) {
     found.unknown.emplace_back(
-        "gyro's scale, axes and signs: the log has no attitude to compare with");
+        "gyro's scale and signs axis by axis: the log has no attitude to compare with");
     return;
   }
   Eigen::Vector3d gyro_turned = Eigen::Vector3d::Zero(), turned_turned = gyro_turned;
