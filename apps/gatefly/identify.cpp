@@ -89,6 +89,9 @@ void print(const std::vector<Identified>& all, const DragFit& mean) {
   if (all.size() > 1) row("mean", mean, false);
 }
 
+/// A picture's middle that is off by some pixels looks like tilt [°].
+constexpr double kMiddleDeg = 0.7;
+
 /// What a flight of ours has learnt of its drone, by the gates on its map: no motion capture.
 struct Learnt {
   std::string name;
@@ -172,9 +175,9 @@ Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
   learnt.told_latency_ms = 1e3 * pilot.camera_timing.latency;
   constexpr std::size_t kLeastFixes = 10;
   if (result.findings && learnt.fixes >= kLeastFixes && !result.divergence) {
-    // Wider than the filter's own: a picture's middle that is off by some pixels looks like tilt, an
-    // arrival that jitters only comes later.
-    constexpr double kCenterDeg = 0.3, kJitterMs = 5.0;
+    // Wider than the filter's own by what 20 flights of known tilt were off by; an arrival that
+    // jitters only comes later, and its mean is not quite what is found.
+    constexpr double kCenterDeg = 0.3, kJitterMs = 2.0;
     const eskf::Findings& found = *result.findings;
     learnt.tilt_deg = {learnt.told_tilt_deg + found.tilt.value / kDegree,
                        std::hypot(found.tilt.sigma / kDegree, kCenterDeg)};
@@ -226,7 +229,9 @@ void print(const Learnt& learnt) {
             << " corrected the filter (± is one sigma)\n";
   const std::string few = "not known: too few gates seen, or the filter has diverged";
   line("camera tilt", learnt.tilt_deg, 2,
-       learnt.tilt_deg ? "° (camera.tilt_deg; told " + io::fixed(learnt.told_tilt_deg, 2) + ")"
+       learnt.tilt_deg ? "° with the picture's middle (camera.tilt_deg; told " +
+                             io::fixed(learnt.told_tilt_deg, 2) + "); of the mount alone ± " +
+                             io::fixed(std::hypot(learnt.tilt_deg->sigma, kMiddleDeg), 2)
                        : few);
   line("camera latency", learnt.latency_ms, 0,
        learnt.latency_ms
