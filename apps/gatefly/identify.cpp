@@ -125,7 +125,9 @@ Commands commands_of(const io::FlightFolder& folder) {
     return commands;
   }
   if (folder.log.extension() == ".gz") return commands;
-  const io::Csv log{folder.log};
+  std::string text = io::read_file(folder.log);
+  text.resize(text.rfind('\n') + 1);  // the line within which a recorder was cut is none
+  const io::Csv log{folder.log, std::move(text)};
   const fs::path constants = folder.directory / "drone.toml";
   if (!log.has("stick_throttle_us") || !fs::exists(constants)) return commands;
   commands.name = "throttle", commands.unit = "of 1000";
@@ -140,10 +142,13 @@ Commands commands_of(const io::FlightFolder& folder) {
   return commands;
 }
 
-/// Rows in the air, by the pilot that is asked now: from the first look at a gate's side of the floor to its landing.
+/// In the air, by the pilot that is asked now.
 bool is_up(const Pilot& pilot) { return is_flying(pilot.phase()); }
 
 Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
+  if (options.track.empty() && !tasks::is_simulated(folder))
+    throw std::runtime_error(folder.string() +
+                             ": has no map of its own; --track names where the gates stand");
   tasks::ReplayArguments arguments;
   arguments.directory = folder.string();
   arguments.config = options.common;
@@ -156,7 +161,7 @@ Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
   const flight_log::ReplayResult result = tasks::replayed(
       flight, arguments, stop_if_interrupted, render_again(),
       [&](const flight_log::ReplayedTick& tick) {
-        if (!is_up(tick.pilot) || commands.values.empty()) return;
+        if (!is_up(tick.pilot) || tick.index >= commands.values.size()) return;
         const Imu& imu = tick.sensors.imu;
         const double command = commands.values[tick.index];
         if (!imu.accel_B.allFinite() || !(command > 0.0)) return;

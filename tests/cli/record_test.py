@@ -60,6 +60,10 @@ class Record(WithDrone):
         heard = [row for row in self.rows() if row["nav_acc_z_mps2"]]
         self.assertAlmostEqual(float(heard[-1]["nav_acc_z_mps2"]), -9.81, delta=0.5)
         self.assertTrue(heard[-1]["stick_throttle_us"] and heard[-1]["battery_v"] and heard[-1]["fc_roll_rad"], heard[-1])
+        self.assertIn("--track names where the gates stand", self.run_it("identify", self.flight()).stderr)
+        known = self.run_it("identify", self.flight(), "--track", "oval", "--config", "betaflight")
+        self.assertEqual(known.returncode, 1, known.stderr)  # it stood on the table
+        self.assertIn("not known: less than 3 s in the air", known.stdout)
         times = [int(row["t_ns"]) for row in self.rows()]
         self.assertEqual({b - a for a, b in zip(times, times[1:])}, {times[1] - times[0]})  # regular, whatever the disk did
         self.replayed()
