@@ -142,8 +142,10 @@ Commands commands_of(const io::FlightFolder& folder) {
   return commands;
 }
 
-/// In the air, by the pilot that is asked now.
-bool is_up(const Pilot& pilot) { return is_flying(pilot.phase()); }
+/// On its way through the gates, by the pilot that is asked now: a take-off's thrust goes to climbing, and near the floor there is more of it.
+bool is_under_way(const Pilot& pilot) {
+  return is_flying(pilot.phase()) && !std::holds_alternative<TakeOff>(pilot.phase());
+}
 
 Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
   if (options.track.empty() && !tasks::is_simulated(folder))
@@ -161,7 +163,7 @@ Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
   const flight_log::ReplayResult result = tasks::replayed(
       flight, arguments, stop_if_interrupted, render_again(),
       [&](const flight_log::ReplayedTick& tick) {
-        if (!is_up(tick.pilot) || tick.index >= commands.values.size()) return;
+        if (!is_under_way(tick.pilot) || tick.index >= commands.values.size()) return;
         const Imu& imu = tick.sensors.imu;
         const double command = commands.values[tick.index];
         if (!imu.accel_B.allFinite() || !(command > 0.0)) return;
@@ -195,7 +197,7 @@ Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
     learnt.why_no_thrust =
         "the log has neither rotor speeds nor sticks with a drone.toml beside it";
   else if (!learnt.thrust)
-    learnt.why_no_thrust = "less than 3 s in the air";
+    learnt.why_no_thrust = "less than 3 s under way between gates";
   return learnt;
 }
 

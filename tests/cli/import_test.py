@@ -143,7 +143,7 @@ class Import(Cli):
         self.stamped("bag/images", 1, offset)
         return bag
 
-    def test_a_ros_folder_is_the_flight_to_the_last_digit(self):
+    def test_a_ros_folder_is_the_flight_but_for_rounding(self):
         folder = self.imported(self.ros())
         self.same(folder, 1e-9)  # time begins with the log: rounding differs
         self.assertEqual(self.told["detection"]["frames"], len(pictures()))

@@ -63,7 +63,7 @@ class Record(WithDrone):
         self.assertIn("--track names where the gates stand", self.run_it("identify", self.flight()).stderr)
         known = self.run_it("identify", self.flight(), "--track", "oval", "--config", "betaflight")
         self.assertEqual(known.returncode, 1, known.stderr)  # it stood on the table
-        self.assertIn("not known: less than 3 s in the air", known.stdout)
+        self.assertIn("not known: less than 3 s under way", known.stdout)
         times = [int(row["t_ns"]) for row in self.rows()]
         self.assertEqual({b - a for a, b in zip(times, times[1:])}, {times[1] - times[0]})  # regular, whatever the disk did
         self.replayed()
