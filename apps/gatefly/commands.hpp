@@ -37,6 +37,8 @@ void declare_fly(Command& command);
 void declare_config(Command& command);
 void declare_replay(Command& command);
 void declare_run(Command& command);
+void declare_import(Command& command);
+void declare_record(Command& command);
 void declare_bench_drone(Command& command);
 void declare_link_sim(Command& command);
 void declare_detect(Command& command);

@@ -19,6 +19,8 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"run", declare_run},
       CommandHere{"bench-drone", declare_bench_drone},
       CommandHere{"link-sim", declare_link_sim},
+      CommandHere{"import", declare_import},
+      CommandHere{"record", declare_record},
       CommandHere{"replay", declare_replay},  // with --smooth
   };
   return kHere;

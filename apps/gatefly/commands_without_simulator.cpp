@@ -40,6 +40,8 @@ std::span<const CommandHere> commands_here() {
       CommandHere{"run", declare_run},
       CommandHere{"bench-drone", declare_bench_drone},
       CommandHere{"link-sim", nullptr},
+      CommandHere{"import", declare_import},
+      CommandHere{"record", declare_record},
   };
   return kHere;
 }

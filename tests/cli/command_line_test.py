@@ -19,7 +19,7 @@ class Help(Cli):
         listing = self.run_it("--help")
         self.assertEqual(listing.returncode, 0)
         for command in ("fly", "config", "detect", "score", "campaign", "bench", "calibrate", "identify", "tune", "reproduce",
-                        "map", "track", "doctor", "new", "run", "bench-drone", "link-sim"):
+                        "map", "track", "doctor", "new", "run", "bench-drone", "link-sim", "import", "record"):
             self.assertIn(command, listing.stdout)
             text = self.run_it(command, "--help")
             self.assertEqual(text.returncode, 0)

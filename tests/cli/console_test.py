@@ -21,7 +21,7 @@ import unittest
 
 GATEFLY, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 FRAMES = ROOT / "tests" / "replay" / "oval_flight"
-COMMANDS = ("fly", "replay", "detect", "score", "calibrate", "tune", "campaign", "reproduce", "identify", "map", "run", "bench-drone", "link-sim", "bench", "new", "track",
+COMMANDS = ("fly", "replay", "detect", "score", "calibrate", "tune", "campaign", "reproduce", "identify", "map", "run", "bench-drone", "link-sim", "import", "record", "bench", "new", "track",
             "doctor", "config", "completion", "render", "view")
 
 

@@ -85,6 +85,30 @@ TEST_P(RecordingInEitherLog, ReadsBackExactly) {
 }
 INSTANTIATE_TEST_SUITE_P(Log, RecordingInEitherLog, ::testing::Bool());
 
+TEST(FlightFolder, OneThatWasCutIsReadUpToItsLastWholeLineAndPicture) {
+  const test::TempFolder folder;
+  const std::string log =
+      "t_ns,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2\n"
+      "0,0,0,0,0,0,-9.81\n4000000,0,0,0,0,0,-9.81\n8000000,0,0";
+  (void)folder.file("log_si.csv", log);
+  (void)folder.file("images.csv",
+                    "image,t_ns,log_row\na.jpg,0,0\nb.jpg,4000000,1\nc.jpg,8000000,2\nd.jp");
+  (void)folder.file("a.jpg", "x");
+  (void)folder.file("b.jpg", "");  // listed, but its bytes never reached the disk
+  EXPECT_THAT(test::error_of([&] { (void)read_flight_folder(folder.path()); }),
+              HasSubstr("log_si.csv:4: has 3 cells"))
+      << "what is no recorder's must be whole";
+  (void)folder.file(kRecordingMark, "{}");
+  const FlightFolder cut = read_flight_folder(folder.path());
+  EXPECT_EQ(cut.samples.size(), 2);
+  ASSERT_EQ(cut.images.size(), 1);
+  EXPECT_EQ(cut.images[0].path.filename(), "a.jpg");
+  (void)folder.file("summary.json", "{}");
+  EXPECT_THAT(test::error_of([&] { (void)read_flight_folder(folder.path()); }),
+              HasSubstr("log_si.csv:4"))
+      << "its end was written: it must be whole, too";
+}
+
 TEST_F(Recording, AnAutopilotsImuIsKeptWhereItArrived) {
   const Command command;
   const Imu sample{{1.0 / 3.0, -5e-324, 2.0}, {0.1, 1e300, -9.81}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/flight_log/recording.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -76,6 +77,31 @@ TEST(TicksOf, AnotherPilotsTakeOffIsWhereThrustIsAskedForOrItClimbs) {
   EXPECT_THAT(rows_of_take_off(folder), ElementsAre(4));
   folder.samples[0].est_p_EB = Eigen::Vector3d::Zero();
   EXPECT_THAT(rows_of_take_off(folder), ElementsAre()) << "our own pilot's log";
+}
+
+// A recorder begins with the battery, a pilot that rests for so long takes off.
+TEST(TicksOf, ALongRestBeforeAnotherPilotsTakeOffIsHeldBack) {
+  io::FlightFolder folder = hovering(400);
+  for (std::size_t i = 0; i < 400; ++i) folder.samples[i].lifted = i >= 300;
+  const auto held = [&] {
+    const auto ticks = ticks_of(folder);
+    return std::count_if(ticks.begin(), ticks.end(), [](const auto& tick) { return tick.held; });
+  };
+  EXPECT_EQ(held(), 170) << "all but the last 1.3 s";
+  const ReplayResult result = replay(
+      [] {
+        PilotConfig config;
+        config.imu_hz = 100.0;
+        config.track.gates = {MapGate{.p_EG = {4, 0, -1.5}}};
+        return config;
+      }(),
+      ticks_of(folder), {});
+  EXPECT_EQ(result.estimates.size(), 400) << "a row for each of the log's";
+  folder.samples[0].est_p_EB = Eigen::Vector3d::Zero();
+  EXPECT_EQ(held(), 0) << "our own pilot's log, which it flew from the first row on";
+  folder.samples[0].est_p_EB.reset();
+  for (auto& sample : folder.samples) sample.lifted = false;
+  EXPECT_EQ(held(), 0) << "it never takes off";
 }
 
 TEST(TicksOf, NothingAreNone) { EXPECT_TRUE(ticks_of({}).empty()); }

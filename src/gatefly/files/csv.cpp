@@ -138,7 +138,7 @@ std::vector<double> Csv::numbers(const std::string& column) const {
   const std::size_t index = index_of(column);
   std::vector<double> values(rows_, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t row = 0; row < rows_; ++row) {
-    std::string_view text = cell(row, index);
+    std::string_view text = trimmed(cell(row, index));
     if (text.empty()) continue;
     std::string pointed;  // 0.5 in place of 0,5
     if (separator_ != ',') {

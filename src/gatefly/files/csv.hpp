@@ -24,7 +24,7 @@ class Csv {
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
   [[nodiscard]] bool has(const std::string& column) const;
 
-  /// A column of numbers; an empty cell is NaN.
+  /// A column of numbers, with blanks around them or without; an empty cell is NaN.
   /// @throws std::runtime_error "file:line:column: ..." for anything else, or when there is no such
   ///         column, listing those there are.
   [[nodiscard]] std::vector<double> numbers(const std::string& column) const;

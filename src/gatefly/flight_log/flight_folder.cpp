@@ -95,8 +95,27 @@ std::optional<Imu> imu_of(const std::optional<Eigen::Vector3d>& gyro_B,
   return Imu{*gyro_B, *accel_B};
 }
 
+/// Whether it was recorded in place, and nobody has ended it.
+bool was_cut(const std::filesystem::path& directory) {
+  std::error_code error;
+  return std::filesystem::exists(directory / kRecordingMark, error) &&
+         !std::filesystem::exists(directory / "summary.json", error);
+}
+
+/// Without the line within which it was cut.
+std::string whole_lines(const std::filesystem::path& path) {
+  std::string content = read_file(path);
+  content.resize(content.rfind('\n') + 1);  // none: npos + 1 is 0
+  return content;
+}
+
+std::string content_of(const std::filesystem::path& path) {
+  if (path.extension() == ".gz") return read_gzip(path);
+  return was_cut(path.parent_path()) ? whole_lines(path) : read_file(path);
+}
+
 std::vector<FlightSample> read_log(const std::filesystem::path& path) {
-  const Csv csv(path, path.extension() == ".gz" ? read_gzip(path) : read_file(path));
+  const Csv csv(path, content_of(path));
   if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
   if (csv.rows() > kMostRows)
     throw std::runtime_error(path.string() + ": has " + std::to_string(csv.rows()) +
@@ -175,10 +194,17 @@ void expect_at_its_row(const Csv& csv, std::size_t i, nanoseconds time, nanoseco
                            " s: rows are missing in log_si.csv, or it has too many");
 }
 
+bool has_nothing(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  return error || size == 0;
+}
+
 std::vector<FlightImage> read_images(const std::filesystem::path& directory,
                                      const std::vector<FlightSample>& samples) {
   const std::size_t log_rows = samples.size();
-  const Csv csv(directory / "images.csv");
+  const Csv csv(directory / "images.csv", content_of(directory / "images.csv"));
+  const bool cut = was_cut(directory);
   const auto names = csv.texts("image");
   const auto rows = csv.numbers("log_row");
   const std::vector<nanoseconds> times = times_of(csv);
@@ -197,6 +223,8 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
       throw std::runtime_error(csv.place(i) + ": image = '" + one_line(names[i]) +
                                "', a second time");
     const double row = rows[i];
+    // What was listed last may not have reached the disk.
+    if (cut && (row >= static_cast<double>(log_rows) || has_nothing(directory / name))) break;
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
                                std::to_string(log_rows - 1) + ", the rows of log_si.csv");

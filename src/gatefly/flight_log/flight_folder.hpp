@@ -73,6 +73,9 @@ inline constexpr std::array<const char*, 6> kNavigationImuColumns{
 /// Column of log_si.csv for FlightSample::lifted.
 inline constexpr const char* kLiftedColumn = "lifted";
 
+/// A file in folders of `gatefly record`, which are read as far as they go: power goes when it likes.
+inline constexpr const char* kRecordingMark = "recording.json";
+
 /// The frames of a flight in one film without loss.
 inline constexpr const char* kFrameFilm = "frames.mkv";
 

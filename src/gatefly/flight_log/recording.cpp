@@ -60,6 +60,17 @@ std::optional<std::size_t> take_off_row(const io::FlightFolder& folder) {
   return std::nullopt;
 }
 
+/// A log that says when it took off rests for as long before as a pilot needs, and no longer.
+void hold_until_rest(std::vector<RecordedTick>& ticks, const io::FlightFolder& folder) {
+  constexpr std::chrono::milliseconds kRest{1300};  // as PilotLoop's
+  const auto& samples = folder.samples;
+  const auto off = std::find_if(samples.begin(), samples.end(),
+                                [](const io::FlightSample& s) { return s.lifted == true; });
+  const auto is_ours = [](const io::FlightSample& s) { return s.est_p_EB.has_value(); };
+  if (off == samples.end() || std::any_of(samples.begin(), samples.end(), is_ours)) return;
+  for (RecordedTick& tick : ticks) tick.held = tick.sensors.time < off->time - kRest;
+}
+
 }  // namespace
 
 std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder, const SonarStandIn& sonar) {
@@ -87,6 +98,7 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
     sensors.motors = i > 0 ? folder.samples[i - 1].motors : std::array<double, 4>{};
   }
   if (const auto row = take_off_row(folder)) ticks[*row].sensors.lifted = true;
+  hold_until_rest(ticks, folder);
   for (std::size_t i = 0; i < folder.images.size(); ++i) {
     const io::FlightImage& image = folder.images[i];
     if (image.log_row >= ticks.size())

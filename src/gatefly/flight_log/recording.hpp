@@ -20,6 +20,9 @@ struct RecordedTick {
   Sensors sensors;                      ///< Without its image.
   std::optional<std::size_t> picture;   ///< Index of the picture that arrived with it.
   std::optional<Eigen::Vector3d> p_EB;  ///< Truth [m].
+  /// Long before another pilot takes off: the drone stands, and the pilot, who would take off after
+  /// its rest, is not asked. As `gatefly run` does it.
+  bool held = false;
 };
 
 /// What stands in for the sonar of a log that has no height at all: motion capture's.

@@ -55,6 +55,11 @@ ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& 
   ReplayScorer scorer{true_gates};
   Eigen::Vector3d error2 = Eigen::Vector3d::Zero();
   for (const RecordedTick& tick : ticks) {
+    if (tick.held) {
+      result.estimates.push_back({seconds(tick.sensors.time), pilot.estimate()});
+      result.commands.emplace_back();
+      continue;
+    }
     Sensors sensors = tick.sensors;
     if (tick.picture) sensors.image = load_picture(*tick.picture);
     const Command command = pilot.step(sensors);

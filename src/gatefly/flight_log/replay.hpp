@@ -69,7 +69,7 @@ struct ReplayedTick {
 /// Feeds a recorded flight to the very Pilot::step that flies the simulator.
 ///
 /// @param load_picture  answers the view of picture i; it must stay valid until the next call.
-/// @param on_tick  called after every step; may be empty.
+/// @param on_tick  called after every step (none while a tick is held); may be empty.
 /// @param true_gates  as they stand, where somebody knows: for the score alone.
 [[nodiscard]] ReplayResult replay(const PilotConfig& config, const std::vector<RecordedTick>& ticks,
                                   const std::function<Image(std::size_t)>& load_picture,

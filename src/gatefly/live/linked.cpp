@@ -70,6 +70,7 @@ void play(const std::vector<flight_log::RecordedTick>& ticks, const io::FlightFo
   const nanoseconds first = ticks.empty() ? 0ns : ticks.front().sensors.time;
   for (std::size_t i = 0; i < ticks.size() && !wires.stop; ++i) {
     const flight_log::RecordedTick& tick = ticks[i];
+    if (tick.held) continue;
     if (pace > 0.0) {
       const double since = static_cast<double>((tick.sensors.time - first).count()) / pace;
       std::this_thread::sleep_until(clock.moment(nanoseconds{static_cast<std::int64_t>(since)}));
