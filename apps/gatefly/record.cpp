@@ -92,7 +92,7 @@ class Recording {
   int run() {
     bool any = false;
     while (!over()) {
-      std::optional<live::Met> controller = meet(!any);
+      std::optional<live::Introduced> controller = meet(!any);
       if (!controller) continue;
       if (live::free_bytes(parent()) < plan_.keep_free) {
         say("less than " + io::text_of(options_.keep_free_mib) + " MiB are free in " +
@@ -144,11 +144,11 @@ class Recording {
     std::cerr << "gatefly record: " << what << std::endl;
   }
   /// The controller, when it answers; nothing while it does not. Another drone than the file's is refused at the start.
-  std::optional<live::Met> meet(bool at_start) {
+  std::optional<live::Introduced> meet(bool at_start) {
     try {
-      return live::met(link_, drone_);
-    } catch (const std::invalid_argument& error) {
-      if (at_start) throw std::runtime_error(error.what());
+      return live::introduced(link_, drone_, true);
+    } catch (const live::AnotherDrone& error) {
+      if (at_start) throw;
       say(error.what());
     } catch (const std::runtime_error& error) {
       say(std::string{error.what()} + ", waiting for it");
@@ -213,7 +213,7 @@ void declare_record(Command& command) {
               "v4l2:/dev/videoN, gst:PIPELINE, udp-jpeg:PORT, or file:DIR, a recorded flight")
       .required()
       .type_name("URI");
-  command.option("--link", options->link, "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT")
+  command.option("--link", options->link, "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, mavlink:…")
       .required()
       .type_name("URI");
   command.option("--drone", options->drone, "drone.toml: every constant of the drone")

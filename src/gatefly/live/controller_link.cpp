@@ -23,16 +23,20 @@ using namespace std::chrono_literals;
 constexpr auto kCallsFor = 3s;
 
 [[noreturn]] void not_the_drone(const DroneFile& drone, const std::vector<std::string>& others) {
-  throw std::runtime_error("is not the drone of " + drone.path.string() + ": " +
-                           io::joined(others, "; "));
+  throw AnotherDrone("is not the drone of " + drone.path.string() + ": " +
+                     io::joined(others, "; "));
 }
 
 [[noreturn]] void refuse(std::string_view why) { throw std::runtime_error(std::string{why}); }
 
+[[noreturn]] void not_alone() {
+  throw AnotherDrone(std::string{guard::text_of(guard::Reason::kOtherClient)});
+}
+
 /// Throws what is wrong with a Betaflight.
 Acquaintance met_betaflight(Port& port, const DroneFile& drone, bool only_listens) {
   const Introduction said = introduction_of(port);
-  if (said.other_client) refuse(guard::text_of(guard::Reason::kOtherClient));
+  if (said.other_client) not_alone();
   if (const auto others = differences(drone, said.facts, said.board); !others.empty())
     not_the_drone(drone, others);
   for (const guard::Complaint complaint : guard::complaints_about(said.facts))
@@ -46,7 +50,7 @@ Acquaintance met_betaflight(Port& port, const DroneFile& drone, bool only_listen
 /// The same of an ArduCopter.
 Acquaintance met_ardu(Port& port, const DroneFile& drone, bool only_listens) {
   const ArduIntroduction said = ardu_introduction_of(port, drone.ardu->system);
-  if (said.other_client) refuse(guard::text_of(guard::Reason::kOtherClient));
+  if (said.other_client) not_alone();
   for (const guard::ArduComplaint complaint : guard::complaints_about(said.facts))
     if (!only_listens || complaint != guard::ArduComplaint::kArmed)
       refuse(guard::text_of(complaint));
@@ -77,13 +81,17 @@ Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_list
     throw std::runtime_error(drone.path.string() + ": is a drone for --link " +
                              (drone.ardu ? "mavlink:" : "msp:"));
   Port port = opened(uri);
+  const auto named = [&](const std::string& text) {
+    return text.starts_with(port.name()) ? text : port.name() + ": " + text;
+  };
   try {
     const Acquaintance known = drone.ardu ? met_ardu(port, drone, only_listens)
                                           : met_betaflight(port, drone, only_listens);
     return {std::move(port), known};
+  } catch (const AnotherDrone& error) {
+    throw AnotherDrone(named(error.what()));
   } catch (const std::runtime_error& error) {
-    const std::string text = error.what();
-    throw std::runtime_error(text.starts_with(port.name()) ? text : port.name() + ": " + text);
+    throw std::runtime_error(named(error.what()));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -82,8 +83,14 @@ struct Introduced {
   Port port;
   Acquaintance known;
 };
+/// It answers, but is not the file's, or not ours alone.
+class AnotherDrone : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 /// @param only_listens  one who never flies may come in flight.
-/// @throws std::runtime_error one line: nobody is there, another drone, a complaint, another client; armed or overridden.
+/// @throws AnotherDrone one line: another drone or another client; another std::runtime_error: nobody is there, a complaint; armed or
+///     overridden.
 [[nodiscard]] Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens);
 
 /// Links to that controller. @param drone  outlives the link.

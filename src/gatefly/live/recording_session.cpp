@@ -4,11 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <stdexcept>
 #include <utility>
-
-#include "gatefly/files/text.hpp"
-#include "gatefly/live/arrival_clock.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -17,26 +13,13 @@ using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
 // All ours.
-constexpr nanoseconds kHeldBack = 4ms;  // as a run's link thread
-constexpr double kLiftingPart = 0.8;    // of the hover's throttle, as there
-constexpr nanoseconds kBehind = 30ms;   // the writer, so that what belongs to a tick is there
-constexpr nanoseconds kSilence = 3s;    // a controller without a battery
-constexpr nanoseconds kSyncEvery = 1s;  // what a battery that is pulled may cost
+constexpr nanoseconds kRecordedLater = 4ms;  // as a run's link thread
+constexpr nanoseconds kBehind = 30ms;        // the writer, so that what belongs to a tick is there
+constexpr nanoseconds kSilence = 3s;         // a controller without a battery
+constexpr nanoseconds kSyncEvery = 1s;       // what a battery that is pulled may cost
 constexpr double kUnplugged = 0.6, kPlugged = 0.9;  // of the highest voltage
 
 }  // namespace
-
-Met met(const LinkUri& uri, const DroneFile& drone) {
-  Port port = opened(uri);
-  const Introduction said = introduction_of(port);
-  const std::string name = port.name() + ": ";
-  if (said.other_client)
-    throw std::invalid_argument(name + "another program talks to the controller");
-  if (const auto others = differences(drone, said.facts, said.board); !others.empty())
-    throw std::invalid_argument(name + "is not the drone of " + drone.path.string() + ": " +
-                                io::joined(others, "; "));
-  return {std::move(port), *said.facts.boxes};
-}
 
 const char* text_of(RecordingSession::End end) {
   switch (end) {
@@ -54,8 +37,8 @@ const char* text_of(RecordingSession::End end) {
   return "as long as a folder may be";
 }
 
-RecordingSession::RecordingSession(const Plan& plan, const DroneFile& drone, Met controller)
-    : plan_{plan}, drone_{drone}, link_{std::move(controller.port), drone, controller.boxes} {
+RecordingSession::RecordingSession(const Plan& plan, const DroneFile& drone, Introduced controller)
+    : plan_{plan}, link_{queries_on(std::move(controller.port), drone, controller.known)} {
   for (Picture& picture : memory_) (void)free_.push(&picture);
 }
 
@@ -97,17 +80,13 @@ void RecordingSession::run_camera() {
 }
 
 void RecordingSession::run_link() {
-  ArrivalClock taken{MspPoller::Params{}.turn};
   while (!stop_ && !link_.broken()) {
     const bool sampled = link_.serve(clock_, clock_.now() + 5ms);
     const ControllerState& state = link_.state();
     state_.write(state);
     if (!sampled) continue;
-    const int throttle = drone_.throttle.throttle(state.sticks.throttle);
     const HeardState heard{
-        .state = state,
-        .due = taken.take(state.imu_at) + kHeldBack,
-        .lifted = state.armed && throttle > kLiftingPart * drone_.hover.throttle};
+        .state = state, .due = state.imu_taken + kRecordedLater, .lifted = state.lifted};
     if (!heard_.push(heard)) ++samples_lost_;
   }
   link_over_ = true;

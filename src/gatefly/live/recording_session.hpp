@@ -14,20 +14,12 @@
 
 #include "gatefly/live/camera.hpp"
 #include "gatefly/live/clock.hpp"
+#include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/handoff.hpp"
-#include "gatefly/live/msp_link.hpp"
 #include "gatefly/live/sensor_recorder.hpp"
 
 namespace gatefly::live {
-
-/// A controller as a recorder meets it: it answers, and is the drone of the file.
-struct Met {
-  Port port;
-  msp::BoxIds boxes;
-};
-/// @throws std::runtime_error nobody is there. @throws std::invalid_argument another drone, or another client is there.
-[[nodiscard]] Met met(const LinkUri& uri, const DroneFile& drone);
 
 /// One battery's recording, from a controller that has answered until it falls silent, the disk is full or somebody ends it: a thread each for camera and
 /// link, beside the caller's, which writes. Memory is bounded: what the disk does not take in time is lost, and counted.
@@ -51,7 +43,7 @@ class RecordingSession {
     std::string camera_error, disk_error;
   };
 
-  RecordingSession(const Plan& plan, const DroneFile& drone, Met controller);
+  RecordingSession(const Plan& plan, const DroneFile& drone, Introduced controller);
   ~RecordingSession();
   RecordingSession(const RecordingSession&) = delete;
   RecordingSession& operator=(const RecordingSession&) = delete;
@@ -74,8 +66,7 @@ class RecordingSession {
   [[nodiscard]] std::optional<End> why_over(const SensorRecorder& recorder);
 
   const Plan& plan_;
-  const DroneFile& drone_;
-  MspQueries link_;
+  LinkQueries link_;
   RunClock clock_;
   Ring<HeardState> heard_{1024};
   Ring<Picture*> pictures_{kPictures}, free_{kPictures};
