@@ -48,10 +48,10 @@ PathPoint Path::at(double s) const {
 double Path::nearest(const Eigen::Vector2d& position, double from, double to) const {
   // Coarse, then fine: paths are metres long and curve gently against the steps.
   const auto distance2 = [&](double s) { return (at(s).position - position).squaredNorm(); };
-  double best = from;
+  double best = from, least = distance2(best);
   for (double step = 0.10, low = from, high = to; step > 1e-3; step *= 0.1) {
     for (double s = low; s <= high; s += step)
-      if (distance2(s) < distance2(best)) best = s;
+      if (const double d = distance2(s); d < least) best = s, least = d;
     low = std::max(from, best - step), high = std::min(to, best + step);
   }
   return best;
