@@ -150,6 +150,16 @@ class Import(Cli):
         self.assertEqual((self.told["pictures_outside"], self.told["rows"]), (0, len(rows())))
         self.assertTrue(any("upwards" in text for text in self.told["checked"]), self.told["checked"])
 
+    def test_what_an_imported_flight_teaches_of_its_camera_is_told_and_what_it_cannot(self):
+        self.imported(self.ros())
+        result = self.run_it("identify", "flight", "--json")
+        self.assertEqual(result.returncode, 1, result.stderr)  # it has no rotor speeds, and no sticks
+        flight, = json.loads(result.stdout)["flights"]
+        self.assertEqual((flight["hover"], flight["exponent"], flight["drag"]), (None, None, None))
+        self.assertGreaterEqual(flight["fixes"], 10)
+        tilt = flight["camera_tilt_deg"]
+        self.assertLess(abs(tilt["value"] - 20.0), 3 * tilt["sigma"] + 2.0)  # of level race, by a degree or so
+
     def test_a_ulog_is_the_flight_within_its_floats(self):
         data, first = ulog()
         log = self.folder / "flight.ulg"

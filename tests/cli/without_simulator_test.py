@@ -22,7 +22,7 @@ class WithoutSimulator(Cli):
                                      f"gatefly {command}: this program was built without the simulator\n")
 
     def test_every_other_command_has_its_help(self):
-        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "map", "run", "bench-drone", "config", "track", "doctor", "new"):
+        for command in ("replay", "detect", "score", "calibrate", "tune", "identify", "map", "run", "bench-drone", "import", "record", "config", "track", "doctor", "new"):
             with self.subTest(command=command):
                 result = self.run_it(command, "--help")
                 self.assertEqual((result.returncode, result.stderr), (0, ""))
