@@ -10,12 +10,15 @@ exec 3<>"/dev/tcp/127.0.0.1/$1" || exit 2
 printf '#\n' >&3
 sleep 0.5
 while read -r line; do
-  [[ "$line" == "#"* || -z "$line" ]] && continue
+  [[ "$line" == "#"* || "$line" == save || -z "$line" ]] && continue
   printf '%s\n' "$line" >&3
   sleep 0.05
 done <"$2"
-# What it does not understand it says; then it restarts, and hangs up.
-answer="$(timeout 5 cat <&3 | tr -d '\r')" || true
+answer="$(timeout 1 cat <&3 | tr -d '\r')" || true
 if grep -iE 'invalid|unknown|error' <<<"$answer"; then exit 1; fi
-grep -q saving <<<"$answer" || { echo "betaflight_cli.sh: 127.0.0.1:$1: not saved" >&2; exit 1; }
+grep -q 'set to' <<<"$answer" || { echo "betaflight_cli.sh: 127.0.0.1:$1: no command line answers" >&2; exit 1; }
+# It restarts now. Who hangs up first cannot be called again for a minute: that is we.
+printf 'save\n' >&3
+exec 3>&-
+sleep 1
 echo saved
