@@ -80,6 +80,134 @@ void keep(BestFrames& best, const Frame& frame) {
   }
 }
 
+// One picture, from places to gates.
+class Look {
+ public:
+  Look(const EvidenceMap& map, const Image& image, const PictureColor& color,
+       const GateDetectorParams& params, const LensBend& bend, const std::vector<LensBend>& guesses,
+       SearchTrace* trace)
+      : map_{map},
+        image_{image},
+        color_{color},
+        params_{params},
+        bend_{bend},
+        guesses_{guesses},
+        trace_{trace},
+        step_{static_cast<double>(map.step())},
+        least_side_{params.min_side_px / step_},
+        of_cell_{map},
+        coarse_{of_cell_, params.weights_with(color.faintness()), params.bar()} {
+    coarse_.set_cell_size(step_);
+    coarse_.set_bounds(map.width(), map.height());
+  }
+
+  // Frames on cells, the best first.
+  BestFrames rough(const GateCandidates& candidates) {
+    const SideCurves curves{bend_, image_, step_};
+    coarse_.set_curves(curves);
+    BestFrames best;
+    for (const GateCandidate& candidate : candidates) {
+      const Frame frame = led_to_from(to_cells(candidate.corners_px, step_), curves);
+      const bool has_shape = is_frame_shaped(frame.quad, least_side_, params_.max_aspect);
+      if (has_shape) keep(best, frame);
+      if (trace_ != nullptr)
+        (void)trace_->places.push_back(
+            {candidate.corners_px, to_pixels(frame.quad, step_), frame.score, has_shape});
+    }
+    insertion_sort(best, better);
+    return best;
+  }
+
+  // What of them is a gate, on pixels.
+  BestFrames gates(const BestFrames& best) {
+    const auto of_pixel = [this](int u, int v) { return map_.at_pixel(image_, color_, u, v); };
+    FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights_with(color_.faintness()),
+                                      params_.bar()};
+    fine.set_least_offset(3.0);
+    fine.set_bounds(image_.width(), image_.height());
+    const double least_rough = params_.min_score - kRoughLacks;
+    if (trace_ != nullptr) trace_->least_rough = least_rough;
+    BestFrames gates;
+    for (const Frame& rough : best) {
+      if (rough.score.total < least_rough) break;
+      const SideCurves curves = curves_of(rough, 1.0);
+      Frame frame;
+      if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
+        coarse_.set_curves(curves_of(rough, step_));
+        frame = finished(coarse_, rough.quad, least_side_, params_);
+        frame.quad = to_pixels(frame.quad, step_);
+      } else {
+        fine.set_curves(curves);
+        frame = finished(fine, to_pixels(rough.quad, step_), params_.min_side_px, params_);
+      }
+      frame.guess = rough.guess;
+      frame.score.take_off(lost_as_filled(image_, frame.quad, params_.bar(), curves));
+      const bool taken =
+          frame.score.total >= params_.min_score && frame.score.inside <= params_.max_inside;
+      if (trace_ != nullptr)
+        (void)trace_->finished.push_back(
+            {to_pixels(rough.quad, step_), frame.quad, frame.score, taken});
+      if (taken) keep(gates, frame);  // some come to one place only now
+    }
+    insertion_sort(gates, better);
+    return gates;
+  }
+
+  GateDetection refined(Frame frame) const {
+    const SideCurves curves = curves_of(frame, 1.0);
+    frame.quad =
+        refined_corners(image_, frame.quad, params_.bar(), RefinementEffort::kCareful, curves);
+    return meant_detection(frame, DetectionMethod::kFrames, image_, params_, curves);
+  }
+
+ private:
+  struct OfCell {
+    const EvidenceMap& map;
+    int operator()(int x, int y) const { return map.at(x, y); }
+  };
+
+  Frame pulled_from(const Quad& q) const {
+    return pulled(coarse_, {q, coarse_.score(q)}, least_side_, params_.max_aspect);
+  }
+
+  // The best frame that a place leads to: as it is, bent by the lens, or by one that it may be.
+  Frame led_to_from(const Quad& straight, const SideCurves& curves) {
+    Frame frame = pulled_from(straight);
+    if (const Quad bent = bowed(straight, curves); largest_move(bent, straight) > kMuchBent) {
+      const Frame other = pulled_from(bent);
+      if (better(other, frame)) frame = other;
+    }
+    for (std::size_t k = 0; k < guesses_.size(); ++k) {
+      const SideCurves guess{guesses_[k], image_, step_};
+      const Quad start = bowed(straight, guess);
+      if (!(largest_move(start, straight) > kShows)) continue;
+      coarse_.set_curves(guess);
+      Frame other = pulled_from(start);
+      other.guess = static_cast<int>(k);
+      other.score.total -= kGuessDoubt;
+      if (better(other, frame)) frame = other;
+      coarse_.set_curves(curves);
+    }
+    return frame;
+  }
+
+  SideCurves curves_of(const Frame& frame, double cell) const {
+    if (frame.guess < 0) return SideCurves{bend_, image_, cell};
+    return SideCurves{guesses_[static_cast<std::size_t>(frame.guess)], image_, cell}.guessed();
+  }
+
+  const EvidenceMap& map_;
+  const Image& image_;
+  const PictureColor& color_;
+  const GateDetectorParams& params_;
+  const LensBend& bend_;
+  const std::vector<LensBend>& guesses_;
+  SearchTrace* trace_;
+  double step_, least_side_;  // a cell [px], the least side [cells]
+  OfCell of_cell_;
+  FrameFit<OfCell> coarse_;
+};
+
 }  // namespace
 
 CarefulSearch::CarefulSearch(const GateDetectorParams& params)
@@ -95,85 +223,9 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   if (map_.width() == 0) return found;
   GateCandidates candidates;
   templates_.search(map_, least_worth_a_look(params_.min_score), candidates);
-  const double step = map_.step(), least_side = params_.min_side_px / step;
-  const auto of_cell = [this](int x, int y) { return map_.at(x, y); };
-  FrameFit<decltype(of_cell)> coarse{of_cell, params_.weights_with(color.faintness()),
-                                     params_.bar()};
-  coarse.set_cell_size(step);
-  coarse.set_bounds(map_.width(), map_.height());
-  const SideCurves coarse_curves{bend_, image, step};
-  coarse.set_curves(coarse_curves);
-  BestFrames best;
-  for (const GateCandidate& candidate : candidates) {
-    const auto pulled_from = [&](const Quad& q) {
-      return pulled(coarse, {q, coarse.score(q)}, least_side, params_.max_aspect);
-    };
-    const Quad straight = to_cells(candidate.corners_px, step);
-    Frame frame = pulled_from(straight);
-    if (const Quad bent = bowed(straight, coarse_curves);
-        largest_move(bent, straight) > kMuchBent) {
-      const Frame other = pulled_from(bent);
-      if (better(other, frame)) frame = other;
-    }
-    for (std::size_t k = 0; k < guesses_.size(); ++k) {
-      const SideCurves guess{guesses_[k], image, step};
-      const Quad start = bowed(straight, guess);
-      if (!(largest_move(start, straight) > kShows)) continue;
-      coarse.set_curves(guess);
-      Frame other = pulled_from(start);
-      other.guess = static_cast<int>(k);
-      other.score.total -= kGuessDoubt;
-      if (better(other, frame)) frame = other;
-      coarse.set_curves(coarse_curves);
-    }
-    const bool has_shape = is_frame_shaped(frame.quad, least_side, params_.max_aspect);
-    if (has_shape) keep(best, frame);
-    if (trace != nullptr)
-      (void)trace->places.push_back(
-          {candidate.corners_px, to_pixels(frame.quad, step), frame.score, has_shape});
-  }
-  insertion_sort(best, better);
-
-  const auto of_pixel = [&](int u, int v) { return map_.at_pixel(image, color, u, v); };
-  FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights_with(color.faintness()),
-                                    params_.bar()};
-  fine.set_least_offset(3.0);
-  fine.set_bounds(image.width(), image.height());
-  const auto curves_of = [&](const Frame& frame, double cell) {
-    if (frame.guess < 0) return SideCurves{bend_, image, cell};
-    return SideCurves{guesses_[static_cast<std::size_t>(frame.guess)], image, cell}.guessed();
-  };
-  const double least_rough = params_.min_score - kRoughLacks;
-  if (trace != nullptr) trace->least_rough = least_rough;
-  BestFrames gates;
-  for (const Frame& rough : best) {
-    if (rough.score.total < least_rough) break;
-    const SideCurves curves = curves_of(rough, 1.0);
-    Frame frame;
-    if (params_.bar() * std::sqrt(std::abs(area(rough.quad))) > kWideBar) {
-      coarse.set_curves(curves_of(rough, step));
-      frame = finished(coarse, rough.quad, least_side, params_);
-      frame.quad = to_pixels(frame.quad, step);
-    } else {
-      fine.set_curves(curves);
-      frame = finished(fine, to_pixels(rough.quad, step), params_.min_side_px, params_);
-    }
-    frame.guess = rough.guess;
-    frame.score.take_off(lost_as_filled(image, frame.quad, params_.bar(), curves));
-    const bool taken =
-        frame.score.total >= params_.min_score && frame.score.inside <= params_.max_inside;
-    if (trace != nullptr)
-      (void)trace->finished.push_back(
-          {to_pixels(rough.quad, step), frame.quad, frame.score, taken});
-    if (taken) keep(gates, frame);  // some come to one place only now
-  }
-  insertion_sort(gates, better);
-  for (Frame& frame : gates) {
-    const SideCurves curves = curves_of(frame, 1.0);
-    frame.quad =
-        refined_corners(image, frame.quad, params_.bar(), RefinementEffort::kCareful, curves);
-    (void)found.push_back(meant_detection(frame, DetectionMethod::kFrames, image, params_, curves));
-  }
+  Look look{map_, image, color, params_, bend_, guesses_, trace};
+  for (const Frame& gate : look.gates(look.rough(candidates)))
+    (void)found.push_back(look.refined(gate));
   return found;
 }
 
