@@ -96,7 +96,7 @@ def budget(renew):
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         subprocess.run([ROOT / "build/release/tests/pack_flight", flight, folder / "tape", folder / "outputs", "0", *setup], check=True)
-        tape, looks = read_tape(folder / "tape", folder)
+        tape, looks = read_tape(str(folder / "tape"), folder)
         steps = counted("x86_64", tape, setup, folder)
     now = {name: round(statistics.mean(steps[i] for i in range(REST, len(steps)) if looks[i] == wanted)) for name, wanted in (("picture", True), ("imu", False))}
     if renew:

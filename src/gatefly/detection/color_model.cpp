@@ -33,7 +33,8 @@ ColorModel ColorModel::described(const std::array<double, 3>& rgb) {
     return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0)));
   };
   const Yuv color = yuv_of_rgb(byte(rgb[0]), byte(rgb[1]), byte(rgb[2]));
-  const double u = color.u - 128, v = color.v - 128, chroma = std::max(1.0, std::sqrt(u * u + v * v));
+  const double u = color.u - 128, v = color.v - 128,
+               chroma = std::max(1.0, std::sqrt(u * u + v * v));
   const double hue_u = u / chroma, hue_v = v / chroma;
   ColorModel model;
   std::size_t i = 0;

@@ -81,7 +81,8 @@ Moments integrated_moments_of(const Fit& fit, const Moments& by_curvature, const
       if (!normal) continue;
       // The position that is best there, in one step.
       const Eigen::Vector3d step = normal->A.inverse() * normal->a;
-      const double weight = gatefly::exp(0.5 * (fit.normal.cost - normal->cost + normal->a.dot(step)));
+      const double weight =
+          gatefly::exp(0.5 * (fit.normal.cost - normal->cost + normal->a.dot(step)));
       if (!(weight > 1e-4 && weight < 1e4)) continue;
       pose.p_GB_B -= step;
       sums.add(weight, state_of(pose) - by_curvature.mean);

@@ -77,8 +77,8 @@ class FrameFit {
     s.inside = std::max(s.inside, middle(q));
     s.total = s.mean + weights_.weakest * s.weakest - weights_.inside * s.inside -
               weights_.outside * s.outside - weights_.beyond * (s.beyond - kUndecidedBeyond) +
-              weights_.size * gatefly::log2(std::max(1.0, length * cell_px_) / 50.0) + weights_.added -
-              kUnseenSide * unseen;
+              weights_.size * gatefly::log2(std::max(1.0, length * cell_px_) / 50.0) +
+              weights_.added - kUnseenSide * unseen;
     return s;
   }
 
