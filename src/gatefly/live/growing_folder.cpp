@@ -79,6 +79,13 @@ void write_whole(const fs::path& path, std::string_view text) {
   write_whole(path, std::span{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
+void sync_disk_of(const fs::path& folder) {
+  const int place = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (place < 0) return;
+  (void)::syncfs(place);
+  ::close(place);
+}
+
 std::uintmax_t free_bytes(const fs::path& folder) {
   std::error_code error;
   const fs::space_info space = fs::space(folder, error);

@@ -46,6 +46,9 @@ class GrowingFile {
 void write_whole(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
+/// Everything that was written to the disk of a folder, onto it; takes as long as that takes.
+void sync_disk_of(const std::filesystem::path& folder);
+
 /// Bytes that are free where a folder is; 0 when nobody knows.
 [[nodiscard]] std::uintmax_t free_bytes(const std::filesystem::path& folder);
 

@@ -92,6 +92,17 @@ void RecordingSession::run_link() {
   link_over_ = true;
 }
 
+/// A slow disk keeps nobody waiting but itself.
+void RecordingSession::run_disk() {
+  Moment next = Clock::now() + kSyncEvery;
+  while (!stop_) {
+    std::this_thread::sleep_for(50ms);
+    if (Clock::now() < next) continue;
+    sync_disk_of(folder_);
+    next = Clock::now() + kSyncEvery;
+  }
+}
+
 void RecordingSession::write(SensorRecorder& recorder, nanoseconds until) {
   const nanoseconds period{std::llround(1e9 / plan_.recorder.imu_hz)};
   for (; due_ <= until; due_ += period) {
@@ -119,9 +130,9 @@ void RecordingSession::write(SensorRecorder& recorder, nanoseconds until) {
     }
     if (newest != nullptr) (void)free_.push(newest);
   }
-  if (due_ - synced_at_ < kSyncEvery) return;
-  synced_at_ = due_;
-  recorder.sync();
+  if (due_ - flushed_at_ < kSyncEvery) return;
+  flushed_at_ = due_;
+  recorder.flush();
 }
 
 std::optional<RecordingSession::End> RecordingSession::why_over(const SensorRecorder& recorder) {
@@ -143,6 +154,7 @@ RecordingSession::End RecordingSession::record(
   clock_ = RunClock{};
   threads_[0] = std::thread{[this] { run_camera(); }};
   threads_[1] = std::thread{[this] { run_link(); }};
+  threads_[2] = std::thread{[this] { run_disk(); }};
   std::optional<End> end;
   int round = 0;
   while (!end) {

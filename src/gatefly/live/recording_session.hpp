@@ -21,8 +21,8 @@
 
 namespace gatefly::live {
 
-/// One battery's recording, from a controller that has answered until it falls silent, the disk is full or somebody ends it: a thread each for camera and
-/// link, beside the caller's, which writes. Memory is bounded: what the disk does not take in time is lost, and counted.
+/// One battery's recording, from a controller that has answered until it falls silent, the disk is full or somebody ends it: a thread each for camera,
+/// link and the disk's own time, beside the caller's, which writes. Memory is bounded: what the disk does not take in time is lost, and counted.
 ///
 /// Nothing is sent but questions: the link's type has no function that sends sticks.
 class RecordingSession {
@@ -62,6 +62,7 @@ class RecordingSession {
 
   void run_camera();
   void run_link();
+  void run_disk();
   void write(SensorRecorder& recorder, std::chrono::nanoseconds until);
   [[nodiscard]] std::optional<End> why_over(const SensorRecorder& recorder);
 
@@ -75,8 +76,8 @@ class RecordingSession {
   std::atomic<bool> stop_ = false, link_over_ = false;
   std::atomic<long> pictures_lost_ = 0, samples_lost_ = 0;
   std::string camera_error_;  ///< The camera thread's, read when it has ended.
-  std::array<std::thread, 2> threads_;
-  std::chrono::nanoseconds due_{0}, sample_at_{0}, synced_at_{0};
+  std::array<std::thread, 3> threads_;
+  std::chrono::nanoseconds due_{0}, sample_at_{0}, flushed_at_{0};
   double highest_v_ = 0.0;
   bool unplugged_ = false;
   std::filesystem::path folder_;

@@ -119,14 +119,10 @@ void SensorRecorder::keep(nanoseconds time, const Picture& picture) {
   ++pictures_;
 }
 
-void SensorRecorder::sync() {
+void SensorRecorder::finish(const std::string& summary_json) {
   flush();
   log_.sync();
   images_.sync();
-}
-
-void SensorRecorder::finish(const std::string& summary_json) {
-  sync();
   write_whole(folder_ / "summary.json", summary_json);
 }
 

@@ -39,8 +39,8 @@ class SensorRecorder {
 
   /// The row of tick `time`, with what has arrived since the one before. @throws DiskFailed
   void tick(std::chrono::nanoseconds time, const HeardState* heard, const Picture* picture);
-  /// Onto the disk. @throws DiskFailed
-  void sync();
+  /// All rows so far to the file: what is there stays when the program dies. @throws DiskFailed
+  void flush();
   /// The last file. @throws DiskFailed
   void finish(const std::string& summary_json);
 
@@ -53,7 +53,6 @@ class SensorRecorder {
 
  private:
   void keep(std::chrono::nanoseconds time, const Picture& picture);
-  void flush();
 
   std::filesystem::path folder_;
   Params params_;
