@@ -34,7 +34,7 @@ def steps():
 
 
 def without_numbers(line):
-    return re.sub(r"board \w{4}", "board", re.sub(r"[-+]?\d+(\.\d+)?", "#", line)).strip()
+    return re.sub(r"[-+]?\d+(\.\d+)?", "#", re.sub(r"board \w{4}", "board", line)).strip()
 
 
 class Followed(Cli):
