@@ -205,7 +205,7 @@ class Configuration(Cli):
         self.assertEqual(json.loads(self.run_it("config", "--json", "--config", "grandprix").stdout)["camera"]["tilt_deg"], -20)
         self.assertIn("bebop: is a camera and a vehicle; say cameras/bebop.toml or vehicles/bebop.toml", self.refused("config", "--config", "bebop"))
         error = self.refused("config", "--config", "racre")
-        self.assertIn("nor a name in configs/, cameras/, vehicles/ (there are: basement,", error)
+        self.assertIn("nor a name in configs/, cameras/, vehicles/ (there are: arducopter, basement,", error)
         self.assertIn("did you mean 'racer'?", error)
 
     def test_camera_vehicle_and_speed_are_short_for_config_and_set(self):

@@ -47,7 +47,8 @@ TEST(Csv, ErrorsNameFileLineAndColumn) {
     return test::error_of([&] { (void)Csv(folder.file("a.csv", content)).numbers(column); });
   };
   EXPECT_THAT(error("a,b\n1,2\n1,x2\n", "b"), HasSubstr("a.csv:3:2: b = 'x2', must be a number"));
-  EXPECT_THAT(error("a,b\n1,2 \n", "b"), HasSubstr("a.csv:2:2"));
+  EXPECT_EQ(error("a,b\n1, 2 \n", "b"), "");  // as blackbox_decode writes them
+  EXPECT_THAT(error("a,b\n1,2 3\n", "b"), HasSubstr("a.csv:2:2"));
   EXPECT_THAT(error("a,b\n1,nan\n", "b"), HasSubstr("a.csv:2:2"));
   EXPECT_THAT(error("a,b\n1,inf\n", "b"), HasSubstr("a.csv:2:2"));
   EXPECT_THAT(error("a,b\n1\n", "b"), HasSubstr("a.csv:2: has 1 cells, must have 2"));
