@@ -4,6 +4,7 @@ import csv
 import functools
 import os
 import pathlib
+import socket
 import subprocess
 import time
 
@@ -154,3 +155,23 @@ class Handed(WithDrone):
         self.assertLess(float(end["t_s"]) - float(begin["t_s"]), 3.0)
         self.assertLess(sum((float(end[axis]) - float(begin[axis])) ** 2 for axis in ("x_m", "y_m")) ** 0.5, distance)
         self.assertLess(max(float(row["vz_mps"]) for row in rows), 2.5)
+
+
+def free_ports(count, kind):
+    sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
+    for each in sockets:
+        each.bind(("127.0.0.1", 0))
+    ports = [each.getsockname()[1] for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports
+
+
+class Beside(Cli):
+    """Programs that run beside each other."""
+
+    def start(self, *words, **more):
+        process = subprocess.Popen([str(word) for word in words], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), GATEFLY_SOURCE_DIR=str(ROOT)), **more)
+        self.addCleanup(end_of, process)
+        return process

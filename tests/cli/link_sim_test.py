@@ -8,11 +8,10 @@ usage: link_sim_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 import json
 import os
 import socket
-import subprocess
 import time
 
-from drone import FAKE, end_of, signed
-from program import GATEFLY, ROOT, Cli, main
+from drone import FAKE, Beside, free_ports, signed
+from program import GATEFLY, ROOT, main
 
 FAKE_SITL = FAKE + "_sitl"
 FAKE_ARDU_SITL = os.environ.get("GATEFLY_FAKE_ARDUCOPTER", "") + "_sitl"
@@ -20,23 +19,7 @@ ARDU = ROOT / "tests" / "live" / "fake_arducopter_sitl.toml"
 DRONE = ROOT / "tests" / "live" / "fake_sitl_drone.toml"
 
 
-def free_ports(count, kind):
-    sockets = [socket.socket(socket.AF_INET, kind) for _ in range(count)]
-    for each in sockets:
-        each.bind(("127.0.0.1", 0))
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
-
-
-class OverTheLink(Cli):
-    def start(self, *words, **more):
-        process = subprocess.Popen([str(word) for word in words], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), GATEFLY_SOURCE_DIR=str(ROOT)), **more)
-        self.addCleanup(end_of, process)
-        return process
-
+class OverTheLink(Beside):
     def test_a_lap_of_the_oval_is_flown_and_the_drone_lands(self):
         servos, state, radio, pictures = free_ports(4, socket.SOCK_DGRAM)
         controller, msp = free_ports(2, socket.SOCK_STREAM)
