@@ -25,7 +25,7 @@ class RealArduCopter(Beside):
         pictures, = free_ports(1, socket.SOCK_DGRAM)
         drone = ["--config", "archer-b2", "--config", "arducopter"]
         world = self.start(GATEFLY, "link-sim", "oval", "--laps", "1", "--seed", "1001", *drone, "--autopilot", "arducopter", "--set", "sim.camera_quality=fast", "--json",
-                           "--time-limit", "60", "--msp", line, "--pictures", pictures)
+                           "--time-limit", "60", "--baud", "921600", "--msp", line, "--pictures", pictures)
         self.start(ARDUCOPTER, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", PARAMETERS, "-I0", "--home", "52,4.37,0,0")
         self.assertIn("ready", world.stderr.readline())
         pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"mavlink:tcp:127.0.0.1:{line}", "--drone",
