@@ -9,7 +9,7 @@
 #                 clones, one for each of its parts: OWNER/NAME, OWNER+NAME or OWNER+NAME/repo
 #
 # Then: GATEFLY_BETAFLIGHT=FOLDER/betaflight_SITL.elf build/release/tests/link_test --gtest_filter='RealBetaflight.*'
-#       GATEFLY_ARDUCOPTER=FOLDER/arducopter tests/cli/arducopter_test.py build/release/gatefly-lab
+#       GATEFLY_ARDUCOPTER=FOLDER/arducopter ctest --test-dir build/release -R cli_arducopter
 # Betaflight 2026.12-alpha, MSP API 1.49, needs git, make, gcc: half a minute. ArduCopter 4.7 of December 2025 needs g++ and
 # python3 with empy 3, pexpect, future, lxml, setuptools: six minutes of two cores.
 set -euo pipefail

@@ -4,10 +4,12 @@ import csv
 import functools
 import os
 import pathlib
+import socket
 import subprocess
 import time
 
 from program import GATEFLY, ROOT, Cli
+from simulated import free_ports  # noqa: F401
 
 DRONE = ROOT / "tests" / "live" / "fake_drone.toml"
 FAKE = os.environ.get("GATEFLY_FAKE_BETAFLIGHT", "")
@@ -154,3 +156,13 @@ class Handed(WithDrone):
         self.assertLess(float(end["t_s"]) - float(begin["t_s"]), 3.0)
         self.assertLess(sum((float(end[axis]) - float(begin[axis])) ** 2 for axis in ("x_m", "y_m")) ** 0.5, distance)
         self.assertLess(max(float(row["vz_mps"]) for row in rows), 2.5)
+
+
+class Beside(Cli):
+    """Programs that run beside each other."""
+
+    def start(self, *words, **more):
+        process = subprocess.Popen([str(word) for word in words], cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True, env=dict(os.environ, XDG_CACHE_HOME=str(self.cache), GATEFLY_SOURCE_DIR=str(ROOT)), **more)
+        self.addCleanup(end_of, process)
+        return process
