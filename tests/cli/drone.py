@@ -4,7 +4,6 @@ import csv
 import functools
 import os
 import pathlib
-import socket
 import subprocess
 import time
 
