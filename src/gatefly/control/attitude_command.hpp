@@ -3,7 +3,7 @@
 
 namespace gatefly {
 
-/// What the outer loop asks of the inner one.
+/// Set point of the attitude loop, from guidance.
 struct AttitudeCommand {
   double roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< [rad]
   /// Feed-forward: how fast `yaw` itself moves [rad/s].

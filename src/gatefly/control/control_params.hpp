@@ -5,7 +5,7 @@
 
 #include "gatefly/geometry/math.hpp"
 
-// What control is told before take-off.
+// Parameters of the controllers, fixed before take-off.
 
 namespace gatefly {
 
@@ -19,7 +19,7 @@ struct VehicleParams {
   /// Thrust / speed² [N/(rad/s)²]: hovers at 7,380 rpm.
   double thrust_coefficient = 1.72e-6;
   double torque_coefficient = 0.016;             ///< Yaw torque / thrust [m].
-  double min_speed = 150.0, max_speed = 1250.0;  ///< Of a rotor [rad/s].
+  double min_speed = 150.0, max_speed = 1250.0;  ///< Limits of a rotor [rad/s].
   double rotor_time_constant = 0.0185;           ///< [s] [Li18 code: 0.1 per 512 Hz sample]
 };
 
@@ -30,10 +30,10 @@ struct IndiParams {
   double yaw_attitude_gain = 20.0;
   double yaw_rate_gain = 9.0;
   double max_yaw_rate = 2.8;     ///< [rad/s] [Li18 code: 2.1; ours: tight arcs at 1.6 m/s need 2]
-  double filter_hz = 11.0;       ///< Of rates and actuators. [Li18 code: 50 rad/s = 8 Hz]
+  double filter_hz = 11.0;       ///< Low-pass of rates and actuators. [Li18 code: 50 rad/s = 8 Hz]
   double filter_damping = 0.70;  ///< [Li18 code: 0.55]
   double sample_hz = 512.0;
-  /// What rotors do is learnt in flight. [Smeur et al. 2016; off as flown, Li18 code]
+  /// Rotor effectiveness is learnt in flight. [Smeur et al. 2016; off as flown, Li18 code]
   bool adaptive = false;
   double adaptation = 0.01;  ///< Step of the normalised LMS. [ours: a few seconds of flight]
   /// Changes from sample to sample below this say nothing [rad/s²]. [ours: gyro noise]

@@ -31,7 +31,7 @@ struct AhrsParams {
   double imu_hz = 512.0;          ///< Nominal rate of the samples. [Li18 flight code]
   double gravity = 9.81;          ///< [m/s²]
   double heading_process = 4e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
-  /// Of the yaw gyro's scale: its error grows with the angle turned. [ours]
+  /// Relative error of the yaw gyro's scale; the heading's error grows with the angle turned. [ours: estimate]
   double scale_sigma = 0.01;
   double bias_process = 2e-4;         ///< The same for the yaw gyro's bias [rad/s/√s]. [ours]
   double start_heading_sigma = 0.06;  ///< How well the pad's heading is known [rad]. [ours: 3°]

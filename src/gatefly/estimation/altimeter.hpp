@@ -8,7 +8,7 @@ namespace gatefly {
 struct AltimeterParams {
   double sonar_hz = 20.0;     ///< Nominal rate of the sonar. [Bebop]
   double sonar_sigma = 0.04;  ///< [m] [ours]
-  double baro_sigma = 0.30;   ///< Of one sample, after its drift was taken off [m]. [ours]
+  double baro_sigma = 0.30;   ///< Noise of one sample, drift removed [m]. [ours: estimate]
   /// Sonar nearer than expected by more than this saw furniture [m]. [ours]
   double max_step = 0.20;
   double max_disagreement = 0.35;  ///< Between sonar and slow barometer [m]. [ours]

@@ -82,9 +82,9 @@ class DelayedFilter {
     Fix fix;
   };
   struct Run {      ///< Refused fixes that agree with the first of them.
-    int count = 0;  ///< Less those that do not.
+    int count = 0;  ///< Fixes that agree minus fixes that do not.
     double since = 0.0, last = 0.0;
-    /// Where dead reckoning began, says the first fix [m].
+    /// Origin of dead reckoning according to the first fix [m].
     Eigen::Vector3d start = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   };
@@ -104,7 +104,7 @@ class DelayedFilter {
   RestartParams restart_;
   std::vector<Moment> moments_;
   std::size_t count_ = 1, first_ = 0;  ///< Moments so far, and the first that still holds.
-  FixedList<Dated, 32> fixes_;         ///< Of the moments kept, by time.
+  FixedList<Dated, 32> fixes_;         ///< Fixes of the moments kept, in order of time.
   Run run_;
 };
 

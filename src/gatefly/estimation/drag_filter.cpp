@@ -93,7 +93,7 @@ Measurement measured(const Fix& fix, const Eigen::Vector3d& innovation, bool wit
 
 }  // namespace
 
-// Of all states but the position.
+// Initial variances of all states but the position.
 Eigen::Vector4d DragFilter::start_variance() const {
   const Eigen::Vector3d bias = params_.start_bias_sigma.cwiseAbs2();
   return {0.01, bias.x(), bias.y(), bias.z()};

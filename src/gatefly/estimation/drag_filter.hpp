@@ -23,11 +23,11 @@ struct DragFilterParams {
   double gate_sigma = 3.5;
 };
 
-/// What became of a measurement.
+/// Result of offering a measurement to the filter.
 enum class Fusion {
   kAccepted,
   kRefused,    ///< Outside the innovation gate, or not a number.
-  kTooLate,    ///< Of a moment that is no longer remembered.
+  kTooLate,    ///< Older than the filter remembers.
   kRestarted,  ///< Refused, but several agree: the position was reset to them.
 };
 
@@ -86,9 +86,9 @@ class DragFilter {
   void change_frame(const Eigen::Matrix3d& R, const Eigen::Vector3d& offset,
                     const MapUncertainty& uncertainty);
 
-  /// Of a fix [m²].
+  /// Covariance that the innovation of `fix` should have [m²].
   [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Fix& fix) const;
-  /// What one standard deviation of the heading adds to the innovation of a fix [m].
+  /// Change of a fix's innovation by one standard deviation of heading [m].
   [[nodiscard]] Eigen::Vector2d heading_sensitivity(const Fix& fix) const;
 
   /// Standard deviation of y in the gate's plane, where the error of the gate's heading has vanished

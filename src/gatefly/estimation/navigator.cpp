@@ -259,8 +259,8 @@ double Navigator::nearness() const {
   return std::clamp((kMapFrame - distance) / (kMapFrame - kOwnFrame), 0.0, 1.0);
 }
 
-// Where the plan has its path: near a gate as far from the map's gate as from the real one, elsewhere
-// where the drone is.
+// The position in the plan's frame. Near a gate it is relative to that gate, which may stand off the
+// map; far from it, it is the position in earth axes; between the two it is blended.
 Eigen::Vector3d Navigator::p_EB() const {
   const Eigen::Matrix3d R_EG = rotation_z(gate_.yaw_EG);
   if (!flies_ours())

@@ -15,13 +15,13 @@
 
 namespace gatefly {
 
-/// Where a gate stands and which way it is flown through: the frame that positions are relative to.
+/// Place and flight direction of a gate: the frame that positions are relative to.
 struct GateFrame {
   Eigen::Vector3d p_EG = Eigen::Vector3d::Zero();  ///< [m]
   double yaw_EG = 0.0;                             ///< [rad]
 };
 
-/// Whose filter it is.
+/// The filter that flies: the paper's, the paper's extended, or ours.
 enum class FilterModel {
   kDrag,  ///< Li18's drag filter with memory and systematic errors: takes air speed for ground speed.
   kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; no systematic errors.
@@ -31,7 +31,7 @@ enum class FilterModel {
 /// Li18's filter, where it is not a number of DragFilterParams. [Li18 flight code, March 2018]
 struct PaperFilterParams {
   Eigen::Vector3d fix_sigma{1.05, 0.32, 0.71};  ///< Square roots of R; z is not used [m].
-  double leg_sigma = 1.0;                       ///< Of x and y where a leg begins [m].
+  double leg_sigma = 1.0;  ///< Standard deviation of x and y where a leg begins [m].
 };
 
 struct NavigatorParams {
@@ -49,7 +49,7 @@ struct NavigatorParams {
   double filter_memory = 0.25;    ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
 };
 
-/// What is believed of the drone's motion at one moment; plain values.
+/// Estimated motion of the drone at one moment; plain values.
 struct NavigationState {
   double time = 0.0;  ///< [s]
   double dt = 0.0;    ///< Since the sample before; 0 when no time has passed [s].
@@ -61,14 +61,15 @@ struct NavigationState {
   Eigen::Vector3d v_B = Eigen::Vector3d::Zero();     ///< [m/s]
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();    ///< In the frame of the target gate [m] ...
   Eigen::Vector3d v_GB = Eigen::Vector3d::Zero();    ///< ... and the velocity [m/s].
-  double lateral_sigma = 0.0;  ///< Of p_GB.y, without what is gone in the gate itself [m].
-  double since_fix = 1e3;      ///< Since a fix was accepted [s].
-  double since_imu = 0.0;      ///< Since a usable IMU sample [s].
+  double lateral_sigma =
+      0.0;  ///< Error of p_GB.y, without the part that vanishes in the gate's plane [m].
+  double since_fix = 1e3;  ///< Since a fix was accepted [s].
+  double since_imu = 0.0;  ///< Since a usable IMU sample [s].
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
-  double wind_variance = 0.0;  ///< Of both components of that together [m²/s²].
+  double wind_variance = 0.0;  ///< Sum of the variances of its two components [m²/s²].
   double thrust_found = 0.0;   ///< Rotors give so much more than commanded, relative.
-  int rest_samples = 0;        ///< Of the rest calibration.
+  int rest_samples = 0;        ///< Samples of the rest calibration so far.
 };
 
 /// The estimation ring: attitude, low pass, drag filter with its memory, velocity and heights, wired
@@ -87,13 +88,13 @@ class Navigator {
   void start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& gate = {},
              const MapUncertainty& uncertainty = {});
 
-  /// One IMU sample while the drone stands still: teaches biases. Not usable: not used.
+  /// One IMU sample while the drone stands still: biases are estimated. Unusable samples are ignored.
   /// @param slow  of an autopilot, where one arrives (NavigatorParams::slow_imu_hz): it teaches alone.
   void rest(const Imu& imu, double time, const std::optional<Imu>& slow = std::nullopt);
 
-  /// One IMU sample in flight. Not usable: the last one goes on. A repeated or older time stamp lets
-  /// no time pass.
-  /// @param slow  as for rest(). The filter goes on by it alone; `imu` is who steers by.
+  /// One IMU sample in flight. An unusable sample repeats the previous input; a repeated or older stamp
+  /// advances nothing.
+  /// @param slow  as for rest(). Only the filter uses it; `imu` serves the control.
   /// @param thrust  specific, that the rotors should give by now [m/s²]; 0: not known. Only kOurs asks.
   void predict(const Imu& imu, double time, const std::optional<Imu>& slow = std::nullopt,
                double thrust = 0.0);
@@ -118,11 +119,11 @@ class Navigator {
   /// A fix of `time` [s]. @param may_restart  see DelayedFilter::correct.
   Fusion correct(const Fix& fix, double time, bool may_restart = false);
 
-  /// The heading is off by `error` [rad]: so it was in the past.
+  /// Corrects the heading, present and remembered, by a measured error [rad].
   void correct_heading(double error, double variance);
 
-  /// What a fix after a leg without any says about the heading it was flown on; nothing after a
-  /// short one. The filter's uncertainty knows how far a heading error carries.
+  /// Corrects the heading by the first fix after a blind leg: the sideways miss, as far as the
+  /// filter's covariance attributes it to a heading error. A short leg says nothing.
   void learn_heading(const Fix& fix, const Past& then);
 
   /// From now on positions are relative to `gate`.
@@ -152,20 +153,20 @@ class Navigator {
   /// See ErrorStateFilter::doubt.
   void doubt();
 
-  // What is known of the estimate, whichever filter flies:
-  [[nodiscard]] Eigen::Matrix3d covariance_GB() const;     ///< Of the position [m²].
+  // Uncertainty and biases, of whichever filter flies:
+  [[nodiscard]] Eigen::Matrix3d covariance_GB() const;     ///< Covariance of the position [m²].
   [[nodiscard]] Eigen::Vector3d accel_bias() const;        ///< [m/s²]
   [[nodiscard]] Eigen::Vector3d gyro_bias() const;         ///< [rad/s]
   [[nodiscard]] Eigen::Vector3d velocity_sigma() const;    ///< Body axes [m/s].
   [[nodiscard]] Eigen::Vector3d accel_bias_sigma() const;  ///< [m/s²]
-  /// Sonar, barometer: contradicts what gates show for long, and is left.
+  /// True once the sensor has contradicted the gates for long: it is not used any more.
   [[nodiscard]] bool has_left_sonar() const { return sonar_.left; }
   [[nodiscard]] bool has_left_baro() const { return baro_.left; }
   [[nodiscard]] double tilt_sigma() const;     ///< [rad]
   [[nodiscard]] double heading_sigma() const;  ///< [rad]
   [[nodiscard]] const Ahrs& ahrs() const { return ahrs_; }
   [[nodiscard]] const DragFilter& filter() const { return filter_.now(); }
-  [[nodiscard]] double time() const { return time_; }  ///< Of the last sample [s].
+  [[nodiscard]] double time() const { return time_; }  ///< Stamp of the last sample [s].
   [[nodiscard]] bool has_fix() const { return last_fix_ >= 0.0; }
   [[nodiscard]] double since_fix() const { return time_ - last_fix_; }
 
@@ -182,7 +183,7 @@ class Navigator {
   /// How far a height sensor agrees with the gates.
   struct Trust {
     int refused = 0;    ///< In a row.
-    bool left = false;  ///< Found out: it is not asked any more.
+    bool left = false;  ///< Contradicted the gates for too long: not used any more.
   };
   void take_height(const Height& height, Trust& trust);
   bool advance(const Imu& imu, double time);

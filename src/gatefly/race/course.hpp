@@ -66,7 +66,7 @@ class Course {
   int total_ = 0, target_ = 0, passed_ = 0;
   double progress_ = 0.0;
   double left_ = 0.0;           ///< The last stop that it has gone on from [m along path()].
-  std::size_t stops_done_ = 0;  ///< Of path().
+  std::size_t stops_done_ = 0;  ///< Stops of path() that it has gone on from.
 };
 
 /// The frame of a gate of the map.

@@ -23,7 +23,7 @@ struct LookoutParams {
   DetectorMode detector_mode = DetectorMode::kOurs;
   PoseParams pose;
   SightParams sight;
-  double gate_sigma = 3.5;       ///< What the filter refuses; see DragFilterParams.
+  double gate_sigma = 3.5;       ///< Limit beyond which a fix is refused; see DragFilterParams.
   double gate_yaw_sigma = 0.06;  ///< How well gates' headings are known [rad].
 };
 
@@ -39,13 +39,13 @@ class Lookout {
   /// it. Without either nothing happens. `looking` false: the picture is not wanted.
   void look(const Sensors& sensors, bool looking, const Course& course, Navigator& navigator);
 
-  /// What became of the last picture.
+  /// Result of the last picture.
   [[nodiscard]] const Sighting& sighting() const { return sighting_; }
 
  private:
   using Past = Navigator::Past;
 
-  struct Candidate {  ///< What might correct the filter.
+  struct Candidate {  ///< A fix that may correct the filter.
     Fix fix;
     const Past* then = nullptr;  ///< When it was exposed.
     double nis = 0.0;            ///< Against the estimate of then.
@@ -60,13 +60,13 @@ class Lookout {
     Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< Origin of dead reckoning by its fix [m].
   };
 
-  struct View {  ///< What a look needs to know.
+  struct View {  ///< Inputs of one look.
     const Sensors& sensors;
     const Course& course;
     Navigator& navigator;
   };
 
-  struct Expectation {         ///< Where the target gate should show.
+  struct Expectation {         ///< Expected place of the target gate in the picture.
     bool known = false;        ///< Else the estimate is too old.
     std::optional<Quad> bars;  ///< Middle lines; nullopt: out of view.
   };
@@ -96,7 +96,7 @@ class Lookout {
   Sighting sighting_;
   std::optional<Confirmation> pending_;
   int quick_looks_ = 0;         ///< Since the last careful one was allowed.
-  double image_width_ = 315.0;  ///< Of the upright picture [px].
+  double image_width_ = 315.0;  ///< Width of the upright picture [px].
 };
 
 }  // namespace gatefly

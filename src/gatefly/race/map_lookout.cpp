@@ -259,7 +259,7 @@ bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sigh
   return true;
 }
 
-// What the picture alone says of the position: for other filters, and for who looks on.
+// The position by this picture alone, without the filter: for other filters and for logs.
 void MapLookout::describe_fix(const GateDetection& gate, const View& view) {
   const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
   const eskf::Nominal& x = filter.now();

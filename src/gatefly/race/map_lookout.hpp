@@ -14,10 +14,10 @@ namespace gatefly {
 
 /// When a sighting is taken for a gate of the map.
 struct MapSightParams {
-  double max_nis = 25.0;        ///< Of 8 rows: 1 in 600 of the right ones. [chi-square]
-  double max_lower_nis = 16.0;  ///< Of 4 rows: 1 in 300.
-  double max_three_nis = 20.0;  ///< Of 6 rows: 1 in 360.
-  double max_bars_nis = 11.0;   ///< Of 2 rows: 1 in 250.
+  double max_nis = 25.0;        ///< With 8 rows: refuses 1 in 600 true sightings. [chi-square]
+  double max_lower_nis = 16.0;  ///< With 4 rows: 1 in 300.
+  double max_three_nis = 20.0;  ///< With 6 rows: 1 in 360.
+  double max_bars_nis = 11.0;   ///< With 2 rows: 1 in 250.
   double part_sigma =
       1.0;  ///< A part may be any gate's for who knows less of his place [m]. [estimate]
   double unsure_nis = 14.0;     ///< The limit for detections that are not sure: 1 in 12.

@@ -13,11 +13,11 @@
 #include "gatefly/sensing/image.hpp"
 #include "gatefly/sensing/imu.hpp"
 
-// What goes into a pilot, what comes out of it, and what can be asked of it.
+// Inputs, outputs and readable state of a pilot.
 
 namespace gatefly {
 
-/// What somebody else has already found in a picture: the simulator's ideal vision.
+/// Detections made elsewhere, in place of a picture: the simulator's ideal vision.
 struct SeenGates {
   GateDetections gates;  ///< Best first.
   std::optional<LowerCorners> lower_corners =
@@ -25,12 +25,12 @@ struct SeenGates {
   std::optional<GateBars> bars = std::nullopt;  ///< One too near to be whole.
   /// One that the border cuts: a corner of fitness 0 is not in view.
   std::optional<GateDetection> cut = std::nullopt;
-  int image_width = 315, image_height = 160;  ///< Of the upright picture [px].
+  int image_width = 315, image_height = 160;  ///< Size of the upright picture [px].
 };
 
-/// What arrives in one tick. Everything but the IMU is slower and mostly absent.
+/// Measurements of one tick. All but the IMU are slower and absent in most ticks.
 struct Sensors {
-  std::chrono::nanoseconds time{0};  ///< Of the IMU sample; must not run backwards.
+  std::chrono::nanoseconds time{0};  ///< Stamp of the IMU sample; must not run backwards.
   Imu imu;
   /// The estimator's sample in place of `imu`, where PilotConfig::filter_imu_hz says so: an
   /// autopilot's, filtered by it, of just now; arrives in some ticks only.
@@ -47,7 +47,7 @@ struct Sensors {
   std::optional<std::array<double, 4>> motors = std::nullopt;
 };
 
-/// What the drone does next.
+/// Set points for the drone until the next tick.
 struct Command {
   AttitudeCommand attitude;
   /// Rotor speeds [rad/s]: left front, right front, right back, left back. For an autopilot they are
@@ -57,7 +57,7 @@ struct Command {
   Eigen::Vector3d rates_B = Eigen::Vector3d::Zero();
 };
 
-/// What the pilot believes. For logs, displays and tests; nothing flies by it but the pilot.
+/// The pilot's belief, for logs, displays and tests; only the pilot itself flies by it.
 struct Estimate {
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3d v_E = Eigen::Vector3d::Zero();   ///< [m/s]
@@ -70,16 +70,16 @@ struct Estimate {
   int gates_passed = 0;
 };
 
-/// What corrected the filter, as another filter would want it.
+/// The fix that corrected the filter, in earth axes, for another filter to use.
 struct FixOnCourse {
-  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();            ///< Of now, not of the exposure [m].
+  Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();  ///< Position now, not at the exposure [m].
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m²]; earth axes.
   bool has_height = true;
   std::optional<double> yaw = std::nullopt;  ///< Heading the gate tells [rad] ...
   double yaw_sigma = 0.0;                    ///< ... and how well.
 };
 
-/// What became of the last picture.
+/// Result of the last picture: detections, and whether one corrected the filter.
 struct Sighting {
   enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or what the border leaves.
   bool seen = false;                             ///< At least one gate was detected.
@@ -88,7 +88,7 @@ struct Sighting {
   bool offered = false;
   GateDetections detections;      ///< Best first; the one that was used is `used`.
   int used = -1;                  ///< Index into detections; -1 when none (or bars).
-  Source source = Source::kNone;  ///< What corrected the filter, if anything did.
+  Source source = Source::kNone;  ///< Kind of fix that corrected the filter.
   std::optional<FixOnCourse> fix;
   /// Normalised innovation squared of that fix ...
   double nis = 0.0;

@@ -10,7 +10,7 @@
 
 namespace gatefly {
 
-// What each part of a pilot is told of it.
+// The parameters of each part of a pilot, taken from its configuration.
 [[nodiscard]] NavigatorParams navigator_params(const PilotConfig& config);
 [[nodiscard]] LookoutParams lookout_params(const PilotConfig& config);
 [[nodiscard]] GuidanceParams guidance_params(const PilotConfig& config);

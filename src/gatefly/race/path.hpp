@@ -104,10 +104,10 @@ struct RacePlan {
 ///     narrow by how much.
 [[nodiscard]] RacePlan plan_race(const Track& track, const PlanParams& params);
 
-/// What a plan wants to fly on a segment [m/s].
+/// Planned speed on a segment [m/s].
 [[nodiscard]] double speed_on(const Segment& segment, const PlanParams& params);
 
-/// What a way comes nearest to.
+/// Distance to the nearest solid thing, and its name.
 struct Clearance {
   double distance = 0.0;  ///< From the body's outline; negative: touches [m].
   std::string nearest;    ///< "a wall", "obstacle 2", "gate 1".

@@ -22,7 +22,7 @@ struct Turn {
 /// The gate should be in view and is not: wait before it and look around.
 struct Search {
   double since = 0.0;    ///< [s]
-  double gate_x = -2.2;  ///< Where to wait, on the gate's axis [m].
+  double gate_x = -2.2;  ///< Waiting place on the gate's axis; negative: before the gate [m].
 };
 /// All gates passed, or given up: level, down.
 struct Land {
@@ -45,10 +45,10 @@ enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
 [[nodiscard]] const char* name_of(const Phase& phase);
 [[nodiscard]] const char* text_of(AbortReason reason);
 
-/// What the pilot believes and what is planned, as far as it decides the phase.
+/// The part of belief and plan that decides the phase.
 struct Situation {
   double time = 0.0;          ///< [s]
-  int rest_samples = 0;       ///< Of the rest calibration.
+  int rest_samples = 0;       ///< Samples of the rest calibration so far.
   bool lifted = false;        ///< Another pilot flies, and has taken off.
   double height = 0.0;        ///< Above the pad [m].
   bool course_done = false;   ///< Every gate of every lap passed.
@@ -56,8 +56,9 @@ struct Situation {
   double to_go = 10.0;        ///< Along the path to the gate [m].
   double gate_x = -10.0;      ///< Along the gate's axis, negative before it [m].
   double gate_y = 0.0;        ///< To the right of the axis [m].
-  double gate_y_ahead = 0.0;  ///< What gate_y will be in the gate's plane [m].
-  /// Of gate_y, without what is gone once the drone is in the gate [m].
+  double gate_y_ahead = 0.0;  ///< Predicted gate_y in the gate's plane [m].
+  /// Standard deviation of gate_y, without the part by the gate's heading: it vanishes in the
+  /// gate's plane [m].
   double lateral_sigma = 0.0;
   double speed = 0.0;          ///< [m/s]
   double forward_speed = 0.0;  ///< [m/s]

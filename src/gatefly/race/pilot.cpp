@@ -141,7 +141,7 @@ AttitudeCommand Pilot::guide() {
 void Pilot::follow_course() {
   if (!parts_->course.follow(navigator_.state(), phase_)) return;
   navigator_.change_gate(frame_of(parts_->course.gate()), map_uncertainty_);
-  // What was searched for is passed; the place to wait at was before that gate.
+  // The gate that was searched for is passed, and the waiting place before it is of no use.
   if (std::holds_alternative<Search>(phase_)) phase_ = Straight{};
 }
 

@@ -30,12 +30,12 @@ class Pilot {
   Command step(const Sensors& sensors);
 
   [[nodiscard]] Estimate estimate() const;
-  /// All that estimate() is taken from, for who wants to know how sure it is.
+  /// The estimator, e.g. for its covariance.
   [[nodiscard]] const Navigator& navigator() const { return navigator_; }
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
   [[nodiscard]] const Sighting& sighting() const;
-  /// That the filter has diverged, told without any truth; only the filter of kOurs knows.
+  /// Whether the filter has diverged, judged without ground truth; kOurs only, else nullopt.
   [[nodiscard]] std::optional<eskf::Monitor::Verdict> divergence() const;
   [[nodiscard]] bool finished() const;
   [[nodiscard]] bool landed() const { return std::holds_alternative<Landed>(phase_); }
@@ -43,7 +43,7 @@ class Pilot {
   [[nodiscard]] const RacePlan& plan() const;
 
  private:
-  struct Parts;  ///< Lookout, course, guidance and INDI: inside, and nobody else's.
+  struct Parts;  ///< Lookout, course, guidance and INDI; private to the pilot.
 
   void navigate(const Sensors& sensors);
   void look(const Sensors& sensors);

@@ -14,12 +14,12 @@
 
 namespace gatefly {
 
-/// Whose way of doing it.
+/// Method: ours or the paper's.
 enum class Scheme { kOurs, kPaper };
 
-/// Everything a pilot is told before take-off. Start-up only.
+/// Everything that a pilot is given before take-off. Start-up only.
 struct PilotConfig {
-  /// Which box is whose: any mixture can be configured.
+  /// The method of each box; any mixture can be configured.
   DetectorMode detector_mode = DetectorMode::kOurs;
   Scheme pose_scheme = Scheme::kOurs;
   FilterModel filter_model = FilterModel::kDrag;
@@ -43,7 +43,7 @@ struct PilotConfig {
   PaperControlParams paper_control;
   HoldParams hold;
   Output output = Output::kMotors;
-  RateParams rates;  ///< Where the output is for an autopilot.
+  RateParams rates;  ///< Used when the output goes to an autopilot.
   IndiParams indi;
   VehicleParams vehicle;
   PlanParams plan;
@@ -53,11 +53,12 @@ struct PilotConfig {
   double imu_hz = 512.0;  ///< Nominal rate of the IMU. [Li18 flight code]
   /// Nominal rate of Sensors::navigation_imu, which kOurs estimates by then; 0: by Sensors::imu.
   double filter_imu_hz = 0.0;
-  bool uses_sonar = true, uses_baro = true;  ///< What the drone has, and may be believed.
+  bool uses_sonar = true, uses_baro = true;  ///< False: absent, or not to be trusted.
   double filter_memory = 0.25;  ///< So late a picture may come [s]. [ours: twice a Bebop's latency]
   double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [ours]
-  double gate_height_sigma = 0.05;  ///< Of a gate's centre [m]. [docs/simulation.md]
-  double gate_yaw_sigma = 0.06;     ///< And how well their headings are [rad]. [ours]
+  double gate_height_sigma =
+      0.05;  ///< Standard deviation of a gate centre's height [m]. [docs/simulation.md]
+  double gate_yaw_sigma = 0.06;  ///< And how well their headings are [rad]. [ours]
 };
 
 }  // namespace gatefly

@@ -15,10 +15,10 @@ namespace gatefly {
 struct MapSolid {
   enum class Kind { kObstacle, kGate, kWall, kFloor, kCeiling };
   Kind kind = Kind::kObstacle;
-  int number = 0;                  ///< Of the obstacle or gate, counted from 0.
+  int number = 0;                  ///< Index of the obstacle or gate, from 0.
   MapObstacle footprint;           ///< Its place on the floor plan; its height is not used.
   double bottom = 0.0, top = 1e9;  ///< Heights above the floor [m].
-  Eigen::Vector2d inwards{0, 0};   ///< Of a wall: unit vector into the room ...
+  Eigen::Vector2d inwards{0, 0};   ///< Walls only: unit vector into the room ...
   Eigen::Vector2d foot{0, 0};      ///< ... and a point of it [m].
 
   /// On the floor plan, negative inside [m].

@@ -29,7 +29,8 @@ struct StrayParams {
   /// A drone blames itself for what is off by less than so many sigmas of its own place. [estimate]
   double own_sigmas = 2.2;
   double heading_sigma = 0.1;  ///< Nor is one to judge that knows its heading no better [rad].
-  double least_fitness = 0.6;  ///< Of a detection; clutter does not repeat at one place.
+  double least_fitness =
+      0.6;  ///< Least fitness of a detection; low, as clutter does not repeat at one place.
 };
 
 /// The place of a detected gate, by its corners alone and by where the drone is; its direction is free.

@@ -12,17 +12,17 @@ namespace gatefly {
 /// How the paper's control leaves a gate: straight on, then an arc that ends before the next one.
 struct GateExit {
   double run = 0.5;     ///< From the gate's plane to the turn point [m]. [Li18 code: 0.1, 0.5]
-  double angle = 0.0;   ///< Of the turn, > 0 to the right [rad].
+  double angle = 0.0;   ///< Angle turned, > 0 to the right [rad].
   double radius = 1.0;  ///< [m] [Li18 code: 0.9-1.9]
 };
 
 /// A gate on the team's hand-measured map.
 struct MapGate {
-  Eigen::Vector3d p_EG{0, 0, -1.5};             ///< Centre of the opening [m].
-  double yaw_EG = 0.0;                          ///< Direction of flight through it [rad].
-  double side = 1.0;                            ///< Outer side of the coloured frame [m].
-  double bar = 0.05;                            ///< Width of its bars [m].
-  double depth = 0.05;                          ///< Of its bars, along the way through it [m].
+  Eigen::Vector3d p_EG{0, 0, -1.5};  ///< Centre of the opening [m].
+  double yaw_EG = 0.0;               ///< Direction of flight through it [rad].
+  double side = 1.0;                 ///< Outer side of the coloured frame [m].
+  double bar = 0.05;                 ///< Width of its bars [m].
+  double depth = 0.05;               ///< Thickness of its bars, along the flight direction [m].
   std::optional<GateExit> exit = std::nullopt;  ///< For control.mode = "paper" only.
   // How well that is known, one standard deviation each; nullopt: as PilotConfig says of any gate.
   std::optional<Eigen::Vector3d> position_sigma = std::nullopt;  ///< [m]

@@ -26,7 +26,7 @@ struct PositionSeen {
 
 /// One step of the filter: what came in, and what was believed at its end.
 struct Tick {
-  double time = 0.0;  ///< Of its end [s].
+  double time = 0.0;  ///< End of the tick [s].
   FixedList<Sample, kMaxSamples> samples;
   FixedList<HeightSeen, 4> heights;
   FixedList<PositionSeen, 2> positions;
@@ -48,7 +48,7 @@ class DelayRing {
   /// @param ticks  that are kept, at least 2.
   explicit DelayRing(std::size_t ticks);
 
-  /// What was before no longer counts; `tick` is the first.
+  /// Forgets everything; `tick` is the first that is kept.
   void restart(const Tick& tick, const Covariance& P);
   /// The next tick, empty; its belief is the one before's.
   Tick& push();

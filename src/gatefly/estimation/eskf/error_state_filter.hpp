@@ -90,10 +90,10 @@ class ErrorStateFilter {
   [[nodiscard]] Eigen::Matrix3d covariance_GB(bool of_heading = true) const;
 
   [[nodiscard]] const Nominal& now() const { return now_; }
-  /// Of now; of at most one tick ago, that is.
+  /// Covariance of now(): at most one tick old.
   [[nodiscard]] const Covariance& covariance() const { return P_; }
   [[nodiscard]] double sigma(int state) const;
-  /// Of wind and gust together, north (0) or east (1) [m²/s²].
+  /// Variance of wind plus gust, north (0) or east (1) [m²/s²].
   [[nodiscard]] double variance_of_air(int axis) const;
   [[nodiscard]] const Landmarks& landmarks() const { return landmarks_; }
   [[nodiscard]] const Setup& setup() const { return setup_; }

@@ -15,14 +15,14 @@ struct GateOff {
   std::size_t gate = 0;                              ///< First of the map's gates there, from 0.
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< Along its way, to the right, down [m].
   double turned = 0.0;                               ///< Clockwise from above [rad].
-  double sigma = 0.0;                                ///< Of the offset on the floor plan [m].
-  double turned_sigma = 0.0;                         ///< [rad]
+  double sigma = 0.0;         ///< Standard deviation of the horizontal offset [m].
+  double turned_sigma = 0.0;  ///< [rad]
 };
 
-/// What the filter has found of all that it was told, against what it was told.
+/// Estimated differences from the configuration: camera, thrust, heading, wind and gates.
 struct Findings {
-  Found tilt, pan, roll;                ///< Of the camera: down, to the right, clockwise [rad].
-  Found delay;                          ///< Pictures are so much younger than told [s].
+  Found tilt, pan, roll;                ///< Camera mount: down, to the right, clockwise [rad].
+  Found delay;                          ///< Configured latency minus the true one [s].
   Found focal;                          ///< Relative.
   Found thrust;                         ///< Relative: rotors give so much more than commanded.
   Found heading;                        ///< The drone's, clockwise: corrections altogether [rad].

@@ -27,9 +27,9 @@ struct Feature {
 
 /// One gate in one picture: any of its corners and bars.
 struct GateSight {
-  enum class Quality : std::uint8_t { kWhole, kPart };  ///< Of a whole gate, or of one cut off.
-  double time = 0.0;      ///< Of its exposure, by the delay as told [s].
-  double jitter = 0.010;  ///< Of that, one standard deviation [s]. [a tick of a driver]
+  enum class Quality : std::uint8_t { kWhole, kPart };  ///< A whole gate, or one that is cut off.
+  double time = 0.0;                                    ///< Exposure, by the configured delay [s].
+  double jitter = 0.010;  ///< Standard deviation of `time` [s]. [a tick of a driver]
   Quality quality = Quality::kWhole;
   int slot = 0;         ///< Which gate it is taken for ...
   bool behind = false;  ///< ... seen from behind.
@@ -42,7 +42,7 @@ struct GateShape {
   double near_face = 0.0;         ///< So far before its middle are the corners that show [m].
 };
 
-/// How the camera hangs and what it is told to do.
+/// Place of the camera and its resolution.
 struct CameraModel {
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< [m]
   double radians_per_px = 0.006;                   ///< Near the axis.
@@ -56,11 +56,11 @@ struct GateRows {
   using Noise = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxRows>;
   std::array<int, kColumns> states{};  ///< Which error each column of the Jacobian is of.
   Residual residual;
-  Jacobian jacobian;  ///< Of the prediction.
+  Jacobian jacobian;  ///< Derivative of the predicted measurement.
   Noise noise;
 };
 
-/// What `sight` says at belief `x`, `offset` [s] after it. Nullopt: the gate is not before the
+/// Linearises `sight`, taken `offset` [s] after belief `x`. Nullopt: the gate is not before the
 /// camera.
 /// @param fresh  lasting errors of the corners are another gate's: they count as noise.
 [[nodiscard]] std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight,

@@ -20,7 +20,7 @@ struct Landmark {
   Eigen::Vector3d p_EG = Eigen::Vector3d::Zero();  ///< Centre of the opening [m].
   double yaw_EG = 0.0;                             ///< [rad]
   GateShape shape;
-  std::optional<GateSigmas> sigmas = {};  ///< Of an error; without, the priors say how well.
+  std::optional<GateSigmas> sigmas = {};  ///< How well it is known; nullopt: as the priors say.
 };
 
 /// How well a gate of the map is known before take-off, one standard deviation each.

@@ -10,7 +10,7 @@ namespace gatefly::eskf {
 
 /// How a filter shows, without any truth, that it is lost.
 enum class Divergence {
-  kInnovations,  ///< What it takes in is farther off than it may be, for a second.
+  kInnovations,  ///< Accepted measurements have been too far off for a second.
   kNothingFits,  ///< Gates are seen for two seconds, and none is taken in.
 };
 

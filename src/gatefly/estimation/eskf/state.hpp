@@ -22,7 +22,7 @@ enum Index : int {
   kFocal = 24,      ///< Relative, of the lens' scale ...
   kBend = 25,       ///< ... and of its bend: with the slope's square. See CameraPose.
   kDelay = 26,      ///< Pictures are so much younger than told [s].
-  kCorner = 27,     ///< What lasts of a gate's corners' errors: right, down, size [rad].
+  kCorner = 27,     ///< Systematic error of a gate's corners: right, down, size [rad].
   kThrust = 30,     ///< Relative, of the thrust that a command gives.
   kGates = 31
 };
@@ -61,7 +61,7 @@ struct Nominal {
   /// How strongly accelerometer and gyro shake, as a variance, relative; found from their samples.
   double accel_shaking = 1.0, gyro_shaking = 1.0;
   double turned = 0.0;  ///< Heading by which corrections have turned it altogether [rad].
-  int corner_of = -1;   ///< Whose errors `corner` are: 2 slot + face; -1: nobody's.
+  int corner_of = -1;   ///< Gate and face that `corner` belongs to: 2 slot + face; -1: none.
 };
 
 /// Takes in errors that were found.

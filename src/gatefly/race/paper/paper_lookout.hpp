@@ -26,7 +26,7 @@ class PaperLookout {
   /// See Lookout::look.
   void look(const Sensors& sensors, bool looking, const Course& course, Navigator& navigator);
 
-  /// What became of the last picture.
+  /// Result of the last picture.
   [[nodiscard]] const Sighting& sighting() const { return sighting_; }
 
  private:
