@@ -34,7 +34,7 @@ REDUCED = {
     "fly": IDEAL,
     "fly --video": f"{IDEAL} --laps 1",
     "fly oval": IDEAL,
-    "fly oval --seed 7": SHORT,  # rendered: README replays it
+    "fly oval --seed 7": SHORT,  # rendered: docs/using.md replays it
     "fly oval --out out/mine": SHORT,
     "fly showroom --laps 1": IDEAL,
     "fly showroom --laps 1 --video": IDEAL,

@@ -197,8 +197,8 @@ class Installed(unittest.TestCase):
         self.assertLessEqual(libraries, {"linux-vdso", "libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64",
                                          "ld-linux-aarch64"})
 
-    def test_the_snippet_of_the_readme_compiles_and_runs(self):
-        readme = (SOURCE / "README.md").read_text()
+    def test_the_snippet_of_the_documentation_compiles_and_runs(self):
+        readme = (SOURCE / "docs" / "using.md").read_text()
         snippet = re.search(r"## As a library\n.*?```cpp\n(.*?)```", readme, re.S)[1]
         source = self.folder / "readme.cpp"
         source.write_text("#include <vector>\n#include <gatefly/race/pilot.hpp>\nint main() {\n"
