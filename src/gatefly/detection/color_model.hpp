@@ -35,7 +35,7 @@ struct ColorModel {
   /// best]
   static constexpr int kHopeless = -kUnit / 2;
 
-  static constexpr int kChromaBits = 6;  ///< Of a chroma in a chroma_bin().
+  static constexpr int kChromaBits = 6;  ///< Bits kept of a chroma in a chroma_bin().
   static_assert(kChromaLevels << kChromaBits == 256);
 
   std::array<std::int8_t, kBins> absolute{}, relative{};
@@ -80,7 +80,7 @@ struct ColorModel {
     return (absolute[bin(c)] + relative[difference_bin(c, around)]) / 2;
   }
 
-  /// Where a value's bin begins in a table. In one place, whose address is looked up once.
+  /// Start of each value's bin in a table; one object, so that its address is looked up once.
   struct Starts {
     std::array<std::uint16_t, 256> luma, u, v;
     std::array<std::uint16_t, 511> luma_step, u_step, v_step;

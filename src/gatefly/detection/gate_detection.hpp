@@ -17,7 +17,7 @@ namespace gatefly {
 /// border cuts.
 enum class DetectionMethod { kSnake, kFrames, kBars };
 
-/// What every detector answers with.
+/// A detected gate; the answer of every detector.
 struct GateDetection {
   /// Outer corners, sub-pixel; clockwise from top-left.
   Quad corners_px{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(),
@@ -46,7 +46,7 @@ using GateDetections = FixedList<GateDetection, 6>;
 /// The lower corners of a gate: all that is needed of one whose upper bar is above the picture.
 struct LowerCorners {
   Eigen::Vector2d bottom_left_px, bottom_right_px;  ///< Outer corners, sub-pixel.
-  double fitness = 0.0;                             ///< Of the bars in view, 0..1.
+  double fitness = 0.0;                             ///< Fitness of the bars in view, 0..1.
 };
 
 /// The two side bars of a gate that no longer fits into the picture.

@@ -16,7 +16,8 @@
 namespace gatefly {
 namespace {
 
-// Of the paper's random samples, in every picture: its answer does not depend on its neighbours.
+// Seed of the paper's random samples, the same for every picture: an answer does not depend on the
+// pictures before.
 constexpr std::uint64_t kSeed = 1;
 
 std::optional<Quad> previous_of(const LookFor& look_for) {
@@ -130,7 +131,7 @@ GateDetections GateDetector::ours(const Image& image, const LookFor& look_for) {
   return in_order(quick, image);
 }
 
-// Whether there is one where it is expected; then it is the first.
+// If the expected gate is found, moves it to the front and returns true.
 bool GateDetector::add_expected(const Quad& bars_px, const Image& image,
                                 GateDetections& gates) const {
   const auto gate = searches_->snakes.detect_near(bars_px, image, searches_->color);
@@ -154,7 +155,7 @@ GateDetections GateDetector::everywhere(const Image& image) {
   return in_order(searches_->careful.detect(image, searches_->color), image);
 }
 
-// What stood out stays, unless the careful search is surer of something in its place.
+// Keeps sure gates of the fast search unless the careful one is surer of a gate in the same place.
 GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image) {
   careful_ = true;
   GateDetections all = searches_->careful.detect(image, searches_->color);
@@ -179,8 +180,8 @@ bool GateDetector::is_sure(const GateDetection& gate) const {
                      [](double corner) { return corner == 0.0 || corner >= kSureCorner; });
 }
 
-// Of gates that are all certain, scores that differ by a picture's noise must not say which
-// one is answered.
+// Best first. Sure gates are ordered by distance from the middle: their scores differ only by the
+// picture's noise.
 GateDetections GateDetector::in_order(GateDetections gates, const Image& image) const {
   const Eigen::Vector2d middle{0.5 * (image.width() - 1), 0.5 * (image.height() - 1)};
   const auto off = [&](const GateDetection& gate) {

@@ -16,46 +16,46 @@ namespace gatefly {
 
 /// Which detector looks.
 enum class DetectorMode {
-  kOurs,     ///< What flies: the fast search, and the careful one where that is not sure.
+  kOurs,     ///< The default: the fast search, then the careful one where that is not sure.
   kFast,     ///< The fast search alone.
   kCareful,  ///< The careful search alone.
   kPaper,    ///< Li18's as its ROC study ran it, with the study's colours.
   kFlown,    ///< Li18's as it flew, with that day's colours.
 };
 
-/// What a picture is expected to show. The less is asked for, the sooner there is an answer.
+/// The request to a detector. Narrower requests run faster.
 struct LookFor {
   enum class Gates {
     kNone,
-    kStandingOut,  ///< Those that stand out; all where none does. For who knows which one to expect.
-    kBest,         ///< One. For who knows nothing about the picture.
+    kStandingOut,  ///< Those that stand out; all where none does. For callers that expect a certain gate.
+    kBest,         ///< One. For callers that know nothing about the picture.
     kAll,
   };
   enum class Part {
     kNo,
-    kWithoutGate,  ///< Where no gate was found.
+    kWithoutGate,  ///< Only if no gate was found.
     kToo,          ///< Beside the gates as well.
   };
   Gates gates = Gates::kStandingOut;
   Part part = Part::kNo;  ///< A gate that the border cuts. Li18's two: the side bars.
-  /// Middle lines of the bars of a gate, where whoever asks expects one: less will do for it there,
-  /// and where it is nobody looks carefully. kOurs.
+  /// Middle lines of the bars of a gate that the caller expects: less evidence suffices there, and
+  /// once it is found there is no careful search. kOurs.
   const Quad* expected_bars = nullptr;
   /// No careful search, whatever is found. kOurs.
   bool quick = false;
-  /// More of the picture that was looked at last, for the same colour: its tone is taken as it was
-  /// found then. kOurs, kFast, kCareful.
+  /// Another request for the last picture and the same colour: reuses the tone measured then.
+  /// kOurs, kFast, kCareful.
   bool again = false;
   /// The last picture's gate, which kFlown tries again where it finds none.
   const Quad* previous = nullptr;
 };
 
-/// What a picture shows.
+/// A detector's answer for one picture.
 struct GatesInView {
   /// Distinct, best first. Valid until the detector looks again.
   std::span<const GateDetection> gates;
-  std::optional<GatePart> part;  ///< Of a gate that is none of these.
-  bool careful = false;          ///< The careful search was asked, too.
+  std::optional<GatePart> part;  ///< Part of a gate that is not in `gates`.
+  bool careful = false;          ///< Whether the careful search ran, too.
 };
 
 /// Finds gates: the one door to all detectors.

@@ -8,7 +8,7 @@
 
 namespace gatefly {
 
-/// What decides whether a frame is a gate. [chosen on the labelled sets, whole and spoilt in 24 ways,
+/// Weights and limits by which a frame is taken for a gate. [chosen on the labelled sets, whole and spoilt in 24 ways,
 /// docs/paper/results.md#other-pictures]
 struct FrameWeights {
   double weakest = 0.6, inside = 0.5, outside = 0.5, beyond = 1.2;
@@ -28,9 +28,9 @@ struct PictureLens {
   bool any_shape = false;
 };
 
-/// What counts as a gate, for the fast and for the careful search.
+/// Thresholds of the fast and of the careful search.
 struct GateDetectorParams {
-  /// Of FrameScore::total: one in two such frames is a gate. [docs/paper/results.md]
+  /// Least FrameScore::total; at it, one in two frames is a gate. [docs/paper/results.md]
   double min_score = 2.5;
   /// Of the fast search: no careful one follows. [of 2.5, 3, 3.5, 4.5: a gate in 150 less than
   /// with 3.5, and seldom a second look]
@@ -39,8 +39,8 @@ struct GateDetectorParams {
   /// they are.
   bool adapts = true;
   double max_inside = 0.5;     ///< Evidence in the opening [nats]: a filled square is no gate.
-  double max_roll_deg = 60.0;  ///< Of the careful search.
-  double min_side_px = 10.0;   ///< Of the bars' centre lines.
+  double max_roll_deg = 60.0;  ///< Limit of the careful search.
+  double min_side_px = 10.0;   ///< Least length of the bars' centre lines.
   double max_aspect = 3.2;
   /// From the bars' middle lines to the corners that are meant: outer ones.
   double corner_scale = 1.0 / 0.95;

@@ -92,7 +92,7 @@ LensBend::LensBend(const PictureLens& lens)
   if (!lens.model || std::holds_alternative<Pinhole>(lens.model->model)) return;
   const Radial radial{*lens.model};
   center_px_ = radial.center_px, per_focal_ = radial.focal_px.cwiseInverse();
-  // Of a picture of unknown size the lens is in the middle.
+  // Without a known picture size the lens is taken to be in the picture's middle.
   const Eigen::Vector2d size = width_ > 0 && height_ > 0 ? Eigen::Vector2d(width_, height_)
                                                          : Eigen::Vector2d{2.0 * center_px_},
                         corner = center_px_.cwiseMax(size - center_px_).cwiseProduct(per_focal_);

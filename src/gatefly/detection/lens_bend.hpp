@@ -46,7 +46,7 @@ class LensBend {
     const double sine = a.sine + part * (b.sine - a.sine);
     return Eigen::Vector3d{sine * m.x(), sine * m.y(), a.cosine + part * (b.cosine - a.cosine)};
   }
-  /// Where a direction in C, of any length, shows; nullopt behind.
+  /// Image point of a direction in C, of any length; nullopt: behind the camera.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel(const Eigen::Vector3d& direction_C) const {
     const Eigen::Vector3d d = direction_C.normalized();
     const double at = (1.0 - d.z()) * pixels_per_unit_;

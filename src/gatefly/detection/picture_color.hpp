@@ -10,8 +10,8 @@
 
 namespace gatefly {
 
-/// What is done to a picture's chroma before a colour model is asked: neutral grey moved to grey,
-/// contrast made larger.
+/// Correction of a picture's chroma before a colour model is asked: a colour cast is removed, contrast
+/// is increased.
 struct ChromaTone {
   int neutral_u = 128, neutral_v = 128;
   int gain = 0;  ///< Fourths of an octave, 0..10.
@@ -26,7 +26,7 @@ struct ChromaTone {
 ///
 /// Contrast: along the model's hue, between pixels a bar's width or two apart, what a tenth of all
 /// pairs exceed. Light: the medians of both chromas; small casts, which a room's own colours make,
-/// are left. An empty picture has the tone of any.
+/// are left. For an empty picture it is the default tone.
 [[nodiscard]] ChromaTone tone_of(const Image& image, const ColorModel& model);
 
 /// A colour model as one picture shows it: the same tables, asked by that picture's own tone.
@@ -41,8 +41,8 @@ class PictureColor {
 
   [[nodiscard]] const ChromaTone& tone() const { return tone_; }
 
-  /// What a frame's score lacks in such a picture [nats]: where all colour is faint bars stand out
-  /// less, and so does everything that is taken for one.
+  /// Score that a frame loses in such a picture [nats]: faint colours make bars stand out less, and
+  /// also everything that is mistaken for a bar.
   [[nodiscard]] double faintness() const { return faintness_; }
 
   /// Bin of a colour and of a difference in the model's tables.

@@ -19,7 +19,7 @@ class PixelEvidence {
   [[nodiscard]] bool empty() const { return map_.width() == 0; }
   /// Mean colour around a pixel in the picture.
   [[nodiscard]] Yuv around(int u, int v) const { return map_.around(u, v); }
-  /// What a pixel shows in the model's terms.
+  /// Evidence of a pixel by the colour model.
   [[nodiscard]] const PictureColor& color() const { return color_; }
   /// How much a pixel speaks for the gate, in 1 / ColorModel::kUnit nats.
   [[nodiscard]] int at(int u, int v) const { return map_.at_pixel(image_, color_, u, v); }

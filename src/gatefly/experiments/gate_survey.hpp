@@ -20,17 +20,17 @@ struct SurveyedGate {
   double yaw = 0.0;                                ///< [rad]
 };
 
-/// What is the same in all flights of an airframe.
+/// Parameters that all flights of an airframe share.
 struct Airframe {
   double camera_roll = 0.0;       ///< As camera_mount() has it [rad].
   double exposure_delay = 0.030;  ///< From the middle of the exposure to the picture's stamp [s].
   double mocap_delay = 0.020;     ///< From a position to its row in the log [s].
 };
 
-/// What is not.
+/// Parameters that differ from flight to flight.
 struct FlightSetup {
   double heading = 0.0;  ///< Added to the attitudes' yaw [rad].
-  double tilt = 0.0;     ///< Of the camera, down [rad].
+  double tilt = 0.0;     ///< Tilt of the camera, down [rad].
 };
 
 /// A gate in one picture.

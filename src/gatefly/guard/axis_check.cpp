@@ -13,8 +13,8 @@ namespace {
 constexpr double kWindow = 0.25;  ///< [s]
 /// A turn of 90° in a second is four windows of 0.4 rad: 0.6 rad². About each axis at least a third of it.
 constexpr double kEnough = 0.2;               ///< [rad²]
-constexpr double kLeast = 0.8, kMost = 1.25;  ///< Of a scale that is right.
-constexpr double kSilence = 0.01;             ///< Of what ought to be there.
+constexpr double kLeast = 0.8, kMost = 1.25;  ///< Limits of a correct scale.
+constexpr double kSilence = 0.01;             ///< Share of the expected signal that counts as none.
 
 }  // namespace
 

@@ -10,7 +10,7 @@ namespace gatefly::guard {
 namespace {
 
 constexpr double kMostClimb = 3.0;  ///< A speed beyond it is not believed [m/s].
-constexpr double kLongest = 0.1;    ///< Of a period [s].
+constexpr double kLongest = 0.1;    ///< Longest period between two commands [s].
 
 /// Part of the thrust that lifts.
 double upright(const AttitudeCommand& command) { return cos(command.roll) * cos(command.pitch); }

@@ -10,7 +10,7 @@ namespace gatefly::guard {
 /// State of drone and program, as known at the beginning of a period. Ages are since arrival; what has never come is
 /// older than any limit.
 struct Situation {
-  std::chrono::nanoseconds time{0};  ///< Of our clock; does not run backwards.
+  std::chrono::nanoseconds time{0};  ///< Time of our clock; does not run backwards.
   bool hand_over_tested =
       false;  ///< A test without propellers, of this drone and this program, has passed.
   bool course_can_be_flown = false;
@@ -18,7 +18,7 @@ struct Situation {
   bool other_client = false;                ///< Somebody else talks to the controller: AnswerWatch.
   int acknowledged = 0;  ///< Stick frames of ours that it has answered since the start.
   std::chrono::nanoseconds status_age = kNever, attitude_age = kNever, picture_age = kNever;
-  std::chrono::nanoseconds command_age = kNever;  ///< Of the pilot's last answer.
+  std::chrono::nanoseconds command_age = kNever;  ///< Age of the pilot's last answer.
   std::chrono::nanoseconds height_age =
       kNever;         ///< Since a gate or a range finder told the height.
   double tilt = 0.0;  ///< Between body and vertical [rad].
@@ -33,7 +33,7 @@ struct Situation {
 enum class Action : std::uint8_t {
   kSilent,   ///< Nothing.
   kNeutral,  ///< Sticks at rest, throttle at its least: on the floor only.
-  kPilot,    ///< What the pilot asks for, within limits: CommandGuard.
+  kPilot,    ///< The pilot's command, limited by CommandGuard.
   kBrake,    ///< Against the last velocity.
   kDescend,  ///< Level, and gently down.
 };
@@ -77,7 +77,7 @@ struct HandOverParams {
   /// One lost answer leaves 100 ms without an attitude: 60 until it is asked for again, 20 of a turn, 20 of the answer.
   std::chrono::nanoseconds attitude = std::chrono::milliseconds{150};
   std::chrono::nanoseconds picture =
-      std::chrono::milliseconds{150};  ///< Of 30 Hz: four are missing.
+      std::chrono::milliseconds{150};  ///< Four missing pictures at 30 Hz.
   std::chrono::nanoseconds command = std::chrono::milliseconds{50};
   /// A turn to the next gate takes 5 s, and some time goes to looking for it; meanwhile it does not climb: CommandGuard.
   std::chrono::nanoseconds height = std::chrono::seconds{8};

@@ -37,7 +37,7 @@ struct State {
   gatefly::Imu imu{};
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
   Quaternion attitude{};
-  std::optional<double> range_down = std::nullopt;  ///< Of a range finder, `rng_1` [m].
+  std::optional<double> range_down = std::nullopt;  ///< Distance of the range finder, `rng_1` [m].
 };
 
 /// Enough for every state.

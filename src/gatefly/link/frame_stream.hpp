@@ -14,7 +14,7 @@ namespace gatefly::link {
 struct Look {
   enum class Verdict { kMore, kNoFrame, kFrame };
   Verdict verdict = Verdict::kNoFrame;
-  std::size_t size = 0;  ///< Of a frame: how many bytes it has.
+  std::size_t size = 0;  ///< Size of the frame [bytes].
 };
 
 /// Frames from bytes as they arrive, in pieces of any size, with anything in between.

@@ -47,7 +47,7 @@ struct Picture {
 struct AssemblerParams {
   std::size_t pictures = 4;  ///< Begun at the same time. Ours: 130 ms at 30 Hz.
   std::size_t most_bytes =
-      512 * 1024;                  ///< Of a JPEG. Ours: 640 × 360 of the best quality has 300 kB.
+      512 * 1024;  ///< Largest JPEG accepted. Ours: 640 × 360 of the best quality has 300 kB.
   std::size_t most_chunks = 1024;  ///< Ours: of 512 bytes each.
   std::uint32_t restart =
       30;  ///< A picture that is older than the newest by more is a new sender's. Ours: 1 s.
@@ -69,7 +69,8 @@ class Assembler {
     std::uint64_t given_up = 0;  ///< Begun, never complete.
     std::uint64_t refused =
         0;  ///< Datagrams that are no slice, or contradict others of their picture.
-    std::uint64_t late = 0;  ///< Of a picture that came out, or is older than one that did.
+    std::uint64_t late =
+        0;  ///< Slices of a picture already delivered, or older than one delivered.
     std::uint64_t doubled = 0;
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }
@@ -81,7 +82,7 @@ class Assembler {
   };
   struct Begun {
     bool used = false;
-    Header header;  ///< Of its first slice.
+    Header header;  ///< Header of its first slice.
     std::size_t bytes = 0, slices = 0;
     std::uint64_t touched = 0;       ///< When its last slice came, in slices.
     std::vector<std::uint8_t> data;  ///< In order of arrival.

@@ -34,7 +34,7 @@ struct Place {
 /// ArduCopter's custom_mode in which it flies by set points of attitude or rates without knowing where it is.
 inline constexpr std::uint32_t kGuidedNoGps = 20;
 
-/// Whom a command is for.
+/// Addressee of a command.
 struct Target {
   std::uint8_t system = 1, component = 1;
 };

@@ -59,7 +59,7 @@ class ChannelOrder {
   [[nodiscard]] std::array<std::uint8_t, 8> set_raw_rc(const Sticks& sticks) const;
 
  private:
-  std::array<std::uint8_t, 4> place_{0, 1, 3, 2};  ///< Of roll, pitch, yaw, throttle.
+  std::array<std::uint8_t, 4> place_{0, 1, 3, 2};  ///< Channel index of roll, pitch, yaw, throttle.
 };
 
 /// The sticks that a controller flies by, from MSP_RC; nullopt when there are fewer than four.

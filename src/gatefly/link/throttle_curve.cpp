@@ -7,7 +7,7 @@ namespace gatefly::msp {
 namespace {
 
 constexpr int kFullStick = 2000;  ///< [µs]
-constexpr int kFull = 1000;       ///< Of stick and throttle, in thousandths.
+constexpr int kFull = 1000;       ///< Full stick and throttle, in thousandths.
 
 int tenth(int i, int mid, int expo) {
   const int d = 10 * i - mid;

@@ -44,7 +44,7 @@ class Asking {
   }
 
  private:
-  /// Whoever else flies it sends a heartbeat each second.
+  /// Any other ground station or pilot sends a heartbeat each second.
   [[nodiscard]] bool heard_others() const { return Clock::now() - began_ > 1200ms; }
   [[nodiscard]] std::optional<std::size_t> missing_parameter() const {
     const auto& all = said_.facts.parameters;

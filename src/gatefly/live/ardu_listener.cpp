@@ -15,7 +15,7 @@ using std::chrono::nanoseconds;
 constexpr std::uint8_t kArmedBit = 128, kInAir = 4;  // MAV_STATE_ACTIVE: not landed
 constexpr std::uint16_t kUnknownVoltage = 65535;
 constexpr nanoseconds kBeatEvery = 500ms, kClockEvery = 200ms;
-constexpr nanoseconds kAskAgain = 500ms;  ///< What does not come is asked for again.
+constexpr nanoseconds kAskAgain = 500ms;  ///< Interval for repeating a request without answer.
 constexpr nanoseconds kFineImuGone = 1s;  ///< Then the coarse one will do.
 
 nanoseconds interval_of(double hz) { return nanoseconds{std::llround(1e9 / hz)}; }

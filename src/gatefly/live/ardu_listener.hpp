@@ -68,7 +68,7 @@ class ArduListener : public Listener {
   std::chrono::nanoseconds beat_at_ = ControllerState::kNever,
                            clock_asked_at_ = ControllerState::kNever,
                            started_ = ControllerState::kNever;
-  std::optional<std::uint64_t> stamp_;           ///< Of the last sample [µs].
+  std::optional<std::uint64_t> stamp_;           ///< Stamp of the last sample [µs].
   std::optional<mavlink::Timesync> to_be_told_;  ///< It has asked for our clock.
   bool sampled_ = false;
   std::array<std::uint8_t, 512> room_{};

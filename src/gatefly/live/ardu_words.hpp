@@ -12,7 +12,7 @@
 
 namespace gatefly::live {
 
-/// What we say to an ArduCopter, as a computer aboard: its own system, component 191. None of it arms, changes the mode or sets a
+/// Messages to an ArduCopter, from a companion computer: its own system, component 191. None of it arms, changes the mode or sets a
 /// parameter: there is no such word.
 class ArduWords {
  public:

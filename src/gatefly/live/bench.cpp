@@ -22,7 +22,7 @@ using std::chrono::nanoseconds;
 
 constexpr std::array<const char*, 3> kAxes{"front (roll)", "right (pitch)", "down (yaw)"};
 constexpr std::array<double, 5> kCountsPerG{256, 512, 1024, 2048, 4096};
-constexpr int kEnd = 32760;  ///< Of what a count can be.
+constexpr int kEnd = 32760;  ///< Largest count of a sensor before it saturates.
 
 /// A sample of IMU and attitude, and how long it took to be answered.
 struct BenchSample {

@@ -72,9 +72,9 @@ class LinkCommands : public LinkQueries {
 /// The port that `--link` names; no recording. @throws std::runtime_error one line: nobody is there.
 [[nodiscard]] Port opened(const LinkUri& uri);
 
-/// What a controller has said that is needed to understand it, and is no constant of the drone.
+/// A controller's answers that are needed to decode its messages and are not constants of the drone.
 struct Acquaintance {
-  msp::BoxIds boxes{};   ///< Of a Betaflight.
+  msp::BoxIds boxes{};   ///< Betaflight only.
   double imu_hz = 50.0;  ///< At which one that sends by itself is asked for samples.
 };
 

@@ -16,10 +16,10 @@ struct ControllerState {
   Imu imu;
   gatefly::Attitude attitude;
   bool armed = false;
-  /// What we send counts: MSP OVERRIDE, or the mode GUIDED_NOGPS.
+  /// Our commands are in effect: MSP OVERRIDE, or the mode GUIDED_NOGPS.
   bool override_on = false;
   bool lifted = false;     ///< Somebody flies it, as far as it tells.
-  msp::Sticks sticks;      ///< What it flies by, whoever moves them.
+  msp::Sticks sticks;      ///< The sticks it flies by, from the radio or from us.
   double battery_v = 0.0;  ///< 0: not known.
   double height = 0.0;     ///< Its own idea [m].
   std::chrono::nanoseconds imu_at = kNever, attitude_at = kNever, status_at = kNever;

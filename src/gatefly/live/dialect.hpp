@@ -9,11 +9,11 @@
 #include "gatefly/link/msp_axes.hpp"
 #include "gatefly/live/controller_state.hpp"
 
-// What differs between flight controllers: which bytes ask them, which bytes fly them. No port, no thread, no clock.
+// Differences between flight controllers: the bytes of questions, the bytes of commands. No port, no thread, no clock.
 
 namespace gatefly::live {
 
-/// What is wanted of a drone in a period, in our axes.
+/// Command for one period, in our axes.
 struct Demand {
   bool rests = true;                                  ///< On the floor: no turn, no thrust.
   Eigen::Vector3d rates_B = Eigen::Vector3d::Zero();  ///< About front, right, down [rad/s].
@@ -38,7 +38,7 @@ class Speaker {
   /// The bytes of a set point, valid until the next call; they will be sent.
   [[nodiscard]] virtual link::Bytes set_point(const Demand& demand,
                                               std::chrono::nanoseconds now) = 0;
-  /// What ControllerState::sticks should be once the controller obeys it.
+  /// Expected ControllerState::sticks once the controller obeys the command.
   [[nodiscard]] virtual msp::Sticks sticks(const Demand& demand) const = 0;
 };
 

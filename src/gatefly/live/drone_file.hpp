@@ -31,7 +31,7 @@ struct ArduDrone {
   int guided_options = 0;
   double guided_timeout_s = 0.0;
   double hover = 0.0;  ///< MOT_THST_HOVER: part of the thrust that hovers.
-  double expo = 0.0, spin_min = 0.0, spin_max = 0.0;  ///< Of its thrust curve.
+  double expo = 0.0, spin_min = 0.0, spin_max = 0.0;  ///< Parameters of its thrust curve.
   bool angle_boost = false;                           ///< It adds thrust itself when it is tilted.
 
   /// Thrust to be sent, 0 … 1, for one of 0 … 1000 along the body's axis. @param upright  cosine of the tilt.
@@ -46,7 +46,7 @@ struct DroneFile {
   std::string board;
   int api_minor = 0;
   msp::ImuScale imu;
-  msp::RcTuning tuning;  ///< What the controller must answer, to the byte ...
+  msp::RcTuning tuning;  ///< Answer that the controller must give, to the byte ...
   msp::RcDeadband deadband;
   msp::RxConfig receiver;
   msp::RxMap map;
@@ -54,9 +54,9 @@ struct DroneFile {
   msp::ThrottleCurve throttle = msp::ThrottleCurve::from({}, {.min_check = 1050}).value();
   msp::ChannelOrder order;
   int hover_stick = 0;  ///< [µs]
-  Hover hover;          ///< Of both kinds.
+  Hover hover;          ///< Common to both firmwares.
   double least_battery_v = 0.0;
-  std::string tested;  ///< What the hand-over test was passed with; "": it was not.
+  std::string tested;  ///< Fingerprint of the passed hand-over test; "": not passed.
 
   /// The sticks for rates about front, right, down [rad/s] and a specific thrust [m/s²].
   [[nodiscard]] msp::Sticks sticks(const Eigen::Vector3d& rates_B, double thrust) const;
@@ -86,7 +86,7 @@ struct DroneFile {
 [[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
                                                    const guard::ArduFacts& facts);
 
-/// What an ArduCopter says of itself, as a file has it. Only where guard::complaints_about() has none.
+/// An ArduCopter's own parameters, as the file stores them. Only where guard::complaints_about() has none.
 [[nodiscard]] ArduDrone ardu_drone_of(const guard::ArduFacts& facts);
 
 }  // namespace gatefly::live

@@ -13,7 +13,7 @@
 
 namespace gatefly::live {
 
-/// What somebody at the radio is asked for.
+/// Request to the person at the radio.
 namespace at_radio {
 inline constexpr std::string_view kArm = "throttle down, sticks centred, hands off them; arm",
                                   kOverrideOn = "switch the override on",

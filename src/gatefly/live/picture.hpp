@@ -14,7 +14,7 @@ namespace gatefly::live {
 struct Picture {
   std::vector<std::uint8_t> pixels;
   std::vector<std::uint8_t> file;  ///< The file that it came as, e.g. a JPEG; empty: as pixels.
-  const char* ending = "";         ///< Of its name: ".jpg".
+  const char* ending = "";         ///< File name extension: ".jpg".
   PixelFormat format = PixelFormat::kUyvy;
   int stored_width = 0, stored_height = 0;  ///< [px]
   std::chrono::nanoseconds arrived{0};

@@ -31,8 +31,8 @@ class RecordingSession {
     CameraUri camera;
     StoredSize size;
     SensorRecorder::Params recorder;
-    std::map<std::string, std::string> files;             ///< Of each folder.
-    std::uintmax_t keep_free = std::uintmax_t{64} << 20;  ///< Of the disk [bytes].
+    std::map<std::string, std::string> files;             ///< Files to write into each folder.
+    std::uintmax_t keep_free = std::uintmax_t{64} << 20;  ///< Disk space to leave free [bytes].
     std::size_t most_rows = 1'900'000;  ///< Of a folder: what a reader takes, and a little less.
   };
   enum class End { kTold, kSilent, kNewBattery, kDiskFull, kLongEnough };

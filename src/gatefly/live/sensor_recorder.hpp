@@ -30,7 +30,7 @@ class SensorRecorder {
  public:
   struct Params {
     double imu_hz = 250.0;  ///< Rows a second.
-    int rotation_deg = 0;   ///< Of stored pictures: kept as they are.
+    int rotation_deg = 0;   ///< Rotation of stored pictures, which are kept as they are.
   };
   /// @param folder  new and empty. @param files  others in it, by name.
   /// @throws DiskFailed
@@ -57,7 +57,7 @@ class SensorRecorder {
   std::filesystem::path folder_;
   Params params_;
   GrowingFile log_, images_;
-  std::string lines_;  ///< Of the log, not yet written.
+  std::string lines_;  ///< Log lines not yet written.
   Imu held_;
   std::chrono::nanoseconds heard_at_, last_{0};
   std::size_t rows_ = 0, pictures_ = 0, samples_ = 0;

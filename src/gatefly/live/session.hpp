@@ -16,7 +16,7 @@ namespace gatefly::live {
 /// How a session is flown.
 struct SessionPlan {
   PilotConfig pilot;
-  int rotation_deg = 0;   ///< Of stored pictures.
+  int rotation_deg = 0;   ///< Rotation of stored pictures.
   bool recorded = false;  ///< Ticks come from a recording, and each waits for its picture.
   bool looks_on = true;   ///< Somebody else flies.
   bool carried = false;   ///< Nobody flies: off the ground once rest is over.
@@ -55,7 +55,7 @@ class Session {
   Wires wires_;
   RunClock clock_;
   Pilot pilot_;
-  std::array<Picture, Wires::kPictures> memory_;  ///< Of all pictures there are.
+  std::array<Picture, Wires::kPictures> memory_;  ///< Memory of all pictures.
   std::array<std::thread, 3> threads_;
 };
 

@@ -32,7 +32,7 @@ class StreamCamera : public Camera {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   StoredSize size_;
-  std::unique_ptr<std::FILE, Close> messages_;  ///< What it says; a file without a name.
+  std::unique_ptr<std::FILE, Close> messages_;  ///< Its messages, in an unnamed file.
   std::optional<Port> pipe_;
   pid_t program_ = -1;
   std::vector<std::uint8_t> frame_;

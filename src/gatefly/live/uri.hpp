@@ -20,7 +20,7 @@ struct LinkUri {
   int port = 0, baud = 115200;
   std::string bind = "127.0.0.1", peer = "127.0.0.1";
   int system = 1;  ///< The MAVLink id of the drone that bench-drone asks; a flight's is its file's.
-  double pace = 1.0;  ///< Of a replay, times its own; 0: as fast as it can be flown.
+  double pace = 1.0;  ///< Speed of a replay relative to real time; 0: as fast as possible.
 };
 
 /// The camera that `--camera` names.

@@ -31,7 +31,7 @@ struct Heard {
 struct RecordedSensors {
   Sensors sensors;
   std::optional<std::size_t> picture;           ///< Its number.
-  std::optional<std::array<double, 4>> motors;  ///< What the rotors were told then.
+  std::optional<std::array<double, 4>> motors;  ///< Rotor commands at that time.
 };
 
 /// The pilot's command and estimate, for the thread that sends set points.

@@ -17,17 +17,18 @@ struct CameraPose {
   double focal = 0.0, bend = 0.0;
 };
 
-/// Where a point shows against where it should, and what each belief does to that.
+/// Residual of an observed bearing and its derivatives.
 ///
 /// Two rows: right and down in the plane that touches the unit sphere where it was seen [rad]. The
 /// derivatives are those of the prediction; an error of R_EB or R_BC turns it by
 /// rotation_of(error), in the earth's axes for R_EB (from the left), in the camera's for R_BC
 /// (from the right).
 struct PointBearing {
-  Eigen::Vector2d residual;              ///< Seen less predicted [rad].
-  Eigen::Matrix<double, 2, 3> by_point;  ///< Of the point [rad/m]; the body's is its negative.
-  Eigen::Matrix<double, 2, 3> by_turn;   ///< Of R_EB.
-  Eigen::Matrix<double, 2, 3> by_mount;  ///< Of R_BC.
+  Eigen::Vector2d residual;  ///< Seen less predicted [rad].
+  Eigen::Matrix<double, 2, 3>
+      by_point;  ///< Derivative by the point [rad/m]; the negative of that by the body's position.
+  Eigen::Matrix<double, 2, 3> by_turn;   ///< Derivative by R_EB.
+  Eigen::Matrix<double, 2, 3> by_mount;  ///< Derivative by R_BC.
   Eigen::Vector2d by_focal, by_bend;
 };
 

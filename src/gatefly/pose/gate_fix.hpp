@@ -62,8 +62,8 @@ struct Fix {
   /// ... and systematic ones. Zero: all of the covariance is random.
   Sensitivities systematic = Sensitivities::Zero();
   bool has_height = true;
-  std::optional<double> yaw_error = std::nullopt;  ///< What has to be added to R_GB's yaw [rad].
-  double yaw_variance = 0.0;                       ///< Of yaw_error [rad²].
+  std::optional<double> yaw_error = std::nullopt;  ///< Correction to add to R_GB's yaw [rad].
+  double yaw_variance = 0.0;                       ///< Variance of yaw_error [rad²].
 };
 
 /// Position from four corners and the attitude. Li18 §3.2, Eq. (5)-(9).

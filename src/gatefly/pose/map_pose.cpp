@@ -65,7 +65,7 @@ int degrees_of_freedom(const Sights& sights, Active active, const PosePrior& pri
   return equations;
 }
 
-/// What does not change while starts and subsets are tried.
+/// Inputs that stay fixed while starts and subsets are tried.
 struct Problem {
   const Sights& sights;
   const PosePrior& prior;

@@ -16,10 +16,10 @@ namespace gatefly {
 
 /// One thing seen of a gate: a point, or, with `along_G`, some point of a straight line.
 struct GateObservation {
-  Eigen::Vector2d px;  ///< Where it shows.
+  Eigen::Vector2d px;  ///< Observed image point.
   /// Of u and of v; across the line only, if it is one.
   double sigma_px = 2.5;
-  Eigen::Vector3d point_G;  ///< What shows there [m].
+  Eigen::Vector3d point_G;  ///< The map's point that shows there [m].
   /// Direction of the line through point_G; zero: the point itself.
   Eigen::Vector3d along_G = Eigen::Vector3d::Zero();
 };
@@ -32,7 +32,7 @@ bool add_corners(GateObservations& seen, const Quad& outer_corners_px, double si
 /// middles [m].
 bool add_bars(GateObservations& seen, const GateBars& bars, double bar_distance, double sigma_px);
 
-/// What is known before looking, one standard deviation each.
+/// Prior knowledge, one standard deviation each.
 struct PosePrior {
   /// Of the AHRS at exposure; yaw relative to the gate.
   Attitude attitude_GB = {};
@@ -45,7 +45,7 @@ struct PosePrior {
 };
 
 struct MapPoseParams {
-  double outlier_share = 0.1;  ///< Of all observations ... [ours: pose-grid]
+  double outlier_share = 0.1;  ///< Share of outliers among all observations ... [ours: pose-grid]
   /// ... and how far they are off. [authors' detections: 10-40 px]
   double outlier_sigma_px = 20.0;
   double max_outliers = 0.25;  ///< Part of all observations.
@@ -86,7 +86,7 @@ struct MapPose {
   Attitude attitude_GB;                            ///< The prior's, corrected.
   /// Of (x, y, z, roll, pitch, yaw) [m, rad]; the prior is in it.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
-  double chi2 = 0.0;     ///< Of the inliers, prior included.
+  double chi2 = 0.0;     ///< Chi-square of the inliers, prior included.
   int dof = 0;           ///< Its degrees of freedom.
   unsigned dropped = 0;  ///< Bit i is set: observation i was left out.
 };

@@ -7,7 +7,7 @@
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/pose/reprojection.hpp"
 
-/// Where map_pose begins to descend.
+/// Starting poses of map_pose's descent.
 namespace gatefly::reprojection {
 
 /// Position by the attitude of the prior: the point nearest to all lines of sight, Li18 Eq.

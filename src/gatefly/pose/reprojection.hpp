@@ -10,7 +10,7 @@
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/pose/map_pose.hpp"
 
-/// What map_pose is made of: errors in the picture, their derivatives, and the descent.
+/// Parts of map_pose: reprojection errors, their derivatives, and the descent.
 namespace gatefly::reprojection {
 
 /// An observation without its lens: on the plane at depth 1 of a straight camera.

@@ -92,8 +92,8 @@ void estimate_chances(std::span<Judged> found) {
   for (Judged& f : found) f.wrong = 1.0 - f.hit;
 }
 
-/// Where a threshold lies between two detections they do not say: as near to the usual one as the
-/// middle half of the gap allows.
+/// Detections do not fix the threshold inside a gap between two of them: takes the value nearest to the
+/// usual one within the middle half of the gap.
 double in_its_gap(double threshold, std::span<const Judged> found, double lowest) {
   // [.02 false a picture with colours learnt from own detections, five labelled sets: 2.3-3.2]
   constexpr double kUsual = 2.7;

@@ -65,7 +65,7 @@ struct BarFinder::Snake {
         width += wide;
     at = now, last = row, ++count, strength += evidence;
   }
-  /// Where it will be at a row.
+  /// Predicted place at a row.
   [[nodiscard]] std::int16_t expected(int row) const {
     return static_cast<std::int16_t>(at + slope * (row - last));
   }

@@ -49,7 +49,7 @@ class BarFinder {
 
   /// The strongest bars; none in a picture that is too small. Allocates nothing.
   [[nodiscard]] const Bars& find(const Image& image, const PictureColor& color);
-  /// The same again.
+  /// Bars of the last find().
   [[nodiscard]] const Bars& bars() const { return bars_; }
 
   /// Evidence of the picture that was searched last, in 1/16 nats; outside there is none of a gate.
@@ -145,7 +145,7 @@ class BarFinder {
   void each_crossing(const Image& image, const PictureColor& color, int row, const Visit& visit);
   [[nodiscard]] Bar bar_of(const Snake& snake) const;
 
-  // Of a pixel. What is around a colour that is hopeless alone need not be known.
+  // Evidence of a pixel. Skips the neighbourhood mean where the colour alone rules out a bar.
   [[nodiscard]] int evidence_of(const PictureColor& color, PackedYuv c, std::size_t group) const {
     if (color.is_hopeless(c)) return kNoBar;
     const Yuv pixel = c.unpacked();

@@ -12,7 +12,7 @@ namespace gatefly {
 
 /// The outer edges of a frame of boards.
 struct BoardEdges {
-  Quad corners;  ///< Where neighbouring edges cross [px].
+  Quad corners;  ///< Crossings of neighbouring edges [px].
   Quad middles;  ///< The same, half a board farther in [px].
   /// Sides whose edge shows: TL-TR, TR-BR, BR-BL, BL-TL. The others are taken half a board beyond
   /// their middle line.

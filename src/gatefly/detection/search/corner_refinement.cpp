@@ -110,7 +110,7 @@ class Strip {
       ++count_;
     }
     if (count_ == 0) return;
-    // Lines that are not there are black, where the first one is: they add nothing to sums.
+    // Unused lanes are padded with zeros at the first line's position: they add nothing to sums.
     if (count_ < kLines) {
       std::fill(y.begin() + count_, y.end(), y[0]),
           std::fill(off.begin() + count_, off.end(), off[0]);

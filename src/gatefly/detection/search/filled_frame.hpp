@@ -7,7 +7,7 @@
 
 namespace gatefly {
 
-/// What a frame's score loses because it is filled [nats]: a screen, a poster or a door has colours
+/// Score that a frame loses because it is filled [nats]: a screen, a poster or a door has colours
 /// of its own, an opening shows what is around the gate too. [ours]
 ///
 /// Chroma just inside the sides less that just outside, mean of all sides, so that a background

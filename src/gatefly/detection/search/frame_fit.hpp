@@ -20,9 +20,9 @@ namespace gatefly {
 
 /// How closely a frame is looked at.
 struct FrameEffort {
-  int samples = 24;   ///< Of a side, for its score; at most.
-  int stations = 12;  ///< Of a side, to move it.
-  int middles = 32;   ///< Of a side, to centre it.
+  int samples = 24;   ///< Samples of a side for its score, at most.
+  int stations = 12;  ///< Stations of a side for moving it.
+  int middles = 32;   ///< Samples of a side for centring it.
 };
 
 /// How far beside a bar it has to be empty, of the side.
@@ -68,7 +68,7 @@ class FrameFit {
       s.mean += 0.25 * s.side[i];
       s.weakest = std::min(s.weakest, s.side[i]);
       s.inside += 0.25 * std::max(-1.0, along(a + off * in, d, sag, {0.12, 0.76}));
-      // What the picture does not show speaks neither way.
+      // Samples outside of the picture count neither for nor against.
       if (shows(a + 0.5 * d - off * in))
         s.outside += 0.25 * std::max(-1.0, along(a - off * in, d, sag));
       s.beyond += 0.125 * (beyond(a, -d, sag) + beyond(a + d, d, sag));
@@ -105,7 +105,7 @@ class FrameFit {
     return middle_line(a, b, reach);
   }
 
-  /// Where two lines cross; nullopt when they are nearly parallel.
+  /// Crossing of two lines; nullopt when they are nearly parallel.
   [[nodiscard]] static std::optional<Eigen::Vector2d> crossing(const Line& before,
                                                                const Line& after) {
     const Eigen::Vector2d d = before.b - before.a, e = after.b - after.a, to = after.a - before.a;

@@ -23,7 +23,7 @@ struct CellStep {
 /// foreshortening. A list is made once, for rounding and sines took a tenth of the careful search.
 class FrameLattice {
  public:
-  static constexpr int kSamples = 8;  ///< Of a side.
+  static constexpr int kSamples = 8;  ///< Samples of a side.
 
   /// Samples of a side, from its middle, and how far they reach.
   struct Side {
@@ -41,7 +41,7 @@ class FrameLattice {
   /// Frames that share their upright sides.
   struct Turned {
     Side upright;
-    std::size_t first, count;  ///< Of its frames.
+    std::size_t first, count;  ///< Range of its frames.
   };
   struct Size {
     std::vector<Turned> turns;

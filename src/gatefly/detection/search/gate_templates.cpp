@@ -251,7 +251,7 @@ void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCand
     const std::size_t first = FrameLattice::first_of(size);
     const auto least = static_cast<std::uint8_t>(least_to_keep(found));
     const auto least_pair = static_cast<std::uint8_t>(std::max(0, least - kWorsePair));
-    // A side that is worse has no such pair, whatever the other one.
+    // Lower bound of one side: below it no partner can bring the pair to least_pair.
     const auto least_side = static_cast<std::uint8_t>(std::max(0, (4 * least_pair - kByte) / 3));
     std::fill_n(best_.begin(), cells, least);
     for (const FrameLattice::Turned& turned : size.turns) {

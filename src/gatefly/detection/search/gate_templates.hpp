@@ -15,7 +15,7 @@ namespace gatefly {
 
 /// A place in the picture where a gate may be, good to a few pixels.
 struct GateCandidate {
-  Quad corners_px{};  ///< Of the bars' centre lines.
+  Quad corners_px{};  ///< Corners of the bars' centre lines.
   int score = 0;      ///< 0..255; only for comparison.
 };
 

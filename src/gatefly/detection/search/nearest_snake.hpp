@@ -24,7 +24,7 @@ inline constexpr std::size_t kEight = 8;
 [[nodiscard]] inline Eight eight(std::int16_t value) { return Eight{} + value; }
 
 inline constexpr std::size_t kMostSnakes = 3 * kEight;  ///< Followed at once.
-inline constexpr int kMostSnakeReach = 512;             ///< What is farther off is no snake's.
+inline constexpr int kMostSnakeReach = 512;             ///< Beyond it no snake is assigned.
 
 /// The snake expected nearest to x of those that reach it, the first of several; kMostSnakes where
 /// none does. Asked at every crossing of a bar: eight at a time, 5 % of the fast search. The same in

@@ -53,7 +53,7 @@ struct Side {
   }
 };
 
-/// Where two straight sides cross; nullopt when they are nearly parallel.
+/// Crossing of two straight sides; nullopt when they are nearly parallel.
 [[nodiscard]] inline std::optional<Eigen::Vector2d> crossing(const Side& before,
                                                              const Side& after) {
   const Eigen::Vector3d m = before.equation(), n = after.equation();

@@ -8,7 +8,7 @@
 
 namespace gatefly {
 
-/// What the careful search looked at, for who asks why a gate was missed. Quads are of the bars'
+/// Trace of the careful search, to explain a missed gate. Quads are of the bars'
 /// middle lines [px].
 struct SearchTrace {
   /// A place that a template found, and the frame that was pulled onto the evidence there.

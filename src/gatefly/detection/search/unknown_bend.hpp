@@ -14,8 +14,8 @@
 
 namespace gatefly::refinement {
 
-/// A bend that nobody told: of barrels about the picture's middle, r (1 - k r²), the one that the
-/// crossings of all four sides say.
+/// Radial distortion estimated from one frame when the lens is unknown: r (1 - k r²) about the
+/// picture's middle, with the k that fits the crossings of all four sides best.
 class UnknownBend {
  public:
   /// @param guess  what it is thought to be, to begin with.
