@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # tools/check_rules.sh [RULE...]   what no test of the release build can tell; says how long each took. Exit 0: all hold.
 #   format       every file is as clang-format 14 writes it
+#   comments     few comments open with Of, What, Who or Where (tools/check_comments.py)
 #   tidy         clang-tidy 14 finds nothing in the flight code (.clang-tidy)
 #   sanitizers   the flight code's tests pass with address and undefined-behaviour sanitizers (preset asan)
 #   fuzzers      hostile pictures under sanitizers, seconds of libFuzzer where there is clang (tests/fuzz)
@@ -16,6 +17,7 @@ set -uo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
 format() { python3 tools/check_format.py; }
+comments() { python3 tools/check_comments.py; }
 tidy() { python3 tools/check_tidy.py; }
 fuzzers() { cmake --build build/release --target fuzzers && ctest --test-dir build/release -L fuzz -LE full --output-on-failure; }
 no_simulator() { tools/check_without_simulator.sh; }
@@ -30,9 +32,9 @@ sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --pre
 
 failed=0
 TIMEFORMAT='%0R s, %0U s CPU'
-[[ $# -gt 0 ]] || set -- format tidy sanitizers fuzzers no_simulator
+[[ $# -gt 0 ]] || set -- format comments tidy sanitizers fuzzers no_simulator
 for rule in "$@"; do
-  case "$rule" in format | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion | realtime | budget | stack) ;; *) echo "rules: '$rule' is not one of format, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion, realtime, budget, stack" >&2; exit 2 ;; esac
+  case "$rule" in format | comments | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion | realtime | budget | stack) ;; *) echo "rules: '$rule' is not one of format, comments, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion, realtime, budget, stack" >&2; exit 2 ;; esac
   log="$(mktemp)"
   took="$( { time "$rule" >"$log" 2>&1; echo "$?" >"$log.code"; } 2>&1 )"
   code="$(cat "$log.code")"
