@@ -118,7 +118,7 @@ def pictures_of(slices, protocol):
     whole = {number: b"".join(picture["parts"][i] for i in range(picture["total"])) for number, picture in pictures.items() if len(picture["parts"]) == picture["total"]}
     jpeg = sum(len(data) == pictures[number]["size"] and data[:2] == b"\xff\xd8" and data[-2:] == b"\xff\xd9" for number, data in whole.items())
     protocol.rule(len(whole) > 0 and jpeg == len(whole), "pictures: whole ones are a JPEG of the size that they say", f"{jpeg} of {len(whole)}")
-    protocol.rule(len(whole) >= 0.9 * len(pictures), "pictures: nine in ten come whole", f"{len(whole)} of {len(pictures)}")
+    protocol.rule(bool(whole) and len(whole) >= 0.9 * len(pictures), "pictures: nine in ten come whole", f"{len(whole)} of {len(pictures)}")
     stamps = [pictures[number]["stamp"] for number in sorted(pictures)]
     protocol.rule(len(stamps) > 1 and grows(stamps), "pictures: the simulator's time grows with their numbers")
     seconds = 1e-9 * (stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0

@@ -79,7 +79,7 @@ class Network(threading.Thread):
             each.bind(("127.0.0.1", 0))
         self.calls, self.port = (each.getsockname()[1] for each in self.sides)
         self.peers, self.out, self.over, self.noise, self.troubles = [None, None], False, False, None, (0.0, 0.0, 0.0)
-        self.random, self.held, self.recorded = random.Random(1), [None, None], []
+        self.random, self.held, self.recorded, self.added = random.Random(1), [None, None], [], 0
         self.start()
 
     def pass_on(self, side, data):
@@ -108,6 +108,7 @@ class Network(threading.Thread):
                 if self.noise and self.peers[1]:
                     for data in self.noise():
                         self.sides[1].sendto(data, self.peers[1])
+                        self.added += 1
 
 
 class Flight:
@@ -475,25 +476,26 @@ def f27(table, options):
         stamped = [data for data in network.recorded if len(data) > 10 and data[7] in (30, 105, 83)][:2000]
 
         def attacked(name, noise=None, flood=None):
-            used, begin, rate = flight.processor_time(), flight.now(), None
-            wall = time.monotonic()
+            used, begin = flight.processor_time(), flight.now()
+            wall, added = time.monotonic(), network.added
             if flood:
                 rate = flooded(network.peers[1][1], flood, share)
             else:
                 network.noise = noise
                 time.sleep(share)
                 network.noise = None
+                rate = (network.added - added) / (time.monotonic() - wall)
             load = (flight.processor_time() - used) / (time.monotonic() - wall)
             gap = flight.gap(begin, flight.now())
             streams = flight.process.poll() is None and BROUGHT_DOWN not in flight.heard() and flight.heard().count("gatefly run: flying") == 0
-            return load, gap, streams, name if rate is None else f"{name} ({rate:,.0f} a second)"
+            return load, gap, streams, f"{name}, {rate:,.0f} datagrams a second"
 
         base, _, _, _ = attacked("nothing")
         per_turn = 4
-        attacks = [("random bytes, 4,000 datagrams a second, from the controller's own address", lambda: [rng.randbytes(rng.randrange(0, 280)) for _ in range(per_turn)], None),
-                   ("valid frames of chance from other systems and components, 4,000 a second, same address", lambda: [strangers(rng) for _ in range(per_turn)], None),
-                   ("\"armed, and in GUIDED_NOGPS\", say other systems and components, 4,000 a second, same address", lambda: [spoofed(rng) for _ in range(per_turn)], None),
-                   ("attitude, IMU and targets of before, again, 4,000 a second, same address", lambda: rng.choices(stamped, k=per_turn), None),
+        attacks = [("random bytes from the controller's own address", lambda: [rng.randbytes(rng.randrange(0, 280)) for _ in range(per_turn)], None),
+                   ("valid frames of chance of other systems and components, same address", lambda: [strangers(rng) for _ in range(per_turn)], None),
+                   ("\"armed, and in GUIDED_NOGPS\", say other systems and components, same address", lambda: [spoofed(rng) for _ in range(per_turn)], None),
+                   ("attitude, IMU and targets of before, again, same address", lambda: rng.choices(stamped, k=per_turn), None),
                    ("the same word from another port", None, spoofed(rng))]
         for name, noise, flood in attacks:
             load, gap, streams, name = attacked(name, noise, flood)

@@ -70,7 +70,7 @@ class ArduListener : public Listener {
   std::chrono::nanoseconds beat_at_ = ControllerState::kNever,
                            clock_asked_at_ = ControllerState::kNever,
                            started_ = ControllerState::kNever;
-  std::optional<std::uint64_t> stamp_;           ///< Of the last sample [µs].
+  std::optional<std::uint64_t> stamp_;                          ///< Of the last sample [µs].
   std::optional<std::uint32_t> attitude_stamp_, target_stamp_;  ///< Of the last ones [ms].
   std::int64_t last_answered_ = 0;  ///< Time of the last question of a set point that was answered.
   PeerClock clock_;

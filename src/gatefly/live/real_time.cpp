@@ -19,8 +19,8 @@ bool hold_memory() {
   if (mlockall(MCL_CURRENT) != 0) return false;
   // Where there is a limit, memory that is asked for later must be had without being held.
   rlimit limit{};
-  const bool no_limit = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
-                                           limit.rlim_cur == RLIM_INFINITY);
+  const bool no_limit =
+      geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
   if (no_limit) (void)mlockall(MCL_CURRENT | MCL_FUTURE);
   return true;
 }

@@ -105,7 +105,7 @@ struct Wires {
   Latest<Wanted> wanted;                    ///< pilot → link
   Latest<ControllerState> state;            ///< link → recorder
 
-  Latest<DeckNews> deck;  ///< link → recorder
+  Latest<DeckNews> deck;   ///< link → recorder
   LateCounts late_frames;  ///< Set points; the link's thread's until it is over.
 
   std::atomic<bool> stop = false;  ///< Everybody ends; a drone in the air is brought down first.
