@@ -19,7 +19,7 @@ namespace {
 using namespace gatefly::test;
 
 constexpr double kTilt = 17.0 * kDegree, kRoll = -1.5 * kDegree;
-const AnyCamera kLens{DhaneFisheye{}};
+const AnyCamera kMountedLens{DhaneFisheye{}};
 
 /// A 1 m gate whose middle is at p_BG of a level drone, as the tilted camera sees it.
 Quad seen(const Eigen::Vector3d& p_BG, double heading, double noise_px, Rng& rng) {
@@ -27,8 +27,8 @@ Quad seen(const Eigen::Vector3d& p_BG, double heading, double noise_px, Rng& rng
   const Eigen::Matrix3d R_BC = camera_mount(kTilt, kRoll).matrix;
   for (std::size_t k = 0; k < 4; ++k) {
     const double right = k == 1 || k == 2 ? 0.5 : -0.5, down = k >= 2 ? 0.5 : -0.5;
-    const auto px = kLens.project(R_BC.transpose() *
-                                  (p_BG + rotation_z(heading) * Eigen::Vector3d{0.0, right, down}));
+    const auto px = kMountedLens.project(
+        R_BC.transpose() * (p_BG + rotation_z(heading) * Eigen::Vector3d{0.0, right, down}));
     quad[k] = px.value() + noise_px * Eigen::Vector2d{normal(rng), normal(rng)};
   }
   return quad;
@@ -45,7 +45,7 @@ std::vector<Quad> pictures(double distance, double noise_px, Rng& rng) {
 
 TEST(MountFromLevel, ExactCornersGiveTheExactMount) {
   Rng rng{1};
-  const Mount mount = mount_from_level(pictures(1.6, 0.0, rng), kLens, 1.0);
+  const Mount mount = mount_from_level(pictures(1.6, 0.0, rng), kMountedLens, 1.0);
   EXPECT_NEAR(mount.tilt_down, kTilt, 1e-6);
   EXPECT_NEAR(mount.roll, kRoll, 1e-6);
   EXPECT_LT(mount.rms_px, 1e-6);
@@ -53,7 +53,7 @@ TEST(MountFromLevel, ExactCornersGiveTheExactMount) {
 
 TEST(MountFromLevel, TheAnswerIsWithinItsStandardDeviation) {
   for_all(20, [](Rng& rng) {
-    const Mount mount = mount_from_level(pictures(1.6, 1.0, rng), kLens, 1.0);
+    const Mount mount = mount_from_level(pictures(1.6, 1.0, rng), kMountedLens, 1.0);
     EXPECT_LT(std::abs(mount.tilt_down - kTilt), 3.0 * mount.tilt_sigma);
     EXPECT_LT(std::abs(mount.roll - kRoll), 3.0 * mount.roll_sigma);
     EXPECT_LE(mount.tilt_sigma, 3.0 * kDegree);
@@ -64,16 +64,17 @@ TEST(MountFromLevel, AFarGateIsRefusedUnlessItsHeightIsGiven) {
   Rng rng{1};
   std::vector<Quad> gates;
   for (int i = 0; i < 5; ++i) gates.push_back(seen({5.0, 0.1 * i, -1.2}, 0.0, 0.5, rng));
-  EXPECT_NE(error_of([&] { (void)mount_from_level(gates, kLens, 1.0); }).find("--gate-height-m"),
-            std::string::npos);
-  const Mount mount = mount_from_level(gates, kLens, 1.0, 1.2);
+  EXPECT_NE(
+      error_of([&] { (void)mount_from_level(gates, kMountedLens, 1.0); }).find("--gate-height-m"),
+      std::string::npos);
+  const Mount mount = mount_from_level(gates, kMountedLens, 1.0, 1.2);
   EXPECT_LT(std::abs(mount.tilt_down - kTilt), 3.0 * mount.tilt_sigma);
 }
 
 TEST(MountFromLevel, TooFewPicturesAreRefused) {
   Rng rng{1};
   EXPECT_NE(error_of([&] {
-              (void)mount_from_level(std::vector{seen({2, 0, 0}, 0, 0, rng)}, kLens, 1.0);
+              (void)mount_from_level(std::vector{seen({2, 0, 0}, 0, 0, rng)}, kMountedLens, 1.0);
             }).find("at least 3"),
             std::string::npos);
 }
@@ -110,13 +111,13 @@ TEST(MountFromFlight, TiltHeadingTimeAndGateComeBack) {
     Quad quad;
     for (std::size_t k = 0; k < 4; ++k) {
       const Eigen::Vector3d corner{0.0, k == 1 || k == 2 ? 0.5 : -0.5, k >= 2 ? 0.5 : -0.5};
-      quad[k] = kLens.project(R_EC.transpose() * (p_EG + corner - p_EC)).value() +
+      quad[k] = kMountedLens.project(R_EC.transpose() * (p_EG + corner - p_EC)).value() +
                 0.5 * Eigen::Vector2d{normal(rng), normal(rng)};
     }
     labels.pictures.push_back(
         {.image = name, .gates = {quad}, .true_distance = 0.0, .first_identical = ""});
   }
-  const Mount mount = mount_from_flight(flight, labels, kLens, 1.0, p_BC);
+  const Mount mount = mount_from_flight(flight, labels, kMountedLens, 1.0, p_BC);
   EXPECT_EQ(mount.pictures, 20U);
   EXPECT_LT(std::abs(mount.tilt_down - kTilt), 3.0 * mount.tilt_sigma + 0.1 * kDegree);
   EXPECT_LT(mount.tilt_sigma, 1.0 * kDegree);
@@ -125,7 +126,7 @@ TEST(MountFromFlight, TiltHeadingTimeAndGateComeBack) {
   EXPECT_LT((mount.p_EG - p_EG).norm(), 0.05);
   labels.pictures.clear();
   EXPECT_NE(error_of([&] {
-              (void)mount_from_flight(flight, labels, kLens, 1.0, p_BC);
+              (void)mount_from_flight(flight, labels, kMountedLens, 1.0, p_BC);
             }).find("at least 3"),
             std::string::npos);
 }

@@ -19,7 +19,7 @@
 namespace gatefly::io {
 namespace {
 
-TrackFile read(const std::string& text) {
+TrackFile course_of(const std::string& text) {
   const std::filesystem::path path =
       std::filesystem::path{testing::TempDir()} / "random_course_test.toml";
   std::ofstream{path} << text;
@@ -33,7 +33,7 @@ TEST(RandomCourse, TwoHundredAreValidAndPlannedOrRefusedWithTheReason) {
   std::set<std::size_t> gates;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const TrackFile course = read(random_course(seed));
+    const TrackFile course = course_of(random_course(seed));
     for (const std::string& problem : course_problems(course.track)) ADD_FAILURE() << problem;
     looks.insert(course.world.look);
     gates.insert(course.track.gates.size());

@@ -20,17 +20,17 @@ using namespace test;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1.0 / 512;
+constexpr double kSample = 1.0 / 512;
 const std::size_t kMoments = moments_for(0.25, 512.0);
 
-Fix fix_at(const Vector3d& p, double sigma = 0.05) {
+Fix near_fix(const Vector3d& p, double sigma = 0.05) {
   Fix fix;
   fix.p_GB = p;
   fix.covariance = sigma * sigma * Matrix3d::Identity();
   return fix;
 }
 
-drag_model::Input hover() {
+drag_model::Input still() {
   drag_model::Input u;
   u.accel_B = {0, 0, -9.81};
   return u;
@@ -43,12 +43,12 @@ class Hovering {
     filter.start(Vector3d{-4, 0, 0} + off, Vector3d::Zero(), {}, 0.0);
   }
   void wait(double seconds) {
-    for (const double until = time + seconds; time < until - 0.5 * kDt;)
-      filter.predict(hover(), kDt, time += kDt);
+    for (const double until = time + seconds; time < until - 0.5 * kSample;)
+      filter.predict(still(), kSample, time += kSample);
   }
   Fusion see(const Vector3d& p) {
     wait(0.066);
-    return filter.correct(fix_at(p), time - 0.044, true);
+    return filter.correct(near_fix(p), time - 0.044, true);
   }
   [[nodiscard]] double error() const {
     return (filter.now().position() - Vector3d{-4, 0, 0}).norm();
@@ -59,20 +59,20 @@ class Hovering {
 };
 
 TEST(DelayedFilter, AFixIsFusedAtTheMomentOfItsPicture) {
-  drag_model::Input u = hover();
+  drag_model::Input u = still();
   u.accel_B.x() = -0.8;  // 1.5 m/s
   DelayedFilter late{DragFilterParams{}, kMoments};
   late.start({-4, 0, 0}, Vector3d::Zero(), {}, 0.0);
   DragFilter in_time{DragFilterParams{}};
   in_time.start({-4, 0, 0}, Vector3d::Zero());
   for (int i = 1; i <= 120; ++i) {
-    late.predict(u, kDt, i * kDt);
-    in_time.predict(u, kDt);
-    if (i == 40) (void)in_time.correct(fix_at({-3.85, 0.05, 0}));
+    late.predict(u, kSample, i * kSample);
+    in_time.predict(u, kSample);
+    if (i == 40) (void)in_time.correct(near_fix({-3.85, 0.05, 0}));
     if (i == 60)
       (void)in_time.correct_altitude(0.03, 0.04), (void)late.correct_altitude(0.03, 0.04, 0.0);
   }
-  EXPECT_EQ(late.correct(fix_at({-3.85, 0.05, 0}), 40 * kDt), Fusion::kAccepted);
+  EXPECT_EQ(late.correct(near_fix({-3.85, 0.05, 0}), 40 * kSample), Fusion::kAccepted);
   EXPECT_THAT(late.now().state(), IsNear(in_time.state(), 1e-12));
   EXPECT_THAT(late.now().covariance(), IsNear(in_time.covariance(), 1e-12));
 }
@@ -83,7 +83,8 @@ TEST(DelayedFilter, TheOrderOfArrivalDoesNotMatter) {
     std::vector<drag_model::Input> inputs;
     for (int i = 0; i < 120; ++i) inputs.push_back(any_input(rng));
     std::vector<Fix> fixes;
-    for (int k = 0; k < 5; ++k) fixes.push_back(fix_at(Vector3d{-4, 0, 0} + any_vector3(rng, 0.1)));
+    for (int k = 0; k < 5; ++k)
+      fixes.push_back(near_fix(Vector3d{-4, 0, 0} + any_vector3(rng, 0.1)));
     fixes[2].p_GB.y() += 3.0;
     std::vector<int> order{0, 1, 2, 3, 4};
     std::optional<DelayedFilter> first;
@@ -91,11 +92,11 @@ TEST(DelayedFilter, TheOrderOfArrivalDoesNotMatter) {
       DelayedFilter filter{DragFilterParams{}, kMoments};
       filter.start({-4, 0, 0}, Vector3d::Zero(), {}, 0.0);
       for (int i = 1; i <= 120; ++i) {
-        filter.predict(inputs[static_cast<std::size_t>(i - 1)], kDt, i * kDt);
+        filter.predict(inputs[static_cast<std::size_t>(i - 1)], kSample, i * kSample);
         if (i % 26 == 0) (void)filter.correct_altitude(0.02, 0.04, 0.05);
       }
       for (const int k : order)
-        (void)filter.correct(fixes[static_cast<std::size_t>(k)], (20 + 20 * k) * kDt);
+        (void)filter.correct(fixes[static_cast<std::size_t>(k)], (20 + 20 * k) * kSample);
       if (!first) first = filter;
       EXPECT_THAT(filter.now().state(), IsNear(first->now().state(), 1e-9));
       EXPECT_THAT(filter.now().covariance(), IsNear(first->now().covariance(), 1e-9));
@@ -108,10 +109,10 @@ TEST(DelayedFilter, WhatIsOlderThanTheMemoryIsRefusedAndChangesNothing) {
   drone.wait(0.5);
   const drag_model::State before = drone.filter.now().state();
   EXPECT_EQ(drone.filter.at(0.2), nullptr);
-  EXPECT_EQ(drone.filter.correct(fix_at({-4, 0.1, 0}), 0.2), Fusion::kTooLate);
+  EXPECT_EQ(drone.filter.correct(near_fix({-4, 0.1, 0}), 0.2), Fusion::kTooLate);
   EXPECT_EQ(drone.filter.now().state(), before);
   EXPECT_NE(drone.filter.at(0.26), nullptr);
-  EXPECT_EQ(drone.filter.correct(fix_at({-4, 0.1, 0}), 0.26), Fusion::kAccepted);
+  EXPECT_EQ(drone.filter.correct(near_fix({-4, 0.1, 0}), 0.26), Fusion::kAccepted);
 }
 
 TEST(DelayedFilter, WhatWasSeenBeforeTheFrameChangedIsRefused) {
@@ -119,8 +120,8 @@ TEST(DelayedFilter, WhatWasSeenBeforeTheFrameChangedIsRefused) {
   drone.wait(0.2);
   drone.filter.change_frame(Matrix3d::Identity(), {-3, 0, 0}, 0.0, {});
   drone.wait(0.02);
-  EXPECT_EQ(drone.filter.correct(fix_at({-7, 0.1, 0}), 0.15), Fusion::kTooLate);
-  EXPECT_EQ(drone.filter.correct(fix_at({-7, 0.1, 0}), 0.21), Fusion::kAccepted);
+  EXPECT_EQ(drone.filter.correct(near_fix({-7, 0.1, 0}), 0.15), Fusion::kTooLate);
+  EXPECT_EQ(drone.filter.correct(near_fix({-7, 0.1, 0}), 0.21), Fusion::kAccepted);
 }
 
 TEST(DelayedFilter, OneOrTwoWrongGatesThrowNothing) {
@@ -186,7 +187,8 @@ TEST(DelayedFilter, OnePictureCannotAgreeWithItself) {
   Hovering drone{Vector3d{2, 0, 0}};
   drone.wait(0.5);
   for (int k = 0; k < 10; ++k)
-    EXPECT_EQ(drone.filter.correct(fix_at({-4, 0, 0}), drone.time - 0.044, true), Fusion::kRefused);
+    EXPECT_EQ(drone.filter.correct(near_fix({-4, 0, 0}), drone.time - 0.044, true),
+              Fusion::kRefused);
 }
 
 TEST(DelayedFilter, NonFiniteFixesChangeNothing) {
@@ -195,7 +197,7 @@ TEST(DelayedFilter, NonFiniteFixesChangeNothing) {
   const drag_model::State before = drone.filter.now().state();
   for (int k = 0; k < 10; ++k) EXPECT_NE(drone.see({std::nan(""), 0, 0}), Fusion::kRestarted);
   EXPECT_THAT(drone.filter.now().position(), IsNear(before.head<3>(), 1e-6));
-  EXPECT_EQ(drone.filter.correct(fix_at({-4, 0, 0}), std::nan("")), Fusion::kTooLate);
+  EXPECT_EQ(drone.filter.correct(near_fix({-4, 0, 0}), std::nan("")), Fusion::kTooLate);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using drag_model::Input;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1.0 / 512;
+constexpr double kInterval = 1.0 / 512;
 
 DragFilter started(const Vector3d& p = {-4, 0, 0.3}, const Vector3d& bias = Vector3d::Zero()) {
   DragFilter filter{DragFilterParams{}};
@@ -44,7 +44,7 @@ Input hover() {
 
 TEST(DragFilter, HoveringStaysWhereItIs) {
   DragFilter filter = started();
-  for (int i = 0; i < 1024; ++i) filter.predict(hover(), kDt);
+  for (int i = 0; i < 1024; ++i) filter.predict(hover(), kInterval);
   EXPECT_THAT(filter.position(), IsNear(Vector3d{-4, 0, 0.3}, 1e-9));
 }
 
@@ -62,11 +62,11 @@ TEST(DragFilter, SteadyStraightFlightMovesWithDragsVelocity) {
   u.accel_B = {model.drag.x() * v_x, 0, -model.gravity * std::cos(pitch)};
   // The filter starts with v_z = 0; fuse the height until it knows.
   for (int i = 0; i < 20 * 512; ++i) {
-    filter.predict(u, kDt);
+    filter.predict(u, kInterval);
     (void)filter.correct_altitude(0.3, 0.03);
   }
   const double before = filter.position().x();
-  for (int i = 0; i < 512; ++i) filter.predict(u, kDt);
+  for (int i = 0; i < 512; ++i) filter.predict(u, kInterval);
   // The height only tells the sum of what v_x and v_z add to it: a little goes to the wrong one.
   EXPECT_NEAR(filter.position().x() - before, v_x / std::cos(pitch), 0.05);
   EXPECT_NEAR(filter.position().y(), 0, 1e-6);
@@ -102,7 +102,7 @@ TEST(DragFilter, CoastingGrowsTheCovarianceAndAFixShrinksIt) {
   DragFilter filter = started();
   Vector3d last = filter.covariance().diagonal().head<3>();
   for (int second = 0; second < 5; ++second) {
-    for (int i = 0; i < 512; ++i) filter.predict(hover(), kDt);
+    for (int i = 0; i < 512; ++i) filter.predict(hover(), kInterval);
     const Vector3d now = filter.covariance().diagonal().head<3>();
     EXPECT_TRUE((now.array() > last.array()).all()) << second;
     last = now;
@@ -115,7 +115,7 @@ TEST(DragFilter, CoastingGrowsTheCovarianceAndAFixShrinksIt) {
 
 TEST(DragFilter, AJumpOfFiveMetresIsRefusedAndChangesNothing) {
   DragFilter filter = started();
-  for (int i = 0; i < 100; ++i) filter.predict(hover(), kDt);
+  for (int i = 0; i < 100; ++i) filter.predict(hover(), kInterval);
   for (const Vector3d& jump : {Vector3d{5, 0, 0}, Vector3d{0, -5, 0}, Vector3d{0, 0, 5}}) {
     const drag_model::State x = filter.state();
     const drag_model::StateMatrix P = filter.covariance();
@@ -131,10 +131,10 @@ TEST(DragFilter, NonFiniteInputChangesNothing) {
   const drag_model::State x = filter.state();
   Input bad = hover();
   bad.accel_B.y() = nan;
-  filter.predict(bad, kDt);
+  filter.predict(bad, kInterval);
   bad = hover();
   bad.gyro_B.z() = nan;
-  filter.predict(bad, kDt);
+  filter.predict(bad, kInterval);
   filter.predict(hover(), nan);
   filter.predict(hover(), 0.0);
   filter.predict(hover(), -1.0);
@@ -153,7 +153,7 @@ TEST(DragFilter, AngleInputThatIsNotANumberChangesNothing) {
     const drag_model::StateMatrix P = filter.covariance();
     Input bad = hover();
     bad.*angle = std::numeric_limits<double>::quiet_NaN();
-    filter.predict(bad, kDt);
+    filter.predict(bad, kInterval);
     EXPECT_EQ(filter.state(), x);
     EXPECT_EQ(filter.covariance(), P);
   }
@@ -166,7 +166,7 @@ TEST(DragFilter, LearnsTheBiasThatMakesAHoveringDroneDrift) {
   u.accel_B += bias;
   Rng rng{5};
   for (int i = 0; i < 20 * 512; ++i) {
-    filter.predict(u, kDt);
+    filter.predict(u, kInterval);
     if (i % 34 == 0)
       (void)filter.correct(
           fix_at(Vector3d{-3 + 0.05 * normal(rng), 0.05 * normal(rng), 0.05 * normal(rng)}));
@@ -190,7 +190,7 @@ TEST(DragFilter, ShiftingDroneAndFixesTogetherChangesNothing) {
     DragFilter a = started({-3, 0, 0}), b = started(Vector3d{-3, 0, 0} + shift);
     for (int i = 0; i < 200; ++i) {
       const Input u = any_input(rng);
-      a.predict(u, kDt), b.predict(u, kDt);
+      a.predict(u, kInterval), b.predict(u, kInterval);
       if (i % 20 == 0) {
         const Vector3d p = a.position() + any_vector3(rng, 0.1);
         (void)a.correct(fix_at(p));
@@ -294,7 +294,7 @@ TEST(DragFilter, AWrongHeadingTurnsFixesAndWayAlike) {
   Input u = hover();
   u.accel_B.x() = model.drag.x() * 1.5;
   for (int i = 0; i < 4 * 512; ++i) {
-    filter.predict(u, kDt);
+    filter.predict(u, kInterval);
     if (i % 34 != 0) continue;
     Fix fix = fix_at(filter.position(), 0.5);
     fix.random_covariance = 0.02 * 0.02 * Matrix3d::Identity();
@@ -325,7 +325,7 @@ TEST(DragFilter, ADecorrelatedErrorWidensTheInnovation) {
     fix.random_covariance = 0.02 * 0.02 * Matrix3d::Identity();
     fix.systematic(1, column) = 0.2;
     for (int i = 0; i < 200; ++i) (void)filter.correct(fix);
-    for (int i = 0; i < 10 * 512; ++i) filter.predict(hover(), kDt);
+    for (int i = 0; i < 10 * 512; ++i) filter.predict(hover(), kInterval);
     return filter.innovation_covariance(fix)(1, 1);
   };
   EXPECT_GT(sigma_after(systematic::kTiltX), sigma_after(systematic::kHeight) + 0.5 * 0.12 * 0.12);
@@ -334,7 +334,7 @@ TEST(DragFilter, ADecorrelatedErrorWidensTheInnovation) {
 TEST(DragFilter, ChangingFramesThereAndBackChangesNothing) {
   for_all(100, [](Rng& rng) {
     DragFilter filter = started(any_vector3(rng, 3));
-    for (int i = 0; i < 100; ++i) filter.predict(any_input(rng), kDt);
+    for (int i = 0; i < 100; ++i) filter.predict(any_input(rng), kInterval);
     const drag_model::State x = filter.state();
     const drag_model::StateMatrix P = filter.covariance();
     const Matrix3d R = rotation_z(rng.uniform(-3, 3));

@@ -29,7 +29,7 @@ using test::IsCovariance;
 using test::IsNear;
 using test::normal;
 
-constexpr double kHz = 512.0, kDt = 1.0 / kHz;
+constexpr double kHz = 512.0, kTick = 1.0 / kHz;
 
 eskf::Setup setup_for(std::size_t gates = 1) {
   eskf::Setup setup;
@@ -80,9 +80,9 @@ class Flight {
   }
 
   void step() {
-    t += kDt;
+    t += kTick;
     move();
-    filter.predict(imu_, kDt, t, thrust_);
+    filter.predict(imu_, kTick, t, thrust_);
     history_.push_back({t, truth});
     if (++ticks_ % 26 == 0) filter.correct_height(-truth.p_EB.z() + 0.04 * normal(rng_), 0.04);
     if (ticks_ % 34 == 0) see();
@@ -107,16 +107,16 @@ class Flight {
     const Vector3d goal{1.5 * std::sin(0.5 * t), 1.2 * std::sin(0.31 * t + 1.0),
                         -1.5 + 0.3 * std::sin(0.23 * t)};
     const Vector3d wanted = 1.0 * (goal - truth.p_EB) - 1.5 * truth.v_E;
-    const double follow = kDt / 0.15;
+    const double follow = kTick / 0.15;
     pitch_ += follow * (-0.1 * wanted.x() - pitch_), roll_ += follow * (0.1 * wanted.y() - roll_);
     const Eigen::Matrix3d R = tilted_ * rotation_z(0.3 * std::sin(0.4 * t)) *
                               rotation_EB(Attitude{roll_, pitch_, 0.0}).matrix;
     const Vector3d turn = turn_of(truth.R_EB.transpose() * R);
     const Eigen::Matrix3d middle = truth.R_EB * rotation_of(0.5 * turn);
-    const double left = gust_left(truth, kDt, params);
+    const double left = gust_left(truth, kTick, params);
     const double push = params.priors.gust * std::sqrt(1.0 - left * left);
     truth.gust = left * truth.gust + push * Vector2d{normal(rng_), normal(rng_)};
-    truth.wind += std::sqrt(noise.wind * kDt) * Vector2d{normal(rng_), normal(rng_)};
+    truth.wind += std::sqrt(noise.wind * kTick) * Vector2d{normal(rng_), normal(rng_)};
     Vector3d air = truth.v_E;
     air.head<2>() -= truth.wind + truth.gust;
     const Vector3d air_B = middle.transpose() * air;
@@ -129,8 +129,8 @@ class Flight {
       force(i) = params.drag(i) * (1 + truth.drag(i)) * air_B(i) +
                  std::sqrt((noise.drag_measurement - noise.accel) * kHz) * normal(rng_);
     const Vector3d a = middle * force + Vector3d{0, 0, params.gravity};
-    truth.p_EB += kDt * truth.v_E + 0.5 * kDt * kDt * a;
-    truth.v_E += kDt * a;
+    truth.p_EB += kTick * truth.v_E + 0.5 * kTick * kTick * a;
+    truth.v_E += kTick * a;
     truth.R_EB = R;
     truth.rate_B = turn * kHz;
     imu_.gyro_B = truth.rate_B + truth.gyro_bias +
@@ -260,7 +260,7 @@ TEST(ErrorStateFilter, APositionIsTakenInAndStays) {
   const Imu still{.gyro_B = Vector3d::Zero(), .accel_B = {0, 0, -setup.params.gravity}};
   const Vector3d place{0.2, -0.1, -0.05};
   double t = 0.0;
-  for (int i = 0; i < 64; ++i) filter.predict(still, kDt, t += kDt);
+  for (int i = 0; i < 64; ++i) filter.predict(still, kTick, t += kTick);
   EXPECT_TRUE(filter.correct_position(place, Vector3d::Constant(0.01)));
   EXPECT_THAT(filter.covariance(), IsCovariance());
   EXPECT_LT((filter.now().p_EB - place).norm(), 0.03);

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using test::IsNear;
 
-constexpr double kDt = 1.0 / 512;
+constexpr double kImuPeriod = 1.0 / 512;
 const Imu kStill{Vector3d::Zero(), {0, 0, -9.81}};
 const GateFrame kGate{{4, 1, -1.5}, 0.5};
 
@@ -25,10 +25,10 @@ const GateFrame kGate{{4, 1, -1.5}, 0.5};
 struct Rested {
   explicit Rested(const NavigatorParams& params = {}) : navigator{params} {
     navigator.start({0.3, -0.2, 0.0}, 0.4, kGate, {0.0, 0.05, 0.06});
-    for (int i = 0; i < 512; ++i) navigator.rest(kStill, t += kDt);
+    for (int i = 0; i < 512; ++i) navigator.rest(kStill, t += kImuPeriod);
   }
   void fly(int ticks, const Imu& imu = kStill) {
-    for (int i = 0; i < ticks; ++i) navigator.predict(imu, t += kDt);
+    for (int i = 0; i < ticks; ++i) navigator.predict(imu, t += kImuPeriod);
   }
   Navigator navigator;
   double t = 0.0;
@@ -137,7 +137,7 @@ TEST(Navigator, HeightsPullTheAltitude) {
 TEST(Navigator, WithoutDragOnlyTheAttitudeGoesOn) {
   Rested hand;
   for (int i = 0; i < 512; ++i)
-    hand.navigator.predict_attitude({{0, 0, 0.5}, {0, 0, -9.81}}, hand.t += kDt);
+    hand.navigator.predict_attitude({{0, 0, 0.5}, {0, 0, -9.81}}, hand.t += kImuPeriod);
   EXPECT_NEAR(hand.navigator.state().attitude.yaw, 0.9, 0.01);
   EXPECT_THAT(hand.navigator.p_EB(), IsNear(Vector3d{0.3, -0.2, 0.0}, 1e-9));
 }
@@ -209,15 +209,15 @@ NavigatorParams by_autopilot() {
 struct ByAutopilot {
   ByAutopilot() : navigator{by_autopilot()} {
     navigator.start({0.3, -0.2, 0.0}, 0.4, kGate, {0.0, 0.05, 0.06});
-    for (int i = 0; i < 512; ++i, t += kDt)
+    for (int i = 0; i < 512; ++i, t += kImuPeriod)
       navigator.rest(kStill, t, i % 10 == 0 ? std::optional{kStill} : std::nullopt);
   }
   void fly(int ticks, const Imu& imu, const std::optional<Imu>& handed_on) {
-    for (int i = 0; i < ticks; ++i, t += kDt)
+    for (int i = 0; i < ticks; ++i, t += kImuPeriod)
       navigator.predict(imu, t, i % 10 == 0 ? handed_on : std::nullopt);
   }
   Navigator navigator;
-  double t = kDt;
+  double t = kImuPeriod;
 };
 
 TEST(ByAutopilotsImu, TheRestIsTaughtByItAlone) {

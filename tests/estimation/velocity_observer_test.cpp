@@ -20,7 +20,7 @@ using drag_model::Input;
 using drag_model::State;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1.0 / 512;
+constexpr double kObserverPeriod = 1.0 / 512;
 
 TEST(VelocityObserver, ConvergesToDragsVelocityInSteadyFlight) {
   const drag_model::Params model;
@@ -31,7 +31,7 @@ TEST(VelocityObserver, ConvergesToDragsVelocityInSteadyFlight) {
   u.pitch = pitch;
   u.accel_B = {model.drag.x() * v_x, 0, -model.gravity * std::cos(pitch)};
   VelocityObserver observer{{}};
-  for (int i = 0; i < 5 * 512; ++i) observer.update(x, u, model, kDt);
+  for (int i = 0; i < 5 * 512; ++i) observer.update(x, u, model, kObserverPeriod);
   EXPECT_THAT(observer.v_B(), IsNear(Vector3d{v_x, 0, v_x * std::tan(pitch)}, 1e-4));
 }
 
@@ -47,9 +47,9 @@ TEST(VelocityObserver, FollowsAnAccelerationWithoutLag) {
     const Vector3d g_B = rotation_EB(Attitude{u.roll, u.pitch, 0}).matrix.transpose() *
                          Vector3d{0, 0, model.gravity};
     u.accel_B = {model.drag.x() * v.x(), model.drag.y() * v.y(), -g_B.z()};
-    v.x() += kDt * (g_B.x() + u.accel_B.x());
-    v.y() += kDt * (g_B.y() + u.accel_B.y());
-    observer.update(State::Zero(), u, model, kDt);
+    v.x() += kObserverPeriod * (g_B.x() + u.accel_B.x());
+    v.y() += kObserverPeriod * (g_B.y() + u.accel_B.y());
+    observer.update(State::Zero(), u, model, kObserverPeriod);
     EXPECT_NEAR(observer.v_B().x(), v.x(), 0.01);
     EXPECT_NEAR(observer.v_B().y(), v.y(), 0.01);
   }
@@ -65,8 +65,8 @@ TEST(VelocityObserver, TurnsTheVelocityAgainstTheBodysTurn) {
     Input u;
     u.gyro_B = {0, 0, 2.0};
     u.accel_B = {model.drag.x() * v.x(), model.drag.y() * v.y(), -model.gravity};
-    v += kDt * (Vector3d{u.accel_B.x(), u.accel_B.y(), 0} - u.gyro_B.cross(v));
-    observer.update(State::Zero(), u, model, kDt);
+    v += kObserverPeriod * (Vector3d{u.accel_B.x(), u.accel_B.y(), 0} - u.gyro_B.cross(v));
+    observer.update(State::Zero(), u, model, kObserverPeriod);
     EXPECT_THAT(observer.v_B(), IsNear(v, 0.01));
   }
   EXPECT_LT(v.y(), -0.5);
@@ -80,7 +80,7 @@ TEST(VelocityObserver, QuietensTheAccelerometersVibration) {
   for (int i = 0; i < 20'000; ++i) {
     Input u;
     u.accel_B = Vector3d{0.15 * normal(rng), 0, -9.81};
-    observer.update(State::Zero(), u, model, kDt);
+    observer.update(State::Zero(), u, model, kObserverPeriod);
     if (i < 2000) continue;
     raw += std::pow(drag_model::velocity_B(State::Zero(), u, model).x(), 2);
     smooth += std::pow(observer.v_B().x(), 2);
@@ -94,7 +94,7 @@ TEST(VelocityObserver, NastyInputChangesNothing) {
   observer.start({1, 2, 0});
   Input u;
   u.accel_B = {nan, 0, 0};
-  observer.update(State::Zero(), u, {}, kDt);
+  observer.update(State::Zero(), u, {}, kObserverPeriod);
   u.accel_B = {0, 0, -9.81};
   observer.update(State::Zero(), u, {}, 0.0);
   observer.update(State::Zero(), u, {}, -1.0);

@@ -61,7 +61,7 @@ std::string with_exif(const std::string& jpeg, char orientation, bool little) {
 }
 
 /// A PNG of one row of pixels in a format of libpng's.
-std::string png_of(std::uint32_t format, const std::string& pixels) {
+std::string encoded_png(std::uint32_t format, const std::string& pixels) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.format = format;
@@ -162,7 +162,7 @@ TEST(ImageFile, AnyDamagedByteIsReadOrRefusedButNeverCrashes) {
 TEST(ImageFile, PngOfAnyKindIsRgb) {
   const test::TempFolder folder;
   const auto first = [&](std::uint32_t format, const std::string& pixels) {
-    return read_image(folder.file("a.png", png_of(format, pixels))).view(0).at(1, 0);
+    return read_image(folder.file("a.png", encoded_png(format, pixels))).view(0).at(1, 0);
   };
   const Yuv orange = yuv_of_rgb(0xff, 0x80, 0x20);
   EXPECT_EQ(first(PNG_FORMAT_RGB, "abc\xff\x80\x20").v, orange.v);
@@ -173,7 +173,7 @@ TEST(ImageFile, PngOfAnyKindIsRgb) {
 }
 
 TEST(ImageFile, EveryTruncationOfAPngIsAnErrorAndNeverACrash) {
-  const std::string whole = png_of(PNG_FORMAT_RGB, "abcdefghi");
+  const std::string whole = encoded_png(PNG_FORMAT_RGB, "abcdefghi");
   // the last 12 bytes only say that it ends
   for (std::size_t size = 0; size + 12 < whole.size(); ++size)
     EXPECT_THAT(error_reading("a.png", whole.substr(0, size)),

@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::for_all;
 
-constexpr HandOverParams kParams{.least_battery_v = 20.0};
+constexpr HandOverParams kHandOver{.least_battery_v = 20.0};
 
 Situation in_flight() {
   return {.time = 10s,
@@ -41,11 +41,11 @@ TEST(HandOver, WhateverFailsInFlightEndsItWithItsReasonInTheSamePeriod) {
   const auto ends = [](auto change) {
     Situation now = in_flight();
     change(now);
-    const HandOver after = next(kFlying, now, kParams);
+    const HandOver after = next(kFlying, now, kHandOver);
     EXPECT_EQ(after.phase, Phase::kEnding);
     return after.reason;
   };
-  EXPECT_EQ(next(kFlying, in_flight(), kParams).phase, Phase::kFlying);
+  EXPECT_EQ(next(kFlying, in_flight(), kHandOver).phase, Phase::kFlying);
   EXPECT_EQ(ends([](Situation& s) { s.command_age = 60ms; }), Reason::kPilotLate);
   EXPECT_EQ(ends([](Situation& s) { s.picture_age = 200ms; }), Reason::kPicturesStale);
   EXPECT_EQ(ends([](Situation& s) { s.attitude_age = 160ms; }), Reason::kAttitudeStale);
@@ -63,16 +63,16 @@ TEST(HandOver, WhateverFailsInFlightEndsItWithItsReasonInTheSamePeriod) {
 TEST(HandOver, ThePilotsSwitchWinsInEveryPhase) {
   Situation now = in_flight();
   now.override_on = false;
-  EXPECT_EQ(next(kFlying, now, kParams).phase, Phase::kStreaming);
+  EXPECT_EQ(next(kFlying, now, kHandOver).phase, Phase::kStreaming);
   const HandOver ending{.phase = Phase::kEnding,
                         .reason = Reason::kTilt,
                         .since = 9s,
                         .override_was = true,
                         .flown = true};
-  EXPECT_EQ(next(ending, now, kParams).phase, Phase::kOver);
+  EXPECT_EQ(next(ending, now, kHandOver).phase, Phase::kOver);
   now = in_flight();
   now.armed = false;
-  EXPECT_EQ(next(ending, now, kParams).phase, Phase::kOver);
+  EXPECT_EQ(next(ending, now, kHandOver).phase, Phase::kOver);
 }
 
 TEST(HandOver, AnOldStatusIsNotThePilotsWill) {
@@ -84,7 +84,7 @@ TEST(HandOver, AnOldStatusIsNotThePilotsWill) {
                         .since = 9s,
                         .override_was = true,
                         .flown = true};
-  EXPECT_EQ(next(ending, now, kParams).phase, Phase::kEnding);
+  EXPECT_EQ(next(ending, now, kHandOver).phase, Phase::kEnding);
 }
 
 TEST(HandOver, BrakesForASecondAndThenDescendsForAsLongAsItTakes) {
@@ -94,27 +94,28 @@ TEST(HandOver, BrakesForASecondAndThenDescendsForAsLongAsItTakes) {
                         .override_was = true,
                         .flown = true};
   Situation now = in_flight();
-  EXPECT_EQ(action_of(ending, now, kParams), Action::kBrake);
+  EXPECT_EQ(action_of(ending, now, kHandOver), Action::kBrake);
   now.time = 10'990ms;
-  EXPECT_EQ(action_of(ending, now, kParams), Action::kBrake);
+  EXPECT_EQ(action_of(ending, now, kHandOver), Action::kBrake);
   now.time = 11s;
-  EXPECT_EQ(action_of(ending, now, kParams), Action::kDescend);
+  EXPECT_EQ(action_of(ending, now, kHandOver), Action::kDescend);
   now.time = 100s;
-  EXPECT_EQ(action_of(next(ending, now, kParams), now, kParams), Action::kDescend);
+  EXPECT_EQ(action_of(next(ending, now, kHandOver), now, kHandOver), Action::kDescend);
 }
 
 TEST(HandOver, InTheAirFramesAreNeverNeutralWhoeverFlies) {
   Situation now = in_flight();
   now.override_on = false;
-  HandOver state = next(kFlying, now, kParams);
-  EXPECT_EQ(action_of(state, now, kParams), Action::kDescend) << "for when the switch goes back on";
+  HandOver state = next(kFlying, now, kHandOver);
+  EXPECT_EQ(action_of(state, now, kHandOver), Action::kDescend)
+      << "for when the switch goes back on";
   now.override_on = true;
   now.picture_age = 1s;  // it must not fly now
-  state = next(state, now, kParams);
+  state = next(state, now, kHandOver);
   EXPECT_EQ(state.reason, Reason::kPicturesStale);
-  EXPECT_EQ(action_of(state, now, kParams), Action::kDescend);
+  EXPECT_EQ(action_of(state, now, kHandOver), Action::kDescend);
   now.armed = false;  // on the floor, by the pilot's word
-  EXPECT_EQ(action_of(next(state, now, kParams), now, kParams), Action::kNeutral);
+  EXPECT_EQ(action_of(next(state, now, kHandOver), now, kHandOver), Action::kNeutral);
 }
 
 /// Anything may happen in any period: what must never be, is not.
@@ -135,15 +136,15 @@ TEST(HandOver, WhateverHappensThePilotsCommandIsSentOnlyWhenAllIsWell) {
       now.picture_age = perhaps(200) ? 300ms : 40ms;
       now.told_to_end = now.told_to_end || perhaps(2000);
       const HandOver before = state;
-      state = next(state, now, kParams);
-      const Action action = action_of(state, now, kParams);
+      state = next(state, now, kHandOver);
+      const Action action = action_of(state, now, kHandOver);
       ended = ended || state.phase == Phase::kEnding || state.phase == Phase::kOver;
       if (action == Action::kPilot) {
         EXPECT_TRUE(now.armed && now.override_on && !now.told_to_end && !ended);
-        EXPECT_LE(now.attitude_age, kParams.attitude);
-        EXPECT_LE(now.command_age, kParams.command);
-        EXPECT_LE(now.picture_age, kParams.picture);
-        EXPECT_GE(now.acknowledged, kParams.neutral_frames);
+        EXPECT_LE(now.attitude_age, kHandOver.attitude);
+        EXPECT_LE(now.command_age, kHandOver.command);
+        EXPECT_LE(now.picture_age, kHandOver.picture);
+        EXPECT_GE(now.acknowledged, kHandOver.neutral_frames);
       }
       EXPECT_TRUE(action != Action::kNeutral || !state.flown);
       // Once something was sent, something is sent in every period.

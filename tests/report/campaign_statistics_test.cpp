@@ -45,7 +45,7 @@ TEST(Wilson95, NoTrialsSayNothing) {
   EXPECT_EQ(wilson95(0, 0).high, 1.0);
 }
 
-RunRow run(std::uint64_t seed, const std::string& cause, double time = 30.0) {
+RunRow ended(std::uint64_t seed, const std::string& cause, double time = 30.0) {
   RunRow row;
   row.seed = seed, row.finished = cause == "finished", row.cause = cause;
   row.gates = row.finished ? 6 : 2, row.gates_total = 6, row.time = time, row.mean_speed = 1.5;
@@ -54,9 +54,9 @@ RunRow run(std::uint64_t seed, const std::string& cause, double time = 30.0) {
 }
 
 TEST(CampaignResult, RanksCausesByHowOftenAndNamesTheirSeeds) {
-  const auto json =
-      campaign_result({run(1, "finished", 20.0), run(2, "timeout"), run(3, "crash: gate 2 pole"),
-                       run(4, "crash: gate 2 pole"), run(5, "finished", 30.0)});
+  const auto json = campaign_result({ended(1, "finished", 20.0), ended(2, "timeout"),
+                                     ended(3, "crash: gate 2 pole"), ended(4, "crash: gate 2 pole"),
+                                     ended(5, "finished", 30.0)});
   EXPECT_EQ(json.at("runs"), 5);
   EXPECT_EQ(json.at("finished"), 2);
   EXPECT_DOUBLE_EQ(json.at("completion_rate").get<double>(), 0.4);
@@ -70,7 +70,7 @@ TEST(CampaignResult, RanksCausesByHowOftenAndNamesTheirSeeds) {
 }
 
 TEST(CampaignResult, WithoutAnyFinishHasNoTimes) {
-  const auto json = campaign_result({run(1, "timeout")});
+  const auto json = campaign_result({ended(1, "timeout")});
   EXPECT_TRUE(json.at("race_time_s").is_null());
   EXPECT_EQ(json.at("completion_rate"), 0.0);
   EXPECT_TRUE(campaign_result({}).at("race_time_s").is_null());

@@ -10,15 +10,15 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kStep = 1.0 / 1024;
+constexpr double kPhysics = 1.0 / 1024;
 
-double hover_speed(const VehicleTruth& v) {
+double hovering_speed(const VehicleTruth& v) {
   return std::sqrt(v.mass * 9.81 / 4 / v.thrust_coefficient);
 }
 
 TEST(Body, StandsStillOnThePadWithTheMotorsOff) {
   Body body{SimConfig{}};
-  for (int i = 0; i < 2048; ++i) body.step({}, kStep);
+  for (int i = 0; i < 2048; ++i) body.step({}, kPhysics);
   EXPECT_LT(body.state().v_E.norm(), 1e-3);
   EXPECT_NEAR(body.state().specific_force_B.z(), -9.81, 0.05);
   ASSERT_TRUE(body.contact().has_value());
@@ -27,10 +27,10 @@ TEST(Body, StandsStillOnThePadWithTheMotorsOff) {
 
 TEST(Body, HoversAtHoverSpeedAndReadsOneG) {
   Body body{SimConfig{}};
-  const double hover = hover_speed(VehicleTruth{});
+  const double hover = hovering_speed(VehicleTruth{});
   for (int i = 0; i < 1000; ++i)  // off the floor, which helps
-    body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kStep);
-  for (int i = 0; i < 200; ++i) body.step({hover, hover, hover, hover}, kStep);
+    body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kPhysics);
+  for (int i = 0; i < 200; ++i) body.step({hover, hover, hover, hover}, kPhysics);
   EXPECT_LT(body.state().p_EB.z(), -0.1);
   // Rising slowly, drag pulls down a little; nothing else.
   const double v_z = body.state().v_E.z();
@@ -54,17 +54,17 @@ struct Push {
 };
 
 TEST(Body, RotorsTurnItTheWayTheyShould) {
-  const double hover = hover_speed(VehicleTruth{});
+  const double hover = hovering_speed(VehicleTruth{});
   for (const Push& push :
        {Push{"left rotors roll right", {1.1, 1, 1, 1.1}, {1, 0, 0}},
         Push{"front rotors pitch up", {1.1, 1.1, 1, 1}, {0, 1, 0}},
         Push{"right front and left back yaw right", {1, 1.1, 1, 1.1}, {0, 0, 1}}}) {
     Body body{SimConfig{}};
     for (int i = 0; i < 400; ++i)
-      body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kStep);
+      body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kPhysics);
     std::array<double, 4> command{};
     for (std::size_t i = 0; i < 4; ++i) command[i] = hover * push.factor[i];
-    for (int i = 0; i < 60; ++i) body.step(command, kStep);
+    for (int i = 0; i < 60; ++i) body.step(command, kPhysics);
     for (int axis = 0; axis < 3; ++axis) {
       if (push.rate_sign(axis) > 0)
         EXPECT_GT(body.state().rate_B(axis), 0.05) << push.what;
@@ -79,10 +79,10 @@ TEST(Body, NamesWhatItHits) {
   // a board 1 m above the pad
   config.world.obstacles = {WorldBox{{0, 0}, {2, 2}, 0.0, 1.0, 1.2, false}};
   Body body{config};
-  const double full = 1.3 * hover_speed(config.vehicle);
+  const double full = 1.3 * hovering_speed(config.vehicle);
   std::string hit;
   for (int i = 0; i < 2048 && hit.empty(); ++i) {
-    body.step({full, full, full, full}, kStep);
+    body.step({full, full, full, full}, kPhysics);
     if (body.state().p_EB.z() < -0.3 && body.contact()) hit = *body.contact();
   }
   EXPECT_EQ(hit, "obstacle 1");
@@ -90,7 +90,7 @@ TEST(Body, NamesWhatItHits) {
 
 TEST(Body, NeverTurnsNonFiniteOnANonFiniteCommand) {
   Body body{SimConfig{}};
-  for (int i = 0; i < 100; ++i) body.step({std::nan(""), 1e300, -1e300, INFINITY}, kStep);
+  for (int i = 0; i < 100; ++i) body.step({std::nan(""), 1e300, -1e300, INFINITY}, kPhysics);
   EXPECT_TRUE(body.state().p_EB.allFinite());
 }
 

@@ -12,7 +12,7 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kStep = 1.0 / 1024;
+constexpr double kForceStep = 1.0 / 1024;
 
 // R = 0.1, d = 0.4, z = 0.2: 1 / (1 - 0.015625 - 0.011049 - 0.003007 - 0.024056).
 TEST(GroundEffect, GrowsTowardsTheFloorAndIsNothingHighAbove) {
@@ -41,7 +41,7 @@ TEST(AirMoment, TurnsTheBodyBackFromWhereItGoes) {
     state.p_EB.z() = -5.0;
     state.v_E = v_E;
     for (int i = 0; i < 1024; ++i)  // until the rotors turn as fast as they should
-      forces.advance({hover, hover, hover, hover}, state, i * kStep, kStep);
+      forces.advance({hover, hover, hover, hover}, state, i * kForceStep, kForceStep);
     return Eigen::Vector3d{forces.torque_B()};
   };
   EXPECT_LT((torque({2, 0, 0}, {0, 0}) - Eigen::Vector3d{0, 0.06, 0}).norm(), 1e-9);
@@ -54,8 +54,8 @@ std::vector<Eigen::Vector3d> recorded(const Wind& wind, double airspeed, double 
                                       int every) {
   Gusts gusts{wind, 7};
   std::vector<Eigen::Vector3d> record;
-  for (int i = 0; i < static_cast<int>(seconds / kStep); ++i) {
-    gusts.advance(airspeed, kStep);
+  for (int i = 0; i < static_cast<int>(seconds / kForceStep); ++i) {
+    gusts.advance(airspeed, kForceStep);
     if (i % every == 0) record.push_back(gusts.velocity_E());
   }
   return record;
@@ -95,7 +95,7 @@ double power_at(const std::vector<double>& x, double omega, double dt, std::size
 TEST(Gusts, HaveDrydensSpectrum) {
   const Wind wind{.mean = {1.0, 0.0}, .gust = 1.0, .gust_length = 1.0};
   constexpr int kEvery = 16;
-  const double dt = kEvery * kStep;
+  const double dt = kEvery * kForceStep;
   std::vector<double> along, across;
   for (const auto& v : recorded(wind, 2.0, 4000.0, kEvery))
     along.push_back(v.x()), across.push_back(v.y());
@@ -120,8 +120,8 @@ class Rig {
  public:
   explicit Rig(const SimConfig& config) : forces_{config} { state_.p_EB.z() = -100.0; }
   double run(double speed, double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds / kStep); ++i, time_ += kStep)
-      forces_.advance({speed, speed, speed, speed}, state_, time_, kStep);
+    for (int i = 0; i < static_cast<int>(seconds / kForceStep); ++i, time_ += kForceStep)
+      forces_.advance({speed, speed, speed, speed}, state_, time_, kForceStep);
     return -forces_.force_B(Eigen::Matrix3d::Identity(), forces_.wind_E()).z();
   }
   [[nodiscard]] const Forces& forces() const { return forces_; }
@@ -132,14 +132,14 @@ class Rig {
   double time_ = 0.0;
 };
 
-double hover_speed(const VehicleTruth& v) {
+double speed_at_hover(const VehicleTruth& v) {
   return std::sqrt(v.mass * kGravity / 4 / v.thrust_coefficient);
 }
 
 TEST(Battery, HoveringForSagTimeCostsTheSagAndLoadCostsMoreUntilItIsGone) {
   SimConfig config;
   config.vehicle.sag = 0.10, config.vehicle.sag_time = 60.0;
-  const double hover = hover_speed(config.vehicle), weight = config.vehicle.mass * kGravity;
+  const double hover = speed_at_hover(config.vehicle), weight = config.vehicle.mass * kGravity;
   Rig rig{config};
   EXPECT_NEAR(rig.run(hover, 0.2), weight, 2e-3 * weight);
   EXPECT_NEAR(rig.run(hover, 59.8), 0.90 * weight, 2e-3 * weight);
@@ -153,7 +153,7 @@ TEST(Battery, HoveringForSagTimeCostsTheSagAndLoadCostsMoreUntilItIsGone) {
 TEST(Faults, LostThrustIsLostWhenAndWhereItIsSaid) {
   SimConfig config;
   config.faults = {.thrust_loss = 0.3, .weak_rotor = 0, .thrust_loss_during = {1.0, 1.0}};
-  const double hover = hover_speed(config.vehicle), weight = config.vehicle.mass * kGravity;
+  const double hover = speed_at_hover(config.vehicle), weight = config.vehicle.mass * kGravity;
   Rig all{config};
   EXPECT_NEAR(all.run(hover, 0.9), weight, 1e-3 * weight);
   EXPECT_NEAR(all.run(hover, 0.5), 0.7 * weight, 1e-3 * weight);

@@ -10,7 +10,7 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr double kStep = 1.0 / 1024;
+constexpr double kTwinStep = 1.0 / 1024;
 
 double hover_speed(const VehicleTruth& v) {
   return std::sqrt(v.mass * kGravity / 4 / v.thrust_coefficient);
@@ -40,9 +40,9 @@ TEST(TwinBody, FliesLikeMuJoCosBody) {
   TwinBody twin{config};
   const double hover = hover_speed(config.vehicle);
   for (int i = 0; i < 2048; ++i) {
-    const auto command = manoeuvre(i * kStep, hover);
-    body.step(command, kStep);
-    twin.step(command, kStep);
+    const auto command = manoeuvre(i * kTwinStep, hover);
+    body.step(command, kTwinStep);
+    twin.step(command, kTwinStep);
   }
   const BodyState &a = body.state(), &b = twin.state();
   EXPECT_LT((a.p_EB - b.p_EB).norm(), 0.005);
@@ -61,7 +61,7 @@ TEST(TwinBody, StandsStillOnThePadWithTheMotorsOff) {
   config.start = {{1.0, -2.0}, 0.7};
   TwinBody twin{config};
   const Eigen::Vector3d start = twin.state().p_EB;
-  for (int i = 0; i < 2048; ++i) twin.step({}, kStep);
+  for (int i = 0; i < 2048; ++i) twin.step({}, kTwinStep);
   EXPECT_LT((twin.state().p_EB - start).norm(), 1e-12);
   EXPECT_LT((twin.state().specific_force_B - Eigen::Vector3d{0, 0, -kGravity}).norm(), 1e-9);
   EXPECT_EQ(twin.contact(), "floor");
@@ -71,12 +71,13 @@ TEST(TwinBody, LeavesThePadWhenTheRotorsCarryItAndComesBackToIt) {
   const SimConfig config;
   TwinBody twin{config};
   const double hover = hover_speed(config.vehicle);
-  for (int i = 0; i < 1024; ++i) twin.step(all(0.89 * hover), kStep);  // the floor helps by 1.23
+  for (int i = 0; i < 1024; ++i)
+    twin.step(all(0.89 * hover), kTwinStep);  // the floor helps by 1.23
   EXPECT_EQ(twin.contact(), "floor");
-  for (int i = 0; i < 512; ++i) twin.step(all(1.1 * hover), kStep);
+  for (int i = 0; i < 512; ++i) twin.step(all(1.1 * hover), kTwinStep);
   EXPECT_EQ(twin.contact(), std::nullopt);
   EXPECT_LT(twin.state().p_EB.z(), -0.1);
-  for (int i = 0; i < 2048; ++i) twin.step(all(0.8 * hover), kStep);
+  for (int i = 0; i < 2048; ++i) twin.step(all(0.8 * hover), kTwinStep);
   EXPECT_EQ(twin.contact(), "floor");
   EXPECT_NEAR(twin.state().p_EB.z(), -0.5 * config.vehicle.size.z(), 0.02);
 }
@@ -103,7 +104,7 @@ std::string hit_by_flying_north(const SimConfig& config, double height, double l
         0.15 * (s.p_EB.z() + height) + 0.15 * s.v_E.z() + 0.5 * (1.0 / R(2, 2) - 1.0);
     const double turn = std::clamp(0.5 * (wanted - pitch) - 0.1 * s.rate_B.y(), -0.1, 0.1);
     const double front = 1.0 + std::clamp(collective, -0.2, 0.2) + turn, back = front - 2.0 * turn;
-    body.step({hover * front, hover * front, hover * back, hover * back}, kStep);
+    body.step({hover * front, hover * front, hover * back, hover * back}, kTwinStep);
     const auto contact = body.contact();
     if (contact && -body.state().p_EB.z() > 0.15) return *contact;
   }
@@ -133,7 +134,7 @@ TEST(TwinBody, NamesWhatItHitsLikeMuJoCosBody) {
 
 TEST(TwinBody, NeverTurnsNonFiniteOnANonFiniteCommand) {
   TwinBody twin{SimConfig{}};
-  for (int i = 0; i < 100; ++i) twin.step({std::nan(""), 1e300, -1e300, INFINITY}, kStep);
+  for (int i = 0; i < 100; ++i) twin.step({std::nan(""), 1e300, -1e300, INFINITY}, kTwinStep);
   EXPECT_TRUE(twin.state().p_EB.allFinite());
 }
 
