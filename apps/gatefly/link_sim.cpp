@@ -28,7 +28,7 @@ struct LinkSimOptions {
   std::uint64_t seed = 1;
   std::string log, bench, controller = "betaflight-4.5";
   /// What was not given is what the controller has.
-  std::optional<int> servos, state, radio, controller_port;
+  std::optional<int> servos, state, radio, controller_port, baud;
   bool json = false;
 };
 
@@ -106,9 +106,11 @@ int simulate_link(const LinkSimOptions& options) {
     const int msp = params.ports.msp, pictures = params.ports.pictures;
     params.ports = link_sim::kArduCopterPorts;
     params.ports.msp = msp, params.ports.pictures = pictures;
+    params.baud = 921600;
     // Its motors stand for two seconds after arming.
     params.radio.hand_over = 3.0;
   }
+  params.baud = options.baud.value_or(params.baud);
   params.ports.servos = options.servos.value_or(params.ports.servos);
   params.ports.state = options.state.value_or(params.ports.state);
   params.ports.radio = options.radio.value_or(params.ports.radio);
@@ -176,9 +178,8 @@ void declare_link_sim(Command& command) {
               "the controller's simulator: its releases differ in a sign")
       .one_of({"betaflight-4.5", "betaflight-2026", "arducopter"})
       .show_default();
-  command.option("--baud", options->params.baud, "speed of the serial line")
-      .between(9600, 10'000'000)
-      .show_default();
+  command.option("--baud", options->baud, "speed of the serial line: 115200; ArduCopter's 921600")
+      .between(9600, 10'000'000);
   command
       .option("--loss", options->params.network.loss, "part of the pictures' slices that is lost")
       .between(0.0, 0.9);

@@ -135,38 +135,45 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
       all[name] = values.empty() ? 0.0 : 1e3 * io::nearest_rank(values, part);
     return all;
   };
-  return {
-      {"kind", "run"},
-      {"mode", options.shadow ? "shadow" : "flown"},
-      {"track", track.name},
-      {"version", GATEFLY_VERSION},
-      {"gates_passed", recorder.gates_passed()},
-      {"gates_total", track.laps * static_cast<int>(track.gates.size())},
-      {"finished", recorder.finished()},
-      {"stop_reason", reason},
-      {"flight_time_s", seconds(recorder.last_time())},
-      {"commands", recorder.ticks()},
-      {"detection",
-       {{"frames", recorder.pictures()}, {"with_gate", recorder.pictures_with_gate()}}},
-      {"camera",
-       {{"uri", options.camera},
-        {"lost", wires.pictures_lost.load()},
-        {"stalls", wires.stalls.load()}}},
-      {"link",
-       {{"uri", options.link},
-        {"samples", state.samples},
-        {"asked", state.asked},
-        {"lost", state.lost},
-        {"refused", state.refused},
-        {"battery_v", state.battery_v}}},
-      {"sticks", {{"frames", deck.frames}, {"longest_gap_ms", 1e3 * seconds(deck.longest_gap)}}},
-      {"pilot_loop",
-       {{"hz", course.pilot.imu_hz},
-        {"missed", wires.ticks_missed.load()},
-        {"unrecorded", wires.unrecorded.load()},
-        {"late", ms(recorder.late())},
-        {"step", ms(recorder.took())}}},
-      {"config", io::as_json(course.config)}};
+  return {{"kind", "run"},
+          {"mode", options.shadow ? "shadow" : "flown"},
+          {"track", track.name},
+          {"version", GATEFLY_VERSION},
+          {"gates_passed", recorder.gates_passed()},
+          {"gates_total", track.laps * static_cast<int>(track.gates.size())},
+          {"finished", recorder.finished()},
+          {"stop_reason", reason},
+          {"flight_time_s", seconds(recorder.last_time())},
+          {"commands", recorder.ticks()},
+          {"detection",
+           {{"frames", recorder.pictures()}, {"with_gate", recorder.pictures_with_gate()}}},
+          {"camera",
+           {{"uri", options.camera},
+            {"lost", wires.pictures_lost.load()},
+            {"stalls", wires.stalls.load()}}},
+          {"link",
+           {{"uri", options.link},
+            {"samples", state.samples},
+            {"asked", state.asked},
+            {"lost", state.lost},
+            {"refused", state.refused},
+            {"battery_v", state.battery_v}}},
+          {"sticks",
+           {{"frames", deck.frames},
+            {"longest_gap_ms", 1e3 * seconds(deck.longest_gap)},
+            {"late",
+             {{"p50_ms", 1e3 * seconds(wires.late_frames.quantile(0.5))},
+              {"p999_ms", 1e3 * seconds(wires.late_frames.quantile(0.999))},
+              {"max_ms", 1e3 * seconds(wires.late_frames.longest())}}}}},
+          {"system", {{"goes_first", wires.first.load()}, {"memory_held", wires.held.load()}}},
+          {"pilot_loop",
+           {{"hz", course.pilot.imu_hz},
+            {"missed", wires.ticks_missed.load()},
+            {"unrecorded", wires.unrecorded.load()},
+            {"unwritten", recorder.unwritten()},
+            {"late", ms(recorder.late())},
+            {"step", ms(recorder.took())}}},
+          {"config", io::as_json(course.config)}};
 }
 
 void print_run(const nlohmann::ordered_json& told, live::RunRecorder& recorder,
@@ -320,7 +327,7 @@ int run(const RunOptions& options) {
     const auto flying = std::make_shared<Flying>(introduced(link, *drone, course, false), *drone,
                                                  deck_params(options, course, *drone));
     work = [flying](live::Wires& wires, const live::RunClock& clock) {
-      live::fly(flying->link, flying->deck, flying->keeper, wires, clock);
+      live::fly(flying->link, flying->deck, flying->keeper, wires, clock, interrupted);
     };
   }
   std::unique_ptr<live::Camera> eye = live::opened(camera, size, !replayed);
@@ -358,7 +365,9 @@ int run(const RunOptions& options) {
     std::cerr << "gatefly run: " << (fs::path{options.out} / "").string() << ": " << replaced
               << '\n';
   if (!recorder.error().empty())
-    std::cerr << "gatefly run: not recorded to the end: " << recorder.error() << '\n';
+    std::cerr << "gatefly run: not recorded to the end, the last "
+              << io::amount(recorder.unwritten(), "tick") << " missing: " << recorder.error()
+              << '\n';
   if (options.json)
     std::cout << io::json_text(told);
   else if (!options.common.quiet)

@@ -76,6 +76,7 @@ class Flown(WithArdu):
 
     def test_it_has_neither_armed_nor_changed_a_mode_nor_a_parameter(self):
         process = self.flying("--json")
+        self.fake("mark")
         process.terminate()
         self.down()
         self.fake("disarm")

@@ -15,6 +15,8 @@
 #include "gatefly/live/ardu_speaker.hpp"
 #include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/peer_clock.hpp"
+#include "gatefly/live/wires.hpp"
 
 #include "support/fake_arducopter.hpp"
 #include "support/real_data.hpp"
@@ -313,7 +315,83 @@ TEST(ArduUdp, ADroneThatCallsIsHeardAndNobodyElse) {
   EXPECT_FALSE(link.state().other_client);
 }
 
+/// Hands a message of the drone's autopilot to a listener.
+template <class Message>
+bool hears(ArduListener& listener, const Message& message, nanoseconds now) {
+  std::array<std::uint8_t, mavlink::kLongestFrame> frame{};
+  const std::size_t size = mavlink::encode_message(message, {1, 1}, frame);
+  return listener.take(link::Bytes{frame}.first(size), now);
+}
+
+TEST(ArduListener, ASampleOrAttitudeThatComesTwiceOrLateIsNotTakenAgain) {
+  ArduListener listener{{}};
+  EXPECT_TRUE(hears(listener, mavlink::HighresImu{.time_usec = 2'000'000, .zacc = -9.8f}, 1s));
+  EXPECT_FALSE(hears(listener, mavlink::HighresImu{.time_usec = 2'000'000, .zacc = -9.8f}, 1001ms));
+  EXPECT_FALSE(hears(listener, mavlink::HighresImu{.time_usec = 1'980'000, .zacc = -9.8f}, 1002ms));
+  EXPECT_TRUE(hears(listener, mavlink::HighresImu{.time_usec = 2'020'000, .zacc = -9.7f}, 1020ms));
+  EXPECT_EQ(listener.state().samples, 2u);
+  (void)hears(listener, mavlink::Attitude{.time_boot_ms = 2000, .roll = 0.1f}, 1s);
+  (void)hears(listener, mavlink::Attitude{.time_boot_ms = 1980, .roll = 0.9f}, 1010ms);
+  EXPECT_NEAR(listener.state().attitude.roll, 0.1, 1e-6);
+  EXPECT_EQ(listener.state().attitude_at, 1s);
+  // A clock that has begun anew is a controller that has.
+  EXPECT_TRUE(hears(listener, mavlink::HighresImu{.time_usec = 10'000, .zacc = -9.6f}, 1040ms));
+}
+
+TEST(ArduListener, AnAttitudeThatTheLineHasHeldUpIsOld) {
+  ArduListener listener{{}};
+  // Its clock is 100 s ahead of ours; a question of 1 s was answered at once.
+  (void)hears(listener, mavlink::Timesync{.tc1 = 101'002'000'000, .ts1 = 1'000'000'000}, 1004ms);
+  (void)hears(listener, mavlink::Attitude{.time_boot_ms = 102'000}, 2010ms);
+  EXPECT_LE(listener.state().attitude_at, 2s);
+  EXPECT_GE(listener.state().attitude_at, 1997ms);
+  (void)hears(listener, mavlink::Attitude{.time_boot_ms = 102'020}, 2400ms);
+  EXPECT_LE(listener.state().attitude_at, 2020ms) << "it counts as fresh";
+  EXPECT_GE(listener.state().attitude_at, 2017ms);
+}
+
+TEST(ArduListener, AnAnswerThatComesTwiceAcknowledgesOnce) {
+  ArduListener listener{{}};
+  for (int i = 0; i < 3; ++i)
+    (void)hears(listener, mavlink::Timesync{.tc1 = 5'000'000, .ts1 = 1'000'001}, 20ms);
+  EXPECT_EQ(listener.state().acknowledged, 1);
+}
+
+TEST(PeerClock, AnAnswerThatTookLongDoesNotCount) {
+  PeerClock clock;
+  clock.take({.offset = 100s, .round_trip = 4ms}, 1s);
+  // A full line back: the offset looks wrong by half of what the answer waited.
+  clock.take({.offset = 100s - 150ms, .round_trip = 304ms}, 2s);
+  EXPECT_EQ(clock.best()->offset, 100s);
+  EXPECT_EQ(clock.age(102s, 2s), 2ms);
+  // What was quickest is forgotten after a while: clocks drift.
+  clock.take({.offset = 100s + 1ms, .round_trip = 6ms}, 13s);
+  clock.take({.offset = 100s + 1ms, .round_trip = 6ms}, 25s);
+  EXPECT_EQ(clock.best()->offset, 100s + 1ms);
+}
+
+TEST(PeerClock, AStampOfAnotherClockHasNoAge) {
+  PeerClock clock;
+  EXPECT_EQ(clock.age(1s, 1s), std::nullopt);
+  clock.take({.offset = 100s, .round_trip = 4ms}, 1s);
+  EXPECT_EQ(clock.age(3s, 3s), std::nullopt);
+}
+
+TEST(LateCounts, QuantilesAreToATenthOfAMillisecond) {
+  LateCounts late;
+  EXPECT_EQ(late.quantile(0.5), 0ns);
+  for (int i = 0; i < 998; ++i) late.add(50us);
+  late.add(7ms), late.add(2s);
+  EXPECT_EQ(late.quantile(0.5), 100us);
+  EXPECT_EQ(late.quantile(0.999), 7100us);
+  EXPECT_EQ(late.longest(), 2s);
+}
+
 TEST(LinkUri, TheWaysToAnArduCopter) {
+  EXPECT_EQ(link_uri("mavlink:serial:/dev/ttyAMA0").baud, 921600);
+  EXPECT_EQ(link_uri("msp:/dev/ttyAMA0").baud, 115200);
+  EXPECT_THAT(error_of([] { (void)link_uri("mavlink:serial:/dev/ttyAMA0?baud=115200"); }),
+              HasSubstr("baud = 115200 is too slow for what an ArduCopter sends"));
   EXPECT_EQ(link_uri("mavlink:serial:/dev/ttyAMA0?baud=921600").baud, 921600);
   EXPECT_EQ(link_uri("mavlink:udp:10.0.0.2:14550?bind=10.0.0.1&system=3").bind, "10.0.0.1");
   EXPECT_EQ(link_uri("mavlink:udp:10.0.0.2:14550").bind, "127.0.0.1");

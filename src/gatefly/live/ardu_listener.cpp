@@ -20,6 +20,14 @@ constexpr nanoseconds kFineImuGone = 1s;  ///< Then the coarse one will do.
 
 nanoseconds interval_of(double hz) { return nanoseconds{std::llround(1e9 / hz)}; }
 
+/// Whether one of that stamp comes after the last one: not a second time, nor late. A clock that jumps back by more than a second has begun anew.
+template <class Stamp>
+bool is_next(std::optional<Stamp>& last, Stamp stamp, Stamp second) {
+  const bool late = last && stamp <= *last && *last - stamp < second;
+  if (!late) last = stamp;
+  return !late;
+}
+
 /// As four sticks, so that what it flies by can be compared with what was sent: mrad/s from the middle, thousandths of the thrust.
 msp::Sticks sticks_of(const Eigen::Vector3d& rates_B, double thrust) {
   const auto channel = [](double value) {
@@ -92,16 +100,17 @@ bool ArduListener::take(link::Bytes bytes, nanoseconds now) {
 
 void ArduListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanoseconds now) {
   if (!imu.gyro_B.allFinite() || !imu.accel_B.allFinite()) return;
+  const std::optional<std::uint64_t> before = stamp_;
+  if (!is_next<std::uint64_t>(stamp_, stamp_us, 1'000'000)) return;
   // An IMU that repeats itself is stuck, whatever its stamp says.
   std::array<std::uint8_t, 6 * sizeof(double)> values{};
   link::ByteWriter out{values};
   for (const Eigen::Vector3d& part : {imu.gyro_B, imu.accel_B})
     for (int i = 0; i < 3; ++i) out.put(part[i]);
   imu_watch_.arrived(values, now);
-  const bool goes_on = stamp_ && stamp_us > *stamp_ && stamp_us - *stamp_ < 1'000'000;
+  const bool goes_on = before && stamp_us > *before && stamp_us - *before < 1'000'000;
   state_.imu_taken =
-      goes_on ? taken_.take(now, std::chrono::microseconds{stamp_us - *stamp_}) : taken_.take(now);
-  stamp_ = stamp_us;
+      goes_on ? taken_.take(now, std::chrono::microseconds{stamp_us - *before}) : taken_.take(now);
   state_.imu = imu;
   state_.imu_at = now;
   state_.imu_changed_at = now - imu_watch_.age(now).value_or(0ns);
@@ -113,7 +122,9 @@ void ArduListener::take_clock(const mavlink::Timesync& message, nanoseconds now)
   if (const auto answer = mavlink::clock_answer(message, now)) {
     to_be_told_ = answer;
   } else if (message.tc1 != 0 && message.ts1 > 0 && message.ts1 <= now.count() + 1) {
-    if ((message.ts1 & 1) != 0) ++state_.acknowledged;
+    if (const auto offset = mavlink::clock_offset(message, now)) clock_.take(*offset, now);
+    const bool once = message.ts1 > last_answered_;
+    if ((message.ts1 & 1) != 0 && once) ++state_.acknowledged, last_answered_ = message.ts1;
   }
 }
 
@@ -136,12 +147,15 @@ void ArduListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
   } else if (const auto attitude = mavlink::message_in<mavlink::Attitude>(frame)) {
     const gatefly::Attitude is = mavlink::attitude_of(*attitude);
     if (!std::isfinite(is.roll) || !std::isfinite(is.pitch) || !std::isfinite(is.yaw)) return;
+    if (!is_next<std::uint32_t>(attitude_stamp_, attitude->time_boot_ms, 1000)) return;
+    const std::chrono::milliseconds stamp{attitude->time_boot_ms};
     state_.attitude = is;
-    state_.attitude_at = now;
+    state_.attitude_at = now - clock_.age(stamp, now).value_or(0ns);
   } else if (const auto status = mavlink::message_in<mavlink::SysStatus>(frame)) {
     const bool known = status->voltage_battery != kUnknownVoltage;
     state_.battery_v = known ? 1e-3 * status->voltage_battery : 0.0;
   } else if (const auto target = mavlink::message_in<mavlink::AttitudeTarget>(frame)) {
+    if (!is_next<std::uint32_t>(target_stamp_, target->time_boot_ms, 1000)) return;
     state_.sticks = sticks_of(
         {target->body_roll_rate, target->body_pitch_rate, target->body_yaw_rate}, target->thrust);
     state_.sticks_at = now;

@@ -12,6 +12,7 @@
 #include "gatefly/live/ardu_words.hpp"
 #include "gatefly/live/arrival_clock.hpp"
 #include "gatefly/live/dialect.hpp"
+#include "gatefly/live/peer_clock.hpp"
 
 namespace gatefly::live {
 
@@ -23,8 +24,9 @@ namespace gatefly::live {
 /// opens no port.
 ///
 /// HIGHRES_IMU, of those that do not have it RAW_IMU, whose stamps are the autopilot's own: samples go to the pilot as regularly as
-/// they were taken. TIMESYNC questions tell that both ways of the line are there. Only the drone's autopilot is heard, and who else
-/// might fly it.
+/// they were taken. TIMESYNC questions tell that both ways of the line are there, and how old an attitude is that a slow line has held up.
+/// What comes twice or behind a later one, as datagrams may, is not taken again. Only the drone's autopilot is heard, and who else might fly
+/// it.
 class ArduListener : public Listener {
  public:
   struct Params {
@@ -68,7 +70,10 @@ class ArduListener : public Listener {
   std::chrono::nanoseconds beat_at_ = ControllerState::kNever,
                            clock_asked_at_ = ControllerState::kNever,
                            started_ = ControllerState::kNever;
-  std::optional<std::uint64_t> stamp_;           ///< Stamp of the last sample [µs].
+  std::optional<std::uint64_t> stamp_;                          ///< Stamp of the last sample [µs].
+  std::optional<std::uint32_t> attitude_stamp_, target_stamp_;  ///< Stamps of the last ones [ms].
+  std::int64_t last_answered_ = 0;  ///< Time of the last question of a set point that was answered.
+  PeerClock clock_;
   std::optional<mavlink::Timesync> to_be_told_;  ///< It has asked for our clock.
   bool sampled_ = false;
   std::array<std::uint8_t, 512> room_{};

@@ -168,7 +168,7 @@ void fly_rig(int frames, int line, const Port& port, const DroneFile& drone,
     std::thread pilot{move_all_sticks, std::ref(*rig), std::cref(drone)};
     std::thread sender{[&] {
       try {
-        fly(link, deck, keeper, rig->wires, rig->clock);
+        fly(link, deck, keeper, rig->wires, rig->clock, told_to_end);
       } catch (const std::exception& error) {
         rig->wires.link_error = error.what();
       }

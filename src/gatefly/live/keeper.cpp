@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "gatefly/geometry/seconds.hpp"
+#include "gatefly/live/real_time.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -99,6 +100,7 @@ void bring_down(LinkCommands& link, EndingState ending, double brake) {
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) (void)dup2(nowhere, stream);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);
+  (void)go_first(Urgency::kKeeper), (void)hold_memory();
   const LastWords last = listened(line);
   if (last.dismissed || !last.ending || !last.ending->in_air) _exit(0);
   ::close(line);

@@ -2,6 +2,7 @@
 #include "gatefly/live/linked.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
 namespace gatefly::live {
@@ -15,6 +16,14 @@ constexpr nanoseconds kHeldBack = 4ms;
 
 }  // namespace
 
+nanoseconds LateCounts::quantile(double part) const {
+  const auto wanted = static_cast<long>(std::ceil(part * static_cast<double>(all_)));
+  long seen = 0;
+  for (std::size_t i = 0; i < counts_.size(); ++i)
+    if ((seen += counts_[i]) >= wanted && seen > 0) return (i + 1) * 100us;
+  return longest_;
+}
+
 void listen(LinkQueries& link, Wires& wires, const RunClock& clock) {
   while (!wires.stop && !link.broken()) {
     const bool sampled = link.serve(clock, clock.now() + 2ms);
@@ -27,8 +36,8 @@ void listen(LinkQueries& link, Wires& wires, const RunClock& clock) {
   if (link.broken()) wires.link_error = link.name() + ": the connection is gone";
 }
 
-void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires,
-         const RunClock& clock) {
+void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock,
+         const std::function<bool()>& told_to_end) {
   DeckNews news;
   bool keeper_gone = false;
   nanoseconds sent_at{0};
@@ -40,7 +49,7 @@ void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires,
                                 .due = state.imu_taken + kHeldBack,
                                 .may_start = news.state.phase == guard::Phase::kFlying});
     }
-    const bool end = wires.told_to_end || wires.stop || keeper_gone;
+    const bool end = wires.told_to_end || wires.stop || keeper_gone || told_to_end();
     const FlightDeck::Sent sent = deck.step(link.state(), wires.wanted.read(), end, clock.now());
     const Keeper::Heard heard = keeper.tell(deck.ending());
     if (heard == Keeper::Heard::kTookOver) {
@@ -52,6 +61,7 @@ void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires,
       const nanoseconds now = clock.now();
       if (news.frames++ > 0) news.longest_gap = std::max(news.longest_gap, now - sent_at);
       sent_at = now;
+      wires.late_frames.add(now - next);
     }
     news.state = deck.state();
     news.action = sent.action;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "gatefly/flight_log/flight_folder.hpp"
@@ -19,7 +20,9 @@ void listen(LinkQueries& link, Wires& wires, const RunClock& clock);
 
 /// Flies a drone: every period the deck decides, the keeper hears of it, the set point goes. Ends when the flight is over, not before:
 /// whoever stops it in the air waits for the descent.
-void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock);
+/// @param told_to_end  asked every period: whoever records may be held up by a disk, and must not be needed to end a flight.
+void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, const RunClock& clock,
+         const std::function<bool()>& told_to_end);
 
 /// A recorded flight in the place of a drone.
 /// @param pace  times its own; 0: as fast as it is flown.

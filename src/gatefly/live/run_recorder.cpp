@@ -19,6 +19,7 @@ void RunRecorder::record(const FlownTick& tick) {
   last_time_ = tick.sensors.time;
   late_.push_back(seconds(tick.late));
   took_.push_back(seconds(tick.took));
+  unwritten_ += recorder_ && !error_.empty();
   if (!recorder_ || !error_.empty()) return;
   io::RecordedRow row{.sensors = tick.sensors,
                       .command = tick.command,

@@ -31,6 +31,8 @@ class RunRecorder {
   [[nodiscard]] bool finished() const { return finished_; }
   [[nodiscard]] std::chrono::nanoseconds last_time() const { return last_time_; }
   [[nodiscard]] const std::string& error() const { return error_; }
+  /// Ticks that came after the error.
+  [[nodiscard]] std::size_t unwritten() const { return unwritten_; }
   /// Lateness of the pilot's ticks, and time in its step [s].
   [[nodiscard]] std::vector<double>& late() { return late_; }
   [[nodiscard]] std::vector<double>& took() { return took_; }
@@ -38,7 +40,7 @@ class RunRecorder {
  private:
   std::optional<io::FlightRecorder> recorder_;
   std::string error_;
-  std::size_t ticks_ = 0, pictures_ = 0, with_gate_ = 0;
+  std::size_t ticks_ = 0, pictures_ = 0, with_gate_ = 0, unwritten_ = 0;
   int gates_passed_ = 0;
   bool finished_ = false;
   std::chrono::nanoseconds last_time_{0};

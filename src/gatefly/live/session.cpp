@@ -17,7 +17,13 @@ Session::Session(const SessionPlan& plan, std::unique_ptr<Camera> camera, LinkWo
 
 Session::~Session() { stop(); }
 
+void Session::go_first_unless_recorded(Urgency urgency) {
+  // A recording is flown as fast as it goes: first in line it would leave nothing to anybody.
+  if (plan_.recorded || !go_first(urgency)) wires_.first = false;
+}
+
 void Session::start() {
+  if (!plan_.recorded) wires_.held = hold_memory();
   clock_ = RunClock{};
   threads_[0] = std::thread{[this] { run_camera(); }};
   threads_[1] = std::thread{[this] { run_link(); }};
@@ -45,6 +51,7 @@ bool Session::drain(const std::function<void(const FlownTick&)>& take) {
 }
 
 void Session::run_camera() try {
+  go_first_unless_recorded(Urgency::kCamera);
   Picture spare;
   while (!wires_.stop) {
     Ring<Picture*>& from =
@@ -75,6 +82,7 @@ void Session::run_camera() try {
 }
 
 void Session::run_link() try {
+  go_first_unless_recorded(Urgency::kLink);
   link_(wires_, clock_);
   wires_.link_over = true;
 } catch (const std::exception& error) {
@@ -83,6 +91,7 @@ void Session::run_link() try {
 }
 
 void Session::run_pilot() {
+  go_first_unless_recorded(Urgency::kPilot);
   PilotLoop loop{plan_, pilot_, wires_, clock_};
   if (plan_.recorded)
     loop.fly_recorded();

@@ -8,6 +8,7 @@
 
 #include "gatefly/live/camera.hpp"
 #include "gatefly/live/clock.hpp"
+#include "gatefly/live/real_time.hpp"
 #include "gatefly/live/wires.hpp"
 #include "gatefly/race/pilot_config.hpp"
 
@@ -45,6 +46,7 @@ class Session {
   [[nodiscard]] const RunClock& clock() const { return clock_; }
 
  private:
+  void go_first_unless_recorded(Urgency urgency);
   void run_camera();
   void run_link();
   void run_pilot();

@@ -74,6 +74,8 @@ class UriText {
 };
 
 constexpr int kMostPort = 65535;
+/// What we ask an ArduCopter for are 12,000 bytes a second, and it sends others without being asked.
+constexpr int kLeastMavlinkBaud = 230400;
 
 }  // namespace
 
@@ -82,7 +84,7 @@ LinkUri link_uri(const std::string& text) {
   LinkUri link;
   link.mavlink = uri.takes("mavlink:");
   const std::string forms = link.mavlink
-                                ? "mavlink:serial:/dev/ttyX?baud=115200, mavlink:tcp:HOST:PORT, "
+                                ? "mavlink:serial:/dev/ttyX?baud=921600, mavlink:tcp:HOST:PORT, "
                                   "mavlink:udp:HOST:PORT or mavlink:udpin:ADDRESS:PORT"
                                 : "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT";
   if (uri.takes("betaflight-sitl:"))
@@ -110,7 +112,13 @@ LinkUri link_uri(const std::string& text) {
     if (link.mavlink && !uri.takes("serial:")) uri.fail("must be " + forms);
     link.place = uri.rest("device");
     if (!link.place.starts_with('/')) uri.fail("must be " + forms);
-    link.baud = uri.number("baud", uri.option("baud", "115200"), 1, 10'000'000);
+    link.baud =
+        uri.number("baud", uri.option("baud", link.mavlink ? "921600" : "115200"), 1, 10'000'000);
+    if (link.mavlink && link.baud < kLeastMavlinkBaud)
+      uri.fail("baud = " + std::to_string(link.baud) +
+               " is too slow for what an ArduCopter sends, and all of it would come later and "
+               "later; at least " +
+               std::to_string(kLeastMavlinkBaud) + ", 921600 when none is named");
   } else {
     const std::string place = uri.rest("host");
     const auto colon = place.rfind(':');

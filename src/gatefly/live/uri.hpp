@@ -15,9 +15,9 @@ struct LinkUri {
     kReplay,  ///< replay:FOLDER?pace=1: a recorded flight's sensors in the place of a drone's.
   };
   Kind kind = Kind::kTcp;
-  bool mavlink = false;  ///< Not MSP.
-  std::string place;     ///< A device, host or folder.
-  int port = 0, baud = 115200;
+  bool mavlink = false;         ///< Not MSP.
+  std::string place;            ///< A device, host or folder.
+  int port = 0, baud = 115200;  ///< Of MAVLink 921600, and never less than it bears.
   std::string bind = "127.0.0.1", peer = "127.0.0.1";
   int system = 1;  ///< The MAVLink id of the drone that bench-drone asks; a flight's is its file's.
   double pace = 1.0;  ///< Speed of a replay relative to real time; 0: as fast as possible.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -69,6 +71,27 @@ struct DeckNews {
   std::chrono::nanoseconds longest_gap{0};  ///< Between two of them.
 };
 
+/// How late something came that was due regularly, counted by tenths of a millisecond: fixed memory, whatever comes.
+class LateCounts {
+ public:
+  void add(std::chrono::nanoseconds late) {
+    const auto tenths = late / std::chrono::microseconds{100};
+    ++counts_[static_cast<std::size_t>(
+        std::clamp<std::int64_t>(tenths, 0, static_cast<std::int64_t>(counts_.size()) - 1))];
+    ++all_;
+    longest_ = std::max(longest_, late);
+  }
+  /// The lateness that `part` of all did not exceed, to a tenth of a millisecond.
+  [[nodiscard]] std::chrono::nanoseconds quantile(double part) const;
+  [[nodiscard]] std::chrono::nanoseconds longest() const { return longest_; }
+  [[nodiscard]] long all() const { return all_; }
+
+ private:
+  std::array<std::uint32_t, 1000> counts_{};
+  std::chrono::nanoseconds longest_{0};
+  long all_ = 0;
+};
+
 /// All that goes between camera, link, pilot and recorder; each end of each wire is one thread's.
 struct Wires {
   static constexpr std::size_t kPictures = 12;
@@ -82,10 +105,13 @@ struct Wires {
   Latest<Wanted> wanted;                    ///< pilot → link
   Latest<ControllerState> state;            ///< link → recorder
 
-  Latest<DeckNews> deck;  ///< link → recorder
+  Latest<DeckNews> deck;   ///< link → recorder
+  LateCounts late_frames;  ///< Set points; the link's thread's until it is over.
 
   std::atomic<bool> stop = false;  ///< Everybody ends; a drone in the air is brought down first.
   std::atomic<bool> told_to_end = false;  ///< The drone is to be brought down.
+  /// All threads that must not be late go first, and memory is held: as far as the system allows it.
+  std::atomic<bool> first = true, held = false;
   std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
   std::string link_error, camera_error;  ///< Written before its thread is over.
   std::atomic<int> at_recorder =
