@@ -19,7 +19,7 @@ namespace gatefly::python {
 [[nodiscard]] tasks::ConfigArguments config_arguments(const pybind11::object& config,
                                                       const pybind11::object& settings);
 
-/// What a configuration has to say: a UserWarning each.
+/// Raises a UserWarning for each of a configuration's warnings.
 void warn(const std::vector<std::string>& notes);
 
 }  // namespace gatefly::python

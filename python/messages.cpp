@@ -11,7 +11,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 
-// What goes into a pilot, what comes out of it, and what really was. Each is a copy.
+// Inputs and outputs of a pilot, and the ground truth; each is a copy.
 namespace gatefly::python {
 namespace {
 

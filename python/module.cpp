@@ -16,7 +16,7 @@ constexpr const char* kAboutError =
 
 py::handle error_type;
 
-/// What the libraries throw about their input; what is Python's own passes.
+/// Translates the libraries' exceptions about input; Python's own pass unchanged.
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);

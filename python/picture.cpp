@@ -64,7 +64,7 @@ Bytes contiguous(const py::array& array) {
   return copy;
 }
 
-/// Of an array (height, width, 3) of uint8.
+/// Image from an array (height, width, 3) of uint8.
 Picture picture_in(const py::object& image, PixelFormat format, int rotation) {
   check_rotation(rotation);
   py::array array = array_in(image);

@@ -24,7 +24,7 @@
 namespace gatefly::python {
 namespace {
 
-/// Of whatever counts as a whole number, numpy's as well.
+/// Converts any whole number, numpy's as well.
 std::uint64_t seed_of(const py::object& given) {
   const auto seed = py::reinterpret_steal<py::object>(PyNumber_Index(given.ptr()));
   if (!seed) throw py::error_already_set();
@@ -126,7 +126,7 @@ class Race {
   bool flying_ = false;  ///< Changes with the interpreter held only.
 };
 
-/// What Race.pictures() gives.
+/// Iterator of Race.pictures().
 struct Pictures {
   py::object race;
 };

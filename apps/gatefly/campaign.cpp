@@ -72,7 +72,7 @@ class Fleet {
   ///     finished is kept.
   void fly(int jobs, bool quiet) {
     if (seeds_.empty()) return;
-    // What all races share is made once, before several of them would make it at the same time.
+    // Data that all races share is made once, before several races would make it at the same time.
     const tasks::Race first = maker_.race(seeds_.front());
     if (first.config.vision == closed_loop::Vision::kRendered) {
       const sim::SimConfig& s = first.config.sim;

@@ -15,10 +15,10 @@ inline constexpr std::uint64_t kMostShards = 1001;  ///< Slurm's own default lim
 /// Beside OUT lies OUT.slurm/: the two job scripts, a folder a shard (1of8, 2of8, ...), their logs, and slurm.json, from
 /// which resume_on_slurm() knows what is missing. The machines share the file system that OUT is on.
 struct SlurmCampaign {
-  std::filesystem::path out;           ///< Of the merged campaign.
+  std::filesystem::path out;           ///< Folder of the merged campaign.
   std::uint64_t runs = 0, shards = 1;  ///< No more shards than runs.
   int jobs = 1;                        ///< Cores of a task.
-  std::string name;                    ///< Of the job.
+  std::string name;                    ///< Name of the job.
   std::string
       words;  ///< "campaign TRACK ...", as a shell takes it; without --shard, --jobs and --out.
   std::string compare;  ///< A campaign to compare the whole with, "" for none.

@@ -13,12 +13,12 @@ class App;
 class Option;
 }  // namespace CLI
 
-// What a subcommand declares of its command line. CLI11 does the work, in command_line.cpp alone:
+// Declarations of a subcommand's flags and arguments. CLI11 does the work, in command_line.cpp alone:
 // its header in every command was a quarter of the build.
 
 namespace gatefly::cli {
 
-/// What the chosen subcommand does, once everything is parsed. Answers the exit code.
+/// Action of the chosen subcommand, called after parsing. Returns the exit code.
 using Run = std::function<int()>;
 
 /// One argument or flag, while it is declared.
@@ -27,7 +27,7 @@ class Flag {
   explicit Flag(CLI::Option* option) : option_{option} {}
 
   Flag& required();
-  Flag& type_name(const char* name);  ///< What stands for the value in --help: FILE, DIR, ...
+  Flag& type_name(const char* name);  ///< Placeholder of the value in --help: FILE, DIR, ...
   Flag& path(const char* name = "");  ///< A file or folder; type_name() if any.
   Flag& show_default();               ///< The value it has now, in --help.
   Flag& one_of(std::initializer_list<const char*> choices);
@@ -46,7 +46,7 @@ class Flag {
 /// An argument or flag as --help tells it.
 struct FlagInfo {
   std::vector<std::string> names;  ///< "-q", "--quiet"; none: an argument.
-  std::string value;               ///< What stands for its value: FILE; "" when it takes none.
+  std::string value;               ///< Placeholder of its value: FILE; "" when it takes none.
   std::string help;
   std::vector<std::string> choices;  ///< When the value is one of a few words.
   bool required = false, repeated = false;

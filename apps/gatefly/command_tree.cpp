@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-/// What another program prints; "" when it fails.
+/// Output of another program; "" when it fails.
 std::string said_by(const char* program, const std::string& arguments) {
   std::string path;
   for (const char c : sibling(program).string()) path += c == '\'' ? "'\\''" : std::string{c};

@@ -11,12 +11,12 @@
 // The command lines of all programs as one tree, for shells and for the manual page.
 namespace gatefly::cli {
 
-/// What one program asks another for.
+/// Request from one of our programs to another.
 inline constexpr const char* kPrintCommands = "--print-commands";
 
 [[nodiscard]] nlohmann::ordered_json as_json(const std::vector<CommandInfo>& commands);
 
-/// What a shell may suggest besides commands and flags.
+/// Words that a shell may suggest besides commands and flags.
 struct Words {
   std::vector<std::string> tracks, configs, cameras, vehicles, keys, experiments;
 };

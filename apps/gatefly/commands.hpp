@@ -71,7 +71,7 @@ struct CommandHere {
 inline constexpr const char* kProgram = "gatefly";
 inline constexpr const char* kTools = "gatefly-tools";
 inline constexpr const char* kLaboratory = "gatefly-lab";
-/// Where a program of this name is, if it is there: beside this one.
+/// Path of the program of this name beside this one, if it exists.
 [[nodiscard]] std::filesystem::path sibling(const char* program);
 
 /// Flags that every subcommand has.
@@ -87,7 +87,7 @@ void add_force(Command& command, CommonOptions& options);
 void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem::path> inputs,
                    const CommonOptions& options);
 
-/// What a configuration has to say, on stderr.
+/// Prints a configuration's warnings on stderr.
 void say_notes(const std::vector<std::string>& notes);
 
 /// io::find_data(), saying so when what was called ../shared/data/X lies elsewhere.

@@ -35,7 +35,7 @@ void on_interrupt_at_once(int signal) {
   ::_exit(128 + signal);
 }
 
-/// What is ignored stays so: SIGHUP under nohup.
+/// Ignored signals stay ignored: SIGHUP under nohup.
 void on_signals(void (*act)(int)) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     if (std::signal(signal, act) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
@@ -46,7 +46,7 @@ bool on_terminal() {
   return terminal;
 }
 
-/// Of stderr; where it does not say, $COLUMNS, else 80.
+/// Width of the terminal on stderr; if unknown $COLUMNS, else 80.
 std::size_t terminal_columns() {
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
@@ -55,7 +55,7 @@ std::size_t terminal_columns() {
   return columns > 0 ? static_cast<std::size_t>(columns) : 80;
 }
 
-/// Of text in UTF-8.
+/// Number of characters in UTF-8 text.
 std::size_t letters(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -167,7 +167,7 @@ void Progress::update(double part, const std::string& text) {
     std::cerr << text << between << left << '\n';
     return;
   }
-  // What is wider than the terminal would begin a line of its own with every update: the bar goes
+  // A text wider than the terminal would begin a new line with every update: the bar goes
   // first, then the words.
   constexpr std::size_t kWidth = 24, kNarrow = 6, kLeast = 10;
   const std::size_t columns = std::max(terminal_columns(), kLeast + 1) - 1;

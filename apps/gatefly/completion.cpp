@@ -12,7 +12,7 @@
 namespace gatefly::cli {
 namespace {
 
-/// What may stand for a value.
+/// Suggestions for a value.
 struct Suggested {
   std::vector<std::string> words;
   bool files = false, folders = false, no_space = false;

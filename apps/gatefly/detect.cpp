@@ -47,14 +47,14 @@ struct DetectOptions {
 
 constexpr io::OutputKind kSearchJson{"record of a search", "\"in_words\""};
 
-/// What came out of all pictures.
+/// Totals over all pictures.
 struct Findings {
   std::vector<io::DetectionRow> rows;
   /// with_part: with no more than a part of a gate.
   int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
   std::string first_grey;                         ///< Its name.
   int other_size = 0;                             ///< Not of the size of the camera that was named.
-  std::string first_other_size;                   ///< What is wrong with it.
+  std::string first_other_size;                   ///< Description of the first such picture.
   double seconds = 0.0;                           ///< Spent on detection alone.
   std::unique_ptr<Drawings> annotated, debugged;  ///< With --annotate, --debug.
   std::string rotation;                           ///< How pictures were turned.
@@ -63,7 +63,7 @@ struct Findings {
 std::string name_of_drawing(const std::string& picture) { return picture + ".png"; }
 std::string name_of_record(const std::string& picture) { return picture + ".json"; }
 
-/// What both searches saw of a picture, and why.
+/// Trace of both searches in a picture.
 void debug(const Image& image, const std::string& name, const std::vector<GateDetection>& gates,
            const io::Config& config, const Drawings& drawings) {
   const tasks::SearchReport report = tasks::explained(image, config.pilot, gates);

@@ -37,8 +37,8 @@ struct Check {
   std::string name;
   bool needed = false;  ///< No race without it.
   bool ok = false;
-  std::string found;   ///< What there is, or what is wrong.
-  std::string advice;  ///< What to do about it when it is not ok.
+  std::string found;   ///< The version found, or the fault.
+  std::string advice;  ///< Remedy when it is not ok.
 };
 
 /// ok with what `look` answers, else not ok with the reason of what it throws.

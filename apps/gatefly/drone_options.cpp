@@ -22,7 +22,7 @@ const io::KeyRule& speed_rule() {
       ->rule;
 }
 
-/// What --config takes for a name in `folder`, or a file: one that has the [section] it is given for.
+/// The file that a name in `folder` or a path stands for; it must have the [section] it is given for.
 std::string described_by(const std::string& name, const std::string& folder,
                          const std::string& section) {
   const std::filesystem::path file = io::find_toml(name, folder);

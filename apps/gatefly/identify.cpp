@@ -92,13 +92,13 @@ void print(const std::vector<Identified>& all, const DragFit& mean) {
 /// A picture's middle that is off by some pixels looks like tilt [°].
 constexpr double kMiddleDeg = 0.7;
 
-/// What a flight of ours has learnt of its drone, by the gates on its map: no motion capture.
+/// Drone constants learnt in one of our flights from the gates on its map, without motion capture.
 struct Learnt {
   std::string name;
   std::size_t fixes = 0;
   std::optional<identification::Known> tilt_deg, latency_ms;
   double told_tilt_deg = 0.0, told_latency_ms = 0.0;
-  std::string command;  ///< What the thrust is told over: "rotor speed [rad/s]".
+  std::string command;  ///< Variable of the thrust curve: "rotor speed [rad/s]".
   std::optional<identification::ThrustFit> thrust;
   std::string why_no_thrust;
 };

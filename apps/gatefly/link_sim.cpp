@@ -27,7 +27,7 @@ struct LinkSimOptions {
   link_sim::LinkSimParams params;
   std::uint64_t seed = 1;
   std::string log, bench, controller = "betaflight-4.5";
-  /// What was not given is what the controller has.
+  /// Options that were not given follow the controller.
   std::optional<int> servos, state, radio, controller_port, baud;
   bool json = false;
 };

@@ -61,7 +61,7 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
 struct Listed {
   const char* name;
   const char* help;
-  const char* program;  ///< Where the simulator is: which of the programs has it.
+  const char* program;  ///< Name of the program that contains the command.
 };
 /// All commands there are, in the order of --help.
 constexpr std::array kCommands{
@@ -167,7 +167,7 @@ int run_command(const Run& run, const std::string& name) {
   return code == kInterrupted ? 128 + interrupting_signal() : code;
 }
 
-/// What another program asks of this one.
+/// Answers a request from another of our programs.
 void print_commands(const CLI::App& app) {
   std::vector<CommandInfo> here;
   for (CommandInfo& command : commands_of(app))

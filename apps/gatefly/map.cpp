@@ -42,7 +42,7 @@ struct Learning {
   fs::path track_file;
   Track track;
   eskf::Priors priors;
-  smoothing::Intake intake;  ///< Of the first flight.
+  smoothing::Intake intake;  ///< Intake of the first flight.
   std::vector<smoothing::FlightMap> maps;
 };
 

@@ -43,7 +43,7 @@ int make_new(const NewOptions& options) {
     throw std::runtime_error("new: --random = " + std::to_string(*options.random) +
                              " is for KIND = track, not " + options.kind);
   const std::string file = options.file.empty() ? options.kind + ".toml" : options.file;
-  // What is there may be the user's own work on an earlier one: never replaced unasked.
+  // An existing file may hold the user's own work: it is never replaced unasked.
   std::error_code error;
   if (!options.common.force && !io::is_stdout(file) && std::filesystem::exists(file, error))
     throw std::runtime_error(file + ": is there already (--force replaces it)");

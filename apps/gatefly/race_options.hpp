@@ -11,7 +11,7 @@
 
 namespace gatefly::cli {
 
-/// What `fly` and `campaign` are told about a race, but its seed.
+/// Options of a race that `fly` and `campaign` share; all but the seed.
 struct RaceOptions {
   CommonOptions common;
   DroneOptions drone;

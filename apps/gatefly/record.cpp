@@ -36,7 +36,7 @@ struct RecordOptions {
   bool json = false;
 };
 
-/// What each folder holds beside what is recorded: the drone's constants, and the course where one is named.
+/// Files that each folder holds beside the recording: the drone's constants, and the course if one is named.
 std::map<std::string, std::string> files_of(const RecordOptions& options,
                                             const io::Config& config) {
   std::map<std::string, std::string> files;
@@ -126,7 +126,7 @@ class Recording {
     const double since = seconds(live::Clock::now() - start_);
     return interrupted() || (options_.time_limit_s > 0.0 && since > options_.time_limit_s);
   }
-  /// Where space must be: --out, or what is above it as long as it is not there.
+  /// The folder whose disk needs space: --out, or its nearest existing parent.
   [[nodiscard]] fs::path parent() const {
     fs::path folder = fs::absolute(options_.out);
     std::error_code error;

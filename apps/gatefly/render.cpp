@@ -51,7 +51,7 @@ bool is_ours(const std::string& name) {
 
 /// How a picture is turned and written so that `detect` finds it upright.
 struct Storing {
-  int rotation_deg = 90;  ///< Of the stored picture, counter-clockwise, to make it upright.
+  int rotation_deg = 90;  ///< Turn that makes a stored picture upright, counter-clockwise.
   bool said_by_exif = true;
 };
 

@@ -155,7 +155,7 @@ std::vector<std::unique_ptr<io::PartialFolder>> taken_folders(const std::vector<
 
 fs::path page_of(const ReproduceOptions& options) { return fs::path{options.out} / "report.html"; }
 
-/// What it told on one page; without anything none.
+/// Writes one page of all results; none without results.
 void write_page(const std::vector<experiments::PageEntry>& entries,
                 const ReproduceOptions& options) {
   if (entries.empty()) return;

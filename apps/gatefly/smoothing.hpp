@@ -16,7 +16,7 @@ namespace gatefly::cli {
 /// A flight as a smoother has it, for `replay --smooth`.
 struct SmoothedFlight {
   std::vector<flight_log::EstimateRow> estimates;  ///< In place of the filter's, row by row.
-  std::vector<std::string> lines;                  ///< What to print of it ...
+  std::vector<std::string> lines;                  ///< Lines to print ...
   nlohmann::json json;                             ///< ... and what `--json` says as "smoothed".
 };
 

@@ -81,7 +81,7 @@ nlohmann::ordered_json as_json(const std::vector<ShippedTrack>& tracks, const st
 
 int list_tracks(const CommonOptions& options, bool json) {
   const io::Config config = load(options);
-  // Who sets no camera flies with the defaults, which are the Bebop's.
+  // Without a camera the defaults fly, which are the Bebop's.
   const auto named = config.set_by.find("camera.model");
   const std::string camera =
       named == config.set_by.end() ? "bebop" : named->second.substr(0, named->second.rfind(':'));

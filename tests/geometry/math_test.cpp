@@ -73,7 +73,7 @@ TEST(Math, ArcSineForgivesRounding) {
   EXPECT_DOUBLE_EQ(gatefly::acos(1.0 + 1e-12), 0.0);
 }
 
-// What is no angle must not pass for level.
+// Infinite, huge and undefined values must not pass for level.
 TEST(Math, WhatIsNoAngleHasNoSine) {
   for (const double a :
        {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),

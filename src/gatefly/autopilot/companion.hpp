@@ -16,7 +16,8 @@ struct Wish {
   double roll = 0.0, pitch = 0.0;  ///< [rad]
   Eigen::Vector3d rates_B =
       Eigen::Vector3d::Zero();  ///< With angles the yaw's alone counts [rad/s].
-  double rotor_speed = 0.0;     ///< Whose thrust is meant, of each rotor; 0: motors off [rad/s].
+  double rotor_speed =
+      0.0;  ///< Speed of each rotor that gives the commanded thrust; 0: motors off [rad/s].
 };
 
 /// The companion's line to an autopilot: so many set points a second, each a little late, in order, as

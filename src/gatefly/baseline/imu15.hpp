@@ -14,8 +14,9 @@ struct Imu15Params {
   /// [rad/s/√Hz; accelerometer and gyro: of .03, .1, .3, 1 and .002, .007, .02, .05 the least drift
   /// on real flights]
   double gyro_noise = 0.02;
-  double accel_walk = 0.014;  ///< Of the bias [m/s²/√s]; squared, the drag filter's.
-  double gyro_walk = 2e-4;    ///< Of the bias [rad/s/√s]
+  double accel_walk =
+      0.014;  ///< Random walk of the bias [m/s²/√s]; its square is the drag filter's.
+  double gyro_walk = 2e-4;    ///< Random walk of the bias [rad/s/√s]
   double gravity = kGravity;  ///< [m/s²]
   /// [m]; as the drag filter's, and so is the bias's
   Eigen::Vector3d start_position_sigma{0.15, 0.15, 0.05};

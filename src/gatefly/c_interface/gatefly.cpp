@@ -17,7 +17,8 @@
 #include "gatefly/config/pilot_files.hpp"
 #include "gatefly/race/pilot.hpp"
 
-// What may not allocate, lock or call the system: checked by clang (tools/check_realtime.sh).
+// Marks functions that may not allocate, lock or call the system: clang checks it
+// (tools/check_realtime.sh).
 #if defined(__clang__) && __clang_major__ >= 20
 #define GATEFLY_NONBLOCKING noexcept [[clang::nonblocking]]
 #else

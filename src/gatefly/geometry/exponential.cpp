@@ -30,7 +30,7 @@ struct Parts {
   int exponent;
 };
 
-/// Of a positive, finite number.
+/// Mantissa and exponent of a positive, finite number.
 Parts parts_of(double x) {
   int shifted = 0;
   if (x < kSmallest) x *= 0x1p54, shifted = -54;

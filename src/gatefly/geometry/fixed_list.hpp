@@ -26,7 +26,7 @@ class FixedList {
   [[nodiscard]] bool full() const { return size_ == N; }
   T& operator[](std::size_t i) { return values_[i]; }
   const T& operator[](std::size_t i) const { return values_[i]; }
-  /// Of an empty list: the first place, which holds a T{}.
+  /// The last element; in an empty list the first place, which holds a T{}.
   T& back() { return values_[size_ > 0 ? size_ - 1 : 0]; }
   const T& back() const { return values_[size_ > 0 ? size_ - 1 : 0]; }
   T* begin() { return values_.data(); }

@@ -19,7 +19,7 @@ struct CommandLimits {
   std::chrono::nanoseconds height_trust =
       std::chrono::milliseconds{500};  ///< Without a height for longer: no climbing.
   double climb_damping = 2.0;          ///< [1/s]
-  /// Of a descent, were the rotors as strong as they may be [m/s]: on the floor within 3 s from 1.5 m then, too. Slower is not
+  /// Speed of a descent if the rotors are as strong as they may be [m/s]: even then on the floor within 3 s from 1.5 m. Slower is not
   /// softer for those that are weaker, and longer in the air, where nobody sees what the drone drifts towards.
   double sink = 0.8;
   double hover_doubt = 0.10;  ///< Part by which they may give more than is thought.

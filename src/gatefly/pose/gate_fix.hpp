@@ -46,16 +46,16 @@ struct PoseParams {
   double max_bars_distance = 1.8;     ///< [m] [Li18 flight code]
   /// |y| beyond this part of the bars' distance is no fix. [ours: beside the opening]
   double max_bars_lateral = 0.8;
-  /// Of rays: mean squared corner residual / σ²; 1 is expected. [ours]
+  /// Limit for rays of the mean squared corner residual / σ²; 1 is expected. [ours: estimate]
   double max_misfit = 4.0;
-  /// What a bar's middle may be off at 1 m: lean, curtains behind it [m]. [ours]
+  /// Error of a bar's middle at 1 m: lean, curtains behind it [m]. [ours: estimate]
   double bars_sigma = 0.05;
 };
 
 /// Position of the body relative to a gate, from one picture.
 struct Fix {
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< [m]; z is 0 when !has_height.
-  /// Of p_GB, random and systematic errors together: for a single picture [m²].
+  /// Covariance of p_GB by random and systematic errors together, for a single picture [m²].
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   /// The same in two parts, to fuse many pictures: random errors, independent in each [m²] ...
   Eigen::Matrix3d random_covariance = Eigen::Matrix3d::Zero();

@@ -89,7 +89,7 @@ double outlier_cost(const Sight& sight, const MapPoseParams& params) {
   return 2.0 * gatefly::log(share) + (sight.line ? 1.0 : 2.0) * gatefly::log(std::max(1.0, ratio));
 }
 
-/// What a fit pays for what it leaves out: each is N(0, outlier σ²) around where it should show.
+/// Cost of the observations that a fit leaves out: each is N(0, outlier σ²) around its expected place.
 double paid_for_outliers(const Problem& problem, Active active, const Fit& fit) {
   constexpr double kBehind = 25.0;  // where it cannot show at all: five outlier sigmas
   double cost = 0.0;

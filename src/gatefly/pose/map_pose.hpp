@@ -17,7 +17,7 @@ namespace gatefly {
 /// One thing seen of a gate: a point, or, with `along_G`, some point of a straight line.
 struct GateObservation {
   Eigen::Vector2d px;  ///< Observed image point.
-  /// Of u and of v; across the line only, if it is one.
+  /// Standard deviation of u and of v; for a line, across it.
   double sigma_px = 2.5;
   Eigen::Vector3d point_G;  ///< The map's point that shows there [m].
   /// Direction of the line through point_G; zero: the point itself.
@@ -34,7 +34,7 @@ bool add_bars(GateObservations& seen, const GateBars& bars, double bar_distance,
 
 /// Prior knowledge, one standard deviation each.
 struct PosePrior {
-  /// Of the AHRS at exposure; yaw relative to the gate.
+  /// Attitude of the AHRS at exposure; yaw relative to the gate.
   Attitude attitude_GB = {};
   double roll_sigma = 0.02, pitch_sigma = 0.02;  ///< [rad] [ours: as PoseParams]
   double yaw_sigma = 0.04;                       ///< [rad] [ours: as PoseParams]
@@ -84,7 +84,7 @@ enum class NoPose {
 struct MapPose {
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();  ///< [m]
   Attitude attitude_GB;                            ///< The prior's, corrected.
-  /// Of (x, y, z, roll, pitch, yaw) [m, rad]; the prior is in it.
+  /// Covariance of (x, y, z, roll, pitch, yaw) [m, rad], prior included.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   double chi2 = 0.0;     ///< Chi-square of the inliers, prior included.
   int dof = 0;           ///< Its degrees of freedom.

@@ -102,7 +102,7 @@ struct AnyCamera {
 
 static_assert(Camera<AnyCamera>);
 
-/// Where lines of direction `direction_C` meet in a picture, as a straight lens of the same focal
+/// The vanishing point of lines of direction `direction_C`, as a straight lens of the same focal
 /// length would draw it; usually far outside. nullopt when they run (almost) parallel to the
 /// picture.
 [[nodiscard]] std::optional<Eigen::Vector2d> vanishing_point_px(const AnyCamera& lens,

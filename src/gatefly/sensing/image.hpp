@@ -122,7 +122,7 @@ class Image {
   }
 
  private:
-  // Of U Y0 V Y1 every second byte is a pixel's own.
+  // In U Y0 V Y1 only Y is a pixel's own; two pixels share U and V.
   [[nodiscard]] static Yuv uyvy(const std::uint8_t* bytes, std::ptrdiff_t i) {
     const std::uint8_t* const pair = bytes + ((2 * i) & ~std::ptrdiff_t{3});
     return {bytes[2 * i + 1], pair[0], pair[2]};

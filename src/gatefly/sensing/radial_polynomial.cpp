@@ -28,7 +28,7 @@ struct Roots {
   std::size_t count = 0;
 };
 
-/// Where c[0] + c[1] r + ... changes its sign in (0, end), ascending.
+/// The r in (0, end) at which c[0] + c[1] r + ... changes its sign, ascending.
 /// Between two roots of the derivative there is at most one, and halving cannot miss it.
 Roots sign_changes(std::span<const double> c, double end) {
   Roots roots;

@@ -17,7 +17,7 @@ struct Answer {
   std::string body{};
   std::filesystem::path file{};  ///< Sent piece by piece instead of `body`; "": none.
   std::string policy{};          ///< Content-Security-Policy; "": nothing is loaded or run.
-  std::string location{};        ///< Where it is, of a 301.
+  std::string location{};        ///< Target of a redirect (301).
 };
 
 /// A small HTTP/1.1 server for browsers of this machine: GET and HEAD, a connection a request.

@@ -7,7 +7,7 @@
 namespace gatefly::server {
 namespace {
 
-/// What is before a separator; the rest stays in `text`. All of it when there is no separator.
+/// Takes the part before a separator off `text`; all of it when there is no separator.
 std::string_view cut(std::string_view& text, std::string_view separator) {
   const auto at = text.find(separator);
   const std::string_view before = text.substr(0, at);

@@ -20,7 +20,7 @@ struct Intake {
   eskf::Tick start;                       ///< The belief before take-off ...
   Eigen::MatrixXd P_start;                ///< ... and how sure it was, gates left out.
   std::vector<eskf::Tick> ticks;          ///< With what the filter believed at the end of each.
-  std::vector<eskf::GateBelief> gates;    ///< What it believed of each landmark in the end.
+  std::vector<eskf::GateBelief> gates;    ///< Its final belief about each landmark.
 };
 
 /// Reads an intake off a filter while it flies: to be called after every step of its pilot.

@@ -18,7 +18,7 @@ struct Trajectory {
 
 /// The errors of a trajectory, found from all that was measured.
 struct Correction {
-  std::vector<BaseVector> base;  ///< Of each of its moments.
+  std::vector<BaseVector> base;  ///< Base state of each of its moments.
   Eigen::VectorXd gates;         ///< kPerGate of each.
 };
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One version everywhere: CMakeLists.txt, which the packages follow, CITATION.cff, CHANGELOG.md, docs, and the tag of this commit.
 
-usage: version_test.py REPOSITORY_ROOT [unittest arguments]
+usage: one_version_test.py REPOSITORY_ROOT [unittest arguments]
 """
 import pathlib
 import re
