@@ -12,17 +12,9 @@ import unittest
 
 ROOT = pathlib.Path(sys.argv[1])
 sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tests" / "cli"))
+from simulated import free_ports  # noqa: E402
 from ts002_conformance import frame_of, frames_in  # noqa: E402
-
-
-def free_ports(count):
-    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-    for each in sockets:
-        each.bind(("127.0.0.1", 0))
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
 
 
 class Conformance(unittest.TestCase):
@@ -43,7 +35,7 @@ class Conformance(unittest.TestCase):
         self.assertGreaterEqual(known, 5)
 
     def test_its_ends_keep_each_others_rules_but_there_are_no_pictures(self):
-        port, pictures = free_ports(2)
+        port, pictures = free_ports(2, socket.SOCK_DGRAM)
         tool = [sys.executable, str(ROOT / "tools" / "ts002_conformance.py")]
         with subprocess.Popen([*tool, "simulator", "--port", str(port), "--pictures", str(pictures), "--seconds", "3"], stdout=subprocess.PIPE, text=True) as at_simulator:
             at_pilot = subprocess.run([*tool, "pilot", "--port", str(port), "--seconds", "3"], capture_output=True, text=True, timeout=30, check=False)
@@ -54,7 +46,7 @@ class Conformance(unittest.TestCase):
         self.assertTrue(wrong and all("pictures:" in line for line in wrong), said)
 
     def test_nobody_there_is_a_line(self):
-        port, pictures = free_ports(2)
+        port, pictures = free_ports(2, socket.SOCK_DGRAM)
         done = subprocess.run([sys.executable, str(ROOT / "tools" / "ts002_conformance.py"), "simulator", "--port", str(port), "--pictures", str(pictures)],
                               capture_output=True, text=True, timeout=30, check=False)
         self.assertEqual((done.returncode, done.stderr), (2, f"nobody calls at udp 127.0.0.1:{port}\n"))

@@ -364,7 +364,7 @@ TEST(PeerClock, AnAnswerThatTookLongDoesNotCount) {
   clock.take({.offset = 100s - 150ms, .round_trip = 304ms}, 2s);
   EXPECT_EQ(clock.best()->offset, 100s);
   EXPECT_EQ(clock.age(102s, 2s), 2ms);
-  // What was quickest is forgotten after a while: clocks drift.
+  // The quickest answer is forgotten after a while: clocks drift.
   clock.take({.offset = 100s + 1ms, .round_trip = 6ms}, 13s);
   clock.take({.offset = 100s + 1ms, .round_trip = 6ms}, 25s);
   EXPECT_EQ(clock.best()->offset, 100s + 1ms);

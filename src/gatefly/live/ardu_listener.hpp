@@ -25,7 +25,7 @@ namespace gatefly::live {
 ///
 /// HIGHRES_IMU, of those that do not have it RAW_IMU, whose stamps are the autopilot's own: samples go to the pilot as regularly as
 /// they were taken. TIMESYNC questions tell that both ways of the line are there, and how old an attitude is that a slow line has held up.
-/// What comes twice or behind a later one, as datagrams may, is not taken again. Only the drone's autopilot is heard, and who else might fly
+/// Messages that arrive twice or out of order, as datagrams may, are not taken. Only the drone's autopilot is heard, and who else might fly
 /// it.
 class ArduListener : public Listener {
  public:

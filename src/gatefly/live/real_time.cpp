@@ -11,13 +11,13 @@ namespace gatefly::live {
 bool go_first(Urgency urgency) {
   sched_param param{};
   param.sched_priority = static_cast<int>(urgency);
-  // What it starts, a GStreamer or an ffmpeg, is in no hurry.
+  // Reset on fork: programs that this thread starts, GStreamer or ffmpeg, keep the normal priority.
   return sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &param) == 0;
 }
 
 bool hold_memory() {
   if (mlockall(MCL_CURRENT) != 0) return false;
-  // Where there is a limit, memory that is asked for later must be had without being held.
+  // Under a limit, locking future pages as well would make later allocations fail.
   rlimit limit{};
   const bool no_limit =
       geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);

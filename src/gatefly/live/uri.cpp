@@ -74,7 +74,7 @@ class UriText {
 };
 
 constexpr int kMostPort = 65535;
-/// What we ask an ArduCopter for are 12,000 bytes a second, and it sends others without being asked.
+/// The streams requested of an ArduCopter take 12,000 bytes a second, and it sends others unasked.
 constexpr int kLeastMavlinkBaud = 230400;
 
 }  // namespace

@@ -17,7 +17,7 @@ struct LinkUri {
   Kind kind = Kind::kTcp;
   bool mavlink = false;         ///< Not MSP.
   std::string place;            ///< A device, host or folder.
-  int port = 0, baud = 115200;  ///< Of MAVLink 921600, and never less than it bears.
+  int port = 0, baud = 115200;  ///< Baud: MAVLink's default is 921600, its least 230400.
   std::string bind = "127.0.0.1", peer = "127.0.0.1";
   int system = 1;  ///< The MAVLink id of the drone that bench-drone asks; a flight's is its file's.
   double pace = 1.0;  ///< Speed of a replay relative to real time; 0: as fast as possible.
