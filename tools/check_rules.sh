@@ -19,7 +19,7 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 format() { python3 tools/check_format.py; }
 comments() { python3 tools/check_comments.py; }
 tidy() { python3 tools/check_tidy.py; }
-fuzzers() { cmake --build build/release --target fuzzers && ctest --test-dir build/release -L fuzz -LE full --output-on-failure; }
+fuzzers() { cmake --build build/release --target fuzzers && ctest --test-dir build/release -j "$(nproc)" -L fuzz -LE full --output-on-failure; }
 no_simulator() { tools/check_without_simulator.sh; }
 no_simulator_whole() { tools/check_without_simulator.sh --whole; }
 armv7() { tools/check_arm.py armv7; }

@@ -13,7 +13,7 @@ namespace gatefly {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kDt = 1.0 / 512;
+constexpr double kRatesDt = 1.0 / 512;
 
 /// An autopilot that obeys rates after a dead time, then with a lag.
 struct Obeying {
@@ -24,11 +24,11 @@ struct Obeying {
 
   void fly(const Vector3d& rates) {
     on_their_way.push_back(rates);
-    if (on_their_way.size() > static_cast<std::size_t>(dead / kDt)) {
-      rate += kDt / lag * (on_their_way.front() - rate);
+    if (on_their_way.size() > static_cast<std::size_t>(dead / kRatesDt)) {
+      rate += kRatesDt / lag * (on_their_way.front() - rate);
       on_their_way.pop_front();
     }
-    q = integrated(q, rate, kDt);
+    q = integrated(q, rate, kRatesDt);
   }
 };
 
@@ -38,7 +38,7 @@ double overshoot(const RateParams& params, double dead, double lag) {
   Obeying drone{.dead = dead, .lag = lag, .on_their_way = {}, .rate = Vector3d::Zero(), .q = {}};
   double most = 0.0;
   for (int i = 0; i < 1024; ++i) {
-    drone.fly(rates.step({.roll = 20.0 * kDegree}, rotation_EB(drone.q), kDt));
+    drone.fly(rates.step({.roll = 20.0 * kDegree}, rotation_EB(drone.q), kRatesDt));
     most = std::max(most, attitude_of(rotation_EB(drone.q)).roll / (20.0 * kDegree));
   }
   EXPECT_NEAR(attitude_of(rotation_EB(drone.q)).roll, 20.0 * kDegree, 0.5 * kDegree);
@@ -61,17 +61,18 @@ TEST(AttitudeRates, BearADelayHalfAsLongAgain) {
 TEST(AttitudeRates, TurnTheShortWayAndNoFasterThanAllowed) {
   AttitudeRates rates{RateParams{}, 1.5};
   const RotationEB now = rotation_EB(Attitude{0, 0, 170.0 * kDegree});
-  const Vector3d asked = rates.step({.yaw = -170.0 * kDegree}, now, kDt);
+  const Vector3d asked = rates.step({.yaw = -170.0 * kDegree}, now, kRatesDt);
   EXPECT_GT(asked.z(), 0.5);
   AttitudeRates again{RateParams{}, 1.5};
   EXPECT_NEAR(
-      again.step({.yaw = 80.0 * kDegree}, rotation_EB(Attitude{0, 0, 170.0 * kDegree}), kDt).z(),
+      again.step({.yaw = 80.0 * kDegree}, rotation_EB(Attitude{0, 0, 170.0 * kDegree}), kRatesDt)
+          .z(),
       -1.5, 1e-9);
 }
 
 TEST(AttitudeRates, FeedAYawRateForward) {
   AttitudeRates rates{RateParams{}, 2.8};
-  EXPECT_NEAR(rates.step({.yaw_rate = 0.7}, {}, kDt).z(), 0.7, 1e-9);
+  EXPECT_NEAR(rates.step({.yaw_rate = 0.7}, {}, kRatesDt).z(), 0.7, 1e-9);
 }
 
 TEST(SpeedsFor, AreThoseWhoseThrustIsMeantWithinTheRotorsLimits) {

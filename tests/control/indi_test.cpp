@@ -19,7 +19,7 @@ using namespace test;
 using Eigen::Vector3d;
 using Motors = std::array<double, 4>;
 
-constexpr double kDt = 1.0 / 512;
+constexpr double kIndiDt = 1.0 / 512;
 
 AttitudeCommand level_hover() {
   AttitudeCommand c;
@@ -37,15 +37,16 @@ struct Body {
 
   void fly(const Motors& motors) {
     for (std::size_t i = 0; i < 4; ++i)
-      thrust[i] += kDt / vehicle.rotor_time_constant *
+      thrust[i] += kIndiDt / vehicle.rotor_time_constant *
                    (vehicle.thrust_coefficient * motors[i] * motors[i] - thrust[i]);
     const double lx = vehicle.arm_x, ly = vehicle.arm_y, c = vehicle.torque_coefficient;
     const Vector3d torque{ly * (thrust[0] - thrust[1] - thrust[2] + thrust[3]),
                           lx * (thrust[0] + thrust[1] - thrust[2] - thrust[3]),
                           c * (-thrust[0] + thrust[1] - thrust[2] + thrust[3])};
     const Vector3d momentum = vehicle.inertia.cwiseProduct(rate);
-    rate += kDt * (torque + torque_offset - rate.cross(momentum)).cwiseQuotient(vehicle.inertia);
-    q = integrated(q, rate, kDt);
+    rate +=
+        kIndiDt * (torque + torque_offset - rate.cross(momentum)).cwiseQuotient(vehicle.inertia);
+    q = integrated(q, rate, kIndiDt);
   }
 };
 
@@ -53,7 +54,7 @@ TEST(Indi, AtRestAndLevelAllRotorsTurnAlikeAndCarryTheWeight) {
   const VehicleParams vehicle;
   Indi indi{{}, vehicle};
   Motors motors{};
-  for (int i = 0; i < 100; ++i) motors = indi.step(level_hover(), {}, Vector3d::Zero(), kDt);
+  for (int i = 0; i < 100; ++i) motors = indi.step(level_hover(), {}, Vector3d::Zero(), kIndiDt);
   double thrust = 0;
   for (const double w : motors) {
     EXPECT_NEAR(w, motors[0], 1e-6);
@@ -66,7 +67,7 @@ TEST(Indi, EachCommandTurnsTheRotorsThatDoIt) {
   const auto motors_for = [](AttitudeCommand c) {
     Indi indi{{}, {}};
     c.thrust = 9.81;
-    return indi.step(c, {}, Vector3d::Zero(), kDt);
+    return indi.step(c, {}, Vector3d::Zero(), kIndiDt);
   };
   // Order: left front, right front, right back, left back.
   const Motors roll = motors_for({.roll = 0.1}), pitch = motors_for({.pitch = 0.1}),
@@ -90,7 +91,8 @@ TEST(Indi, AMirroredCommandGivesMirroredRotors) {
     const AttitudeCommand m{
         .roll = -c.roll, .pitch = c.pitch, .yaw = -c.yaw, .yaw_rate = 0.0, .thrust = 9.81};
     Indi a{{}, {}}, b{{}, {}};
-    const Motors p = a.step(c, {}, Vector3d::Zero(), kDt), q = b.step(m, {}, Vector3d::Zero(), kDt);
+    const Motors p = a.step(c, {}, Vector3d::Zero(), kIndiDt),
+                 q = b.step(m, {}, Vector3d::Zero(), kIndiDt);
     EXPECT_NEAR(p[0], q[1], 1e-6);
     EXPECT_NEAR(p[1], q[0], 1e-6);
     EXPECT_NEAR(p[2], q[3], 1e-6);
@@ -107,7 +109,7 @@ TEST(Indi, BringsTheAttitudeThereAndKeepsIt) {
   double most = 0;
   for (int i = 0; i < 3 * 512; ++i) {
     const RotationEB R = rotation_EB(body.q);
-    body.fly(indi.step(c, R, body.rate, kDt));
+    body.fly(indi.step(c, R, body.rate, kIndiDt));
     most = std::max(most, attitude_of(R).roll);
   }
   const Attitude a = attitude_of(rotation_EB(body.q));
@@ -126,7 +128,7 @@ TEST(Indi, CopesWithAVehicleItDoesNotKnow) {
   body.torque_offset = {0.01, -0.01, 0.001};
   Indi indi{{}, VehicleParams{}};
   const AttitudeCommand c{.roll = 0.2, .pitch = -0.1, .yaw = 0, .yaw_rate = 0, .thrust = 9.81};
-  for (int i = 0; i < 4 * 512; ++i) body.fly(indi.step(c, rotation_EB(body.q), body.rate, kDt));
+  for (int i = 0; i < 4 * 512; ++i) body.fly(indi.step(c, rotation_EB(body.q), body.rate, kIndiDt));
   const Attitude a = attitude_of(rotation_EB(body.q));
   EXPECT_NEAR(a.roll, c.roll, 0.02);
   EXPECT_NEAR(a.pitch, c.pitch, 0.02);
@@ -140,7 +142,7 @@ TEST(Indi, TurnsTheShortWayRoundThroughSouth) {
   AttitudeCommand c = level_hover();
   c.yaw = -3.0;  // 0.28 rad clockwise, across ±180°
   for (int i = 0; i < 3 * 512; ++i) {
-    body.fly(indi.step(c, rotation_EB(body.q), body.rate, kDt));
+    body.fly(indi.step(c, rotation_EB(body.q), body.rate, kIndiDt));
     EXPECT_GT(std::abs(attitude_of(rotation_EB(body.q)).yaw), 2.8);
   }
   EXPECT_NEAR(wrap_angle(attitude_of(rotation_EB(body.q)).yaw - c.yaw), 0, 0.03);
@@ -153,7 +155,7 @@ TEST(Indi, TurnsRoundFromFarOff) {
   body.q = quaternion_of({0, 0, 2.9});
   Indi indi{{}, body.vehicle};
   for (int i = 0; i < 6 * 512; ++i)
-    body.fly(indi.step(level_hover(), rotation_EB(body.q), body.rate, kDt));
+    body.fly(indi.step(level_hover(), rotation_EB(body.q), body.rate, kIndiDt));
   EXPECT_NEAR(attitude_of(rotation_EB(body.q)).yaw, 0, 0.05);
 }
 
@@ -167,7 +169,7 @@ TEST(Indi, RotorsStayWithinTheirLimitsWhateverIsAsked) {
                               .yaw = rng.uniform(-3, 3),
                               .yaw_rate = rng.uniform(-9, 9),
                               .thrust = rng.uniform(-50, 50)};
-      const double dt = i % 5 == 0 ? 0.0 : kDt;
+      const double dt = i % 5 == 0 ? 0.0 : kIndiDt;
       for (const double w :
            indi.step(c, rotation_EB(any_attitude(rng, 1.5)), any_vector3(rng, 20), dt)) {
         ASSERT_GE(w, vehicle.min_speed - 1e-6);
@@ -180,10 +182,10 @@ TEST(Indi, RotorsStayWithinTheirLimitsWhateverIsAsked) {
 TEST(Indi, ResetForgetsEverything) {
   Indi used{{}, {}}, fresh{{}, {}};
   for (int i = 0; i < 100; ++i)
-    (void)used.step({.roll = 0.3, .thrust = 12}, {}, Vector3d{1, 2, 3}, kDt);
+    (void)used.step({.roll = 0.3, .thrust = 12}, {}, Vector3d{1, 2, 3}, kIndiDt);
   used.reset();
-  EXPECT_EQ(used.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt),
-            fresh.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kDt));
+  EXPECT_EQ(used.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kIndiDt),
+            fresh.step(level_hover(), {}, Vector3d{0.1, 0, 0}, kIndiDt));
 }
 
 // A body whose roll and pitch obey half as well as the team thinks, and yaw twice as well.
@@ -198,10 +200,10 @@ Vector3d learnt(bool adaptive, double command) {
   Indi indi{params, believed};
   for (int i = 0; i < 10 * 512; ++i) {
     AttitudeCommand c = level_hover();
-    const double t = i * kDt;
+    const double t = i * kIndiDt;
     c.roll = command * std::sin(7.0 * t), c.pitch = command * std::sin(5.0 * t + 1.0);
     c.yaw = 2.0 * command * std::sin(6.0 * t);
-    body.fly(indi.step(c, rotation_EB(body.q), body.rate, kDt));
+    body.fly(indi.step(c, rotation_EB(body.q), body.rate, kIndiDt));
   }
   return indi.effectiveness();
 }

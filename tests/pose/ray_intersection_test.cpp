@@ -29,7 +29,7 @@ std::vector<Ray> rays_from(const Vector3d& camera) {
   return rays;
 }
 
-Vector3d any_camera(Rng& rng) {
+Vector3d any_place_of_camera(Rng& rng) {
   return {rng.uniform(-5, -1), rng.uniform(-2, 2), rng.uniform(-1, 1)};
 }
 
@@ -41,7 +41,7 @@ double squared_distances(const std::vector<Ray>& rays, const Vector3d& t) {
 
 TEST(NearestPoint, RecoversTheCameraWhenRaysAreExact) {
   for_all(200, [](Rng& rng) {
-    const Vector3d camera = any_camera(rng);
+    const Vector3d camera = any_place_of_camera(rng);
     const auto found = nearest_point(rays_from(camera));
     ASSERT_TRUE(found);
     EXPECT_THAT(*found, IsNear(camera, 1e-9));
@@ -50,7 +50,7 @@ TEST(NearestPoint, RecoversTheCameraWhenRaysAreExact) {
 
 TEST(NearestPoint, IsTheLeastSumOfSquaredDistances) {
   for_all(200, [](Rng& rng) {
-    auto rays = rays_from(any_camera(rng));
+    auto rays = rays_from(any_place_of_camera(rng));
     for (auto& ray : rays) ray.direction = (ray.direction + any_vector3(rng, 0.02)).normalized();
     const auto found = nearest_point(rays);
     ASSERT_TRUE(found);
@@ -62,7 +62,7 @@ TEST(NearestPoint, IsTheLeastSumOfSquaredDistances) {
 
 TEST(NearestPoint, MovesAndTurnsWithItsRays) {
   for_all(200, [](Rng& rng) {
-    auto rays = rays_from(any_camera(rng));
+    auto rays = rays_from(any_place_of_camera(rng));
     for (auto& ray : rays) ray.direction = (ray.direction + any_vector3(rng, 0.02)).normalized();
     const auto found = nearest_point(rays);
     ASSERT_TRUE(found);

@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// Two lanes 3 m apart, half circles of 1.5 m to the right at both ends: an oval that closes.
-Track oval() {
+Track oval_by_exits() {
   Track track;
   const GateExit exit{.run = 0.5, .angle = kPi, .radius = 1.5};
   track.gates = {{.p_EG = {3.5, 0, -1.5}, .yaw_EG = 0.0, .exit = exit},
@@ -36,7 +36,7 @@ std::string refused(const Track& track) {
 }
 
 TEST(ExitPlan, RunsOutTurnsAndEndsOnTheAxisOfTheNextGate) {
-  const RacePlan plan = plan_from_exits(oval());
+  const RacePlan plan = plan_from_exits(oval_by_exits());
   ASSERT_EQ(plan.legs.size(), 2u);
   EXPECT_NEAR(plan.start.length(), 3.5, 1e-12);
   const Path& leg = plan.legs[0];
@@ -49,25 +49,25 @@ TEST(ExitPlan, RunsOutTurnsAndEndsOnTheAxisOfTheNextGate) {
 }
 
 TEST(ExitPlan, ALeftTurnGoesLeft) {
-  Track track = oval();
+  Track track = oval_by_exits();
   track.gates[0].exit->angle = -kPi;
   const RacePlan plan = plan_from_exits(track);
   EXPECT_LT(plan.legs[0].at(2.0).position.y(), 0.0);
 }
 
 TEST(ExitPlan, SaysWhichExitIsMissingOrWrong) {
-  Track track = oval();
+  Track track = oval_by_exits();
   track.gates[1].exit.reset();
   EXPECT_THAT(refused(track), ::testing::HasSubstr("gate 2 has no exit"));
   track.laps = 1;
   EXPECT_EQ(refused(track), "") << "the last gate of a single lap leads nowhere";
-  track = oval();
+  track = oval_by_exits();
   track.gates[0].exit->angle = 0.75 * kPi;
   EXPECT_THAT(refused(track), ::testing::HasSubstr("the exit of gate 1 turns by -45°"));
-  track = oval();
+  track = oval_by_exits();
   track.gates[1].p_EG.x() = 8.0;
   EXPECT_THAT(refused(track), ::testing::HasSubstr("the arc behind gate 1, before gate 2, is not"));
-  track = oval();
+  track = oval_by_exits();
   track.gates = {track.gates[0]};
   track.gates[0].exit->angle = 2 * kPi;
   EXPECT_THAT(refused(track), ::testing::HasSubstr("full circle"));
@@ -76,7 +76,7 @@ TEST(ExitPlan, SaysWhichExitIsMissingOrWrong) {
   EXPECT_NE(refused(Track{}), "");
 }
 
-NavigationState at(const Course& course, const Vector3d& p_EB) {
+NavigationState navigated_to(const Course& course, const Vector3d& p_EB) {
   NavigationState now;
   now.p_EB = p_EB;
   now.p_GB = rotation_z(-course.gate().yaw_EG) * (p_EB - course.gate().p_EG);
@@ -86,10 +86,10 @@ NavigationState at(const Course& course, const Vector3d& p_EB) {
 // The flown rule is a window of 5 cm around the turn point, which a jump can miss.
 TEST(CourseByExits, AGateIsPassedAtItsTurnPointOrAnywhereBehindIt) {
   for (const double x : {4.0, 4.7}) {
-    Course course = Course::by_exits(oval());
-    EXPECT_FALSE(course.follow(at(course, {3.95, 0.1, -1.5}), Straight{}));
+    Course course = Course::by_exits(oval_by_exits());
+    EXPECT_FALSE(course.follow(navigated_to(course, {3.95, 0.1, -1.5}), Straight{}));
     EXPECT_FALSE(course.before_approach());
-    EXPECT_TRUE(course.follow(at(course, {x, 0.1, -1.5}), Straight{}));
+    EXPECT_TRUE(course.follow(navigated_to(course, {x, 0.1, -1.5}), Straight{}));
     EXPECT_EQ(course.target(), 1);
     EXPECT_TRUE(course.before_approach());
   }
@@ -97,25 +97,25 @@ TEST(CourseByExits, AGateIsPassedAtItsTurnPointOrAnywhereBehindIt) {
 
 // Gates in a row: there is no turn, and nothing to wait for.
 TEST(CourseByExits, AnExitThatHardlyTurnsGoesStraightOn) {
-  Track track = oval();
+  Track track = oval_by_exits();
   track.gates[0].exit->angle = 2.0 * kDegree;
   track.gates[1].p_EG = {9.0, 0.1, -1.5};
   track.gates[1].yaw_EG = -2.0 * kDegree;
   track.laps = 1;
   Course course = Course::by_exits(track);
-  ASSERT_TRUE(course.follow(at(course, {4.0, 0, -1.5}), Straight{}));
+  ASSERT_TRUE(course.follow(navigated_to(course, {4.0, 0, -1.5}), Straight{}));
   EXPECT_FALSE(course.before_approach());
 }
 
 TEST(CourseByExits, NothingIsPassedInATurnOrBeforeTheApproachHasBegun) {
-  Course course = Course::by_exits(oval());
-  ASSERT_TRUE(course.follow(at(course, {4.0, 0, -1.5}), Straight{}));
-  EXPECT_FALSE(course.follow(at(course, {-1.0, 3.0, -1.4}), Turn{}));
-  EXPECT_FALSE(course.follow(at(course, {-1.0, 3.0, -1.4}), Straight{}));
+  Course course = Course::by_exits(oval_by_exits());
+  ASSERT_TRUE(course.follow(navigated_to(course, {4.0, 0, -1.5}), Straight{}));
+  EXPECT_FALSE(course.follow(navigated_to(course, {-1.0, 3.0, -1.4}), Turn{}));
+  EXPECT_FALSE(course.follow(navigated_to(course, {-1.0, 3.0, -1.4}), Straight{}));
   EXPECT_TRUE(course.turn_end().isApprox(Vector2d(4.0, 3.0)));
   EXPECT_NEAR(*course.approach_length(), 4.0, 1e-12);
   course.begin_approach();
-  EXPECT_TRUE(course.follow(at(course, {-1.0, 3.0, -1.4}), Straight{}));
+  EXPECT_TRUE(course.follow(navigated_to(course, {-1.0, 3.0, -1.4}), Straight{}));
 }
 
 }  // namespace

@@ -13,14 +13,14 @@ namespace {
 using namespace test;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1.0 / 512;
+constexpr double kLookoutDt = 1.0 / 512;
 const Imu kStill{Vector3d::Zero(), {0, 0, -9.81}};
 
 /// A drone that hovers 3 m before the first gate of two, and what its eye makes of what it is shown.
 struct Watch {
   Watch() : course{track(), {}}, lookout{params()} {
     navigator.start({1, 0, -1.5}, 0.0, frame_of(course.gate()), {0.0, 0.05, 0.06});
-    for (int i = 0; i < 512; ++i) navigator.rest(kStill, t += kDt);
+    for (int i = 0; i < 512; ++i) navigator.rest(kStill, t += kLookoutDt);
     wait(200);
   }
   static Track track() {
@@ -35,7 +35,7 @@ struct Watch {
     return params;
   }
   void wait(int ticks) {
-    for (int i = 0; i < ticks; ++i) navigator.predict(kStill, t += kDt);
+    for (int i = 0; i < ticks; ++i) navigator.predict(kStill, t += kLookoutDt);
   }
   /// The target seen as from `off` beside where the drone believes to be; whether that corrected it.
   bool see(const Vector3d& off, double fitness = 1.0) {
@@ -96,7 +96,7 @@ TEST(Lookout, AnotherGateOfTheMapIsNotTheTarget) {
   Watch drone;
   const MapGate& other = drone.course.track().gates[1];
   drone.navigator.start({2, 4, -1.5}, 0.0, frame_of(drone.course.gate()), {0.0, 0.05, 0.06});
-  for (int i = 0; i < 512; ++i) drone.navigator.rest(kStill, drone.t += kDt);
+  for (int i = 0; i < 512; ++i) drone.navigator.rest(kStill, drone.t += kLookoutDt);
   drone.wait(200);
   const View view{.p_GB = drone.navigator.p_EB() - other.p_EG, .attitude_GB = {}};
   Sensors sensors;
@@ -132,7 +132,7 @@ TEST(Lookout, AfterABlindLegTwoSightingsHaveToAgree) {
 TEST(Lookout, SideBarsCorrectUpClose) {
   Watch drone;
   drone.navigator.start({2.6, 0, -1.5}, 0.0, frame_of(drone.course.gate()), {0.0, 0.05, 0.06});
-  for (int i = 0; i < 512; ++i) drone.navigator.rest(kStill, drone.t += kDt);
+  for (int i = 0; i < 512; ++i) drone.navigator.rest(kStill, drone.t += kLookoutDt);
   drone.wait(100);
   const View view{.p_GB = drone.navigator.state().p_GB, .attitude_GB = {}};
   const Quad middle = *corners_of(0.95, view, bebop_rig());

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDt = 1.0 / 512, kFilterDrag = -0.50;
+constexpr double kPaperDt = 1.0 / 512, kFilterDrag = -0.50;
 const PaperControlParams kParams;
 
 GuidanceParams flown() {
@@ -32,9 +32,9 @@ Course two_lanes() {
   return Course::by_exits(track);
 }
 
-NavigationState state_at(const Vector3d& p_GB, const Vector3d& v) {
+NavigationState paper_state_at(const Vector3d& p_GB, const Vector3d& v) {
   NavigationState now;
-  now.time = 10.0, now.dt = kDt;
+  now.time = 10.0, now.dt = kPaperDt;
   now.p_GB = p_GB, now.p_EB = p_GB + Vector3d{6, 0, -1.5};
   now.v_E = now.v_B = now.v_GB = v;
   return now;
@@ -48,25 +48,26 @@ TEST(PaperGuidance, OnAStraightThePitchIsFixedAndThePdBringsItToTheAxis) {
   const Course course = two_lanes();
   Phase phase = Straight{};
   for (const double speed : {0.0, 1.5, 4.0}) {
-    const AttitudeCommand c = g.command(phase, state_at({-3, 0.3, 0}, {speed, 0.1, 0}), course);
+    const AttitudeCommand c =
+        g.command(phase, paper_state_at({-3, 0.3, 0}, {speed, 0.1, 0}), course);
     EXPECT_NEAR(c.roll, -0.50 * 0.3 - 0.20 * 0.1, 1e-12);
     EXPECT_EQ(c.pitch, -5.0 * kDegree) << "whatever the speed";
     EXPECT_EQ(c.yaw, 0.0);
   }
-  EXPECT_NEAR(g.command(phase, state_at({-3, 2.0, 0}, {1.5, 0, 0}), course).roll, -25.0 * kDegree,
-              1e-12);
+  EXPECT_NEAR(g.command(phase, paper_state_at({-3, 2.0, 0}, {1.5, 0, 0}), course).roll,
+              -25.0 * kDegree, 1e-12);
 }
 
 // Eq. (29): nothing that is measured changes what is commanded.
 TEST(PaperGuidance, ATurnIsOpenLoop) {
   Course course = two_lanes();
-  ASSERT_TRUE(course.follow(state_at({0.6, 0, 0}, {1.6, 0, 0}), Straight{}));
+  ASSERT_TRUE(course.follow(paper_state_at({0.6, 0, 0}, {1.6, 0, 0}), Straight{}));
   PaperGuidance g = guidance(), other = guidance();
   Phase phase = Turn{{.yaw = 0.0, .v_F = {1.6, 0, 0}}}, same = phase;
   double yaw = 0.0;
   for (int i = 0; i < 1024; ++i) {
-    const AttitudeCommand a = g.command(phase, state_at({0.6, 0, 0}, {1.6, 0, 0}), course);
-    const AttitudeCommand b = other.command(same, state_at({2, 3, 0}, {0.3, 1, 0}), course);
+    const AttitudeCommand a = g.command(phase, paper_state_at({0.6, 0, 0}, {1.6, 0, 0}), course);
+    const AttitudeCommand b = other.command(same, paper_state_at({2, 3, 0}, {0.3, 1, 0}), course);
     EXPECT_EQ(a.roll, b.roll);
     EXPECT_EQ(a.yaw, b.yaw);
     EXPECT_GT(a.roll, 0.0) << "right";
@@ -81,9 +82,9 @@ TEST(PaperGuidance, ATurnIsOpenLoop) {
 
 TEST(PaperGuidance, ATurnEndsThreeDegreesBeforeItsHeading) {
   Course course = two_lanes();
-  ASSERT_TRUE(course.follow(state_at({0.6, 0, 0}, {1.6, 0, 0}), Straight{}));
+  ASSERT_TRUE(course.follow(paper_state_at({0.6, 0, 0}, {1.6, 0, 0}), Straight{}));
   const PaperGuidance g = guidance();
-  NavigationState now = state_at({0.6, 0, 0}, {1.6, 0, 0});
+  NavigationState now = paper_state_at({0.6, 0, 0}, {1.6, 0, 0});
   for (const auto& [yaw_deg, turns] :
        {std::pair{0.0, true}, {176.9, true}, {177.1, false}, {-177.1, false}, {-176.9, true}}) {
     now.attitude.yaw = yaw_deg * kDegree;
@@ -99,9 +100,11 @@ TEST(PaperGuidance, ATurnBeginsWithTheMeanSpeedOfTheLastSecond) {
   PaperGuidance g = guidance();
   const Course course = two_lanes();
   Phase phase = Straight{};
-  for (int i = 0; i < 512; ++i) (void)g.command(phase, state_at({-3, 0, 0}, {1.0, 0, 0}), course);
+  for (int i = 0; i < 512; ++i)
+    (void)g.command(phase, paper_state_at({-3, 0, 0}, {1.0, 0, 0}), course);
   EXPECT_NEAR(g.entry_speed({}), 0.50 / 0.55, 1e-9);
-  for (int i = 0; i < 256; ++i) (void)g.command(phase, state_at({-3, 0, 0}, {2.0, 0, 0}), course);
+  for (int i = 0; i < 256; ++i)
+    (void)g.command(phase, paper_state_at({-3, 0, 0}, {2.0, 0, 0}), course);
   EXPECT_NEAR(g.entry_speed({}), 1.5 * 0.50 / 0.55, 1e-9);
 }
 
@@ -113,7 +116,7 @@ TEST(PaperGuidance, LooksOnStraightsOnlyAndTakesOffForward) {
     EXPECT_FALSE(g.uses_pictures(blind));
   Phase phase = TakeOff{};
   const AttitudeCommand c =
-      g.command(phase, state_at({-6, 0.5, 1.5}, Vector3d::Zero()), two_lanes());
+      g.command(phase, paper_state_at({-6, 0.5, 1.5}, Vector3d::Zero()), two_lanes());
   EXPECT_EQ(c.roll, 0.0);
   EXPECT_EQ(c.pitch, kParams.pitch);
   EXPECT_GT(c.thrust, 9.81) << "up";

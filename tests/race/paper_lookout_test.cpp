@@ -16,15 +16,15 @@ namespace {
 using namespace test;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1.0 / 512;
-const Imu kStill{Vector3d::Zero(), {0, 0, -9.81}};
+constexpr double kPaperTick = 1.0 / 512;
+const Imu kPaperStill{Vector3d::Zero(), {0, 0, -9.81}};
 
 /// A drone with the paper's filter that believes to be before the first gate of an oval.
-struct Watch {
-  explicit Watch(double x = -3.0) : course{Course::by_exits(track())}, lookout{params()} {
+struct PaperWatch {
+  explicit PaperWatch(double x = -3.0) : course{Course::by_exits(track())}, lookout{params()} {
     navigator.start({6.0 + x, 0, -1.5}, 0.0, frame_of(course.gate()));
-    for (int i = 0; i < 100; ++i) navigator.rest(kStill, t += kDt);
-    for (int i = 0; i < 100; ++i) navigator.predict(kStill, t += kDt);
+    for (int i = 0; i < 100; ++i) navigator.rest(kPaperStill, t += kPaperTick);
+    for (int i = 0; i < 100; ++i) navigator.predict(kPaperStill, t += kPaperTick);
   }
   static NavigatorParams filter() {
     NavigatorParams params;
@@ -69,28 +69,29 @@ struct Watch {
 
 // No innovation gate, no second sighting: a gate 2 m beside is believed at once.
 TEST(PaperLookout, BelievesWhateverIsTheBestGate) {
-  Watch drone;
-  EXPECT_EQ(drone.see({Watch::seen_from({-3, 0, 0}, 0.6), Watch::seen_from({-3, 2, 0}, 0.9)}),
-            Sighting::Source::kCorners);
+  PaperWatch drone;
+  EXPECT_EQ(
+      drone.see({PaperWatch::seen_from({-3, 0, 0}, 0.6), PaperWatch::seen_from({-3, 2, 0}, 0.9)}),
+      Sighting::Source::kCorners);
   EXPECT_GT(drone.navigator.state().p_GB.y(), 1.5);
 }
 
 TEST(PaperLookout, OfEquallyGoodGatesTheOneInTheMiddleCounts) {
-  Watch drone;
-  EXPECT_EQ(drone.see({Watch::seen_from({-3, 1.2, 0}), Watch::seen_from({-3, 0.1, 0})}),
+  PaperWatch drone;
+  EXPECT_EQ(drone.see({PaperWatch::seen_from({-3, 1.2, 0}), PaperWatch::seen_from({-3, 0.1, 0})}),
             Sighting::Source::kCorners);
   EXPECT_LT(drone.navigator.state().p_GB.y(), 0.2);
 }
 
 TEST(PaperLookout, NothingFromFartherThanTheLegBegins) {
-  Watch drone;  // the leg begins 6 m before the gate
-  EXPECT_EQ(drone.see({Watch::seen_from({-8, 0, 0})}), Sighting::Source::kNone);
-  EXPECT_EQ(drone.see({Watch::seen_from({-7, 0, 0})}), Sighting::Source::kCorners);
+  PaperWatch drone;  // the leg begins 6 m before the gate
+  EXPECT_EQ(drone.see({PaperWatch::seen_from({-8, 0, 0})}), Sighting::Source::kNone);
+  EXPECT_EQ(drone.see({PaperWatch::seen_from({-7, 0, 0})}), Sighting::Source::kCorners);
 }
 
 TEST(PaperLookout, InTheGateCornersAreNoLongerBelieved) {
-  Watch drone{-0.2};
-  EXPECT_EQ(drone.see({Watch::seen_from({-3, 0, 0})}), Sighting::Source::kNone);
+  PaperWatch drone{-0.2};
+  EXPECT_EQ(drone.see({PaperWatch::seen_from({-3, 0, 0})}), Sighting::Source::kNone);
 }
 
 TEST(PaperLookout, SideBarsComeBeforeCornersWhereTheyAreNear) {
@@ -100,11 +101,11 @@ TEST(PaperLookout, SideBarsComeBeforeCornersWhereTheyAreNear) {
     };
     return GateBars{px(-0.475), px(0.475)};
   };
-  Watch drone{-1.2};
-  EXPECT_EQ(drone.see({Watch::seen_from({-3, 0, 0})}, bars(1.2)), Sighting::Source::kBars);
+  PaperWatch drone{-1.2};
+  EXPECT_EQ(drone.see({PaperWatch::seen_from({-3, 0, 0})}, bars(1.2)), Sighting::Source::kBars);
   EXPECT_EQ(drone.lookout.sighting().used, -1);
   EXPECT_NEAR(drone.navigator.state().p_GB.x(), -1.2, 0.1);
-  EXPECT_EQ(drone.see({Watch::seen_from({-3, 0, 0})}, bars(2.5)), Sighting::Source::kCorners)
+  EXPECT_EQ(drone.see({PaperWatch::seen_from({-3, 0, 0})}, bars(2.5)), Sighting::Source::kCorners)
       << "too far for bars";
 }
 

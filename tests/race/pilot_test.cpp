@@ -34,7 +34,7 @@ PilotConfig config() {
   return c;
 }
 
-Sensors at(int tick, const Imu& imu) {
+Sensors sensed_at(int tick, const Imu& imu) {
   Sensors s;
   s.time = std::chrono::nanoseconds{static_cast<long long>(tick) * 1'953'125};  // 512 Hz
   s.imu = imu;
@@ -69,7 +69,7 @@ bool in(const Pilot& pilot) {
 // Runs a pilot until it has taken off; the next tick to use.
 int take_off(Pilot& pilot) {
   for (int tick = 1; tick < 4000; ++tick) {
-    (void)pilot.step(at(tick, still()));
+    (void)pilot.step(sensed_at(tick, still()));
     if (in<TakeOff>(pilot)) return tick + 1;
   }
   ADD_FAILURE() << "never took off";
@@ -79,7 +79,7 @@ int take_off(Pilot& pilot) {
 // A climb as sensors see it, 0.8 m/s up to 1.5 m, level.
 int climb(Pilot& pilot, int tick) {
   for (int i = 0; i < 1024; ++i, ++tick) {
-    Sensors s = at(tick, still());
+    Sensors s = sensed_at(tick, still());
     const double height = std::min(1.5, 0.8 * i / 512.0);
     if (i % 26 == 0) s.sonar = height;
     if (i % 10 == 0) s.baro = height;
@@ -100,7 +100,7 @@ TEST(Pilot, FliesOnADefaultConfigurationOnceItHasACourse) {
   config.camera = {AnyCamera{DhaneFisheye{}}, camera_mount(0.35), {0.10, 0.0, 0.0}};
   config.track.gates = {{.p_EG = {4.0, 0.0, -1.5}}, {.p_EG = {4.0, 4.0, -1.5}, .yaw_EG = 3.14}};
   Pilot pilot{config};
-  Sensors sensors = at(0, {.gyro_B = {0, 0, 0}, .accel_B = {0, 0, -9.81}});
+  Sensors sensors = sensed_at(0, {.gyro_B = {0, 0, 0}, .accel_B = {0, 0, -9.81}});
   const std::vector<std::uint8_t> bytes(std::size_t{2} * 160 * 315, 128);
   sensors.image = Image{bytes.data(), PixelFormat::kUyvy, 160, 315, /*stored_rotation_deg=*/90};
   EXPECT_EQ(pilot.step(sensors).motors[0], 0.0);  // it rests first
@@ -110,11 +110,11 @@ TEST(Pilot, KeepsItsMotorsOffOnTheGroundAndTakesOffAfterItsRest) {
   Pilot pilot{config()};
   const int rest = PhaseParams{}.rest_samples;
   for (int tick = 1; tick < rest; ++tick) {
-    EXPECT_TRUE(motors_off(pilot.step(at(tick, still())))) << tick;
+    EXPECT_TRUE(motors_off(pilot.step(sensed_at(tick, still())))) << tick;
     EXPECT_TRUE(in<OnGround>(pilot)) << tick;
   }
   Command c;
-  for (int tick = rest; tick < rest + 10; ++tick) c = pilot.step(at(tick, still()));
+  for (int tick = rest; tick < rest + 10; ++tick) c = pilot.step(sensed_at(tick, still()));
   EXPECT_TRUE(in<TakeOff>(pilot));
   EXPECT_FALSE(motors_off(c));
 }
@@ -124,9 +124,9 @@ TEST(Pilot, StaysOnTheGroundWhileItIsCarriedAboutOrDeaf) {
   Rng rng{2};
   for (int tick = 1; tick < 5000; ++tick) {
     EXPECT_TRUE(motors_off(carried.step(
-        at(tick, {Vector3d{1.0, -0.8, 0.5}, Vector3d{0, 0, -9.81} + any_vector3(rng, 3)}))));
-    EXPECT_TRUE(
-        motors_off(deaf.step(at(tick, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)}))));
+        sensed_at(tick, {Vector3d{1.0, -0.8, 0.5}, Vector3d{0, 0, -9.81} + any_vector3(rng, 3)}))));
+    EXPECT_TRUE(motors_off(
+        deaf.step(sensed_at(tick, {Vector3d::Constant(kNan), Vector3d::Constant(kNan)}))));
   }
   EXPECT_TRUE(in<OnGround>(carried));
   EXPECT_TRUE(in<OnGround>(deaf));
@@ -137,7 +137,7 @@ TEST(Pilot, StandsAtTheStartOfTheMap) {
   c.track.start = {0.2, -0.3};
   c.track.start_heading = 0.1;
   Pilot pilot{c};
-  for (int tick = 1; tick < 700; ++tick) (void)pilot.step(at(tick, still()));
+  for (int tick = 1; tick < 700; ++tick) (void)pilot.step(sensed_at(tick, still()));
   const Estimate e = pilot.estimate();
   EXPECT_NEAR(e.p_EB.x(), 0.2, 1e-9);
   EXPECT_NEAR(e.p_EB.y(), -0.3, 1e-9);
@@ -150,14 +150,14 @@ TEST(Pilot, FliesForwardOnceItHasClimbed) {
   int tick = climb(pilot, take_off(pilot));
   EXPECT_TRUE(in<Straight>(pilot) || in<Turn>(pilot)) << name_of(pilot.phase());
   EXPECT_NEAR(-pilot.estimate().p_EB.z(), 1.5, 0.15);
-  EXPECT_LT(pilot.step(at(tick, still())).attitude.pitch, -0.02) << "nose down: go";
+  EXPECT_LT(pilot.step(sensed_at(tick, still())).attitude.pitch, -0.02) << "nose down: go";
 }
 
 TEST(Pilot, GivesUpWhenItDoesNotClimb) {
   Pilot pilot{config()};
   int tick = take_off(pilot);
   for (int i = 0; i < 8 * 512; ++i, ++tick) {
-    Sensors s = at(tick, still());
+    Sensors s = sensed_at(tick, still());
     if (i % 26 == 0) s.sonar = 0.03;
     if (i % 10 == 0) s.baro = 0.0;
     (void)pilot.step(s);
@@ -170,17 +170,17 @@ TEST(Pilot, ASilentImuLeadsToALandingWithAReason) {
   Pilot pilot{config()};
   int tick = climb(pilot, take_off(pilot));
   const Imu silent{Vector3d::Constant(kNan), Vector3d::Constant(kNan)};
-  for (int i = 0; i < 51; ++i) (void)pilot.step(at(tick++, silent));
+  for (int i = 0; i < 51; ++i) (void)pilot.step(sensed_at(tick++, silent));
   EXPECT_FALSE(in<Land>(pilot)) << "0.1 s may pass";
   for (int i = 0; i < 77; ++i) {
-    const Command c = pilot.step(at(tick++, silent));
+    const Command c = pilot.step(sensed_at(tick++, silent));
     EXPECT_TRUE(is_finite(c));
   }
   EXPECT_TRUE(in<Land>(pilot)) << name_of(pilot.phase());
   EXPECT_EQ(pilot.abort_reason(), AbortReason::kSensorsLost);
-  for (int i = 0; i < 15 * 512; ++i) (void)pilot.step(at(tick++, silent));
+  for (int i = 0; i < 15 * 512; ++i) (void)pilot.step(sensed_at(tick++, silent));
   EXPECT_TRUE(pilot.landed());
-  EXPECT_TRUE(motors_off(pilot.step(at(tick, silent))));
+  EXPECT_TRUE(motors_off(pilot.step(sensed_at(tick, silent))));
 }
 
 // Any garbage a broken sensor could send, in any order, for ten seconds; seeds 1..10.
@@ -201,7 +201,7 @@ Sensors garbage(int tick, Rng& rng, const Image& noise) {
         return rng.uniform(-usual, usual);
     }
   };
-  Sensors s = at(tick, {});
+  Sensors s = sensed_at(tick, {});
   s.imu.gyro_B = {wild(10), wild(10), wild(10)};
   s.imu.accel_B = {wild(30), wild(30), wild(30) - 9.81};
   if (rng.uniform_index(20) == 0) s.sonar = wild(5);
@@ -237,7 +237,7 @@ TEST(Pilot, NoisySensorsOnAFlightKeepItFinite) {
     int tick = climb(pilot, take_off(pilot));
     for (int i = 0; i < 10 * 512; ++i) {
       Sensors s =
-          at(tick++, {any_vector3(rng, 1.0), Vector3d{0, 0, -9.81} + any_vector3(rng, 4.0)});
+          sensed_at(tick++, {any_vector3(rng, 1.0), Vector3d{0, 0, -9.81} + any_vector3(rng, 4.0)});
       if (i % 26 == 0) s.sonar = rng.uniform(0, 3);
       if (i % 10 == 0) s.baro = 1.5 + rng.uniform(-1, 1);
       ASSERT_TRUE(is_finite(pilot.step(s)));
@@ -254,7 +254,7 @@ TEST(Pilot, SameInputsGiveTheSameOutputs) {
   Pilot a{config()}, b{config()};
   Rng rng{4};
   for (int tick = 1; tick < 4000; ++tick) {
-    Sensors s = at(
+    Sensors s = sensed_at(
         tick, tick < 900 ? still()
                          : Imu{any_vector3(rng, 0.3), Vector3d{0, 0, -9.9} + any_vector3(rng, 1)});
     if (tick % 26 == 0) s.sonar = tick < 900 ? 0.05 : 1.3;
@@ -269,10 +269,10 @@ TEST(Pilot, SameInputsGiveTheSameOutputs) {
 TEST(Pilot, RepeatedAndOlderStampsLetNoTimePass) {
   Pilot pilot{config()};
   int tick = climb(pilot, take_off(pilot));
-  (void)pilot.step(at(tick, still()));
+  (void)pilot.step(sensed_at(tick, still()));
   const Vector3d p = pilot.estimate().p_EB;
   const Imu moving{Vector3d{0.5, 0.5, 0.5}, {2, 2, -12}};
-  for (int i = 0; i < 500; ++i) EXPECT_TRUE(is_finite(pilot.step(at(tick - i % 3, moving))));
+  for (int i = 0; i < 500; ++i) EXPECT_TRUE(is_finite(pilot.step(sensed_at(tick - i % 3, moving))));
   EXPECT_EQ(pilot.estimate().p_EB, p);
 }
 
@@ -290,7 +290,7 @@ TEST(Pilot, TakesAFixFromAGateInView) {
   Canvas canvas{316, 160};
   canvas.draw_gate(view, c.camera);
   const auto bytes = canvas.uyvy();
-  Sensors s = at(tick, still());
+  Sensors s = sensed_at(tick, still());
   s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
   (void)pilot.step(s);
   EXPECT_TRUE(pilot.sighting().seen);
@@ -313,7 +313,7 @@ TEST(Pilot, APartThatIsExpectedCountsMoreThanAFrameFarOff) {
   SeenGates seen;
   (void)seen.gates.push_back({*corners_of(1.0, view, c.camera), 1.0});
   seen.lower_corners = LowerCorners{corners[3], corners[2], 1.0};
-  Sensors s = at(tick, still());
+  Sensors s = sensed_at(tick, still());
   s.seen = seen;
   (void)pilot.step(s);
   EXPECT_EQ(pilot.sighting().source, Sighting::Source::kCorners);
@@ -331,14 +331,14 @@ class Watched {
     const Estimate now = pilot.estimate();
     const View view{.p_GB = now.p_EB - config.track.gates[0].p_EG + off,
                     .attitude_GB = now.attitude};
-    Sensors s = at(tick++, still());
+    Sensors s = sensed_at(tick++, still());
     s.seen.emplace();
     (void)s.seen->gates.push_back({*corners_of(1.0, view, config.camera), 1.0});
     (void)pilot.step(s);
     return pilot.sighting().source != Sighting::Source::kNone;
   }
   void wait(int ticks) {
-    for (int i = 0; i < ticks; ++i) (void)pilot.step(at(tick++, still()));
+    for (int i = 0; i < ticks; ++i) (void)pilot.step(sensed_at(tick++, still()));
   }
 
   PilotConfig config;
@@ -397,9 +397,9 @@ TEST(Pilot, AllocatesNothingOnceBuilt) {
   {
     const NothingAllocated guard;
     for (int tick = 1; tick < 6000; ++tick) {
-      Sensors s = at(tick, tick < 900 ? still()
-                                      : Imu{any_vector3(rng, 0.5),
-                                            Vector3d{0, 0, -9.81} + any_vector3(rng, 1)});
+      Sensors s = sensed_at(tick, tick < 900 ? still()
+                                             : Imu{any_vector3(rng, 0.5),
+                                                   Vector3d{0, 0, -9.81} + any_vector3(rng, 1)});
       if (tick % 26 == 0) s.sonar = tick < 900 ? 0.0 : 1.4;
       if (tick % 10 == 0) s.baro = tick < 900 ? 0.0 : 1.4;
       if (tick % 34 == 0) s.image = image;

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-PilotConfig two_gates(FilterModel model, double start_x) {
+PilotConfig two_gates_apart(FilterModel model, double start_x) {
   PilotConfig c;
   c.filter_model = model;
   c.track.start = {start_x, 0.0};
@@ -33,7 +33,7 @@ class LedDrone {
  public:
   /// @param start_x  the first gate stands at 4 m.
   explicit LedDrone(FilterModel model = FilterModel::kDrag, double start_x = 0.0)
-      : config{two_gates(model, start_x)}, p_EB_{start_x, 0.0, 0.0} {
+      : config{two_gates_apart(model, start_x)}, p_EB_{start_x, 0.0, 0.0} {
     fly({0, 0}, 10.0, [&] { return in<Straight>(); });
     EXPECT_TRUE(in<Straight>()) << name_of(pilot.phase());
   }

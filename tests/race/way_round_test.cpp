@@ -35,7 +35,7 @@ MapObstacle wall_with_gap(double gap, double height = 3.0) {
   return {{8.0, -0.5 * gap}, {0.4, 6.0 - gap}, 0.0, height};
 }
 
-std::string refusal(const Track& track) {
+std::string refusal_of_way(const Track& track) {
   try {
     (void)plan_race(track, {});
   } catch (const std::invalid_argument& error) {
@@ -77,7 +77,7 @@ void expect_clear(const Path& path, const Track& track, int from_gate, int to_ga
 TEST(WayRound, GoesThroughAGapThatIsWideEnough) {
   Track track = corridor();
   track.obstacles = {wall_with_gap(1.5)};
-  ASSERT_EQ(refusal(track), "planned");
+  ASSERT_EQ(refusal_of_way(track), "planned");
   const Path path = plan_race(track, {}).legs.at(0);
   expect_clear(path, track, 0, 1);
   EXPECT_THAT(path.at(path.length()).position, IsNear(Vector2d{12, 0}, 1e-6));
@@ -90,24 +90,24 @@ TEST(WayRound, GoesThroughAGapThatIsWideEnough) {
 TEST(WayRound, SaysWhichGapIsTooNarrowByHowMuch) {
   Track track = corridor();
   track.obstacles = {wall_with_gap(0.9)};
-  EXPECT_THAT(refusal(track), HasSubstr("from gate 1 to gate 2"));
-  EXPECT_THAT(refusal(track),
+  EXPECT_THAT(refusal_of_way(track), HasSubstr("from gate 1 to gate 2"));
+  EXPECT_THAT(refusal_of_way(track),
               HasSubstr("between obstacle 1 and a wall, is 0.90 m, 0.20 m too narrow"));
   track.obstacles = {{{8.0, -1.55}, {0.4, 2.9}, 0.0, 3.0}, {{8.0, 1.9}, {0.4, 2.2}, 0.0, 3.0}};
-  EXPECT_THAT(refusal(track),
+  EXPECT_THAT(refusal_of_way(track),
               HasSubstr("between obstacle 1 and obstacle 2, is 0.90 m, 0.20 m too narrow"));
   track.obstacles = {wall_with_gap(0.0, 2.5)};
-  EXPECT_THAT(refusal(track),
+  EXPECT_THAT(refusal_of_way(track),
               HasSubstr("between obstacle 1 and the ceiling, is 0.50 m, 0.20 m too narrow"));
   track.obstacles = {wall_with_gap(0.0, 3.0)};
-  EXPECT_THAT(refusal(track), HasSubstr("obstacle 1 is in the way"));
-  EXPECT_THAT(refusal(track), HasSubstr("leaves no gap"));
+  EXPECT_THAT(refusal_of_way(track), HasSubstr("obstacle 1 is in the way"));
+  EXPECT_THAT(refusal_of_way(track), HasSubstr("leaves no gap"));
 }
 
 TEST(WayRound, GoesOverWhatReachesFromWallToWall) {
   Track track = corridor();
   track.obstacles = {wall_with_gap(0.0, 1.9)};
-  ASSERT_EQ(refusal(track), "planned");
+  ASSERT_EQ(refusal_of_way(track), "planned");
   const Path path = plan_race(track, {}).legs.at(0);
   expect_clear(path, track, 0, 1);
   EXPECT_NEAR(path.z_at(0.0), -1.5, 1e-9);
@@ -121,7 +121,7 @@ TEST(WayRound, GoesBesideAnotherGateOrOverIt) {
   track.gates.push_back({{4, 2.0, -1.5}, 0.0});
   track.laps = 2;
   track.room_size.y() = 9.0;
-  ASSERT_EQ(refusal(track), "planned");
+  ASSERT_EQ(refusal_of_way(track), "planned");
   const RacePlan plan = plan_race(track, {});
   for (int i = 0; i < 4; ++i)
     expect_clear(plan.legs.at(static_cast<std::size_t>(i)), track, i, (i + 1) % 4);
@@ -132,7 +132,7 @@ TEST(WayRound, StopsAndTurnsWhereNoTurnFits) {
   Track track;
   track.gates = {{{4, 0, -1.5}, 0.0}, {{4, 1.3, -2.0}, kPi}};
   track.room_center = {1.8, 0.65}, track.room_size = {7.6, 4.0}, track.ceiling = 3.5;
-  ASSERT_EQ(refusal(track), "planned");
+  ASSERT_EQ(refusal_of_way(track), "planned");
   const Path path = plan_race(track, {}).legs.at(0);
   expect_clear(path, track, 0, 1);
   ASSERT_GE(path.stops.size(), 1u);
@@ -148,7 +148,7 @@ TEST(WayRound, GoesDownStandingBehindAStackedGate) {
   Track track;
   track.gates = {{{6, 0, -4.05}, 0.0, 2.7, 0.6}, {{6, 0, -1.35}, kPi, 2.7, 0.6}};
   track.room_center = {1.7, 0.0}, track.room_size = {11.4, 5.0}, track.ceiling = 8.0;
-  ASSERT_EQ(refusal(track), "planned");
+  ASSERT_EQ(refusal_of_way(track), "planned");
   const Path path = plan_race(track, {}).legs.at(0);
   ASSERT_GE(path.stops.size(), 1u);
   EXPECT_NEAR(path.z_at(0.0), -4.05, 1e-9);
@@ -160,7 +160,7 @@ TEST(WayRound, TurnsOnThePadWhereTheFirstGateIsBehindIt) {
   track.room_size = {20, 2.6};
   track.start = {8, 0}, track.start_heading = kPi;
   track.gates = {{{12, 0, -1.5}, 0.0}};
-  ASSERT_EQ(refusal(track), "planned");
+  ASSERT_EQ(refusal_of_way(track), "planned");
   const Path path = plan_race(track, {}).start;
   ASSERT_EQ(path.stops.size(), 1u);
   EXPECT_EQ(path.stops[0].s, 0.0);
