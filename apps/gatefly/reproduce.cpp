@@ -132,8 +132,8 @@ fs::path folder_of(const Experiment& experiment, const ReproduceOptions& options
   return fs::path{options.out} / experiment.name;
 }
 
-/// Where each result will grow: taken before the work, when somebody else has one or it may not be
-/// written.
+/// Folder where each result will grow: taken before the work, when somebody else has one or it may
+/// not be written.
 std::vector<std::unique_ptr<io::PartialFolder>> taken_folders(const std::vector<Experiment>& list,
                                                               const ReproduceOptions& options) {
   const io::OutputKind result{"earlier result", "\"quick\"", std::string::npos};

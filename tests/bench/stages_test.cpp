@@ -48,7 +48,7 @@ TEST(Stages, HaveNamesOfTheirOwnAndBaselinesThatExist) {
   }
 }
 
-// What is compared with what, `gatefly bench` says.
+// `gatefly bench` says which stages are compared.
 TEST(Stages, AreEachMeasured) {
   for (std::vector<Stage> stages : {pose_stages(), flight_stages(hover(), config())}) {
     std::erase_if(stages, [](const Stage& s) { return s.name == "plan"; });  // it takes seconds

@@ -278,7 +278,7 @@ TEST(CSetup, ThePilotLivesInTheCallersMemory) {
   std::vector<unsigned char> memory(gatefly_size() + 1);
   EXPECT_EQ(gatefly_create(memory.data(), gatefly_size() - 1, &setup, &pilot, nullptr, 0),
             GATEFLY_NO_MEMORY);
-  // Wherever it begins.
+  // Any start address will do.
   ASSERT_EQ(gatefly_create(memory.data() + 1, gatefly_size(), &setup, &pilot, nullptr, 0),
             GATEFLY_OK);
   EXPECT_GT(reinterpret_cast<unsigned char*>(pilot), memory.data());

@@ -18,7 +18,7 @@ using gatefly::test::normal;
 /// How somebody holds a board before a camera.
 struct Holding {
   int views = 20;
-  double max_tilt = 40.0 * kDegree;  ///< Of the board against the line of sight.
+  double max_tilt = 40.0 * kDegree;  ///< Board against the line of sight.
   double noise_px = 0.1;             ///< One standard deviation per axis.
   int columns = 8, rows = 6;
   double square = 0.03;  ///< [m]

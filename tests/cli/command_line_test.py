@@ -37,7 +37,7 @@ class Help(Cli):
 
 
 class Words(Cli):
-    """What the program says of itself and of its work."""
+    """The program's words on itself and on its work."""
     def test_help_and_version_are_commands_too(self):
         self.assertEqual(self.run_it("help", "fly").stdout, self.run_it("fly", "--help").stdout)
         self.assertEqual(self.run_it("help", "tune").stdout, self.run_it("tune", "--help").stdout)  # the sibling's
@@ -365,7 +365,7 @@ class New(Cli):
         self.assertIn("new: --random = 7 is for KIND = track, not camera", self.refused("new", "camera", "--random", "7", "-"))
 
     def test_every_key_of_a_new_track_is_one_that_the_reader_knows(self):
-        # What may be left out is a comment "# key = value  # what"; box_m and pole_m exclude each other.
+        # An optional key is a comment "# key = value  # what"; box_m and pole_m exclude each other.
         lines = self.new("track", "-").splitlines()
         full = [re.sub(r"^# (?=\w+ = |\[gates\.exit\])", "", line) for line in lines]
         for without in ("box_m", "pole_m"):

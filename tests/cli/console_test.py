@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a shell, a terminal and a program that reads JSON get: completion, manual page, progress, colour, --json.
+"""Output for a shell, a terminal and a program that reads JSON: completion, manual page, progress, colour, --json.
 
 usage: console_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
@@ -53,7 +53,7 @@ class Console(unittest.TestCase):
                               timeout=120, check=False)
 
     def on_terminal(self, *arguments, columns=80, streams=("stdout", "stderr"), **variables):
-        """What a terminal of so many columns gets."""
+        """Output on a terminal of so many columns."""
         terminal, end = pty.openpty()
         fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         into = {stream: end if stream in streams else subprocess.DEVNULL for stream in ("stdout", "stderr")}
@@ -117,7 +117,7 @@ class Json(Console):
 
 class Completion(Console):
     def completed(self, *words):
-        """What bash suggests for the last word."""
+        """Suggestions of bash for the last word."""
         script = self.folder / "completion.bash"
         if not script.exists():
             script.write_text(self.run_it("completion", "bash").stdout)

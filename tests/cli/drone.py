@@ -96,7 +96,7 @@ class WithDrone(Cli):
 
 @functools.cache
 def program_that_flies():
-    """What `gatefly run` is: the laboratory's program, where there is one."""
+    """The program behind `gatefly run`: the laboratory's, where there is one."""
     sibling = pathlib.Path(GATEFLY).with_name("gatefly-lab")
     return sibling if sibling.exists() else pathlib.Path(GATEFLY)
 

@@ -16,7 +16,7 @@ import tomllib
 from drone import DRONE, Handed, end_of
 from program import GATEFLY, main
 
-# What somebody at the radio does when asked; the first that is in the line.
+# Answers of somebody at the radio; the first that is in the line.
 RADIO = (("rest", "switch the override off, then disarm"), ("arm", "hands off them; arm"), ("override on", "switch the override on"),
          ("override off", "switch the override off"), ("disarm", "disarm"))
 
@@ -196,7 +196,7 @@ class Wrong(HandOver):
 
 
 class Ended(HandOver):
-    """What ends it in flight: a descent is streamed until the radio has the drone."""
+    """Ends in flight: a descent is streamed until the radio has the drone."""
 
     def ended(self, number):
         process = self.background()

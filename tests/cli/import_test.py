@@ -79,7 +79,7 @@ def ulog():
     first = None
     for row in rows():
         t = BOOT_US + round(int(row["t_ns"]) / 1000)
-        # What comes just before a sample is heard with it.
+        # Lines just before a sample are heard with it.
         if row["sonar_m"]:
             log.add("distance_sensor", t - 1, 7, 0.1, 10.0, float(row["sonar_m"]))
         if row["baro_m"]:

@@ -81,7 +81,7 @@ def flown(drone, file, strike, seed, delay):
 
 
 def measured(rows, delay, outcome):
-    """What the drone did from the strike to the floor; None: its flight was over before."""
+    """The drone's way from the strike to the floor; None: its flight was over before."""
     handed_over = next(row["t_s"] for row in rows if row["override"])
     struck = handed_over + delay
     height = lambda row: -row["z_m"] - HALF_HEIGHT
@@ -98,7 +98,7 @@ def measured(rows, delay, outcome):
 
 
 def wrong(run):
-    """What must not be, of a run in which somebody still sends."""
+    """Rules that a run broke in which somebody still sends."""
     gate = run["hit"].startswith("hit gate")  # taken back then; who brakes before a gate without seeing comes down in it
     checks = {"not on the floor": not run["on_floor"] and not gate, run["hit"]: bool(run["hit"]) and not gate, "too late": run["seconds"] > 3.0 * max(1.0, run["height_m"] / 1.5),
               "too far": run["drift_m"] > 2.0, "climbs": run["climb_m"] > COASTS, "a command held": run["held_ms"] > 2 * PERIOD_MS}

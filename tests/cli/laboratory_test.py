@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What gatefly-lab does: calibrate, tune, bench, reproduce.
+"""The work of gatefly-lab: calibrate, tune, bench, reproduce.
 
 usage: laboratory_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
@@ -306,7 +306,7 @@ class Bench(Cli):
 
 
 class Page(html.parser.HTMLParser):
-    """What is on a page: elements that are opened and closed in order, sections, addresses, cells."""
+    """Contents of a page: elements that are opened and closed in order, sections, addresses, cells."""
     VOID = {"meta", "img", "br", "link", "input"}
 
     def __init__(self, text):

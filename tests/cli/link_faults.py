@@ -40,7 +40,7 @@ FAKE_TICK = 0.004  # s, by which the fakes' own clock is coarse
 
 
 class SerialLine(threading.Thread):
-    """What is between the program and a controller on TCP: carries, loses, adds bytes of its own."""
+    """A line between the program and a controller on TCP: carries, loses, adds bytes of its own."""
 
     def __init__(self, controller):
         super().__init__(daemon=True)

@@ -54,7 +54,7 @@ class OverTheLink(Cli):
         self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
         self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
         self.assertTrue((self.folder / "truth.csv").read_text(encoding="utf-8").startswith("t_s,armed,override,x_m"))
-        # What was recorded flies again: the pilot's answers follow from its sensors alone.
+        # A recorded flight flies again: the pilot's answers follow from its sensors alone.
         done = self.run_it("replay", "flight")
         self.assertEqual(done.returncode, 0, done.stderr)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests give to the program: pictures of a gate and of a board, tables of detections and labels, a course."""
+"""Inputs for the program in tests: pictures of a gate and of a board, tables of detections and labels, a course."""
 import math
 
 GATE = "[[gates]]\nposition_m = [3.0, 0.0, -1.5]\n"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the user has is never replaced unasked, and never half: every command that writes.
+"""The user's files are never replaced unasked, and never half: every command that writes.
 
 usage: nothing_lost_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
@@ -20,7 +20,7 @@ from program import GATEFLY, ROOT, Cli, main
 
 
 class NothingIsLost(Cli):
-    """What the user has is never replaced unasked, and never half."""
+    """The user's files are never replaced unasked, and never half."""
     FLIGHT = ("fly", "oval", "--vision", "ideal", "--laps", "1")
     FOREVER = ("fly", "showroom", "--vision", "ideal", "--laps", "100", "--out", "X")
 
@@ -47,7 +47,7 @@ class NothingIsLost(Cli):
         self.assertEqual(path.read_bytes(), before)
 
     def interrupted(self, sent, watched, *arguments):
-        """What a command says and answers that gets a signal when there is `watched`."""
+        """Last line of stderr and exit code of a command that gets a signal when there is `watched`."""
         process = subprocess.Popen([GATEFLY, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + 60
         while not any(path.stat().st_size for path in self.folder.glob(watched)) and time.monotonic() < deadline:

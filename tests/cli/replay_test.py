@@ -40,7 +40,7 @@ class Replay(Cli):
         self.cache = self.common_cache  # replay renders the room, whose light is baked once
 
     def copy(self, flight=None):
-        """Of the flight, its log as a text to be edited."""
+        """The flight's log as a text to be edited."""
         shutil.rmtree(self.folder / "flight", ignore_errors=True)
         copy = pathlib.Path(shutil.copytree(flight or self.flight, self.folder / "flight"))
         packed = copy / "log_si.csv.gz"
@@ -269,7 +269,7 @@ class Replay(Cli):
         path.write_text(settings + "pose.white_px=0.35\n", encoding="utf-8")
         result = self.run_it("replay", "flight")
         self.assertEqual((result.returncode, "to the bit" in result.stdout), (0, True), result.stdout + result.stderr)
-        # What the fixes' errors are is the drag filter's business: without the sonar the estimates are others.
+        # The fixes' errors are the drag filter's business: without the sonar the estimates are others.
         path.write_text(settings + "pose.white_px=0.5\nvehicle.sonar=none\n", encoding="utf-8")
         self.assertIn("pose.random_sigma_px is 0.5, was 0.35 in flight", self.run_it("replay", "flight").stdout)
 

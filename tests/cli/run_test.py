@@ -119,7 +119,7 @@ class Shadow(WithDrone):
 
 
 class Refusals(Handed):
-    """What nobody must fly: nothing is sent."""
+    """Cases in which nobody must fly: nothing is sent."""
 
     def refused_to_fly(self, drone=None):
         said = self.refused(*self.words(drone=drone or self.signed()), **self.environment)

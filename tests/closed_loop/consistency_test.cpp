@@ -49,11 +49,11 @@ struct Course {
     map.gates = {{.p_EG = {3.9, -1.1, -1.5}, .yaw_EG = 0.2}};
   }
   [[nodiscard]] ConsistencyWatch watch() const { return ConsistencyWatch{{gate}, map}; }
-  /// What a pilot without error in the gate's own frame believes.
+  /// Belief of a pilot without error in the gate's own frame.
   [[nodiscard]] Belief right() const {
     return {.on_course = true, .p_GB = rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG)};
   }
-  /// What one believes that is off by `error_E` in earth axes, from where the gate stands.
+  /// Belief that is off by `error_E` in earth axes, from where the gate stands.
   [[nodiscard]] Belief off_by(const Eigen::Vector3d& error_E) const {
     return {.on_course = true,
             .p_GB = rotation_z(-map.gates[0].yaw_EG) * (p_EB + error_E - gate.p_EG)};

@@ -23,10 +23,10 @@ namespace {
 
 using nlohmann::json;
 
-/// What can be told apart by who has the sensors only.
+/// Channels that a reader of the sensors alone can tell apart.
 enum Channel {
   kStamps,    ///< Times of the ticks.
-  kAccel,     ///< Of ticks.
+  kAccel,     ///< Ticks' samples.
   kGyro,      ///<
   kSonar,     ///<
   kBaro,      ///<
@@ -38,7 +38,7 @@ enum Channel {
 constexpr std::array<const char*, kChannels> kNames{
     "stamps", "accelerometer", "gyro", "sonar", "baro", "arrivals", "ideal vision", "pictures"};
 
-/// What reached the sensors, as bytes: a map by time, so that what is common can be compared.
+/// Sensor data as bytes: a map by time, so that common parts can be compared.
 using Record = std::map<double, std::string>;
 using Records = std::array<Record, kChannels>;
 
@@ -122,7 +122,7 @@ std::set<std::string> changed(const Records& a, const Records& b) {
   return names;
 }
 
-/// What a key does, by name.
+/// Effect of a key, by name.
 struct Effect {
   json value;
   std::vector<Channel> must;      ///< These show it ...

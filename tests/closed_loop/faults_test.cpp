@@ -19,12 +19,12 @@ namespace {
 
 using test::race_on;
 
-/// What arrived at the pilot until `until` [s].
+/// Data that arrived at the pilot until `until` [s].
 struct Arrived {
   std::vector<double> pictures;          ///< When [s].
   std::vector<std::size_t> whole_gates;  ///< In each of them, where they were drawn, not rendered.
   std::vector<std::vector<std::uint8_t>> bytes;
-  std::vector<double> stamps;  ///< Of every tick [s].
+  std::vector<double> stamps;  ///< Times of every tick [s].
   int sonar = 0, not_numbers = 0;
 };
 

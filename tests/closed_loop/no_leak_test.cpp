@@ -20,7 +20,7 @@
 namespace gatefly::closed_loop {
 namespace {
 
-/// What can be read of detections, of gates and of what is none.
+/// Readable fields of detections, of gates and of what is none.
 struct Read {
   std::vector<sim::Fields> of_gates, of_others;
 };

@@ -171,7 +171,7 @@ TEST(Race, TruthThatNoSensorShowsDoesNotReachThePilot) {
                            before.answers.begin() + static_cast<std::ptrdiff_t>(answers.size())}));
 }
 
-// What happens after the last gate is said, and changes nothing of what is called finished.
+// Events after the last gate are told, and change nothing of what is called finished.
 TEST(Race, SaysWhetherItLanded) {
   RaceConfig race = race_on("oval", 1001, 1);
   race.vision = Vision::kIdeal;

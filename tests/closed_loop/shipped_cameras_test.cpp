@@ -138,7 +138,7 @@ Line line_through(const std::vector<Vector2d>& points) {
   return {xy / xx, mean.y() - xy / xx * mean.x()};
 }
 
-/// Where a mask's pixels and a gate's edges are, pose by pose.
+/// Edges of a mask's pixels and of a gate, pose by pose.
 struct Edges {
   const CameraTruth& camera;
   const Target& target;

@@ -16,7 +16,7 @@
 namespace gatefly::io {
 namespace {
 
-/// What pilot and simulator are told by the same settings.
+/// Settings of pilot and simulator from the same keys.
 struct Told {
   explicit Told(const std::vector<std::string>& settings)
       : config{load_config(std::vector<std::filesystem::path>{}, settings)} {}
@@ -66,7 +66,7 @@ TEST(Derived, AGatesColourHasOneSource) {
   const Eigen::Vector3d orange{0.95, 0.40, 0.12}, red{0.75, 0.07, 0.07}, blue{0.07, 0.15, 0.75},
       white{0.85, 0.85, 0.85};
   const Config silent = Told({}).config, green = Told({"color.rgb=[0.1, 0.7, 0.2]"}).config;
-  // What the generic orange finds changes nothing; another colour is the track's.
+  // Colours that the generic orange finds change nothing; another colour is the track's.
   for (const auto& albedo : {orange, red})
     EXPECT_EQ(on_course(silent, track_of({albedo})).pilot.gate_color.absolute,
               silent.pilot.gate_color.absolute);
@@ -74,7 +74,7 @@ TEST(Derived, AGatesColourHasOneSource) {
   EXPECT_GT(on_blue.gate.rgb.z(), on_blue.gate.rgb.x() + 0.3);
   EXPECT_TRUE(on_blue.notes.empty());
   EXPECT_TRUE(simulator_config(on_blue, track_of({blue})).world.gates[0].sought);
-  // What a configuration says is looked for; gates of another colour, or of none, are named.
+  // A configuration's colour is looked for; gates of another colour, or of none, are named.
   const auto world = simulator_config(green, track_of({blue})).world;
   EXPECT_FALSE(world.gates[0].sought);
   EXPECT_EQ(on_course(green, track_of({blue})).gate.rgb, green.gate.rgb);
@@ -147,7 +147,7 @@ TEST(Derived, CornersOfAnotherKindScaleTheDetectorsFrame) {
   EXPECT_DOUBLE_EQ(wide.pilot.detector.bar_ratio, 0.05) << "the bar, as a part of the side";
 }
 
-// What a team does not know of its drone: the pilot is told the file's inertia, the body has another.
+// A team does not know its drone fully: the pilot gets the file's inertia, the body has another.
 TEST(Derived, TheTrueInertiaIsTheSimulatorsAlone) {
   const Told told{{"vehicle.inertia_kgm2=[0.002, 0.002, 0.003]", "sim.inertia_ratio=[1, 1.5, 0.5]",
                    "sim.air_moment_nms_per_m=[0.01, 0.02]"}};

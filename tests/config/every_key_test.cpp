@@ -135,7 +135,7 @@ class EveryKey : public ::testing::Test {
       folder_.file("colors.toml", color_model_text(ColorModel::described({0, 0, 1}), "blue"))
           .string();
 
-  /// Of a key whose value `before` lacks, the track's: 0, or the least that is allowed.
+  /// Other value of a key that `before` lacks, the track's: 0, or the least that is allowed.
   json other_value(const KeyRule& rule, const Values& before) const {
     const json of_track = rule.kind == KeyRule::Kind::kNumbers ? json(rule.count, 0.0)
                                                                : json(std::max(0.0, rule.low));
@@ -250,7 +250,7 @@ TEST_F(EveryKey, ReadsBackToTheSameBits) {
   }
 }
 
-/// What show() prints is a configuration file; the track's own values are comments in it.
+/// The output of show() is a configuration file; the track's own values are comments in it.
 TEST_F(EveryKey, AsShownReadsBackAsItself) {
   const Values before = loaded({});
   Settings settings{"camera.model=brown-conrady", "camera.distortion=[-0.3, 0.1, 0.002, 0, 0.05]"};

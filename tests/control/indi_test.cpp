@@ -119,7 +119,7 @@ TEST(Indi, BringsTheAttitudeThereAndKeepsIt) {
   EXPECT_LT(most, 1.25 * c.roll) << "overshoot";
 }
 
-// What the model does not know is in the measurement: 30 % more inertia, 20 % less thrust, a
+// Errors of the model show in the measurement: 30 % more inertia, 20 % less thrust, a
 // crooked arm.
 TEST(Indi, CopesWithAVehicleItDoesNotKnow) {
   Body body;

@@ -57,7 +57,7 @@ TEST(ColorModel, EveryColourHasABin) {
     }
 }
 
-// What tables and a multiplication say, in plain words.
+// The tables' and the multiplication's answer in plain words.
 std::size_t plain_bin(int value, int first, int levels, std::size_t count) {
   return static_cast<std::size_t>(
       std::clamp((value - first) / levels, 0, static_cast<int>(count) - 1));
@@ -98,7 +98,8 @@ TEST(ColorModel, ADifferencesBinIsTwelveLevelsOfLumaAndThreeOfEachChromaAroundZe
     }
 }
 
-// What is passed over may not be a bar's with any luma; and most chromas of a hall are passed over.
+// A passed-over chroma may not be a bar's with any luma; and most chromas of a hall are passed
+// over.
 TEST(ColorModel, AChromaIsHopelessIfItIsWithEveryLuma) {
   int hopeless = 0;
   for (int u = 0; u < 256; ++u)

@@ -129,7 +129,7 @@ TEST(RefinedCorners, OfAGateThatTheBorderCuts) {
   EXPECT_LT((refined[2] - scene.truth[2]).norm(), 0.3);
 }
 
-// Whatever the frame, nothing is read out of bounds and no number is broken that was not.
+// With any frame, nothing is read out of bounds and no number is broken that was not.
 TEST(RefinedCorners, BearAnyFrameInAnyPicture) {
   for_all(300, [](Rng& rng) {
     const int width = 1 + static_cast<int>(rng.uniform(0, 40)),

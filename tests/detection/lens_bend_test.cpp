@@ -47,7 +47,7 @@ std::vector<Shipped> shipped_lenses() {
           {"wide-usb, 170 degrees", {equidistant(215.7), 640, 480}}};
 }
 
-// Of the size only.
+// Size only.
 Image picture_of(const PictureLens& lens) {
   static const std::vector<std::uint8_t> kBytes(3 * 640 * 480, 128);
   return {kBytes.data(), PixelFormat::kYuv444, lens.width, lens.height};

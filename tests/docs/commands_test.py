@@ -89,7 +89,7 @@ REDUCED = {
     "campaign --resume out/big": "",
     "bench --quick": ("--quick", "--quick --stage snakes --pictures gate"),
 }
-# Of the script ./gatefly alone; CI itself runs the first, tests/install what the second makes.
+# Commands of the script ./gatefly alone; CI itself runs the first, tests/install what the second makes.
 SCRIPTS_OWN = {"test", "package"}
 NEEDS_DATA = re.compile(r"tudelft_bebop|washington|my_flights")
 SERVES = {"view"}  # until Ctrl-C
@@ -288,7 +288,7 @@ def add_tests():
 
 
 def folder_of(command):
-    """Where a documented flight goes."""
+    """Folder of a documented flight."""
     words = shlex.split(command)[1:]
     if "--out" in words:
         return words[words.index("--out") + 1]

@@ -24,7 +24,7 @@ GATEFLY, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).r
 FULL = "--full" in sys.argv
 DATA = pathlib.Path(os.environ.get("GATEFLY_DATA") or ROOT.parent / "shared" / "data")
 TABLE = tomllib.loads((ROOT / "tests" / "docs" / "numbers.toml").read_text(encoding="utf-8"))["claim"]
-# What a test may cost that always runs, and all of them together [s of CPU].
+# Limits of a test that always runs, and of all of them together [s of CPU].
 MOST_OF_ONE, MOST_OF_ALL = 10, 60
 NEEDS_DATA = re.compile(r"tudelft_|washington|broad_|fisheye_|reproduce (?!feasible|pose-ls|pose-bars)")
 
@@ -48,7 +48,7 @@ def name_of(claim):
 
 
 class Output:
-    """What a command printed and wrote."""
+    """Output of a command: printed and written."""
 
     def __init__(self, commands, folder, cache):
         environment = dict(os.environ, XDG_CACHE_HOME=str(cache))

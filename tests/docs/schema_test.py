@@ -88,7 +88,7 @@ class Tracks(Schema):
         cls.file = pathlib.Path(temporary.name) / "track.toml"
 
     def answer(self, track):
-        """What the program makes of it; None when the file cannot be used."""
+        """The program's reading of it; None when the file cannot be used."""
         self.file.write_text("\n".join(f"{key} = {toml(value)}" for key, value in track.items()) + "\n", encoding="utf-8")
         done = run("track", self.file, "--json")
         return json.loads(done.stdout) if done.returncode != 2 else None

@@ -171,7 +171,7 @@ TEST(DelayedFilter, OutliersInBetweenDelayTheRestartButDoNotPreventIt) {
   });
 }
 
-// What corrupted the position corrupted the bias, too: after a restart it is learnt anew, or the drone
+// An error of the position corrupted the bias, too: after a restart it is learnt anew, or the drone
 // drifts off again.
 TEST(DelayedFilter, AfterARestartTheBiasIsLearntAnew) {
   Hovering drone;

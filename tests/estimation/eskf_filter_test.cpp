@@ -74,7 +74,7 @@ class Flight {
                         setup.map[i].yaw_EG + p.map_yaw * normal(rng_), p.map_size * normal(rng_)};
     const Vector3d rest = truth.R_EB.transpose() * Vector3d{0, 0, -setup.params.gravity} +
                           truth.accel_bias + drawn(rng_, Vector3d::Constant(p.rest_accel));
-    // What turns with the rest: attitude is given from here on.
+    // The rest turns with it: attitude is given from here on.
     tilted_ = truth.R_EB;
     filter.start({.rest_accel_B = rest}, 0.0);
   }

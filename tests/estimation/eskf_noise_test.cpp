@@ -84,7 +84,7 @@ double spread_after(double times, int pictures) {
                                       .bearing_C = u.normalized(),
                                       .from_middle_px = c.head<2>() / c.z()});
     }
-    // What the filter has learnt of its noise is all that lasts from one picture to the next.
+    // The learnt noise is all that the filter keeps from one picture to the next.
     Nominal now = truth;
     now.spread = x.spread, now.corner_of = face_of(sight);
     Covariance P = 1e-8 * Covariance::Identity(gate_at(1), gate_at(1));

@@ -74,7 +74,7 @@ void make_noisy(std::vector<MotionSample>& samples) {
   }
 }
 
-/// Where the plan is 3° before the end of its half circle, the rule's end.
+/// The plan's place 3° before the end of its half circle, the rule's end.
 Eigen::Vector2d end_of(double radius) {
   const double turned = kPi - HalfCircleRule{}.end_within;
   return radius * Eigen::Vector2d{std::sin(turned), 1.0 - std::cos(turned)};

@@ -61,7 +61,7 @@ double most(const std::vector<double>& errors) {
   return *std::max_element(errors.begin(), errors.end());
 }
 
-// What must show: r 1.5 m, 1.6 m/s, 180°. The drone is the one that is known, its sensors shake.
+// Required: r 1.5 m, 1.6 m/s, 180°. The drone is the one that is known, its sensors shake.
 TEST(NavigatorInTurns, DoesNotLeanInATurnWhereMahonyDoes) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Turned turned({.level = "none"}, seed);

@@ -32,7 +32,7 @@ TEST(FilterRace, FixesComeAtTheirRateAndOnlyWhileAGateIsAhead) {
   }
 }
 
-/// Where a filter thinks that the flight ended.
+/// End of the flight as a filter believes it.
 template <class Filter>
 Eigen::Vector3d end_of(Filter filter, const FilterConditions& conditions) {
   Eigen::Vector3d end = Eigen::Vector3d::Zero();

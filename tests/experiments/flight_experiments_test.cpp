@@ -47,7 +47,7 @@ LoggedMotion swaying_flight(double mocap_delay, double phase) {
   return LoggedMotion{folder};
 }
 
-/// What the camera sees of the gate, every 0.2 s.
+/// The camera's views of the gate, every 0.2 s.
 std::vector<GatePicture> pictures_of(std::size_t flight, const LoggedMotion& motion,
                                      const PilotConfig& pilot, double noise_px) {
   const CameraRig rig = mounted(pilot.camera, kTruth.airframe, kTruth.flights[flight]);
@@ -104,7 +104,7 @@ TEST(GateSurvey, FindsGateHeadingsTiltsAndDelaysThatPicturesWereDrawnWith) {
   EXPECT_LT(misfit_px(found, 0, flights[0], flights[0].pictures[3], pilot), 1.0);
 }
 
-// What must show: x and y RMS at most 0.15 m on flight_11 and every other flight whose gate can be
+// Required: x and y RMS at most 0.15 m on flight_11 and every other flight whose gate can be
 // located.
 TEST(EyesReal, FollowsEveryFlightToItsGateWithin015Metres) {
   if (!fs::is_directory(real_data() / "tudelft_bebop_flights"))

@@ -119,7 +119,8 @@ TEST(ImageFile, GreyJpegIsNeutral) {
 
 TEST(ImageFile, EveryTruncationOfAJpegIsAnErrorAndNeverACrash) {
   const test::TempFolder folder;
-  // What follows "Exif" is a stranger's: every length of it, and a list that would lie elsewhere.
+  // The bytes after "Exif" are a stranger's: every length of it, and a list that would lie
+  // elsewhere.
   const std::string photo = with_exif(flat_jpeg(100, 110, 120), 6, true);
   for (std::size_t left = 0; left < 22; ++left) {
     std::string cut = photo;

@@ -29,7 +29,7 @@ std::vector<std::uint8_t> slope() {
   return uyvy;
 }
 
-/// What follows a marker of a JPEG, its length field left out.
+/// Content of a JPEG's marker, without its length field.
 std::string segment(const std::string& jpeg, unsigned char marker) {
   for (std::size_t i = 2; i + 4 < jpeg.size();) {
     const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(jpeg[at]); };

@@ -64,7 +64,7 @@ TEST(DragFit, RecoversDragBiasAndHeading) {
   }
 }
 
-// What a Bebop's motors do to its accelerometer, twenty flights: within three standard errors,
+// A Bebop's motors shake its accelerometer, twenty flights: within three standard errors,
 // nearly always.
 TEST(DragFit, KnowsHowFarItIsOff) {
   int within = 0;

@@ -16,10 +16,10 @@ namespace {
 
 struct Drone {
   double hover = 0.25, exponent = 1.6, lag = 0.05, bias = -0.3;
-  double swing = 0.1;  ///< Of the throttle, relative.
-  double noise = 0.5;  ///< Of the accelerometer [m/s²].
-  double sag = 0.0;    ///< Of thrust with the throttle: a battery's under more load.
-  double gust = 0.1;   ///< Of what changes slowly, like air that goes up [m/s²].
+  double swing = 0.1;  ///< Swing of the throttle, relative.
+  double noise = 0.5;  ///< Noise of the accelerometer [m/s²].
+  double sag = 0.0;    ///< Loss of thrust with the throttle: a battery's under more load.
+  double gust = 0.1;   ///< Slow changes, like air that goes up [m/s²].
 };
 
 /// So many seconds at 100 Hz, throttle to and fro.

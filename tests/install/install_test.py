@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What is installed works: wherever it is put, from any folder, by find_package and by pkg-config.
+"""An installed gatefly works: wherever it is put, from any folder, by find_package and by pkg-config.
 
 usage: install_test.py BUILD_DIR SOURCE_DIR CMAKE CXX [unittest arguments]"""
 import os
@@ -16,7 +16,7 @@ BUILD, SOURCE = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 CMAKE, CXX = sys.argv[3:5]
 CONFIGURE = (CMAKE, "-G", "Ninja")  # which building gatefly needs; a clean system has no make
 VERSION = re.search(r"project\(gatefly VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
-# Whoever includes one of these has all that is meant for others.
+# Each of these alone includes all that is meant for others.
 DOORS = ("detection/gate_detector.hpp", "pose/gate_fix.hpp", "estimation/navigator.hpp", "race/pilot.hpp",
          "files/image_file.hpp", "config/pilot_files.hpp")
 CC = ("gcc", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")

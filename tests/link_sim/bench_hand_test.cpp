@@ -20,7 +20,7 @@ class Bench : public testing::Test {
     line.append(prompt);
     hand_.hear(line, t_);
   }
-  /// What is done in so many seconds.
+  /// Deeds done in so many seconds.
   std::vector<Deed> done_in(double seconds) {
     std::vector<Deed> done;
     for (const double end = t_ + seconds; t_ < end; t_ += 0.02)

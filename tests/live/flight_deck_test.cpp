@@ -62,7 +62,7 @@ class Flight : public testing::Test {
   ControllerState controller_;
   Wanted wanted_;
   nanoseconds now_{0};
-  nanoseconds* stopped_ = nullptr;  ///< What comes no more.
+  nanoseconds* stopped_ = nullptr;  ///< Time stamp that no longer advances.
   bool told_ = false;
   FlightDeck::Sent sent_;
 };

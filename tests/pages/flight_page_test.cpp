@@ -48,7 +48,7 @@ std::vector<std::uint8_t> noise(std::size_t bytes) {
   return all;
 }
 
-/// Where the body is at a time, for who does not care about physics: through the gate at 3 s.
+/// The body's pose at a time, without any physics: through the gate at 3 s.
 Truth at(double time) {
   return {.p_EB = {time, 0.15, -1.4}, .v_E = {1, 0, 0}, .attitude = {0.01, 0.02, 0.03}};
 }

@@ -178,7 +178,7 @@ class Poses(Case):
         self.camera = gatefly.Camera()
 
     def corners_from(self, p_GB, roll, pitch, yaw):
-        """Of a gate of 1 m, through the lens."""
+        """Camera's view of a gate of 1 m, through the lens."""
         (cr, sr), (cp, sp), (cy, sy) = ((np.cos(a), np.sin(a)) for a in (roll, pitch, yaw))
         R_GB = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]) @ \
             np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])

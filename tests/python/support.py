@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the Python module share. Each is run as: X_test.py GATEFLY REPOSITORY_ROOT [unittest arguments],
+"""Helpers of the Python module's tests. Each is run as: X_test.py GATEFLY REPOSITORY_ROOT [unittest arguments],
 with the module on PYTHONPATH. Exit code 77, skipped: no numpy for this interpreter."""
 import json
 import os
@@ -44,7 +44,7 @@ class Case(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def program(self, *arguments, codes=(0,)):
-        """What the program prints."""
+        """Output of the program."""
         run = subprocess.run([GATEFLY, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=300, check=False)
         self.assertIn(run.returncode, codes, run.stdout + run.stderr)
         return run.stdout

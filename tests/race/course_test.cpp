@@ -20,7 +20,7 @@ Track two_gates() {
   return track;
 }
 
-/// Where the course is told the drone is; the gate's frame follows from its target.
+/// Navigation state of a drone there; the gate's frame follows from the course's target.
 NavigationState at(const Course& course, const Vector3d& p_EB) {
   NavigationState now;
   now.p_EB = p_EB;

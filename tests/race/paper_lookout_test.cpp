@@ -50,7 +50,7 @@ struct PaperWatch {
   static GateDetection seen_from(const Vector3d& p_GB, double fitness = 1.0) {
     return {*corners_of(1.0, {.p_GB = p_GB, .attitude_GB = {}}, bebop_rig()), fitness};
   }
-  /// What the filter made of it.
+  /// The filter's use of it.
   Sighting::Source see(const std::vector<GateDetection>& gates,
                        const std::optional<GateBars>& bars = std::nullopt) {
     Sensors sensors;

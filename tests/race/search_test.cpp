@@ -97,7 +97,7 @@ class LedDrone {
 
   long long tick_ = 1;
   double height_ = 0.0;
-  Vector3d p_EB_;  ///< Where it stands or flies above.
+  Vector3d p_EB_;  ///< Place where it stands, or above which it flies.
 };
 
 /// Waited in the air until the pilot no longer knows well enough where it is, then flew on.

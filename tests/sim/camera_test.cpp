@@ -45,7 +45,7 @@ std::vector<BodyPose> history_of(const Path& path) {
   return history;
 }
 
-/// What a lens projects: a point of the earth frame, seen from a pose.
+/// Projection by a lens: a point of the earth frame, seen from a pose.
 std::optional<Vector2d> projected(const CameraTruth& camera, const BodyPose& pose,
                                   const Vector3d& p_E) {
   const Eigen::Matrix3d R_EB =
@@ -109,7 +109,7 @@ struct Picture {
 
 enum class Chroma { kCb, kCr };
 
-/// Where one picture has more of a chroma than another, about a point.
+/// Excess of a chroma in one picture over another, about a point.
 struct Blob {
   double weight = 0.0;
   Vector2d centre = Vector2d::Zero(), variance = Vector2d::Zero();  ///< [px], [px²]

@@ -46,7 +46,7 @@ TEST(GatesInView, AGateStraightAheadIsWholeAndClockwiseFromTopLeft) {
   EXPECT_LT(c[0].x(), c[1].x());
   EXPECT_LT(c[0].y(), c[3].y());
   EXPECT_LT(c[3].x(), c[2].x());
-  // Where the lens puts them: half a metre aside at four metres.
+  // The lens puts them half a metre aside at four metres.
   const CameraTruth camera;
   EXPECT_LT((c[2] - *camera.lens.project({0.5, 0.5, 4.0})).norm(), 1e-9);
 }

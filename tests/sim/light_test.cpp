@@ -67,7 +67,7 @@ TEST(Baker, ABoxThrowsAShadow) {
   EXPECT_GT(lamp.at({1.0f, 0, 0}, kUp)[3 * kWindow], 0.0f);
 }
 
-// Where every wall gets the irradiance E, what comes back is albedo times E (over π, which goes into
+// With irradiance E on every wall, what comes back is albedo times E (over π, which goes into
 // the radiance of all of them): nothing is lost or won by the directions of the rays.
 TEST(Baker, InAFurnaceABounceGivesTheAlbedo) {
   Scene scene;
@@ -162,7 +162,7 @@ TEST(LightMap, MovedThingsAreLitByTheLampsToo) {
   for (const Rectangle& r : scene.moved) {
     const NodeLight& light = moved.nodes[static_cast<std::size_t>(r.first_node)];
     EXPECT_GT(light[3 * kCeiling], 0.0f);
-    // Of the ceiling's light more comes from above than from below.
+    // The ceiling's light comes more from above than from below.
     if (r.normal.z() > -0.9f) continue;
     for (const Rectangle& other : scene.moved) {
       if (other.normal.z() < 0.9f) continue;

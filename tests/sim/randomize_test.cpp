@@ -217,7 +217,7 @@ enum class Change {
   kScalesItself  ///< nominal size
 };
 
-/// What one member of `Randomize` does.
+/// Effect of one member of `Randomize`.
 struct Draw {
   const char* name;
   double Randomize::*member;

@@ -65,7 +65,7 @@ class Camera {
   /// Cb and Cr of the pair that a stored pixel is in.
   [[nodiscard]] int cb(int column, int line) const { return bytes_[at(column & ~1, line)]; }
   [[nodiscard]] int cr(int column, int line) const { return bytes_[at(column & ~1, line) + 2]; }
-  /// What the meter sees: bright places cut at 165.
+  /// Reading of the meter: bright places cut at 165.
   [[nodiscard]] double mean() const {
     double sum = 0.0;
     for (std::size_t i = 1; i < bytes_.size(); i += 2) sum += std::min<int>(bytes_[i], 165);

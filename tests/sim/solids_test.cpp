@@ -70,7 +70,7 @@ World stacked(double between, Stream& draw) {
   return world;
 }
 
-// Whatever carries the upper one of stacked gates, it does not stand in the lower one's opening.
+// The support of the upper one of stacked gates does not stand in the lower one's opening.
 TEST(Solids, NothingStandsInAnOpeningOfStackedGates) {
   Stream draw{11, "stacked gates"};
   for (int i = 0; i < 60; ++i) {

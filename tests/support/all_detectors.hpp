@@ -10,7 +10,7 @@
 
 namespace gatefly::test {
 
-/// What all detectors are told.
+/// Settings of all detectors.
 struct DetectorSettings {
   ColorModel model = ColorModel::described({1.0, 0.4, 0.0});
   GateDetectorParams search;

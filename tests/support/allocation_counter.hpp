@@ -14,7 +14,7 @@
 
 namespace gatefly::test {
 
-/// Of this thread. constinit: malloc is called before anything is initialised.
+/// Allocations of this thread. constinit: malloc is called before anything is initialised.
 inline constinit thread_local long allocations = 0;
 
 /// While it lives, nothing may be allocated. Where Eigen was built to say so (the asan preset), it

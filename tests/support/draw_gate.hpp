@@ -19,7 +19,7 @@
 
 namespace gatefly::test {
 
-/// Where a drone is relative to a gate and how it is turned.
+/// Place of a drone relative to a gate and how it is turned.
 struct View {
   Eigen::Vector3d p_GB{-3, 0, 0};
   Attitude attitude_GB{};  ///< Yaw relative to the gate.
@@ -30,7 +30,7 @@ inline CameraRig bebop_rig() {
   return {AnyCamera{DhaneFisheye{}}, camera_mount(20 * kDegree), {0.08, 0, 0}};
 }
 
-/// Where a point of the gate's frame shows, if it does.
+/// Pixel of a point in the gate's frame, if it shows.
 inline std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& p_G, const View& view,
                                                const CameraRig& rig) {
   const Eigen::Matrix3d R_GB = rotation_EB(view.attitude_GB).matrix;

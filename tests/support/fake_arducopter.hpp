@@ -156,7 +156,7 @@ class FakeArduCopter {
  protected:
   static constexpr double kStep = 0.001;
 
-  /// What it flies by: of a program, or its own when that is silent, or when the radio flies.
+  /// Source of its commands: a program, or its own when that is silent, or when the radio flies.
   struct Obeyed {
     Eigen::Vector3d rates_B = Eigen::Vector3d::Zero();
     double thrust = 0.0;  ///< 0 … 1

@@ -55,7 +55,7 @@ struct FakeConstants {
   msp::RxMap map{.place = {0, 1, 3, 2, 4, 5, 6, 7}};
   msp::ImuScale imu;
   int hover_stick = 1425;  ///< [µs]
-  double exponent = 1.6;   ///< Of thrust over throttle.
+  double exponent = 1.6;   ///< Power of thrust over throttle.
 };
 
 struct FakeSettings {

@@ -43,7 +43,7 @@ struct FakeBody {
     rates_B[axis] = rate;
     q = integrated(q, rates_B, dt);
   }
-  /// What an accelerometer shows.
+  /// Reading of an accelerometer.
   [[nodiscard]] Eigen::Vector3d force_B() const {
     return rotation_EB(q).inverse() * (accel_E - Eigen::Vector3d(0, 0, kGravity));
   }

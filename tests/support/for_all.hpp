@@ -11,7 +11,7 @@ namespace gatefly::test {
 
 inline int cases_left_out = 0;
 
-/// What a property returns for a draw that it says nothing about: `if (!seen) return not_a_case();`
+/// A property returns this for a draw that it says nothing about: `if (!seen) return not_a_case();`
 inline void not_a_case() { ++cases_left_out; }
 
 /// Runs `property` on `cases` fresh generators; a failure prints the seed that reproduces it. At

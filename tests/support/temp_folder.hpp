@@ -44,7 +44,7 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-/// What `action` complains about; "" when it does not.
+/// Complaint of `action`; "" when there is none.
 inline std::string error_of(const std::function<void()>& action) {
   try {
     action();

@@ -38,7 +38,7 @@ inline void PrintTo(const Place& p, std::ostream* out) {
   *out << p.distance << " m, roll " << p.roll_deg << " deg";
 }
 
-/// Of twenty views, those that show the gate whole, and the worst corner of each that was found
+/// The views of a gate, of twenty, that show it whole, and the worst corner of each that was found
 /// [px], sorted.
 struct FoundCorners {
   int views = 0;

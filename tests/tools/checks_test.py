@@ -95,7 +95,7 @@ class Docs(unittest.TestCase):
                 (cls.root / each.name).symlink_to(each.resolve())
 
     def errors_of(self, lines, place="docs/paper/results.md"):
-        """What is said of each of the lines, written behind the page's own."""
+        """Complaints on each of the lines, written behind the page's own."""
         file = self.root / place
         before = file.read_text()
         first = before.count("\n") + 2

@@ -11,7 +11,7 @@
 
 namespace gatefly::bench {
 
-/// What the pilot was given and saw in the first seconds of a race.
+/// Sensor input and sightings of the first seconds of a race.
 struct RecordedFlight {
   struct Moment {
     Imu imu;
@@ -36,7 +36,7 @@ struct RecordedFlight {
                                              std::size_t pictures,
                                              const std::function<bool()>& stopped);
 
-/// What follows detection, and the planner.
+/// Stages behind detection, and the planner.
 [[nodiscard]] std::vector<Stage> flight_stages(std::shared_ptr<const RecordedFlight> flight,
                                                const PilotConfig& config);
 

@@ -17,7 +17,7 @@ bool has_opencv() { return true; }
 
 int opencv_quads(const Picture& picture) {
   cv::setNumThreads(1);
-  // Of OpenCV's own making: buffers are kept from call to call.
+  // Buffers are OpenCV's own matrices, kept from call to call.
   static thread_local cv::Mat bgr, hsv, mask;
   static thread_local std::vector<std::vector<cv::Point>> contours;
   static thread_local std::vector<cv::Point> polygon;

@@ -11,7 +11,7 @@
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/color_range.hpp"
 
-// What everybody would write first, with OpenCV, to compare with. One thread.
+// The pipeline that everybody would write first with OpenCV, to compare with. One thread.
 
 namespace gatefly::bench {
 

@@ -16,7 +16,7 @@ double microseconds(const std::function<void()>& work) {
       .count();
 }
 
-// Of sorted numbers, one at least.
+// Quantile of sorted numbers, one at least.
 double quantile(std::span<const double> sorted, double part) {
   return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
 }

@@ -19,7 +19,7 @@ struct Stage {
   std::size_t at_once = 1;
 };
 
-/// What one call takes [µs].
+/// Duration of one call [µs].
 struct Cost {
   double median = 0.0, p99 = 0.0, most = 0.0;
   /// Least time of each input that was measured: what the work itself takes, whatever else ran.

@@ -14,7 +14,7 @@ namespace gatefly::c_interface {
 class MicrosecondClock {
  public:
   static constexpr std::int64_t kLongestGap = 500'000;  ///< [µs] [ours: 250 samples of 512 Hz]
-  static constexpr int kAgreeing = 3;                   ///< One or two may be garbage. [ours]
+  static constexpr int kAgreeing = 3;                   ///< One or two may be garbage. [estimate]
 
   /// The time of the next sample; nullopt: refused.
   [[nodiscard]] std::optional<std::uint64_t> next(std::uint32_t stamp);

@@ -9,7 +9,7 @@
 
 namespace gatefly::calibration {
 
-/// What was found of a checkerboard in a picture.
+/// Outcome of looking for a checkerboard in a picture.
 struct BoardSearch {
   std::optional<BoardView> view;      ///< All its inner corners, row by row.
   std::string reason;                 ///< Why there is none.

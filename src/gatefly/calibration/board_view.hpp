@@ -14,7 +14,7 @@ struct BoardCorner {
   Eigen::Vector2d px;   ///< Upright picture, pixel centres at integers.
 };
 
-/// What one picture shows of the board.
+/// Corners that one picture shows of the board.
 struct BoardView {
   std::string image;
   std::vector<BoardCorner> corners;

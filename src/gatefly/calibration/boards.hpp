@@ -13,7 +13,7 @@
 
 namespace gatefly::calibration {
 
-/// What a user says of the board and of pictures of it, as written.
+/// The user's description of the board and its pictures, as written.
 struct BoardArguments {
   std::string pattern = {};  ///< --pattern, "9x6": inner corners of the checkerboard.
   double square = 0.0;       ///< --square-m: the side of one square [m].
@@ -34,7 +34,7 @@ struct Boards {
   int pictures = 0, unusable = 0;
   bool listed = false;                                       ///< Some are from a corner list.
   std::vector<std::pair<std::string, std::string>> without;  ///< Picture, why it shows no board.
-  std::map<std::string, int> other_patterns;                 ///< What is there instead, how often.
+  std::map<std::string, int> other_patterns;                 ///< Other patterns seen, how often.
 
   /// Looks for the board in a picture; that there is none is no error.
   /// @throws std::runtime_error when it cannot be read or has another size than those before it.

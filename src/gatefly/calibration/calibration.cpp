@@ -230,7 +230,7 @@ ModelResult result_of(LensModel model, const Kept& kept, const CalibrationOption
   return result;
 }
 
-/// Of those that can be used, the simplest within one standard error of the best [Breiman et al.
+/// Index of the simplest usable model within one standard error of the best [Breiman et al.
 /// 1984].
 std::size_t recommended(const std::vector<ModelResult>& models) {
   std::size_t best = models.size();
@@ -253,7 +253,7 @@ std::size_t recommended(const std::vector<ModelResult>& models) {
   return best;
 }
 
-/// What each view came to, in the order they were given.
+/// Tells each view's outcome, in the order they were given.
 void describe_views(Calibration& answer, const BoardViews& all,
                     const std::map<std::string, std::string>& reasons) {
   const AnyCamera lens = answer.best().fit.lens();

@@ -26,7 +26,7 @@ struct ModelResult {
   std::string failure;               ///< Why it cannot be used; "" when it can.
 };
 
-/// What became of one view.
+/// Outcome of one view.
 struct ViewResult {
   std::string image;
   std::size_t corners = 0, dropped = 0;
@@ -37,7 +37,7 @@ struct ViewResult {
 struct Calibration {
   Eigen::Vector2i size_px;
   std::vector<ModelResult> models;  ///< In the order of kLensModels.
-  std::size_t recommended = 0;      ///< Of models.
+  std::size_t recommended = 0;      ///< Index in models.
   std::size_t chosen = 0;           ///< The same, unless another was asked for.
   std::vector<ViewResult> views;    ///< All, in their order.
   BoardViews kept;                  ///< Views and corners that the lenses were fitted to.

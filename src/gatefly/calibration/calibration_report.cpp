@@ -17,7 +17,7 @@ using io::fixed;
 using io::number;
 using Json = nlohmann::ordered_json;
 
-constexpr double kWideCoverage = 0.7;  // below: the lens is extrapolated in the corners [ours]
+constexpr double kWideCoverage = 0.7;  // below: the lens is extrapolated in the corners [estimate]
 
 void write_parameters(std::ostream& out, const ModelResult& result) {
   const auto names = parameter_names(result.fit.model);

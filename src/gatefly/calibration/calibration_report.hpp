@@ -20,7 +20,7 @@ namespace gatefly::calibration {
 [[nodiscard]] nlohmann::ordered_json as_json(const Calibration& answer, const Boards& boards,
                                              int stored_rotation_deg, const std::string& doubt);
 
-/// What a camera's file says about its own making, line by line.
+/// Lines of a camera's file about its own making.
 [[nodiscard]] std::vector<std::string> provenance(const Calibration& answer);
 
 }  // namespace gatefly::calibration

@@ -13,10 +13,10 @@
 
 namespace gatefly::calibration {
 
-/// What a calibration file says about a camera, in any of the formats.
+/// Contents of a calibration file, in any of the formats.
 struct CameraFile {
-  AnyCamera lens;                 ///< Of the upright picture.
-  Eigen::Vector2i size_px{0, 0};  ///< Of the upright picture.
+  AnyCamera lens;                 ///< Lens of the upright picture.
+  Eigen::Vector2i size_px{0, 0};  ///< Size of the upright picture.
   /// Our own files only; others describe the picture as it is stored.
   int stored_rotation_deg = 0;
   std::optional<double> tilt_down;  ///< [rad] Our own files only.

@@ -12,7 +12,7 @@
 
 namespace gatefly::calibration {
 
-/// Where the board is in the camera frame: rotation vector [rad], then its origin [m].
+/// Pose of the board in the camera frame: rotation vector [rad], then its origin [m].
 using BoardPose = Eigen::Matrix<double, 6, 1>;
 
 /// A lens and where it saw the board in each view.
@@ -30,7 +30,7 @@ struct LensFit {
 /// A point of the board in the camera frame [m].
 [[nodiscard]] Eigen::Vector3d in_camera(const BoardPose& pose, const Eigen::Vector2d& p_W);
 
-/// Where errors begin to count linearly: several times a corner's scatter. [ours]
+/// Errors count linearly from here on: several times a corner's scatter. [ours, estimate]
 inline constexpr double kHuberPx = 1.0;
 
 /// A first lens (Kannala-Brandt) without any knowledge: the equidistant fisheye of the focal length

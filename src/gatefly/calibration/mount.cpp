@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMinPictures = 3;
 
-/// Where the body was when a picture was taken. Level pictures: the origin.
+/// Pose of the body when a picture was taken. Level pictures: the origin.
 struct BodyPose {
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
   Attitude attitude = {};
@@ -50,7 +50,7 @@ struct Geometry {
   AnyCamera lens;
   double gate_side = 1.0;
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();
-  std::optional<double> height = std::nullopt;  ///< Of every gate's middle above the origin [m].
+  std::optional<double> height = std::nullopt;  ///< Gates' middles above the origin [m].
   bool fit_heading = false;
 };
 

@@ -19,12 +19,12 @@ namespace gatefly::calibration {
 struct Mount {
   double tilt_down = 0.0, roll = 0.0;         ///< As camera_mount() has them [rad].
   double tilt_sigma = 0.0, roll_sigma = 0.0;  ///< One standard deviation.
-  double rms_px = 0.0;                        ///< Of all corners.
+  double rms_px = 0.0;                        ///< Misfit of all corners.
   std::size_t pictures = 0;
   // From a flight only:
   /// Of the logged heading against the position's axes [rad].
   double heading_offset = 0.0;
-  double time_offset = 0.0;                        ///< What is added to the pictures' times [s].
+  double time_offset = 0.0;                        ///< Added to the pictures' times [s].
   Eigen::Vector3d p_EG = Eigen::Vector3d::Zero();  ///< The gate's centre [m].
 };
 

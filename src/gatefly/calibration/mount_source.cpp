@@ -21,7 +21,7 @@ std::vector<Quad> single_gates(const io::Labels& labels) {
   return gates;
 }
 
-/// What only a flight tells.
+/// Parameters that were fitted along with the mount, in words.
 std::string fitted_with_it(const Mount& mount) {
   return "; fitted with it: heading offset " + fixed(mount.heading_offset / kDegree, 1) +
          " deg, pictures " + fixed(1e3 * mount.time_offset, 0) + " ms, gate at (" +

@@ -11,7 +11,7 @@
 
 namespace gatefly::calibration {
 
-/// What is known of the gate and of the drone that saw it.
+/// Given facts about the gate and the drone that saw it.
 struct MountArguments {
   double gate_side = 1.0;                          ///< [m]
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();  ///< The camera's place in the body frame [m].
@@ -23,7 +23,7 @@ struct MountArguments {
 struct FoundMount {
   Mount mount;
   std::string from;     ///< The file's or folder's name.
-  bool flight = false;  ///< Of a flight, else of pictures that a level drone took.
+  bool flight = false;  ///< From a flight, else from pictures that a level drone took.
 };
 
 /// A labels.csv, or that of a flight folder.

@@ -23,7 +23,7 @@ namespace gatefly::calibration {
                                                     const GateDetectorParams& params,
                                                     const ColorModel& color);
 
-/// What boards alone cannot tell about how the camera stores pictures, one line; "" when they can.
+/// Doubts that boards alone leave about how the camera stores pictures; "" when there are none.
 [[nodiscard]] std::string stored_rotation_doubt(const Boards& boards);
 
 }  // namespace gatefly::calibration

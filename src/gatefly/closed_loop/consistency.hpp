@@ -18,20 +18,20 @@ using flight_log::ChiSquareCount;
 struct Consistency {
   /// 3 degrees of freedom, 20 Hz, in the frame of the target gate as it stands.
   ChiSquareCount nees;
-  ChiSquareCount nis;  ///< Of every fix that was used.
+  ChiSquareCount nis;  ///< Every used fix counts.
   /// Farther off than 1 m for more than 1 s, from where the gate stands and in earth axes, although
   /// a fix was offered in that time: far from a gate that faces elsewhere than the map says, its
   /// own frame tells of the gate, not of the drone.
   int divergences = 0;
 };
 
-/// What a pilot says in one tick, as far as the watch asks.
+/// The pilot's belief in one tick, as far as the watch asks.
 struct Belief {
   bool on_course = false;  ///< Flying gate by gate: on a straight, in a turn, or searching.
   int target = 0;          ///< Index of the gate it flies to.
   Eigen::Vector3d p_GB = Eigen::Vector3d::Zero();               ///< In that gate's frame [m] ...
   Eigen::Matrix3d covariance_GB = Eigen::Matrix3d::Identity();  ///< ... and how sure it is [m²].
-  const Sighting* sighting = nullptr;  ///< Of the picture it has just looked at, if any.
+  const Sighting* sighting = nullptr;  ///< From the picture it has just looked at, if any.
 };
 
 /// @param picture  whether the pilot has just looked. The sighting stays the pilot's.

@@ -25,10 +25,10 @@ class ErrorLedger {
   /// One tick, after the pilot has stepped.
   struct Entry {
     Eigen::Vector3d true_p_EB = Eigen::Vector3d::Zero(), p_EB = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< Of p_EB, earth axes [m²].
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< Covariance of p_EB [m²].
     /// The target's place on the map less its true one [m].
     Eigen::Vector3d map_shift = Eigen::Vector3d::Zero();
-    std::optional<Fix> fix = std::nullopt;  ///< Of the target there was before this tick.
+    std::optional<Fix> fix = std::nullopt;  ///< To the target before this tick.
   };
 
   void add(const Entry& entry);

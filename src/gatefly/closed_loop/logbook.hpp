@@ -33,7 +33,7 @@ class Logbook {
   void looked(const Pilot& pilot, const sim::BodyPose& pose, const sim::Sight& sight);
   void motors(const Command& command, double now);
 
-  /// Where the next gate really is in the last picture: Scorer::wanted().
+  /// Corners of the next gate in the last picture: Scorer::wanted().
   [[nodiscard]] const std::optional<Quad>& next_gate() const { return scorer_.wanted(); }
 
   void fill(RaceResult& result) const;

@@ -22,7 +22,7 @@ class LossWatch {
   void update(const Pilot& pilot, const sim::BodyState& truth, double now, int passed,
               const Scorer* looked);
 
-  /// What the last sighting was of, when it was not the target: "gate 2", "no gate".
+  /// Names the last sighting's gate when it was not the target: "gate 2", "no gate".
   void taken_of(const std::string& what) { taken_of_ = what; }
 
   /// @param contact  what was touched, as physics calls it; "" for nothing.

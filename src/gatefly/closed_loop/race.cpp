@@ -45,7 +45,7 @@ constexpr double kAirborne = 0.15;           // from here on, a contact is a cra
 constexpr double kFall = 1.5;                // what is shown of a crash [s]
 constexpr double kRunOut = 8.0;  // after the last gate the race is over, landed or not [s]
 
-/// Of this thread: a campaign flies several races at once, each in a thread of its own.
+/// CPU time of this thread: a campaign flies several races at once, each in its own thread.
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -257,7 +257,7 @@ class FlightIn final : public AnyFlight {
   RaceResult result_;  ///< As far as it is known.
   double cpu_start_ = cpu_seconds();
   std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
-  // Of the last tick.
+  // State after the last tick.
   Sensors sensors_;
   Command command_;
   std::array<double, 4> rotors_{};  ///< [rad/s]

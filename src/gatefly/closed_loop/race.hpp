@@ -22,7 +22,7 @@
 
 namespace gatefly::closed_loop {
 
-/// Where the pilot's sightings come from.
+/// Source of the pilot's sightings.
 enum class Vision {
   kRendered,  ///< Pictures are rendered and really detected; MuJoCo moves the body.
   /// Corners drawn from the detector's statistics; the twin body. Hundreds of times real time.
@@ -33,7 +33,7 @@ struct RaceConfig {
   Vision vision = Vision::kRendered;
   PilotConfig pilot;
   sim::SimConfig sim;      ///< Already drawn for the seed.
-  double timeout = 240.0;  ///< Of the whole flight [s].
+  double timeout = 240.0;  ///< Limit of the whole flight [s].
   /// May put other sensors in place of what the pilot is about to be told, for tests; may be empty.
   std::function<void(Sensors&)> sensors;
   /// Allocations of the process so far, for tests that count them; may be empty.
@@ -48,7 +48,7 @@ struct StageTime {
   double p50_us = 0.0, p99_us = 0.0, max_us = 0.0;
 };
 
-/// What the referee saw, what the detector got right, and what it cost.
+/// The referee's verdict, the detector's hits, and the cost of a race.
 struct RaceResult {
   bool finished = false;
   int gates_passed = 0, gates_total = 0;
@@ -58,18 +58,18 @@ struct RaceResult {
   std::optional<double> crash_time;          ///< [s]
   std::string crash_object;
   bool landed = false;  ///< The pilot has switched the motors off.
-  /// What was touched after the last gate, the floor aside; empty when nothing was.
+  /// Contact after the last gate other than with the floor; empty when there was none.
   std::string landing_contact;
   std::string stop_reason;                    ///< finished, crash, timeout, abort
   std::string abort_reason;                   ///< In words; empty when not aborted.
-  std::optional<WhyLost> why_lost;            ///< Of a race that is over and not finished.
+  std::optional<WhyLost> why_lost;            ///< For a race that is over and not finished.
   std::vector<Eigen::Vector2d> gate_offsets;  ///< Lateral, vertical (down) at each pass [m].
   /// Earth frame, first to last gate [m].
   Eigen::Vector3d estimation_rmse = Eigen::Vector3d::Zero();
   Consistency consistency;                 ///< Whether the pilot knew how wrong it was.
-  Discoveries discoveries;                 ///< What the pilot found out in flight, and when.
-  std::optional<eskf::Findings> findings;  ///< Of camera, air and map, by the filter of kOurs.
-  TruthOfFindings truth;                   ///< Of what the filter looks for.
+  Discoveries discoveries;                 ///< The filter's findings against the truth.
+  std::optional<eskf::Findings> findings;  ///< On camera, air and map, by the filter of kOurs.
+  TruthOfFindings truth;                   ///< True values of the findings.
   std::optional<eskf::Monitor::Verdict> divergence;  ///< As the pilot says, without any truth.
   std::vector<sim::WorldGate> true_gates;            ///< As they stood.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
@@ -107,7 +107,7 @@ class Flight {
   void stop();
   /// Finished, crashed, aborted, timed out or stopped.
   [[nodiscard]] bool over() const;
-  /// What happened so far; its seconds of CPU and wall include what the caller did between ticks.
+  /// The race so far; its seconds of CPU and wall include the caller's work between ticks.
   [[nodiscard]] RaceResult result() const;
 
  private:

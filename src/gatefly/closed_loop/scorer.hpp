@@ -23,8 +23,8 @@ class Scorer {
   void score(const sim::BodyPose& pose, const Sighting& sighting, int target,
              const sim::Sight& scene);
 
-  /// What corrected the filter, when it was not the target: "gate 2", "false gate 1", "no gate"; ""
-  /// when it was, or when only a part of a gate was used.
+  /// Name of the gate that corrected the filter, when it was not the target: "gate 2", "false gate
+  /// 1", "no gate"; "" when it was, or when only a part of a gate was used.
   [[nodiscard]] std::string taken_of(const sim::BodyPose& pose, const Sighting& sighting,
                                      int target) const;
 
@@ -38,7 +38,7 @@ class Scorer {
   /// Frames that the pilot searched carefully.
   [[nodiscard]] int careful() const { return careful_; }
 
-  /// Where a gate's outer corners are in the picture; nullopt unless all are inside and unhidden.
+  /// Corners of a gate in the picture; nullopt unless all are inside and unhidden.
   [[nodiscard]] std::optional<Quad> visible_gate(const sim::BodyPose& pose,
                                                  const sim::WorldGate& gate,
                                                  const sim::Sight* scene) const;

@@ -109,7 +109,7 @@ class SensorSuite {
   /// Every step of the body, for pictures, which take their time.
   void remember(const sim::BodyState& state, double t) { camera_.remember(state, t); }
 
-  /// What arrives at the end of a tick of `dt` [s].
+  /// Sensor data that arrives at the end of a tick of `dt` [s].
   template <class Simulator>
   Sensors read(std::int64_t tick, double dt, Simulator& simulator, Stopwatch& camera_watch) {
     const sim::BodyState& state = simulator.body.state();

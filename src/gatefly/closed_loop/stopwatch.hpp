@@ -30,7 +30,7 @@ class Stopwatch {
     } at_end{this, from};
     return work();
   }
-  /// Of the latest sample [s]; before the first: 0.
+  /// Time of the latest sample [s]; before the first: 0.
   [[nodiscard]] double latest() const {
     return samples_.empty() ? 0.0 : 1e-6 * static_cast<double>(samples_.back());
   }

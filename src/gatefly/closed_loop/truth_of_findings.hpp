@@ -9,7 +9,7 @@ namespace gatefly::closed_loop {
 /// The truth of what the filter estimates, less what the pilot was told. Names and signs are
 /// those of eskf::Findings.
 struct TruthOfFindings {
-  double tilt = 0.0, pan = 0.0, roll = 0.0;  ///< Of the mount: down, to the right, clockwise [rad].
+  double tilt = 0.0, pan = 0.0, roll = 0.0;  ///< Mount: down, to the right, clockwise [rad].
   /// An image centre elsewhere than told looks like that much more tilt and pan near the middle of
   /// the picture; a filter that knows no centre finds the sum [rad].
   double center_as_tilt = 0.0, center_as_pan = 0.0;

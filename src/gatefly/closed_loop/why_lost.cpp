@@ -28,7 +28,7 @@ std::optional<std::size_t> number_after(std::string_view text, std::string_view 
 struct Aim {
   Eigen::Vector3d p_E;  ///< By the map [m].
   double heading = 0.0;
-  Eigen::Vector3d shift_E;  ///< Of the map there: map less truth [m].
+  Eigen::Vector3d shift_E;  ///< The map's error there: map less truth [m].
   bool is_gate = false;     ///< Middle of a gate; how far along its axis is no miss.
   bool counts_along = true;
 };

@@ -28,14 +28,14 @@ struct WrongFix {
 struct LossMoment {
   double time = 0.0;  ///< [s]
   Eigen::Vector3d true_p_EB = Eigen::Vector3d::Zero(), p_EB = Eigen::Vector3d::Zero();
-  /// Of ErrorLedger: what the error from the target gate comes from.
+  /// Shares of the error from the target gate, as in ErrorLedger.
   Eigen::Vector3d estimate = Eigen::Vector3d::Zero(), detection = Eigen::Vector3d::Zero(),
                   map = Eigen::Vector3d::Zero();
   int target = 0;   ///< Gate that the pilot flies to.
   int counted = 0;  ///< Gates that the pilot has counted ...
   int passed = 0;   ///< ... and the referee.
   enum class Flying { kTakeOff, kCourse, kSearch, kLand } flying = Flying::kCourse;
-  double wait_x = 0.0;  ///< Where a search waits, on the gate's axis [m].
+  double wait_x = 0.0;  ///< Waiting place of a search on the gate's axis [m].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();  ///< [m/s]
   std::optional<double> since_fix = std::nullopt;    ///< [s]
   std::optional<Eigen::Vector3d> fix_error = std::nullopt;
@@ -63,7 +63,7 @@ struct WhyLost {
 
   How how = How::kContact;
   Cause cause = Cause::kEstimate;
-  double time = 0.0;         ///< Of the contact, of the gate that was missed, of giving up [s].
+  double time = 0.0;         ///< When it touched, missed or gave up [s].
   int gate = 1;              ///< The first one of the race that was not passed, from 1.
   std::string reason{};      ///< Why the pilot gave up; "" when it did not.
   std::string object{};      ///< "right bar of gate 3", "east wall"; "" when nothing was touched.
@@ -73,22 +73,22 @@ struct WhyLost {
 
   // Along the gate's axis or the way, to its right, down [m]. The four add up to the miss.
   Eigen::Vector3d miss = Eigen::Vector3d::Zero();
-  Eigen::Vector3d estimate = Eigen::Vector3d::Zero();   ///< What IMU, drag and wind put in.
-  Eigen::Vector3d guidance = Eigen::Vector3d::Zero();   ///< Where it believed to be, off its aim.
+  Eigen::Vector3d estimate = Eigen::Vector3d::Zero();   ///< Share of IMU, drag and wind.
+  Eigen::Vector3d guidance = Eigen::Vector3d::Zero();   ///< Believed place less its aim.
   Eigen::Vector3d map = Eigen::Vector3d::Zero();        ///< Gates that stand elsewhere.
-  Eigen::Vector3d detection = Eigen::Vector3d::Zero();  ///< What fixes were wrong by.
+  Eigen::Vector3d detection = Eigen::Vector3d::Zero();  ///< Share of wrong fixes.
   /// Parts of the miss's length, in its direction, in this order; negative: against it [m].
   std::array<double, 4> shares{};
 
   std::optional<double> since_fix = std::nullopt;           ///< [s]
-  std::optional<Eigen::Vector3d> fix_error = std::nullopt;  ///< Of the last fix, as the miss [m].
+  std::optional<Eigen::Vector3d> fix_error = std::nullopt;  ///< Last fix's, as the miss [m].
   std::optional<WrongFix> wrong_fix = std::nullopt;
   LooksSinceFix looks{};
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< Along and to the right, then [m/s].
   double wind_mean = 0.0;                          ///< Its speed, over the flight [m/s].
 };
 
-/// What physics calls "gate 3 right bar", "obstacle 2", as a person does: "right bar of gate 3",
+/// Renames an object of the physics, "gate 3 right bar", "obstacle 2", to "right bar of gate 3",
 /// "obstacle 2 (a pole)".
 [[nodiscard]] std::string named(const std::string& object, const sim::World& world);
 

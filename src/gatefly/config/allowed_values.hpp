@@ -7,7 +7,7 @@
 
 namespace gatefly::io {
 
-/// What a key may hold, in words: "a whole number in 1..100", "one of "full", "fast"".
+/// Allowed values in words: "a whole number in 1..100", "one of "full", "fast"".
 [[nodiscard]] std::string allowed_values(const KeyRule& rule);
 
 }  // namespace gatefly::io

@@ -147,7 +147,7 @@ void ordered(const Config& config, const char* low_key, double low, const char* 
                            high_key + " = " + text_of(high));
 }
 
-/// What camera.distortion has to hold for a model.
+/// Requirements of a model on camera.distortion.
 struct LensRule {
   std::string model;
   std::vector<std::string> coefficients;

@@ -30,7 +30,7 @@ struct SimulatorSettings {
   sim::IdealVisionParams ideal_vision;
   std::string camera_quality = "full";  ///< Or "fast": one ray a pixel, no blur, no glare.
   int bake_threads = 2;
-  double timeout = 240.0;  ///< Of one flight [s].
+  double timeout = 240.0;  ///< Limit of one flight [s].
 };
 
 /// Everything that [sections] of configuration files set. Keys: config_keys.cpp.
@@ -43,7 +43,7 @@ struct Config {
   /// track file.
   PilotConfig pilot;
   SimulatorSettings sim;
-  /// Whose method each stage uses: detector.mode ("paper", "flown": Li18's two, with their own colours and
+  /// Method of each stage: detector.mode ("paper", "flown": Li18's two, with their own colours and
   /// numbers), pose.model, filter.model, control.mode.
   std::string detector_mode = "ours";
   std::string pose_model = "ours", filter_model = "ours", control_mode = "ours",
@@ -81,7 +81,7 @@ struct Config {
 /// {section: {key: value}}, effective values.
 [[nodiscard]] nlohmann::json as_json(const Config& config);
 
-/// What as_json() of an earlier version gave, renamed keys under their present names.
+/// Translates as_json() of an earlier version: renamed keys get their present names.
 [[nodiscard]] nlohmann::json with_current_names(nlohmann::json config);
 
 }  // namespace gatefly::io

@@ -8,7 +8,7 @@
 
 namespace gatefly::io {
 
-/// What is wrong with a course as it stands, each in one sentence; empty when nothing is.
+/// Problems of a course as it stands, each in one sentence; empty when there are none.
 ///
 /// Asks of the map alone: gates whole inside the room and apart from each other, ways into and out
 /// of their openings free, obstacles inside the room and off the gates, the start free. Whether

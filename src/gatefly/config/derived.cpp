@@ -86,7 +86,7 @@ ColorModel described(const Eigen::Vector3d& rgb) {
   return ColorModel::described({rgb.x(), rgb.y(), rgb.z()});
 }
 
-/// What the chosen detector looks for: Li18's two have their own colours, which are orange.
+/// Colour of the chosen detector: Li18's two have their own colours, which are orange.
 ColorModel looked_for(const Config& config) {
   const DetectorMode mode = detector_mode_of(config.detector_mode);
   return mode == DetectorMode::kPaper || mode == DetectorMode::kFlown
@@ -171,7 +171,7 @@ PilotConfig pilot_config(const Config& config) {
   return pilot;
 }
 
-/// What the body really has about each axis: never more than the other two together, which no body
+/// True inertia about each axis: never more than the other two together, which no body
 /// has. What the vehicle file says itself is not touched.
 Eigen::Vector3d true_inertia(const Eigen::Vector3d& known, const Eigen::Vector3d& ratio) {
   constexpr double kMost = 0.99;

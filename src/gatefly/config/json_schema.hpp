@@ -3,14 +3,14 @@
 
 #include <nlohmann/json.hpp>
 
-// What editors take to complete and check a file while it is written: JSON Schema, draft 7. Made of
+// JSON Schemas, draft 7, with which editors complete and check a file while it is written. Made of
 // the tables that the readers use, so that the two cannot differ.
 namespace gatefly::io {
 
-/// Of a track file: track_keys(), randomize_keys() and fault_keys().
+/// Schema of a track file: track_keys(), randomize_keys() and fault_keys().
 [[nodiscard]] nlohmann::ordered_json track_schema();
 
-/// Of a configuration, camera or vehicle file: config_keys(), randomize_keys() and
+/// Schema of a configuration, camera or vehicle file: config_keys(), randomize_keys() and
 /// fault_keys().
 [[nodiscard]] nlohmann::ordered_json config_schema();
 

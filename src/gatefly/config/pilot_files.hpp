@@ -8,7 +8,7 @@
 
 namespace gatefly::io {
 
-/// What a pilot is told, from the files that the program reads: what it flies is what you fly.
+/// A pilot's configuration from the files that the program reads: it flies as you fly.
 ///
 /// @param track     a track file, or a name of those that gatefly comes with.
 /// @param configs   camera, vehicle and what else is set: files or names, the later wins.
@@ -21,13 +21,13 @@ namespace gatefly::io {
 /// The same, where files or texts of files may be given.
 struct PilotSources {
   std::string track;                  ///< File or name; "": the text counts.
-  std::string track_text;             ///< What would stand in a track file.
+  std::string track_text;             ///< Content of a track file.
   std::vector<std::string> configs;   ///< Files or names.
-  std::string config_text;            ///< What would stand in one more file, after these.
+  std::string config_text;            ///< Content of one more file, after these.
   std::vector<std::string> settings;  ///< "section.key=value", after all of it.
 };
 
-/// What a pilot is told, and how its camera stores pictures.
+/// A pilot's configuration, and how its camera stores pictures.
 struct PilotFiles {
   PilotConfig pilot;
   int stored_width = 0, stored_height = 0;  ///< [px]

@@ -16,7 +16,7 @@
 namespace gatefly::io {
 namespace {
 
-/// What a look's rooms measure: least and most of each side, height.
+/// Sizes of a look's rooms: least and most of each side, height.
 struct RoomKind {
   const char* look;
   Eigen::Vector3d least, most;

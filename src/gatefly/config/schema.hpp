@@ -16,16 +16,16 @@ namespace gatefly::io {
 
 inline constexpr double kMilliseconds = 1e-3;  ///< The unit of a key in milliseconds [s].
 
-/// What a configuration key means and may hold, and where its default comes from.
+/// Meaning, allowed values and source of the default of a configuration key.
 struct KeyRule {
   enum class Kind { kNumber, kInteger, kNumbers, kNumberOrList, kText, kFile };
   std::string name;                       ///< "section.key", the unit at its end.
-  double low = 0.0, high = 0.0;           ///< Of every number, in the key's unit, bounds included.
+  double low = 0.0, high = 0.0;           ///< Bounds of every number, in the key's unit, included.
   std::string what = {};                  ///< In a few words.
-  std::string source = {};                ///< Of the default.
-  std::vector<std::string> choices = {};  ///< Of a text.
+  std::string source = {};                ///< Origin of the default.
+  std::vector<std::string> choices = {};  ///< Allowed words of a text.
   Kind kind = Kind::kNumber;
-  std::size_t count = 1;  ///< Of a list of numbers; the most of kNumberOrList.
+  std::size_t count = 1;  ///< Length of a list; the most of kNumberOrList.
   bool whole = false;     ///< Only whole numbers in a list.
 };
 

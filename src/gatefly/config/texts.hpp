@@ -12,7 +12,7 @@
 // Configuration and track of whom who has no files: an autopilot's own parameters, the C interface.
 namespace gatefly::io {
 
-/// What would stand in a file, and what it is called in messages.
+/// Content of a file, and its name in messages.
 struct TextFile {
   std::string name, content;
 };

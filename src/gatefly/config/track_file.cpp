@@ -25,7 +25,7 @@ using nlohmann::json;
 
 constexpr double kSunk = 1e-6;  // [m] a gate that stands on the floor may be so low by rounding
 
-/// Linear-light albedos of painted wood and cloth. [ours]
+/// Linear-light albedos of painted wood and cloth. [estimate]
 const std::vector<std::pair<std::string, Eigen::Vector3d>>& colors() {
   static const std::vector<std::pair<std::string, Eigen::Vector3d>> list{
       {"orange", {0.95, 0.40, 0.12}}, {"red", {0.75, 0.07, 0.07}},

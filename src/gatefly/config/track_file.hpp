@@ -29,7 +29,7 @@ struct TrackFile {
 [[nodiscard]] TrackFile read_track(const std::filesystem::path& path,
                                    const GateDescription& gates = {});
 
-/// What a gate's `color` may be called.
+/// Allowed values of a gate's `color`.
 [[nodiscard]] std::vector<std::string> track_colors();
 
 /// A track file by path or by its name in tracks/.

@@ -27,7 +27,7 @@ std::string line(const std::string& name, const std::string& value, const std::s
   return text.str();
 }
 
-/// Of configs/default.toml the keys that are wanted.
+/// Picks the wanted keys of configs/default.toml.
 template <class Wanted>
 std::string file_with(const Wanted& wanted) {
   std::vector<ShownKey> keys = shown_keys(load_config(config_files({})));

@@ -14,9 +14,9 @@ struct TrackKey {
   const char* name;
   const char* example;  ///< As it stands in a new file.
   const char* what;
-  const char* otherwise;         ///< What holds when it is left out; "" when it may not be.
-  double low = 0.0, high = 0.0;  ///< Of every number.
-  std::vector<std::string> choices = {};  ///< Of a text that is one of a few words.
+  const char* otherwise;                  ///< Value when left out; "" if it may not be.
+  double low = 0.0, high = 0.0;           ///< Bounds of every number.
+  std::vector<std::string> choices = {};  ///< Words of a text that is one of a few.
   bool left_out = false;                  ///< A comment in a new file: it excludes another.
 };
 

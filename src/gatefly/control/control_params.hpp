@@ -38,7 +38,7 @@ struct IndiParams {
   double adaptation = 0.01;  ///< Step of the normalised LMS. [ours: a few seconds of flight]
   /// Changes from sample to sample below this say nothing [rad/s²]. [ours: gyro noise]
   double adaptation_floor = 0.3;
-  /// Nominal effectiveness / this .. times this is believed. [ours]
+  /// Nominal effectiveness / this .. times this is believed. [estimate]
   double max_effectiveness_ratio = 3.0;
 };
 
@@ -51,8 +51,8 @@ enum class Output {
 
 /// Attitude by way of an autopilot that holds rates.
 struct RateParams {
-  double attitude_gain = 6.0;  ///< Rate for an angle's error, roll and pitch [1/s]. [ours]
-  double yaw_gain = 2.5;       ///< The same for the heading [1/s]. [ours]
+  double attitude_gain = 6.0;  ///< Rate for an angle's error, roll and pitch [1/s]. [estimate]
+  double yaw_gain = 2.5;       ///< The same for the heading [1/s]. [estimate]
   double max_rate = 4.0;       ///< Roll and pitch [rad/s]. [ours: half of what sticks give]
   /// A command shows in the motion so much later, and the thrust likewise [s]. [ours: link 0.03, smoothing
   /// 0.02, rotors 0.05]
@@ -62,7 +62,7 @@ struct RateParams {
 struct AltitudeParams {
   double kp = 5.0;            ///< [(m/s²)/m] [Li18 code: 4.3]
   double kd = 3.6;            ///< [(m/s²)/(m/s)] [Li18 code: 1.1, which rings at ζ 0.26]
-  double ki = 0.8;            ///< [(m/s²)/(m s)] carries battery sag and mass. [ours]
+  double ki = 0.8;            ///< [(m/s²)/(m s)] carries battery sag and mass. [estimate]
   double max_accel = 4.0;     ///< [m/s²]
   double max_integral = 2.5;  ///< [m/s²]
 };

@@ -31,15 +31,15 @@ struct ColorModel {
   static constexpr int kMostNats = 4;  ///< Table values are within.
   static_assert(kUnit * kMostNats <= std::numeric_limits<std::int8_t>::max());
 
-  /// Of a colour alone: no bar's, whatever is around. [of 0, 1/2, 1, 2 nats: the labelled sets'
-  /// best]
+  /// Evidence below which a colour is no bar's in any surroundings. [of 0, 1/2, 1, 2 nats: the
+  /// labelled sets' best]
   static constexpr int kHopeless = -kUnit / 2;
 
   static constexpr int kChromaBits = 6;  ///< Bits kept of a chroma in a chroma_bin().
   static_assert(kChromaLevels << kChromaBits == 256);
 
   std::array<std::int8_t, kBins> absolute{}, relative{};
-  /// Of each chroma_bin(): 1 where it is hopeless with any luma. All 0 is right, but slow;
+  /// Flag of each chroma_bin(): 1 where it is hopeless with any luma. All 0 is right, but slow;
   /// find_hopeless() fills it.
   std::array<std::uint8_t, std::size_t{1} << (2 * kChromaBits)> hopeless{};
   /// Direction of the gate's chroma from grey, (u, v), length 1.
@@ -88,7 +88,7 @@ struct ColorModel {
   static const Starts kStarts;
 
  private:
-  // Where a value's bin begins in a table: `levels` values a bin from `zero` on, what is beyond in
+  // First table entry of a value's bin: `levels` values a bin from `zero` on, values beyond in
   // the outer ones; `size` entries a bin.
   template <std::size_t N>
   [[nodiscard]] static constexpr std::array<std::uint16_t, N> bins(int zero, int levels,

@@ -20,8 +20,8 @@ struct FrameWeights {
 /// The lens that pictures were taken with: bars are looked for along its bend.
 struct PictureLens {
   std::optional<AnyCamera> model;  ///< None: bars are straight.
-  /// Of the upright pictures that it belongs to [px]: others of the same shape are taken for scaled
-  /// ones, in those of another shape bars are straight. 0: pictures of any size are its own.
+  /// Size of the upright pictures that it belongs to [px]: others of the same shape are taken for
+  /// scaled ones, in those of another shape bars are straight. 0: pictures of any size are its own.
   int width = 0, height = 0;
   /// Pictures of any shape are its own: scaled by the width, its centre as far from the picture's
   /// middle.
@@ -32,8 +32,8 @@ struct PictureLens {
 struct GateDetectorParams {
   /// Least FrameScore::total; at it, one in two frames is a gate. [docs/paper/results.md]
   double min_score = 2.5;
-  /// Of the fast search: no careful one follows. [of 2.5, 3, 3.5, 4.5: a gate in 150 less than
-  /// with 3.5, and seldom a second look]
+  /// Score of the fast search from which no careful one follows. [of 2.5, 3, 3.5, 4.5: a gate in
+  /// 150 less than with 3.5, and seldom a second look]
   double sure_score = 3.0;
   /// Whether evidence is what stands out in this very picture, see tone_of(); else the colours as
   /// they are.

@@ -60,7 +60,7 @@ class LensBend {
  private:
   static constexpr int kEntries = 512;
 
-  // Of a ray drawn at radius r of a lens of focal length 1, by r².
+  // A ray drawn at radius r of a lens of focal length 1, by r².
   struct Ray {
     double sine, cosine;  // of the angle from the axis; the former / r
   };
@@ -116,7 +116,7 @@ class SideCurves {
     return off.dot(normal) / (square * std::max(0.5, 1.0 - 4.0 * before * before)) * normal;
   }
 
-  /// Where the bars through a, b and through c, d cross, nearer to b; nullopt when they are nearly
+  /// Crossing of the bars through a, b and through c, d, nearer to b; nullopt when they are nearly
   /// parallel or the lens does not reach there. bent() only.
   [[nodiscard]] std::optional<Eigen::Vector2d> crossing(const Eigen::Vector2d& a,
                                                         const Eigen::Vector2d& b,

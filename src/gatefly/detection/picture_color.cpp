@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kLevels = 256;
 
-// Of the picture's shorter side: between pixels that are asked, and between the two of a pair.
+// Distances between sampled pixels, and between the two of a pair, by the picture's shorter side.
 constexpr double kGrid = 1.0 / 16.0, kApart = 1.0 / 50.0;
 
 // [levels; of 5, 7, 9, 11, and pairs 3, 4, 12 px apart of 160: the labelled sets' best, whole and

@@ -58,7 +58,7 @@ bool overlaps(const Quad& a, const Quad& b, double part) {
 }
 
 bool stands_within(const Quad& small, const Quad& large) {
-  // Of the side: farther in than the inner edge of the widest bars, and what is fitted to it.
+  // Part of the side within the widest bars' inner edges; nearly all of the area.
   constexpr double kOpening = 0.7, kAll = 0.98;
   const double area_of_small = std::abs(area(small));
   return area_of_small < kOpening * kOpening * std::abs(area(large)) &&

@@ -51,7 +51,7 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
   for (const Stroke& each :
        {Stroke{.color = kDark.page.faded(0.6), .width = stroke.width + 2.0}, stroke}) {
     if (!is_part) canvas.outline(corners, each);
-    // Of a part its side bars, and the level ones as far as they are known.
+    // A part shows its side bars, and the level ones as far as they are known.
     if (is_part)
       canvas.line(corners[0], corners[3], each), canvas.line(corners[1], corners[2], each);
     if (is_part && (in_view(0) || in_view(1))) canvas.line(corners[0], corners[1], each);

@@ -68,7 +68,7 @@ class Canvas {
   void image(const Image& image, const Eigen::Vector2d& at, double scale, bool smooth = false);
   void paste(const Canvas& other, const Eigen::Vector2d& at);
 
-  /// Whatever is drawn until unclip() shows inside `box` only.
+  /// Limits everything drawn until unclip() to the inside of `box`.
   void clip(const Box& box);
   void unclip();
 

@@ -12,7 +12,7 @@
 
 namespace gatefly::io {
 
-/// What a map shows of a course, as the pilot knows it or as it really stands.
+/// Contents of a course's map, as the pilot knows it or as it really stands.
 struct Course {
   struct Solid {
     MapObstacle box;

@@ -24,12 +24,12 @@ struct Color {
 /// The one look of plots, films, pages: every colour by what it stands for. The names and values are
 /// those of viewer/src/style.css (a test compares them).
 struct Palette {
-  Color page, panel, well;  ///< What things lie on: around panels, panels, hollows in them.
-  Color ink, muted;         ///< What is read first, and what is read then.
+  Color page, panel, well;  ///< Surfaces: around panels, panels, hollows in them.
+  Color ink, muted;         ///< Text that is read first, and then.
   Color rule, grid, solid;  ///< Borders, lines of a grid, solid things.
   Color gate, gate_solid;   ///< A gate in letters and thin lines, and in areas and curves.
   Color flown, slow, fast;  ///< The true way; coloured by speed: slow, flown, fast.
-  Color estimate, found;    ///< What the pilot believed, what the detector found.
+  Color estimate, found;    ///< The pilot's belief, the detector's finds.
   Color plan;               ///< The way as planned.
   Color good, bad, warn, focus;
 };

@@ -159,7 +159,7 @@ std::vector<Eigen::Vector2d> places_of(const PlotSeries& series, const Axis& x, 
   return places;
 }
 
-/// Of all lines or of none, so that curves of one plot look alike.
+/// All lines have marks or none, so that curves of one plot look alike.
 bool lines_have_marks(const Plot& plot, const Axis& x, const Axis& y, const Style& style) {
   return std::all_of(plot.series.begin(), plot.series.end(), [&](const PlotSeries& series) {
     return !series.line || series.area || !series.marks || series.rings ||

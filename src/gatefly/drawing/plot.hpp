@@ -23,7 +23,7 @@ struct PlotSeries {
   /// curves by colour alone. On lines only where no line of the plot has too many points.
   bool marks = true;
   bool area = false;  ///< Filled as a polygon, without line or marks.
-  double dash = 0.0;  ///< Of the line: length of dashes and gaps [px]; 0: one line.
+  double dash = 0.0;  ///< Length of dashes and gaps [px]; 0: one solid line.
 };
 
 struct Plot {

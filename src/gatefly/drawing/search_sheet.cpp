@@ -17,7 +17,7 @@ namespace {
 constexpr double kPanel = 720.0;  // width of a panel [px]
 constexpr double kGap = 16.0, kTop = 84.0, kCaption = 30.0, kRow = 24.0;
 
-/// Where a panel's picture is, and how much it is enlarged.
+/// Place of a panel's picture, and how much it is enlarged.
 struct Panel {
   Eigen::Vector2d at;
   double scale = 1.0;

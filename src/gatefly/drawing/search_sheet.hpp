@@ -18,14 +18,14 @@ struct ListedFrame {
   Quad bars_px{};
   FrameScore score;
   bool taken = false;
-  std::string fate;  ///< What became of it, in words.
+  std::string fate;  ///< Its outcome, in words.
 };
 
-/// What a sheet shows of one picture.
+/// Contents of a sheet on one picture.
 struct SearchSheet {
   std::string title, in_words;
-  std::span<const GateDetection> found;  ///< What was answered.
-  std::span<const GateDetection> fast;   ///< What the fast search found.
+  std::span<const GateDetection> found;  ///< Detections answered.
+  std::span<const GateDetection> fast;   ///< Detections of the fast search.
   const EvidenceMap& map;
   const BarFinder::Bars& bars;
   const SearchTrace& trace;

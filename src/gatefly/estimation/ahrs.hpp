@@ -17,23 +17,23 @@ struct AhrsParams {
   /// Weight 1 − factor·(|‖f‖ − g| + ‖v̇‖)/(10 g), of averages. [Li18 code: no v̇]
   double gravity_factor = 30.0;
   double min_weight = 0.15;  ///< [Li18 flight code]
-  /// The specific force is averaged over this, in the earth frame [s]. [ours]
+  /// The specific force is averaged over this, in the earth frame [s]. [estimate]
   double gravity_time = 0.5;
-  double tilt_process = 3e-3;  ///< Growth of the tilt's standard deviation [rad/√s]. [ours]
+  double tilt_process = 3e-3;  ///< Growth of the tilt's standard deviation [rad/√s]. [estimate]
   double gyro_delay = 2.5e-3;  ///< Age of a rate: for the uncertainty only [s]. [BROAD: 2.4 ms]
-  /// Accelerometer bias that the rest calibration does not show [m/s²]. [ours]
+  /// Accelerometer bias that the rest calibration does not show [m/s²]. [estimate]
   double accel_bias_sigma = 0.08;
-  /// Below this rate, low-passed, the drone may be at rest [rad/s]. [ours]
+  /// Below this rate, low-passed, the drone may be at rest [rad/s]. [estimate]
   double rest_gyro = 0.15;
-  /// Below this deviation from the mean so far it may be at rest [m/s²]. [ours]
+  /// Below this deviation from the mean so far it may be at rest [m/s²]. [estimate]
   double rest_accel = 2.5;
-  double rest_time = 0.0625;      ///< Averages that say whether it rests [s]. [ours]
+  double rest_time = 0.0625;      ///< Averages that say whether it rests [s]. [estimate]
   double imu_hz = 512.0;          ///< Nominal rate of the samples. [Li18 flight code]
   double gravity = 9.81;          ///< [m/s²]
-  double heading_process = 4e-3;  ///< Growth of the heading's standard deviation [rad/√s]. [ours]
+  double heading_process = 4e-3;  ///< Growth of the heading's σ [rad/√s]. [estimate]
   /// Relative error of the yaw gyro's scale; the heading's error grows with the angle turned. [ours: estimate]
   double scale_sigma = 0.01;
-  double bias_process = 2e-4;         ///< The same for the yaw gyro's bias [rad/s/√s]. [ours]
+  double bias_process = 2e-4;         ///< The same for the yaw gyro's bias [rad/s/√s]. [estimate]
   double start_heading_sigma = 0.06;  ///< How well the pad's heading is known [rad]. [ours: 3°]
 };
 

@@ -7,13 +7,13 @@ namespace gatefly {
 
 struct AltimeterParams {
   double sonar_hz = 20.0;     ///< Nominal rate of the sonar. [Bebop]
-  double sonar_sigma = 0.04;  ///< [m] [ours]
+  double sonar_sigma = 0.04;  ///< [m] [estimate]
   double baro_sigma = 0.30;   ///< Noise of one sample, drift removed [m]. [ours: estimate]
-  /// Sonar nearer than expected by more than this saw furniture [m]. [ours]
+  /// Sonar nearer than expected by more than this saw furniture [m]. [estimate]
   double max_step = 0.20;
-  double max_disagreement = 0.35;  ///< Between sonar and slow barometer [m]. [ours]
-  double baro_time = 0.8;          ///< Smoothing of the barometer [s]. [ours]
-  double drift_time = 8.0;         ///< How fast the barometer's drift is followed [s]. [ours]
+  double max_disagreement = 0.35;  ///< Between sonar and slow barometer [m]. [estimate]
+  double baro_time = 0.8;          ///< Smoothing of the barometer [s]. [estimate]
+  double drift_time = 8.0;         ///< How fast the barometer's drift is followed [s]. [estimate]
   /// Without a good echo for this long, any that agrees with the barometer [s].
   double lost_after = 1.5;
 };

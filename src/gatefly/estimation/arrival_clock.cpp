@@ -6,9 +6,9 @@
 namespace gatefly {
 namespace {
 
-// An arrival's error moves the clock, and its rate, by so much: critically damped. [ours]
+// An arrival's error moves the clock, and its rate, by so much: critically damped. [estimate]
 constexpr double kPhaseGain = 0.15, kRateGain = 0.012;
-constexpr double kMostLate = 0.006;  // asked for late rather than late on its way [s]. [ours]
+constexpr double kMostLate = 0.006;  // asked for late rather than late on its way [s]. [estimate]
 constexpr double kFastest = 0.4, kSlowest = 4.0;  // periods, of the nominal one
 constexpr int kMostLost = 50;                     // samples in a row that a gap may stand for
 

@@ -15,8 +15,8 @@ namespace gatefly {
 struct RestartParams {
   int fixes = 4;          ///< So many more that agree with the first of them than do not ...
   double duration = 0.3;  ///< ... over at least this long [s] ...
-  double longest = 2.0;   ///< ... and at most this [s]. [ours]
-  /// Drift of dead reckoning: what corrupted the position is in it, too [m/s]. [ours]
+  double longest = 2.0;   ///< ... and at most this [s]. [estimate]
+  /// Drift of dead reckoning: what corrupted the position is in it, too [m/s]. [estimate]
   double odometry = 0.6;
 };
 

@@ -16,10 +16,10 @@ struct DragFilterParams {
   double height_noise = 0.004;
   double vertical_noise = 0.03;
   double bias_noise = 4e-4;
-  Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};  ///< On the pad [m]. [ours]
-  /// After the rest calibration [m/s²]. [ours]
+  Eigen::Vector3d start_sigma{0.15, 0.15, 0.05};  ///< On the pad [m]. [estimate]
+  /// After the rest calibration [m/s²]. [estimate]
   Eigen::Vector3d start_bias_sigma{0.15, 0.15, 0.30};
-  /// Fixes farther off than this many σ are refused: 1 in 150 of the right ones. [ours]
+  /// Fixes farther off than this many σ are refused: 1 in 150 of the right ones. [estimate]
   double gate_sigma = 3.5;
 };
 

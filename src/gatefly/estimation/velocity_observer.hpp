@@ -8,7 +8,7 @@
 namespace gatefly {
 
 struct VelocityObserverParams {
-  double pull = 3.0;  ///< How fast drag's velocity wins over the integrated one [1/s]. [ours]
+  double pull = 3.0;  ///< How fast drag's velocity wins over the integrated one [1/s]. [estimate]
 };
 
 /// Body velocity smooth enough to differentiate with: Newton carries it, drag pulls it back.

@@ -32,7 +32,7 @@ constexpr double kLeastFlight = 3.0;  // to be scored [s]
 std::string degrees(double value) { return io::text_of(value, 3) + "°"; }
 
 struct Turns {
-  AttitudeErrors ours, mahony;  ///< Of roll, while turning.
+  AttitudeErrors ours, mahony;  ///< Errors of roll while turning.
   AttitudeTrace trace{"Coordinated turns, r 1.5 m, 1.6 m/s, seed 1", "roll error [°]"};
 };
 

@@ -14,7 +14,7 @@ namespace gatefly::experiments {
 namespace {
 
 struct Sequence {
-  int first, last;  ///< Of the numbers in the pictures' names.
+  int first, last;  ///< Numbers in the pictures' names.
 };
 constexpr std::array<Sequence, 4> kSequences{{{111, 117}, {118, 123}, {133, 137}, {139, 145}}};
 constexpr std::size_t kLongest = 7;
@@ -30,7 +30,7 @@ struct Sighted {
   std::size_t sequence, place;  ///< Which, and how far along.
   std::size_t picture;          ///< In the set.
   double distance = 0.0;        ///< By the label's area [m]; NaN without a label.
-  int paper_hits = 0;           ///< Of all repeats.
+  int paper_hits = 0;           ///< Hits of all repeats.
   bool flown_hit = false;
   std::vector<Quad> shown;  ///< Candidates of mode paper in the first repeat.
   bool shown_hit = false;

@@ -16,8 +16,8 @@ struct ArcFlightCount {
   std::uint64_t first_seed = 1;
 };
 
-/// What moves the end of a simulated arc: what the pilot has wrong is put right, one thing after
-/// the other; then, with everything right, one thing is made wrong. Level none.
+/// Reports causes that move the end of a simulated arc: the pilot's errors are put right, one thing
+/// after the other; then, with everything right, one thing is made wrong. Level none.
 /// @param as_flown  the same flights, untouched.
 void report_ablation(const std::vector<BlindArc>& as_flown, const ArcFlightCount& count,
                      const Options& options, Result& result);

@@ -21,7 +21,7 @@ constexpr PlannedArc kPlanned;
 constexpr int kFlights = 10, kAblationFlights = 4, kLaps = 5, kQuickLaps = 3;  // 9 and 5 arcs
 constexpr std::uint64_t kFirstSeed = 2201;
 
-/// What is known of the paper's arcs: read off its figure, checked against its table
+/// Facts about the paper's arcs: read off its figure, checked against its table
 /// (docs/paper/deviations.md#table-2) [m].
 struct PaperArcs {
   std::size_t count = 17;
@@ -81,7 +81,7 @@ void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
   }
 }
 
-/// What the simulator tells of its arcs and a recording cannot.
+/// Quantities of an arc that a simulator tells and a recording cannot.
 struct Inside {
   FlightSpread displacement, entry, exit;
   Spread1 speed_error;    ///< Predicted at the entry - true [m/s].

@@ -176,7 +176,7 @@ void draw_one(Canvas& canvas, const View& view, const BlindArc& arc, const io::C
               {.color = io::kLight.muted, .size = kLetters});
 }
 
-/// What a panel must show.
+/// Extent that a panel must show.
 struct Frame {
   Eigen::Vector2d low{-0.5, -0.5}, high{0.5, 0.5};
 

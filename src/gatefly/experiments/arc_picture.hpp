@@ -17,7 +17,7 @@ struct ArcSource {
   std::vector<BlindArc> arcs;
   std::optional<Spread2> told;  ///< Only this is known of somebody else's arcs.
 
-  /// Of the displacements.
+  /// Spread of the displacements.
   [[nodiscard]] Spread2 displacement() const;
 };
 

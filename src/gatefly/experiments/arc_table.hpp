@@ -14,7 +14,7 @@
 
 namespace gatefly::experiments {
 
-/// What is told of every arc and, as mean and standard deviation, of every source.
+/// Quantity told of every arc and, as mean and standard deviation, of every source.
 struct ArcQuantity {
   const char* name;  ///< In the table; "" is not.
   const char* key;   ///< In CSV and JSON.
@@ -25,7 +25,7 @@ struct ArcQuantity {
 
 [[nodiscard]] Spread1 spread_of(const std::vector<BlindArc>& arcs,
                                 double (*value)(const BlindArc&));
-/// Of the displacements.
+/// Spread of the displacements.
 [[nodiscard]] Spread2 ends_of(const std::vector<BlindArc>& arcs);
 
 /// Means of the four parts of one axis: end, nose, speed, slip.

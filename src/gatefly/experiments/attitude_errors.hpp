@@ -17,7 +17,7 @@ namespace gatefly::experiments {
 
 /// Squared errors [rad²] and what was claimed.
 struct AttitudeErrors {
-  static constexpr double kWithin95 = 2.4477;  ///< Of two errors, in σ.
+  static constexpr double kWithin95 = 2.4477;  ///< Bound of two errors, in σ.
 
   double square = 0.0, claimed = 0.0, most = 0.0;
   int n = 0, within = 0;

@@ -45,7 +45,7 @@ struct Course {
   }
 
   TurnCourse c;
-  double full, piece;  ///< Of a turn at its full rate; of a turn with the straight before it [s].
+  double full, piece;  ///< Turn at full rate; turn with its straight [s].
 };
 
 // The roll and pitch with which thrust, along the body's z alone, and drag make this acceleration.

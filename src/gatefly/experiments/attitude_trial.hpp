@@ -22,7 +22,7 @@ struct Moment {
 struct TurnCourse {
   double radius = 1.5;  ///< [m]
   double speed = 1.6;   ///< [m/s]
-  int turns = 1;  ///< Of 180°, 1.5 s of straight flight between them, left and right in turn.
+  int turns = 1;        ///< Turns of 180° with 1.5 s of straight flight between them, left, right.
   /// How far the drone is from the one that is known: none, race, hard.
   std::string level = "race";
 };
@@ -33,7 +33,7 @@ struct TurnCourse {
 /// level.
 [[nodiscard]] std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed);
 
-// What gates would tell while it flies: how often [s], height [m] and heading [rad] how well.
+// Corrections that gates would give: how often [s], height [m] and heading [rad] how well.
 inline constexpr double kCorrections = 1.0 / 15, kTrialAltitudeSigma = 0.05,
                         kTrialHeadingSigma = 0.05;
 

@@ -28,7 +28,7 @@ struct ArcParts {
   Eigen::Vector2d slip = Eigen::Vector2d::Zero();
 };
 
-/// What only the simulator tells of an arc: where the lanes are, and what the pilot believed.
+/// Quantities that only the simulator knows: where the lanes are, the pilot's belief.
 struct SimulatedDetail {
   double predicted_speed = 0.0;  ///< That the arc's own prediction began with [m/s].
   /// Entry and exit from the gate before the arc, along its lane [m].
@@ -48,14 +48,14 @@ struct BlindArc {
   double begin = 0.0, end = 0.0;  ///< [s]
   Eigen::Vector2d entry = Eigen::Vector2d::Zero(), exit = Eigen::Vector2d::Zero();      ///< [m]
   Eigen::Vector2d v_entry = Eigen::Vector2d::Zero(), v_exit = Eigen::Vector2d::Zero();  ///< [m/s]
-  double heading = 0.0;     ///< Of the nose on the straight before the arc [rad].
+  double heading = 0.0;     ///< The nose on the straight before the arc [rad].
   double mean_pitch = 0.0;  ///< Inside the arc; nose up is positive [rad].
   double mean_climb = 0.0;  ///< Mean height above the entry's [m].
   double max_climb = 0.0;   ///< The largest height change, with its sign; up is positive [m].
-  /// Of the nose, r times its rate: what the drone believes to fly; and really [m/s].
+  /// Speed of the nose, r times its rate: as the drone believes; and really [m/s].
   double believed_speed = 0.0, mean_speed = 0.0;
   ArcParts parts = {};
-  double radius = 0.0;                         ///< Of the circle that fits best [m].
+  double radius = 0.0;                         ///< Radius of the circle that fits best [m].
   std::vector<Eigen::Vector2d> path = {};      ///< From 0.5 s before to 0.5 s after it [m].
   std::optional<SimulatedDetail> detail = {};  ///< Simulated arcs only.
 
@@ -98,7 +98,7 @@ struct FlightPoint {
 /// Standard deviations of points that come from several flights; NaN where there are too few.
 struct FlightSpread {
   Eigen::Vector2d within = Eigen::Vector2d::Zero();   ///< About each flight's own mean.
-  Eigen::Vector2d between = Eigen::Vector2d::Zero();  ///< Of these means.
+  Eigen::Vector2d between = Eigen::Vector2d::Zero();  ///< Spread of these means.
 };
 [[nodiscard]] FlightSpread flight_spread(std::span<const FlightPoint> points);
 

@@ -56,7 +56,7 @@ template <class Filter>
 struct Blind {
   double start;
   Filter filter;
-  std::size_t next = 0;  ///< Of kLengths.
+  std::size_t next = 0;  ///< Index in kLengths.
 };
 
 /// One flight through one filter: fixes at 15 Hz, and every 0.1 s a copy that gets none any more.
@@ -115,7 +115,7 @@ std::vector<BlindFlight> flights_in(const fs::path& folder) {
   return flights;
 }
 
-/// What is known when the rest ends: gravity's word for the attitude, heading from the log.
+/// Knowledge at the end of the rest: gravity's word for the attitude, heading from the log.
 struct Rest {
   Attitude attitude;
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();

@@ -25,7 +25,7 @@ double threshold_of(const Judgements& found, const ChangedHalf& half, double all
       .min_score;
 }
 
-/// What is found at each half's own threshold.
+/// Rate of finds at each half's own threshold.
 ChangedRate rate_of(const std::array<Judgements, 2>& found, const std::array<double, 2>& min_scores,
                     const ChangedRates& counts) {
   ChangedRate rate{.min_scores = min_scores};

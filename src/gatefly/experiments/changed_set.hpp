@@ -26,11 +26,11 @@ using UprightHalves = std::array<std::vector<UprightPicture>, 2>;
 /// Hits of gates, and false positives a picture.
 struct ChangedRate {
   double true_positive_rate = 0.0, false_per_image = 0.0;
-  /// Of the first and the second half's pictures.
+  /// Thresholds of the first and the second half.
   std::array<double, 2> min_scores{};
 };
 
-/// What the detector makes of a changed set; where something is chosen, it is chosen on one half
+/// The detector's rates on a changed set; where something is chosen, it is chosen on one half
 /// and counted on the other.
 struct ChangedRates {
   std::size_t pictures = 0;

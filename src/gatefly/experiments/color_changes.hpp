@@ -8,8 +8,8 @@
 
 namespace gatefly::experiments {
 
-// What another camera, light or motion makes of an RGB picture. Gates stay where they are; what lies
-// beyond the border is as on it; results are rounded to 8 bits.
+// Changes that another camera, light or motion makes to an RGB picture. Gates stay where they are;
+// what lies beyond the border is as on it; results are rounded to 8 bits.
 
 /// Each colour times its factor: brightness, white balance.
 [[nodiscard]] UprightPicture gained(const UprightPicture& picture,
@@ -21,7 +21,7 @@ namespace gatefly::experiments {
 /// Chroma turned from Cb towards Cr, luma kept.
 [[nodiscard]] UprightPicture with_hue_turned(const UprightPicture& picture, double degrees);
 
-/// What of a picture a blur blurs.
+/// Channels of a picture that a blur blurs.
 enum class Blurred { kAll, kLuma, kChroma };
 /// Gaussian. @param sigma_px  above 0
 [[nodiscard]] UprightPicture blurred(const UprightPicture& picture, double sigma_px,

@@ -15,7 +15,7 @@ namespace gatefly::experiments {
 struct DetectionExample {
   std::string kind, rule;  ///< How it was chosen.
   std::optional<std::size_t> picture = {};
-  std::optional<GateDetection> found = {};  ///< What it is an example of; nothing if missed.
+  std::optional<GateDetection> found = {};  ///< The detection shown; nothing if missed.
 };
 
 /// The examples of Li18's figure "ROC examples", by rule: the hit of median colour fitness, the

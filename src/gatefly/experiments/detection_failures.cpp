@@ -25,7 +25,7 @@ struct Failure {
   double by = 0.0;    ///< How far on the wrong side of the threshold [score].
   double score = 0.0, threshold = 0.0;
   std::optional<Quad> label = {}, found = {};
-  double side_px = 0.0, aspect = 0.0, evidence = 0.0;  ///< Of the label, else of what was found.
+  double side_px = 0.0, aspect = 0.0, evidence = 0.0;  ///< The label's, else the found one's.
   std::size_t set_number = 0, picture = 0;
 };
 

@@ -26,7 +26,7 @@ constexpr double kPeriod = 0.05;            // between samples of the error [s]
 constexpr double kBin = 0.02, kMost = 0.5;  // of the histograms [m]
 constexpr std::array kAxes{'x', 'y', 'z'};
 
-/// What the paper's histograms show, read off its figure [m].
+/// Values of the paper's histograms, read off its figure [m].
 struct PaperAxis {
   double mean, std;
 };

@@ -25,7 +25,7 @@ constexpr double kBiasStep = 1.0, kDriftStep = 0.25;        // between points of
 constexpr std::size_t kBiasPoints = 26, kDriftPoints = 13;  // to 25 s; to 3 s
 constexpr std::size_t kOneSecond = 4, kTwoSeconds = 8;
 
-/// What one filter made of one run.
+/// One filter's errors in one run.
 struct Course {
   /// Horizontal, by seconds since the first fix [m/s²].
   Samples bias = Samples(kBiasPoints);

@@ -20,7 +20,7 @@ namespace gatefly::experiments {
 using io::fixed;   // how all tables print numbers
 using io::number;  // ... and all JSON holds them
 
-/// What an experiment is told.
+/// Settings of an experiment.
 struct Options {
   std::string data;    ///< Folder of real data; "": $GATEFLY_DATA, else ../shared/data.
   bool quick = false;  ///< Fewer points and repeats: seconds instead of minutes.
@@ -40,7 +40,7 @@ struct Comparison {
 
 /// A picture beside an experiment's plot.
 struct ExtraPicture {
-  std::string name;  ///< Of its file, without ".png".
+  std::string name;  ///< Name of its file, without ".png".
   io::Canvas picture;
 };
 
@@ -49,7 +49,7 @@ struct Result {
   nlohmann::ordered_json json;  ///< The same and more, as numbers.
   std::string csv;              ///< With its header.
   io::Canvas picture;
-  std::vector<ExtraPicture> extra = {};  ///< What the plot has no room for.
+  std::vector<ExtraPicture> extra = {};  ///< Pictures beside the plot.
 };
 
 /// A section of docs/paper/deviations.md that says why ours differs.

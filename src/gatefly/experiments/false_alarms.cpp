@@ -69,7 +69,7 @@ int false_alarms_in(const Negatives& negatives, const io::Config& config) {
   return static_cast<int>(std::lround(sum));
 }
 
-// Where gates stood in other pictures, spread over the set: what a filter might expect.
+// Places of gates in other pictures, spread over the set: a filter might expect them.
 std::vector<Quad> expectations(const Options& options) {
   constexpr std::size_t kApart = 15;
   std::vector<Quad> gates;

@@ -48,7 +48,7 @@ class FeasibleSet {
 
   /// y in the plane of the opening [m], started |y0| <= widest beside its axis.
   [[nodiscard]] double offset(double time, double y0) const;
-  /// Where passing ends or begins again as y0 grows.
+  /// Offset at which passing ends or begins again as y0 grows.
   struct Edge {
     double y0 = 0.0;        ///< [m]
     bool overshot = false;  ///< The bar on the other side is met, else the one on this side.

@@ -19,7 +19,7 @@ namespace gatefly::experiments {
 
 // ---------------------------------------------------------------- flights
 
-/// What both filters are given, and what the drag filter is told.
+/// Inputs of both filters, and the drag filter's assumptions.
 struct FilterConditions {
   double fix_period = 1.0 / 15.0;  ///< [s]
   double fix_sigma = 0.10;         ///< An axis; both are told [m].
@@ -40,7 +40,7 @@ struct FixTime {
 /// Both start with what rest says of attitude and gyro; the accelerometer's bias is not told.
 class FilterRace {
  public:
-  /// What races draw, and what both filters are told [m/s²].
+  /// Sigma that races draw from and both filters assume [m/s²].
   static constexpr double kBiasSigma = 0.25;
   static constexpr int kLaps = 3;  ///< On the oval.
 

@@ -16,7 +16,7 @@ struct FlownAttitude {
   AttitudeTrace trace;
 };
 
-/// What motion capture's positions say about the tilt: an inertial filter that is told all of them.
+/// Tilt by motion capture's positions: an inertial filter that is given all of them.
 /// @param heading_offset  of the logged heading against the positions' axes [rad].
 [[nodiscard]] FlownAttitude flown_attitude(const std::string& name, const io::FlightFolder& flight,
                                            double heading_offset);

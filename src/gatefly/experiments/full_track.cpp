@@ -34,7 +34,7 @@ constexpr int kLongestTo = 1;
 constexpr double kLastMetres = 2.0;
 constexpr int kFirstLapFrom = 1, kLastLapTo = 11;  // gates passed: two laps, without the start
 
-/// Who flies, and what the paper says of it.
+/// Pilot of a comparison, and the paper's figures for it.
 struct Contender {
   std::string name;
   std::vector<std::string> configs, settings;

@@ -10,7 +10,7 @@
 
 namespace gatefly::experiments {
 
-/// What a gate and its picture look like: what detectors live on, in numbers.
+/// Looks of a gate and its picture: what detectors live on, in numbers.
 struct GateAppearance {
   double side_px = 0.0;
   double aspect = 0.0;     ///< Width / height.

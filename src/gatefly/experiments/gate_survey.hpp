@@ -14,7 +14,7 @@
 
 namespace gatefly::experiments {
 
-/// Where a gate stands in motion capture's frame, upright.
+/// Place of a gate in motion capture's frame, upright.
 struct SurveyedGate {
   Eigen::Vector3d p_EG = Eigen::Vector3d::Zero();  ///< [m]
   double yaw = 0.0;                                ///< [rad]
@@ -65,7 +65,7 @@ struct Survey {
 [[nodiscard]] double misfit_px(const Survey& survey, std::size_t flight, const SurveyFlight& seen,
                                const GatePicture& picture, const PilotConfig& pilot);
 
-/// What is left open in a fit.
+/// Parameters left open in a fit.
 enum class Open {
   kAll,  ///< Airframe, gates, flights.
   kNotAirframe,

@@ -11,7 +11,7 @@
 
 namespace gatefly::experiments {
 
-/// What a blind half circle looks like from outside. All [ours] but where it says so.
+/// Rule for a blind half circle seen from outside. All [ours, estimate] but where it says so.
 struct HalfCircleRule {
   /// It turns: half of the planned v / r = 1.6 / 1.5 rad/s.
   double turning = 30.0 * kDegree;

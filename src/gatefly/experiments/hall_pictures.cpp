@@ -11,7 +11,7 @@
 namespace gatefly::experiments {
 namespace {
 
-// Of 130, 150, 170 degrees across [cameras/wide-usb.toml].
+// Focal lengths for 130, 150, 170 degrees across [cameras/wide-usb.toml].
 constexpr std::array kFocalPx{282.1, 244.5, 215.7};
 constexpr double kAround = 0.5;   // part of the pictures from anywhere in the hall
 constexpr double kNoArea = 16.0;  // an edge-on gate is a line, not a quad [px²]

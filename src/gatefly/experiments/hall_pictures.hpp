@@ -36,7 +36,7 @@ struct HallPicture {
 /// One day in the exhibition hall: its own light, exposure, gates and lens.
 struct HallDay {
   std::uint64_t seed = 0;
-  io::Config config;  ///< What the detector is told: the camera file, no more.
+  io::Config config;  ///< The detector gets the camera file, no more.
   std::vector<HallPicture> pictures;
 };
 

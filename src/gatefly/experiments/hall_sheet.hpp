@@ -16,9 +16,9 @@ struct HallGate {
   std::uint64_t seed = 0;
   std::size_t picture = 0;
   Quad corners_px{};
-  double score = 0.0;  ///< Of a false alarm.
+  double score = 0.0;  ///< Score of a false alarm.
   bool hit = false;
-  std::string cause;  ///< Of a miss; "false alarm".
+  std::string cause;  ///< Cause of a miss; "false alarm".
 
   [[nodiscard]] bool is_false() const { return cause == "false alarm"; }
 };

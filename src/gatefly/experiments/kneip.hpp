@@ -9,8 +9,8 @@
 
 namespace gatefly::experiments {
 
-/// What is open when three corners allow up to four poses. The defaults give the curves of Li18's
-/// authors.
+/// Choices left open when three corners allow up to four poses. The defaults give the curves of
+/// Li18's authors.
 struct KneipRule {
   bool complex_roots = true;  ///< Whether the real parts of complex roots are answers, too.
   /// Best is the least sum of squared errors of all four corners, else of their distances.
@@ -19,7 +19,7 @@ struct KneipRule {
   int triples = 4;
 };
 
-/// Where the camera is relative to a gate [m, frame G], by P3P as Kneip, Scaramuzza and Siegwart
+/// Place of the camera relative to a gate [m, frame G], by P3P as Kneip, Scaramuzza and Siegwart
 /// 2011 have it. A baseline.
 ///
 /// @param corners  TL TR BR BL, drawn by a straight lens of `focal_px` centred at the origin.

@@ -48,7 +48,7 @@ using PaperDetector = std::function<std::vector<GateDetection>(const Image& imag
 /// Mode `flown`, picture by picture.
 [[nodiscard]] PaperDetector as_flown();
 
-/// What was found in each picture of a set by one run; the repeat's number seeds it. Same numbers,
+/// Detections in each picture of a set by one run; the repeat's number seeds it. Same numbers,
 /// same answer.
 using Found = std::vector<std::vector<GateDetection>>;
 [[nodiscard]] Found run(const LabelledSet& set, const PaperDetector& detector, int repeat);

@@ -28,9 +28,9 @@ struct Drag {
 /// Second-order system with a delay that follows a set point as the attitude did.
 struct AttitudeResponse {
   double omega = 0.0, zeta = 0.0, delay = 0.0;  ///< [rad/s], -, [s]
-  double rms = 0.0;                             ///< What it does not explain [rad].
+  double rms = 0.0;                             ///< Misfit [rad].
   double half = 0.0;       ///< From a step of the set point until half of it is reached [s].
-  double overshoot = 0.0;  ///< Of a step's height.
+  double overshoot = 0.0;  ///< Part of a step's height.
 };
 /// @param axis  0: roll, 1: pitch. Least squares of output errors over the time in the air.
 [[nodiscard]] AttitudeResponse response_of(const LivelyFlight& flight, int axis);
@@ -41,7 +41,7 @@ struct RotorResponse {
 };
 [[nodiscard]] RotorResponse rotors_of(const LivelyFlight& flight);
 
-/// What turns the body about roll and pitch: ω̇ = slope · difference of squared rotor speeds + air ·
+/// Effectiveness about roll and pitch: ω̇ = slope · difference of squared rotor speeds + air ·
 /// specific force to the right, ahead (drag: what the air does goes with it) + constant; all
 /// low-passed at 6 Hz.
 struct Effectiveness {

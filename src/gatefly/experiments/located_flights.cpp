@@ -74,7 +74,7 @@ std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config
   return seen;
 }
 
-/// Where the nearest picture, its size and the heading that drag tells put the gate.
+/// Guesses a gate's place from the nearest picture, its size and the heading of drag.
 Survey first_guess(const Flight& flight, const PilotConfig& pilot) {
   Survey guess;
   const auto drag = identification::fit_drag(flight.folder);

@@ -39,7 +39,7 @@ struct Flight {
 struct Located {
   std::vector<Flight> flights;
   std::vector<std::size_t> gate_of;  ///< For each flight: which of survey.gates.
-  Survey survey;                     ///< Of all of them.
+  Survey survey;                     ///< Survey of all of them.
 
   [[nodiscard]] bool shared(std::size_t flight) const {
     return std::count(gate_of.begin(), gate_of.end(), gate_of[flight]) > 1;

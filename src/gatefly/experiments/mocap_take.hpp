@@ -11,7 +11,7 @@ namespace gatefly::experiments {
 
 /// One recording of one body by motion capture.
 struct MocapTake {
-  std::string name;  ///< Of its file, without folder and ending.
+  std::string name;  ///< File name without folder and ending.
   std::vector<MotionSample> samples =
       {};  ///< Without those that only repeat a lost body's last pose.
   /// As Motive gives it [m]. It grows to 1 m where a marker is lost, and falls back in one sample

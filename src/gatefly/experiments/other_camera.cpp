@@ -44,13 +44,13 @@ constexpr Order kFull{3801, 20, 50, kConditions.size()}, kQuick{1001, 2, 10, 2};
 bool is_judged(std::size_t i) { return i % 5 == 1 || i % 5 == 3; }
 bool is_of_the_ten(std::size_t i) { return i % 5 == 0; }
 
-/// What one day gave, with colours learnt from so many of its pictures.
+/// One day's outcome, with colours learnt from so many of its pictures.
 struct Judgement {
   std::size_t learnt_from = 0, pictures = 0;
   bool learnt = false;
   double min_score = 0.0;
-  tuning::GateLens lens{};  ///< Where it was not named.
-  double lens_off = 0.0;    ///< Of its angle, where it bends, from the named one's; a part of it.
+  tuning::GateLens lens{};  ///< The found one, if not named.
+  double lens_off = 0.0;    ///< Angle found less angle named, where it bends; a part of it.
   io::Score score{};
   std::vector<HallGate> gates{};  ///< To be found, and false alarms.
 };
@@ -106,11 +106,11 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
 struct Sum {
   std::size_t learnt_from = 0, pictures = 0, days = 0, learnt = 0;
   int gates = 0, hits = 0, wrong = 0;
-  std::vector<double> errors{};  ///< Of corners [px], sorted.
+  std::vector<double> errors{};  ///< Errors of corners [px], sorted.
   std::array<io::HitRate, kSizes.size() - 1> by_size{};
   std::map<std::string, int> causes{};
-  std::vector<double> thresholds{};  ///< Of the days, sorted.
-  std::vector<double> lens_off{};    ///< Of the days on which the gates said a bend, sorted.
+  std::vector<double> thresholds{};  ///< Each day's, sorted.
+  std::vector<double> lens_off{};    ///< On days on which the gates showed a bend, sorted.
 
   [[nodiscard]] double tpr() const { return static_cast<double>(hits) / std::max(1, gates); }
   [[nodiscard]] double fp_per_image() const {

@@ -49,7 +49,7 @@ std::vector<double> corner_errors_of(const OwnSet& set, const std::vector<tuning
   return errors;
 }
 
-/// What Li18's own detector gives where the paper's authors scored it.
+/// Li18's own detector where the paper's authors scored it.
 std::string paper_text(const std::string& set) {
   return set == "basement580" ? "0.46 at 0.064" : "-";
 }

@@ -18,7 +18,7 @@ struct OwnSet {
   LabelledSet files;
   io::Config config;                                 ///< Shipped: basement, cyberzoo, washington.
   std::vector<tuning::LabelledImage> first, second;  ///< Halves of the set's rows.
-  std::vector<std::string> names;                    ///< Of the pictures of both.
+  std::vector<std::string> names;                    ///< Pictures of both.
   tuning::Judging judging;
 
   [[nodiscard]] std::size_t size() const { return first.size() + second.size(); }

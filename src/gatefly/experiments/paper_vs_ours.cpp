@@ -70,7 +70,7 @@ std::vector<std::string> settings_of(const Mixture& mixture, Vision vision) {
   return settings;
 }
 
-/// What became of one mixture on all days.
+/// One mixture's outcome on all days.
 struct Campaign {
   std::vector<RaceResult> races;
 
@@ -83,7 +83,7 @@ struct Campaign {
     for (const RaceResult& r : races) sum += r.gates_passed;
     return sum / static_cast<double>(races.size());
   }
-  /// Of those that came past the first gate.
+  /// Median over those that came past the first gate.
   template <class Value>
   [[nodiscard]] double median(const Value& value) const {
     std::vector<double> values;

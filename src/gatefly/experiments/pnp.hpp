@@ -21,11 +21,11 @@ enum class Pnp {
 
 /// Whether this program was built with OpenCV.
 [[nodiscard]] bool has_pnp();
-/// What to do when not, as one line.
+/// Remedy when not, as one line.
 inline constexpr const char* kNoPnp =
     "not built: apt-get install libopencv-calib3d-dev, then build again";
 
-/// Where the camera is relative to a gate [m, frame G]; nullopt without solution or without OpenCV.
+/// Place of the camera relative to a gate [m, frame G]; nullopt without solution or OpenCV.
 ///
 /// @param corners  TL TR BR BL, drawn by a straight lens of `focal_px` centred at the origin.
 [[nodiscard]] std::optional<Eigen::Vector3d> camera_by(Pnp method, const Quad& corners,

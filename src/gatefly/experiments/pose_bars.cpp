@@ -22,7 +22,7 @@ constexpr std::array<double, 5> kBarDistances{.30, .63, .97, 1.30, 1.63};
 struct Line {
   const char* name;
   bool gaussian;  ///< 3.5 px; else uniform within ±5 px, as the authors drew it.
-  /// Of the drone from the gate's axis; it looks at the middle of the gate [rad].
+  /// Bearing of the drone from the gate's axis; it looks at the gate's middle [rad].
   double bearing;
   std::array<double, 5> paper_x, paper_y;
 };

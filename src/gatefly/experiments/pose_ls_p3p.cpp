@@ -25,15 +25,15 @@ using Column = std::vector<double>;
 struct Noise {
   const char* name;
   bool gaussian;          ///< Else uniform.
-  double px_sigma;        ///< Of u and v [px].
-  double attitude_sigma;  ///< Of roll, pitch and yaw [rad].
+  double px_sigma;        ///< Noise of u and v [px].
+  double attitude_sigma;  ///< Noise of roll, pitch and yaw [rad].
 
   [[nodiscard]] double draw(sim::Stream& random, double sigma) const {
     return gaussian ? sigma * random.normal() : sigma * std::sqrt(3.0) * random.uniform(-1.0, 1.0);
   }
 };
 
-/// What to compare: an axis of one method under one noise.
+/// Curve to compare: an axis of one method under one noise.
 struct Curve {
   const char* name;
   Noise noise;

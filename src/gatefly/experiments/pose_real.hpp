@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the two halves of pose-real share; see pose_real.cpp.
+// Shared by the two halves of pose-real; see pose_real.cpp.
 #include <string>
 
 #include "gatefly/calibration/calibration.hpp"
@@ -16,12 +16,12 @@ inline constexpr double kLabelSigmaPx = 1.5;  ///< Corners clicked twice differ 
 /// Labels and detections are the corners of the bars' middle lines. By motion capture that square
 /// has 1.0 m (flight_11).
 inline constexpr double kSide = 1.0;
-/// Of the upright picture.
+/// Corners of the upright picture.
 inline constexpr const char* kCorners = "calib_rot_3_corners.csv";
-/// Of another day, as stored.
+/// Corners of another day, as stored.
 inline constexpr const char* kOtherCorners = "calib_Flow_3c_corners.csv";
 
-/// Where the camera sits is the airframe's; the lens comes from the calibration.
+/// The camera's mount is the airframe's; the lens comes from the calibration.
 [[nodiscard]] io::Config config_with(const std::string& name);
 
 /// As `gatefly calibrate` has it. @param rotation_deg  how the listed pictures are stored.

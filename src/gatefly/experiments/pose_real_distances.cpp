@@ -82,7 +82,7 @@ std::optional<MapPose> pose_of(const Quad& px, const CameraRig& rig, double side
 /// Answers at one measured distance, in the order of the pictures.
 struct Distances {
   std::vector<double> map, pnp, reported;
-  /// Of the pictures that have an answer from both.
+  /// Distances of the pictures that have an answer from both.
   std::vector<double> from_both_label, from_both_detection;
 
   /// By how much labels and detections agree that the drone was nearer or farther: it was held by
@@ -133,7 +133,7 @@ Slope slope_of(const std::map<double, double>& errors, const std::map<double, do
   return {line.y(), std::sqrt(A.inverse()(1, 1)), chi2};
 }
 
-/// What the slope could come from: the same pictures, one thing changed.
+/// A possible cause of the slope: the same pictures, one thing changed.
 struct Hypothesis {
   std::string what;
   AnyCamera lens;

@@ -60,7 +60,7 @@ Survey fitted(const LoggedMotion& motion, const std::vector<GatePicture>& pictur
   return surveyed({&seen, 1}, start, Open::kAll, pilot);
 }
 
-/// Of u and v of all corners [px].
+/// Misfit of u and v of all corners [px].
 double rms_px(const Flown& flown, const std::vector<GatePicture>& pictures) {
   const SurveyFlight seen{.motion = &flown.motion, .pictures = {}, .gate = 0};
   double squares = 0.0;
@@ -75,7 +75,7 @@ double rms_px_with_side(Flown flown, const std::vector<GatePicture>& pictures, d
   return rms_px(flown, pictures);
 }
 
-/// Where the parabola through the misfits of three sides is least [m].
+/// Minimum of the parabola through the misfits of three sides [m].
 double best_side(const Flown& flown, const std::vector<GatePicture>& pictures) {
   constexpr double kStep = 0.05;
   const auto cost = [&](double side) {

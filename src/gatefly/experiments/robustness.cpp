@@ -127,7 +127,7 @@ const UprightPicture* example_of(const UprightHalves& halves) {
   return *middle;
 }
 
-/// What the plot shows of one set.
+/// Points of one set in the plot.
 struct Drawn {
   std::vector<std::string> rows = {};
   std::array<RowMarks, 4> marks{{{"aim", {}, io::kLight.ink, true},

@@ -131,8 +131,8 @@ Result compared(const std::vector<RocPoint>& ours, const std::vector<RocPoint>& 
   return result;
 }
 
-/// Where the rebuilt detector is not theirs: a line for each run of σ_L with hits farther off than
-/// that.
+/// Tells differences from the authors' detector: a line for each run of σ_L with hits farther off
+/// than that.
 void tell_differences(const std::vector<RocPoint>& ours, const std::vector<RocPoint>& authors,
                       Result& result) {
   constexpr double kFar = 0.04;  // four points of TPR, four times the spread of the authors' runs

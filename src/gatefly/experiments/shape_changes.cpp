@@ -96,7 +96,7 @@ void copy_between(const UprightPicture& from, const Vector2d& p, std::uint8_t* t
   for (std::size_t c = 0; c < 3; ++c) to[c] = rounded(sum[c]);
 }
 
-/// Where a smaller gate finds room: how far to move it, so that neither it nor any gate is hidden.
+/// Room for a smaller gate: how far to move it, so that neither it nor any gate is hidden.
 std::optional<Vector2d> room_for(const UprightPicture& picture, const Quad& small,
                                  const Quad& large, double margin) {
   const Bounds of_small = bounds_of(scaled(small, margin)),

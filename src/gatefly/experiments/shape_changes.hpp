@@ -7,7 +7,7 @@
 
 namespace gatefly::experiments {
 
-// What moves, doubles or covers gates in an RGB picture; their labels go along.
+// Moves, doubles or covers gates in an RGB picture; their labels go along.
 
 /// Smaller by the mean of what a pixel covers, larger by bilinear interpolation.
 [[nodiscard]] UprightPicture resized(const UprightPicture& picture, double factor);

@@ -24,7 +24,7 @@ constexpr const char* kConfig = "li18";
 constexpr int kEvery = 4;         // ticks of 512 Hz for a sample of the motion: Motive's 120 Hz
 constexpr double kSettled = 0.5;  // after the first sighting the estimate has jumped [s]
 
-/// What the pilot did from one gate to the next.
+/// The pilot's way from one gate to the next.
 struct PilotTurn {
   double begin = 0.0, end = 0.0;  ///< [s]
   double predicted_speed = 0.0;
@@ -39,7 +39,7 @@ struct ArcFlight {
   std::string end;
 };
 
-/// What all flights share: read once.
+/// Files that all flights share: read once.
 class Races {
  public:
   explicit Races(const ArcFlights& flights) : flights_{flights}, config_{read(flights)} {
@@ -112,7 +112,7 @@ ArcFlight flown(const closed_loop::RaceConfig& race, const Options& options) {
   return flight;
 }
 
-/// What the simulator knows of an arc that belongs to this turn of the pilot's.
+/// The simulator's knowledge of an arc that belongs to this turn of the pilot's.
 SimulatedDetail detail_of(const BlindArc& arc, const PilotTurn& turn, const sim::World& world) {
   const auto &from = world.gates[static_cast<std::size_t>(turn.from_gate)],
              &to = world.gates[static_cast<std::size_t>(turn.to_gate)];

@@ -87,7 +87,7 @@ io::Canvas plotted(const Bins& paper_mode, const Bins& own) {
                    .series = {paper, rebuilt, ours}});
 }
 
-/// Where more distance gives more hits: the authors' curve never does.
+/// Distances with more hits than nearer ones: the authors' curve has none.
 std::string rises(const Bins& bins) {
   std::string text;
   for (std::size_t i = 1; i < bins.size(); ++i)

@@ -25,7 +25,7 @@ Vector2d seen(const Vector3d& p) {
   return {right, -(se * away + ce * figure.z())};
 }
 
-/// What fits into a box.
+/// Scale and shift into a box.
 struct Projection {
   Vector2d offset{0, 0};
   double scale = 1.0;

@@ -81,7 +81,7 @@ struct Compared {
   std::string group;
   TwinMode mode{};
   TwinRates real, rendered;
-  std::vector<double> real_errors, rendered_errors;  ///< Of corners, sorted [px].
+  std::vector<double> real_errors, rendered_errors;  ///< Errors of corners, sorted [px].
 };
 
 void take_errors(const Outcomes& outcomes, std::vector<double>& errors) {
@@ -268,7 +268,7 @@ std::vector<Effect> effects() {
           {"careful recording", {}, 1.0, true}};
 }
 
-/// What each effect does to the hits below 4 m.
+/// Tells each effect's share in the hits below 4 m.
 void report_effects(const TwinRoom& room, const Options& options, Result& result) {
   std::array<double, kTwinModes.size()> whole{};
   result.table.push_back(

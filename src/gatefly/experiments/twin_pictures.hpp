@@ -20,16 +20,16 @@ struct TwinPicture {
   io::ImageFile file;
   std::optional<Quad> gate;  ///< The one to fly through, all corners in view: middle of the bars.
   std::vector<Quad> others;  ///< Gates where a detection is no mistake.
-  std::uint64_t day = 0;     ///< Whose light it has: a seed; 50 rows of a real set.
+  std::uint64_t day = 0;     ///< Seed of its light; 50 rows of a real set.
 
   [[nodiscard]] Image view() const { return file.view(90); }
 };
 
 /// A real room and what stands for it.
 struct TwinRoom {
-  std::string set;                    ///< Of tudelft_bebop_gates.
+  std::string set;                    ///< Folder of tudelft_bebop_gates.
   std::string config;                 ///< Our detector's.
-  std::string track;                  ///< Where the rendered pictures' poses are flown.
+  std::string track;                  ///< Track on which the rendered poses are flown.
   io::Recording recording{};          ///< How the real pictures were kept; the rendered ones, too.
   double shake_deg = 0.0;             ///< How the camera was held: tasks::PictureOrder.
   std::vector<std::string> settings;  ///< Its look, as --set has them.

@@ -22,11 +22,11 @@ inline constexpr std::size_t kTwinBinCount = kTwinBins.size() - 1;
 /// -1: farther.
 [[nodiscard]] int bin_of(const Quad& gate);
 
-/// What a detector made of one picture.
+/// A detector's outcome on one picture.
 struct TwinOutcome {
   double hit = 0.0;                     ///< Part of the repeats in which the gate was found.
   double false_positives = 0.0;         ///< Mean of the repeats.
-  std::vector<double> corner_errors{};  ///< Of the hits of the first repeat, best order [px].
+  std::vector<double> corner_errors{};  ///< In the first repeat's hits, best order [px].
 };
 
 /// On all cores. Rule overlap70; the paper's offline detector is counted as its authors did.

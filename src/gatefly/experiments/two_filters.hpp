@@ -10,14 +10,14 @@
 
 namespace gatefly::experiments {
 
-/// Of what both filters are told [m], [rad].
+/// Noise of both filters' inputs [m], [rad].
 inline constexpr double kAltitudeSigma = 0.05, kHeadingSigma = 0.02;
 
 /// One IMU sample, the same for both filters.
 struct FilterTick {
   Imu imu;
   double t = 0.0, dt = 0.0;                ///< [s]
-  double yaw = 0.0;                        ///< What both are told when there is an altitude [rad].
+  double yaw = 0.0;                        ///< Given to both with an altitude [rad].
   std::optional<double> z = std::nullopt;  ///< A new altitude, NED [m].
 };
 

@@ -26,15 +26,15 @@ struct FoundCorners {
 struct WideLook {
   std::uint64_t seed = 0;
   std::size_t picture = 0;
-  int gate = 0;              ///< From 0.
-  double distance = 0.0;     ///< [m]
-  double sides = 0.0;        ///< The same in sides of the gate.
-  double side_px = 0.0;      ///< GateView::side_px.
-  int outer = 0, inner = 0;  ///< Corners in view.
-  bool found = false;        ///< See hits().
-  bool covered = false;      ///< By a frame of four corners that shares 70 % of both areas.
-  double scale = 1.0;        ///< Of the corners found, as they lie to each other: found / true.
-  std::vector<double> errors_px{};  ///< Of the corners found.
+  int gate = 0;                     ///< From 0.
+  double distance = 0.0;            ///< [m]
+  double sides = 0.0;               ///< The same in sides of the gate.
+  double side_px = 0.0;             ///< GateView::side_px.
+  int outer = 0, inner = 0;         ///< Corners in view.
+  bool found = false;               ///< See hits().
+  bool covered = false;             ///< By a frame of four corners that shares 70 % of both areas.
+  double scale = 1.0;               ///< Found corners' distances / true.
+  std::vector<double> errors_px{};  ///< Errors of the found corners.
 };
 
 /// Whether every corner that is reported, two at least, is within max(3 px, 5 % of the side) of the

@@ -39,7 +39,7 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   return cells;
 }
 
-/// What stands between two names; spreadsheets of half of the world write semicolons.
+/// The separator of two names; spreadsheets of half of the world write semicolons.
 char separator_of(std::string_view header) {
   for (const char separator : {',', ';', '\t'})
     if (header.find(separator) != std::string_view::npos) return separator;

@@ -17,7 +17,7 @@ class Csv {
   /// newline (or CR LF) and a byte-order mark allowed. At most 512 MiB and 80 million cells.
   /// @throws std::runtime_error "file:line: what is wrong".
   explicit Csv(const std::filesystem::path& path);
-  /// Of a file whose content is known.
+  /// Reads content that is already known.
   Csv(const std::filesystem::path& path, std::string content);
 
   [[nodiscard]] std::size_t rows() const { return rows_; }
@@ -42,7 +42,7 @@ class Csv {
 
   std::string file_, content_;
   std::vector<std::string> header_;
-  /// Where each cell of a row begins in content_, and one beyond the row's end: a log has millions.
+  /// First byte of each cell in content_, and one beyond the row's end: a log has millions.
   std::vector<std::uint32_t> cells_;
   std::size_t rows_ = 0;
   char separator_ = ',';

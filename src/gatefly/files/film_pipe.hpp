@@ -52,7 +52,7 @@ class FilmPipe {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   std::filesystem::path path_, partial_;
-  std::unique_ptr<std::FILE, Close> messages_;  ///< What ffmpeg says; a file without a name.
+  std::unique_ptr<std::FILE, Close> messages_;  ///< ffmpeg's words; a file without a name.
   int pipe_ = -1;
   pid_t ffmpeg_ = -1;
   bool finished_ = false;

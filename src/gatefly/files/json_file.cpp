@@ -70,7 +70,7 @@ class Bounds : public nlohmann::json_sax<Json> {
 
   const std::string &text_, &name_;
   std::size_t values_ = 0;
-  std::vector<std::size_t> keys_;  ///< Of each object that is open.
+  std::vector<std::size_t> keys_;  ///< Keys of each open object.
 };
 
 std::string range_text(std::uint64_t low, std::uint64_t high) {

@@ -16,7 +16,7 @@
 
 namespace gatefly::io {
 
-/// What is in a JSON file of at most 32 MiB, 64 levels, two million values and 10 000 members an
+/// Content of JSON file of at most 32 MiB, 64 levels, two million values and 10 000 members an
 /// object: a reader may copy, compare and print it.
 /// @throws std::runtime_error "run_000003.json: is damaged, ...".
 [[nodiscard]] nlohmann::ordered_json read_json(const std::filesystem::path& path);

@@ -11,11 +11,11 @@
 
 namespace gatefly::io {
 
-/// What labels.csv says about one picture.
+/// A row of labels.csv: one picture.
 struct LabelledPicture {
   std::string image;
   std::vector<Quad> gates;  ///< As listed, any corner order; none: a picture without a gate.
-  /// Of the gate [m], where the file has it.
+  /// Distance to the gate [m], where the file has it.
   double true_distance = std::numeric_limits<double>::quiet_NaN();
   /// The first picture with the same pixels, itself or another; "" when not said.
   std::string first_identical;

@@ -24,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of what a path leads to; nullopt when there is nothing. @throws CannotWrite when nobody can tell.
+/// Status of a path's target; nullopt when there is nothing. @throws CannotWrite when nobody can
+/// tell.
 std::optional<struct stat> status_of(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) return status;

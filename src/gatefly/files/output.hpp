@@ -23,7 +23,7 @@ class CannotWrite : public std::runtime_error {
   std::string reason;
 };
 
-/// What our files of a kind have in common: only those are replaced without being told to.
+/// Traits that our files of a kind share: only those are replaced without being told to.
 struct OutputKind {
   std::string_view name;      ///< "table of detections".
   std::string_view mark;      ///< Each has this text ...
@@ -65,7 +65,7 @@ void check_output_folder(const std::string& flag, const std::filesystem::path& f
 void refuse_foreign_folder(const std::filesystem::path& folder, const std::string& marker,
                            const OutputKind& kind, const std::string& way_out);
 
-/// Where a chain of symbolic links ends, be it there or not.
+/// The end of a chain of symbolic links, be it there or not.
 [[nodiscard]] std::filesystem::path behind_links(std::filesystem::path path);
 
 struct FileContent {

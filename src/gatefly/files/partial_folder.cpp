@@ -26,7 +26,7 @@ bool is_same_file(int file, const fs::path& path) {
          a.st_ino == b.st_ino;
 }
 
-/// Of a mount point nothing can take the place.
+/// Nothing can take the place of a mount point.
 bool is_mount_point(const fs::path& folder) {
   struct stat a {
   }, b{};

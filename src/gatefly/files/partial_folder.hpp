@@ -20,7 +20,7 @@ class PartialFolder {
   /// Beside `out` in `<out>.partial`, to take its place; or inside, to be added to it.
   enum class Grows { kBeside, kInside };
 
-  /// What a killed program left is cleared away.
+  /// Clears away the remains of a killed program.
   /// @throws std::runtime_error when it cannot be written, is somebody else's, or another program is
   ///     at it.
   PartialFolder(std::filesystem::path out, Grows grows, IsOurs is_ours);
@@ -28,7 +28,7 @@ class PartialFolder {
   PartialFolder(const PartialFolder&) = delete;
   PartialFolder& operator=(const PartialFolder&) = delete;
 
-  /// Where somebody else may write.
+  /// Place for files that somebody else writes.
   [[nodiscard]] const std::filesystem::path& path() const { return partial_; }
   /// @throws CannotWrite naming the file where it will be.
   void write(const std::string& name, std::string_view content) const;
@@ -36,7 +36,7 @@ class PartialFolder {
   /// Becomes `out`. Of the folder that was there, what is not ours moves in.
   /// @param keep  what of ours stays, too
   void replace(const IsOurs& keep);
-  /// What is written stays where it is, e.g. when it cannot take its place.
+  /// Leaves the written files where they are, e.g. when they cannot take their place.
   void keep() { kept_ = true; }
   /// Moves every file into `out`, over those of its name.
   void pour();

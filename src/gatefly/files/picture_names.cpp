@@ -8,7 +8,8 @@
 
 #include "gatefly/files/image_file.hpp"
 
-// Of image_file.hpp, what takes a picture's name alone: also there where no library reads pictures.
+// The part of image_file.hpp that takes a picture's name alone: also there without a picture
+// library.
 namespace gatefly::io {
 
 std::string kind_of(const std::filesystem::path& path) {

@@ -21,7 +21,7 @@ std::size_t letter_size(std::string_view text) {
              : 0;
 }
 
-/// Of ASCII, or of those in Latin-1's upper half, which UTF-8 has as two bytes.
+/// True for control letters of ASCII and of Latin-1's upper half, which UTF-8 has as two bytes.
 bool is_control(std::string_view letter) {
   const auto first = static_cast<unsigned char>(letter[0]);
   if (letter.size() == 1) return (first < 0x20 && first != '\n' && first != '\t') || first == 0x7F;

@@ -57,7 +57,7 @@ struct PictureToScore {
 
 /// Labelled gates of a kind, and how many of them were hit.
 struct HitRate {
-  double from = 0.0, to = 0.0;  ///< Of what the gates are sorted by; `to` is not included.
+  double from = 0.0, to = 0.0;  ///< Range of the sorting quantity; `to` is not included.
   int gates = 0, hits = 0;
 };
 
@@ -87,7 +87,7 @@ struct ScoreInput {
   int bars = 0;        ///< Rows of method "bars".
   int duplicates = 0;  ///< Pictures left out because an identical one is scored.
   int degenerate = 0;  ///< Pictures left out because their label is.
-  /// Of every detection in a picture that the labels do not have.
+  /// Names of pictures with detections that the labels do not have.
   std::vector<std::string> unknown;
 };
 

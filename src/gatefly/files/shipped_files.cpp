@@ -52,7 +52,7 @@ const fs::path& shipped() {
   return folder;
 }
 
-/// Where names of a folder are looked for: here first.
+/// Folders in which names are looked for: the first wins.
 std::vector<fs::path> places_of(const std::string& folder) {
   std::vector<fs::path> places{fs::path{folder}};
   if (!shipped().empty()) places.push_back(shipped() / folder);
@@ -75,7 +75,8 @@ std::optional<fs::path> by_name(const std::string& name, const std::string& fold
   return std::nullopt;
 }
 
-/// What is no regular file: a pipe such as bash's <(...), or a device; a link to nowhere is nothing.
+/// A path that is no regular file: a pipe such as bash's <(...), or a device; a link to nowhere is
+/// nothing.
 /// @throws std::runtime_error saying which names there are.
 fs::path other_file(const std::string& name, std::span<const std::string> folders) {
   std::error_code error;

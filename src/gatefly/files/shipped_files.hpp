@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-// What gatefly comes with (tracks, configurations, cameras, vehicles, the report's page), and the folders it uses.
+// Files that gatefly comes with (tracks, configurations, cameras, vehicles, the report's page), and
+// the folders it uses.
 namespace gatefly::io {
 
 /// The folder share/gatefly with tracks/, configs/, cameras/ and vehicles/; empty when there is none.
@@ -14,10 +15,10 @@ namespace gatefly::io {
 /// it was put and the build folder has one of its own; then in $XDG_DATA_DIRS.
 [[nodiscard]] std::filesystem::path shipped_dir();
 
-/// Where what was computed once is kept: gatefly/ in $XDG_CACHE_HOME, else in ~/.cache.
+/// Folder of things computed once: gatefly/ in $XDG_CACHE_HOME, else in ~/.cache.
 [[nodiscard]] std::filesystem::path cache_dir();
 
-/// Where real data is looked for: $GATEFLY_DATA, else the sibling folder ../shared/data.
+/// Folder of real data: $GATEFLY_DATA, else the sibling folder ../shared/data.
 [[nodiscard]] std::filesystem::path data_folder();
 
 /// A file by its path, here or in what gatefly comes with ("cameras/bebop.toml"), or by its name in

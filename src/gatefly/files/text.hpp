@@ -44,7 +44,7 @@ template <class Whole>
 /// letters stay.
 [[nodiscard]] std::string one_line(std::string text, std::size_t most = 60);
 
-/// What went wrong, on one line, in people's words.
+/// Reason of an error, on one line, in plain words.
 [[nodiscard]] std::string reason_of(const std::exception& error);
 
 /// All bytes of a file; of a pipe, the same again when it is read again.

@@ -20,7 +20,7 @@ class TomlFile {
  public:
   /// @throws std::runtime_error "file:line: what is wrong".
   explicit TomlFile(const std::filesystem::path& path);
-  /// Of a file whose content is known.
+  /// Reads content that is already known.
   TomlFile(const std::filesystem::path& path, std::string_view content);
 
   [[nodiscard]] const nlohmann::json& content() const { return content_; }

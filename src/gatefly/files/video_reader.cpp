@@ -18,7 +18,7 @@
 namespace gatefly::io {
 namespace {
 
-// What holds pictures; without this list ffmpeg paints text files and follows playlists to other
+// Containers of pictures; without this list ffmpeg paints text files and follows playlists to other
 // files.
 constexpr const char* kContainers =
     "avi,mov,matroska,mpegts,mpeg,mpegvideo,m4v,mjpeg,h264,hevc,av1,obu,ivf,ogg,flv,asf,gif,apng,"

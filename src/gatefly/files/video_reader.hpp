@@ -45,7 +45,7 @@ class VideoReader {
   };
   std::filesystem::path path_;
   As as_;
-  std::unique_ptr<std::FILE, Close> messages_;  ///< What ffmpeg says; a file without a name.
+  std::unique_ptr<std::FILE, Close> messages_;  ///< ffmpeg's words; a file without a name.
   std::unique_ptr<std::FILE, Close> stream_;    ///< YUV4MPEG2: a line of sizes, then planes.
   pid_t ffmpeg_ = -1;
   int width_ = 0, height_ = 0, pictures_ = 0;

@@ -10,7 +10,7 @@
 
 namespace gatefly::flight_log {
 
-/// What a filter has found of camera, air and map, each with its sigma; null when it looks for none
+/// Findings of a filter on camera, air and map, each with its sigma; null when it looks for none
 /// of it.
 [[nodiscard]] nlohmann::ordered_json as_json(const std::optional<eskf::Findings>& findings);
 

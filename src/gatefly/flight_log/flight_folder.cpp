@@ -223,7 +223,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
       throw std::runtime_error(csv.place(i) + ": image = '" + one_line(names[i]) +
                                "', a second time");
     const double row = rows[i];
-    // What was listed last may not have reached the disk.
+    // The rows listed last may not have reached the disk.
     if (cut && (row >= static_cast<double>(log_rows) || has_nothing(directory / name))) break;
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
@@ -244,7 +244,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
   return images;
 }
 
-/// Who reads a pipe that nobody writes to waits for ever.
+/// A reader of a pipe that nobody writes to waits for ever.
 void refuse_pipes(const std::filesystem::path& directory) {
   std::error_code error, ignored;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error))

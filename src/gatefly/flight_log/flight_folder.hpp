@@ -28,7 +28,7 @@ struct FlightSample {
   std::optional<Eigen::Vector3d> true_v_E = std::nullopt;   ///< [m/s]
   std::optional<Attitude> true_attitude = std::nullopt;     ///< Simulator only.
   std::optional<Attitude> ahrs = std::nullopt;              ///< The autopilot's own, in real logs.
-  std::optional<double> thrust = std::nullopt;  ///< What the autopilot asks for; real logs.
+  std::optional<double> thrust = std::nullopt;  ///< Asked for by the autopilot; real logs.
   std::optional<Eigen::Vector3d> est_p_EB = std::nullopt;  ///< The recorded pilot's [m].
   std::optional<Eigen::Vector3d> est_v_E = std::nullopt;   ///< [m/s]
   std::optional<Attitude> est_attitude = std::nullopt;
@@ -44,10 +44,10 @@ struct FlightSample {
 /// One row of images.csv.
 struct FlightImage {
   std::filesystem::path path;
-  std::chrono::nanoseconds time{0};  ///< Of arrival: the time of its log row in our own flights.
+  std::chrono::nanoseconds time{0};  ///< Arrival: the log row's time in our own flights.
   std::size_t log_row = 0;           ///< From 0: the sample in whose tick it arrives.
-  std::optional<std::uint64_t> xxh64 = std::nullopt;  ///< Of its bytes as stored; our own flights.
-  /// Where the next gate's corners really are in it [px, upright], where it shows that gate whole and
+  std::optional<std::uint64_t> xxh64 = std::nullopt;  ///< Hash of its bytes; our own flights.
+  /// True corners of the next gate in it [px, upright], where it shows that gate whole and
   /// unhidden; our own flights.
   std::optional<Quad> next_gate_px = std::nullopt;
 };

@@ -19,7 +19,7 @@
 
 namespace gatefly::io {
 
-/// What a flight keeps of itself.
+/// Records that a flight keeps.
 struct Keep {
   /// log_si.csv.gz in place of log_si.csv: less than half, for a few per cent of a rendered flight's
   /// time. Of an ideal flight, which takes a second, it would be half as much again.
@@ -27,11 +27,11 @@ struct Keep {
   /// The frames, too: without loss in frames.mkv, by ffmpeg. Else a hash of each, which tells whether
   /// one that is rendered again is the same.
   bool frames = false;
-  int stored_width = 0, stored_height = 0;  ///< Of a frame [px].
-  double frames_per_second = 25.0;  ///< Of the film, about; when each came is in images.csv.
-  bool navigation_imu = false;      ///< The log has columns for what the estimator got beside.
-  bool raw_frames = false;          ///< Frames in a file each, as they are: without ffmpeg.
-  bool lifted = false;              ///< The log has a column for Sensors::lifted.
+  int stored_width = 0, stored_height = 0;  ///< Size of a frame [px].
+  double frames_per_second = 25.0;          ///< Its rate, about; when each came is in images.csv.
+  bool navigation_imu = false;  ///< The log has columns for what the estimator got beside.
+  bool raw_frames = false;      ///< Frames in a file each, as they are: without ffmpeg.
+  bool lifted = false;          ///< The log has a column for Sensors::lifted.
 };
 
 /// A tick as it is recorded, whoever flew it. What nobody knows is an empty cell.
@@ -72,7 +72,7 @@ class FlightRecorder {
   /// Another file of the folder, e.g. a report, before finish().
   void add_file(const std::string& name, const std::string& content);
 
-  /// Where somebody else may write a file of the folder, before finish().
+  /// Place for a file of the folder that somebody else writes, before finish().
   [[nodiscard]] std::filesystem::path place_for(const std::string& name) const {
     return folder_.path() / name;
   }
@@ -99,7 +99,7 @@ class FlightRecorder {
   std::ofstream log_, images_, detections_;
   GzipFile packed_log_;
   std::optional<FilmPipe> film_;
-  std::string buffer_;  ///< Of the log, written in large pieces.
+  std::string buffer_;  ///< Part of the log, written in large pieces.
   std::size_t row_ = 0, frame_ = 0;
 };
 

@@ -30,7 +30,7 @@ class GzipFile {
   std::ofstream file_;
 };
 
-/// What is in a file.gz: all of its members, one after the other.
+/// Content of a file.gz: all of its members, one after the other.
 ///
 /// What is packed more than 32 times as tight as itself is no log: numbers that were measured are
 /// not.

@@ -61,14 +61,14 @@ class McapWriter {
 
   std::filesystem::path path_;
   std::ofstream file_;
-  std::uint64_t offset_ = 0;  ///< Of the next byte of the file.
-  std::uint32_t crc_ = 0;     ///< Of the data section so far.
+  std::uint64_t offset_ = 0;  ///< Place of the next byte in the file.
+  std::uint32_t crc_ = 0;     ///< Checksum of the data section so far.
   std::vector<Schema> schemas_;
   std::vector<ChannelInfo> channels_;
   std::vector<Chunk> chunks_;
-  std::string records_;                  ///< Of the chunk that is open.
+  std::string records_;                  ///< Records of the open chunk.
   std::uint64_t first_ = 0, last_ = 0;   ///< Its times.
-  std::vector<std::uint32_t> sequence_;  ///< Of each channel.
+  std::vector<std::uint32_t> sequence_;  ///< Number of each channel's messages.
 };
 
 }  // namespace gatefly::io

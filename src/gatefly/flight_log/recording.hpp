@@ -25,10 +25,10 @@ struct RecordedTick {
   bool held = false;
 };
 
-/// What stands in for the sonar of a log that has no height at all: motion capture's.
+/// Stand-in for the sonar of a log that has no height at all: motion capture's.
 struct SonarStandIn {
   double period = 0.0;                 ///< Between two readings [s]; 0: one with each new position.
-  std::function<double()> noise = {};  ///< Of each reading [m]; none when empty.
+  std::function<double()> noise = {};  ///< Added to each reading [m]; none when empty.
 };
 
 /// A recording as the pilot had it: what each row of the log says, nothing added. Of two pictures in
@@ -57,7 +57,7 @@ using PictureSource = std::function<const io::ImageFile&(std::size_t i)>;
 [[nodiscard]] PictureSource pictures_in_film(const io::FlightFolder& folder, int stored_width,
                                              int stored_height);
 
-/// Where the pictures of a recording are.
+/// Place of a recording's pictures.
 enum class Pictures {
   kNone,   ///< It has none.
   kFiles,  ///< Each in its own.

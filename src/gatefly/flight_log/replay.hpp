@@ -19,10 +19,10 @@ namespace gatefly::flight_log {
 struct EstimateRow {
   double t = 0.0;
   Estimate estimate;
-  Sighting::Source source = Sighting::Source::kNone;  ///< What corrected the filter in this tick.
+  Sighting::Source source = Sighting::Source::kNone;  ///< Source of this tick's correction.
 };
 
-/// What the pilot made of one picture.
+/// The pilot's handling of one picture.
 struct PictureRow {
   std::size_t picture = 0;
   double t = 0.0;
@@ -44,11 +44,11 @@ struct ReplayResult {
   /// gate, one standard deviation [m].
   std::optional<double> known_to;
   std::optional<eskf::Monitor::Verdict> divergence;  ///< Told without truth.
-  std::optional<eskf::Findings> findings;            ///< Of the filter of kOurs, at the end.
-  HashCheck hashes;  ///< Of the pictures, where the recording has hashes; for who loads them.
+  std::optional<eskf::Findings> findings;            ///< By the filter of kOurs, at the end.
+  HashCheck hashes;  ///< The pictures', where the recording has hashes; for loaders.
 };
 
-/// Whose estimates a replay reports.
+/// Estimator whose states a replay reports.
 enum class Estimator {
   kPilots,  ///< That of the filter the pilot is configured with.
   kDrag,    ///< The 7-state drag filter's.
@@ -57,13 +57,13 @@ enum class Estimator {
   kImu15,
 };
 
-/// What somebody may look at after each tick.
+/// State that an observer may look at after each tick.
 struct ReplayedTick {
-  std::size_t index = 0;  ///< Of the recorded one.
+  std::size_t index = 0;  ///< Number of the recorded one.
   const Sensors& sensors;
   const Command& command;
   const Pilot& pilot;
-  const Estimate& estimate;  ///< Of the estimator that was asked for.
+  const Estimate& estimate;  ///< Output of the chosen estimator.
 };
 
 /// Feeds a recorded flight to the very Pilot::step that flies the simulator.

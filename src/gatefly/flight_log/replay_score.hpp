@@ -27,7 +27,7 @@ struct FrameErrors {
 struct ReplayScore {
   FrameErrors gate;  ///< From the gate as believed, against from the gate as it stands: what flies.
   FrameErrors earth;   ///< In the frame of the map and of the truth.
-  ChiSquareCount nis;  ///< Of every sighting that was taken.
+  ChiSquareCount nis;  ///< Every taken sighting counts.
 };
 
 /// An estimate of one moment, as far as it is scored.

@@ -11,11 +11,11 @@
 
 namespace gatefly {
 
-/// What really was, at one moment. The pilot never sees this.
+/// True state at one moment. The pilot never sees this.
 struct Truth {
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
   Attitude attitude;
-  Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();  ///< Of the air, north and east [m/s].
+  Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();  ///< The air's speed, north and east [m/s].
   std::optional<double> battery_v = std::nullopt;    ///< Under the present load [V].
 };
 
@@ -30,7 +30,7 @@ struct Tick {
   std::optional<double> exposed = std::nullopt;
   /// Wall-clock of the pilot's step [s]; not the same in two flights of one seed.
   std::optional<double> took = std::nullopt;
-  /// Where the next gate's corners really are in what the pilot sees now [px, upright]; nothing
+  /// True corners of the next gate in what the pilot sees now [px, upright]; nothing
   /// unless it shows the gate whole and unhidden.
   std::optional<Quad> next_gate_px = std::nullopt;
 };

@@ -25,15 +25,15 @@ struct ForeignFlight {
   std::map<std::string, std::vector<double>> columns;
   std::vector<bool> lifted;  ///< Empty: the log does not say.
   std::vector<ForeignPicture> pictures;
-  std::size_t pictures_outside = 0;            ///< Of the log's time.
-  std::map<std::string, std::string> sources;  ///< Where each column came from.
+  std::size_t pictures_outside = 0;            ///< Pictures outside the log's time.
+  std::map<std::string, std::string> sources;  ///< Origin of each column.
   std::vector<std::string> notes;
 
   [[nodiscard]] double seconds() const;  ///< From the first row to the last.
   [[nodiscard]] double hz() const;       ///< Rows a second, by the median step.
 };
 
-/// What the caller knows better than the mapping file.
+/// Facts that the caller knows better than the mapping file.
 struct Given {
   std::filesystem::path pictures;  ///< "": as the mapping says.
   std::optional<double> clock_offset_s, delay_ms;

@@ -33,7 +33,7 @@ class LogTables {
   [[nodiscard]] std::string columns_of(const std::string& table);
   /// The file of a table, for people: "log.csv", "flight.ulg, sensor_combined".
   [[nodiscard]] std::string name_of(const std::string& table) const;
-  /// What is to be said about the log as a whole; "" when nothing.
+  /// Remark on the log as a whole; "" when there is none.
   [[nodiscard]] std::string note() const;
 
  private:

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 struct Unit {
   const char* name;
-  const char* ours;  ///< What it is turned into.
+  const char* ours;  ///< Name in our log.
   double factor;
 };
 constexpr std::array kUnits{

@@ -14,12 +14,12 @@ namespace gatefly::foreign_logs {
 
 /// A column of a log, and what its numbers mean: (number − zero) · scale · sign, in `unit`.
 struct Source {
-  std::string table;  ///< Of a log with several; "": the one whose rows become ours.
+  std::string table;  ///< Table of a log with several; "": the one whose rows become ours.
   std::string column;
   double factor = 1.0, zero = 0.0;  ///< factor: to our own unit; scale, sign and unit in one.
   bool on_change = false;   ///< A new value is a new measurement; one that repeats itself is none.
   bool from_start = false;  ///< Counted from its first value: an altitude as a height.
-  std::string place;        ///< Of it in the mapping file, for errors.
+  std::string place;        ///< Place of it in the mapping file, for errors.
 };
 
 /// Stamps of a table: columns that add up ("secs", "nsecs").
@@ -45,7 +45,7 @@ struct QuaternionSource {
 /// Pictures whose names have their stamps.
 struct PictureSource {
   std::string folder;                  ///< Below the log's; "": none unless the caller names one.
-  std::string unit = "ns";             ///< Of a stamp.
+  std::string unit = "ns";             ///< Unit of a stamp.
   std::chrono::nanoseconds delay{0};   ///< From a stamp to its arrival at the pilot.
   std::chrono::nanoseconds offset{0};  ///< From the pictures' clock to the log's.
 };
@@ -59,8 +59,8 @@ struct Mapping {
   };
   std::filesystem::path file;
   Kind kind = Kind::kCsv;
-  std::string table;              ///< Whose rows become ours.
-  std::vector<TimeColumns> time;  ///< Of each table the first that it has.
+  std::string table;              ///< Its rows become ours.
+  std::vector<TimeColumns> time;  ///< The first that each table has.
   /// By the names of log_si.csv's columns; of several the first that the log has.
   std::map<std::string, std::vector<Source>> columns;
   std::map<std::string, std::vector<QuaternionSource>> quaternions;  ///< "ahrs", "true".

@@ -8,11 +8,11 @@
 
 namespace gatefly::foreign_logs {
 
-/// What the numbers of a flight say about their units, axes and signs.
+/// Findings on the units, axes and signs of a flight's numbers.
 struct Plausibility {
-  std::vector<std::string> wrong;    ///< What no flight's numbers can be, one line each.
-  std::vector<std::string> checked;  ///< What was looked at and is well.
-  std::vector<std::string> unknown;  ///< What this log cannot show.
+  std::vector<std::string> wrong;    ///< Numbers that no flight can have, one line each.
+  std::vector<std::string> checked;  ///< Checked and found well.
+  std::vector<std::string> unknown;  ///< Not shown by this log.
 };
 
 /// Looks at an IMU by what it must read: gravity at rest, upwards; a gyro that rests with it, and never turns faster than gyros can;

@@ -68,7 +68,7 @@ void Ulog::read() {
     throw UlogError(7, "ULog version " + std::to_string(version) + ", must be 0 or 1");
   std::size_t next_appended = 0;
   for (std::size_t at = kHeader; at < bytes_.size();) {
-    // What was appended begins at its offset, whatever stands there: the message before may be cut.
+    // Appended data begins at its offset, whatever stands there: the message before may be cut.
     const std::size_t end =
         next_appended < appended_.size() ? appended_[next_appended] : bytes_.size();
     if (end - at < kMessageHeader || end - at - kMessageHeader < little(at, 2)) {

@@ -11,7 +11,7 @@
 
 namespace gatefly::foreign_logs {
 
-/// What is no usable ULog, and at which byte: "byte 1234: ...".
+/// Unusable ULog, and at which byte: "byte 1234: ...".
 class UlogError : public std::runtime_error {
  public:
   UlogError(std::size_t byte, const std::string& what)
@@ -32,7 +32,7 @@ class Ulog {
     std::string name;
     int instance = 0;
     std::string format;                 ///< By its name.
-    std::vector<std::size_t> messages;  ///< Where the data of each begins, in the file.
+    std::vector<std::size_t> messages;  ///< First byte of each one's data in the file.
     std::vector<std::size_t> sizes;     ///< How long they are [bytes].
   };
 
@@ -81,8 +81,8 @@ class Ulog {
   std::map<std::string, Format> formats_;
   std::map<unsigned, std::size_t> by_id_;  ///< Into topics_.
   std::vector<Topic> topics_;
-  std::vector<std::size_t> appended_;  ///< Where data was appended after a crash, ascending.
-  std::size_t fields_ = 0;             ///< Of all formats that are laid out.
+  std::vector<std::size_t> appended_;  ///< Offsets of data appended after a crash, ascending.
+  std::size_t fields_ = 0;             ///< Fields of all laid-out formats.
   bool cut_ = false;
 };
 

@@ -156,7 +156,7 @@ DragFit mean_of(std::span<const DragFit> fits, std::optional<std::size_t> left_o
   }
   if (n == 0.0) return mean;
   mean.drag /= n, mean.bias /= n;
-  // Of the mean, from the scatter of the flights.
+  // Sigma of the mean, from the scatter of the flights.
   if (n > 1.0)
     mean.drag_sigma = ((square / n - mean.drag.cwiseAbs2()).cwiseMax(0.0) / (n - 1.0)).cwiseSqrt();
   return mean;

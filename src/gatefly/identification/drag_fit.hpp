@@ -21,7 +21,7 @@ struct Airborne {
 /// there.
 [[nodiscard]] Airborne airborne(const io::FlightFolder& flight);
 
-/// What a piece of flight says: displacement = M (1/k_x, −b_x/k_x, 1/k_y, −b_y/k_y), on the floor
+/// Equation of a piece of flight: displacement = M (1/k_x, −b_x/k_x, 1/k_y, −b_y/k_y), on the floor
 /// plan [m].
 struct Displacement {
   Eigen::Matrix<double, 2, 4> M;
@@ -39,8 +39,8 @@ struct DragFit {
   double heading_offset = 0.0;                           ///< To add to the log's heading [rad].
   Eigen::Vector2d drag = Eigen::Vector2d::Zero();        ///< k_x, k_y [1/s].
   Eigen::Vector2d drag_sigma = Eigen::Vector2d::Zero();  ///< Standard errors.
-  Eigen::Vector2d bias = Eigen::Vector2d::Zero();        ///< Of the accelerometer, x and y [m/s²].
-  double rms = 0.0;                                      ///< Of a piece's displacement [m].
+  Eigen::Vector2d bias = Eigen::Vector2d::Zero();        ///< Accelerometer's, x, y [m/s²].
+  double rms = 0.0;                                      ///< Misfit of a piece's displacement [m].
   std::size_t pieces = 0;
 };
 

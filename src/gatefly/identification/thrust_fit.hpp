@@ -7,7 +7,7 @@
 
 namespace gatefly::identification {
 
-/// What was asked of the rotors, and what the accelerometer said.
+/// The rotors' command, and the accelerometer's reading.
 struct ThrustPoint {
   double t = 0.0;        ///< [s]
   double command = 0.0;  ///< > 0: throttle, rotor speed, thrust; any unit.
@@ -23,10 +23,10 @@ struct Known {
 struct ThrustFit {
   /// The command that carries the drone, in its unit, at this flight's charge of the battery.
   Known hover;
-  std::optional<Known> exponent;  ///< Of thrust over command; none where it hardly did but hover.
+  std::optional<Known> exponent;  ///< Thrust over command; none where it hardly did but hover.
   double accel_bias = 0.0;        ///< To add to what is measured upwards in flight [m/s²].
   double lag = 0.0;               ///< From command to thrust [s].
-  double rms = 0.0;               ///< Of a quarter of a second's thrust, relative.
+  double rms = 0.0;               ///< Misfit of a quarter of a second's thrust, relative.
   std::size_t pieces = 0;
 };
 

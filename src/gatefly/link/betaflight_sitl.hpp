@@ -35,7 +35,7 @@ struct Origin {
   double pressure_pa = 101325.0;
 };
 
-/// Whose simulator: they read the yaw's gyro with opposite signs.
+/// Version of the simulator: they read the yaw's gyro with opposite signs.
 enum class Release {
   k4_5,   ///< And 2025.12.
   k2026,  ///< From 2026.6 on.

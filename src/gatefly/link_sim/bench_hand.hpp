@@ -11,7 +11,7 @@
 
 namespace gatefly::link_sim {
 
-/// What somebody does at a bench, with the drone in one hand and the radio in the other.
+/// Deeds at a bench, with the drone in one hand and the radio in the other.
 enum class Deed : std::uint8_t {
   kTurnRoll,
   kTurnPitch,
@@ -33,7 +33,7 @@ class BenchHand {
  public:
   /// Remembers what a line asks for.
   void hear(std::string_view line, double now);
-  /// What is done now [s], if anything. @param motors  turn: the controller has armed.
+  /// The deed of this moment [s], if any. @param motors  turn: the controller has armed.
   [[nodiscard]] std::optional<Deed> step(double now, bool motors);
 
   [[nodiscard]] bool armed() const { return armed_; }

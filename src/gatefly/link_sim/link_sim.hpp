@@ -17,7 +17,7 @@
 
 namespace gatefly::link_sim {
 
-/// Whose program it is.
+/// Maker of the program.
 enum class Autopilot { kBetaflight, kArduCopter };
 
 /// Ports of 127.0.0.1. The first four are those of Betaflight's simulator target.

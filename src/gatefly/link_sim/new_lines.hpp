@@ -23,7 +23,7 @@ class NewLines {
 
   int fd_ = -1;
   bool regular_ = false;
-  std::string begun_;  ///< Of a line.
+  std::string begun_;  ///< Part of a line.
 };
 
 }  // namespace gatefly::link_sim

@@ -46,7 +46,7 @@ class PacedLine {
   [[nodiscard]] bool connected() const { return connected_; }
   /// From now on nothing is carried, and both ends hear nothing of it: the cable is out.
   void cut() { cut_ = true; }
-  /// Of what goes to the controller.
+  /// Gaps in the stream to the controller.
   [[nodiscard]] StickGaps& stick_gaps() { return stick_gaps_; }
 
  private:

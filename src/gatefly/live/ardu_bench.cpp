@@ -47,7 +47,7 @@ Findings of_introduction(const ArduIntroduction& said) {
 }
 
 Findings of_rest(LinkQueries& link, std::chrono::milliseconds lasts) {
-  // What it sends by itself has first to be asked for.
+  // The data that it sends by itself has first to be asked for.
   each_sample(link, 1500ms, [](const ControllerState&) { return false; });
   int samples = 0, fresh = 0;
   Eigen::Vector3d gyro = Eigen::Vector3d::Zero(), accel = Eigen::Vector3d::Zero();

@@ -27,7 +27,7 @@ class ArrivalClock {
 
  private:
   static constexpr int kPart =
-      8;  ///< Of an error that one arrival corrects. Ours: 0.16 s at 50 Hz.
+      8;  ///< Part of an error that one arrival corrects. Ours: 0.16 s at 50 Hz.
   std::chrono::nanoseconds period_, last_{0};
   bool started_ = false;
 };

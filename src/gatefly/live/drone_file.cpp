@@ -342,7 +342,7 @@ ArduDrone ardu_drone_of(const guard::ArduFacts& facts) {
 }
 
 std::vector<std::string> differences(const DroneFile& drone, const guard::ArduFacts& facts) {
-  /// What it learns about hovering while it flies; more is another drone.
+  /// Part of hover that it learns while it flies; more is another drone.
   constexpr double kLearns = 0.1;
   std::vector<std::string> found;
   const ArduDrone is = ardu_drone_of(facts);

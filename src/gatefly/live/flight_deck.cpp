@@ -13,7 +13,7 @@ namespace {
 using std::chrono::nanoseconds;
 
 constexpr double kGain =
-    4.0;  ///< Of rates towards an attitude [1/s]. Ours: a fifth of 1 / 50 ms of delay.
+    4.0;  ///< Gain of rates on the attitude [1/s]. Ours: a fifth of 1 / 50 ms of delay.
 constexpr double kMostRate = 2.0;  ///< [rad/s]
 
 bool is_ending(guard::Action action) {

@@ -11,7 +11,7 @@
 
 namespace gatefly::live {
 
-/// What cannot be written any more: "out/flight-0003/log_si.csv: No space left on device".
+/// A failed write: "out/flight-0003/log_si.csv: No space left on device".
 class DiskFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -56,7 +56,7 @@ class MspPoller : public Listener {
   guard::SampleWatch imu_watch_;
   ArrivalClock taken_;
   ControllerState state_;
-  FixedList<std::uint8_t, 8> due_;    ///< Of this turn, not yet asked for.
+  FixedList<std::uint8_t, 8> due_;    ///< Left to ask for in this turn.
   FixedList<std::uint8_t, 8> asked_;  ///< In the request that is open; empty: none is.
   std::chrono::nanoseconds asked_at_{0}, next_turn_{0};
   int sticks_open_ = 0;  ///< Stick frames that are not acknowledged.

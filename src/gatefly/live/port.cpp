@@ -214,7 +214,7 @@ bool Port::write(link::Bytes bytes, Moment deadline) {
     if (put > 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(put));
     } else if (put < 0 && errno == ECONNREFUSED && datagrams_) {
-      // What the one before has found; this one is sent the next time round.
+      // The one before left a result; this one is sent the next time round.
     } else if (put < 0 && errno != EAGAIN && errno != EINTR) {
       return false;
     } else if (!ready(POLLOUT, deadline)) {

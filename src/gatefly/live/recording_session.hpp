@@ -33,7 +33,7 @@ class RecordingSession {
     SensorRecorder::Params recorder;
     std::map<std::string, std::string> files;             ///< Files to write into each folder.
     std::uintmax_t keep_free = std::uintmax_t{64} << 20;  ///< Disk space to leave free [bytes].
-    std::size_t most_rows = 1'900'000;  ///< Of a folder: what a reader takes, and a little less.
+    std::size_t most_rows = 1'900'000;  ///< Per folder: a little below a reader's limit.
   };
   enum class End { kTold, kSilent, kNewBattery, kDiskFull, kLongEnough };
 

@@ -6,7 +6,7 @@
 
 namespace gatefly::io {
 
-/// What `gatefly campaign` has put into a folder, as a page for a browser: how often, how fast, what
+/// Page on a folder of `gatefly campaign`, for a browser: how often, how fast, what
 /// went wrong, and the command that flies each run again. A run that was flown into the folder
 /// (TRACK-SEED/ in it) is linked.
 /// @throws std::runtime_error one line: no campaign, damaged.
@@ -15,7 +15,7 @@ namespace gatefly::io {
 /// The flights in a folder, each with its summary; those in `folder` itself, not deeper.
 [[nodiscard]] std::string folder_page(const std::filesystem::path& folder);
 
-/// What there is to be looked at under a path.
+/// Kind of page that a path leads to.
 enum class Viewable { kFlight, kCampaign, kFolder };
 
 /// @throws std::runtime_error one line: nothing that gatefly has written.

@@ -20,7 +20,7 @@ constexpr std::size_t kMostRows = 6000;  // two minutes at 50 Hz
 
 struct Column {
   const char* name;
-  double unit;  ///< What one step of the whole numbers is.
+  double unit;  ///< Size of one step of the whole numbers.
 };
 constexpr std::int64_t kMissing = std::numeric_limits<std::int64_t>::min();
 constexpr std::array<Column, std::tuple_size_v<FlightRow>> kColumns{{
@@ -81,7 +81,7 @@ constexpr std::array<Column, std::tuple_size_v<FlightRow>> kColumns{{
     {"phase", 1.0},
     {"target_gate", 1.0},
     {"gates_passed", 1.0},
-    // What rotors were asked for since the row before, and the share of ticks in which one of them
+    // Commands to the rotors since the row before, and the share of ticks in which one of them
     // was at its limit; the mean of what the accelerometer felt.
     {"rotor_fastest_radps", 0.1},
     {"rotor_slowest_radps", 0.1},

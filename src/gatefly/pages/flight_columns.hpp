@@ -16,17 +16,17 @@ namespace gatefly::io {
 /// Whole numbers of the units in flight_columns.cpp: differences of them add up without error.
 using FlightRow = std::array<std::int64_t, 59>;
 
-/// What rotors were asked for and what came of it, over every tick since the row before: one is at
+/// Use of the rotors over every tick since the row before: one is at
 /// its limit for milliseconds.
 struct RotorUse {
-  double fastest = 0.0, slowest = 0.0;  ///< Of the four, of all ticks [rad/s].
+  double fastest = 0.0, slowest = 0.0;  ///< Extremes of the four over all ticks [rad/s].
   double thrust = 0.0;                  ///< Sum of the specific forces upwards, body axes [m/s²].
   int ticks = 0, saturated = 0, thrusts = 0;
 
   void add(const PageTick& tick, const PageCourse& course);
 };
 
-/// What was and what the pilot believed over time: the page's table, at most 6000 rows, thinned as
+/// Truth and the pilot's belief over time: the page's table, at most 6000 rows, thinned as
 /// it comes.
 class FlightColumns {
  public:
@@ -44,7 +44,7 @@ class FlightColumns {
 
  private:
   std::vector<FlightRow> rows_;
-  std::optional<FlightRow> last_;  ///< Of the last tick, where that is none of `rows_`.
+  std::optional<FlightRow> last_;  ///< The last tick, where that is none of `rows_`.
   RotorUse rotors_;
   double row_period_ = 0.02, next_row_ = 0.0;  ///< [s]
 };

@@ -59,7 +59,7 @@ Look looked(const PageTick& tick, const sim::World& world, double now) {
   return look;
 }
 
-/// What was found in the picture, and what the filter made of it.
+/// The picture's detections, and the filter's use of them.
 /// @param jpeg  its number among the page's JPEGs.
 Json as_json(const Look& look, std::optional<std::size_t> jpeg) {
   const Sighting& s = look.sighting;

@@ -16,7 +16,7 @@
 
 namespace gatefly::io {
 
-/// What came of one picture.
+/// Outcome of one picture.
 struct Look {
   double time = 0.0, exposed = 0.0;  ///< Arrival, begin of the exposure [s].
   std::optional<double> took = {};   ///< Wall-clock of the pilot's step with it [s].
@@ -25,10 +25,10 @@ struct Look {
   Sighting sighting;
   std::string jpeg;                   ///< The picture; "" when it is left out.
   std::optional<std::size_t> filmed;  ///< Its number in the film.
-  /// Of the fix, in the frame of its gate: truth less fix [m].
+  /// Error of the fix in the frame of its gate: truth less fix [m].
   std::optional<Eigen::Vector3d> fix_error;
 };
-/// What the camera saw and what came of it, picture by picture: at most 4000, thinned as they come;
+/// Pictures and their outcomes, one by one: at most 4000, thinned as they come;
 /// the pictures themselves as a film, or some of them as JPEGs.
 class FlightLooks {
  public:

@@ -93,7 +93,7 @@ const char* name_of(Kind kind) {
   return "flight";
 }
 
-/// What became of it, and how that is meant.
+/// Its outcome, and what that means.
 struct Outcome {
   std::string text;
   const char* look = "muted";  ///< good, bad or muted.

@@ -12,12 +12,12 @@ namespace gatefly::io {
 /// A line of the index: a folder in which gatefly has written.
 struct IndexEntry {
   enum class Kind { kFlight, kReplay, kCampaign };
-  std::string name;  ///< Of the folder: "showroom-17".
+  std::string name;  ///< Folder name: "showroom-17".
   Kind kind = Kind::kFlight;
   nlohmann::json summary{};  ///< summary.json, or campaign.json; null when it cannot be read.
-  std::string page{};        ///< Where its page is, relative to the index; "": there is none.
+  std::string page{};        ///< Its page, relative to the index; "": there is none.
   std::string film{};        ///< Likewise its film.
-  std::string note{};        ///< What is to be said about it: why it has no page.
+  std::string note{};        ///< Remark on it: why it has no page.
   std::int64_t changed = 0;  ///< When it was written [s since 1970]; 0: unknown.
 };
 

@@ -14,7 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFlights = 10'000;  // a row each, 250 bytes
 
-/// What a table says of a race's summary.json; nothing that is not there, or not as it should be.
+/// A table's row from a race's summary.json, without fields that are missing or not as they should
+/// be.
 Json row_of(const ListedFlight& flight) {
   Json row{{"name", flight.name}};
   if (!flight.page.empty()) row["page"] = flight.page;
@@ -55,7 +56,7 @@ Json row_of(const ListedFlight& flight) {
   return row;
 }
 
-/// Where gates were passed: to the right and down, in whole centimetres.
+/// Offsets at the gates' planes: to the right and down, in whole centimetres.
 void add_offsets(const nlohmann::json& summary, Json& across, Json& down) {
   if (!summary.is_object() || !summary.contains("gate_offsets_m")) return;
   for (const auto& offset : summary.at("gate_offsets_m"))

@@ -12,9 +12,9 @@ namespace gatefly::io {
 struct ListedFlight {
   std::string name;        ///< "showroom-17"
   nlohmann::json summary;  ///< Its summary.json; null when it cannot be read.
-  std::string page;        ///< Where its report.html is, relative to the list; "": there is none.
+  std::string page;        ///< Its report.html, relative to the list; "": there is none.
   std::string fly;         ///< The command that flies it (again); "": unknown.
-  std::string note;        ///< What is to be said about it: why it has no page.
+  std::string note;        ///< Remark on it: why it has no page.
 };
 
 /// A campaign, or flights of a folder, as one page for a browser.

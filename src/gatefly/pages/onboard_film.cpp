@@ -16,7 +16,7 @@ constexpr double kAimed = 0.9;         // of kMostBytes: the encoder does not hi
 constexpr double kBest = 600e3;        // more shows nothing more [bit/s]
 constexpr double kKeyEvery = 10;       // a jump decodes this many pictures at most
 
-/// Of a picture with so many pixels a line; even, as the encoder wants it.
+/// Side of a picture with so many pixels a line; even, as the encoder wants it.
 int side_of(int pixels, int step) { return ((pixels + step - 1) / step + 1) & ~1; }
 
 int step_of(const Image& image) {

@@ -13,7 +13,7 @@
 
 namespace gatefly::io {
 
-/// What the camera saw, as one small film for a page: VP8 in WebM, every picture of the flight.
+/// The camera's view as one small film for a page: VP8 in WebM, every picture of the flight.
 ///
 /// Picture i is shown from i / kRate to (i + 1) / kRate seconds, whenever it arrived: who knows the
 /// number finds the picture.
@@ -42,11 +42,11 @@ class OnboardFilm {
   [[nodiscard]] std::string smaller(double bits_per_second) const;
 
   std::filesystem::path path_;
-  int width_, height_, step_;  ///< Of the film, even [px]; every step_-th pixel is taken.
+  int width_, height_, step_;  ///< Size of the film, even [px]; every step_-th pixel is taken.
   int from_width_, from_height_;
   double bits_per_second_;
   FilmPipe file_;
-  std::vector<std::uint8_t> bytes_;  ///< Of one picture: Y, then U, then V.
+  std::vector<std::uint8_t> bytes_;  ///< One picture's: Y, then U, then V.
 };
 
 }  // namespace gatefly::io

@@ -14,22 +14,22 @@
 
 namespace gatefly::io {
 
-/// Where a flight takes place, as a page shows it.
+/// Scene of a flight, as a page shows it.
 struct PageCourse {
-  sim::World world;                  ///< Where everything really stands.
+  sim::World world;                  ///< True places of everything.
   Track map;                         ///< As the pilot knows it.
   double speed = 1.5;                ///< That the pilot is to fly [m/s].
   double pictures_per_second = 0.0;  ///< 0: there are none.
   std::size_t pictures = 0;          ///< How many there will be, where that is known.
   /// Systematic errors of the IMU in flight, where they are known [m/s²], [rad/s].
   std::optional<Eigen::Vector3d> accel_bias = std::nullopt, gyro_bias = std::nullopt;
-  std::array<double, 2> rotor_limits{};  ///< Of the speeds that the pilot may ask for [rad/s].
+  std::array<double, 2> rotor_limits{};  ///< Speeds that the pilot may ask for [rad/s].
   /// The world is the truth, and the referee goes by it; else it is the map, and the pilot counts.
   bool is_truth = true;
 };
 [[nodiscard]] PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim,
                                      bool pictures);
-/// Of a recorded flight: nobody knows where things really stood.
+/// Course of a recorded flight: nobody knows where things really stood.
 [[nodiscard]] PageCourse page_course(const PilotConfig& pilot);
 
 /// For the page: room, gates where they stand and on the map, obstacles, the way planned.

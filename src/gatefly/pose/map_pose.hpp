@@ -49,16 +49,16 @@ struct MapPoseParams {
   /// ... and how far they are off. [authors' detections: 10-40 px]
   double outlier_sigma_px = 20.0;
   double max_outliers = 0.25;  ///< Part of all observations.
-  /// Largest normal_deviate() of the chi-square: 1 of 2,000 good fits is above. [ours]
+  /// Largest normal_deviate() of the chi-square: 1 of 2,000 good fits is above. [estimate]
   double max_deviate = 3.3;
-  /// The same when something was left out: parts of two gates fit better then. [ours]
+  /// The same when something was left out: parts of two gates fit better then. [estimate]
   double max_deviate_after_drop = 2.3;
   /// With a poor attitude also hypotheses worse by so much in chi-square are followed. [ours:
   /// pose-grid]
   double search_depth = 9.0;
   /// Most that hypotheses about outliers may widen the position's variance. [ours: pose-grid]
   double max_widening = 1.8;
-  /// Sine of the angle between the line of sight and the gate's plane: 10°. [ours]
+  /// Sine of the angle between the line of sight and the gate's plane: 10°. [estimate]
   double min_incidence = 0.17;
   double max_distance = 12.0;  ///< [m] [ours: a 1 m gate is 14 px there]
   int max_steps = 40;          ///< Most fits take 4.

@@ -17,14 +17,14 @@ namespace gatefly {
 
 struct SweepParams {
   double angle = 40.0 * kDegree;  ///< To both sides of the gate's axis. [ours: half the view]
-  double period = 5.0;            ///< [s] [ours]
-  double first_ahead = 1.5;       ///< Looks straight ahead for so long first [s]. [ours]
-  double hold_after_fix = 0.5;    ///< And for so long after each fix [s]. [ours]
+  double period = 5.0;            ///< [s] [estimate]
+  double first_ahead = 1.5;       ///< Looks straight ahead for so long first [s]. [estimate]
+  double hold_after_fix = 0.5;    ///< And for so long after each fix [s]. [estimate]
 };
 
 struct LandingParams {
-  double brake = 1.0;  ///< First it stands still [s]. [ours]
-  double sink = 0.5;   ///< Then it goes down [m/s]. [ours]
+  double brake = 1.0;  ///< First it stands still [s]. [estimate]
+  double sink = 0.5;   ///< Then it goes down [m/s]. [estimate]
 };
 
 /// Everything guidance is told before take-off.
@@ -61,7 +61,7 @@ class Guidance {
   /// Speed a turn begins with [m/s].
   [[nodiscard]] double entry_speed(const NavigationState& now) const { return now.v_B.x(); }
 
-  /// Where the lateral PD will have brought the drone in the plane of the gate: metres to the right
+  /// Predicted crossing of the gate's plane under the lateral PD: metres to the right
   /// of its axis.
   [[nodiscard]] double lateral_at_gate(const NavigationState& now) const;
 

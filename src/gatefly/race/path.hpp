@@ -72,7 +72,7 @@ struct Path {
 
 struct PlanParams {
   double speed = 1.7;        ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
-  double max_lateral = 3.2;  ///< v²/r an arc may ask for [m/s²]: 18° of roll. [ours]
+  double max_lateral = 3.2;  ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
   double min_radius = 0.7;   ///< [m] [Li18 code: 0.9]
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;

@@ -69,32 +69,32 @@ struct Situation {
 };
 
 struct PhaseParams {
-  int rest_samples = 768;      ///< 1.5 s at 512 Hz. [ours]
-  double go_height = 0.7;      ///< Start forward flight above this [m] ... [ours]
+  int rest_samples = 768;      ///< 1.5 s at 512 Hz. [estimate]
+  double go_height = 0.7;      ///< Start forward flight above this [m] ... [estimate]
   double go_after = 0.0;       ///< ... and after so long [s]. [Li18 code: 2]
   double climb_timeout = 6.0;  ///< [s]
 
-  bool goes_around = true;  ///< Waits and searches where the gate is uncertain. [ours]
+  bool goes_around = true;  ///< Waits and searches where the gate is uncertain. [estimate]
   // Into a search ...
-  double search_before = 1.9;  ///< Decide between here ...  [m] [ours]
-  /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [ours]
+  double search_before = 1.9;  ///< Decide between here ...  [m] [estimate]
+  /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [estimate]
   double search_until = 1.1;
   double search_detour =
-      0.8;  ///< A way that is longer by this leads past the gate first [m]. [ours]
-  double unseen_after = 0.4;  ///< Not seen means: not for so long [s]. [ours]
+      0.8;  ///< A way that is longer by this leads past the gate first [m]. [estimate]
+  double unseen_after = 0.4;  ///< Not seen means: not for so long [s]. [estimate]
   /// More uncertain about y than this: no pass. [ours: opening 0.9, body 0.38]
   double max_lateral_sigma = 0.22;
   /// Expected farther off the axis than this: go around. [ours: 0.27 touches]
   double max_miss = 0.20;
-  double wait_before = 2.2;  ///< Waits at least so far before the gate [m] ... [ours]
-  double fall_back = 0.5;    ///< ... and so far behind where it is [m]. [ours]
+  double wait_before = 2.2;  ///< Waits at least so far before the gate [m] ... [estimate]
+  double fall_back = 0.5;    ///< ... and so far behind where it is [m]. [estimate]
 
   // ... and out of it.
-  double seen_within = 0.3;      ///< Found again: seen so short ago [s], [ours]
-  double certain_part = 0.6;     ///< at most this part of max_lateral_sigma uncertain, [ours]
-  double max_found_miss = 0.5;   ///< not farther off the axis [m], [ours]
-  double min_run_in = 1.2;       ///< with so much way left [m], [ours]
-  double max_found_speed = 0.7;  ///< and nearly standing still [m/s]. [ours]
+  double seen_within = 0.3;      ///< Found again: seen so short ago [s], [estimate]
+  double certain_part = 0.6;     ///< at most this part of max_lateral_sigma uncertain, [estimate]
+  double max_found_miss = 0.5;   ///< not farther off the axis [m], [estimate]
+  double min_run_in = 1.2;       ///< with so much way left [m], [estimate]
+  double max_found_speed = 0.7;  ///< and nearly standing still [m/s]. [estimate]
   double search_timeout = 15.0;  ///< [s]
 
   double landed_height = 0.12;  ///< Motors off below this [m] ... [ours: sonar on its feet]

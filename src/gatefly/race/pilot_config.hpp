@@ -55,10 +55,10 @@ struct PilotConfig {
   double filter_imu_hz = 0.0;
   bool uses_sonar = true, uses_baro = true;  ///< False: absent, or not to be trusted.
   double filter_memory = 0.25;  ///< So late a picture may come [s]. [ours: twice a Bebop's latency]
-  double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [ours]
+  double map_sigma = 0.12;      ///< How well gates are known relative to each other [m]. [estimate]
   double gate_height_sigma =
       0.05;  ///< Standard deviation of a gate centre's height [m]. [docs/simulation.md]
-  double gate_yaw_sigma = 0.06;  ///< And how well their headings are [rad]. [ours]
+  double gate_yaw_sigma = 0.06;  ///< And how well their headings are [rad]. [estimate]
 };
 
 }  // namespace gatefly

@@ -5,8 +5,8 @@
 
 #include "gatefly/geometry/math.hpp"
 
-// What lookout, course and guidance are told before take-off. The plan's and the phases' own numbers are
-// in path.hpp and phase.hpp.
+// Parameters of lookout, course and guidance, given before take-off. The plan's and the phases' own
+// numbers are in path.hpp and phase.hpp.
 
 namespace gatefly {
 
@@ -30,38 +30,38 @@ struct SightParams {
   double convincing = 4.1;
   /// NIS above which a second sighting has to agree: 1 in 20 of the right ones. [chi-square, 3]
   double confirm_above = 7.8;
-  double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [ours]
+  double blind_after = 1.0;  ///< Without a fix for this long a leg was flown blind [s]. [estimate]
   double agree =
       0.4;  ///< Two sightings from places nearer than this agree [m]. [ours: 66 ms apart]
   /// Only nearer gates restart the position: errors of farther ones last for a second, so that they
-  /// agree with each other, too [m]. [ours]
+  /// agree with each other, too [m]. [estimate]
   double restart_within = 7.0;
-  /// The estimate may be off by this and still tell gates apart [m]. [ours]
+  /// The estimate may be off by this and still tell gates apart [m]. [estimate]
   double tell_apart = 1.5;
-  /// Below this confidence a detection counts where a gate is expected only. [ours]
+  /// Below this confidence a detection counts where a gate is expected only. [estimate]
   double sure = 0.9;
   /// Nearer than this the upper bar of a gate of 1 m may be cut off; of others by their side [m].
-  /// [ours]
+  /// [estimate]
   double parts_from = 4.5;
   /// The estimate says where the gate shows for so long after a fix [s]. [ours: .24 m off after 2 s]
   double expect_for = 2.0;
-  /// A gate that should show is looked for carefully from so long after a fix on [s], ... [ours]
+  /// A gate that should show is looked for carefully so long after a fix [s], ... [estimate]
   double careful_after = 0.2;
-  int careful_every = 6;  ///< ... any gate in every so many pictures in any case. [ours]
-  /// Neighbouring pictures share their errors: a heading counts as one of so many. [ours]
+  int careful_every = 6;  ///< ... any gate in every so many pictures in any case. [estimate]
+  /// Neighbouring pictures share their errors: a heading counts as one of so many. [estimate]
   double heading_repeats = 3.0;
 };
 
 struct CourseParams {
   double back = 0.5, ahead = 0.8;  ///< The nearest point is looked for so far around the last [m].
-  double end = 1.5;    ///< A gate can be passed on the last part of the way to it only [m]. [ours]
+  double end = 1.5;    ///< A gate is passed only on this last part of the way to it [m]. [estimate]
   double past = 0.10;  ///< So far behind its plane a gate is passed [m]. [Li18 code: 0.1-0.5]
-  double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [ours]
+  double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [estimate]
   // A stop is done where it stands still, ...
-  double stopped_within = 0.35;           ///< near the place [m], [ours]
-  double stopped_speed = 0.4;             ///< nearly [m/s], [ours]
-  double stopped_height = 0.2;            ///< at the height to go on at [m] [ours]
-  double stopped_angle = 12.0 * kDegree;  ///< and the heading. [ours]
+  double stopped_within = 0.35;           ///< near the place [m], [estimate]
+  double stopped_speed = 0.4;             ///< nearly [m/s], [estimate]
+  double stopped_height = 0.2;            ///< at the height to go on at [m] [estimate]
+  double stopped_angle = 12.0 * kDegree;  ///< and the heading. [estimate]
 };
 
 struct SpeedParams {
@@ -69,35 +69,35 @@ struct SpeedParams {
   double pitch_gain = 0.14;
   double max_pitch = 14.0 * kDegree;   ///< Nose down.
   double min_pitch = -12.0 * kDegree;  ///< As nose up: braking.
-  /// Roll starts this long before the curve [s]: INDI's lag. [ours]
+  /// Roll starts this long before the curve [s]: INDI's lag. [estimate]
   double roll_lead = 0.16;
-  double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [ours]
+  double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [estimate]
   /// From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
   double settle = 1.3;
-  double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [ours]
-  /// Towards a gate that has not been seen from here [m/s]. [ours]
+  double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [estimate]
+  /// Towards a gate that has not been seen from here [m/s]. [estimate]
   double unsure = 1.1;
-  double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [ours]
-  double unsure_after = 0.6;   ///< Not seen means: not for so long [s] ... [ours]
-  double unsure_sigma = 0.2;   ///< ... and more uncertain to the side than this [m]. [ours]
+  double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [estimate]
+  double unsure_after = 0.6;   ///< Not seen means: not for so long [s] ... [estimate]
+  double unsure_sigma = 0.2;   ///< ... and more uncertain to the side than this [m]. [estimate]
   double max_climb = 1.2;  ///< Up or down along a ramp [m/s]. [ours: half of what thrust can stop]
   double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [ours: the pitch follows 0.4 m/s late]
-  double stand_from = 0.5;    ///< So near a stop the place is held [m]. [ours]
-  /// Of turn and correction together. [ours: INDI follows 40°]
+  double stand_from = 0.5;    ///< So near a stop the place is held [m]. [estimate]
+  /// Limit of turn and correction together. [ours: INDI follows 40°]
   double max_roll = 38.0 * kDegree;
 };
 
 /// Position hold: before take-off is done, while searching, while landing.
 struct HoldParams {
   double stiffness = 0.9;     ///< [1/s²] [ours: with the damping ω 0.95, ζ 1]
-  double damping = 2.0;       ///< [1/s] [ours]
+  double damping = 2.0;       ///< [1/s] [estimate]
   double integral = 0.25;     ///< [1/s³] [ours: 1° of tilt would hold it 0.2 m beside]
   double max_integral = 0.5;  ///< [m/s²] [ours: 3° of tilt]
-  double max_distance = 1.0;  ///< Farther away pulls no more [m]. [ours]
+  double max_distance = 1.0;  ///< Farther away pulls no more [m]. [estimate]
   double max_accel = 1.8;     ///< [m/s²] [ours: 10°]
   double max_braking = 3.5;   ///< [m/s²] [ours: 1.7 m/s stop in 0.9 m, roll's lag included]
-  double brake_from = 1.5;    ///< Above this speed it brakes before it steers [m/s]. [ours]
-  double climb_until = 0.25;  ///< Nearer to the floor the drone only goes up [m]. [ours]
+  double brake_from = 1.5;    ///< Above this speed it brakes before it steers [m/s]. [estimate]
+  double climb_until = 0.25;  ///< Nearer to the floor the drone only goes up [m]. [estimate]
 };
 
 /// The paper's outer loop. Its other numbers are LateralParams and AltitudeParams.

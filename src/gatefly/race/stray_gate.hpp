@@ -25,7 +25,7 @@ struct StrayParams {
   double turned = 0.9;      ///< And their directions [rad].
   double in_view = 0.7;     ///< The target should show this near to the camera's axis [rad].
   double within = 9.0;      ///< And at most so far away [m].
-  double decided_after = 1.5;  ///< What is not the target by then never is [s].
+  double decided_after = 1.5;  ///< Time by which it is the target, or never [s].
   /// A drone blames itself for what is off by less than so many sigmas of its own place. [estimate]
   double own_sigmas = 2.2;
   double heading_sigma = 0.1;  ///< Nor is one to judge that knows its heading no better [rad].

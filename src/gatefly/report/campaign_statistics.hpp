@@ -12,7 +12,7 @@
 
 namespace gatefly::io {
 
-/// What a campaign keeps of one race's summary.json.
+/// Fields of one race's summary.json that a campaign keeps.
 struct RunRow {
   std::uint64_t seed = 0;
   bool finished = false;
@@ -22,11 +22,11 @@ struct RunRow {
   double mean_speed = 0.0, max_speed = 0.0;
   /// "finished", "crash: gate 1 left bar", "abort: ...", "timeout".
   std::string cause;
-  std::vector<double> rmse;  ///< Of the estimate, x y z; NaN without a gate passed [m].
-  /// What most of the miss was: "estimate", "guidance", "map", "detection", "in the way", ...; "" when
-  /// it finished, or an older summary does not say.
+  std::vector<double> rmse;  ///< Estimate's, x y z; NaN without a gate passed [m].
+  /// Largest cause of the miss: "estimate", "guidance", "map", "detection", "in the way", ...; ""
+  /// when it finished, or an older summary does not say.
   std::string why;
-  std::vector<double> shares;  ///< Of the miss: those four [cm]; empty when nobody says.
+  std::vector<double> shares;  ///< Parts of the miss: those four [cm]; empty when unknown.
   double since_fix = 0.0;      ///< NaN without [s].
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
   std::string commit, configuration;     ///< "" when an older summary does not say.

@@ -34,7 +34,7 @@ class FlightMap {
   void draw_estimate(Canvas& canvas, const Moment& from, const Moment& to) const;
   /// The gate that the pilot flies to.
   void draw_target(Canvas& canvas, int gate) const;
-  /// What the camera may see: from bearing to bearing, on the floor plan.
+  /// Draws the camera's view: from bearing to bearing, on the floor plan.
   void draw_view(Canvas& canvas, const Eigen::Vector2d& p_E, const Eigen::Vector2d& left_E,
                  const Eigen::Vector2d& right_E) const;
   void draw_drone(Canvas& canvas, const Moment& now, double yaw) const;

@@ -45,7 +45,7 @@ class FlightMcap {
   closed_loop::RaceConfig race_;
   McapWriter::Channel transforms_, fixed_transforms_, true_pose_, estimated_pose_, scene_, truth_,
       estimate_, control_, imu_, detections_, image_ = 0, annotations_ = 0;
-  std::string text_;  ///< Of the message being written.
+  std::string text_;  ///< Text of the message in work.
   std::size_t ticks_ = 0, looks_ = 0;
   double next_state_ = 0.0;  ///< [s]
 };

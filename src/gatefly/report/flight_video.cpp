@@ -37,7 +37,7 @@ Box right_of(const Box& left) {
   return {.x = x, .y = left.y, .width = kWidth - kMargin - x, .height = left.height};
 }
 
-/// Where the map goes in its panel: room around it, the legend below.
+/// The map's place in its panel: room around it, the legend below.
 Box inside(const Box& panel) {
   return {.x = panel.x + 20,
           .y = panel.y + 16,

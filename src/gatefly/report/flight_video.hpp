@@ -52,10 +52,10 @@ class FlightVideo {
   Box left_, map_box_;
   FlightMap map_;
   VideoFile file_;
-  /// What stays; the frame being drawn; the last picture with detections.
+  /// The fixed background; the frame being drawn; the last picture with detections.
   Canvas backdrop_, frame_, view_;
   std::vector<Moment> moments_;                  ///< One a frame.
-  Moment last_;                                  ///< Of the latest tick, between two frames.
+  Moment last_;                                  ///< The latest tick, between two frames.
   std::vector<double> passes_;                   ///< When the pilot counted a gate [s].
   std::optional<Eigen::Vector2d> picture_size_;  ///< Upright [px]; nullopt before the first one.
   Sighting::Source source_ = Sighting::Source::kNone;

@@ -54,7 +54,7 @@ Json color() {
   return object("foxglove.Color",
                 {{"r", number()}, {"g", number()}, {"b", number()}, {"a", number()}});
 }
-/// Of what we never send.
+/// Schema of fields that we never send.
 Json always_empty() { return array_of(Json{{"type", "object"}}); }
 
 /// x, y, z or roll, pitch, yaw as an object, so that a plot can name one of them.

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-// What the messages of flight.mcap look like, as JSON schemas: Foxglove's well-known ones by their
+// JSON schemas of the messages of flight.mcap: Foxglove's well-known ones by their
 // names, without their descriptions, and ours.
 namespace gatefly::io::schema {
 

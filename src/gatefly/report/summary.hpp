@@ -10,12 +10,12 @@
 
 namespace gatefly::io {
 
-/// What a race was flown with.
+/// Inputs of a race.
 struct RaceIdentity {
   std::string track;  ///< The track's name.
   std::uint64_t seed = 1;
   std::string vision = "rendered";  ///< Or "ideal".
-  std::string version;              ///< Of gatefly.
+  std::string version;              ///< gatefly's version.
   std::string commit;               ///< It was built from: built_from().
   /// Fingerprint of configuration, track and kind of vision: races that have the same differ in
   /// their seed only.

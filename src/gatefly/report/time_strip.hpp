@@ -11,7 +11,7 @@
 
 namespace gatefly::io {
 
-/// What to draw over time: the truth and what the pilot believed.
+/// Curves over time: the truth and the pilot's belief.
 struct StripCurve {
   std::string name, unit;
   std::function<double(const Moment&)> truth, estimate;

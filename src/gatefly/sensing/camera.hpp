@@ -67,7 +67,7 @@ struct BrownConrady {
   Eigen::Vector2d focal_px{168.0, 168.0};
   Eigen::Vector2d center_px{157.0, 124.0};
   [[nodiscard]] Coefficients distortion() const;
-  [[nodiscard]] double limit() const { return radial_.limit(); }  ///< Of r.
+  [[nodiscard]] double limit() const { return radial_.limit(); }  ///< Largest r.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> bearing(const Eigen::Vector2d& px) const;
 

@@ -58,7 +58,7 @@ class Line {
     return true;
   }
 
-  /// What is sent goes out; what the client still says is taken, or it would not hear us.
+  /// Sends what is left and takes what the client still says, or it would not hear us.
   void hang_up() {
     ::shutdown(socket_, SHUT_WR);
     until(Clock::now() + kToLeave);

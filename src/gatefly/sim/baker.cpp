@@ -17,7 +17,7 @@ static_assert(kBounceRays == 8 * 4, "stratified so");
 static_assert(kBounceRays % kPacket == 0 && sizeof(RayScene::Valid) == kPacket * sizeof(int));
 constexpr float kTiny = 1e-3f;  // keeps a ray off its own surface, share of its length or [m]
 
-/// What a light sends into the room: showcases look cyan through glass, but their tubes are white.
+/// Light sent into the room: showcases look cyan through glass, but their tubes are white.
 Color light_of(const Material& m) {
   const float mean = (m.emission[0] + m.emission[1] + m.emission[2]) / 3.0f;
   Color light;

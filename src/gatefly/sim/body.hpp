@@ -29,7 +29,7 @@ class Body {
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] double battery_v() const { return forces_.voltage(); }  ///< Under load [V].
 
-  /// What the body touches now ("gate 3", "floor", "obstacle 7", "wall"), if anything.
+  /// Object that the body touches now ("gate 3", "floor", "obstacle 7", "wall"), if any.
   [[nodiscard]] std::optional<std::string> contact() const;
 
  private:

@@ -16,7 +16,7 @@ struct BodyState {
   Eigen::Vector3d v_E = Eigen::Vector3d::Zero();
   Eigen::Vector4d q_EB{1, 0, 0, 0};  ///< w, x, y, z
   Eigen::Vector3d rate_B = Eigen::Vector3d::Zero();
-  Eigen::Vector3d specific_force_B{0, 0, -kGravity};  ///< What an ideal accelerometer reads [m/s²].
+  Eigen::Vector3d specific_force_B{0, 0, -kGravity};  ///< An ideal accelerometer [m/s²].
   std::array<double, 4> rotor_speed{};                ///< [rad/s]
   Eigen::Vector3d wind_E{0, 0, 0};                    ///< The air around it [m/s].
 };

@@ -76,7 +76,7 @@ struct CameraRenderer::Impl {
     without_gate = std::make_unique<TileCaster>(
         std::vector<const std::vector<Rectangle>*>{&scene.fixed, &moved});
   }
-  /// What there is to be seen from there.
+  /// Rectangles to be seen from there.
   [[nodiscard]] const TileCaster& seen_from(const Eigen::Vector3d& p_E) const {
     const bool hidden = without_gate && (hidden_gate.p_EG - p_E).norm() > hidden_gate.hidden_beyond;
     return hidden ? *without_gate : visible;
@@ -94,17 +94,17 @@ struct CameraRenderer::Impl {
 
   CameraTruth camera;
   Scene scene;
-  std::vector<Rectangle> standing;  ///< Of scene.moved, without those who walk.
+  std::vector<Rectangle> standing;  ///< Part of scene.moved that does not walk.
   TileCaster visible;
   During lamps_out;
   WorldGate hidden_gate;
   std::unique_ptr<TileCaster> without_gate;
-  float brightness = 1.0f;  ///< Of all lamps, in this frame.
+  float brightness = 1.0f;  ///< Brightness of all lamps.
   RayScene solid;
   double bake_seconds = 0.0;
   Shader shader;
   Sensor sensor;
-  LensRays pixels;                   ///< What a frame casts.
+  LensRays pixels;                   ///< Rays of a frame.
   LensRays centres;                  ///< One ray through each pixel: for masks.
   LensRays spread_out;               ///< A few of them meter a first frame.
   double exposed = camera.exposure;  ///< How long the last frame was [s].

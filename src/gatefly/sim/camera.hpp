@@ -15,7 +15,7 @@
 
 namespace gatefly::sim {
 
-/// Where the body was at one moment.
+/// Pose of the body at one moment.
 struct BodyPose {
   double t = 0.0;  ///< [s]
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();

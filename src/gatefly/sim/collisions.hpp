@@ -19,7 +19,7 @@ namespace gatefly::sim {
 /// [m].
 [[nodiscard]] std::vector<Eigen::Vector3d> outline_of(const VehicleTruth& vehicle);
 
-/// What the vehicle's box touches, as MuJoCo has it: boxes and poles by separating axes. Not the
+/// Contacts of the vehicle's box, as MuJoCo has them: boxes and poles by separating axes. Not the
 /// floor.
 ///
 /// At 1 kHz nothing is flown through between two steps: that would take 50 m/s at a gate's bar.

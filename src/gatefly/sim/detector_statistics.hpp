@@ -10,7 +10,7 @@
 
 namespace gatefly::sim {
 
-/// What a day's light, and what does not change from picture to picture, have to say in whether
+/// Shares of a day's light, and of what does not change from picture to picture, in whether
 /// something is found: parts of the variance of a standard normal number. The rest is each
 /// picture's own.
 struct Staying {
@@ -19,14 +19,14 @@ struct Staying {
   double time = 0.1;  ///< Its correlation falls to 1/e in that time [s].
 };
 
-/// Of a quantity: its least value, ten, twenty ... per cent of its values, its greatest.
+/// Quantiles of a quantity: its least value, ten, twenty ... per cent, its greatest.
 using Quantiles = std::array<double, 11>;
 
 /// Whole gates smaller than `below_px` in the picture, by the square root of their area.
 struct SizeBin {
   double below_px = 0.0;
   double rate = 0.0;    ///< Part of them that is found.
-  Quantiles fitness{};  ///< Of those.
+  Quantiles fitness{};  ///< Fitness of those.
 };
 
 /// Things of a kind that are taken for gates now and then.
@@ -36,11 +36,11 @@ struct Finds {
   Quantiles fitness{};
 };
 
-/// Where corners are against where they should be. Standard deviations [px].
+/// Errors of corners against their true places. Standard deviations [px].
 struct CornerErrors {
-  double together = 0.0;  ///< Of all four, each axis.
-  double size = 0.0;      ///< Of the frame's half side.
-  double own = 0.0;       ///< Of each corner, each axis.
+  double together = 0.0;  ///< Shift of all four, each axis.
+  double size = 0.0;      ///< Scale of the frame's half side.
+  double own = 0.0;       ///< Rest of each corner, each axis.
   /// Part of the variance of the first two that stays for about `time`.
   double stays = 0.0, time = 0.1;
   double outlier_rate = 0.0;                     ///< Part of the corners that are off by more ...
@@ -60,7 +60,7 @@ struct Parts {
 struct CutBin {
   double below_px = 0.0;
   double rate = 0.0;      ///< Part of them of which all corners in view are found.
-  double sigma_px = 0.0;  ///< Of each corner, each axis.
+  double sigma_px = 0.0;  ///< Error of each corner, each axis.
 };
 using CutBins = std::array<CutBin, 3>;  ///< Ascending.
 
@@ -72,7 +72,7 @@ struct Cuts {
   Staying false_staying;
 };
 
-/// What a detector does, in numbers: all that ideal vision knows about it.
+/// A detector in numbers: all that ideal vision knows about it.
 struct DetectorStatistics {
   std::array<SizeBin, 5> gates;   ///< The largest whole one of a picture, by its size, ascending.
   std::array<SizeBin, 5> others;  ///< Smaller whole ones beside it.
@@ -85,7 +85,7 @@ struct DetectorStatistics {
   Finds two_gates;                               ///< Frames made of the bars of two gates.
   Finds decoys;                                  ///< Things of the gate's colour.
   Finds places;                                  ///< Spots of the room.
-  Quantiles alarm_side_px{};                     ///< Of false alarms at decoys and places.
+  Quantiles alarm_side_px{};                     ///< Sizes of false alarms at decoys and places.
   Cuts cuts{};                                   ///< Instead of `lower` where gates are wide.
   Parts lower;  ///< The lower corners of gates cut off above, within reach.
   Parts bars;   ///< Side bars, within reach; the error is that across.
@@ -96,8 +96,8 @@ struct DetectorStatistics {
 
 /// The gates that a table was measured with.
 enum class GateBuild {
-  kThin,  ///< Of 1 m, bars of 5 cm, by the Bebop's camera.
-  kWide,  ///< Of 2.7 m, boards of 0.6 m, by a camera of 640 px tilted up: cameras/grandprix.toml.
+  kThin,  ///< Gates of 1 m, bars of 5 cm, by the Bebop's camera.
+  kWide,  ///< 2.7 m, boards of 0.6 m, by a camera of 640 px tilted up: cameras/grandprix.toml.
 };
 /// The table that fits these gates best, by the width of their bars.
 [[nodiscard]] GateBuild build_of(std::span<const WorldGate> gates);

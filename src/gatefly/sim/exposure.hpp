@@ -23,13 +23,13 @@ class Exposure {
   [[nodiscard]] int height() const { return camera_.height(); }
   /// On the lens' axis.
   [[nodiscard]] double px_per_radian() const { return px_per_radian_; }
-  /// Where the camera is; after project() at the time of what was projected.
+  /// Place of the camera; after project() at the time of what was projected.
   [[nodiscard]] const Eigen::Vector3d& eye_E() const { return eye_E_; }
 
   [[nodiscard]] bool inside(const Eigen::Vector2d& px) const {
     return px.x() >= 0 && px.y() >= 0 && px.x() <= width() - 1 && px.y() <= height() - 1;
   }
-  /// Where a point is drawn, by the pose at the time its stored line is exposed; nullopt behind.
+  /// Pixel of a point, by the pose at the time its stored line is exposed; nullopt behind.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_E);
   /// Unit vector to what a pixel shows, earth frame, by the pose in the middle of the exposure;
   /// nullopt outside the lens's field of view.

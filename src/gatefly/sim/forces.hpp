@@ -11,7 +11,7 @@
 
 namespace gatefly::sim {
 
-/// What moves the body but gravity and contacts: rotors with a lag, a battery that sags, the floor
+/// Forces on the body but gravity and contacts: rotors with a lag, a battery that sags, the floor
 /// below them, drag and moving air.
 ///
 /// One model for MuJoCo's body and its twin. Values and sources: docs/simulation.md.
@@ -31,7 +31,7 @@ class Forces {
   /// Thrust and drag on a body that flies so [N].
   [[nodiscard]] Eigen::Vector3d force_B(const Eigen::Matrix3d& R_EB,
                                         const Eigen::Vector3d& v_E) const;
-  [[nodiscard]] double voltage() const { return voltage_; }  ///< Of the battery [V].
+  [[nodiscard]] double voltage() const { return voltage_; }  ///< The battery's [V].
 
  private:
   /// Voltage under the present load; takes its charge.

@@ -19,7 +19,7 @@
 
 namespace gatefly::sim {
 
-/// What an ideal detector gives for one picture.
+/// An ideal detector's answer for one picture.
 struct SeenPicture {
   struct Gate {
     std::array<Eigen::Vector2d, 4> corners_px;
@@ -70,7 +70,7 @@ class IdealVision {
   [[nodiscard]] Corners crooked(const GateView& view, double t);
   [[nodiscard]] Corners square_at(const Eigen::Vector2d& middle_px, double size, int which,
                                   Draws draw);
-  /// Of one purpose for one thing, now.
+  /// Random numbers for one purpose and one thing, now.
   [[nodiscard]] Draws draws(const char* purpose, int which, double t) const;
   void add_wrong_frame(const GateView& view, double missed, double t, SeenPicture& seen);
   void add_gates(const std::vector<GateView>& views, double t, SeenPicture& seen);

@@ -20,7 +20,7 @@ double hashed(std::uint32_t a, std::uint32_t b) {
   return (x ^ (x >> 16)) * 0x1p-32;
 }
 
-/// Where in its pixel a sample lies: the centre, or in a jittered 2 x 2 grid.
+/// Place of a sample in its pixel: the centre, or in a jittered 2 x 2 grid.
 Eigen::Vector2d offset(const RayGrid& grid, std::uint32_t pixel, int sample) {
   if (grid.samples == 1) return {0, 0};
   const auto place = [&](int cell, int key) {

@@ -10,7 +10,7 @@
 
 namespace gatefly::sim {
 
-/// Where rays start from and how the body stands, single precision.
+/// Origin of the rays and the body's attitude, single precision.
 struct Eye {
   Eigen::Vector3f p_EC;
   Eigen::Matrix3f R_EB;

@@ -160,7 +160,7 @@ std::vector<NodeLight> baked(const Scene& scene, const RayScene& rays, int threa
   return sum;
 }
 
-/// What stands before the nodes in a cache file.
+/// Header before the nodes in a cache file.
 struct CacheHeader {
   std::uint64_t version, scene, count, checksum;
 };

@@ -13,7 +13,7 @@
 #include "gatefly/sim/sight.hpp"
 #include "gatefly/world/world.hpp"
 
-// What a detector may take for a gate that is none: where false alarms come from.
+// Things that a detector may take for a gate: the source of false alarms.
 
 namespace gatefly::sim {
 

@@ -10,7 +10,7 @@
 
 namespace gatefly::sim {
 
-/// Where somebody is at time t [s]; they walk to one end, then back, without a pause.
+/// A person's place at time t [s]; they walk to one end, then back, without a pause.
 [[nodiscard]] Eigen::Vector2d place_of(const Person& person, double t);
 
 /// Which person a drone touches at time t, counted from 0.

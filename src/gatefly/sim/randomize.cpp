@@ -206,7 +206,7 @@ void break_it(SimConfig& real) {
   real.sensors.sonar_loss += faults.sonar_drop;
 }
 
-/// What `camera_k` is to each model: Dhane's k is off by it; of the polynomials the first
+/// Effect of `camera_k` on each model: Dhane's k is off by it; of the polynomials the first
 /// coefficient, by that part of itself: a fixed amount would fold a strong barrel back inside the
 /// picture.
 struct LensOff {

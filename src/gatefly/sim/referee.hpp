@@ -16,7 +16,7 @@ namespace gatefly::sim {
 struct GatePass {
   int gate = 0;                  ///< Index into the world's gates.
   double time = 0.0;             ///< When the centre of mass crossed the plane [s].
-  Eigen::Vector2d offset{0, 0};  ///< Of the centre of mass there: right, down [m].
+  Eigen::Vector2d offset{0, 0};  ///< The centre of mass there: right, down [m].
 };
 
 /// Counts gates: one is passed when every point of body and propeller discs has crossed its plane
@@ -43,7 +43,7 @@ class Referee {
   World world_;
   int total_, passed_ = 0;
   std::vector<Point> points_;
-  /// Of each point, then of the centre; empty before the first state.
+  /// Places of each point, then of the centre; empty before the first state.
   std::vector<Eigen::Vector3d> last_G_;
   std::optional<GatePass> centre_;  ///< The centre's forward crossing.
   double last_time_ = 0.0;

@@ -64,7 +64,7 @@ int painted(SceneBuilder& builder, const WorldGate& gate, const GatePaint& paint
   return builder.matt(fresh, Pattern::kGrain, worn, kCells);
 }
 
-/// What a gate is made of.
+/// Materials of a gate.
 struct GateMaterials {
   int bars = 0, pole = 0, foot = 0;
 };

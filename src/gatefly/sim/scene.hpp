@@ -26,7 +26,7 @@ enum class Pattern : std::uint8_t {
   kBlocks,  ///< Hard random blocks: posters, books, things seen from afar.
 };
 
-/// What a surface looks like.
+/// Looks of a surface.
 struct Material {
   Color albedo{0.5f, 0.5f, 0.5f};
   Color second{0.5f, 0.5f, 0.5f};  ///< The pattern's other albedo.
@@ -40,14 +40,14 @@ struct Material {
 struct Rectangle {
   Eigen::Vector3f corner, edge_u, edge_v;  ///< Earth frame [m].
   Eigen::Vector3f normal;                  ///< Unit.
-  Eigen::Vector2f length;                  ///< Of both edges [m].
+  Eigen::Vector2f length;                  ///< Length of both edges [m].
   int material = 0;
   int first_node = 0;  ///< Its slot in the light map: (cells_u + 1)(cells_v + 1) nodes, u fastest.
   int cells_u = 1, cells_v = 1;
   bool flat = false;    ///< So small that one value of light does for all nodes.
-  int gate = -1;        ///< Of World::gates that it belongs to; -1: of none.
-  bool bar = false;     ///< Of a gate's coloured frame.
-  bool closed = false;  ///< Of a box or pole: from outside, its back is hidden by the others.
+  int gate = -1;        ///< Index in World::gates; -1: none.
+  bool bar = false;     ///< Part of a gate's frame.
+  bool closed = false;  ///< Side of a box or pole: from outside the others hide its back.
 
   [[nodiscard]] int nodes() const { return (cells_u + 1) * (cells_v + 1); }
 };
@@ -61,7 +61,7 @@ struct Walker {
 /// A world as the camera sees it.
 struct Scene {
   std::vector<Material> materials;
-  std::vector<Rectangle> fixed;  ///< What no seed moves; its light is baked.
+  std::vector<Rectangle> fixed;  ///< Same for all seeds; its light is baked.
   std::vector<Rectangle> moved;  ///< Gates, decoys, people; nodes counted from 0 again.
   std::vector<Rectangle>
       solid;  ///< Room, whole obstacles, gates, decoys: what stops a body or a sonar.
@@ -106,7 +106,7 @@ class SceneBuilder {
   /// Index of a new light.
   int light(const Color& emission, int group);
 
-  /// Where the following rectangles go.
+  /// Layer of the following rectangles.
   void layer(Layer layer) { layer_ = layer; }
   /// Which gate the following rectangles belong to; -1: none.
   void gate(int gate) { gate_ = gate; }

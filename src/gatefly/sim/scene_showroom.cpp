@@ -58,7 +58,7 @@ void add_exhibits(SceneBuilder& b, Palette& p, const FloorFrame& frame, const Ei
   }
 }
 
-/// What the glass throws back of lamps and bright things: streaks, as matt white strips, so that
+/// Reflections of lamps and bright things in the glass: streaks, as matt white strips, so that
 /// they are as bright as the light that falls on the glass.
 void add_reflections(SceneBuilder& b, Palette& p, const FloorFrame& frame, double a0, double a1,
                      double depth, double top) {
@@ -180,7 +180,7 @@ void dress_obstacle(SceneBuilder& b, Palette& p, const WorldBox& box, double cei
   add_table(b, p, box);
 }
 
-/// What lies flat on the floor: mats, cables' covers, tape, the warm shine of lamps in the varnish.
+/// Things flat on the floor: mats, cables' covers, tape, the warm shine of lamps in the varnish.
 void dress_floor(SceneBuilder& b, Palette& p, const World& world) {
   const FloorFrame room{.origin = world.room_center};
   const double x = 0.5 * world.room_size.x() - 1.0, y = 0.5 * world.room_size.y() - 1.0;

@@ -11,7 +11,7 @@
 
 namespace gatefly::sim {
 
-/// What happens behind the lens: softness, glare, exposure, noise, clipping, colour, gamma, UYVY.
+/// Effects behind the lens: softness, glare, exposure, noise, clipping, colour, gamma, UYVY.
 ///
 /// The constants are fitted by eye and by histogram to the real pictures of the Bebop: blacks at
 /// about 70, whites at 235, a cyan cast, red fringes, glare around lamps.

@@ -9,7 +9,7 @@
 
 namespace gatefly::sim {
 
-/// What breaks between a sensor and the pilot. Without faults everything comes through as it is.
+/// Faults between a sensor and the pilot. Without faults everything comes through as it is.
 class SensorFaults {
  public:
   explicit SensorFaults(const Faults& faults) : faults_{faults} {}

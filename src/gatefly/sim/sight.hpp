@@ -5,7 +5,7 @@
 
 namespace gatefly::sim {
 
-/// What lies between two points of a world.
+/// Obstacles between two points of a world.
 class Sight {
  public:
   virtual ~Sight() = default;

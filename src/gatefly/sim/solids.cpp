@@ -58,7 +58,7 @@ void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGa
                  {gate.p_EG.head<2>(), {kGatePole, kGatePole}, 0.0, pole.bottom, pole.top, true}));
 }
 
-/// Where along a ray a box or pole around the origin is entered; infinity when it is not. 0 from
+/// Entry of a ray into a box or pole around the origin; infinity when it misses. 0 from
 /// inside.
 double entry(const Eigen::Vector3d& from, const Eigen::Vector3d& along, const Eigen::Vector3d& half,
              bool pole) {

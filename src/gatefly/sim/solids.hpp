@@ -36,7 +36,7 @@ class SolidSight final : public Sight {
  private:
   struct Shape {
     Eigen::Vector3d center_E, half;
-    double cos, sin;  ///< Of the heading.
+    double cos, sin;  ///< Heading of it.
     bool pole;
   };
   std::vector<Shape> shapes_;

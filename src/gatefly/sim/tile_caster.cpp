@@ -65,10 +65,10 @@ inline __attribute__((always_inline)) void store(float* to, Float8 x) {
 /// Four planes and an axis about the rays of a tile.
 struct TileCaster::Bounds {
   Float4 x{}, y{}, z{};          ///< Normals, inwards.
-  Float4 least{-1, -1, -1, -1};  ///< What a point's product with each is at least.
+  Float4 least{-1, -1, -1, -1};  ///< Least product of a point with each.
   Eigen::Vector3f axis = Eigen::Vector3f::Zero();
   float start = 0.0f;  ///< The most that an origin lies along the axis.
-  Eigen::Vector3f middle = Eigen::Vector3f::Zero();  ///< Of the origins.
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();  ///< Mean of the origins.
   float spread = 0.0f;                               ///< How far they are from it, at most.
 
   explicit Bounds(const RayTile& tile);
@@ -195,7 +195,7 @@ void TileCaster::clear(RayTile& tile) {
 }
 
 bool TileCaster::meet(const Face& face, RayTile& tile) {
-  // What depends on the origins only.
+  // Terms of the origins only.
   alignas(32) float to_plane[RayTile::kMostGroups], from_a[RayTile::kMostGroups],
       from_b[RayTile::kMostGroups];
   for (int g = 0; g < tile.groups; g += kLanes) {

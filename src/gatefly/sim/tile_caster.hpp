@@ -18,7 +18,7 @@ struct alignas(64) RayTile {
   float dx[kMost], dy[kMost], dz[kMost];
 
   float t[kMost];  ///< Distance of the nearest hit so far [m]; what is farther is not looked at.
-  float u[kMost], v[kMost];  ///< Where on the rectangle, along its edges.
+  float u[kMost], v[kMost];  ///< Place on the rectangle, along edges.
   int hit[kMost];            ///< The rectangle; -1: none, or one that is seen from behind (black).
 
   int groups = 0;  ///< In use, from the first on.

@@ -11,8 +11,8 @@
 
 namespace gatefly::sim {
 
-/// What a pilot can read of one detection without knowing where it is: fitness, side [px], aspect,
-/// middle across, middle down [px], rank in the list.
+/// Fields of one detection that a pilot can read without knowing where it is: fitness, side [px],
+/// aspect, middle across, middle down [px], rank in the list.
 inline constexpr std::array<const char*, 6> kFields{"fitness", "side", "aspect",
                                                     "across",  "down", "rank"};
 using Fields = std::array<double, kFields.size()>;

@@ -28,10 +28,10 @@ class TwinBody {
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] double battery_v() const { return forces_.voltage(); }  ///< Under load [V].
 
-  /// What the body touches now ("gate 3 left bar", "floor", "obstacle 7"), if anything.
+  /// Object that the body touches now ("gate 3 left bar", "floor", "obstacle 7"), if any.
   [[nodiscard]] std::optional<std::string> contact() const;
 
-  /// What lies between two points of its world.
+  /// Obstacles between two points of its world.
   [[nodiscard]] const Sight& sight() const { return sight_; }
 
  private:

@@ -20,7 +20,7 @@ namespace {
 
 /// A moment to take a picture at, and the motion about it.
 struct Moment {
-  double start = 0.0;  ///< Of the exposure [s].
+  double start = 0.0;  ///< Begin of the exposure [s].
   std::vector<sim::BodyPose> history;
   bool around = false;
 };

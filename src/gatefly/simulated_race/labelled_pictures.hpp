@@ -15,7 +15,7 @@ namespace gatefly::tasks {
 /// Which pictures of a course.
 struct PictureOrder {
   std::size_t pictures = 100;
-  std::size_t per_day = 40;  ///< Of one seed's world and light.
+  std::size_t per_day = 40;  ///< Pictures per world and light.
   std::uint64_t first_seed = 1;
   double around = 0.3;  ///< Part of them from anywhere in the room instead of the racing line.
   /// 1 σ by which pictures of a race are turned away from its attitudes, roll; yaw 0.8, pitch 0.5
@@ -26,7 +26,7 @@ struct PictureOrder {
   bool without_gates = false;  ///< The same places and looks, but nobody set up a gate.
 };
 
-/// What a camera saw at one moment, and what was to be seen.
+/// A camera's picture of one moment, and the truth in it.
 struct Picture {
   std::size_t number = 0;
   std::uint64_t seed = 0;              ///< The day.

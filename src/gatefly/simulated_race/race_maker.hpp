@@ -15,7 +15,7 @@
 
 namespace gatefly::tasks {
 
-/// What one is told about a race, but its seed.
+/// Arguments of a race, but its seed.
 struct RaceArguments {
   ConfigArguments config;
   std::string track = "showroom";   ///< A name in tracks/ or a file.
@@ -36,14 +36,14 @@ class RaceMaker {
   /// @throws std::runtime_error one line: unreadable, not allowed, or a course that cannot be
   ///     flown.
   explicit RaceMaker(const RaceArguments& given);
-  /// Of the track and configuration that lie in a flight's folder.
+  /// Maker from the track and configuration in a flight's folder.
   [[nodiscard]] static RaceMaker of_flight(const std::filesystem::path& directory);
 
   [[nodiscard]] Race race(std::uint64_t seed) const;
 
-  /// What replay will need, by file name: tasks/flight_inputs.hpp.
+  /// Files that replay will need, by name: tasks/flight_inputs.hpp.
   [[nodiscard]] const std::map<std::string, std::string>& inputs() const { return inputs_; }
-  /// What the configuration has to say to its user.
+  /// Remarks of the configuration to its user.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:

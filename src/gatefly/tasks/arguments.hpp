@@ -8,7 +8,7 @@
 
 namespace gatefly::tasks {
 
-/// What every task is told of its configuration.
+/// Configuration arguments of every task.
 struct ConfigArguments {
   std::vector<std::string> configs;   ///< Files or names in configs/, the later wins.
   std::vector<std::string> settings;  ///< "section.key=value", after all files.

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a lens that somebody named; the default camera's is nobody's.
+/// Key of a lens that somebody named; the default camera's is nobody's.
 std::string key_of_lens(const io::Config& config) {
   for (const char* key :
        {"camera.model", "camera.focal_px", "camera.center_px", "camera.distortion"})

@@ -9,13 +9,13 @@
 
 namespace gatefly::tasks {
 
-/// Who set a key: "default", "--set", or "config NAME".
+/// Source of a key: "default", "--set", or "config NAME".
 [[nodiscard]] std::string who_set(const io::Config& config, const std::string& key);
 
-/// What a detector takes for given of pictures, beside how they are turned.
+/// A detector's assumptions on pictures, beside how they are turned.
 struct Assumptions {
   std::string lens;     ///< Its model and size; "" where nobody named one.
-  std::string lens_by;  ///< Who did; "" where nobody.
+  std::string lens_by;  ///< Its author; "" where nobody.
   std::string sides;    ///< How a straight bar is thought to look: "straight".
   std::string color;    ///< "as described by rgb 1, 0.4, 0", "as tuned in mine.colors.toml".
   std::string color_by;

@@ -20,12 +20,12 @@ struct LegReport {
   double length = 0.0;    ///< [m]
   double time = 0.0;      ///< At the planned speeds [s].
   double slowest = 0.0;   ///< [m/s]
-  double radius = 0.0;    ///< Of the tightest turn [m]; infinite without one.
+  double radius = 0.0;    ///< The tightest turn's [m]; infinite without one.
   double run_in = 0.0;    ///< Straight before the gate [m].
   Clearance clearance;
 };
 
-/// What can be said of a course before it is flown.
+/// Report on a course before it is flown.
 struct CourseReport {
   std::filesystem::path path;
   io::TrackFile file;
@@ -36,7 +36,7 @@ struct CourseReport {
   std::optional<double> lap_length,
       lap_time;                               ///< From a gate to itself; none in a race of one lap.
   double race_length = 0.0, race_time = 0.0;  ///< From the start to the last gate [m], [s].
-  std::vector<std::string> notes;             ///< What the configuration has to say.
+  std::vector<std::string> notes;             ///< Remarks of the configuration.
 
   [[nodiscard]] const LegReport& tightest() const;
   [[nodiscard]] const LegReport& shortest_run_in() const;

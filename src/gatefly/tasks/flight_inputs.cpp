@@ -56,7 +56,8 @@ Settings read_settings(const fs::path& directory) {
   return settings;
 }
 
-/// What fly says of its flight; nothing where the file is not there or damaged: only checked against.
+/// fly's report on its flight; nothing where the file is not there or damaged: only checked
+/// against.
 class FlightSummary {
  public:
   explicit FlightSummary(const fs::path& directory) {

@@ -12,7 +12,7 @@
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/tasks/arguments.hpp"
 
-// What a flight was flown with lies in its folder: `fly` puts it there, `replay` takes it from there.
+// A flight's inputs lie in its folder: `fly` puts them there, `replay` takes them from there.
 namespace gatefly::tasks {
 
 /// Files of the folder by name: track and configurations as given, a fitted colour table, settings.
@@ -41,7 +41,7 @@ void expect_whole(const std::filesystem::path& directory, const io::FlightFolder
 /// Its gates as they stood, by summary.json; empty where that does not say.
 [[nodiscard]] std::vector<MapGate> true_gates_of_flight(const std::filesystem::path& directory);
 
-/// Of the gatefly that flew it; "" where its summary does not say.
+/// Version of gatefly that flew it; "" where its summary does not say.
 [[nodiscard]] std::string version_of_flight(const std::filesystem::path& directory);
 
 /// "control.speed_mps is 1.2, was 1.5 in flight" for the first key that summary.json has otherwise;

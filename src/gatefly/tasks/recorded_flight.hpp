@@ -14,12 +14,12 @@
 
 namespace gatefly::tasks {
 
-/// What one is told about a flight that is to be flown again.
+/// Arguments for flying a recorded flight again.
 struct ReplayArguments {
   ConfigArguments config;
   std::string directory;  ///< log_si.csv, images.csv, pictures.
   std::string track;      ///< Instead of the folder's own: a name or a file; "": none.
-  std::string data;       ///< Where a directory is looked for that is not here; "": default.
+  std::string data;       ///< Root for directories that are not here; "": default.
   /// "drag", "eskf", "imu15": whose estimates; "": those of the filter that the flight is configured with.
   std::string estimator;
   /// Real logs: the map's heading minus the log's own, where somebody knows it [deg].
@@ -38,15 +38,15 @@ struct RecordedFlight {
   /// As they stand, in the map's order: of a simulated flight what its summary says, of a real one the
   /// map, which nobody knows better. Empty: an older flight, which does not say.
   std::vector<MapGate> true_gates;
-  flight_log::Pictures pictures = flight_log::Pictures::kNone;  ///< Where they are.
+  flight_log::Pictures pictures = flight_log::Pictures::kNone;  ///< Place of the pictures.
   bool simulated = false;  ///< Flown by `gatefly fly`: carries its own track and configuration.
-  std::vector<std::string> notes;  ///< What the configuration has to say to its user.
+  std::vector<std::string> notes;  ///< Remarks of the configuration to its user.
 };
 
 /// The names of estimators that may be asked for.
 [[nodiscard]] const std::vector<std::string>& estimator_names();
 
-/// Whose estimates a replay gives: what was asked for, else what the configuration flies.
+/// Estimator of a replay: the one asked for, else the one that the configuration flies.
 [[nodiscard]] std::string estimator_of(const ReplayArguments& arguments, const PilotConfig& pilot);
 
 /// @throws std::runtime_error one line: unreadable, damaged, not whole.

@@ -23,7 +23,7 @@ struct Comparison {
   bool told = false;                       ///< To be another pilot: by --config, --set, --track.
 };
 
-/// What is to be said about a flight that was flown again.
+/// Report on a flight that was flown again.
 struct ReplayReport {
   int fixes = 0;  ///< Pictures that corrected the filter.
   /// Against labels.csv of the folder, in flight only: where the log's truth is off the ground.
@@ -34,18 +34,18 @@ struct ReplayReport {
   /// As `gatefly fly` counts: pictures that show the recorded pilot's next gate whole, and of them
   /// those in which it was found now. Where images.csv says where it is: in our own flights.
   std::optional<Rate> next_gate;
-  std::optional<Comparison> comparison;  ///< Where the log has the recorded pilot's estimates.
+  std::optional<Comparison> comparison;  ///< If the log has the recorded pilot's estimates.
   std::string why_no_fix;                ///< Many gates and no fix: why; "" where all is well.
   /// The filter knows no position, and has not diverged either: why; "" where it does.
   std::string unknown;
   std::string pictures_from;   ///< "files", "film", "rendered", "none".
-  std::string other_pictures;  ///< Whose hashes are not the flight's: how many; "" when none.
+  std::string other_pictures;  ///< Number of wrong hashes among pictures; "" when none.
 };
 
 [[nodiscard]] ReplayReport report_of(const RecordedFlight& flight, const ReplayArguments& arguments,
                                      const flight_log::ReplayResult& result);
 
-/// What `gatefly replay --json` prints.
+/// Output of `gatefly replay --json`.
 [[nodiscard]] nlohmann::json as_json(const ReplayReport& report, const ReplayArguments& arguments,
                                      const flight_log::ReplayResult& result);
 

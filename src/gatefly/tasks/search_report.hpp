@@ -23,13 +23,13 @@ struct ConsideredFrame {
   std::string fate;      ///< "taken", or why not: "score 1.90 < min_score 2.50".
 };
 
-/// What both searches saw in one picture: why a gate was found or missed.
+/// Both searches' view of one picture: why a gate was found or missed.
 struct SearchReport {
-  std::vector<GateDetection> answered;  ///< What `detect` gives.
-  EvidenceMap map;                      ///< Of the careful search.
-  BarFinder::Bars bars;                 ///< Of the fast search.
-  GateDetections fast;                  ///< What the fast search alone finds.
-  SearchTrace trace;                    ///< Of the careful search.
+  std::vector<GateDetection> answered;  ///< Answer of `detect`.
+  EvidenceMap map;                      ///< Evidence of the careful search.
+  BarFinder::Bars bars;                 ///< Bars of the fast search.
+  GateDetections fast;                  ///< Finds of the fast search alone.
+  SearchTrace trace;                    ///< Trace of the careful search.
   std::vector<ConsideredFrame> considered;
   std::string in_words;  ///< Which search answered, and why.
 };

@@ -29,8 +29,8 @@ class Upright {
 
  private:
   int camera_deg_;
-  std::string by_;                     ///< Who set it; "" when nobody.
-  std::map<std::string, int> done_{};  ///< What was done to how many pictures.
+  std::string by_;                     ///< Its author; "" when nobody.
+  std::map<std::string, int> done_{};  ///< Number of pictures by deed.
 };
 
 }  // namespace gatefly::tasks

@@ -84,7 +84,7 @@ struct Stretch {
   int from, to;
 };
 
-/// Where a row may come within `reach` of a side; from > to: nowhere.
+/// Part of a row within `reach` of a side; from > to: nowhere.
 Stretch stretch_near(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int v, double reach,
                      int width) {
   const Eigen::Vector2d d = b - a;

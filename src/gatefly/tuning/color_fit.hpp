@@ -30,7 +30,7 @@ struct ColorFitParams {
   /// The prior counts as much as so many gates. [of 0.5-100: all within .02 of hits]
   double prior_gates = 2.0;
   PictureLens lens = {};  ///< Bars are as it bends them.
-  int rounds = 4;         ///< Of fitting the colours and pulling the gates onto them.
+  int rounds = 4;         ///< Rounds of fitting the colours and then the gates to them.
 };
 
 /// Log-likelihood ratios of bar pixels against background, blended with what is believed before.

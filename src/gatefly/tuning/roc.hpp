@@ -44,7 +44,7 @@ inline constexpr double kAlwaysCareful = 100.0;
 /// all scores.
 [[nodiscard]] Judging with_fitted_colors(Judging judging);
 
-/// What is found in a picture, best first; hit and wrong are left 0.
+/// Detections in a picture, best first; hit and wrong are left 0.
 [[nodiscard]] std::vector<Judged> found_in(const Image& image, const ColorModel& color,
                                            const Judging& judging);
 /// The same, judged.

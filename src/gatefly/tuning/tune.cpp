@@ -49,7 +49,7 @@ struct Kind {
   }
 };
 
-/// What a kind's scores mostly are with learnt colours, and as how many detections that counts: ten
+/// Usual scores of a kind with learnt colours, and as how many detections that counts: ten
 /// pictures say little. [five labelled sets: false ones 1.0-2.0, gates 4.8-5.4, Washington's 3.4]
 struct Usual {
   double count, mean, variance;

@@ -15,12 +15,12 @@ namespace gatefly::tuning {
 
 struct SelfTrainingParams {
   int rounds = 3;
-  int least_gates = 6;      ///< Confident ones; with fewer nothing is learnt. [ours]
-  double confident = 0.75;  ///< Fitness of a detection that is learnt from. [ours]
-  double unsure = 0.03;     ///< Down to this fitness a detection is not background either. [ours]
+  int least_gates = 6;      ///< Confident ones; with fewer nothing is learnt. [estimate]
+  double confident = 0.75;  ///< Fitness of a detection that is learnt from. [estimate]
+  double unsure = 0.03;     ///< Above this fitness a detection is not background either. [estimate]
 };
 
-/// What a model learnt from its own detections.
+/// Outcome of learning from a model's own detections.
 struct SelfTraining {
   ColorModel color;
   int confident = 0;    ///< Gates of the last round that colours were learnt from.
@@ -38,13 +38,13 @@ struct SelfTraining {
 [[nodiscard]] GateLens lens_of(Pictures pictures, const ColorModel& color,
                                const GateDetectorParams& detector);
 
-/// What comes of tuning.
+/// Outcome of tuning.
 struct Tuned {
   ColorModel color;
   bool learnt = true;       ///< Else too few gates: `color` is the prior, there is no ROC.
   int gates = 0;            ///< Labelled, or confident detections.
   double confident = 0;     ///< Fitness from which on a detection was learnt from; 0 with labels.
-  double gates_to_hit = 0;  ///< What true positive rates are of; an estimate without labels.
+  double gates_to_hit = 0;  ///< Base of true positive rates; an estimate without labels.
   /// The lens that the gates show; kNothing where the detector was told one.
   GateLens lens = {};
   Roc roc = {};  ///< Each half of the pictures searched with colours fitted to the other.

@@ -12,7 +12,7 @@ using During = Eigen::Vector2d;
   return time >= part.x() && time < part.x() + part.y();
 }
 
-/// What breaks in a flight: nothing, unless somebody asks. [docs/simulation.md, "Faults"]
+/// Faults of a flight: none, unless somebody asks. [docs/simulation.md, "Faults"]
 ///
 /// Gates and rotors count from 1; 0 is none of the gates, all of the rotors. What is "beside" adds to
 /// what the seed draws.

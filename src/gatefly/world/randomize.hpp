@@ -23,7 +23,7 @@ struct Randomize {
   double frame_loss = 0.0, latency_jitter = 0.0;
   double wind = 0.0, gust = 0.0;              ///< [m/s]
   double jet = 0.0, shear = 0.0, wash = 0.0;  ///< [m/s], [1/s], part; where and whereto is random.
-  double imbalance = 0.0;                     ///< Of each rotor; relative.
+  double imbalance = 0.0;                     ///< Imbalance of each rotor; relative.
   double accel_warming = 0.0, gyro_warming = 0.0;  ///< [m/s²], [rad/s]
   double sonar_loss = 0.0, sonar_double = 0.0;     ///< Not random.
   int decoys = 0;

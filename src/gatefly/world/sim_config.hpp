@@ -49,29 +49,29 @@ struct VehicleTruth {
   Battery battery;
 };
 
-/// What the sensors really do. Standard deviations [SI]; from recorded flights.
+/// True behaviour of the sensors. Standard deviations [SI]; from recorded flights.
 struct SensorTruth {
   Eigen::Vector3d accel_bias{0.08, -0.06, 0.3};    ///< At rest and in flight [m/s²].
-  Eigen::Vector3d flight_bias{0, 0, 0};            ///< What vibration adds in flight [m/s²].
+  Eigen::Vector3d flight_bias{0, 0, 0};            ///< Vibration's share in flight [m/s²].
   Eigen::Vector3d gyro_bias{0.01, -0.008, 0.006};  ///< Constant, also at rest [rad/s].
-  Eigen::Vector3d gyro_drift{0, 0, 0};             ///< What appears after take-off [rad/s].
+  Eigen::Vector3d gyro_drift{0, 0, 0};             ///< Drift that begins at take-off [rad/s].
   Eigen::Vector3d accel_scale{1, 1, 1}, gyro_scale{1, 1, 1};
   Eigen::Vector3d accel_noise{0.38, 0.53, 0.90};  ///< White, of a sample at 512 Hz.
   /// RMS of the rotor-frequency part in flight.
   Eigen::Vector3d accel_vibration{1.55, 0.35, 3.4};
   Eigen::Vector3d gyro_noise{0.06, 0.06, 0.05};
   Eigen::Vector3d gyro_vibration{0.12, 0.11, 0.18};
-  /// What shakes the gyro at 3 to 20 Hz and is no answer to a command: standard deviation of white
+  /// Rumble of the gyro at 3 to 20 Hz, no answer to a command: standard deviation of white
   /// noise through a band from 3 to 12 Hz, first order each [rad/s].
   Eigen::Vector3d gyro_rumble{0.160, 0.045, 0.146};
   /// Strength of each rotor's share of the vibration, 1 when all are balanced alike.
   Eigen::Vector4d imbalance{1, 1, 1, 1};
-  /// What the biases change by while the IMU warms up [m/s²], [rad/s], [s].
+  /// Change of the biases while the IMU warms up [m/s²], [rad/s], [s].
   Eigen::Vector3d accel_warming{0, 0, 0}, gyro_warming{0, 0, 0};
   double warming_time = 90.0;
   double noise_scale = 1.0;
   double imu_hz = 512.0, sonar_hz = 20.0, baro_hz = 25.0;
-  double imu_jitter = 3.0e-4;  ///< Of the sampling interval [s].
+  double imu_jitter = 3.0e-4;  ///< Jitter of the sampling interval [s].
   /// An autopilot hands its IMU on, so often, low-passed (0: raw), later by the jitter's size; 0: none
   /// does. [Betaflight: gyro 100-250 Hz, accelerometer 25 Hz; MSP 23-92 a second]
   double autopilot_imu_hz = 0.0;
@@ -96,10 +96,10 @@ struct AutopilotTruth {
   enum class Takes { kNone, kAngles, kRates };
   Takes takes = Takes::kNone;              ///< kNone: the pilot turns the rotors itself.
   double hz = 40.0;                        ///< Set points a second.
-  double delay = 0.020;                    ///< Of each, at least, until it has arrived [s].
+  double delay = 0.020;                    ///< Least time until each has arrived [s].
   double delay_jitter = 0.010;             ///< And so much more, half normal [s].
   double smoothing_hz = 15.0;              ///< Low-pass of third order of the set points; 0: none.
-  double gain = 1.0;                       ///< Of its rate loop / that of one well tuned.
+  double gain = 1.0;                       ///< Its rate loop / that of one well tuned.
   double angle_gain = 5.0;                 ///< Rate for an angle's error [1/s].
   double most_angle = 1.0471975511965976;  ///< With the stick at its end [rad].
   Eigen::Vector3d rc_rate{55.0, 55.0, 57.0};  ///< Roll, pitch, yaw, in Betaflight's numbers ...
@@ -107,13 +107,13 @@ struct AutopilotTruth {
   int throttle_mid = 54, throttle_expo = 68;                             ///< [%]
 };
 
-/// What optics and image processing make of colour and sharpness. [real pictures;
+/// Effects of optics and image processing on colour and sharpness. [real pictures;
 /// docs/simulation.md]
 struct Imaging {
   double footprint_px = 0.8;  ///< Side of the square of light that a pixel gathers.
   double red_shift_px = 0.6;  ///< How far red lies above green and blue: fringes.
   int chroma_smoothing = 1;   ///< Passes of [1 2 1]/4 along upright lines.
-  double saturation = 1.25;   ///< Of colours, after the colour matrix.
+  double saturation = 1.25;   ///< Saturation after the colour matrix.
 };
 
 /// The camera as it really is (the pilot's calibration is a little wrong). Bebop's values.
@@ -124,21 +124,21 @@ struct CameraTruth {
   /// Turned by 90°: a stored line is an upright column.
   int stored_width = 160, stored_height = 315;
   int stored_rotation = 90;  ///< Counter-clockwise turn that makes it upright [deg].
-  /// Of the JPEG, 4:2:0, that a picture goes through before it is delivered; 0: none does.
+  /// Quality of the JPEG, 4:2:0, that a picture goes through before delivery; 0: none.
   int jpeg_quality = 0;
   double exposure = 0.008;  ///< Nominal longest; each line is exposed that long [s].
   double readout = 0.020;   ///< From the first to the last stored line [s].
   bool fast = false;        ///< One ray a pixel: no motion blur, no softness, no bloom, no glare.
   Imaging imaging;
 
-  /// Of the upright picture.
+  /// Width of the upright picture.
   [[nodiscard]] int width() const {
     return stored_rotation % 180 == 0 ? stored_width : stored_height;
   }
   [[nodiscard]] int height() const {
     return stored_rotation % 180 == 0 ? stored_height : stored_width;
   }
-  /// Where a place of the stored picture is in the upright one.
+  /// Place in the upright picture of a place in the stored one.
   [[nodiscard]] Eigen::Vector2d upright(double x, double line) const {
     switch (stored_rotation) {
       case 90:
@@ -171,7 +171,7 @@ struct CameraTruth {
   }
 };
 
-/// What a day varies in the light and the sensor's handling of it.
+/// Draws of a day for the light and the sensor's handling of it.
 struct LightConditions {
   static constexpr int kGroups = 3;  ///< e.g. ceiling, showcases, windows
   /// Relative brightness of each light group.
@@ -190,7 +190,7 @@ struct LightConditions {
 
 /// How detections are drawn when no pictures are rendered.
 struct IdealVisionParams {
-  std::string detector = "ours";  ///< Whose statistics: "ours" or "paper".
+  std::string detector = "ours";  ///< Statistics of "ours" or "paper".
   /// Part of the whole gates that are outliers: seen as from a place up to 3 m away.
   double outliers = 0.0;
   double false_alarms = 1.0;  ///< Times as many as the detector has.
@@ -223,8 +223,8 @@ struct Shear {
 struct Wind {
   Eigen::Vector2d mean{0, 0};  ///< Towards north, east [m/s].
   double gust = 0.0;           ///< Standard deviation of each horizontal axis [m/s].
-  double gust_length = 1.7;    ///< Of the gusts along the wind and across [m; ours: a hall].
-  double gust_vertical = 0.5;  ///< Vertical / horizontal standard deviation [ours].
+  double gust_length = 1.7;    ///< Length of gusts along and across [m; ours, estimate: a hall].
+  double gust_vertical = 0.5;  ///< Vertical / horizontal standard deviation [estimate].
   Jet jet{};
   Shear shear{};
   double wash = 0.0;  ///< Part of the nominal wash that comes back from walls.

@@ -19,7 +19,7 @@ struct WorldGate {
   bool sought = true;    ///< The pilot looks for this colour; else ideal vision is blind to it.
   bool missing = false;  ///< Not there: neither seen nor touched nor passed.
   double hidden_beyond = 0.0;  ///< Not seen from farther away than this [m]; 0: always seen.
-  double depth = 0.05;         ///< Of its bars, along the way through it [m].
+  double depth = 0.05;         ///< Depth of its bars along the way through it [m].
 };
 
 /// How gates are painted. [real pictures; docs/simulation.md]
@@ -70,7 +70,7 @@ struct World {
   Eigen::Vector2d room_center{0, 0};       ///< [m]
   std::vector<WorldGate> gates;            ///< In the order of flight.
   std::vector<WorldGate> false_gates;      ///< Like gates, but not in the map; they do not count.
-  GatePaint paint;                         ///< Of all of them.
+  GatePaint paint;                         ///< Paint of all of them.
   std::vector<WorldBox> obstacles;
   std::vector<Decoy> decoys;
   std::vector<Person> people;

@@ -44,7 +44,7 @@ Square minimal_square(const Stretch& upright, const Stretch& level) {
           std::max(upright.to.v - upright.from.v, level.to.u - level.from.u)};
 }
 
-/// Of values that occur equally often: the first, or the middle between first and last.
+/// Choice among equally frequent values: the first, or the middle between first and last.
 enum class Ties { kFirst, kMiddle };
 
 /// The place in [from, to] where `count` is largest; `otherwise` where nothing is counted.
@@ -145,7 +145,7 @@ std::optional<Square> flown_square_from(const ColorMask& is_gate, Pixel sample,
   return std::nullopt;
 }
 
-/// What 20 points on each side of a quad say.
+/// Evidence of 20 points on each side of a quad.
 struct SideCheck {
   double fitness = 0.0;  ///< Coloured / all points inside the picture.
   int sides = 0;         ///< That are coloured and long enough.

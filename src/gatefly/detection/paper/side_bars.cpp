@@ -25,7 +25,7 @@ struct Histogram {
       if (i >= 0 && i < width) sum += hits[static_cast<std::size_t>(i)];
     return static_cast<double>(sum) / count;
   }
-  /// Where the hits around `u` are on average: across, down.
+  /// Mean place of the hits around `u`: across, down.
   [[nodiscard]] Eigen::Vector2d middle(int u, int count) const {
     double across = 0.0, down = 0.0;
     int sum = 0;

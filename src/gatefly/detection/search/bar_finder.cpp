@@ -173,7 +173,7 @@ Bar BarFinder::bar_of(const Snake& s) const {
   bar.width = static_cast<double>(s.width) / n * step_;
   bar.curve = {bar.at_0, bar.slope, 0.0};
   if (s.count < kLeastToBend) return bar;
-  // What is left of y² beside a line, a + b y, is what a bend looks like.
+  // The rest of y² beside a line, a + b y, shows the bend.
   const double n_yy = s.sum_yy, n_yyy = s.sum_yyy;
   const double b = (n * n_yyy - n_y * n_yy) / spread, a = (n_yy - b * n_y) / n;
   // px / row²
@@ -185,8 +185,8 @@ Bar BarFinder::bar_of(const Snake& s) const {
   return bar;
 }
 
-// Where a row crosses something of a bar's colour and width. A branch for each sample would be an
-// unpredictable one: edges are written without (8 % of the fast search).
+// Finds crossings of a row with something of a bar's colour and width. A branch for each sample
+// would be an unpredictable one: edges are written without (8 % of the fast search).
 template <class Visit>
 void BarFinder::each_crossing(const Image& image, const PictureColor& color, int row,
                               const Visit& visit) {

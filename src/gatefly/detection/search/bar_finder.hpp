@@ -59,13 +59,13 @@ class BarFinder {
     Evidence(const BarFinder& finder, const Image& image, const PictureColor& color, int cell)
         : finder_{finder}, image_{image}, color_{color}, cell_{cell} {}
 
-    /// Of a cell, by the pixel in its middle.
+    /// Evidence of a cell, by the pixel in its middle.
     [[nodiscard]] int operator()(int x, int y) const {
       const int u = x * cell_ + cell_ / 2, v = y * cell_ + cell_ / 2;
       return image_.contains(u, v) ? at_pixel(u, v) : EvidenceMap::kOutside;
     }
 
-    /// Of `count` places from (x, y) on, (dx, dy) apart, all in 1/65536 cells: visit(k, evidence).
+    /// Visits `count` places from (x, y) on, (dx, dy) apart, in 1/65536 cells: visit(k, evidence).
     template <class Visit>
     void along(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, int count,
                const Visit& visit) const {
@@ -73,7 +73,7 @@ class BarFinder {
       const auto contains = [&](std::int64_t u, std::int64_t v) {
         return image_.contains(static_cast<int>(u >> 16), static_cast<int>(v >> 16));
       };
-      // Where both ends are, all is.
+      // If both ends are inside, all is.
       const bool inside = contains(x, y) && contains(x + (count - 1) * dx, y + (count - 1) * dy);
       for (int k = 0; k < count; ++k, x += dx, y += dy)
         visit(k, inside || contains(x, y)
@@ -81,8 +81,8 @@ class BarFinder {
                      : EvidenceMap::kOutside);
     }
 
-    /// Of `count` cells from (x, y) on, to the right or down: visit(evidence). What is around the
-    /// middle one is taken for around all, a hopeless colour for 0.
+    /// Visits `count` cells from (x, y) on, to the right or down: visit(evidence). What is around
+    /// the middle one is taken for around all, a hopeless colour for 0.
     template <class Visit>
     void across(int x, int y, bool down, int count, const Visit& visit) const {
       const int u = x * cell_ + cell_ / 2, v = y * cell_ + cell_ / 2, last = (count - 1) * cell_;
@@ -164,7 +164,7 @@ class BarFinder {
   int step_ = 1, stride_ = kGroup;
   // read of the picture; four samples of a row make a group
   int rows_ = 0, groups_ = 0;
-  // Of each group; what is beyond either side is as at the border. Chromas as PackedYuv has them.
+  // Sums of each group; beyond either side as at the border. Chromas as PackedYuv has them.
   Sums<std::uint16_t> sums_y_{};
   Sums<std::uint32_t> sums_uv_{};
   // Means of the groups around each; u and v in turns.

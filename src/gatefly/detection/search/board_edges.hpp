@@ -17,7 +17,7 @@ struct BoardEdges {
   /// Sides whose edge shows: TL-TR, TR-BR, BR-BL, BL-TL. The others are taken half a board beyond
   /// their middle line.
   std::array<bool, 4> seen = {};
-  std::array<bool, 4> crossed = {};  ///< Of the corners; else it is one of the given ones.
+  std::array<bool, 4> crossed = {};  ///< Corners by crossing; else the given ones.
 
   /// Whether both edges of a corner are seen, and cross there.
   [[nodiscard]] bool has(std::size_t corner) const {

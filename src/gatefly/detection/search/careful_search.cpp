@@ -44,7 +44,7 @@ constexpr double kShows = 1.0;  // the same of a lens that nobody named
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
 
-// Of two frames in one place: a post in the opening makes a frame of each half, so size counts.
+// Two frames in one place compare by size, too: a post in the opening makes a frame of each half.
 bool better_here(const Frame& a, const Frame& b) {
   // [of 0, .5, 1, 1.7: the most gates of all labelled sets]
   constexpr double kNatsPerDoubling = 0.5;
@@ -54,7 +54,7 @@ bool better_here(const Frame& a, const Frame& b) {
   return worth(a) > worth(b);
 }
 
-// Where a bent frame's corners are. A template's sides are straight, and lie as they fit bent ones
+// Corners of a bent frame. A template's sides are straight, and lie as they fit bent ones
 // best: outside the chord from corner to corner.
 Quad bowed(const Quad& straight, const SideCurves& curves) {
   constexpr double kBestLine = 2.0 / 3.0;  // of the sag, for a parabola
@@ -118,7 +118,7 @@ class Look {
     return best;
   }
 
-  // What of them is a gate, on pixels.
+  // Keeps those that are gates, on pixels.
   BestFrames gates(const BestFrames& best) {
     const auto of_pixel = [this](int u, int v) { return map_.at_pixel(image_, color_, u, v); };
     FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights_with(color_.faintness()),

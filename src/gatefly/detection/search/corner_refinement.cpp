@@ -132,7 +132,7 @@ class Strip {
     return count_ > 0 && side.level == side_.level &&
            off_from(side).abs().maxCoeff() * static_cast<float>(step_) < kNear;
   }
-  /// Of the side in view: from the first line to the last, and halfway between them.
+  /// Length of the side in view: from the first line to the last; and its middle.
   [[nodiscard]] double length() const { return y_[count_ - 1] - y_[0]; }
   [[nodiscard]] double middle() const { return 0.5 * (y_[count_ - 1] + y_[0]); }
 
@@ -216,7 +216,7 @@ class Strip {
     return off_ + off / static_cast<float>(step_);
   }
 
-  // Of each line, how many of its pixels are bar, those at its ends counting less; and the same
+  // Counts the pixels of each line that are bar, those at its ends counting less; and the same
   // times where they are. In whole numbers, line beside line: compilers take several at once.
   [[nodiscard]] std::pair<Lines, Lines> bar_pixels(const Lines& off_middle,
                                                    const Eigen::Vector3f& contrast) const {
@@ -265,7 +265,7 @@ class Strip {
   }
 };
 
-// Of bent sides, near `corner`.
+// Crossing of bent sides near `corner`.
 std::optional<Eigen::Vector2d> crossing_near(Eigen::Vector2d corner, const Side& before,
                                              const Side& after) {
   for (int step = 0; step < 2; ++step) {

@@ -7,7 +7,7 @@
 namespace gatefly {
 namespace {
 
-// What is around a cell, to each side, of the picture's shorter side: 22 px in all at 315 x 160 [a
+// Surroundings of a cell, to each side, by the picture's shorter side: 22 px in all at 315 x 160 [a
 // study on labelled pictures]
 constexpr int kShorterPerRadius = 16;
 constexpr int kLeastRadius = 5, kMostRadius = 100;  // cells

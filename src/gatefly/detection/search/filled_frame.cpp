@@ -16,8 +16,9 @@ constexpr int kSamples = 12;                   // of a side
 constexpr double kFirst = 0.15, kPart = 0.70;  // of a side, without its corners
 constexpr double kLeastOffset = 3.0;           // [px]
 
-// Of the bars' contrast; half of the openings have less than .15, one in twenty more than .6. [of
-// .15 - .7, and 0.7 - 2.5 nats: labelled sets lose nothing, screens in a rendered hall most]
+// Chroma change by the bars' contrast; half of the openings have less than .15, one in twenty more
+// than .6. [of .15 - .7, and 0.7 - 2.5 nats: labelled sets lose nothing, screens in a rendered hall
+// most]
 constexpr double kAllowed = 0.6, kNats = 1.5, kMost = 1.5;
 constexpr double kNoise = 3.0;  // [levels]
 

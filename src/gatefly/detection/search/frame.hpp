@@ -22,7 +22,7 @@ struct FrameScore {
   double mean = 0.0, weakest = 0.0;  ///< Along the four sides; along the worst of them.
   /// Beside the sides and in the middle: a gate is empty there.
   double inside = 0.0, outside = 0.0;
-  double beyond = 0.0;           ///< Of the sides' continuations: a gate's bars end at its corners.
+  double beyond = 0.0;           ///< Evidence past the corners: a gate's bars end there.
   std::array<double, 4> side{};  ///< Top, right, bottom, left.
   double filled = 0.0;           ///< Taken off the total because the opening is none.
 

@@ -148,7 +148,7 @@ class FrameFit {
 
   void set_least_offset(double cells) { off_min_ = cells; }
   void set_cell_size(double px) { cell_px_ = px; }
-  /// Of the picture; else all is in it [cells].
+  /// Limits frames to the picture; else all is in it [cells].
   void set_bounds(double width, double height) { width_ = width, height_ = height; }
   /// Sides are the images of straight bars, from corner to corner. @param curves  in cells.
   void set_curves(const SideCurves& curves) { curves_ = curves; }
@@ -156,7 +156,7 @@ class FrameFit {
  private:
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
                        kMostLines = 3, kLanes = 8;  // places that are summed at once
-  // Of the side: a bar of the Bebop's gates.
+  // Bar over side of the Bebop's gates.
   static constexpr double kThinBar = 0.05 / 0.95, kUndecidedBeyond = -0.6, kUnseenSide = 0.75;
 
   // A wide bar is looked at along several lines, so that letters and patterns on it do not matter:
@@ -278,7 +278,7 @@ class FrameFit {
         }
         for (int from = first; from <= std::min(last, first + kLanes - 1); ++from) {
           const int to = from + slope;
-          // Of equals the nearest, of these the first.
+          // Among equals the nearest, then the first.
           const int worth = 1024 * (sums[static_cast<std::size_t>(from - first)] -
                                     2 * (std::abs(from) + std::abs(to))) -
                             32 * from - to;

@@ -56,7 +56,7 @@ class FrameLattice {
 
   [[nodiscard]] const std::vector<Size>& sizes() const { return sizes_; }
   [[nodiscard]] const Frame& frame(std::size_t i) const { return frames_[i]; }
-  /// Of a size, the number of its first frame.
+  /// Number of the first frame of a size.
   [[nodiscard]] static std::size_t first_of(const Size& size) { return size.turns.front().first; }
 
  private:

@@ -14,7 +14,7 @@ namespace gatefly {
 /// A frame moved onto the evidence, side by side, as long as it helps. Lengths in cells.
 template <class Fit>
 [[nodiscard]] Frame pulled(const Fit& fit, Frame f, double least_side, double most_aspect) {
-  // Of many cells only a large frame needs so many: all pairs of ends are tried.
+  // Only a large frame needs so many cells: all pairs of ends are tried.
   constexpr double kLarge = 64.0;
   const double size = std::sqrt(std::abs(area(f.quad)));
   const int most = size > kLarge ? 10 : 5;

@@ -148,7 +148,7 @@ GATEFLY_WIDE bool any_above(const std::uint8_t* begin, const std::uint8_t* end, 
   return most > least;
 }
 
-// Where the blocks begin that have a larger sum.
+// Counts blocks with a larger sum.
 GATEFLY_WIDE std::size_t blocks_with_a_bar(const std::uint8_t* sums, std::ptrdiff_t begin,
                                            std::ptrdiff_t end, std::uint8_t least,
                                            std::int32_t* __restrict blocks) {
@@ -325,7 +325,7 @@ void GateTemplates::collect(const FrameLattice& lattice, std::size_t first, int 
   }
 }
 
-// What a score loses by what is outside of the sides' middles and where they would go on: on a wide
+// Loss of a score by evidence outside of the sides' middles and where they would go on: on a wide
 // bar, a screen or a banner there is a small frame at every place.
 int GateTemplates::lost_beyond(const FrameLattice::Frame& frame, int x, int y) const {
   constexpr double kPast = 0.2;  // of a side

@@ -41,7 +41,8 @@ class GateTemplates {
   void search(const EvidenceMap& map, int least, GateCandidates& found);
 
  private:
-  // Of one level: places on something large are many small ones, and must not take the room of all.
+  // Candidates of one level: places on something large are many small ones, and must not take the
+  // room of all.
   using LevelCandidates = FixedList<GateCandidate, 12>;
 
   void start(const EvidenceMap& map);

@@ -83,7 +83,7 @@ std::optional<Pair> pair_of(const Bar& l, const Bar& r, const Image& image, cons
 // Which end of the bars: +1 their lower one.
 enum class End { kTop = -1, kBottom = 1 };
 
-/// What joins the bars at one end.
+/// Level bar that joins the bars at one end.
 struct Level {
   Vector2d left{0, 0}, right{0, 0};  // where it meets the bars' middle lines
   double sag = 0.0;                  // how far its middle hangs below [px]

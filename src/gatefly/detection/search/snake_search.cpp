@@ -28,8 +28,8 @@ constexpr double kNoDoubt = 1.5;      // above what is sure [nats]
 constexpr int kReach = 3;             // of the middle of a bar from a rough side [px]
 constexpr FrameEffort kEffort{.samples = 8, .middles = 8};
 
-// Where a gate is expected: a score so much lower is enough [nats]; no corner is farther off, of the
-// side; its area by which factor.
+// Limits for a gate that is expected: a score so much lower is enough [nats]; no corner is farther
+// off, of the side; its area by which factor.
 constexpr double kExpectedLacks = 0.7, kExpectedWithin = 0.4, kExpectedLarger = 1.6;
 constexpr FrameEffort kNearEffort{.samples = 12, .stations = 8, .middles = 12};
 
@@ -61,7 +61,7 @@ struct Bow {
 struct SnakeSearch::Pair {
   Bar left, right;
   double width = 0.0, shift = 0.0;  ///< Reach of an upright side over rows; see above.
-  double top = 0.0, bottom = 0.0;   ///< Of the bars, at the middle between them.
+  double top = 0.0, bottom = 0.0;   ///< Ends of the bars, midway between them.
   double worth = 0.0;
   Bow left_bow{}, right_bow{};
 

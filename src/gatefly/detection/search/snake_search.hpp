@@ -35,7 +35,7 @@ class SnakeSearch {
   /// may be another one.
   [[nodiscard]] bool shows_bars_beside(const GateDetections& gates) const;
 
-  /// Of the picture that was searched last.
+  /// Bars of the picture that was searched last.
   [[nodiscard]] const BarFinder::Bars& bars() const { return finder_.bars(); }
 
  private:

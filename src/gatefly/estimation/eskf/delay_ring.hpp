@@ -11,7 +11,7 @@
 
 namespace gatefly::eskf {
 
-inline constexpr double kTickHz = 128.0;  ///< Covariance and drag: 4 samples of 512 Hz. [ours]
+inline constexpr double kTickHz = 128.0;  ///< Covariance and drag: 4 samples of 512 Hz. [estimate]
 inline constexpr std::size_t kMaxSamples = 16;  ///< That one tick may combine.
 
 /// A height as it was measured.
