@@ -15,7 +15,7 @@ Eigen::Vector3d velocity_B(const State& x, const Input& u, const Params& params)
 State derivative(const State& x, const Input& u, const Params& params) {
   const Eigen::Vector3d v_B = velocity_B(x, u, params);
   State dx = State::Zero();  // Eq. (18): ḃ = 0.
-  // Eq. (15): ṗ = R v_B.
+  // Eq. (11), (15): ṗ = R v_B.
   dx.segment<3>(kX) = rotation_EB(Attitude{u.roll, u.pitch, u.yaw}) * v_B;
   // Eq. (17): v̇_z = (a_z − b_z) + g cosθ cosφ + q v_x − p v_y.
   const double gravity_z = params.gravity * cos(u.pitch) * cos(u.roll);
