@@ -230,6 +230,7 @@ std::vector<double> converted(const Config& c) {
           p.speed.min_pitch,
           p.speed.roll_lead,
           p.speed.brake_lead,
+          p.look_aside.most,
           p.phase.max_tilt,
           p.phase.imu_timeout,
           c.vehicle.rotor_time_constant,

@@ -33,6 +33,11 @@ Course::Course(const Track& track, RacePlan plan, const CourseParams& params)
 
 const MapGate& Course::gate() const { return track_.gates[static_cast<std::size_t>(target_)]; }
 
+double Course::room_before() const {
+  const auto index = static_cast<std::size_t>(target_);
+  return index < plan_.room_before.size() ? plan_.room_before[index] : 1e9;
+}
+
 const Path& Course::path() const {
   if (approach_) return *approach_;
   const std::size_t legs = plan_.legs.size();

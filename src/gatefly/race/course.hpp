@@ -49,6 +49,8 @@ class Course {
   [[nodiscard]] const Stop* stop() const;
   /// Metres along path() that far on, but not beyond the next stop.
   [[nodiscard]] double ahead(double distance) const;
+  /// On the next gate's axis, so far before it there is room to stand and wait [m].
+  [[nodiscard]] double room_before() const;
   [[nodiscard]] double to_go() const { return path().length() - progress_; }
   [[nodiscard]] const RacePlan& plan() const { return plan_; }
   [[nodiscard]] const Track& track() const { return track_; }

@@ -31,9 +31,14 @@ Eigen::Vector2d sure_wind(const NavigationState& now) {
 AttitudeCommand Guidance::command(Phase& phase, const NavigationState& now, const Course& course) {
   const bool entered = phase.index() != last_phase_;
   last_phase_ = phase.index();
+  const bool on_way =
+      std::holds_alternative<Straight>(phase) || std::holds_alternative<Turn>(phase);
+  if (!on_way) aside_ = turned_ = 0.0;
   if (std::holds_alternative<TakeOff>(phase)) return take_off(now, course);
-  if (std::holds_alternative<Straight>(phase)) return straight(now, course);
-  if (auto* turning = std::get_if<Turn>(&phase)) return turn(turning->arc, now, course);
+  if (std::holds_alternative<Straight>(phase))
+    return look_aside(straight(now, course), now, course);
+  if (auto* turning = std::get_if<Turn>(&phase))
+    return look_aside(turn(turning->arc, now, course), now, course);
   if (const auto* searching = std::get_if<Search>(&phase)) {
     if (entered) hold_integral_.setZero();
     return search(*searching, now, course);
@@ -69,7 +74,7 @@ AttitudeCommand Guidance::straight(const NavigationState& now, const Course& cou
 AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Course& course) {
   const Path& path = course.path();
   const double s = course.progress();
-  const double lead = params_.speed.roll_lead * std::max(0.0, now.v_B.x());
+  const double lead = params_.speed.roll_lead * std::max(0.0, entry_speed(now));
   const PathPoint soon = path.at(course.ahead(lead));
   ArcParams params;
   params.radius = soon.curvature == 0.0 ? 0.0 : 1.0 / soon.curvature;
@@ -82,6 +87,35 @@ AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Cours
   c.yaw = path.at(course.ahead(0.5 * lead)).heading;
   c.thrust = thrust_on_path(now, course);
   return c;
+}
+
+// The attitude's tilt is of the way, and is turned into the body by as much as the nose has left it.
+AttitudeCommand Guidance::look_aside(const AttitudeCommand& along, const NavigationState& now,
+                                     const Course& course) {
+  const LookAsideParams& p = params_.look_aside;
+  if (p.most <= 0.0) return along;
+  const double most = p.rate * now.dt;
+  const double off = wrap_angle(wanted_aside(along.yaw, now, course) - aside_);
+  aside_ = wrap_angle(aside_ + std::clamp(off, -most, most));
+  turned_ = wrap_angle(turned_ + std::min(1.0, now.dt / p.lag) * wrap_angle(aside_ - turned_));
+  const auto [sine, cosine] = sincos(turned_);
+  AttitudeCommand c = along;
+  c.pitch = cosine * along.pitch - sine * along.roll;
+  c.roll = cosine * along.roll + sine * along.pitch;
+  c.yaw = wrap_angle(along.yaw + aside_);
+  return c;
+}
+
+// Towards the gate, unless a stop or the gate itself asks for the nose.
+double Guidance::wanted_aside(double heading, const NavigationState& now,
+                              const Course& course) const {
+  const LookAsideParams& p = params_.look_aside;
+  const Stop* stop = course.stop();
+  if (stop != nullptr && stop->s - course.progress() < params_.speed.stand_from) return 0.0;
+  const MapGate& gate = course.gate();
+  const Eigen::Vector3d there = gate.p_EG - now.p_EB;
+  if (course.finished() || there.norm() < p.until_sides * gate.side) return 0.0;
+  return std::clamp(wrap_angle(atan2(there.y(), there.x()) - heading), -p.most, p.most);
 }
 
 // At a stop, for which a turn has no room: holds the place, turns, changes the height.
@@ -162,7 +196,7 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const bool unsure = now.since_fix > p.unsure_after && now.lateral_sigma > p.unsure_sigma;
   if (unsure && x > -p.unsure_before && x < 0.0) speed = std::min(speed, p.unsure);
   constexpr double kLook = 0.2;  // [m]
-  const double reach = p.brake_lead * std::clamp(now.v_B.x(), 0.5, 6.0);
+  const double reach = p.brake_lead * std::clamp(entry_speed(now), 0.5, 6.0);
   for (double ahead = 0.0; ahead <= reach; ahead += kLook) {
     const double curvature = std::abs(path.at(course.ahead(ahead)).curvature);
     if (curvature > 0.0) speed = std::min(speed, std::sqrt(params_.max_lateral / curvature));
@@ -174,10 +208,10 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
 // rest brings the speed there.
 double Guidance::pitch_for_speed(double speed, const NavigationState& now) const {
   const SpeedParams& p = params_.speed;
-  const auto [sine, cosine] = sincos(now.attitude.yaw);
+  const auto [sine, cosine] = sincos(now.attitude.yaw - turned_);
   const double air = speed - Eigen::Vector2d{cosine, sine}.dot(sure_wind(now));
   const double trim = atan(params_.drag.x() * air / params_.gravity);
-  return std::clamp(trim + p.pitch_gain * (now.v_B.x() - speed), -p.max_pitch, -p.min_pitch);
+  return std::clamp(trim + p.pitch_gain * (entry_speed(now) - speed), -p.max_pitch, -p.min_pitch);
 }
 
 double Guidance::cross_track_roll(const PathPoint& here, const NavigationState& now) const {
@@ -206,15 +240,21 @@ double Guidance::thrust_on_path(const NavigationState& now, const Course& course
 // A critically damped decay that starts after the roll's lag.
 double Guidance::lateral_at_gate(const NavigationState& now) const {
   constexpr double kSlowest = 0.5;  // [m/s]
-  const double speed = std::max(kSlowest, now.v_B.x());
+  const double speed = std::max(kSlowest, entry_speed(now));
   const double t = std::max(0.0, -now.p_GB.x() / speed - 1.5 * params_.speed.roll_lead);
   const double wt = std::sqrt(params_.lateral.kp * params_.gravity) * t;
   const double decay = decayed(wt);
   return (1.0 + wt) * decay * now.p_GB.y() + t * decay * now.v_GB.y();
 }
 
+// Along the way: the nose may have left it.
+double Guidance::entry_speed(const NavigationState& now) const {
+  const auto [sine, cosine] = sincos(turned_);
+  return cosine * now.v_B.x() - sine * now.v_B.y();
+}
+
 bool Guidance::turn_ahead(const NavigationState& now, const Course& course) const {
-  const double lead = params_.speed.roll_lead * std::max(0.0, now.v_B.x());
+  const double lead = params_.speed.roll_lead * std::max(0.0, entry_speed(now));
   return course.path().at(course.ahead(lead)).curvature != 0.0;
 }
 

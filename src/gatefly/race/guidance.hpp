@@ -34,6 +34,7 @@ struct GuidanceParams {
   AltitudeParams altitude;
   HoldParams hold;
   SweepParams sweep;
+  LookAsideParams look_aside;
   LandingParams landing;
   double cruise = 1.7;                 ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
   double max_lateral = 3.2;            ///< v²/r an arc may ask for [m/s²]. [ours: 18°]
@@ -59,7 +60,7 @@ class Guidance {
   [[nodiscard]] bool uses_pictures(const Phase& phase) const { return is_flying(phase); }
 
   /// Speed a turn begins with [m/s].
-  [[nodiscard]] double entry_speed(const NavigationState& now) const { return now.v_B.x(); }
+  [[nodiscard]] double entry_speed(const NavigationState& now) const;
 
   /// Predicted crossing of the gate's plane under the lateral PD: metres to the right
   /// of its axis.
@@ -78,6 +79,12 @@ class Guidance {
   AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double dt,
                        const NavigationState& now);
 
+  /// Turns the nose from the way towards the gate, and what was asked for along the way with it.
+  AttitudeCommand look_aside(const AttitudeCommand& along, const NavigationState& now,
+                             const Course& course);
+  [[nodiscard]] double wanted_aside(double heading, const NavigationState& now,
+                                    const Course& course) const;
+
   [[nodiscard]] double wanted_speed(const NavigationState& now, const Course& course) const;
   [[nodiscard]] double pitch_for_speed(double speed, const NavigationState& now) const;
   [[nodiscard]] double cross_track_roll(const PathPoint& here, const NavigationState& now) const;
@@ -88,6 +95,8 @@ class Guidance {
   Altitude altitude_;
   Eigen::Vector2d hold_integral_ = Eigen::Vector2d::Zero();  ///< [m/s²]
   std::size_t last_phase_ = 0;                               ///< Index of the last command's.
+  double aside_ = 0.0;   ///< The nose is to point so far to the right of the way [rad], ...
+  double turned_ = 0.0;  ///< ... and does so, as far as the yaw has followed [rad].
 };
 
 }  // namespace gatefly

@@ -114,6 +114,7 @@ GuidanceParams guidance_params(const PilotConfig& config) {
   params.lateral = config.lateral;
   params.altitude = config.altitude;
   params.hold = config.hold;
+  params.look_aside = config.look_aside;
   params.cruise = config.plan.speed;
   params.max_lateral = config.plan.max_lateral;
   params.drag = config.filter.model.drag;

@@ -92,6 +92,8 @@ struct PlanParams {
 struct RacePlan {
   Path start;              ///< From the pad to gate 0.
   std::vector<Path> legs;  ///< legs[i]: from gate i to gate (i + 1) % n.
+  /// On each gate's axis, so far before it there is room to stand [m]. Empty: not known.
+  std::vector<double> room_before;
 };
 
 /// Plans all legs: straight out of a gate, at most two arcs (Dubins), straight into the next; where

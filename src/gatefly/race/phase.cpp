@@ -11,8 +11,9 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
   if (!params.goes_around) return false;
   if (now.gate_x < -params.search_before || now.gate_x > -params.search_until) return false;
   if (now.to_go > params.search_before + params.search_detour) return false;
-  const bool unseen =
-      now.since_fix > params.unseen_after && now.lateral_sigma > params.max_lateral_sigma;
+  // Right after another gate this one had no time to be seen.
+  const bool unseen = std::min(now.since_fix, now.since_gate) > params.unseen_after &&
+                      now.lateral_sigma > params.max_lateral_sigma;
   // A late detection that leaves no room is a reason to go around, too.
   const bool off_axis = std::abs(now.gate_y_ahead) > params.max_miss;
   return unseen || off_axis;
@@ -27,7 +28,8 @@ bool gate_found_again(const Situation& now, const PhaseParams& params) {
 
 // How phases begin.
 Phase search_from(const Situation& now, const PhaseParams& params) {
-  return Search{now.time, std::min(-params.wait_before, now.gate_x - params.fall_back)};
+  const double wanted = std::min(-params.wait_before, now.gate_x - params.fall_back);
+  return Search{now.time, std::max(wanted, -now.room_before)};
 }
 Phase turn_from(const Situation& now) {
   return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};

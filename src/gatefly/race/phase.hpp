@@ -55,6 +55,7 @@ struct Situation {
   bool turn_ahead = false;    ///< The path curves at the look-ahead point.
   double to_go = 10.0;        ///< Along the path to the gate [m].
   double gate_x = -10.0;      ///< Along the gate's axis, negative before it [m].
+  double room_before = 1e9;   ///< On the axis before the gate, to stand and wait in [m].
   double gate_y = 0.0;        ///< To the right of the axis [m].
   double gate_y_ahead = 0.0;  ///< Predicted gate_y in the gate's plane [m].
   /// Standard deviation of gate_y, without the part by the gate's heading: it vanishes in the
@@ -66,6 +67,7 @@ struct Situation {
   double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
   double tilt = 0.0;           ///< Between body and earth vertical [rad].
   double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
+  double since_gate = 1e9;     ///< Since the last gate was passed [s].
 };
 
 struct PhaseParams {

@@ -141,6 +141,7 @@ AttitudeCommand Pilot::guide() {
 void Pilot::follow_course() {
   if (!parts_->course.follow(navigator_.state(), phase_)) return;
   navigator_.change_gate(frame_of(parts_->course.gate()), map_uncertainty_);
+  passed_at_ = navigator_.state().time;
   // The gate that was searched for is passed, and the waiting place before it is of no use.
   if (std::holds_alternative<Search>(phase_)) phase_ = Straight{};
 }
@@ -168,6 +169,8 @@ Situation Pilot::situation() const {
   s.height = -now.p_EB.z();
   s.course_done = parts_->course.finished();
   s.to_go = parts_->course.to_go();
+  s.room_before = parts_->course.room_before();
+  s.since_gate = now.time - passed_at_;
   std::visit(
       [&](const auto& g) {
         s.turn_ahead = !parts_->course.finished() && g.turn_ahead(now, parts_->course);

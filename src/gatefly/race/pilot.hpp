@@ -61,6 +61,7 @@ class Pilot {
   std::array<double, 4> motors_{};  ///< As last commanded [rad/s].
   bool uses_sonar_, uses_baro_;
   Phase phase_ = OnGround{};
+  double passed_at_ = -1e9;  ///< When the last gate was passed [s].
   AbortReason abort_reason_ = AbortReason::kNone;
 };
 

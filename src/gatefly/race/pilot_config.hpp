@@ -40,6 +40,7 @@ struct PilotConfig {
   LateralParams lateral;
   AltitudeParams altitude;
   SpeedParams speed;
+  LookAsideParams look_aside;
   PaperControlParams paper_control;
   HoldParams hold;
   Output output = Output::kMotors;

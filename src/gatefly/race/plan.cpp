@@ -128,6 +128,23 @@ PlanParams from_the_pad(const Track& track, PlanParams params, double height) {
   return params;
 }
 
+/// So far before a gate, on its axis, nothing solid is nearer than the way may come to it [m].
+double room_before(const Track& track, const PlanParams& params,
+                   const std::vector<MapSolid>& solids, int index) {
+  constexpr double kStep = 0.1, kFarthest = 8.0;  // [m]
+  const MapGate& gate = track.gates[static_cast<std::size_t>(index)];
+  const double wanted = params.clearance + params.body_radius;
+  double room = kStep;
+  for (; room < kFarthest; room += kStep) {
+    const Pose2 there = moved({gate.p_EG.head<2>(), gate.yaw_EG}, -(room + kStep));
+    Path axis;
+    (void)axis.segments.push_back({there.position, there.heading, 0.0, room + kStep});
+    (void)axis.levels.push_back({0.0, gate.p_EG.z()});
+    if (nearest_solid(solids, params, axis, -1, index, wanted).distance < wanted) break;
+  }
+  return room;
+}
+
 class Planner {
  public:
   Planner(const Track& track, const PlanParams& params)
@@ -261,6 +278,8 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
     plan.legs.push_back(
         planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
   }
+  const std::vector<MapSolid> solids = solids_of(track);
+  for (int i = 0; i < n; ++i) plan.room_before.push_back(room_before(track, params, solids, i));
   return plan;
 }
 

@@ -87,6 +87,16 @@ struct SpeedParams {
   double max_roll = 38.0 * kDegree;
 };
 
+/// How far the nose may leave the way, so that the camera sees the next gate from a turn.
+struct LookAsideParams {
+  /// To either side of the way; 0: the nose goes where the drone goes, as the paper flies [rad].
+  double most = 0.0;
+  double rate = 1.8;  ///< [rad/s] [docs/paper/deviations.md#look-aside]
+  double lag = 0.3;   ///< The yaw follows so late [s]. [docs/paper/deviations.md#look-aside]
+  /// Nearer to the gate than this part of its side the nose goes through it. [ours: estimate]
+  double until_sides = 1.0;
+};
+
 /// Position hold: before take-off is done, while searching, while landing.
 struct HoldParams {
   double stiffness = 0.9;     ///< [1/s²] [ours: with the damping ω 0.95, ζ 1]
