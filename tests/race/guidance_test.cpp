@@ -122,6 +122,56 @@ TEST(Guidance, StandsAndTurnsAtAStop) {
   EXPECT_NEAR(c.pitch, 0.0, 1e-6);
 }
 
+// Flying along x with a gate to the right of the way: the nose turns to it, no faster than it may, and what
+// was forward is then to the left.
+TEST(Guidance, LooksAsideAtTheGateAndFliesOnAlongItsWay) {
+  Track track;
+  track.gates = {{{6, 0, -1.5}, 0.0}, {{6, 8, -1.5}, kPi}};
+  track.laps = 2;
+  Course course{track, {}};
+  NavigationState now = state_at({6.2, 0, -1.5}, 1.0);
+  now.p_GB = {0.2, 0, 0};
+  for (double x = 0.0; x < 6.3; x += 0.2) {
+    now.p_EB.x() = x, now.p_GB.x() = x - 6.0;
+    (void)course.follow(now, Straight{});
+  }
+  ASSERT_EQ(course.target(), 1);
+  GuidanceParams params;
+  Phase phase = Straight{};
+  const AttitudeCommand ahead = Guidance{params}.command(phase, now, course);
+  EXPECT_NEAR(ahead.yaw, 0.0, 1e-9) << "as the paper flies, unless told otherwise";
+  ASSERT_LT(ahead.pitch, -0.05) << "slower than wanted: nose down";
+  params.look_aside.most = kPi;
+  Guidance guidance{params};
+  AttitudeCommand c;
+  for (double t = 0.0; t < 3.0; t += kDt) {
+    const AttitudeCommand next = guidance.command(phase, now, course);
+    EXPECT_LE(std::abs(next.yaw - c.yaw), params.look_aside.rate * kDt + 1e-9);
+    c = next;
+  }
+  EXPECT_NEAR(c.yaw, std::atan2(8.0, -0.2), 1e-6) << "it points at the gate";
+  EXPECT_LT(c.roll, -0.05) << "forward is to the left now";
+  EXPECT_NEAR(guidance.entry_speed(now), -0.2 / std::hypot(8.0, 0.2), 1e-3)
+      << "along the way it flies what the nose sees as its left";
+}
+
+TEST(Guidance, LooksAsideNoFartherThanToldAndNotAtTheGateItself) {
+  GuidanceParams params;
+  params.look_aside.most = 0.3;
+  const Course course = straight_course();
+  Phase phase = Straight{};
+  const auto yaw_at = [&](const Vector3d& p_EB) {
+    Guidance guidance{params};
+    AttitudeCommand c;
+    for (double t = 0.0; t < 1.0; t += kDt)
+      c = guidance.command(phase, state_at(p_EB, 1.0), course);
+    return c.yaw;
+  };
+  EXPECT_NEAR(yaw_at({3, -3, -1.5}), 0.3, 1e-9);
+  EXPECT_NEAR(yaw_at({3, 3, -1.5}), -0.3, 1e-9);
+  EXPECT_NEAR(yaw_at({5.5, 0.3, -1.5}), 0.0, 1e-9) << "through it";
+}
+
 TEST(Guidance, GoesSlowlyTowardsAGateThatItDoesNotSee) {
   NavigationState unseen = state_at({4, 0, -1.5}, 1.7);
   unseen.since_fix = 1.0, unseen.lateral_sigma = 0.4;

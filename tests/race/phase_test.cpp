@@ -82,6 +82,12 @@ TEST(Phase, SearchesWhenTheGateIsNearAndUncertain) {
   s.since_fix = 0.05;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "just seen";
   s.since_fix = 2.0;
+  s.since_gate = 0.2;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "no time to see it yet";
+  s.since_gate = 2.0;
+  s.room_before = 1.4;
+  EXPECT_EQ(std::get<Search>(next_phase(Straight{}, s, kParams).phase).gate_x, -1.4)
+      << "waits where there is room";
   s.to_go = 6.0;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)))
       << "on a turn that leads past the gate's plane first";

@@ -206,6 +206,17 @@ TEST(Plan, GatesOneAboveTheOtherAreFlownThereAndBack) {
     EXPECT_LE(plan.legs[0].z_at(s), plan.legs[0].z_at(s + 0.1)) << "down all the way";
 }
 
+// A pillar 3 m before the gate: from the gate's plane to it there is 3 m less what the body needs.
+TEST(Plan, KnowsTheRoomBeforeAGate) {
+  Track track;
+  track.gates = {{{12, 0, -1.5}, 0.0}};
+  EXPECT_GT(plan_race(track, {}).room_before.at(0), 7.9) << "nothing stands there";
+  track.obstacles = {{{9, 0}, {0.2, 0.2}, 0.0, 3.0}};
+  const PlanParams params;
+  EXPECT_NEAR(plan_race(track, params).room_before.at(0),
+              3.0 - 0.1 - params.clearance - params.body_radius, 0.15);
+}
+
 // A leg that climbs passes above a gate between its ends where there is room, else round it.
 TEST(Plan, AClimbingLegPassesAboveAGateAndRoundAHighOne) {
   const auto with_gate_at = [](double height) {
