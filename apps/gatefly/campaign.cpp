@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -21,10 +22,12 @@
 #include "gatefly/report/campaign_comparison.hpp"
 #include "gatefly/sim/camera.hpp"
 
+#include "campaign_fleet.hpp"
 #include "campaign_folder.hpp"
 #include "campaign_report.hpp"
 #include "campaign_slurm.hpp"
 #include "commands.hpp"
+#include "fault_suite.hpp"
 #include "race_options.hpp"
 
 namespace gatefly::cli {
@@ -35,16 +38,11 @@ namespace fs = std::filesystem;
 struct CampaignOptions {
   RaceOptions race;
   int runs = 0, jobs = 0;
-  std::uint64_t first_seed = 1;
+  std::optional<std::uint64_t> first_seed;
   int slurm = 0;
   std::string shard, out, resume;
-  std::vector<std::string> merge, compare;
-  bool json = false;
-};
-
-/// "2/5": the second fifth of the seeds.
-struct Shard {
-  std::uint64_t index = 1, count = 1;
+  std::vector<std::string> merge, compare, only;
+  bool json = false, faults = false;
 };
 
 constexpr std::uint64_t kMostParts = 1'000'000;  // as --runs
@@ -259,7 +257,8 @@ int submit(const CampaignOptions& options, const fs::path& out) {
                                 .name = "gatefly-" + fs::path{options.race.track}.stem().string(),
                                 .words = "campaign " + shell_quoted(options.race.track) +
                                          " --runs " + number(options.runs) + " --first-seed " +
-                                         number(options.first_seed) + race_flags(options.race),
+                                         number(options.first_seed.value_or(1)) +
+                                         race_flags(options.race),
                                 .compare = options.compare.empty() ? "" : options.compare[0]})
             << '\n';
   return kDone;
@@ -274,48 +273,20 @@ int campaign(const CampaignOptions& options) {
   if (!options.resume.empty()) return resume(options);
   const Shard shard = shard_of(options.shard);
   if (options.runs < 1) throw std::runtime_error("--runs: how many? (a whole number, 1 or more)");
-  if (options.first_seed >
-      std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(options.runs - 1))
-    throw std::runtime_error("--first-seed " + std::to_string(options.first_seed) + ": " +
-                             std::to_string(options.runs) + " runs from there on have no seeds");
+  const SeedRange range{.first = options.first_seed.value_or(1),
+                        .runs = static_cast<std::uint64_t>(options.runs),
+                        .shard = shard};
+  expect_seeds(range);
   const tasks::RaceMaker maker = race_maker(options.race);
-  const tasks::Race race = maker.race(options.first_seed);
-  nlohmann::json arguments{{"track", race.identity.track},
-                           {"track_toml", maker.inputs().at("track.toml")},
-                           {"vision", race.identity.vision},
-                           {"first_seed", options.first_seed},
-                           {"runs", options.runs},
-                           {"shard", {shard.index, shard.count}},
-                           {"version", race.identity.version},
-                           {"commit", race.identity.commit},
-                           {"config", race.identity.config}};
-  if (const auto table = maker.inputs().find("colors.toml"); table != maker.inputs().end()) {
-    arguments["color_table"] = table->second;  // its content counts, not where it lies
-    arguments["config"]["color"].erase("table");
-  }
+  (void)maker.race(range.first);
   std::string name = "campaign-" + fs::path{options.race.track}.stem().string();
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
   if (shard.count > 1)
     name += "-" + std::to_string(shard.index) + "of" + std::to_string(shard.count);
   const fs::path out = options.out.empty() ? fs::path{"out"} / name : fs::path{options.out};
   if (options.slurm > 0) return submit(options, out);
-  catch_interrupt();
-  CampaignFolder folder =
-      CampaignFolder::opened(out, arguments, fly_command(options.race, "{seed}"));
-
+  CampaignFolder folder = flown(maker, options.race, range, out, options.jobs);
   const std::vector<std::uint64_t> seeds = folder.seeds();
-  std::vector<std::uint64_t> left;
-  for (const std::uint64_t seed : seeds)
-    if (!folder.has(seed)) left.push_back(seed);
-  if (!left.empty() && left.size() < seeds.size() && !options.race.common.quiet)
-    std::cerr << "gatefly campaign: " << seeds.size() - left.size() << " of " << seeds.size()
-              << " runs are there, " << left.size() << " to fly\n";
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  try {
-    Fleet(maker, folder, left)
-        .fly(options.jobs > 0 ? options.jobs : cores, options.race.common.quiet);
-  } catch (const Interrupted&) {  // what has finished is kept
-  }
   if (interrupted()) {
     const auto there =
         std::count_if(seeds.begin(), seeds.end(), [&](auto seed) { return folder.has(seed); });
@@ -330,6 +301,46 @@ int campaign(const CampaignOptions& options) {
 
 }  // namespace
 
+void expect_seeds(const SeedRange& range) {
+  if (range.first > std::numeric_limits<std::uint64_t>::max() - (range.runs - 1))
+    throw std::runtime_error("--first-seed " + std::to_string(range.first) + ": " +
+                             std::to_string(range.runs) + " runs from there on have no seeds");
+}
+
+CampaignFolder flown(const tasks::RaceMaker& maker, const RaceOptions& options,
+                     const SeedRange& range, const fs::path& out, int jobs) {
+  const tasks::Race race = maker.race(range.first);
+  nlohmann::json arguments{{"track", race.identity.track},
+                           {"track_toml", maker.inputs().at("track.toml")},
+                           {"vision", race.identity.vision},
+                           {"first_seed", range.first},
+                           {"runs", range.runs},
+                           {"shard", {range.shard.index, range.shard.count}},
+                           {"version", race.identity.version},
+                           {"commit", race.identity.commit},
+                           {"config", race.identity.config}};
+  if (const auto table = maker.inputs().find("colors.toml"); table != maker.inputs().end()) {
+    arguments["color_table"] = table->second;  // its content counts, not where it lies
+    arguments["config"]["color"].erase("table");
+  }
+  catch_interrupt();
+  CampaignFolder folder = CampaignFolder::opened(out, arguments, fly_command(options, "{seed}"));
+
+  const std::vector<std::uint64_t> seeds = folder.seeds();
+  std::vector<std::uint64_t> left;
+  for (const std::uint64_t seed : seeds)
+    if (!folder.has(seed)) left.push_back(seed);
+  if (!left.empty() && left.size() < seeds.size() && !options.common.quiet)
+    std::cerr << "gatefly campaign: " << seeds.size() - left.size() << " of " << seeds.size()
+              << " runs are there, " << left.size() << " to fly\n";
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  try {
+    Fleet(maker, folder, left).fly(jobs > 0 ? jobs : cores, options.common.quiet);
+  } catch (const Interrupted&) {  // what has finished is kept
+  }
+  return folder;
+}
+
 void declare_campaign(Command& command) {
   auto options = std::make_shared<CampaignOptions>();
   command.footer(
@@ -337,37 +348,60 @@ void declare_campaign(Command& command) {
       "  gatefly campaign showroom --runs 300 --shard 1/2 --out out/half-1\n"
       "  gatefly campaign --merge out/half-1 out/half-2 --out out/whole\n"
       "  gatefly campaign --compare out/before out/after\n"
-      "  gatefly campaign showroom --runs 300 --slurm 8 --out out/big\n\n"
+      "  gatefly campaign showroom --runs 300 --slurm 8 --out out/big\n"
+      "  gatefly campaign --faults --out out/faults\n\n"
       "Started again with the same arguments it flies only the seeds that are missing.\n"
       "Exit code 0: all were flown; 2: unusable arguments or track; 130: Ctrl-C, finished runs are "
       "kept.");
-  command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
+  options->race.track.clear();
+  command.option("TRACK", options->race.track,
+                 "a name in tracks/ or a file [showroom; with --faults: oval]");
+  const Flag faults = command.flag(
+      "--faults", options->faults,
+      "every fault of docs/reliability.md in turn, each on --runs seeds [20] from --first-seed on "
+      "[6001], at most 5 where pictures are rendered");
+  command.option("--only", options->only, "of them, beside F0 (no fault), only these: F1,F2,...")
+      .separated_by(',')
+      .needs(faults);
   command.option("--runs", options->runs, "how many seeds").between(1, 1000000);
-  command.option("--first-seed", options->first_seed, "and from which on").show_default();
+  command.option("--first-seed", options->first_seed, "and from which on [1]");
   command.option("--jobs", options->jobs, "races at the same time [one a core]").between(1, 1024);
   command
       .option("--shard", options->shard,
               "only every n-th seed, from the i-th on: for several machines")
-      .type_name("i/n");
+      .type_name("i/n")
+      .excludes(faults);
   command
       .option("--slurm", options->slurm,
               "instead of flying: submits so many shards to Slurm, and their merge after them")
-      .between(1, static_cast<int>(kMostShards));
+      .between(1, static_cast<int>(kMostShards))
+      .excludes(faults);
   command
       .option("--resume", options->resume,
               "instead of flying: submits what is missing of such a campaign, by its --out")
-      .path("DIR");
-  command.option("--merge", options->merge, "instead of flying: the shards' folders").path("DIR");
+      .path("DIR")
+      .excludes(faults);
+  command.option("--merge", options->merge, "instead of flying: the shards' folders")
+      .path("DIR")
+      .excludes(faults);
   command
       .option("--compare", options->compare,
               "pair it seed by seed with another campaign; with two folders nothing is flown")
-      .path("DIR");
+      .path("DIR")
+      .excludes(faults);
   command.option("--out", options->out, "folder for the campaign [out/campaign-TRACK]").path("DIR");
-  command.flag("--json", options->json, "print campaign.json instead of a screen");
+  command.flag("--json", options->json, "print campaign.json instead of a screen").excludes(faults);
   add_race_options(command, options->race);
   command.runs([options] {
     take_drone(options->race.drone, options->race.common);
-    return campaign(*options);
+    if (options->race.track.empty()) options->race.track = options->faults ? "oval" : "showroom";
+    if (!options->faults) return campaign(*options);
+    return fault_suite({.race = options->race,
+                        .runs = options->runs > 0 ? options->runs : 20,
+                        .jobs = options->jobs,
+                        .first_seed = options->first_seed.value_or(6001),
+                        .out = options->out.empty() ? "out/faults" : options->out,
+                        .only = options->only});
   });
 }
 

@@ -4,6 +4,7 @@
 
 usage: campaign_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
+import csv
 import json
 import shlex
 import signal
@@ -49,6 +50,24 @@ class Campaign(Cli):
         for summary in (alone, flown):
             del summary["timings"]
         self.assertEqual(alone, flown)
+
+    def test_the_fault_table_has_a_row_for_every_level_and_goes_on(self):
+        arguments = ("campaign", "--faults", "--runs", "1", "--first-seed", "1001", "--only", "F6,F7", "--laps", "1", "--out",
+                     "faults")
+        self.assertEqual(self.run_it(*arguments).returncode, 0)
+        text = (self.folder / "faults" / "faults.csv").read_text()
+        rows = list(csv.DictReader(text.splitlines()))
+        self.assertEqual([row["fault"] for row in rows], ["F0"] + ["F6"] * 5 + ["F7"] * 3)
+        self.assertTrue((self.folder / "faults" / "F0-1" / "run_001001.json").is_file())
+        self.assertEqual((rows[0]["finished"], rows[0]["met"]), ("1", "met"), "nothing was broken")
+        for row in rows:
+            self.assertTrue(row["met"].startswith(("met", "not yet: ", "not injected: ")), row)
+            ended = sum(int(row[how] or 0) for how in ("finished", "landed", "crashed"))
+            self.assertLessEqual(ended, int(row["runs"] or 0), row)
+        again = self.run_it(*arguments)
+        self.assertEqual((again.returncode, (self.folder / "faults" / "faults.csv").read_text()), (0, text))
+        self.assertIn("F99", self.refused("campaign", "--faults", "--only", "F99", "--out", "other"))
+        self.assertFalse((self.folder / "other").exists())
 
     def test_the_number_of_jobs_changes_nothing(self):
         for jobs in ("1", "3"):

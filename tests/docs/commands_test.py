@@ -57,6 +57,7 @@ REDUCED = {
     "campaign showroom --runs 100 --vision ideal --out out/days": ("--runs 100", "--runs 2"),
     "campaign showroom --vision ideal --set faults.missing_gate=3 --first-seed 1101 --runs 80": ("--runs 80", "--runs 4"),
     "campaign oval --runs 40 --vision ideal": ("--runs 40", "--runs 2"),
+    "campaign --faults": ("--faults", "--faults --runs 1 --only F1 --laps 1"),
     "campaign showroom --runs 12 --vision ideal --set randomize.jet_mps=0.3 --set randomize.shear_per_s=0.1 --set randomize.wash=1":
         ("--runs 12", "--runs 1"),
     "campaign mine.toml --runs 100 --vision ideal --out out/mine": ("--runs 100", "--runs 2"),
