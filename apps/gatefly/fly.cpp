@@ -11,6 +11,7 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
+#include "gatefly/flight_log/sensor_health_json.hpp"
 #include "gatefly/pages/flight_page.hpp"
 #include "gatefly/pages/page.hpp"
 #include "gatefly/report/flight_mcap.hpp"
@@ -102,6 +103,8 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
   line("detection", io::amount(r.frames, "picture") + ", " + std::to_string(r.frames_with_gate) +
                         " show the next gate whole: in " + std::to_string(r.true_positives) +
                         " found, " + std::to_string(r.false_positives) + " false detections");
+  if (const std::string refused = flight_log::in_words(r.sensor_health); !refused.empty())
+    line("sensors", refused);
   line("searches", std::to_string(r.searches));
   line("cost", cost(r));
   line("files", (out / "").string());

@@ -15,6 +15,7 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/sensor_health_json.hpp"
 #include "gatefly/geometry/seconds.hpp"
 #include "gatefly/live/camera.hpp"
 #include "gatefly/live/drone_file.hpp"
@@ -151,6 +152,7 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
            {{"uri", options.camera},
             {"lost", wires.pictures_lost.load()},
             {"stalls", wires.stalls.load()}}},
+          {"sensors", flight_log::as_json(session.sensor_health())},
           {"link",
            {{"uri", options.link},
             {"samples", state.samples},
@@ -176,8 +178,8 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
           {"config", io::as_json(course.config)}};
 }
 
-void print_run(const nlohmann::ordered_json& told, live::RunRecorder& recorder,
-               const fs::path& out) {
+void print_run(const nlohmann::ordered_json& told, const SensorHealth& sensors,
+               live::RunRecorder& recorder, const fs::path& out) {
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
   };
@@ -196,6 +198,8 @@ void print_run(const nlohmann::ordered_json& told, live::RunRecorder& recorder,
                        " stalls");
   line("link", number("link", "samples") + " samples, " + number("link", "asked") + " requests, " +
                    number("link", "lost") + " without an answer");
+  const std::string refused = flight_log::in_words(sensors);
+  line("sensors", refused.empty() ? "all well" : refused);
   line("woken late by", quantiles(recorder.late()));
   line("a step takes", quantiles(recorder.took()));
   if (!out.empty()) line("files", (out / "").string());
@@ -371,7 +375,7 @@ int run(const RunOptions& options) {
   if (options.json)
     std::cout << io::json_text(told);
   else if (!options.common.quiet)
-    print_run(told, recorder, options.out);
+    print_run(told, session->sensor_health(), recorder, options.out);
   if (interrupted()) return kInterrupted;
   const bool well =
       options.shadow ? reason == "the end" || reason == "time limit" : recorder.finished();

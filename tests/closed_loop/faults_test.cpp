@@ -109,6 +109,39 @@ TEST(SensorFaultsInFlight, ReachTheirSensors) {
   EXPECT_NEAR(last - healthy.stamps.back(), 10.0, 0.1);
 }
 
+// In the first lap, where the drone is fast and turns.
+TEST(SensorFaultsInFlight, AClockThatJumpsIsFollowedAndTheRaceGoesOn) {
+  for (const double jump : {0.1, -0.1, 10.0, -10.0}) {
+    const RaceResult result = fly(ideal({.time_jump = {5.0, jump}}), {});
+    EXPECT_TRUE(result.finished) << jump << ' ' << result.crash_object << result.abort_reason;
+    EXPECT_EQ(result.sensor_health.clock_jumps, 1u) << jump;
+    EXPECT_LT(result.estimation_rmse.norm(), 0.5) << jump;
+  }
+}
+
+// Between gates: whoever falls falls on what is below.
+TEST(SensorFaultsInFlight, AStuckImuEndsOnTheFloorAndSaysWhy) {
+  const RaceResult result = fly(ideal({.imu_stuck = {4.0, 1000.0}}), {});
+  EXPECT_EQ(result.stop_reason, "abort") << result.crash_object;
+  EXPECT_EQ(result.abort_reason, "the IMU went silent");
+  EXPECT_GT(result.sensor_health.imu_stuck, 0u);
+  EXPECT_LT(result.flight_time, 5.0) << "0.1 s until it knows, then a fall";
+}
+
+TEST(SensorFaultsInFlight, ACameraThatDiesEndsOnTheFloorWithinThreeSeconds) {
+  const RaceResult result = fly(ideal({.camera_out = {5.0, 1000.0}}), {});
+  EXPECT_EQ(result.stop_reason, "abort") << result.crash_object;
+  EXPECT_EQ(result.abort_reason, "no pictures come");
+  EXPECT_LT(result.flight_time, 8.0);
+}
+
+TEST(SensorFaultsInFlight, HealthySensorsAreNotSuspected) {
+  const RaceResult result = fly(ideal({}), {});
+  EXPECT_TRUE(result.finished);
+  for (const SensorCount& each : kSensorCounts)
+    EXPECT_EQ(result.sensor_health.*each.count, 0u) << each.key;
+}
+
 TEST(GateFaultsInFlight, AMissingGateIsNeverPassed) {
   const RaceResult result = fly(ideal({.missing_gate = 1}), {});
   EXPECT_EQ(result.gates_passed, 0);

@@ -108,7 +108,7 @@ TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
   EXPECT_EQ(t.reason, AbortReason::kGateNotFound);
 }
 
-TEST(Phase, EveryFlyingPhaseLandsWhenTheCourseIsDoneOrTheImuIsSilent) {
+TEST(Phase, EveryFlyingPhaseEndsWhenTheCourseIsDoneOrTheImuIsSilent) {
   const std::vector<Phase> all{TakeOff{9.0}, Straight{}, Turn{}, Search{9.0}};
   for (const Phase& phase : all) {
     Situation done = flying();
@@ -117,7 +117,7 @@ TEST(Phase, EveryFlyingPhaseLandsWhenTheCourseIsDoneOrTheImuIsSilent) {
     EXPECT_EQ(next_phase(phase, done, kParams).reason, AbortReason::kNone);
     Situation silent = flying();
     silent.since_imu = kParams.imu_timeout + 0.01;
-    EXPECT_TRUE(is<Land>(next_phase(phase, silent, kParams))) << name_of(phase);
+    EXPECT_TRUE(is<Landed>(next_phase(phase, silent, kParams))) << name_of(phase);
     EXPECT_EQ(next_phase(phase, silent, kParams).reason, AbortReason::kSensorsLost);
   }
 }
@@ -159,9 +159,58 @@ TEST(Phase, EveryPhaseHasItsNameAndEveryReasonItsText) {
   EXPECT_STREQ(name_of(Land{}), "land");
   EXPECT_STREQ(name_of(Landed{}), "landed");
   EXPECT_STREQ(text_of(AbortReason::kNone), "");
-  for (const AbortReason reason : {AbortReason::kGateNotFound, AbortReason::kNoClimb,
-                                   AbortReason::kUpset, AbortReason::kSensorsLost})
+  for (const AbortReason reason :
+       {AbortReason::kGateNotFound, AbortReason::kNoClimb, AbortReason::kUpset,
+        AbortReason::kSensorsLost, AbortReason::kNoPictures})
     EXPECT_FALSE(std::string{text_of(reason)}.empty());
+}
+
+TEST(Phase, WithoutAnImuMotorsAreCutOrTheAutopilotLands) {
+  PhaseParams levelled = kParams;
+  levelled.cuts_without_imu = false;
+  Situation silent = flying(), stuck = flying();
+  silent.since_imu = kParams.imu_timeout + 0.01;
+  stuck.imu_stuck = true;
+  for (const Situation& s : {silent, stuck}) {
+    const Transition cut = next_phase(Straight{}, s, kParams),
+                     land = next_phase(Straight{}, s, levelled);
+    EXPECT_TRUE(is<Landed>(cut) && is<Land>(land));
+    EXPECT_EQ(cut.reason, AbortReason::kSensorsLost);
+    EXPECT_EQ(land.reason, AbortReason::kSensorsLost);
+    EXPECT_TRUE(is<Landed>(next_phase(Land{9.0}, s, kParams))) << "while it lands, too";
+    EXPECT_TRUE(is<Land>(next_phase(Land{9.0}, s, levelled)));
+    EXPECT_FALSE(is<Landed>(next_phase(OnGround{}, s, kParams))) << "on the ground it waits";
+  }
+}
+
+TEST(Phase, ACameraThatSendsNothingLeadsDownInAHurry) {
+  Situation s = flying();
+  s.picture_interval = 1.0 / 15.0;
+  s.since_picture = kParams.picture_timeout - 0.01;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
+  s.since_picture = kParams.picture_timeout + 0.01;
+  for (const Phase& phase : std::vector<Phase>{TakeOff{9.0}, Straight{}, Search{9.0}}) {
+    const Transition t = next_phase(phase, s, kParams);
+    ASSERT_TRUE(is<Land>(t));
+    EXPECT_TRUE(std::get<Land>(t.phase).in_a_hurry);
+    EXPECT_EQ(t.reason, AbortReason::kNoPictures);
+  }
+  EXPECT_EQ(next_phase(OnGround{}, s, kParams).reason, AbortReason::kNone);
+  EXPECT_EQ(next_phase(Land{9.0}, s, kParams).reason, AbortReason::kNone) << "it lands already";
+}
+
+TEST(Phase, ACameraWhosePicturesAreRareIsGivenLonger) {
+  Situation s = flying();
+  s.picture_interval = 1.0, s.since_picture = 5.9;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
+  s.since_picture = 6.1;
+  EXPECT_EQ(next_phase(Straight{}, s, kParams).reason, AbortReason::kNoPictures);
+}
+
+TEST(Phase, AFinishedCourseWithoutPicturesIsFinished) {
+  Situation s = flying();
+  s.course_done = true, s.since_picture = 5.0;
+  EXPECT_EQ(next_phase(Straight{}, s, kParams).reason, AbortReason::kNone);
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ Sensors sensed_at(int tick, const Imu& imu) {
   Sensors s;
   s.time = std::chrono::nanoseconds{static_cast<long long>(tick) * 1'953'125};  // 512 Hz
   s.imu = imu;
+  s.imu.gyro_B.x() += tick % 2 * 1e-12;  // no IMU says the same twice while rotors turn
   return s;
 }
 
@@ -166,8 +167,11 @@ TEST(Pilot, GivesUpWhenItDoesNotClimb) {
   EXPECT_EQ(pilot.abort_reason(), AbortReason::kNoClimb);
 }
 
+// By way of an autopilot, which levels itself.
 TEST(Pilot, ASilentImuLeadsToALandingWithAReason) {
-  Pilot pilot{config()};
+  PilotConfig by_autopilot = config();
+  by_autopilot.output = Output::kRatesThrust;
+  Pilot pilot{by_autopilot};
   int tick = climb(pilot, take_off(pilot));
   const Imu silent{Vector3d::Constant(kNan), Vector3d::Constant(kNan)};
   for (int i = 0; i < 51; ++i) (void)pilot.step(sensed_at(tick++, silent));
@@ -181,6 +185,102 @@ TEST(Pilot, ASilentImuLeadsToALandingWithAReason) {
   for (int i = 0; i < 15 * 512; ++i) (void)pilot.step(sensed_at(tick++, silent));
   EXPECT_TRUE(pilot.landed());
   EXPECT_TRUE(motors_off(pilot.step(sensed_at(tick, silent))));
+}
+
+TEST(Pilot, AStuckImuIsALostOneAndWithoutOneNothingLevels) {
+  Pilot pilot{config()};
+  int tick = climb(pilot, take_off(pilot));
+  const Imu stuck{{0.1, -0.2, 0.3}, {0.5, -0.5, -9.7}};
+  const auto step = [&] {
+    Sensors s = sensed_at(tick++, {});
+    s.imu = stuck;
+    return pilot.step(s);
+  };
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(motors_off(step())) << "samples may be alike: " << i;
+  for (int i = 0; i < 3; ++i) (void)step();
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kSensorsLost);
+  EXPECT_TRUE(motors_off(step()));
+  EXPECT_GE(pilot.health().imu_stuck, 1u);
+  EXPECT_EQ(pilot.health().imu_not_finite, 0u);
+  EXPECT_TRUE(is_finite(pilot.estimate()));
+}
+
+TEST(Pilot, OnTheGroundACoarseImuMayStandStill) {
+  Pilot pilot{config()};
+  for (int tick = 1; tick < PhaseParams{}.rest_samples; ++tick) {
+    Sensors s = sensed_at(tick, {});
+    s.imu = still();
+    (void)pilot.step(s);
+  }
+  EXPECT_TRUE(in<OnGround>(pilot));
+  EXPECT_EQ(pilot.health().imu_stuck, 0u);
+}
+
+TEST(Pilot, ACameraThatSendsNothingAnyMoreLeadsDown) {
+  Pilot pilot{config()};
+  int tick = climb(pilot, take_off(pilot));
+  const auto fly = [&](double seconds, int pictures_every) {
+    for (int i = 0; i < seconds * 512; ++i) {
+      Sensors s = sensed_at(tick++, still());
+      if (pictures_every > 0 && i % pictures_every == 0) s.seen.emplace();
+      (void)pilot.step(s);
+    }
+  };
+  fly(3.0, 34);
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kNone) << "pictures without a gate are pictures";
+  fly(1.1, 0);
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kNone) << "a second may be lost";
+  fly(0.3, 0);
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kNoPictures);
+  EXPECT_TRUE(in<Land>(pilot)) << name_of(pilot.phase());
+}
+
+TEST(Pilot, RareOrNoPicturesFromTheStartAreNoDeadCamera) {
+  for (const int every : {0, 450}) {  // none, 1.1 a second
+    Pilot pilot{config()};
+    int tick = climb(pilot, take_off(pilot));
+    for (int i = 0; i < 6 * 512; ++i) {
+      Sensors s = sensed_at(tick++, still());
+      if (every > 0 && i % every == 0 && i / every != 4) s.seen.emplace();
+      (void)pilot.step(s);
+      ASSERT_NE(pilot.abort_reason(), AbortReason::kNoPictures) << every << " " << i;
+    }
+  }
+}
+
+TEST(Pilot, TheSamePictureAgainIsNotLookedAt) {
+  PilotConfig c = config();
+  c.track.gates[0].p_EG = {3.5, 0, -1.5};
+  Pilot pilot{c};
+  int tick = climb(pilot, take_off(pilot));
+  View view;
+  view.p_GB = pilot.estimate().p_EB - c.track.gates[0].p_EG;
+  Canvas canvas{316, 160};
+  canvas.draw_gate(view, c.camera);
+  const auto bytes = canvas.uyvy();
+  for (int i = 0; i < 3; ++i) {
+    Sensors s = sensed_at(tick++, still());
+    s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+    (void)pilot.step(s);
+    EXPECT_EQ(pilot.sighting().seen, i == 0) << i;
+  }
+  EXPECT_EQ(pilot.health().pictures_repeated, 2u);
+}
+
+TEST(Pilot, AClockThatJumpsMovesNothing) {
+  for (const double jump : {0.1, -0.1, 10.0, -10.0}) {
+    Pilot jumped{config()}, straight{config()};
+    int tick = climb(jumped, take_off(jumped));
+    (void)climb(straight, take_off(straight));
+    for (int i = 0; i < 256; ++i, ++tick) {
+      Sensors s = sensed_at(tick, still());
+      (void)straight.step(s);
+      s.time += std::chrono::nanoseconds{std::llround(1e9 * jump)};
+      (void)jumped.step(s);
+    }
+    EXPECT_EQ(jumped.health().clock_jumps, 1u) << jump;
+    EXPECT_LT((jumped.estimate().p_EB - straight.estimate().p_EB).norm(), 1e-4) << jump;
+  }
 }
 
 // Any garbage a broken sensor could send, in any order, for ten seconds; seeds 1..10.
@@ -272,8 +372,11 @@ TEST(Pilot, RepeatedAndOlderStampsLetNoTimePass) {
   (void)pilot.step(sensed_at(tick, still()));
   const Vector3d p = pilot.estimate().p_EB;
   const Imu moving{Vector3d{0.5, 0.5, 0.5}, {2, 2, -12}};
-  for (int i = 0; i < 500; ++i) EXPECT_TRUE(is_finite(pilot.step(sensed_at(tick - i % 3, moving))));
+  for (int i = 0; i < 50; ++i) EXPECT_TRUE(is_finite(pilot.step(sensed_at(tick - i % 3, moving))));
   EXPECT_EQ(pilot.estimate().p_EB, p);
+  EXPECT_EQ(pilot.health().imu_stale, 50u);
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(is_finite(pilot.step(sensed_at(tick - i % 3, moving))));
+  EXPECT_EQ(pilot.abort_reason(), AbortReason::kSensorsLost) << "a clock that stands";
 }
 
 // The drone stands 3.5 m before the gate, where its map says: the picture confirms it and the fix

@@ -16,6 +16,7 @@
 #include "gatefly/c_interface/microsecond_clock.hpp"
 #include "gatefly/config/pilot_files.hpp"
 #include "gatefly/race/pilot.hpp"
+#include "gatefly/sensing/sensor_watch.hpp"
 
 // Marks functions that may not allocate, lock or call the system: clang checks it
 // (tools/check_realtime.sh).
@@ -30,6 +31,7 @@ namespace {
 using gatefly::Command;
 using gatefly::Imu;
 using gatefly::Pilot;
+using gatefly::SensorFault;
 using gatefly::Sensors;
 using gatefly::c_interface::MicrosecondClock;
 
@@ -37,7 +39,6 @@ constexpr std::uint64_t kAlive = 0x67617465666c7931;  // "gatefly1": what is a p
 constexpr std::int64_t kMostApart = 1'000'000;        // stamps of one clock, at one time [µs]
 constexpr int kStands = 50;                           // refused stamps: 0.1 s of 512 Hz
 constexpr std::uint64_t kImuLost = 100'000, kImageLost = 250'000;  // [µs] reliability: F4, F7
-constexpr double kMostGyro = 100.0, kMostAccel = 400.0;            // beyond any MEMS: Navigator
 
 /// Stamps of one sensor: each is later than the one before, and of about the IMU's time.
 class Order {
@@ -131,11 +132,9 @@ namespace {
 
 bool is_pilot(const gatefly_pilot* pilot) { return pilot != nullptr && pilot->alive == kAlive; }
 
-gatefly_status judged(const Imu& imu) {
-  if (!imu.gyro_B.allFinite() || !imu.accel_B.allFinite()) return GATEFLY_NOT_FINITE;
-  const bool possible = imu.gyro_B.cwiseAbs().maxCoeff() < kMostGyro &&
-                        imu.accel_B.cwiseAbs().maxCoeff() < kMostAccel;
-  return possible ? gatefly_status{GATEFLY_OK} : gatefly_status{GATEFLY_OUT_OF_RANGE};
+gatefly_status as_status(SensorFault fault) {
+  if (fault == SensorFault::kNone) return GATEFLY_OK;
+  return fault == SensorFault::kNotFinite ? GATEFLY_NOT_FINITE : GATEFLY_OUT_OF_RANGE;
 }
 
 Imu imu_of(const double* gyro, const double* accel) {
@@ -154,16 +153,10 @@ gatefly_status guarded(const gatefly_pilot* pilot, const Work& work) noexcept {
 }
 
 gatefly_status push_height(gatefly_pilot& pilot, Order& order, std::uint32_t stamp, double value,
-                           double least, double most, std::optional<double>& next) {
-  gatefly_status status = GATEFLY_OK;
-  if (!std::isfinite(value))
-    status = GATEFLY_NOT_FINITE;
-  else if (!(value > least && value < most))
-    status = GATEFLY_OUT_OF_RANGE;
-  else if (!order.takes(stamp, pilot.clock))
-    status = GATEFLY_STALE;
-  else
-    next = value;
+                           SensorFault fault, std::optional<double>& next) {
+  gatefly_status status = as_status(fault);
+  if (status == GATEFLY_OK && !order.takes(stamp, pilot.clock)) status = GATEFLY_STALE;
+  if (status == GATEFLY_OK) next = value;
   ++(status == GATEFLY_OK ? pilot.counts.heights : pilot.counts.heights_refused);
   return status;
 }
@@ -201,7 +194,7 @@ bool is_whole(const gatefly_setup& setup) {
 }  // namespace
 
 gatefly_status gatefly_pilot::step(const Imu& imu) GATEFLY_NONBLOCKING {
-  const gatefly_status status = judged(imu);
+  const gatefly_status status = as_status(fault_of(imu));
   next.time = std::chrono::microseconds{time};
   next.imu = imu;
   if (status == GATEFLY_OK || counts.steps == 0) last_imu = time;
@@ -330,7 +323,7 @@ gatefly_status gatefly_push_navigation_imu(gatefly_pilot* pilot, uint32_t time_u
   return guarded(pilot, [&]() -> gatefly_status {
     if (gyro_radps == nullptr || accel_mps2 == nullptr) return GATEFLY_NULL;
     const Imu imu = imu_of(gyro_radps, accel_mps2);
-    const gatefly_status status = judged(imu);
+    const gatefly_status status = as_status(fault_of(imu));
     if (status != GATEFLY_OK) return status;
     if (!pilot->navigation_imu.takes(time_us, pilot->clock)) return GATEFLY_STALE;
     pilot->next.navigation_imu = imu;
@@ -340,13 +333,15 @@ gatefly_status gatefly_push_navigation_imu(gatefly_pilot* pilot, uint32_t time_u
 
 gatefly_status gatefly_push_sonar(gatefly_pilot* pilot, uint32_t time_us, double range_m) {
   return guarded(pilot, [&]() -> gatefly_status {
-    return push_height(*pilot, pilot->sonar, time_us, range_m, 0.0, 100.0, pilot->next.sonar);
+    return push_height(*pilot, pilot->sonar, time_us, range_m, gatefly::fault_of_sonar(range_m),
+                       pilot->next.sonar);
   });
 }
 
 gatefly_status gatefly_push_baro(gatefly_pilot* pilot, uint32_t time_us, double height_m) {
   return guarded(pilot, [&]() -> gatefly_status {
-    return push_height(*pilot, pilot->baro, time_us, height_m, -1000.0, 1000.0, pilot->next.baro);
+    return push_height(*pilot, pilot->baro, time_us, height_m, gatefly::fault_of_baro(height_m),
+                       pilot->next.baro);
   });
 }
 

@@ -113,7 +113,8 @@ class Arena {
   [[nodiscard]] std::string verdict(const Pilot& pilot) const {
     const double now = simulator.body.time();
     if (referee.finished() && (pilot.landed() || now > finished_at_ + kRunOut)) return "finished";
-    if (pilot.landed() && !referee.finished()) return "abort";
+    // With its motors off in the air it falls first: on the floor, or onto something else.
+    if (pilot.landed() && !referee.finished() && !falls()) return "abort";
     return now > timeout_ ? "timeout" : "";
   }
 
@@ -132,6 +133,10 @@ class Arena {
       result.crash_time = simulator.body.time();
       result.crash_object = object;
     }
+  }
+
+  [[nodiscard]] bool falls() const {
+    return airborne_ && -simulator.body.state().p_EB.z() > kAirborne;
   }
 
   int steps_;
@@ -226,6 +231,7 @@ class FlightIn final : public AnyFlight {
     const eskf::ErrorStateFilter* filter = pilot_.navigator().error_state();
     if (filter != nullptr && filter->has_started()) result.findings = eskf::findings_of(*filter);
     result.truth = truth_of_findings(config_.sim, config_.pilot);
+    result.sensor_health = pilot_.health();
     result.divergence = pilot_.divergence();
     result.true_gates = config_.sim.world.gates;
     result.gates_total = arena_.referee.total();

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sensing/sensor_watch.hpp"
 
 namespace gatefly {
 namespace {
@@ -14,11 +15,7 @@ namespace {
 constexpr double kLongestStep = 0.1;  // a gap in the samples counts as no more than this [s]
 constexpr double kLongLeg = 2.5;      // shorter ones say nothing about heading [m]
 
-// Beyond any MEMS range a number is as broken as NaN, and would become one inside.
-bool is_usable(const Imu& imu) {
-  return imu.gyro_B.allFinite() && imu.accel_B.allFinite() &&
-         imu.gyro_B.cwiseAbs().maxCoeff() < 100.0 && imu.accel_B.cwiseAbs().maxCoeff() < 400.0;
-}
+bool is_usable(const Imu& imu) { return fault_of(imu) == SensorFault::kNone; }
 
 // Between the gate's own frame, near it, and the map's, far from it. [ours: docs/paper/deviations.md]
 constexpr double kOwnFrame = 1.0, kMapFrame = 4.0;  // [m]
@@ -151,9 +148,10 @@ void Navigator::measure_heights(const std::optional<double>& sonar,
   const auto fuse = [&](const std::optional<Height>& height, Trust& trust) {
     if (height) take_height(*height, trust);
   };
-  if (baro && std::abs(*baro) < 1000.0) fuse(altimeter_.baro(*baro, time_), baro_);
+  if (baro && fault_of_baro(*baro) == SensorFault::kNone)
+    fuse(altimeter_.baro(*baro, time_), baro_);
   const double upright = flies_ours() ? ours_->now().R_EB(2, 2) : ahrs_.R_EB().matrix(2, 2);
-  if (sonar && *sonar > 0.0 && *sonar < 100.0 && upright > 0.85)
+  if (sonar && fault_of_sonar(*sonar) == SensorFault::kNone && upright > 0.85)
     fuse(altimeter_.sonar(*sonar * upright, -p_EB().z(), time_), sonar_);
 }
 

@@ -44,6 +44,8 @@ class Session {
   void stop();
   [[nodiscard]] Wires& wires() { return wires_; }
   [[nodiscard]] const RunClock& clock() const { return clock_; }
+  /// What the pilot has not used of its sensors; after stop().
+  [[nodiscard]] const SensorHealth& sensor_health() const { return pilot_.health(); }
 
  private:
   void go_first_unless_recorded(Urgency urgency);

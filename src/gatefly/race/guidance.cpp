@@ -142,8 +142,10 @@ AttitudeCommand Guidance::search(const Search& phase, const NavigationState& now
 }
 
 AttitudeCommand Guidance::land(const Land& phase, const NavigationState& now) {
-  const double sinking = std::max(0.0, now.time - phase.since - params_.landing.brake);
-  const double sink = params_.landing.sink;
+  const LandingParams& p = params_.landing;
+  const double brake = phase.in_a_hurry ? 0.0 : p.brake;
+  const double sinking = std::max(0.0, now.time - phase.since - brake);
+  const double sink = phase.in_a_hurry ? p.hurry : p.sink;
   AttitudeCommand c = hold(now.p_EB.head<2>(), now.attitude.yaw, 0.0, now);
   c.thrust = thrust(phase.z + sink * sinking, sinking > 0.0 ? sink : 0.0, now);
   return c;

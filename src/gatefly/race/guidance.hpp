@@ -25,6 +25,7 @@ struct SweepParams {
 struct LandingParams {
   double brake = 1.0;  ///< First it stands still [s]. [estimate]
   double sink = 0.5;   ///< Then it goes down [m/s]. [estimate]
+  double hurry = 1.0;  ///< The same of one that cannot wait [m/s]. [a fall of 5 cm]
 };
 
 /// Everything guidance is told before take-off.

@@ -136,6 +136,7 @@ PhaseParams phase_params(const PilotConfig& config) {
     params.goes_around = false;
   }
   fit_to_gates(params, config);
+  params.cuts_without_imu = config.output == Output::kMotors;
   const double slow = slow_imu_hz(config), hz = slow > 0.0 ? slow : config.imu_hz;
   params.rest_samples = static_cast<int>(std::lround(config.phase.rest_samples * hz / kUsualHz));
   return params;

@@ -35,6 +35,17 @@ Phase turn_from(const Situation& now) {
   return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};
 }
 Phase land_from(const Situation& now) { return Land{now.time, -now.height}; }
+Phase hurry_down_from(const Situation& now) { return Land{now.time, -now.height, true}; }
+
+bool imu_is_lost(const Situation& now, const PhaseParams& params) {
+  return now.imu_stuck || now.since_imu > params.imu_timeout;
+}
+
+// None at all: a picture without a gate is one. A camera whose pictures are rare is given longer.
+bool camera_is_dead(const Situation& now, const PhaseParams& params) {
+  return now.since_picture > params.picture_timeout &&
+         now.since_picture > params.picture_intervals * now.picture_interval;
+}
 
 struct Next {
   const Situation& now;
@@ -89,9 +100,12 @@ bool is_flying(const Phase& phase) {
 Transition next_phase(const Phase& phase, const Situation& now, const PhaseParams& params) {
   const bool motors_on = is_flying(phase) || std::holds_alternative<Land>(phase);
   if (motors_on && now.tilt > params.max_tilt) return {Landed{}, AbortReason::kUpset};
+  if (motors_on && params.cuts_without_imu && imu_is_lost(now, params))
+    return {Landed{}, AbortReason::kSensorsLost};
   if (is_flying(phase)) {
-    if (now.since_imu > params.imu_timeout) return {land_from(now), AbortReason::kSensorsLost};
+    if (imu_is_lost(now, params)) return {land_from(now), AbortReason::kSensorsLost};
     if (now.course_done) return {land_from(now)};
+    if (camera_is_dead(now, params)) return {hurry_down_from(now), AbortReason::kNoPictures};
   }
   return std::visit(Next{now, params}, phase);
 }
@@ -114,6 +128,8 @@ const char* text_of(AbortReason reason) {
       return "the drone tipped over";
     case AbortReason::kSensorsLost:
       return "the IMU went silent";
+    case AbortReason::kNoPictures:
+      return "no pictures come";
   }
   return "";
 }

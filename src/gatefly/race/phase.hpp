@@ -26,8 +26,9 @@ struct Search {
 };
 /// All gates passed, or given up: level, down.
 struct Land {
-  double since = 0.0;  ///< [s]
-  double z = 0.0;      ///< Height when it began, z down [m].
+  double since = 0.0;       ///< [s]
+  double z = 0.0;           ///< Height when it began, z down [m].
+  bool in_a_hurry = false;  ///< Where it is grows less certain while it waits: down at once.
 };
 /// Motors off.
 struct Landed {};
@@ -37,7 +38,7 @@ struct Landed {};
 using Phase = std::variant<OnGround, TakeOff, Straight, Turn, Search, Land, Landed>;
 
 /// Why a flight was given up; kNone while it was not.
-enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost };
+enum class AbortReason { kNone, kGateNotFound, kNoClimb, kUpset, kSensorsLost, kNoPictures };
 
 /// Between take-off and landing.
 [[nodiscard]] bool is_flying(const Phase& phase);
@@ -67,7 +68,11 @@ struct Situation {
   double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
   double tilt = 0.0;           ///< Between body and earth vertical [rad].
   double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
+  bool imu_stuck = false;      ///< Its samples stay the same.
   double since_gate = 1e9;     ///< Since the last gate was passed [s].
+  /// Since a picture came, whatever was in it; 0 before the first, and where another pilot flies [s].
+  double since_picture = 0.0;
+  double picture_interval = 0.0;  ///< From one to the next, in the mean [s].
 };
 
 struct PhaseParams {
@@ -103,6 +108,12 @@ struct PhaseParams {
   double land_timeout = 12.0;   ///< ... or after this [s]. [ours: 1 s, then 0.5 m/s from 5 m]
   double max_tilt = 1.2;        ///< Beyond it the flight is lost [rad].
   double imu_timeout = 0.2;     ///< [s]
+  /// Without an IMU nothing levels the drone: motors off. Else an autopilot has one of its own, and is
+  /// told to land.
+  bool cuts_without_imu = true;
+  // A camera is dead that sends nothing for so long ...
+  double picture_timeout = 1.25;   ///< [s] [ours: with 1.5 m of sinking, F4's 3 s]
+  double picture_intervals = 6.0;  ///< ... and that often what it usually takes. [estimate]
 };
 
 struct Transition {

@@ -6,6 +6,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/race/course.hpp"
 #include "gatefly/race/guidance.hpp"
+#include "gatefly/race/intake.hpp"
 #include "gatefly/race/lookout.hpp"
 #include "gatefly/race/map_lookout.hpp"
 #include "gatefly/race/paper/paper_guidance.hpp"
@@ -50,7 +51,8 @@ bool is_resting(const Phase& phase) {
 
 struct Pilot::Parts {
   explicit Parts(const PilotConfig& config)
-      : lookout{lookout_of(config)},
+      : intake{config.imu_hz},
+        lookout{lookout_of(config)},
         course{course_of(config)},
         guidance{guidance_of(config)},
         output{config.output},
@@ -58,6 +60,7 @@ struct Pilot::Parts {
         indi{indi_params(config), config.vehicle},
         rates{config.rates, config.indi.max_yaw_rate} {}
 
+  Intake intake;
   EitherLookout lookout;
   Course course;
   EitherGuidance guidance;
@@ -85,14 +88,16 @@ Pilot& Pilot::operator=(Pilot&&) noexcept = default;
 Pilot::~Pilot() = default;
 
 /// One tick of the system diagram, Li18 Fig. "system structure", left to right.
-Command Pilot::step(const Sensors& sensors) {
+Command Pilot::step(const Sensors& arrived) {
+  // sense: what is no reading goes no further
+  const Sensors& sensors = parts_->intake.take(arrived, !is_resting(phase_));
   // estimate: attitude from gyro and gravity; drag carries the position between sightings ...
   navigate(sensors);
   // detect -> pose: ... and a gate in view pulls it back
   look(sensors);
   // race: how far along the course, and what that asks for
   follow_course();
-  change_phase(sensors.lifted);
+  change_phase(sensors);
   // control: attitude, then rotor speeds, or what an autopilot takes
   const Command next = command(guide());
   motors_ = next.motors;
@@ -120,6 +125,8 @@ void Pilot::look(const Sensors& sensors) {
              parts_->lookout);
 }
 
+const SensorHealth& Pilot::health() const { return parts_->intake.health(); }
+
 bool Pilot::finished() const { return parts_->course.finished(); }
 int Pilot::target_gate() const { return parts_->course.target(); }
 const RacePlan& Pilot::plan() const { return parts_->course.plan(); }
@@ -146,9 +153,12 @@ void Pilot::follow_course() {
   if (std::holds_alternative<Search>(phase_)) phase_ = Straight{};
 }
 
-void Pilot::change_phase(bool lifted) {
+void Pilot::change_phase(const Sensors& sensors) {
   Situation now = situation();
-  now.lifted = lifted;
+  now.lifted = sensors.lifted;
+  // Another pilot may not need them.
+  if (!sensors.looks_on) now.since_picture = parts_->intake.since_picture();
+  now.picture_interval = parts_->intake.picture_interval();
   const Transition next = next_phase(phase_, now, phase_params_);
   const bool found_again =
       std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
@@ -185,6 +195,7 @@ Situation Pilot::situation() const {
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
   s.since_imu = now.since_imu;
+  s.imu_stuck = parts_->intake.imu_stuck();
   s.tilt = acos(now.R_EB.matrix(2, 2));
   return s;
 }

@@ -13,6 +13,7 @@
 #include "gatefly/race/path.hpp"
 #include "gatefly/race/phase.hpp"
 #include "gatefly/race/pilot_config.hpp"
+#include "gatefly/sensing/sensor_health.hpp"
 
 namespace gatefly {
 
@@ -26,7 +27,8 @@ class Pilot {
   Pilot& operator=(Pilot&&) noexcept;
   ~Pilot();
 
-  /// One tick, at the IMU's rate. Never throws, never allocates; non-finite samples are ignored.
+  /// One tick, at the IMU's rate. Never throws, never allocates; what is no reading is not used, and
+  /// counted: health().
   Command step(const Sensors& sensors);
 
   [[nodiscard]] Estimate estimate() const;
@@ -35,6 +37,8 @@ class Pilot {
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
   [[nodiscard]] const Sighting& sighting() const;
+  /// What came from the sensors and was not used.
+  [[nodiscard]] const SensorHealth& health() const;
   /// Whether the filter has diverged, judged without ground truth; kOurs only, else nullopt.
   [[nodiscard]] std::optional<eskf::Monitor::Verdict> divergence() const;
   [[nodiscard]] bool finished() const;
@@ -48,7 +52,7 @@ class Pilot {
   void navigate(const Sensors& sensors);
   void look(const Sensors& sensors);
   void follow_course();
-  void change_phase(bool lifted);
+  void change_phase(const Sensors& sensors);
   [[nodiscard]] Situation situation() const;
   AttitudeCommand guide();
   Command command(const AttitudeCommand& attitude);

@@ -2,6 +2,7 @@
 #include "gatefly/report/summary.hpp"
 
 #include "gatefly/flight_log/findings_json.hpp"
+#include "gatefly/flight_log/sensor_health_json.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/report/loss_report.hpp"
 
@@ -97,6 +98,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
                        {"true_positives", result.true_positives},
                        {"false_positives", result.false_positives},
                        {"careful_searches", result.careful_searches}};
+  json["sensors"] = flight_log::as_json(result.sensor_health);
   json["found"] = flight_log::as_json(result.findings);
   json["truth"] = truth_json(result.truth);
   json["found_after_lap_1"] = found_after_lap(result.discoveries);

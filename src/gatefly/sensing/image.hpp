@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 namespace gatefly {
 
@@ -54,6 +55,10 @@ class Image {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool empty() const { return width_ == 0; }
+  /// As they are stored; none where the view is empty.
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const {
+    return {bytes_, image_bytes(format_, width_, height_)};
+  }
   [[nodiscard]] bool contains(int u, int v) const {
     return static_cast<unsigned>(u) < static_cast<unsigned>(width_) &&
            static_cast<unsigned>(v) < static_cast<unsigned>(height_);
