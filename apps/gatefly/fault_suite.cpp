@@ -180,7 +180,8 @@ FaultOutcome outcome_of(const CampaignFolder& folder) {
     const io::RunRow row = folder.row(seed).value();
     const nlohmann::ordered_json summary = io::read_json(folder.file_of(seed).string());
     const bool crashed = !summary.at("crash").is_null();
-    const bool landed = !row.finished && !crashed && summary.at("landed").get<bool>();
+    // On the floor at the end of its landing: the race is over with the first touch.
+    const bool landed = !row.finished && !crashed && summary.at("stop_reason") == "abort";
     ++outcome.runs;
     outcome.finished += row.finished;
     outcome.crashed += crashed;
