@@ -39,7 +39,9 @@ struct CalibrateOptions {
   [[nodiscard]] bool prints() const { return !json && !common.quiet && !writes_to_stdout(); }
 };
 
-void complain(const std::string& what) { std::cerr << "gatefly calibrate: " << what << '\n'; }
+void complain_of_boards(const std::string& what) {
+  std::cerr << "gatefly calibrate: " << what << '\n';
+}
 
 std::vector<fs::path> all_files(const CalibrateOptions& options) {
   std::vector<fs::path> files;
@@ -66,7 +68,7 @@ Boards find_boards(const CalibrateOptions& options) {
       } catch (const std::exception& error) {
         if (files.size() == 1) throw;
         progress.clear();
-        complain(io::reason_of(error));
+        complain_of_boards(io::reason_of(error));
         ++boards.unusable;
       }
     }
@@ -199,13 +201,13 @@ int run_calibrate(const CalibrateOptions& options) {
   catch_interrupt();
   const Boards boards = find_boards(options);
   if (interrupted()) {
-    complain("interrupted, nothing written");
+    complain_of_boards("interrupted, nothing written");
     return kInterrupted;
   }
   if (boards.pictures == 0) return kUnusable;  // each was said
   answer_with(boards, options);
   if (boards.unusable == 0) return kDone;
-  complain(io::amount(boards.unusable, "picture") + " could not be used, the rest was");
+  complain_of_boards(io::amount(boards.unusable, "picture") + " could not be used, the rest was");
   return kUnusable;
 }
 

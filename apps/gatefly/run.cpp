@@ -75,13 +75,13 @@ struct Flying {
 };
 
 /// A recorded flight in the place of a link.
-struct Recording {
+struct RecordedLink {
   io::FlightFolder folder;
   std::vector<flight_log::RecordedTick> ticks;
 };
 
-std::shared_ptr<const Recording> recording_of(const live::LinkUri& uri) {
-  auto recording = std::make_shared<Recording>();
+std::shared_ptr<const RecordedLink> recording_of(const live::LinkUri& uri) {
+  auto recording = std::make_shared<RecordedLink>();
   recording->folder = io::read_flight_folder(uri.place);
   recording->ticks = flight_log::ticks_of(recording->folder);
   return recording;

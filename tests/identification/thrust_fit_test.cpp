@@ -14,7 +14,7 @@
 namespace gatefly::identification {
 namespace {
 
-struct Drone {
+struct ThrustDrone {
   double hover = 0.25, exponent = 1.6, lag = 0.05, bias = -0.3;
   double swing = 0.1;  ///< Swing of the throttle, relative.
   double noise = 0.5;  ///< Noise of the accelerometer [m/s²].
@@ -23,7 +23,7 @@ struct Drone {
 };
 
 /// So many seconds at 100 Hz, throttle to and fro.
-std::vector<ThrustPoint> flown(const Drone& drone, double seconds, Rng& rng) {
+std::vector<ThrustPoint> flown(const ThrustDrone& drone, double seconds, Rng& rng) {
   std::vector<ThrustPoint> points;
   double v_down = 0.0, air = 0.0;
   const double phase = rng.uniform(0.0, 6.0);
@@ -63,9 +63,9 @@ TEST(ThrustFit, ItsSigmasHoldInOneHundredFlights) {
   double exponent2 = 0.0;
   for (std::uint64_t seed = 1001; seed < 1101; ++seed) {
     Rng rng{seed};
-    const Drone drone{.hover = rng.uniform(0.2, 0.3),
-                      .exponent = rng.uniform(1.2, 2.0),
-                      .sag = 0.1 * test::normal(rng)};
+    const ThrustDrone drone{.hover = rng.uniform(0.2, 0.3),
+                            .exponent = rng.uniform(1.2, 2.0),
+                            .sag = 0.1 * test::normal(rng)};
     const auto fit = fit_thrust(flown(drone, 25.0, rng));
     ASSERT_TRUE(fit);
     hover += std::abs(fit->hover.value - drone.hover) < 3.0 * fit->hover.sigma;

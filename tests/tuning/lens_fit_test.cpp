@@ -139,11 +139,11 @@ TEST(FitLens, ACentreIsSaidWhereTheGatesShowItAndIsElseTheMiddle) {
 }
 
 /// Ten pictures of gates before a lens, or of none.
-struct Album {
+struct LensAlbum {
   std::deque<std::vector<std::uint8_t>> bytes;
   std::vector<LabelledImage> pictures;
 
-  Album(const AnyCamera& lens, bool gates, std::uint64_t seed) {
+  LensAlbum(const AnyCamera& lens, bool gates, std::uint64_t seed) {
     Rng rng{seed};
     const CameraRig rig{lens, camera_mount(0.0), Eigen::Vector3d::Zero()};
     while (pictures.size() < 10) {
@@ -161,7 +161,7 @@ struct Album {
 
 TEST(Tune, TenPicturesSayWhichLensTheyWereTakenWith) {
   for (const double truth : {110.0 * kDegree, 150.0 * kDegree}) {
-    const Album album{lens_across(truth), true, 21};
+    const LensAlbum album{lens_across(truth), true, 21};
     const Tuned tuned = tune_to_description(album.pictures, kOrangeGate, {}, 0.02);
     ASSERT_TRUE(tuned.learnt);
     ASSERT_EQ(tuned.lens.says, Says::kBent);
@@ -171,7 +171,7 @@ TEST(Tune, TenPicturesSayWhichLensTheyWereTakenWith) {
 }
 
 TEST(Tune, ClaimsNoBendOfAStraightLensNorOfPicturesWithoutGates) {
-  const Album straight{lens_across(0.0), true, 22}, none{lens_across(0.0), false, 23};
+  const LensAlbum straight{lens_across(0.0), true, 22}, none{lens_across(0.0), false, 23};
   const Tuned tuned = tune_to_description(straight.pictures, kOrangeGate, {}, 0.02);
   ASSERT_TRUE(tuned.learnt);
   EXPECT_EQ(tuned.lens.says, Says::kStraight);
@@ -179,7 +179,7 @@ TEST(Tune, ClaimsNoBendOfAStraightLensNorOfPicturesWithoutGates) {
 }
 
 TEST(Tune, AsksNothingOfALensThatWasNamed) {
-  const Album album{lens_across(150.0 * kDegree), true, 24};
+  const LensAlbum album{lens_across(150.0 * kDegree), true, 24};
   const Judging judging{.detector = {.lens = {lens_across(150.0 * kDegree), kWidth, kHeight}}};
   const Tuned tuned = tune_to_description(album.pictures, kOrangeGate, judging, 0.02);
   EXPECT_EQ(tuned.lens.says, Says::kNothing);

@@ -9,7 +9,7 @@
 namespace gatefly {
 namespace {
 
-constexpr double kWidest = 2.6;   // rays up to so far from the axis [rad]
+constexpr double kWidestRay = 2.6;  // rays up to so far from the axis [rad]
 constexpr double kBeyond = 1.75;  // the tables reach so many times as far as the picture's corners
 // An angle that grows so much faster with the radius than in the middle is not the lens, it is the
 // end of its polynomial.
@@ -44,7 +44,7 @@ struct Radial {
   }
 };
 
-/// Angles at even radii; where the model ends they go on as they did, up to kWidest.
+/// Angles at even radii; where the model ends they go on as they did, up to kWidestRay.
 class Angles {
  public:
   Angles(const Radial& lens, double most) : step_{most / kCount} {
@@ -58,7 +58,7 @@ class Angles {
       const auto now = model ? lens.angle(i * step_) : std::nullopt;
       model = now && *now - before<kSteepest * at_first&& * now> before;
       if (model) slope = *now - before;
-      angles_.push_back(std::min(kWidest, before + slope));
+      angles_.push_back(std::min(kWidestRay, before + slope));
     }
   }
 

@@ -16,7 +16,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-double area(const Polygon& p) {
+double polygon_area(const Polygon& p) {
   double twice = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) twice += cross(p[i], p[(i + 1) % p.size()]);
   return 0.5 * twice;
@@ -50,7 +50,7 @@ double shared_area(const Quad& a, const Quad& b) {
   Polygon shared;
   for (const auto& p : a) shared.push_back(p);
   for (std::size_t i = 0; i < 4; ++i) shared = clipped(shared, window[i], window[(i + 1) % 4]);
-  return std::abs(area(shared));
+  return std::abs(polygon_area(shared));
 }
 
 bool overlaps(const Quad& a, const Quad& b, double part) {

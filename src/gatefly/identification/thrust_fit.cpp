@@ -11,7 +11,7 @@ namespace gatefly::identification {
 namespace {
 
 // All ours.
-constexpr double kPiece = 0.25;     // [s]
+constexpr double kStretch = 0.25;   // [s]
 constexpr std::size_t kLeast = 12;  // pieces: 3 s
 constexpr double kLagStep = 0.01;   // [s]
 constexpr int kLagSteps = 15;
@@ -30,9 +30,9 @@ std::vector<Piece> pieces_of(std::span<const ThrustPoint> points, double bias, d
   std::size_t earlier = 0;
   for (const ThrustPoint& point : points) {
     while (earlier + 1 < points.size() && points[earlier + 1].t <= point.t - lag) ++earlier;
-    if (point.t - begin >= kPiece) {
+    if (point.t - begin >= kStretch) {
       // A gap in the log is no piece.
-      if (count > 0.0 && point.t - begin < 2.0 * kPiece && accel > 0.0)
+      if (count > 0.0 && point.t - begin < 2.0 * kStretch && accel > 0.0)
         pieces.push_back({command / count, std::log(accel / count)});
       command = accel = count = 0.0, begin = point.t;
     }

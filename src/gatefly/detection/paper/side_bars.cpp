@@ -10,12 +10,12 @@
 namespace gatefly {
 namespace {
 
-constexpr int kWidest = 4096;  // no camera of ours is wider [px]
+constexpr int kWidestPicture = 4096;  // no camera of ours is wider [px]
 
 /// Hits by column, and the rows they were on.
 struct Histogram {
-  std::array<int, kWidest> hits{};
-  std::array<double, kWidest> rows{};  ///< Summed.
+  std::array<int, kWidestPicture> hits{};
+  std::array<double, kWidestPicture> rows{};  ///< Summed.
   int width = 0;
 
   /// Mean over `count` columns around `u`; columns outside the picture hold nothing.
@@ -69,7 +69,7 @@ std::pair<Peak, Peak> two_bars(const Histogram& histogram, int smoothing) {
 
 std::optional<GateBars> side_bars_by_histogram(const Image& image, const SideBarsParams& params,
                                                Rng& rng) {
-  if (image.empty() || image.width() > kWidest) return std::nullopt;
+  if (image.empty() || image.width() > kWidestPicture) return std::nullopt;
   Histogram histogram;
   histogram.width = image.width();
   const ColorMask is_gate{image, params.color};
