@@ -3,6 +3,7 @@
 
 Of whoever imports this: FILE_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
+import concurrent.futures
 import os
 import pathlib
 import subprocess
@@ -47,5 +48,11 @@ class Cli(unittest.TestCase):
         return self.refused("fly", self.file("mine.toml", content))
 
 
-def main():
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+def main(at_once=1):
+    """at_once: so many cases run beside each other, each in a process of its own; for those that wait most of the time."""
+    if at_once == 1 or sys.argv[3:]:
+        unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    suites = unittest.defaultTestLoader.loadTestsFromModule(sys.modules["__main__"])
+    names = [case.id().removeprefix("__main__.") for suite in suites for case in suite]
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+        sys.exit(any(list(pool.map(lambda name: subprocess.run([sys.executable, *sys.argv, name], check=False).returncode, names))))

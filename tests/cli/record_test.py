@@ -149,4 +149,4 @@ class Record(WithDrone):
 
 
 if __name__ == "__main__":
-    main()
+    main(at_once=4)

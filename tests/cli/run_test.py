@@ -152,4 +152,4 @@ class Refusals(Handed):
 
 
 if __name__ == "__main__":
-    main()
+    main(at_once=4)

@@ -9,13 +9,13 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 
 namespace gatefly {
 namespace {
 
 using namespace test;
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 constexpr std::array<double, 3> kPaint{120, 90, 190};
 constexpr int kWidest = 5, kAround = 1;
 

@@ -18,8 +18,8 @@ using namespace test;
 using Eigen::Vector2d;
 
 constexpr double kSide = 2.7, kBar = 0.6;
-constexpr int kWidth = 640, kHeight = 360;
-constexpr std::array<double, 3> kOrange{120, 90, 190};
+constexpr int kBoardWidth = 640, kBoardHeight = 360;
+constexpr std::array<double, 3> kBoardOrange{120, 90, 190};
 
 /// A pinhole camera of 90 degrees, 20 degrees up.
 CameraRig rig() {
@@ -28,7 +28,7 @@ CameraRig rig() {
 }
 
 Image image_of(const std::vector<std::uint8_t>& bytes) {
-  return {bytes.data(), PixelFormat::kYuv444, kWidth, kHeight};
+  return {bytes.data(), PixelFormat::kYuv444, kBoardWidth, kBoardHeight};
 }
 
 /// Its boards' middle lines, and their width, as wrong as a first look may be.
@@ -53,10 +53,10 @@ void for_whole_gates(const Spoil& spoil, const Check& check) {
   for_all(40, [&](Rng& rng) {
     const View view = whole_view(rng);
     const auto truth = corners_of(kSide, view, rig());
-    if (!truth || !inside_picture(*truth, kWidth, kHeight, 25.0)) return;
+    if (!truth || !inside_picture(*truth, kBoardWidth, kBoardHeight, 25.0)) return;
     ++views;
-    Canvas canvas{kWidth, kHeight};
-    canvas.draw_gate(view, rig(), kSide, kBar, kOrange);
+    Canvas canvas{kBoardWidth, kBoardHeight};
+    canvas.draw_gate(view, rig(), kSide, kBar, kBoardOrange);
     spoil(canvas, rng);
     const auto bytes = canvas.yuv444();
     const double px = board_px(*truth);
@@ -78,8 +78,8 @@ TEST(BoardEdges, HoldOnWornPaintAndNoise) {
   for_whole_gates(
       [](Canvas& canvas, Rng& rng) {
         for (int k = 0; k < 500; ++k) {
-          const int u = static_cast<int>(rng.uniform(0, kWidth)),
-                    v = static_cast<int>(rng.uniform(0, kHeight));
+          const int u = static_cast<int>(rng.uniform(0, kBoardWidth)),
+                    v = static_cast<int>(rng.uniform(0, kBoardHeight));
           canvas.blank(u, u + 5, v, v + 5);
         }
         canvas.add_noise(rng, 10.0, 4.0);
@@ -93,15 +93,15 @@ TEST(BoardEdges, HoldOnWornPaintAndNoise) {
 TEST(BoardEdges, SayWhichSidesTheBorderLeaves) {
   const View view{{-2.5, 0.1, 0.0}, {0.02, 0.0, 0.0}};
   const Quad truth = corners_of(kSide, view, rig()).value();
-  ASSERT_GT(truth[2].y(), kHeight);
-  Canvas canvas{kWidth, kHeight};
-  canvas.draw_gate(view, rig(), kSide, kBar, kOrange);
+  ASSERT_GT(truth[2].y(), kBoardHeight);
+  Canvas canvas{kBoardWidth, kBoardHeight};
+  canvas.draw_gate(view, rig(), kSide, kBar, kBoardOrange);
   const auto bytes = canvas.yuv444();
   Quad middles = corners_of(kSide - kBar, view, rig()).value();
   // A search knows of the lower corners only where the upright boards leave the picture.
   for (const auto& [lower, upper] : {std::pair{3u, 0u}, std::pair{2u, 1u}}) {
     const Vector2d d = middles[lower] - middles[upper];
-    middles[lower] = middles[upper] + (kHeight - 1 - middles[upper].y()) / d.y() * d;
+    middles[lower] = middles[upper] + (kBoardHeight - 1 - middles[upper].y()) / d.y() * d;
   }
   const BoardEdges edges = board_edges(image_of(bytes), middles, kBar / 2.5 * 320);
   EXPECT_TRUE(edges.has(0) && edges.has(1));
@@ -111,7 +111,7 @@ TEST(BoardEdges, SayWhichSidesTheBorderLeaves) {
 }
 
 TEST(BoardEdges, WithoutAnEdgeLieHalfABoardBeyondTheMiddleLine) {
-  Canvas canvas{kWidth, kHeight};
+  Canvas canvas{kBoardWidth, kBoardHeight};
   const auto bytes = canvas.yuv444();
   const Quad middles{{{200, 100}, {400, 100}, {400, 300}, {200, 300}}};
   const BoardEdges edges = board_edges(image_of(bytes), middles, 40.0);

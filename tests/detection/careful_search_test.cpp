@@ -10,6 +10,7 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 #include "support/views_of_a_gate.hpp"
 #include "support/worst_corner.hpp"
 
@@ -18,9 +19,7 @@ namespace {
 
 using namespace test;
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
-
-GateDetections gates_in(const Canvas& canvas) {
+GateDetections careful_gates_in(const Canvas& canvas) {
   static CarefulSearch search;
   const auto bytes = canvas.yuv444();
   return search.detect({bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()},
@@ -31,7 +30,7 @@ class CarefulSearchFrom : public ::testing::TestWithParam<Place> {};
 
 // 20 views each, clean frame, noisy wall: found, and the median of the worst corners is small.
 TEST_P(CarefulSearchFrom, FindsTheOuterCorners) {
-  const FoundCorners corners = found_corners(GetParam(), gates_in);
+  const FoundCorners corners = found_corners(GetParam(), careful_gates_in);
   ASSERT_GE(corners.views, 5);
   EXPECT_GE(corners.found(), corners.views - corners.views / 10);
   EXPECT_LT(corners.median(), 1.5);
@@ -50,7 +49,7 @@ TEST(CarefulSearch, AWashedOutGateIsFound) {
     Canvas canvas(315, 160);
     canvas.draw_gate(view, rig, 1.0, 0.05, {150, 116, 140});  // a few levels from the wall's grey
     canvas.add_noise(rng, 8.0, 2.0);
-    const auto gates = gates_in(canvas);
+    const auto gates = careful_gates_in(canvas);
     found += !gates.empty() &&
              worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()) < 6.0;
   });
@@ -96,7 +95,7 @@ TEST(CarefulSearch, NoiseIsNoGate) {
   for_all(30, [](Rng& rng) {
     Canvas canvas(315, 160);
     canvas.add_noise(rng, 60.0, 20.0);
-    EXPECT_TRUE(gates_in(canvas).empty());
+    EXPECT_TRUE(careful_gates_in(canvas).empty());
   });
 }
 
@@ -104,7 +103,7 @@ TEST(CarefulSearch, AFilledSquareIsNoGate) {
   const CameraRig rig = bebop_rig();
   Canvas canvas(315, 160);
   canvas.draw_gate({{-3.0, 0, 0}, {}}, rig, 1.0, 0.5);
-  EXPECT_TRUE(gates_in(canvas).empty());
+  EXPECT_TRUE(careful_gates_in(canvas).empty());
 }
 
 // Beside each other, and one seen through the opening of the other.
@@ -115,7 +114,7 @@ TEST_P(CarefulSearchOfTwo, FindsBoth) {
   const auto& [near, far] = GetParam();
   Canvas canvas(315, 160);
   canvas.draw_gate(near, rig), canvas.draw_gate(far, rig);
-  const auto gates = gates_in(canvas);
+  const auto gates = careful_gates_in(canvas);
   ASSERT_EQ(gates.size(), 2u);
   for (const View& view : {near, far}) {
     const Quad truth = corners_of(1.0, view, rig).value();
@@ -138,7 +137,7 @@ TEST(CarefulSearch, AGateCutByTheBorderIsNotCalledWhole) {
     const bool is_whole = inside_picture(truth, 315, 160, 0.0);
     Canvas canvas(315, 160);
     canvas.draw_gate(view, rig);
-    for (const auto& gate : gates_in(canvas)) EXPECT_EQ(gate.whole, is_whole) << sideways;
+    for (const auto& gate : careful_gates_in(canvas)) EXPECT_EQ(gate.whole, is_whole) << sideways;
   }
 }
 
@@ -148,7 +147,7 @@ TEST(CarefulSearch, ALargePictureOfTheSameSceneShowsTheSameGate) {
   const View view{{-3.5, 0.3, 0.2}, {0.1, -0.05, 0.1}};
   Canvas canvas(1260, 640);
   canvas.draw_gate(view, rig);
-  const auto gates = gates_in(canvas);
+  const auto gates = careful_gates_in(canvas);
   ASSERT_EQ(gates.size(), 1u);
   EXPECT_LT(worst_corner(gates[0].corners_px, corners_of(1.0, view, rig).value()), 4.0);
 }
@@ -158,10 +157,10 @@ TEST(CarefulSearch, TheSamePictureTwiceIsTheSameAnswer) {
   Canvas canvas(315, 160);
   Rng rng{3};
   canvas.draw_gate({{-3.0, 0.2, 0}, {}}, rig), canvas.add_noise(rng);
-  const auto first = gates_in(canvas);
+  const auto first = careful_gates_in(canvas);
   Canvas other(315, 160);
-  (void)gates_in(other);  // what was looked at before leaves no trace
-  const auto second = gates_in(canvas);
+  (void)careful_gates_in(other);  // what was looked at before leaves no trace
+  const auto second = careful_gates_in(canvas);
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i)
     EXPECT_EQ(worst_corner(first[i].corners_px, second[i].corners_px), 0.0);

@@ -6,29 +6,33 @@
 
 #include <gtest/gtest.h>
 
+#include "support/orange.hpp"
+
 namespace gatefly {
 namespace {
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
-constexpr Yuv kGrey{110, 128, 128};
+using namespace test;
+
+constexpr Yuv kPlainGrey{110, 128, 128};
 
 TEST(ColorModel, ItsOwnColourSpeaksForIt) {
   const Yuv orange = yuv_of_rgb(255, 102, 0);
-  EXPECT_GT(kOrange.evidence(orange, kGrey), 2 * ColorModel::kUnit);
+  EXPECT_GT(kOrange.evidence(orange, kPlainGrey), 2 * ColorModel::kUnit);
 }
 
 TEST(ColorModel, GreyAndTheOppositeHueSpeakAgainstIt) {
   for (int y = 0; y < 256; y += 15) {
     const auto luma = static_cast<std::uint8_t>(y);
-    EXPECT_LT(kOrange.evidence({luma, 128, 128}, kGrey), 0);
-    EXPECT_LT(kOrange.evidence({luma, 190, 70}, kGrey), -ColorModel::kUnit);
+    EXPECT_LT(kOrange.evidence({luma, 128, 128}, kPlainGrey), 0);
+    EXPECT_LT(kOrange.evidence({luma, 190, 70}, kPlainGrey), -ColorModel::kUnit);
   }
 }
 
 // A wall of the gate's own colour: what does not differ from its surroundings says less.
 TEST(ColorModel, TheSameColourSaysLessWhereAllIsOfThatColour) {
   const Yuv pale{140, 112, 146};
-  EXPECT_GT(kOrange.evidence(pale, kGrey), kOrange.evidence(pale, pale) + ColorModel::kUnit / 2);
+  EXPECT_GT(kOrange.evidence(pale, kPlainGrey),
+            kOrange.evidence(pale, pale) + ColorModel::kUnit / 2);
 }
 
 // A washed-out gate: nearly grey, but a little more orange than the wall.
@@ -42,7 +46,7 @@ TEST(ColorModel, MoreColourIsNeverLessEvidence) {
   for (int chroma = 0; chroma <= 60; chroma += 4) {
     const Yuv c{120, static_cast<std::uint8_t>(128 - chroma * 3 / 4),
                 static_cast<std::uint8_t>(128 + chroma * 2 / 3)};
-    const int now = kOrange.evidence(c, kGrey);
+    const int now = kOrange.evidence(c, kPlainGrey);
     EXPECT_GE(now, before) << "chroma " << chroma;
     before = now;
   }

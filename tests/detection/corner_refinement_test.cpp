@@ -18,7 +18,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kBar = 0.05 / 0.95;  // of a side of the middle lines
+constexpr double kCornerBar = 0.05 / 0.95;  // of a side of the middle lines
 
 /// A camera without bend, so that the middle lines of the bars are straight.
 CameraRig straight_rig() {
@@ -31,8 +31,8 @@ Quad shaken(Quad quad, Rng& rng, double px) {
 }
 
 /// A gate of 1 m with bars of 5 cm in a picture, and where its bars' middle lines cross.
-struct Scene {
-  Scene(const View& view, Rng& rng, double noise)
+struct CornerScene {
+  CornerScene(const View& view, Rng& rng, double noise)
       : truth{corners_of(0.95, view, straight_rig()).value()} {
     Canvas canvas(315, 160);
     canvas.draw_gate(view, straight_rig());
@@ -41,7 +41,8 @@ struct Scene {
   }
   [[nodiscard]] Quad refined(const Quad& rough,
                              RefinementEffort effort = RefinementEffort::kCareful) const {
-    return refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, rough, kBar, effort);
+    return refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, rough, kCornerBar,
+                           effort);
   }
 
   Quad truth;
@@ -55,7 +56,7 @@ View any_view(Rng& rng) {
 
 TEST(RefinedCorners, AreExactOnACleanPictureAtAnyTurn) {
   for_all(40, [](Rng& rng) {
-    const Scene scene{any_view(rng), rng, 0.0};
+    const CornerScene scene{any_view(rng), rng, 0.0};
     EXPECT_LT(worst_corner(scene.refined(shaken(scene.truth, rng, 1.5)), scene.truth), 0.25);
   });
 }
@@ -64,7 +65,7 @@ TEST(RefinedCorners, AreExactOnACleanPictureAtAnyTurn) {
 TEST(RefinedCorners, NoiseMovesThemByAFractionOfAPixel) {
   std::vector<double> errors;
   for_all(60, [&](Rng& rng) {
-    const Scene scene{any_view(rng), rng, 6.0};
+    const CornerScene scene{any_view(rng), rng, 6.0};
     errors.push_back(worst_corner(scene.refined(shaken(scene.truth, rng, 1.5)), scene.truth));
   });
   std::sort(errors.begin(), errors.end());
@@ -74,7 +75,7 @@ TEST(RefinedCorners, NoiseMovesThemByAFractionOfAPixel) {
 
 TEST(RefinedCorners, HardlyDependOnWhereTheyStart) {
   for_all(20, [](Rng& rng) {
-    const Scene scene{any_view(rng), rng, 6.0};
+    const CornerScene scene{any_view(rng), rng, 6.0};
     const Quad a = scene.refined(shaken(scene.truth, rng, 1.5)),
                b = scene.refined(shaken(scene.truth, rng, 1.5));
     EXPECT_LT(worst_corner(a, b), 0.25);
@@ -83,7 +84,7 @@ TEST(RefinedCorners, HardlyDependOnWhereTheyStart) {
 
 TEST(RefinedCorners, TheQuickWayComesNearTheCarefulOne) {
   for_all(40, [](Rng& rng) {
-    const Scene scene{any_view(rng), rng, 6.0};
+    const CornerScene scene{any_view(rng), rng, 6.0};
     const Quad rough = shaken(scene.truth, rng, 1.5);
     EXPECT_LT(worst_corner(scene.refined(rough, RefinementEffort::kQuick), scene.refined(rough)),
               0.5);
@@ -103,7 +104,7 @@ TEST(RefinedCorners, BearABrightStripeBehindABar) {
     const auto bytes = canvas.yuv444();
     for (const RefinementEffort effort : {RefinementEffort::kQuick, RefinementEffort::kCareful})
       EXPECT_LT(worst_corner(refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, truth,
-                                             kBar, effort),
+                                             kCornerBar, effort),
                              truth),
                 1.0)
           << beside;
@@ -113,16 +114,16 @@ TEST(RefinedCorners, BearABrightStripeBehindABar) {
 TEST(RefinedCorners, StayWhereThereIsNoBar) {
   const auto bytes = Canvas(315, 160).yuv444();
   const Quad frame = corners_of(0.95, {{-3, 0, 0}, {.roll = 0.2}}, straight_rig()).value();
-  EXPECT_LT(
-      worst_corner(refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, frame, kBar),
-                   frame),
-      1e-9);
+  EXPECT_LT(worst_corner(
+                refined_corners({bytes.data(), PixelFormat::kYuv444, 315, 160}, frame, kCornerBar),
+                frame),
+            1e-9);
 }
 
 // Left half of the gate beyond the border: the sides in view are still drawn onto their bars.
 TEST(RefinedCorners, OfAGateThatTheBorderCuts) {
   Rng rng{1};
-  const Scene scene{{{-2.5, 2.2, 0.0}, {.roll = 0.1}}, rng, 0.0};
+  const CornerScene scene{{{-2.5, 2.2, 0.0}, {.roll = 0.1}}, rng, 0.0};
   ASSERT_LT(scene.truth[0].x(), -10.0);
   const Quad refined = scene.refined(shaken(scene.truth, rng, 1.0));
   EXPECT_LT((refined[1] - scene.truth[1]).norm(), 0.3);

@@ -9,28 +9,28 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 
 namespace gatefly {
 namespace {
 
 using namespace test;
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
-constexpr std::array<double, 3> kPaint{120, 90, 190};
+constexpr std::array<double, 3> kMapPaint{120, 90, 190};
 
 /// A picture that owns its bytes.
-struct Picture {
-  explicit Picture(const Canvas& canvas)
+struct MapPicture {
+  explicit MapPicture(const Canvas& canvas)
       : bytes{canvas.yuv444()},
         image{bytes.data(), PixelFormat::kYuv444, canvas.width(), canvas.height()} {}
-  Picture(const Picture&) = delete;
-  Picture& operator=(const Picture&) = delete;
+  MapPicture(const MapPicture&) = delete;
+  MapPicture& operator=(const MapPicture&) = delete;
 
   std::vector<std::uint8_t> bytes;
   Image image;
 };
 
-Canvas any_picture(Rng& rng) {
+Canvas any_map_picture(Rng& rng) {
   Canvas canvas{2 + rng.uniform_index(200), 2 + rng.uniform_index(150)};
   canvas.add_noise(rng, 60.0, 60.0);
   return canvas;
@@ -46,7 +46,7 @@ TEST(EvidenceMap, HasTheSmallestCellsThatAreFewEnough) {
                                       {1280, 720},
                                       {1920, 1080},
                                       {4000, 17}}) {
-    const Picture picture{Canvas{width, height}};
+    const MapPicture picture{Canvas{width, height}};
     map.fill(picture.image, kOrange);
     const int step = map.step();
     ASSERT_GE(step, 2);
@@ -62,7 +62,7 @@ TEST(EvidenceMap, IsThatOfEachCellsColourAndOfTheMeanAroundIt) {
   EvidenceMap map;
   const PictureColor color{kOrange};
   for_all(10, [&](Rng& rng) {
-    const Picture picture{any_picture(rng)};
+    const MapPicture picture{any_map_picture(rng)};
     const Image& image = picture.image;
     map.fill(image, color);
     const int width = map.width(), height = map.height(),
@@ -95,8 +95,8 @@ TEST(EvidenceMap, IsThatOfEachCellsColourAndOfTheMeanAroundIt) {
 
 TEST(EvidenceMap, ABarSpeaksForTheGateAndTheWallAgainstIt) {
   Canvas canvas{320, 160};
-  canvas.paint(150, 156, 20, 140, kPaint);
-  const Picture picture{canvas};
+  canvas.paint(150, 156, 20, 140, kMapPaint);
+  const MapPicture picture{canvas};
   const PictureColor color{kOrange};
   EvidenceMap map;
   map.fill(picture.image, color);
@@ -111,8 +111,8 @@ TEST(EvidenceMap, ABarSpeaksForTheGateAndTheWallAgainstIt) {
 
 TEST(EvidenceMap, OutsideThereIsNoneOfAGate) {
   Canvas canvas{40, 30};
-  canvas.fill(kPaint);
-  const Picture picture{canvas};
+  canvas.fill(kMapPaint);
+  const MapPicture picture{canvas};
   const PictureColor color{kOrange};
   EvidenceMap map;
   map.fill(picture.image, color);
@@ -126,9 +126,9 @@ TEST(EvidenceMap, OutsideThereIsNoneOfAGate) {
 TEST(EvidenceMap, APictureWithoutACellIsAnEmptyMap) {
   const PictureColor color{kOrange};
   EvidenceMap map;
-  const Picture first{Canvas{40, 30}};
+  const MapPicture first{Canvas{40, 30}};
   map.fill(first.image, color);
-  const Picture thin{Canvas{1, 100}};
+  const MapPicture thin{Canvas{1, 100}};
   for (const Image& image : {Image{}, thin.image}) {
     map.fill(image, color);
     EXPECT_EQ(map.width(), 0);
@@ -141,7 +141,7 @@ TEST(EvidenceMap, APictureWithoutACellIsAnEmptyMap) {
 TEST(EvidenceMap, WhatWasReadBeforeLeavesNoTrace) {
   EvidenceMap used;
   for_all(10, [&](Rng& rng) {
-    const Picture before{any_picture(rng)}, picture{any_picture(rng)};
+    const MapPicture before{any_map_picture(rng)}, picture{any_map_picture(rng)};
     used.fill(before.image, kOrange);
     used.fill(picture.image, kOrange);
     EvidenceMap fresh;

@@ -16,9 +16,9 @@ namespace {
 
 using namespace test;
 
-constexpr int kWidth = 120, kHeight = 120, kFrom = 30, kTo = 90;
-constexpr double kBar = 0.05;
-constexpr Yuv kGrey{110, 128, 128}, kOrange{130, 90, 170};
+constexpr int kFilledWidth = 120, kFilledHeight = 120, kFrom = 30, kTo = 90;
+constexpr double kFilledBar = 0.05;
+constexpr Yuv kFilledGrey{110, 128, 128}, kFilledOrange{130, 90, 170};
 const Quad kFrame{{{kFrom, kFrom}, {kTo, kFrom}, {kTo, kTo}, {kFrom, kTo}}};
 
 using Paint = std::function<Yuv(int u, int v)>;
@@ -26,15 +26,16 @@ using Paint = std::function<Yuv(int u, int v)>;
 /// A frame with bars of three pixels on any background, its opening painted.
 double lost(const Paint& inside, const Paint& outside, const Quad& frame = kFrame) {
   std::vector<std::uint8_t> bytes;
-  for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth; ++u) {
+  for (int v = 0; v < kFilledHeight; ++v)
+    for (int u = 0; u < kFilledWidth; ++u) {
       const auto within = [&](int margin) {
         return u >= kFrom - margin && u <= kTo + margin && v >= kFrom - margin && v <= kTo + margin;
       };
-      const Yuv c = within(-2) ? inside(u, v) : within(1) ? kOrange : outside(u, v);
+      const Yuv c = within(-2) ? inside(u, v) : within(1) ? kFilledOrange : outside(u, v);
       bytes.insert(bytes.end(), {c.y, c.u, c.v});
     }
-  return lost_as_filled({bytes.data(), PixelFormat::kYuv444, kWidth, kHeight}, frame, kBar, {});
+  return lost_as_filled({bytes.data(), PixelFormat::kYuv444, kFilledWidth, kFilledHeight}, frame,
+                        kFilledBar, {});
 }
 
 Paint plain(Yuv color) {
@@ -42,7 +43,7 @@ Paint plain(Yuv color) {
 }
 
 TEST(FilledFrame, AnOpeningShowsWhatIsAroundIt) {
-  EXPECT_EQ(lost(plain(kGrey), plain(kGrey)), 0.0);
+  EXPECT_EQ(lost(plain(kFilledGrey), plain(kFilledGrey)), 0.0);
 }
 
 // A floor, a wall, a window: on both sides of a bar the same, whatever it is.
@@ -61,8 +62,8 @@ TEST(FilledFrame, ABackgroundThatChangesFromSideToSideCostsNothing) {
 
 TEST(FilledFrame, AScreenInAFrameOfItsOwnColourLosesMost) {
   constexpr Yuv kYellow{200, 80, 150};
-  EXPECT_GT(lost(plain(kYellow), plain(kGrey)), 1.0);
-  EXPECT_EQ(lost(plain(kGrey), plain(kYellow)), lost(plain(kYellow), plain(kGrey)))
+  EXPECT_GT(lost(plain(kYellow), plain(kFilledGrey)), 1.0);
+  EXPECT_EQ(lost(plain(kFilledGrey), plain(kYellow)), lost(plain(kYellow), plain(kFilledGrey)))
       << "a hole in something coloured is as little a gate";
 }
 
@@ -75,7 +76,7 @@ TEST(FilledFrame, APrintOnAPlainWallIsFilledATexturedWallBehindAGateIsNot) {
   const Paint patched = [&](int u, int v) {
     return Yuv{patches[static_cast<std::size_t>(v / 8 * 15 + u / 8)], 128, 128};
   };
-  EXPECT_GT(lost(patched, plain(kGrey)), 1.0);
+  EXPECT_GT(lost(patched, plain(kFilledGrey)), 1.0);
   EXPECT_EQ(lost(patched, patched), 0.0);
 }
 
@@ -85,8 +86,8 @@ TEST(FilledFrame, AStepOfLumaAloneCostsNoMoreThanItsLimit) {
 
 TEST(FilledFrame, WhatThePictureDoesNotShowIsNotAsked) {
   Quad outside = kFrame;
-  for (Eigen::Vector2d& corner : outside) corner.x() += kWidth;
-  EXPECT_EQ(lost(plain(kOrange), plain(kGrey), outside), 0.0);
+  for (Eigen::Vector2d& corner : outside) corner.x() += kFilledWidth;
+  EXPECT_EQ(lost(plain(kFilledOrange), plain(kFilledGrey), outside), 0.0);
 }
 
 }  // namespace

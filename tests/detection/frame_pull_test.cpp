@@ -41,20 +41,20 @@ Quad any_frame(Rng& rng, double side) {
   return quad;
 }
 
-Quad shaken(Quad quad, Rng& rng, double off) {
+Quad pulled_off(Quad quad, Rng& rng, double off) {
   for (Vector2d& p : quad) p += Vector2d{rng.uniform(-off, off), rng.uniform(-off, off)};
   return quad;
 }
 
-constexpr double kLeast = 5.0, kMostAspect = 3.2;
+constexpr double kPullLeast = 5.0, kPullMostAspect = 3.2;
 
 TEST(Pulled, AFrameAFewCellsOffEndsOnTheBars) {
   for_all(60, [](Rng& rng) {
     const double side = rng.uniform(15.0, 70.0);
     const Bars bars{any_frame(rng, side), std::max(0.8, 0.026 * side)};
     const FrameFit fit{bars};
-    const Quad start = shaken(bars.middles, rng, 0.06 * side);
-    const Frame frame = pulled(fit, Frame{start, fit.score(start)}, kLeast, kMostAspect);
+    const Quad start = pulled_off(bars.middles, rng, 0.06 * side);
+    const Frame frame = pulled(fit, Frame{start, fit.score(start)}, kPullLeast, kPullMostAspect);
     EXPECT_LT(worst_corner(frame.quad, bars.middles), 1.6 + 0.01 * side) << side;
     EXPECT_NEAR(frame.score.total, fit.score(frame.quad).total, 1e-12) << "its own score";
   });
@@ -65,10 +65,11 @@ TEST(Pulled, NeverScoresLessThanBefore) {
   for_all(200, [](Rng& rng) {
     const Bars bars{any_frame(rng, rng.uniform(10.0, 90.0)), rng.uniform(0.5, 3.0)};
     const FrameFit fit{bars};
-    const Quad start = shaken(any_frame(rng, rng.uniform(10.0, 90.0)), rng, 8.0);
-    const Frame before{start, fit.score(start)}, after = pulled(fit, before, kLeast, kMostAspect);
+    const Quad start = pulled_off(any_frame(rng, rng.uniform(10.0, 90.0)), rng, 8.0);
+    const Frame before{start, fit.score(start)},
+        after = pulled(fit, before, kPullLeast, kPullMostAspect);
     EXPECT_GE(after.score.total, before.score.total);
-    EXPECT_TRUE(after.quad == start || is_frame_shaped(after.quad, kLeast, kMostAspect));
+    EXPECT_TRUE(after.quad == start || is_frame_shaped(after.quad, kPullLeast, kPullMostAspect));
   });
 }
 
@@ -77,7 +78,7 @@ TEST(Pulled, StaysWhereThereIsNothing) {
   const FrameFit fit{nothing};
   Rng rng{1};
   const Quad start = any_frame(rng, 40.0);
-  EXPECT_EQ(pulled(fit, Frame{start, fit.score(start)}, kLeast, kMostAspect).quad, start);
+  EXPECT_EQ(pulled(fit, Frame{start, fit.score(start)}, kPullLeast, kPullMostAspect).quad, start);
 }
 
 /// How far the corners of `quad` are from the lines of `sides`, at most.
@@ -102,7 +103,7 @@ TEST(Finished, SidesLieWithinHalfAPixelOfTheMiddlesOfTheBars) {
     const Bars bars{any_frame(rng, side), std::max(1.0, 0.5 * params.bar() * side)};
     FrameFit fit{bars, params.weights, params.bar()};
     fit.set_least_offset(3.0);
-    const Quad start = shaken(bars.middles, rng, 2.0);
+    const Quad start = pulled_off(bars.middles, rng, 2.0);
     const Frame frame = finished(fit, start, params.min_side_px, params);
     EXPECT_LT(worst_side(frame.quad, bars.middles), 0.5) << side;
     EXPECT_GT(frame.score.total, fit.score(start).total - 0.3);
@@ -114,8 +115,8 @@ TEST(Finished, NeverScoresMuchLessThanBefore) {
     const GateDetectorParams params;
     const Bars bars{any_frame(rng, rng.uniform(10.0, 90.0)), rng.uniform(0.5, 3.0)};
     const FrameFit fit{bars};
-    const Quad start = shaken(any_frame(rng, rng.uniform(10.0, 90.0)), rng, 8.0);
-    EXPECT_GT(finished(fit, start, kLeast, params).score.total, fit.score(start).total - 0.3);
+    const Quad start = pulled_off(any_frame(rng, rng.uniform(10.0, 90.0)), rng, 8.0);
+    EXPECT_GT(finished(fit, start, kPullLeast, params).score.total, fit.score(start).total - 0.3);
   });
 }
 

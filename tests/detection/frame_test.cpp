@@ -69,7 +69,7 @@ TEST(FrameScore, WhatIsTakenOffIsRemembered) {
 }
 
 /// A frame of 100 px in a picture of 200 px: bars worth 2, 1, 0.5 and -1 nats from the top on.
-struct Scene {
+struct FrameScene {
   [[nodiscard]] GateDetection detected() const {
     return detection_of(frame, scaled(frame.quad, 1.05), DetectionMethod::kFrames, image);
   }
@@ -80,7 +80,7 @@ struct Scene {
 };
 
 TEST(FrameDetection, ACornerIsAsSureAsTheWeakerOfItsSides) {
-  const Scene scene;
+  const FrameScene scene;
   const GateDetection gate = scene.detected();
   EXPECT_TRUE(gate.whole);
   EXPECT_EQ(gate.corners_px, scaled(scene.frame.quad, 1.05));
@@ -92,10 +92,10 @@ TEST(FrameDetection, ACornerIsAsSureAsTheWeakerOfItsSides) {
 }
 
 TEST(FrameDetection, IsTheSameWhicheverCornerComesFirst) {
-  const Scene scene;
+  const FrameScene scene;
   const GateDetection should = scene.detected();
   for (std::size_t turn = 1; turn < 4; ++turn) {
-    Scene turned;
+    FrameScene turned;
     for (std::size_t k = 0; k < 4; ++k) {
       turned.frame.quad[k] = scene.frame.quad[(k + turn) % 4];
       turned.frame.score.side[k] = scene.frame.score.side[(k + turn) % 4];
@@ -109,7 +109,7 @@ TEST(FrameDetection, IsTheSameWhicheverCornerComesFirst) {
 }
 
 TEST(FrameDetection, WhatTheBorderHidesOrNobodySawHasNoFitness) {
-  Scene cut, unseen;
+  FrameScene cut, unseen;
   cut.frame.quad[1].x() = 199.0, cut.frame.quad[2].x() = 198.0;
   unseen.frame.unseen[3] = true;
   const GateDetection at_border = cut.detected(), rough = unseen.detected();

@@ -11,6 +11,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 #include "support/worst_corner.hpp"
 
 namespace gatefly {
@@ -20,7 +21,6 @@ using namespace test;
 using Gates = LookFor::Gates;
 using Part = LookFor::Part;
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 constexpr LookFor kEverything{.gates = Gates::kAll, .part = Part::kToo};
 constexpr std::array kModes{DetectorMode::kOurs, DetectorMode::kFast, DetectorMode::kCareful,
                             DetectorMode::kPaper, DetectorMode::kFlown};
@@ -30,11 +30,11 @@ const View kTooNear{{-0.6, 0, 0}, {}};  // no more of it than its side bars
 constexpr std::array<double, 3> kColor{120, 90, 158};
 
 /// A picture that can be looked at.
-struct Picture {
+struct ViewPicture {
   int width, height;
   std::vector<std::uint8_t> bytes;
 
-  explicit Picture(const Canvas& canvas)
+  explicit ViewPicture(const Canvas& canvas)
       : width{canvas.width()}, height{canvas.height()}, bytes{canvas.yuv444()} {}
   [[nodiscard]] Image image() const { return {bytes.data(), PixelFormat::kYuv444, width, height}; }
 };
@@ -45,18 +45,18 @@ Canvas canvas_of(std::initializer_list<View> views) {
   return canvas;
 }
 
-Picture picture_of(std::initializer_list<View> views) { return Picture{canvas_of(views)}; }
+ViewPicture picture_of(std::initializer_list<View> views) { return ViewPicture{canvas_of(views)}; }
 
-Picture noisy_picture_of(std::initializer_list<View> views, Rng& rng) {
+ViewPicture noisy_picture_of(std::initializer_list<View> views, Rng& rng) {
   Canvas canvas = canvas_of(views);
   canvas.add_noise(rng, 8.0, 2.0);
-  return Picture{canvas};
+  return ViewPicture{canvas};
 }
 
 Quad truth_of(const View& view) { return corners_of(1.0, view, bebop_rig()).value(); }
 
 TEST(GateDetector, EveryModeFindsAGateThatStandsOut) {
-  const Picture picture = picture_of({kAhead});
+  const ViewPicture picture = picture_of({kAhead});
   for (const DetectorMode mode : kModes) {
     GateDetector detector{{}, mode};
     const GatesInView view = detector.look(picture.image(), kOrange, {.gates = Gates::kBest});
@@ -69,7 +69,7 @@ TEST(GateDetector, EveryModeFindsAGateThatStandsOut) {
 }
 
 TEST(GateDetector, AGateThatTheBorderCutsIsAPart) {
-  const Picture picture = picture_of({kTooNear});
+  const ViewPicture picture = picture_of({kTooNear});
   GateDetector detector;
   const GatesInView view =
       detector.look(picture.image(), kOrange, {.gates = Gates::kBest, .part = Part::kWithoutGate});
@@ -82,7 +82,7 @@ TEST(GateDetector, AGateThatTheBorderCutsIsAPart) {
 
 // Side bars by histogram: two columns, no corner.
 TEST(GateDetector, OfAGateTooNearThePapersDetectorsKnowTheSideBarsOnly) {
-  const Picture picture = picture_of({kTooNear});
+  const ViewPicture picture = picture_of({kTooNear});
   for (const DetectorMode mode : {DetectorMode::kPaper, DetectorMode::kFlown}) {
     GateDetector detector{{}, mode};
     const auto part = detector.look(picture.image(), kOrange, kEverything).part;
@@ -93,7 +93,7 @@ TEST(GateDetector, OfAGateTooNearThePapersDetectorsKnowTheSideBarsOnly) {
 }
 
 TEST(GateDetector, WhatIsNotAskedForIsNotAnswered) {
-  const Picture two = picture_of({kAhead, kAside}), near = picture_of({kTooNear});
+  const ViewPicture two = picture_of({kAhead, kAside}), near = picture_of({kTooNear});
   GateDetector detector;
   const auto gates = [&](Gates wanted) {
     return detector.look(two.image(), kOrange, {.gates = wanted}).gates.size();
@@ -108,7 +108,7 @@ TEST(GateDetector, WhatIsNotAskedForIsNotAnswered) {
 }
 
 TEST(GateDetector, AWholeGateIsNoPartOfItself) {
-  const Picture picture = picture_of({kAhead});
+  const ViewPicture picture = picture_of({kAhead});
   GateDetector detector;
   const GatesInView view = detector.look(picture.image(), kOrange, kEverything);
   EXPECT_EQ(view.gates.size(), 1u);
@@ -117,7 +117,7 @@ TEST(GateDetector, AWholeGateIsNoPartOfItself) {
 
 TEST(GateDetector, APartBesideAGateIsAnsweredOnlyWhereItIsAskedForToo) {
   const View far{{-4.0, -1.2, 0.0}, {}}, cut_above{{-1.5, 0.6, 0.5}, {}};
-  const Picture picture = picture_of({far, cut_above});
+  const ViewPicture picture = picture_of({far, cut_above});
   GateDetector detector;
   EXPECT_FALSE(
       detector.look(picture.image(), kOrange, {.gates = Gates::kAll, .part = Part::kWithoutGate})
@@ -139,7 +139,7 @@ TEST(GateDetector, AnEmptyPictureShowsNothing) {
 }
 
 TEST(GateDetector, KeepsNothingFromPictureToPicture) {
-  const Picture one = picture_of({kAhead}), other = picture_of({kTooNear});
+  const ViewPicture one = picture_of({kAhead}), other = picture_of({kTooNear});
   for (const DetectorMode mode : kModes) {
     GateDetector detector{{}, mode};
     const auto first = detector.look(one.image(), kOrange, kEverything).gates;
@@ -160,7 +160,7 @@ TEST(GateDetector, LookingAllocatesNothing) {
   for (const DetectorMode mode : kModes) {
     GateDetector detector{{}, mode};
     const long before = allocations;
-    for (const Picture& picture : pictures)
+    for (const ViewPicture& picture : pictures)
       for (const Gates wanted : {Gates::kNone, Gates::kStandingOut, Gates::kBest, Gates::kAll})
         (void)detector.look(picture.image(), kOrange, {.gates = wanted, .part = Part::kToo});
     EXPECT_EQ(allocations, before) << static_cast<int>(mode);
@@ -177,7 +177,7 @@ TEST(GateDetector, CornersOfABrokenBarHaveLowFitness) {
   const int right = static_cast<int>(truth[1].x()),
             middle = static_cast<int>(0.5 * (truth[1].y() + truth[2].y()));
   canvas.blank(right - 6, right + 6, middle - 18, middle + 18);
-  const Picture picture{canvas};
+  const ViewPicture picture{canvas};
   const auto gates = detector.look(picture.image(), kOrange).gates;
   const auto gate = std::find_if(gates.begin(), gates.end(), [&](const auto& g) {
     return worst_corner(g.corners_px, truth) < 8.0;
@@ -189,7 +189,7 @@ TEST(GateDetector, CornersOfABrokenBarHaveLowFitness) {
 }
 
 TEST(GateDetector, ACornerOutsideThePictureHasNoFitness) {
-  const Picture picture = picture_of({{{-2.0, 2.2, 0.2}, {}}});  // its left bar is cut off
+  const ViewPicture picture = picture_of({{{-2.0, 2.2, 0.2}, {}}});  // its left bar is cut off
   GateDetector detector;
   for (const auto& gate : detector.look(picture.image(), kOrange).gates)
     for (std::size_t i = 0; i < 4; ++i) {
@@ -205,7 +205,7 @@ TEST(GateDetector, ACornerOutsideThePictureHasNoFitness) {
 TEST(GateDetector, OfEquallySureGatesTheMostCentralOneIsTheAnswer) {
   GateDetector detector;
   for_all(10, [&](Rng& rng) {
-    const Picture picture = noisy_picture_of({kAhead, kAside}, rng);
+    const ViewPicture picture = noisy_picture_of({kAhead, kAside}, rng);
     for (const Gates wanted : {Gates::kStandingOut, Gates::kBest, Gates::kAll}) {
       const auto gates = detector.look(picture.image(), kOrange, {.gates = wanted}).gates;
       ASSERT_EQ(gates.size(), wanted == Gates::kBest ? 1u : 2u);
@@ -227,7 +227,7 @@ TEST(GateDetector, AGateThatStandsOutNeedsNoCarefulSearchAndAFaintFarOneMay) {
       else
         canvas.draw_gate(view, rig);
       canvas.add_noise(rng, 8.0, 2.0);
-      const Picture picture{canvas};
+      const ViewPicture picture{canvas};
       const auto gates = detector.look(picture.image(), kOrange).gates;
       ASSERT_FALSE(gates.empty()) << faint;
       EXPECT_LT(worst_corner(gates[0].corners_px, truth_of(view)), 6.0);
@@ -255,7 +255,7 @@ TEST(GateDetector, WhereAGateIsExpectedLessWillDo) {
     Canvas canvas(315, 160);
     canvas.draw_gate(view, bebop_rig(), 1.0, 0.05, {124, 124, 132});
     canvas.add_noise(rng, 8.0, 2.0);
-    const Picture picture{canvas};
+    const ViewPicture picture{canvas};
     const Quad expected = expected_bars_of(view, rng);
     const auto finds = [&](const LookFor& look_for) {
       const auto gates = detector.look(picture.image(), kOrange, look_for).gates;
@@ -272,7 +272,7 @@ TEST(GateDetector, WhereAGateIsExpectedAndNoneIsNoneIsFound) {
   GateDetector detector;
   for_all(50, [&](Rng& rng) {
     const View view{{rng.uniform(-6.0, -1.5), rng.uniform(-0.5, 0.5), 0.1}, {}};
-    const Picture picture = noisy_picture_of({}, rng);
+    const ViewPicture picture = noisy_picture_of({}, rng);
     const Quad expected = expected_bars_of(view, rng);
     EXPECT_TRUE(
         detector.look(picture.image(), kOrange, {.expected_bars = &expected}).gates.empty());
@@ -281,7 +281,7 @@ TEST(GateDetector, WhereAGateIsExpectedAndNoneIsNoneIsFound) {
 
 TEST(GateDetector, SaysWhetherItLookedCarefully) {
   GateDetector detector;
-  const Picture near = picture_of({kAhead}), empty = picture_of({});
+  const ViewPicture near = picture_of({kAhead}), empty = picture_of({});
   EXPECT_FALSE(detector.look(near.image(), kOrange).careful);
   EXPECT_TRUE(detector.look(empty.image(), kOrange).careful);
   EXPECT_FALSE(detector.look(empty.image(), kOrange, {.quick = true}).careful);

@@ -11,6 +11,7 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 #include "support/worst_corner.hpp"
 
 namespace gatefly {
@@ -19,7 +20,6 @@ namespace {
 using namespace test;
 using Eigen::Vector2d;
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 constexpr int kMargin = 4, kNeutral = 12, kTop = 31, kOfALevel = 12;
 
 int middle_of(int a, int b) { return (a + b + 1) / 2; }

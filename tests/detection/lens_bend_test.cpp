@@ -16,14 +16,13 @@
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
 #include "support/generators.hpp"
+#include "support/orange.hpp"
 #include "support/worst_corner.hpp"
 
 namespace gatefly {
 namespace {
 
 using namespace test;
-
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 
 AnyCamera equidistant(double focal_px) {
   KannalaBrandt lens;
@@ -48,7 +47,7 @@ std::vector<Shipped> shipped_lenses() {
 }
 
 // Size only.
-Image picture_of(const PictureLens& lens) {
+Image picture_through(const PictureLens& lens) {
   static const std::vector<std::uint8_t> kBytes(3 * 640 * 480, 128);
   return {kBytes.data(), PixelFormat::kYuv444, lens.width, lens.height};
 }
@@ -91,7 +90,7 @@ TEST(LensBend, ItsTablesAreTheLens) {
 TEST(LensBend, AStraightBarLiesOnItsCurve) {
   for (const auto& [name, lens] : shipped_lenses()) {
     const LensBend bend{lens};
-    const SideCurves curves{bend, picture_of(lens)};
+    const SideCurves curves{bend, picture_through(lens)};
     ASSERT_TRUE(curves.bent());
     double worst = 0.0, most_sag = 0.0;
     for_all(300, [&, lens = lens](Rng& rng) {
@@ -116,7 +115,7 @@ TEST(LensBend, AStraightBarLiesOnItsCurve) {
 TEST(LensBend, BarsCrossWhereTheirImagesDo) {
   for (const auto& [name, lens] : shipped_lenses()) {
     const LensBend bend{lens};
-    const SideCurves curves{bend, picture_of(lens)};
+    const SideCurves curves{bend, picture_through(lens)};
     for_all(100, [&, name = name, lens = lens](Rng& rng) {
       const Eigen::Vector3d met_C{rng.uniform(-2, 2), rng.uniform(-1.5, 1.5), rng.uniform(1, 3)};
       const Eigen::Vector3d along_C = any_direction(rng), across_C = any_direction(rng);
@@ -136,7 +135,7 @@ TEST(LensBend, BarsCrossWhereTheirImagesDo) {
 TEST(LensBend, OuterCornersAreThoseOfALargerSquareInSpace) {
   const PictureLens lens{equidistant(244.5), 640, 480};
   const LensBend bend{lens};
-  const SideCurves curves{bend, picture_of(lens)};
+  const SideCurves curves{bend, picture_through(lens)};
   const CameraRig rig{*lens.model, camera_mount(0.0), Eigen::Vector3d::Zero()};
   for_all(100, [&](Rng& rng) {
     const View view{{-rng.uniform(0.7, 4.0), rng.uniform(-1.0, 1.0), rng.uniform(-0.5, 0.5)},
@@ -156,8 +155,8 @@ TEST(LensBend, ALensWithoutBendIsStraight) {
 
 TEST(LensBend, HalfAPictureBendsHalfAsMuchAndAnotherShapeNotAtAll) {
   const LensBend bend{{equidistant(244.5), 640, 480}};
-  const SideCurves whole{bend, picture_of({{}, 640, 480})}, half{bend, picture_of({{}, 320, 240})},
-      other{bend, picture_of({{}, 315, 160})};
+  const SideCurves whole{bend, picture_through({{}, 640, 480})},
+      half{bend, picture_through({{}, 320, 240})}, other{bend, picture_through({{}, 315, 160})};
   const Eigen::Vector2d a{40.5, 60.5}, b{440.5, 40.5};
   const Eigen::Vector2d sag = whole.sag(a, b), half_sag = half.sag(to_cells(a, 2), to_cells(b, 2));
   EXPECT_GT(sag.norm(), 20.0);
@@ -169,7 +168,7 @@ TEST(LensBend, HalfAPictureBendsHalfAsMuchAndAnotherShapeNotAtAll) {
 TEST(LensBend, FarOutsideNothingBendsAndNoNumberBreaks) {
   for (const auto& [name, lens] : shipped_lenses()) {
     const LensBend bend{lens};
-    const SideCurves curves{bend, picture_of(lens)};
+    const SideCurves curves{bend, picture_through(lens)};
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const double far : {1e3, 1e6, 1e12, 1e300, nan})
       for (const Eigen::Vector2d& p : {Eigen::Vector2d{far, 0}, {0, -far}, {-far, far}}) {
@@ -272,13 +271,13 @@ TEST(CurvedSides, ANearGateIsFoundThoughNobodyNamedTheLens) {
 TEST(LensBend, OneAngleBendsPicturesOfAnySizeAndShapeAboutTheirMiddle) {
   const LensBend angle{equidistant_lens(640 / 244.5)}, named{{equidistant(244.5), 640, 480}};
   const Eigen::Vector2d a{40.5, 60.5}, b{440.5, 40.5};
-  const SideCurves as_named{named, picture_of({{}, 640, 480})};
+  const SideCurves as_named{named, picture_through({{}, 640, 480})};
   const Eigen::Vector2d sag = as_named.sag(a, b);
-  EXPECT_LT((SideCurves{angle, picture_of({{}, 640, 480})}.sag(a, b) - sag).norm(), 1e-6);
-  const SideCurves half{angle, picture_of({{}, 320, 240})};
+  EXPECT_LT((SideCurves{angle, picture_through({{}, 640, 480})}.sag(a, b) - sag).norm(), 1e-6);
+  const SideCurves half{angle, picture_through({{}, 320, 240})};
   EXPECT_LT((half.sag(to_cells(a, 2), to_cells(b, 2)) - 0.5 * sag).norm(), 1e-6);
   const Eigen::Vector2d down{0, -60};  // from the middle of 640 x 480 to that of 640 x 360
-  const SideCurves lower{angle, picture_of({{}, 640, 360})};
+  const SideCurves lower{angle, picture_through({{}, 640, 360})};
   EXPECT_LT((lower.sag(a + down, b + down) - sag).norm(), 1e-6);
   EXPECT_TRUE(LensBend{equidistant_lens(0.0)}.is_straight());
   EXPECT_TRUE(LensBend{equidistant_lens(0.0)}.is_known());

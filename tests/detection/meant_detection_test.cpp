@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-CameraRig straight_rig() {
+CameraRig meant_rig() {
   return {AnyCamera{Pinhole{.focal_px = {320, 320}, .center_px = {319.5, 179.5}}},
           camera_mount(0.0), Eigen::Vector3d::Zero()};
 }
@@ -22,10 +22,10 @@ CameraRig straight_rig() {
 struct Scene {
   Scene(const View& view, double side, double bar) {
     Canvas canvas{640, 360};
-    canvas.draw_gate(view, straight_rig(), side, bar);
+    canvas.draw_gate(view, meant_rig(), side, bar);
     bytes = canvas.yuv444();
-    corners = corners_of(side, view, straight_rig()).value();
-    frame.quad = corners_of(side - bar, view, straight_rig()).value();
+    corners = corners_of(side, view, meant_rig()).value();
+    frame.quad = corners_of(side - bar, view, meant_rig()).value();
     frame.score.total = 3.0, frame.score.side.fill(1.0);
   }
   [[nodiscard]] GateDetection meant(const GateDetectorParams& params) const {
@@ -74,9 +74,9 @@ TEST(MeantDetection, OfBoardsIsTheirOuterEdges) {
 TEST(MeantDetection, OfBoardsCanMeanTheOpening) {
   const View view{{-6, 0.0, 0.0}, {}};
   const Scene scene{view, 2.7, 0.6};
-  EXPECT_LT(worst_corner(scene.meant(boards(1.5)).corners_px,
-                         corners_of(1.5, view, straight_rig()).value()),
-            0.3);
+  EXPECT_LT(
+      worst_corner(scene.meant(boards(1.5)).corners_px, corners_of(1.5, view, meant_rig()).value()),
+      0.3);
 }
 
 // The lower board is below the picture: its corners are rough, and said to be.

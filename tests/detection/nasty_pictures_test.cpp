@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr std::array<double, 3> kOrange{130, 80, 185}, kGrey{110, 128, 128};
+constexpr std::array<double, 3> kNastyOrange{130, 80, 185}, kGrey{110, 128, 128};
 constexpr std::array kFormats{PixelFormat::kUyvy, PixelFormat::kRgb, PixelFormat::kYuv444};
 
 /// In an allocation of exactly its bytes, for the sanitizers' sake.
@@ -47,14 +47,14 @@ TEST_P(NastySize, AllColourCheckersNoiseAndHalvesAreSurvivedInEveryLayoutAndTurn
   const auto [width, height] = GetParam();
   Rng rng{7};
   const std::vector<std::function<std::array<double, 3>(int, int)>> fills{
-      [](int, int) { return kOrange; },
-      [](int x, int y) { return (x + y) % 2 == 0 ? kOrange : kGrey; },
-      [](int x, int y) { return (x / 8 + y / 8) % 2 == 0 ? kOrange : kGrey; },
+      [](int, int) { return kNastyOrange; },
+      [](int x, int y) { return (x + y) % 2 == 0 ? kNastyOrange : kGrey; },
+      [](int x, int y) { return (x / 8 + y / 8) % 2 == 0 ? kNastyOrange : kGrey; },
       [&](int, int) {
         return std::array{rng.uniform(0, 256), rng.uniform(0, 256), rng.uniform(0, 256)};
       },
-      [&rng](int, int) { return rng.uniform(0, 1) < 0.05 ? kOrange : kGrey; },
-      [w = width](int x, int) { return x < w / 2 ? kOrange : kGrey; }};
+      [&rng](int, int) { return rng.uniform(0, 1) < 0.05 ? kNastyOrange : kGrey; },
+      [w = width](int x, int) { return x < w / 2 ? kNastyOrange : kGrey; }};
   for (const auto& fill : fills)
     for (const PixelFormat format : kFormats)
       for (const int turn : {0, 90, 180, 270}) {
@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, NastySize,
 TEST(NastyPictures, LongAndThinOnesOfOneColourAreSurvived) {
   for (const auto& [width, height] : {std::pair{1, 5000}, {5000, 1}, {17, 4001}, {4001, 17}}) {
     const auto bytes =
-        bytes_of(PixelFormat::kYuv444, width, height, [](int, int) { return kOrange; });
+        bytes_of(PixelFormat::kYuv444, width, height, [](int, int) { return kNastyOrange; });
     EXPECT_EQ(AllDetectors{}.complaint({bytes.data(), PixelFormat::kYuv444, width, height}, {}), "")
         << width << " x " << height;
   }

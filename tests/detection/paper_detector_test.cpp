@@ -17,9 +17,9 @@ namespace {
 using namespace test;
 
 /// A grey picture to paint in a colour that lies in both detectors' boxes.
-class Picture {
+class PaperPicture {
  public:
-  Picture(int width, int height) : width_{width}, height_{height} {
+  PaperPicture(int width, int height) : width_{width}, height_{height} {
     for (int i = 0; i < width * height; ++i) bytes_.insert(bytes_.end(), {110, 128, 128});
   }
   void paint(int u0, int v0, int u1, int v1, bool gate = true) {
@@ -48,13 +48,14 @@ Quad square(double u, double v, double side) {
   return {{{u, v}, {u + side, v}, {u + side, v + side}, {u, v + side}}};
 }
 
-PaperDetections paper(const Picture& picture, const PaperDetectorParams& params = {},
+PaperDetections paper(const PaperPicture& picture, const PaperDetectorParams& params = {},
                       std::uint64_t seed = 1) {
   Rng rng{seed};
   return detect_as_paper(picture.image(), params, rng);
 }
 
-std::optional<GateDetection> flown(const Picture& picture, const FlownDetectorParams& params = {},
+std::optional<GateDetection> flown(const PaperPicture& picture,
+                                   const FlownDetectorParams& params = {},
                                    const std::optional<Quad>& previous = std::nullopt) {
   Rng rng{1};
   return detect_as_flown(picture.image(), params, rng, previous);
@@ -68,7 +69,7 @@ TEST(PaperDetector, FindsACleanGateAtItsCorners) {
   for_all(30, [](Rng& rng) {
     const int side = 30 + rng.uniform_index(40), u = rng.uniform_index(100 - side),
               v = rng.uniform_index(100 - side);
-    Picture picture(100, 100);
+    PaperPicture picture(100, 100);
     picture.frame(u, v, side);
     const auto found = paper(picture);
     ASSERT_EQ(found.size(), 1u);
@@ -78,14 +79,14 @@ TEST(PaperDetector, FindsACleanGateAtItsCorners) {
 }
 
 TEST(PaperDetector, MinimumLengthMustBeExceeded) {
-  Picture picture(60, 60);
+  PaperPicture picture(60, 60);
   picture.frame(10, 12, 30);
   EXPECT_EQ(paper(picture, {.min_side_px = 29.9}).size(), 1u);
   EXPECT_EQ(paper(picture, {.min_side_px = 30.0}).size(), 0u);
 }
 
 TEST(PaperDetector, ColourFitnessMustBeExceeded) {
-  Picture picture(60, 60);
+  PaperPicture picture(60, 60);
   picture.frame(10, 12, 30);
   picture.paint(20, 12, 30, 12, false);  // a hole in the upper bar, wider than the tolerance
   const auto all = paper(picture, {.min_color_fitness = 0.0});
@@ -98,7 +99,7 @@ TEST(PaperDetector, ColourFitnessMustBeExceeded) {
 }
 
 TEST(PaperDetector, EveryCandidateCountsButTheSameGateOnce) {
-  Picture picture(260, 100);
+  PaperPicture picture(260, 100);
   picture.frame(10, 10, 40);
   picture.frame(90, 20, 60);
   EXPECT_EQ(paper(picture).size(), 2u);
@@ -108,7 +109,7 @@ TEST(PaperDetector, EveryCandidateCountsButTheSameGateOnce) {
 
 TEST(PaperDetector, SameGeneratorSameAnswer) {
   Rng noise{5};
-  Picture picture(120, 120);
+  PaperPicture picture(120, 120);
   picture.frame(20, 20, 50);
   for (int i = 0; i < 3000; ++i)
     picture.set(noise.uniform_index(120), noise.uniform_index(120), true);
@@ -119,7 +120,7 @@ TEST(PaperDetector, SameGeneratorSameAnswer) {
 }
 
 TEST(FlownDetector, FindsACleanGateAtItsCorners) {
-  Picture picture(160, 100);
+  PaperPicture picture(160, 100);
   picture.frame(40, 20, 50);
   const auto gate = flown(picture);
   ASSERT_TRUE(gate.has_value());
@@ -128,34 +129,34 @@ TEST(FlownDetector, FindsACleanGateAtItsCorners) {
 }
 
 TEST(FlownDetector, MinimumLengthMustBeExceeded) {
-  Picture picture(100, 100);
+  PaperPicture picture(100, 100);
   picture.frame(20, 20, 30);
   EXPECT_FALSE(flown(picture, {.min_side_px = 30.0}).has_value());
   EXPECT_TRUE(flown(picture, {.min_side_px = 29.9}).has_value());
 }
 
 TEST(FlownDetector, AFilledSquareIsNoGate) {
-  Picture picture(100, 100);
+  PaperPicture picture(100, 100);
   picture.paint(20, 20, 70, 70);
   EXPECT_FALSE(flown(picture).has_value());
 }
 
 TEST(FlownDetector, ThreeSidesAreNoGate) {
-  Picture picture(100, 100);
+  PaperPicture picture(100, 100);
   picture.frame(20, 20, 50);
   picture.paint(22, 20, 68, 20, false);
   EXPECT_FALSE(flown(picture).has_value());
 }
 
 TEST(FlownDetector, TriesLastFramesCornersWhenThisOneGivesNone) {
-  Picture picture(100, 100);
+  PaperPicture picture(100, 100);
   picture.frame(22, 19, 50);
   const FlownDetectorParams blind{.samples = 0};
   EXPECT_FALSE(flown(picture, blind).has_value());
   const auto gate = flown(picture, blind, square(20, 20, 48));
   ASSERT_TRUE(gate.has_value());
   expect_corners(gate->corners_px, square(22, 19, 50));
-  EXPECT_FALSE(flown(Picture(100, 100), blind, square(20, 20, 48)).has_value());
+  EXPECT_FALSE(flown(PaperPicture(100, 100), blind, square(20, 20, 48)).has_value());
 }
 
 TEST(PaperAndFlownDetector, NastyPicturesGiveAnAnswerInBoundedTime) {
@@ -163,19 +164,19 @@ TEST(PaperAndFlownDetector, NastyPicturesGiveAnAnswerInBoundedTime) {
   EXPECT_TRUE(detect_as_paper(Image{}, {}, rng).empty());
   EXPECT_FALSE(detect_as_flown(Image{}, {}, rng, square(0, 0, 10)).has_value());
 
-  std::vector<Picture> pictures;
+  std::vector<PaperPicture> pictures;
   for (const auto& [width, height] :
        {std::pair{1, 1}, {2, 2}, {1, 300}, {300, 1}, {315, 160}, {3150, 1600}}) {
     pictures.emplace_back(width, height);
     pictures.back().paint(0, 0, width - 1, height - 1);
   }
-  Picture checkerboard(315, 160), noise(315, 160);
+  PaperPicture checkerboard(315, 160), noise(315, 160);
   for (int v = 0; v < 160; ++v)
     for (int u = 0; u < 315; ++u)
       checkerboard.set(u, v, (u + v) % 2 == 0), noise.set(u, v, rng.uniform_index(2) == 0);
   pictures.push_back(checkerboard), pictures.push_back(noise);
 
-  for (const Picture& picture : pictures) {
+  for (const PaperPicture& picture : pictures) {
     const PaperDetections found = paper(picture, {.min_side_px = 0.0, .min_color_fitness = 0.0});
     EXPECT_LE(found.size(), 1000u);
     for (const GateDetection& gate : found)
@@ -185,7 +186,7 @@ TEST(PaperAndFlownDetector, NastyPicturesGiveAnAnswerInBoundedTime) {
 }
 
 TEST(PaperDetector, AFullListEndsTheSearch) {
-  Picture crowd(1000, 1000);
+  PaperPicture crowd(1000, 1000);
   for (int v = 2; v < 990; v += 8)
     for (int u = 2; u < 990; u += 8) crowd.frame(u, v, 4);
   const auto found =

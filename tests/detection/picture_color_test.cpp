@@ -9,13 +9,13 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 
 namespace gatefly {
 namespace {
 
 using namespace test;
 
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 constexpr int kMostGain = 10;
 
 /// A picture of a hall: coloured patches of a few pixels.

@@ -12,23 +12,23 @@
 namespace gatefly {
 namespace {
 
-constexpr int kWidth = 315, kHeight = 160;
+constexpr int kBarsWidth = 315, kBarsHeight = 160;
 
 /// Upright bars in the flown colour on grey.
-struct Picture {
-  Picture() : bytes(std::size_t{3} * kWidth * kHeight) {
+struct BarPicture {
+  BarPicture() : bytes(std::size_t{3} * kBarsWidth * kBarsHeight) {
     for (std::size_t i = 0; i < bytes.size(); i += 3)
       bytes[i] = 110, bytes[i + 1] = 128, bytes[i + 2] = 128;
   }
-  void bar(int u0, int u1, int v0 = 0, int v1 = kHeight - 1) {
+  void bar(int u0, int u1, int v0 = 0, int v1 = kBarsHeight - 1) {
     for (int v = v0; v <= v1; ++v)
       for (int u = u0; u <= u1; ++u) {
-        const auto i = static_cast<std::size_t>(3 * (v * kWidth + u));
+        const auto i = static_cast<std::size_t>(3 * (v * kBarsWidth + u));
         bytes[i] = 140, bytes[i + 1] = 100, bytes[i + 2] = 150;
       }
   }
   [[nodiscard]] Image image() const {
-    return {bytes.data(), PixelFormat::kYuv444, kWidth, kHeight};
+    return {bytes.data(), PixelFormat::kYuv444, kBarsWidth, kBarsHeight};
   }
   [[nodiscard]] std::optional<GateBars> bars(std::uint64_t seed = 1) const {
     Rng rng{seed};
@@ -38,7 +38,7 @@ struct Picture {
 };
 
 TEST(SideBars, TheTwoHighestColumnsAreTheBarsLeftAndRight) {
-  Picture picture;
+  BarPicture picture;
   picture.bar(40, 49, 20, 159), picture.bar(250, 259);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto bars = picture.bars(seed);
@@ -51,14 +51,14 @@ TEST(SideBars, TheTwoHighestColumnsAreTheBarsLeftAndRight) {
 }
 
 TEST(SideBars, OneBarIsNoGate) {
-  Picture picture;
+  BarPicture picture;
   EXPECT_FALSE(picture.bars()) << "grey";
   picture.bar(40, 49);
   EXPECT_FALSE(picture.bars());
 }
 
 TEST(SideBars, ABarLessThanHalfAsHighAsTheOtherIsNone) {
-  Picture picture;
+  BarPicture picture;
   picture.bar(40, 49), picture.bar(250, 259, 0, 60);
   EXPECT_FALSE(picture.bars());
   picture.bar(250, 259, 0, 110);
@@ -67,13 +67,13 @@ TEST(SideBars, ABarLessThanHalfAsHighAsTheOtherIsNone) {
 
 // Nine hits of the 31.7 that a column coloured from top to bottom has.
 TEST(SideBars, ShortBarsAreNone) {
-  Picture picture;
+  BarPicture picture;
   picture.bar(40, 49, 60, 90), picture.bar(250, 259, 60, 90);
   EXPECT_FALSE(picture.bars());
 }
 
 TEST(SideBars, AreWhatBothPaperModesFindOfANearGate) {
-  Picture picture;
+  BarPicture picture;
   picture.bar(30, 41), picture.bar(270, 281);
   for (const auto mode : {DetectorMode::kPaper, DetectorMode::kFlown}) {
     GateDetector detector{{}, mode};

@@ -12,6 +12,7 @@
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"
+#include "support/orange.hpp"
 #include "support/views_of_a_gate.hpp"
 #include "support/worst_corner.hpp"
 
@@ -19,8 +20,6 @@ namespace gatefly {
 namespace {
 
 using namespace test;
-
-const ColorModel kOrange = ColorModel::described({1.0, 0.4, 0.0});
 
 GateDetections gates_in(const Canvas& canvas) {
   static SnakeSearch search;
