@@ -201,9 +201,9 @@ TEST(Phase, ACameraThatSendsNothingLeadsDownInAHurry) {
 
 TEST(Phase, ACameraWhosePicturesAreRareIsGivenLonger) {
   Situation s = flying();
-  s.picture_interval = 1.0, s.since_picture = 5.9;
+  s.picture_interval = 1.0, s.since_picture = 7.9;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
-  s.since_picture = 6.1;
+  s.since_picture = 8.1;
   EXPECT_EQ(next_phase(Straight{}, s, kParams).reason, AbortReason::kNoPictures);
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/intake.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 namespace gatefly {
@@ -64,10 +66,10 @@ void Intake::take_heights(bool rotors_turn) {
 }
 
 void Intake::take_picture() {
-  constexpr double kGain = 0.1;  // the mean of some ten pictures. [estimate]
+  constexpr int kMean = 32;  // of so many intervals, one standard deviation is a sixth. [estimate]
   if (has_picture_) {
-    const double interval = time_ - picture_at_;
-    interval_ = interval_ > 0.0 ? interval_ + kGain * (interval - interval_) : interval;
+    intervals_ = std::min(intervals_ + 1, kMean);
+    interval_ += (time_ - picture_at_ - interval_) / intervals_;
   }
   has_picture_ = true, picture_at_ = time_;
   const std::uint64_t picture =
@@ -78,6 +80,11 @@ void Intake::take_picture() {
     taken_.image = Image{};
   }
   picture_ = picture;
+}
+
+double Intake::picture_interval() const {
+  constexpr double kSigmas = 2.0;  // pictures that are lost at random: a mean of n errs by 1 / √n
+  return intervals_ > 0 ? interval_ * (1.0 + kSigmas / std::sqrt(intervals_)) : 0.0;
 }
 
 // True where a sample is not to be used.

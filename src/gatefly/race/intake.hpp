@@ -31,8 +31,8 @@ class Intake {
   /// How long ago the last picture came, whatever was in it [s]; 0 before the first, of which nobody
   /// knows when it should come.
   [[nodiscard]] double since_picture() const { return has_picture_ ? time_ - picture_at_ : 0.0; }
-  /// The mean time from one picture to the next [s].
-  [[nodiscard]] double picture_interval() const { return interval_; }
+  /// The mean time from one picture to the next, as long as it may be by those that came [s].
+  [[nodiscard]] double picture_interval() const;
 
  private:
   void take_imu(const Sensors& sensors, bool fresh, bool rotors_turn);
@@ -47,6 +47,7 @@ class Intake {
   Sensors taken_;
   bool has_slow_ = false, has_picture_ = false;
   double time_ = 0.0, picture_at_ = 0.0, interval_ = 0.0;  // [s]
+  int intervals_ = 0;                                      ///< That interval_ is the mean of.
   std::uint64_t picture_ = 0;                              ///< Fingerprint of the last one.
 };
 
