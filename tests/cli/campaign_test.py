@@ -75,7 +75,7 @@ class Campaign(Cli):
         self.assertEqual(self.results("jobs1"), self.results("jobs3"))
 
     def test_interrupted_or_killed_it_flies_only_what_is_missing(self):
-        arguments = ("campaign", "oval", "--runs", "40", "--vision", "ideal", "--jobs", "2", "--quiet", "--out")
+        arguments = ("campaign", "oval", "--runs", "16", "--vision", "ideal", "--jobs", "2", "--quiet", "--out")
         self.assertEqual(self.run_it(*arguments, "whole").returncode, 0)
         for name, sent, code in (("interrupted", signal.SIGINT, 130), ("killed", signal.SIGKILL, -signal.SIGKILL)):
             out = self.folder / name
@@ -90,9 +90,9 @@ class Campaign(Cli):
             self.assertEqual(stdout, "")
             kept = {path: path.stat().st_mtime_ns for path in out.glob("run_*.json")}
             self.assertGreaterEqual(len(kept), 4)
-            self.assertLess(len(kept), 40)
+            self.assertLess(len(kept), 16)
             if sent == signal.SIGINT:
-                self.assertIn(f"{len(kept)} of 40 runs kept", stderr)
+                self.assertIn(f"{len(kept)} of 16 runs kept", stderr)
             self.assertFalse((out / "runs.csv").exists())
 
             self.assertEqual(self.run_it(*arguments, name).returncode, 0)
