@@ -193,7 +193,7 @@ class Progress(Console):
     FLIGHT = ("fly", "oval", "--laps", "100", "--vision", "ideal", "--set", "sim.timeout_s=400")
 
     def updates(self, columns):
-        said = self.on_terminal(*self.FLIGHT, "--out", columns, columns=columns, streams=("stderr",))
+        said = self.on_terminal(*self.FLIGHT[:-1], "sim.timeout_s=200", "--out", columns, columns=columns, streams=("stderr",))
         return said.split("\r\x1b[K")[1:-1]
 
     def test_it_fits_any_width_and_says_what_is_left(self):
