@@ -314,5 +314,31 @@ TEST(EskfRest, TellsBiasAndTiltTogether) {
   EXPECT_THAT(P, IsCovariance());
 }
 
+// How much rotors are believed to give, half a second after what they give has changed, of a filter that was
+// sure of them.
+Nominal after_rotors_change_by(double part, Covariance& P) {
+  const Params params;
+  Nominal x;
+  x.p_EB.z() = -1.5;
+  P = 1e-6 * Covariance::Identity(kGates, kGates);
+  const double thrust = params.gravity, given = (1.0 + part) * thrust;
+  for (int i = 0; i < 256; ++i)
+    correct_by_thrust(x, P, {{Vector3d::Zero(), {0, 0, -given}}, 1.0 / 512, thrust}, params);
+  return x;
+}
+
+TEST(EskfThrust, RotorsThatLoseAThirdFromOneMomentToTheNextAreLearntAnew) {
+  Covariance P;
+  for (const double part : {-0.3, -0.2, 0.25})
+    EXPECT_NEAR(after_rotors_change_by(part, P).thrust, part, 0.04);
+  EXPECT_LT(P(kThrust, kThrust), 1e-3) << "and are known again";
+}
+
+TEST(EskfThrust, ALittleLessThrustIsForTheRandomWalk) {
+  Covariance P;
+  EXPECT_NEAR(after_rotors_change_by(-0.05, P).thrust, 0.0, 0.005);
+  EXPECT_LT(P(kThrust, kThrust), 1.1e-6);
+}
+
 }  // namespace
 }  // namespace gatefly::eskf

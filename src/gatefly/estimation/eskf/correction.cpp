@@ -57,8 +57,23 @@ bool rotors_carry(const Nominal& x, const Interval& interval, const Params& para
   return interval.thrust >= kLeast * params.gravity && -x.p_EB.z() >= kLifts;
 }
 
+// Rotors that give less from one moment to the next: what was learnt of them holds no more. Without
+// this a drone whose rotors lose a third sinks onto the floor before the random walk has followed.
+void forget_broken_thrust(Nominal& x, Covariance& P, double residual, double dt,
+                          const Priors& priors) {
+  constexpr double kOver = 0.2;     // [s] longer than rotors' lag and a gust's edge. [estimate]
+  constexpr double kBroken = 0.15;  // of gravity; a battery sags by less in minutes. [estimate]
+  x.thrust_misfit += std::min(1.0, dt / kOver) * (residual - x.thrust_misfit);
+  if (std::abs(x.thrust_misfit) < kBroken * kGravity) return;
+  P(kThrust, kThrust) += priors.thrust * priors.thrust;
+  x.thrust_misfit = 0.0;
+}
+
 void correct_by_thrust(Nominal& x, Covariance& P, const Interval& interval, const Params& params) {
-  if (rotors_carry(x, interval, params)) correct(x, P, thrust_measurement(x, interval, params));
+  if (!rotors_carry(x, interval, params)) return;
+  const ThrustMeasurement measured = thrust_measurement(x, interval, params);
+  forget_broken_thrust(x, P, measured.residual, interval.dt, params.priors);
+  correct(x, P, measured);
 }
 
 bool correct_by_height(Nominal& x, Covariance& P, double height, double sigma) {

@@ -60,8 +60,9 @@ struct Nominal {
   double spread = 1.0;      ///< Variance of the corners' errors, relative; found from residuals.
   /// How strongly accelerometer and gyro shake, as a variance, relative; found from their samples.
   double accel_shaking = 1.0, gyro_shaking = 1.0;
-  double turned = 0.0;  ///< Heading by which corrections have turned it altogether [rad].
-  int corner_of = -1;   ///< Gate and face that `corner` belongs to: 2 slot + face; -1: none.
+  double thrust_misfit = 0.0;  ///< Mean residual of what rotors give, of the last 0.2 s [m/s²].
+  double turned = 0.0;         ///< Heading by which corrections have turned it altogether [rad].
+  int corner_of = -1;          ///< Gate and face that `corner` belongs to: 2 slot + face; -1: none.
 };
 
 /// Takes in errors that were found.
