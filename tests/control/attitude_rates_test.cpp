@@ -58,6 +58,25 @@ TEST(AttitudeRates, BearADelayHalfAsLongAgain) {
   EXPECT_LT(overshoot({}, 0.02, 0.03), 0.05);
 }
 
+TEST(AttitudeRates, TiltAsToldWhileTheNoseIsStillElsewhere) {
+  // 20 degrees to the right of a heading that is 120 degrees away: the thrust has to point there long
+  // before the nose does, and on no way round.
+  const AttitudeCommand wanted{.roll = 20.0 * kDegree, .yaw = 120.0 * kDegree};
+  const Vector3d down_E = rotation_EB(Attitude{wanted.roll, 0.0, wanted.yaw}).matrix.col(2);
+  AttitudeRates rates{RateParams{}, 1.0};
+  Obeying drone;
+  double aside = 0.0;
+  for (int i = 0; i < 512; ++i) {
+    drone.fly(rates.step(wanted, rotation_EB(drone.q), kRatesDt));
+    const Vector3d now_E = rotation_EB(drone.q).matrix.col(2);
+    aside = std::max(aside, std::abs(down_E.cross(Vector3d::UnitZ()).normalized().dot(now_E)));
+  }
+  const RotationEB end = rotation_EB(drone.q);
+  EXPECT_GT(120.0 * kDegree - attitude_of(end).yaw, 50.0 * kDegree) << "the nose takes longer";
+  EXPECT_LT(std::acos(end.matrix.col(2).dot(down_E)), 2.0 * kDegree);
+  EXPECT_LT(aside, std::sin(4.0 * kDegree)) << "tilted to no other side";
+}
+
 TEST(AttitudeRates, TurnTheShortWayAndNoFasterThanAllowed) {
   AttitudeRates rates{RateParams{}, 1.5};
   const RotationEB now = rotation_EB(Attitude{0, 0, 170.0 * kDegree});

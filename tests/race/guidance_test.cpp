@@ -151,6 +151,8 @@ TEST(Guidance, LooksAsideAtTheGateAndFliesOnAlongItsWay) {
   }
   EXPECT_NEAR(c.yaw, std::atan2(8.0, -0.2), 1e-6) << "it points at the gate";
   EXPECT_LT(c.roll, -0.05) << "forward is to the left now";
+  now.attitude.yaw = c.yaw;
+  (void)guidance.command(phase, now, course);
   EXPECT_NEAR(guidance.entry_speed(now), -0.2 / std::hypot(8.0, 0.2), 1e-3)
       << "along the way it flies what the nose sees as its left";
 }
@@ -170,6 +172,35 @@ TEST(Guidance, LooksAsideNoFartherThanToldAndNotAtTheGateItself) {
   EXPECT_NEAR(yaw_at({3, -3, -1.5}), 0.3, 1e-9);
   EXPECT_NEAR(yaw_at({3, 3, -1.5}), -0.3, 1e-9);
   EXPECT_NEAR(yaw_at({5.5, 0.3, -1.5}), 0.0, 1e-9) << "through it";
+}
+
+// Most nose up, that is, braking most, on the way from a gate to one that stands beside it and faces back.
+double most_braking(double roll_lead) {
+  Track track;
+  track.gates = {{{6, 0, -1.5}, 0.0}, {{6, 2.4, -1.5}, kPi}};
+  track.laps = 2;
+  Course course{track, {}};
+  for (double x = 0.0; x < 6.3; x += 0.2) (void)course.follow(state_at({x, 0, -1.5}, 1.7), Straight{});
+  EXPECT_EQ(course.target(), 1);
+  GuidanceParams params;
+  params.speed.settle = 0.1;
+  params.speed.roll_lead = roll_lead;
+  Guidance guidance{params};
+  Phase phase = Straight{};
+  double most = -1.0;
+  for (double s = 0.3; s < 0.8 * course.path().length(); s += 0.1) {
+    const PathPoint here = course.path().at(s);
+    NavigationState now = state_at({here.position.x(), here.position.y(), -1.5}, 1.6);
+    now.attitude.yaw = here.heading;
+    now.p_GB.x() = -3.0;
+    (void)course.follow(now, Straight{});
+    most = std::max(most, guidance.command(phase, now, course).pitch);
+  }
+  return most;
+}
+
+TEST(Guidance, SlowsWhereATurnIsTighterThanTheRollCanFollow) {
+  EXPECT_GT(most_braking(0.5), most_braking(0.05) + 0.02);
 }
 
 TEST(Guidance, GoesSlowlyTowardsAGateThatItDoesNotSee) {

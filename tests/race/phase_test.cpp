@@ -88,6 +88,9 @@ TEST(Phase, SearchesWhenTheGateIsNearAndUncertain) {
   s.room_before = 1.4;
   EXPECT_EQ(std::get<Search>(next_phase(Straight{}, s, kParams).phase).gate_x, -1.4)
       << "waits where there is room";
+  s.room_before = 2.3;
+  EXPECT_EQ(std::get<Search>(next_phase(Straight{}, s, kParams).phase).gate_x, -2.2)
+      << "not close to what ends the room";
   s.to_go = 6.0;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)))
       << "on a turn that leads past the gate's plane first";
@@ -102,6 +105,9 @@ TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
   EXPECT_TRUE(is<Straight>(next_phase(Search{9.0}, s, kParams)));
   s.since_fix = 5;
   EXPECT_TRUE(is<Search>(next_phase(Search{9.0}, s, kParams)));
+  s.shows_whole = false;
+  EXPECT_TRUE(is<Straight>(next_phase(Search{9.0}, s, kParams))) << "others told where it is";
+  s.shows_whole = true;
   s.time = 9.0 + kParams.search_timeout + 0.1;
   const Transition t = next_phase(Search{9.0}, s, kParams);
   EXPECT_TRUE(is<Land>(t));

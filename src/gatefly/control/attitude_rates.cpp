@@ -5,9 +5,24 @@
 #include <cmath>
 
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
 
 namespace gatefly {
+namespace {
+
+// The turn E in two: about a level axis until the thrust points right, then about the thrust. However
+// far the yaw is off, the tilt goes the short way.
+Eigen::Vector3d tilt_then_yaw(const Eigen::Matrix3d& E) {
+  const Eigen::Vector2d level{-E(1, 2), E(0, 2)};
+  const double sine = level.norm();
+  Eigen::Vector3d tilt = Eigen::Vector3d::Zero();
+  if (sine > 1e-9) tilt.head<2>() = atan2(sine, E(2, 2)) / sine * level;
+  const Eigen::Matrix3d rest = rotation_of(tilt).transpose() * E;
+  return {tilt.x(), tilt.y(), atan2(rest(1, 0), rest(0, 0))};
+}
+
+}  // namespace
 
 Eigen::Vector3d AttitudeRates::step(const AttitudeCommand& command, const RotationEB& R_EB,
                                     double dt) {
@@ -16,7 +31,7 @@ Eigen::Vector3d AttitudeRates::step(const AttitudeCommand& command, const Rotati
   const Eigen::Matrix3d R_then = R_EB.matrix * rotation_of(params_.response * obeyed_);
   const Eigen::Matrix3d R_wanted =
       rotation_EB(Attitude{command.roll, command.pitch, command.yaw}).matrix;
-  const Eigen::Vector3d error = turn_of(R_then.transpose() * R_wanted);
+  const Eigen::Vector3d error = tilt_then_yaw(R_then.transpose() * R_wanted);
   const Eigen::Vector3d ahead = R_then.transpose() * Eigen::Vector3d{0, 0, command.yaw_rate};
   const Eigen::Vector3d most{params_.max_rate, params_.max_rate, max_yaw_rate_};
   const Eigen::Vector3d gain{params_.attitude_gain, params_.attitude_gain, params_.yaw_gain};

@@ -14,7 +14,9 @@ namespace gatefly {
 /// Turn rates that bring the attitude to a command, for an autopilot that holds rates and obeys late.
 ///
 /// Ours; a Smith predictor (Smith 1957) on a first-order answer: what has been asked for and cannot have
-/// shown yet is added to the attitude before the error is taken, so that a delay does not ring.
+/// shown yet is added to the attitude before the error is taken, so that a delay does not ring. The
+/// error is split into tilt and yaw (reduced attitude, Brescianini and D'Andrea 2018): the thrust points
+/// where it is told before the nose does.
 class AttitudeRates {
  public:
   explicit AttitudeRates(const RateParams& params, double max_yaw_rate)

@@ -89,7 +89,8 @@ AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Cours
   return c;
 }
 
-// The attitude's tilt is of the way, and is turned into the body by as much as the nose has left it.
+// The tilt is asked for along the way, and said in the axes of the heading that is commanded: whoever
+// turns the attitude tilts first, wherever the nose is by then.
 AttitudeCommand Guidance::look_aside(const AttitudeCommand& along, const NavigationState& now,
                                      const Course& course) {
   const LookAsideParams& p = params_.look_aside;
@@ -97,8 +98,8 @@ AttitudeCommand Guidance::look_aside(const AttitudeCommand& along, const Navigat
   const double most = p.rate * now.dt;
   const double off = wrap_angle(wanted_aside(along.yaw, now, course) - aside_);
   aside_ = wrap_angle(aside_ + std::clamp(off, -most, most));
-  turned_ = wrap_angle(turned_ + std::min(1.0, now.dt / p.lag) * wrap_angle(aside_ - turned_));
-  const auto [sine, cosine] = sincos(turned_);
+  turned_ = wrap_angle(now.attitude.yaw - along.yaw);
+  const auto [sine, cosine] = sincos(aside_);
   AttitudeCommand c = along;
   c.pitch = cosine * along.pitch - sine * along.roll;
   c.roll = cosine * along.roll + sine * along.pitch;
@@ -201,7 +202,9 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const double reach = p.brake_lead * std::clamp(entry_speed(now), 0.5, 6.0);
   for (double ahead = 0.0; ahead <= reach; ahead += kLook) {
     const double curvature = std::abs(path.at(course.ahead(ahead)).curvature);
-    if (curvature > 0.0) speed = std::min(speed, std::sqrt(params_.max_lateral / curvature));
+    if (curvature > 0.0)
+      speed = std::min({speed, std::sqrt(params_.max_lateral / curvature),
+                        p.turn_in_lead / (p.roll_lead * curvature)});
   }
   return speed;
 }

@@ -97,7 +97,7 @@ class Guidance {
   Eigen::Vector2d hold_integral_ = Eigen::Vector2d::Zero();  ///< [m/s²]
   std::size_t last_phase_ = 0;                               ///< Index of the last command's.
   double aside_ = 0.0;   ///< The nose is to point so far to the right of the way [rad], ...
-  double turned_ = 0.0;  ///< ... and does so, as far as the yaw has followed [rad].
+  double turned_ = 0.0;  ///< ... and points so far [rad].
 };
 
 }  // namespace gatefly

@@ -57,6 +57,7 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
                   course,
                   navigator,
                   {params_.camera, params_.timing, navigator.time(), size, arrivals_.sigma()}};
+  size_px_ = size;
   std::optional<Quad> bars;
   sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
   sighting_.seen = !sighting_.detections.empty();
@@ -107,6 +108,17 @@ std::optional<Quad> MapLookout::expected_bars(const View& view) const {
   }
   if (!in_view) return std::nullopt;
   return bars;
+}
+
+bool MapLookout::would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_GB) const {
+  const auto shows = [&](const Eigen::Vector3d& corner_G) {
+    const Eigen::Vector3d p_C =
+        params_.camera.R_BC.matrix.transpose() * (corner_G - p_GB - params_.camera.p_BC);
+    const auto px = p_C.z() > 0.0 ? params_.camera.lens.project(p_C) : std::nullopt;
+    return px && (px->array() >= 0.0).all() && (px->array() <= size_px_.array() - 1.0).all();
+  };
+  const auto corners = gate_corners_G(gate.side);
+  return std::all_of(corners.begin(), corners.end(), shows);
 }
 
 bool MapLookout::is_target(const eskf::GateSight& sight, const View& view) const {

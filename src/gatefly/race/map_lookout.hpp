@@ -40,6 +40,8 @@ class MapLookout {
   /// See Lookout::look.
   void look(const Sensors& sensors, bool looking, const Course& course, Navigator& navigator);
   [[nodiscard]] const Sighting& sighting() const { return sighting_; }
+  /// Whether the camera of a drone that stands level at p_GB, facing the gate, shows all of it.
+  [[nodiscard]] bool would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_GB) const;
   /// Whether the filter has diverged, judged by what became of sightings.
   [[nodiscard]] const eskf::Monitor& monitor() const { return monitor_; }
 
@@ -75,6 +77,7 @@ class MapLookout {
     int face = -1;
     double time = -1e3;
   } pending_;                 ///< Seen once, and not believed before it is seen again.
+  Eigen::Vector2d size_px_{0, 0};  ///< Of the last picture.
   double last_any_ = -1e3;    ///< A gate was taken in [s].
   bool target_seen_ = false;  ///< By its corners, in this approach.
   int passed_ = 0;            ///< Gates, when a picture came last.

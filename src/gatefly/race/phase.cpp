@@ -20,7 +20,8 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 }
 
 bool gate_found_again(const Situation& now, const PhaseParams& params) {
-  return now.since_fix < params.seen_within &&
+  // Other gates may tell where this one is, where it cannot be seen itself.
+  return (now.since_fix < params.seen_within || !now.shows_whole) &&
          now.lateral_sigma < params.certain_part * params.max_lateral_sigma &&
          std::abs(now.gate_y) < params.max_found_miss && now.gate_x < -params.min_run_in &&
          now.speed < params.max_found_speed;
@@ -29,7 +30,9 @@ bool gate_found_again(const Situation& now, const PhaseParams& params) {
 // How phases begin.
 Phase search_from(const Situation& now, const PhaseParams& params) {
   const double wanted = std::min(-params.wait_before, now.gate_x - params.fall_back);
-  return Search{now.time, std::max(wanted, -now.room_before)};
+  const double room =
+      std::max(std::min(now.room_before, params.wait_before), now.room_before - params.drift);
+  return Search{now.time, std::max(wanted, -room)};
 }
 Phase turn_from(const Situation& now) {
   return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};

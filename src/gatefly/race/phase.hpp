@@ -66,6 +66,7 @@ struct Situation {
   double forward_speed = 0.0;  ///< [m/s]
   double yaw = 0.0;            ///< [rad]
   double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
+  bool shows_whole = true;     ///< From here, level, the camera would see the whole gate.
   double tilt = 0.0;           ///< Between body and earth vertical [rad].
   double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
   bool imu_stuck = false;      ///< Its samples stay the same.
@@ -96,8 +97,11 @@ struct PhaseParams {
   double wait_before = 2.2;  ///< Waits at least so far before the gate [m] ... [estimate]
   double fall_back = 0.5;    ///< ... and so far behind where it is [m]. [estimate]
 
+  double drift = 0.5;  ///< ... but so far from what stands there: it waits without sight [m]. [estimate]
+
   // ... and out of it.
-  double seen_within = 0.3;      ///< Found again: seen so short ago [s], [estimate]
+  /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]
+  double seen_within = 0.3;
   double certain_part = 0.6;     ///< at most this part of max_lateral_sigma uncertain, [estimate]
   double max_found_miss = 0.5;   ///< not farther off the axis [m], [estimate]
   double min_run_in = 1.2;       ///< with so much way left [m], [estimate]

@@ -196,6 +196,9 @@ Situation Pilot::situation() const {
   s.since_fix = now.since_fix;
   s.since_imu = now.since_imu;
   s.imu_stuck = parts_->intake.imu_stuck();
+  const auto* eyes = std::get_if<MapLookout>(&parts_->lookout);
+  if (eyes != nullptr && std::holds_alternative<Search>(phase_))
+    s.shows_whole = eyes->would_show_whole(parts_->course.gate(), now.p_GB);
   s.tilt = acos(now.R_EB.matrix(2, 2));
   return s;
 }
