@@ -180,7 +180,8 @@ double most_braking(double roll_lead) {
   track.gates = {{{6, 0, -1.5}, 0.0}, {{6, 2.4, -1.5}, kPi}};
   track.laps = 2;
   Course course{track, {}};
-  for (double x = 0.0; x < 6.3; x += 0.2) (void)course.follow(state_at({x, 0, -1.5}, 1.7), Straight{});
+  for (double x = 0.0; x < 6.3; x += 0.2)
+    (void)course.follow(state_at({x, 0, -1.5}, 1.7), Straight{});
   EXPECT_EQ(course.target(), 1);
   GuidanceParams params;
   params.speed.settle = 0.1;

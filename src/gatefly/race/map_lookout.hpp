@@ -76,12 +76,12 @@ class MapLookout {
   struct {
     int face = -1;
     double time = -1e3;
-  } pending_;                 ///< Seen once, and not believed before it is seen again.
+  } pending_;                      ///< Seen once, and not believed before it is seen again.
   Eigen::Vector2d size_px_{0, 0};  ///< Of the last picture.
-  double last_any_ = -1e3;    ///< A gate was taken in [s].
-  bool target_seen_ = false;  ///< By its corners, in this approach.
-  int passed_ = 0;            ///< Gates, when a picture came last.
-  int refused_ = 0;           ///< Sure detections since then.
+  double last_any_ = -1e3;         ///< A gate was taken in [s].
+  bool target_seen_ = false;       ///< By its corners, in this approach.
+  int passed_ = 0;                 ///< Gates, when a picture came last.
+  int refused_ = 0;                ///< Sure detections since then.
   int quick_looks_ = 0;
 };
 

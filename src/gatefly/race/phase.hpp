@@ -97,7 +97,8 @@ struct PhaseParams {
   double wait_before = 2.2;  ///< Waits at least so far before the gate [m] ... [estimate]
   double fall_back = 0.5;    ///< ... and so far behind where it is [m]. [estimate]
 
-  double drift = 0.5;  ///< ... but so far from what stands there: it waits without sight [m]. [estimate]
+  double drift =
+      0.5;  ///< ... but so far from what stands there: it waits without sight [m]. [estimate]
 
   // ... and out of it.
   /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]
