@@ -186,6 +186,7 @@ const std::map<std::string, Effect>& effects() {
       {"faults.camera_stuck_s", {{0.8, 0.8}, {kSeen}}},
       {"faults.camera_delay_ms", {40, {kArrivals}}},
       {"faults.camera_tilt_deg", {5, {kSeen, kPictures}}},
+      {"faults.focal_percent", {5, {kSeen, kPictures}}},
       {"faults.light_out_s", {{1.0, 9}, {kSeen, kPictures}}},
       {"faults.hue_deg", {120, {kPictures}}},
       // IMU
@@ -210,6 +211,7 @@ const std::map<std::string, Effect>& effects() {
       {"faults.gate_moved_m", {{0.3, 0.3, 0}, {kSeen, kPictures}, {}, {{"moved_gate", 1}}}},
       {"faults.gate_aside_m", {0.5, {kSeen, kPictures}, {}, {{"moved_gate", -1}}}},
       {"faults.gate_turned_deg", {20, {kSeen, kPictures}, {}, {{"moved_gate", 1}}}},
+      {"faults.course_scale_percent", {-7, {kSeen, kPictures}}},
       {"faults.missing_gate", {1, {kSeen, kPictures}}},
       // Pictures show a gate that ideal vision hides.
       {"faults.hidden_gate", {1, {kSeen}, {kPictures}, {{"gate_hidden_m", 1.0}}}},

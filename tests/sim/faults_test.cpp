@@ -129,6 +129,28 @@ TEST(GateFaults, TheSeedDrawsWhichGateIsMovedAndTheTruthSaysWhich) {
   for (const int times : drawn_of) EXPECT_GE(times, 8);  // 20 are expected
 }
 
+TEST(GateFaults, ACourseThatIsSmallerThanItsMapHasItsGatesNearerToThePad) {
+  SimConfig config = two_gates();
+  config.start.position = {1, 2};
+  config.faults.course_scale = -0.07;
+  const SimConfig real = drawn(config, {}, 1);
+  EXPECT_THAT(real.world.gates[1].p_EG,
+              IsNear(Eigen::Vector3d{1 + 0.93 * 5, 2 - 0.93 * 2, -1.5}, 1e-12));
+  EXPECT_EQ(real.world.gates[1].side, config.world.gates[1].side);
+}
+
+TEST(Faults, ALensIsLongerThanToldBesideWhatTheSeedDraws) {
+  SimConfig config = two_gates();
+  const Randomize sigma = randomize_level("race");
+  const auto focal = [&] {
+    return std::visit([](const auto& lens) -> Eigen::Vector2d { return lens.focal_px; },
+                      drawn(config, sigma, 4).camera.lens.model);
+  };
+  const Eigen::Vector2d usual = focal();
+  config.faults.focal = 0.02;
+  EXPECT_THAT(focal(), IsNear(Eigen::Vector2d{1.02 * usual}, 1e-9));
+}
+
 TEST(Faults, OffsetsOfMountAndStartAddToWhatTheSeedDraws) {
   SimConfig config = two_gates();
   const Randomize sigma = randomize_level("race");

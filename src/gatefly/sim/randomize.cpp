@@ -190,6 +190,8 @@ void break_it(SimConfig& real) {
     const bool there = number > 0 && number <= static_cast<int>(real.world.gates.size());
     return there ? &real.world.gates[static_cast<std::size_t>(number - 1)] : nullptr;
   };
+  for (WorldGate& each : real.world.gates)
+    each.p_EG.head<2>() += faults.course_scale * (each.p_EG.head<2>() - real.start.position);
   move_gate(real);
   if (WorldGate* missing = gate(faults.missing_gate)) missing->missing = true;
   if (WorldGate* hidden = gate(faults.hidden_gate)) hidden->hidden_beyond = faults.gate_hidden;
@@ -201,6 +203,7 @@ void break_it(SimConfig& real) {
   real.vehicle.thrust_coefficient /= 1.0 + faults.hover_thrust;
   real.start.heading += faults.start_heading;
   real.camera.tilt_down += faults.camera_tilt;
+  std::visit([&](auto& lens) { lens.focal_px *= 1.0 + faults.focal; }, real.camera.lens.model);
   real.sensors.camera_latency = std::max(0.0, real.sensors.camera_latency + faults.camera_delay);
   real.sensors.frame_loss += faults.camera_drop;
   real.sensors.sonar_loss += faults.sonar_drop;

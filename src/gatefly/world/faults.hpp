@@ -25,6 +25,7 @@ struct Faults {
   /// [s].
   double camera_delay = 0.0;
   double camera_tilt = 0.0;  ///< Tilted down by that much more, beside the usual [rad].
+  double focal = 0.0;        ///< Longer by that part of itself, beside the usual.
   During light_out{0, 0};    ///< Every lamp at a fiftieth.
   double hue = 0.0;          ///< Gates of another hue than the configuration's [rad].
   // IMU.
@@ -44,6 +45,8 @@ struct Faults {
   Eigen::Vector3d gate_moved{0, 0, 0};  ///< North, east, down [m].
   double gate_aside = 0.0;              ///< And to its own right [m].
   double gate_turned = 0.0;             ///< [rad]
+  /// All gates so much farther from the pad, in the floor plan, than the map says: a part.
+  double course_scale = 0.0;
   int missing_gate = 0;                 ///< Not there at all: the race cannot be finished.
   int hidden_gate = 0;
   double gate_hidden = 0.0;  ///< Not to be seen from farther away than this [m].
