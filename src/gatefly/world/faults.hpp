@@ -47,7 +47,7 @@ struct Faults {
   double gate_turned = 0.0;             ///< [rad]
   /// All gates so much farther from the pad, in the floor plan, than the map says: a part.
   double course_scale = 0.0;
-  int missing_gate = 0;                 ///< Not there at all: the race cannot be finished.
+  int missing_gate = 0;  ///< Not there at all: the race cannot be finished.
   int hidden_gate = 0;
   double gate_hidden = 0.0;  ///< Not to be seen from farther away than this [m].
   int false_gates = 0;       ///< Gates like the others that are not in the map.
