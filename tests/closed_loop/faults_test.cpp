@@ -63,6 +63,18 @@ TEST(CameraFaults, ABurstIsAGapAndNothingElse) {
   EXPECT_GT(pictures(arrived, 3.2, 4.2), 12);
 }
 
+// From how the picture turns with the drone: also where it turns otherwise by the time that was told.
+TEST(CameraFaults, PicturesThatComeMuchLaterThanToldAreFoundOut) {
+  RaceConfig race = race_on("oval", 1003, 2, {}, "none", {.camera_delay = 0.060});
+  race.vision = Vision::kIdeal;
+  const RaceResult result = fly(race, [](const Tick&) { return true; });
+  ASSERT_TRUE(result.finished);
+  ASSERT_TRUE(result.findings.has_value());
+  EXPECT_NEAR(result.truth.latency, 0.060, 1e-9);
+  EXPECT_NEAR(-result.findings->delay.value, 0.060, 0.006)
+      << "findings count what pictures are younger";
+}
+
 TEST(CameraFaults, StuckItShowsTheSamePixelsWithNewStamps) {
   const RaceConfig race = race_on("oval", 1003, 1, {}, "", {.camera_stuck = {1.0, 1.0}});
   const Arrived arrived = flown_until(race, 2.6);

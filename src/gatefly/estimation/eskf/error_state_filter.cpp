@@ -204,9 +204,18 @@ void ErrorStateFilter::catch_up() {
   if (slow_) ahead_.carry(now_, setup_.params.gravity);
 }
 
+// The tick nearest to the exposure as the delay is known by now: with what is left of it the drone has
+// turned hardly at all, so that a delay that was told wrongly by tens of milliseconds is found.
+std::optional<std::size_t> ErrorStateFilter::tick_of(const GateSight& sight) const {
+  const double newest = ring_[ring_.newest()].time;
+  const double exposed = std::min(sight.time + now_.delay, std::max(sight.time, newest));
+  const auto found = ring_.at(exposed, beyond_of(setup_));
+  return found ? found : ring_.at(sight.time, beyond_of(setup_));
+}
+
 std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight) const {
   if (!started_) return std::nullopt;
-  const auto i = ring_.at(sight.time, beyond_of(setup_));
+  const auto i = tick_of(sight);
   if (!i) return std::nullopt;
   const Tick& tick = ring_[*i];
   Nominal x = tick.x;
@@ -222,7 +231,7 @@ std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight
 bool ErrorStateFilter::correct(std::span<const GateSight> sights) {
   std::optional<std::size_t> first;
   for (const GateSight& sight : sights) {
-    const auto i = started_ ? ring_.at(sight.time, beyond_of(setup_)) : std::nullopt;
+    const auto i = started_ ? tick_of(sight) : std::nullopt;
     if (!i || !ring_[*i].sights.push_back(sight)) continue;
     first = first ? std::min(*first, *i) : *i;
   }

@@ -103,6 +103,7 @@ class ErrorStateFilter {
  private:
   void advance(const Sample& sample, double time);
   void take_in(std::size_t index);
+  [[nodiscard]] std::optional<std::size_t> tick_of(const GateSight& sight) const;
   [[nodiscard]] Eigen::Vector3d rate_around(std::size_t index) const;
   void do_again(std::size_t from);
   void catch_up();
