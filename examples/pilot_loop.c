@@ -10,7 +10,8 @@
 /* Yours: waits for the next IMU sample; microseconds may wrap. x forward, y right, z down. */
 static uint32_t read_imu(int tick, double gyro[3], double accel[3]) {
   memset(gyro, 0, 3 * sizeof *gyro);
-  accel[0] = accel[1] = 0.0, accel[2] = -9.81;
+  accel[0] = accel[1] = 0.0;
+  accel[2] = tick % 2 == 0 ? -9.81 : -9.812; /* a sensor that repeats itself is taken for stuck */
   return (uint32_t)(1953.125 * tick); /* 512 Hz */
 }
 
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
   for (int tick = 0; tick == 0 || state.phase != GATEFLY_LANDED; ++tick) {
     double gyro[3], accel[3];
     const uint32_t time_us = read_imu(tick, gyro, accel);
-    gatefly_push_sonar(pilot, time_us, 0.05);
+    gatefly_push_sonar(pilot, time_us, tick % 2 == 0 ? 0.050 : 0.052);
     /* A picture is pushed before the sample in whose time it arrives: gatefly_push_image(). */
     gatefly_step(pilot, time_us, gyro, accel, &command);
     set_motors(command.motors_radps);

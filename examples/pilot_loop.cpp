@@ -12,8 +12,10 @@
 gatefly::Sensors read_sensors(int tick) {
   gatefly::Sensors sensors;
   sensors.time = std::chrono::nanoseconds{tick * 1'953'125LL};  // 512 Hz
-  sensors.imu.accel_B = {0.0, 0.0, -9.81};                      // x forward, y right, z down
-  sensors.sonar = 0.05;
+  // A sensor that says the same again and again is taken for stuck.
+  const double noise = tick % 2 == 0 ? 0.002 : -0.002;
+  sensors.imu.accel_B = {0.0, 0.0, -9.81 + noise};  // x forward, y right, z down
+  sensors.sonar = 0.05 + noise;
   return sensors;
 }
 
