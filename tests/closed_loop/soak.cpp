@@ -11,6 +11,7 @@
 #include "gatefly/closed_loop/race.hpp"
 #include "gatefly/sensing/sensor_health.hpp"
 
+#include "support/allocation_counter.hpp"
 #include "support/race_setup.hpp"
 
 namespace {
@@ -32,11 +33,12 @@ struct Hour {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const double hours = argc > 1 ? std::atof(argv[1]) : 24.0;
+  const int hours = argc > 1 ? std::atoi(argv[1]) : 24;
   const std::string track = argc > 2 ? argv[2] : "oval", level = argc > 4 ? argv[4] : "none";
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1001;
   closed_loop::RaceConfig race = test::race_on(track, seed, 1'000'000, {}, level);
   race.vision = closed_loop::Vision::kIdeal;
+  race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };
   race.timeout = 3600.0 * hours + 60.0;
   race.sim.vehicle.sag = 0.0;
   race.sim.vehicle.battery.capacity = 1e12;
@@ -62,6 +64,8 @@ int main(int argc, char** argv) try {
     hour = {};
   }
   const closed_loop::RaceResult result = flight.result();
+  std::printf("allocations in the pilot's steps: %lu\n",
+              static_cast<unsigned long>(result.step_allocations));
   if (hours_flown >= hours) return 0;
   std::printf("over after %d hours and %d gates: %s %s\n", hours_flown, result.gates_passed,
               result.stop_reason.c_str(), result.crash_object.c_str());

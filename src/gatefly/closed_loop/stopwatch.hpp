@@ -12,10 +12,11 @@
 
 namespace gatefly::closed_loop {
 
-/// Wall-clock of one stage, for the summary's `timings`; nothing in the race depends on it.
+/// Wall-clock of one stage, for the summary's `timings`; nothing in the race depends on it. Of a flight
+/// of hours the last minutes count.
 class Stopwatch {
  public:
-  explicit Stopwatch(std::string stage) : stage_{std::move(stage)} { samples_.reserve(1 << 17); }
+  explicit Stopwatch(std::string stage) : stage_{std::move(stage)} { samples_.reserve(kMost); }
   template <class Work>
   auto time(Work&& work) {
     const auto from = std::chrono::steady_clock::now();
@@ -23,17 +24,14 @@ class Stopwatch {
       Stopwatch* self;
       std::chrono::steady_clock::time_point from;
       ~AtEnd() {
-        self->samples_.push_back(
-            std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - from)
-                .count());
+        self->add(std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - from)
+                      .count());
       }
     } at_end{this, from};
     return work();
   }
   /// Time of the latest sample [s]; before the first: 0.
-  [[nodiscard]] double latest() const {
-    return samples_.empty() ? 0.0 : 1e-6 * static_cast<double>(samples_.back());
-  }
+  [[nodiscard]] double latest() const { return 1e-6 * static_cast<double>(latest_); }
   [[nodiscard]] StageTime result() {
     if (samples_.empty()) return {stage_};
     std::sort(samples_.begin(), samples_.end());
@@ -45,8 +43,20 @@ class Stopwatch {
   }
 
  private:
+  static constexpr std::size_t kMost = 1 << 17;  // 256 s at 512 Hz: the longest race
+
+  void add(float microseconds) {
+    latest_ = microseconds;
+    if (samples_.size() < kMost)
+      samples_.push_back(microseconds);
+    else
+      samples_[next_++ % kMost] = microseconds;
+  }
+
   std::string stage_;
   std::vector<float> samples_;
+  std::size_t next_ = 0;  ///< To be overwritten, once there are kMost.
+  float latest_ = 0.0F;
 };
 
 }  // namespace gatefly::closed_loop
