@@ -187,7 +187,8 @@ FaultOutcome outcome_of(const CampaignFolder& folder) {
     outcome.crashed += crashed;
     outcome.landed += landed;
     outcome.seconds = std::max(outcome.seconds, summary.at("flight_time_s").get<double>() - kAt);
-    if (!row.finished && outcome.first_lost.empty())
+    // A crash says more than a landing.
+    if (!row.finished && (outcome.first_lost.empty() || (crashed && outcome.crashed == 1)))
       outcome.first_lost = "seed " + std::to_string(seed) + " " + row.cause;
     const nlohmann::ordered_json& rmse = summary.at("estimation_rmse_m");
     if (!rmse.is_array()) continue;  // no gate was passed

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "gatefly/closed_loop/race.hpp"
@@ -34,6 +35,7 @@ struct Hour {
 
 int main(int argc, char** argv) try {
   const int hours = argc > 1 ? std::atoi(argv[1]) : 24;
+  if (hours < 1) throw std::invalid_argument("HOURS must be a whole number of at least 1");
   const std::string track = argc > 2 ? argv[2] : "oval", level = argc > 4 ? argv[4] : "none";
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1001;
   closed_loop::RaceConfig race = test::race_on(track, seed, 1'000'000, {}, level);

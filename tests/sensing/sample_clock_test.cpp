@@ -16,7 +16,7 @@ using std::chrono::nanoseconds;
 
 constexpr nanoseconds kTick{2'000'000};  // 500 Hz
 
-// Where the time stands after these stamps.
+// The time after these stamps.
 nanoseconds time_after(SampleClock& clock, const std::vector<nanoseconds>& stamps) {
   nanoseconds time{0};
   for (const nanoseconds stamp : stamps) time = clock.next(stamp).time;

@@ -200,8 +200,8 @@ GATEFLY_API void gatefly_destroy(gatefly_pilot* pilot);
  * `command` is written in any case but GATEFLY_NULL, _WRONG_SIZE and _INTERNAL. A sample that is no
  * number, or out of range, still is a step: the pilot goes on with the last one, and lands when that
  * lasts (control.imu_timeout_ms); it switches the motors off where it commands them itself, as nothing
- * levels the drone then. So it does in flight when samples stay the same, bit for bit, for 0.1 s. One with a stale stamp is no step: the command stays. A clock that
- * has jumped (back, or by more than 0.5 s) is followed after three samples in a row that agree;
+ * levels the drone then. So it does in flight when samples stay the same, bit for bit, for 0.1 s. One
+ * with a stale stamp is no step: the command stays. A clock that has jumped (back, or by more than 0.5 s) is followed after three samples in a row that agree;
  * the pilot's own time goes on without a jump.
  *
  * @param time_us     when it was taken.

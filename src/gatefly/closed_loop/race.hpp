@@ -71,7 +71,7 @@ struct RaceResult {
   Discoveries discoveries;                 ///< The filter's findings against the truth.
   std::optional<eskf::Findings> findings;  ///< On camera, air and map, by the filter of kOurs.
   TruthOfFindings truth;                   ///< True values of the findings.
-  SensorHealth sensor_health;              ///< What the pilot has not used of its sensors.
+  SensorHealth sensor_health;              ///< Readings that the pilot refused.
   std::optional<eskf::Monitor::Verdict> divergence;  ///< As the pilot says, without any truth.
   std::vector<sim::WorldGate> true_gates;            ///< As they stood.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;

@@ -15,7 +15,8 @@ std::string in_words(const SensorHealth& health) {
   std::string words;
   for (const SensorCount& each : kSensorCounts)
     if (health.*each.count > 0)
-      words += (words.empty() ? "" : ", ") + std::to_string(health.*each.count) + " " + each.what;
+      words += (words.empty() ? "" : ", ") + std::string{each.what} + ": " +
+               std::to_string(health.*each.count);
   return words;
 }
 

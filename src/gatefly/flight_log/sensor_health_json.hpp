@@ -12,7 +12,7 @@ namespace gatefly::flight_log {
 /// Every count by its name: "sensors" of a summary.
 [[nodiscard]] nlohmann::ordered_json as_json(const SensorHealth& health);
 
-/// "52 IMU samples stuck, 1 jumps of the clock": what is not zero; "" where all is well.
+/// "IMU samples stuck: 52, jumps of the clock: 1": the counts above zero; "" where all is well.
 [[nodiscard]] std::string in_words(const SensorHealth& health);
 
 }  // namespace gatefly::flight_log

@@ -44,7 +44,7 @@ class Session {
   void stop();
   [[nodiscard]] Wires& wires() { return wires_; }
   [[nodiscard]] const RunClock& clock() const { return clock_; }
-  /// What the pilot has not used of its sensors; after stop().
+  /// Counts of the readings that the pilot refused; after stop().
   [[nodiscard]] const SensorHealth& sensor_health() const { return pilot_.health(); }
 
  private:

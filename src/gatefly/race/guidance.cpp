@@ -89,8 +89,8 @@ AttitudeCommand Guidance::turn(Arc& arc, const NavigationState& now, const Cours
   return c;
 }
 
-// The tilt is asked for along the way, and said in the axes of the heading that is commanded: whoever
-// turns the attitude tilts first, wherever the nose is by then.
+// Turns the tilt from the axes of the way into those of the commanded heading. The inner loop tilts
+// first, so that the drone flies along the way while the nose still turns.
 AttitudeCommand Guidance::look_aside(const AttitudeCommand& along, const NavigationState& now,
                                      const Course& course) {
   const LookAsideParams& p = params_.look_aside;

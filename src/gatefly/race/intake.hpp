@@ -11,9 +11,9 @@
 
 namespace gatefly {
 
-/// Where sensors enter the pilot: what is no reading goes no further, and is counted.
+/// Takes in what the sensors say: readings that cannot be true are refused, and counted.
 ///
-/// What is well goes through as it is, to the bit. An IMU sample that is refused arrives as no number,
+/// A reading that is well goes through as it is, to the bit. An IMU sample that is refused arrives as no number,
 /// on which the navigator goes on with the last one; a height that is refused does not arrive; a
 /// picture that is refused arrives empty. Allocates nothing, throws nothing.
 class Intake {

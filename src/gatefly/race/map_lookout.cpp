@@ -117,6 +117,7 @@ bool MapLookout::would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_
     const auto px = p_C.z() > 0.0 ? params_.camera.lens.project(p_C) : std::nullopt;
     return px && (px->array() >= 0.0).all() && (px->array() <= size_px_.array() - 1.0).all();
   };
+  if (size_px_.isZero()) return true;  // no picture has come: nothing says that it would not
   const auto corners = gate_corners_G(gate.side);
   return std::all_of(corners.begin(), corners.end(), shows);
 }

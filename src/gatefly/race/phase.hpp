@@ -95,10 +95,10 @@ struct PhaseParams {
   /// Expected farther off the axis than this: go around. [ours: 0.27 touches]
   double max_miss = 0.20;
   double wait_before = 2.2;  ///< Waits at least so far before the gate [m] ... [estimate]
-  double fall_back = 0.5;    ///< ... and so far behind where it is [m]. [estimate]
-
-  double drift =
-      0.5;  ///< ... but so far from what stands there: it waits without sight [m]. [estimate]
+  double fall_back = 0.5;    ///< ... and so far behind where it is [m], [estimate]
+  /// ... but so far from what ends the room, towards which it may drift while it sees nothing [m].
+  /// [estimate]
+  double drift = 0.5;
 
   // ... and out of it.
   /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]

@@ -43,6 +43,15 @@ VehicleParams rotors_as_felt(const PilotConfig& config) {
   return vehicle;
 }
 
+// An autopilot that holds angles tilts in the axes of the heading that it has, not of the one to come.
+AttitudeCommand as_heading_is(AttitudeCommand command, double yaw) {
+  const auto [sine, cosine] = sincos(command.yaw - yaw);
+  const double pitch = command.pitch, roll = command.roll;
+  command.pitch = cosine * pitch + sine * roll;
+  command.roll = cosine * roll - sine * pitch;
+  return command;
+}
+
 bool is_resting(const Phase& phase) {
   return std::holds_alternative<OnGround>(phase) || std::holds_alternative<Landed>(phase);
 }
@@ -212,7 +221,9 @@ Command Pilot::command(const AttitudeCommand& attitude) {
   const NavigationState now = navigator_.state();
   if (parts_->output == Output::kMotors)
     return {attitude, parts_->indi.step(attitude, now.R_EB, now.rate_B, now.dt)};
-  return {attitude, speeds_for(attitude.thrust, parts_->vehicle),
+  const bool by_angles = parts_->output == Output::kAttitudeThrust;
+  return {by_angles ? as_heading_is(attitude, now.attitude.yaw) : attitude,
+          speeds_for(attitude.thrust, parts_->vehicle),
           parts_->rates.step(attitude, now.R_EB, now.dt)};
 }
 

@@ -37,7 +37,7 @@ class Pilot {
   [[nodiscard]] const Phase& phase() const { return phase_; }
   [[nodiscard]] AbortReason abort_reason() const { return abort_reason_; }
   [[nodiscard]] const Sighting& sighting() const;
-  /// What came from the sensors and was not used.
+  /// Counts of the readings that were refused.
   [[nodiscard]] const SensorHealth& health() const;
   /// Whether the filter has diverged, judged without ground truth; kOurs only, else nullopt.
   [[nodiscard]] std::optional<eskf::Monitor::Verdict> divergence() const;

@@ -6,7 +6,7 @@
 
 namespace gatefly {
 
-/// What came from the sensors and was not used, or is doubtful; counts since the pilot was made.
+/// Counts the readings that were refused or are doubtful, by kind, since the pilot was made.
 struct SensorHealth {
   std::uint64_t imu_not_finite = 0;     ///< Samples with NaN or infinity: the last one goes on.
   std::uint64_t imu_out_of_range = 0;   ///< Samples that no sensor reads: the same.
@@ -22,7 +22,7 @@ struct SensorHealth {
 /// One of the counts above, for who reports them.
 struct SensorCount {
   const char* key;   ///< As summaries name it.
-  const char* what;  ///< In words, behind the number.
+  const char* what;  ///< In words, before the number.
   std::uint64_t SensorHealth::*count;
 };
 

@@ -11,7 +11,7 @@ namespace gatefly {
 /// Why a reading is not used.
 enum class SensorFault { kNone, kNotFinite, kOutOfRange, kStuck };
 
-/// What a sample alone shows: whether it is a number, and one that a sensor can read.
+/// Judges a sample by itself: whether it is a number, and one that a sensor can read.
 [[nodiscard]] SensorFault fault_of(const Imu& imu);
 
 /// The same of a range to what is below, in (0, 100) m, and of a height by pressure, within 1000 m.

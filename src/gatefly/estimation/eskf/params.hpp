@@ -21,8 +21,9 @@ struct Priors {
   double drag = 0.12;             ///< Relative. [14 recorded flights: .48-.61]
   double thrust = 0.10;  ///< Relative. [hover throttle by eye, a battery's charge: estimate]
   Eigen::Vector3d mount = Eigen::Vector3d{2.0, 1.0, 1.0} * kDegree;  ///< Tilt, pan, roll. [bracket]
-  double focal = 0.015, bend = 0.02;        ///< Relative. [calibrations of one lens: k 1.03-1.08]
-  double delay = 0.030;                     ///< [s] [a period at 30 Hz: drivers hold back]
+  double focal = 0.015, bend = 0.02;  ///< Relative. [calibrations of one lens: k 1.03-1.08]
+  /// [s]. [a period at 30 Hz: so long a driver may hold a picture back. estimate]
+  double delay = 0.030;
   double map = 0.12, map_height = 0.05;     ///< Place and height of a gate [m]. [tape measure]
   double map_yaw = 0.06, map_size = 0.012;  ///< [rad], relative. [by eye; built frames]
 };
