@@ -66,6 +66,8 @@ class Campaign(Cli):
             self.assertLessEqual(ended, int(row["runs"] or 0), row)
         again = self.run_it(*arguments)
         self.assertEqual((again.returncode, (self.folder / "faults" / "faults.csv").read_text()), (0, text))
+        self.assertIn("runs was 1, is 2", self.refused("campaign", "--faults", "--runs", "2", *arguments[4:]))
+        self.assertEqual((self.folder / "faults" / "faults.csv").read_text(), text, "what is refused takes nothing away")
         self.assertIn("F99", self.refused("campaign", "--faults", "--only", "F99", "--out", "other"))
         self.assertFalse((self.folder / "other").exists())
 
