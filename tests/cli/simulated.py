@@ -25,6 +25,10 @@ def free_ports(count, kind):
     return ports
 
 
+def camera_words(camera):
+    return ["--config", camera] if camera else []
+
+
 def ended(process):
     if process.poll() is None:
         process.kill()
@@ -40,11 +44,11 @@ class Simulated:
     told: what no controller knows, found by flying it: the throttle stick at which it hovers, the exponent of thrust over throttle.
     """
 
-    def __init__(self, gatefly, root, folder, fake="", betaflight="", memory=""):
-        """fake: the fake's program. betaflight: instead, Betaflight's, with the memory (eeprom.bin) that it was set up in."""
-        self.gatefly, self.root, self.folder = gatefly, pathlib.Path(root), pathlib.Path(folder)
-        self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), GATEFLY_SOURCE_DIR=str(root))
-        self.ports = dict(zip(PORTS, free_ports(4, socket.SOCK_DGRAM) + free_ports(2, socket.SOCK_STREAM)))
+    def __init__(self, gatefly, root, folder, fake="", betaflight="", memory="", track="oval", camera=""):
+        """fake: the fake's program. betaflight: instead, Betaflight's, with the memory (eeprom.bin) that it was set up in. camera: a name in cameras/, if not
+        the vehicle's own."""
+        self._around(gatefly, root, folder, track, camera)
+        self.configs = [*DRONE, *camera_words(camera)]
         if betaflight:
             self.ports.update(BETAFLIGHTS_OWN)
             shutil.copy(memory, self.folder / "eeprom.bin")
@@ -57,7 +61,13 @@ class Simulated:
             self.told = ["--hover-stick-us", "1273", "--exponent", "1.73"]
             self.controller.stdout.readline()
         self.link = ["--link", f"msp:tcp:127.0.0.1:{self.ports['msp']}"]
+
+    def _around(self, gatefly, root, folder, track, camera):
+        self.gatefly, self.root, self.folder, self.track = gatefly, pathlib.Path(root), pathlib.Path(folder), track
+        self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), GATEFLY_SOURCE_DIR=str(root))
+        self.ports = dict(zip(PORTS, free_ports(4, socket.SOCK_DGRAM) + free_ports(2, socket.SOCK_STREAM)))
         self.camera = ["--camera", f"udp-jpeg:{self.ports['pictures']}"]
+        self.world_words = []
 
     def start(self, *words, **more):
         streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
@@ -67,7 +77,7 @@ class Simulated:
         """link-sim around the controller, once it is ready."""
         ports = [word for name in PORTS for word in (f"--{name}", self.ports[name])]
         with open(self.folder / "world.txt", "w", encoding="utf-8") as says:
-            process = self.start(self.gatefly, "link-sim", "oval", *DRONE, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
+            process = self.start(self.gatefly, "link-sim", self.track, *self.configs, *self.world_words, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
         try:
             self.until_it_says("ready", process, 60)
         except RuntimeError:
@@ -89,7 +99,7 @@ class Simulated:
 
     def run(self, *words, **more):
         """`gatefly run` in the background."""
-        return self.start(self.gatefly, "run", "oval", *DRONE, *self.camera, *self.link, *words, **more)
+        return self.start(self.gatefly, "run", self.track, *self.configs, *self.camera, *self.link, *words, **more)
 
     def bench(self, asks, *words):
         """`gatefly bench-drone`, whose lines the drone's hand reads from the file `asks`. @return its exit code and all that it has said."""
@@ -112,7 +122,7 @@ class Simulated:
                 if "calibrate it" not in said:
                     break
             if code == 0:
-                code, more = self.bench(asks, "--hand-over", drone, *self.camera, *DRONE)
+                code, more = self.bench(asks, "--hand-over", drone, *self.camera, *self.configs)
                 said += more
             if code != 0:
                 raise RuntimeError(said)
@@ -121,3 +131,29 @@ class Simulated:
             world.terminate()
             world.wait(timeout=20)
             ended(world)
+
+
+class ArduCopter(Simulated):
+    """ArduCopter's own simulator with the JSON interface (tools/autopilots.sh), set up as tests/live/arducopter.parm says."""
+
+    def __init__(self, gatefly, root, folder, program, signs, track="oval", camera=""):
+        """signs: tests/fake_betaflight of the build, which signs a drone file."""
+        self._around(gatefly, root, folder, track, camera)
+        self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
+        self.ports.update(controller=5760, servos=9002, radio=5501)
+        self.world_words = ["--autopilot", "arducopter"]
+        self.signs = signs
+        self.controller = self.start(program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
+                                     "--home", "52,4.37,0,0", "--wipe", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.link = ["--link", f"mavlink:tcp:127.0.0.1:{self.ports['msp']}"]
+
+    def benched(self, seed):
+        """A drone.toml as tests/live has it, signed: there is no hand-over test for ArduCopter yet."""
+        content = (self.root / "tests" / "live" / "arducopter_sim.toml").read_text(encoding="utf-8")
+        plain = self.folder / "plain.toml"
+        plain.write_text(content, encoding="utf-8")
+        flies = pathlib.Path(self.gatefly).with_name("gatefly-lab")
+        mark = subprocess.run([self.signs, "--sign", plain, flies if flies.exists() else self.gatefly], capture_output=True, text=True, check=True).stdout.strip()
+        signed = self.folder / "drone.toml"
+        signed.write_text(f'{content}\n[hand_over_test]\npassed = "{mark}"\n', encoding="utf-8")
+        return signed, f"seed {seed}: not flown for it"

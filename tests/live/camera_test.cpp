@@ -81,9 +81,26 @@ TEST(SliceCamera, APictureInSlicesIsDecodedAndKept) {
     (void)::write(ends[1], slice.data(), slice.size());
   });
   Picture picture;
+  EXPECT_EQ(camera.next(picture, Clock::now() + 1s), Camera::Got::kPart);
   ASSERT_EQ(camera.next(picture, Clock::now() + 1s), Camera::Got::kPicture);
   EXPECT_EQ(picture.stored_width, 160);
   EXPECT_EQ(picture.file, jpeg);
+  ::close(ends[1]);
+}
+
+TEST(SliceCamera, APictureOfWhichASliceIsLostIsAPartAndNoPicture) {
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_DGRAM, 0, ends), 0);
+  SliceCamera camera{Port{ends[0], "slices"}, {160, 315}};
+  std::array<std::uint8_t, 100> room{};
+  const std::vector<std::uint8_t> jpeg(300, 1);
+  int sent = 0;
+  (void)jpeg_slices::each_slice(jpeg, 7, 0ns, room, [&](link::Bytes slice) {
+    if (sent++ != 1) (void)::write(ends[1], slice.data(), slice.size());
+  });
+  Picture picture;
+  EXPECT_EQ(camera.next(picture, Clock::now() + 1s), Camera::Got::kPart);
+  EXPECT_EQ(camera.next(picture, Clock::now() + 20ms), Camera::Got::kNothing) << "said once";
   ::close(ends[1]);
 }
 

@@ -245,5 +245,24 @@ TEST(StreamWatch, AStalledStreamIsNoticedWithinTwoPicturesAndALateOneIsNot) {
   EXPECT_TRUE(watch.stalled(t - 33ms + 85ms));
 }
 
+TEST(StreamWatch, NeitherLostPicturesNorUnevenOnesChangeThePeriod) {
+  StreamWatch watch;
+  nanoseconds t{0};
+  for (int i = 0; i < 60; ++i, t += 66ms)
+    if (i % 8 != 3) watch.arrived(t + (i % 2) * 20ms);
+  EXPECT_NEAR(static_cast<double>(watch.period().count()), 66e6, 21e6);
+  EXPECT_GT(watch.gone(), 3 * 66ms) << "three lost in a row are not the end";
+}
+
+TEST(StreamWatch, ACameraOfWhichPartsComeHasTwiceTheTimeOfOneThatIsSilent) {
+  StreamWatch watch;
+  for (int i = 0; i < 20; ++i) watch.arrived(i * 40ms);
+  const nanoseconds last = 19 * 40ms;
+  EXPECT_EQ(watch.gone(last + 200ms), watch.gone()) << "silent";
+  watch.part_arrived(last + 160ms);
+  EXPECT_EQ(watch.gone(last + 200ms), 2 * watch.gone()) << "torn";
+  EXPECT_EQ(watch.gone(last + 400ms), watch.gone()) << "parts have stopped, too";
+}
+
 }  // namespace
 }  // namespace gatefly::live

@@ -55,6 +55,7 @@ Assembler::Begun& Assembler::place_for(const Header& header) {
   for (Begun& begun : begun_)
     if (place->used && (!begun.used || begun.touched < place->touched)) place = &begun;
   give_up(*place);
+  ++counts_.begun;
   place->used = true;
   place->header = header;
   place->bytes = place->slices = 0;

@@ -66,6 +66,7 @@ class Assembler {
 
   struct Counts {
     std::uint64_t pictures = 0;  ///< Complete.
+    std::uint64_t begun = 0;     ///< Of which a slice has come.
     std::uint64_t given_up = 0;  ///< Begun, never complete.
     std::uint64_t refused =
         0;  ///< Datagrams that are no slice, or contradict others of their picture.

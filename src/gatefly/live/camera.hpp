@@ -13,7 +13,8 @@ namespace gatefly::live {
 /// A source of pictures. Only the camera's thread calls it.
 class Camera {
  public:
-  enum class Got { kPicture, kNothing, kEnded };
+  /// kPart: something of a new picture, which is not whole yet and may never be.
+  enum class Got { kPicture, kPart, kNothing, kEnded };
   virtual ~Camera() = default;
   /// Puts the next picture into `picture`, waiting for it until `deadline`; kEnded: none will come any more.
   /// @throws std::runtime_error one line, when a picture cannot be used.

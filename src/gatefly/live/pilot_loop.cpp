@@ -100,6 +100,7 @@ Picture* PilotLoop::newest_picture(nanoseconds now) {
     picture_at_ = newest->arrived;
     ++wires_.pictures_seen;
   }
+  pictures_.part_arrived(wires_.part_of_picture_at);
   const bool stalled = pictures_.stalled(now);
   if (stalled && !was_stalled_) ++wires_.stalls;
   was_stalled_ = stalled;
@@ -190,7 +191,7 @@ void PilotLoop::say(const Command& command, nanoseconds now) {
        .yaw = estimate.attitude.yaw,
        .height_at = height_at_,
        .picture_at = picture_at_,
-       .picture_limit = pictures_.gone()});
+       .picture_limit = pictures_.gone(now)});
 }
 
 }  // namespace gatefly::live

@@ -58,7 +58,7 @@ void RecordingSession::run_camera() {
         Picture* const* const front = free_.front();
         Picture& picture = front != nullptr ? **front : spare;
         const Camera::Got got = camera->next(picture, Clock::now() + 50ms);
-        if (got == Camera::Got::kNothing) continue;
+        if (got == Camera::Got::kNothing || got == Camera::Got::kPart) continue;
         if (got == Camera::Got::kEnded) {
           camera_error_ = camera->why().empty() ? "has ended" : camera->why();
           break;

@@ -65,6 +65,10 @@ void Session::run_camera() try {
     const Camera::Got got = camera_->next(picture, Clock::now() + 50ms);
     if (got == Camera::Got::kEnded) break;
     if (got == Camera::Got::kNothing) continue;
+    if (got == Camera::Got::kPart) {
+      wires_.part_of_picture_at = clock_.now();
+      continue;
+    }
     picture.arrived = clock_.now();
     if (front == nullptr) {
       ++wires_.pictures_lost;  // the pilot is behind

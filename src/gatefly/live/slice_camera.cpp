@@ -17,6 +17,10 @@ Camera::Got SliceCamera::next(Picture& picture, Moment deadline) {
     const auto got = port_.read(room_, deadline);
     if (!got || *got == 0) return Got::kNothing;  // a peer that is gone may come again
     const auto whole = assembler_.take({room_.data(), *got});
+    if (const auto begun = assembler_.counts().begun; !whole && begun > begun_) {
+      begun_ = begun;
+      return Got::kPart;
+    }
     if (!whole) continue;
     const std::string bytes(whole->jpeg.begin(), whole->jpeg.end());
     io::ImageFile file;

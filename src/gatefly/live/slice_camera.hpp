@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "gatefly/link/jpeg_slices.hpp"
@@ -21,6 +22,7 @@ class SliceCamera : public Camera {
   jpeg_slices::Assembler assembler_;
   std::vector<std::uint8_t> room_;
   std::size_t count_ = 0;
+  std::uint64_t begun_ = 0;
 };
 
 }  // namespace gatefly::live

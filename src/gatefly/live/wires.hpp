@@ -113,6 +113,8 @@ struct Wires {
   /// All threads that must not be late go first, and memory is held: as far as the system allows it.
   std::atomic<bool> first = true, held = false;
   std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
+  std::atomic<std::chrono::nanoseconds> part_of_picture_at{
+      std::chrono::nanoseconds{0}};     ///< When something of a new one came last.
   std::string link_error, camera_error;  ///< Written before its thread is over.
   std::atomic<int> at_recorder =
       0;  ///< Pictures; at most kAtRecorder, so that a slow disk does not blind the pilot.
