@@ -3,7 +3,7 @@
 """Races that `gatefly run` flies behind a flight controller's program and `gatefly link-sim`, one seed after another, in real time; leave both cores to it.
 
 usage: over_the_link.py GATEFLY REPOSITORY_ROOT FAKE_BETAFLIGHT CONTROLLER [--memory eeprom.bin | --arducopter] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
-                        [--loss 0.02] [--reorder 0.02] [--kept FILE]
+                        [--loss 0.02] [--reorder 0.02] [--ahead 'chrt -f 20'] [--kept FILE]
     FAKE_BETAFLIGHT  tests/fake_betaflight of the build, which signs drone files
     CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter
     --kept           a file to which every race is added, a line of JSON; races that are in it are not flown again
@@ -23,11 +23,12 @@ from simulated import ArduCopter, Simulated, ended
 def flown(drone, file, options, seed):
     limit = ["--time-limit", options.time_limit]
     trouble = ["--loss", options.loss, "--reorder", options.reorder]
-    world = drone.world("--seed", seed, "--json", *limit, *trouble)
+    world = drone.world("--seed", seed, "--json", "--log", drone.folder / "truth.csv", *limit, *trouble)
     says = drone.folder / "run.txt"
     with says.open("w", encoding="utf-8") as heard:
         pilot = drone.run("--drone", file, "--json", *limit, "--out", drone.folder / "flight", stderr=heard)
     try:
+        drone.until_it_says("handed over", world, 60, lambda: pilot.poll() is None)
         outcome = json.loads(world.communicate(timeout=options.time_limit + 120)[0])
         told = pilot.communicate(timeout=30)[0]
     finally:
@@ -55,6 +56,7 @@ def main():
     parser.add_argument("--time-limit", type=float, default=180)
     parser.add_argument("--loss", type=float, default=0)
     parser.add_argument("--reorder", type=float, default=0)
+    parser.add_argument("--ahead", default="", help="words before the controller's and link-sim's programs: 'chrt -f 20', so that a busy machine does not make them late")
     parser.add_argument("--kept")
     parser.add_argument("--drone", help="a drone.toml with a passed hand-over test; without it, one is made")
     parser.add_argument("--keep-folders", help="where the flights' folders go")
@@ -65,7 +67,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="gatefly-over-link-") as folder:
         def controller():
             own = pathlib.Path(tempfile.mkdtemp(dir=folder))
-            around = {"track": options.track, "camera": options.camera}
+            around = {"track": options.track, "camera": options.camera, "ahead": options.ahead.split()}
             if options.arducopter:
                 return ArduCopter(resolved["gatefly"], resolved["root"], own, resolved["controller"], resolved["fake"], **around)
             which = {"betaflight": resolved["controller"], "memory": options.memory} if options.memory else {"fake": resolved["controller"]}

@@ -44,30 +44,30 @@ class Simulated:
     told: what no controller knows, found by flying it: the throttle stick at which it hovers, the exponent of thrust over throttle.
     """
 
-    def __init__(self, gatefly, root, folder, fake="", betaflight="", memory="", track="oval", camera=""):
+    def __init__(self, gatefly, root, folder, fake="", betaflight="", memory="", track="oval", camera="", ahead=()):
         """fake: the fake's program. betaflight: instead, Betaflight's, with the memory (eeprom.bin) that it was set up in. camera: a name in cameras/, if not
-        the vehicle's own."""
-        self._around(gatefly, root, folder, track, camera)
+        the vehicle's own. ahead: words before the controller's and link-sim's programs, e.g. `chrt -f 20`: a flight controller is never late."""
+        self._around(gatefly, root, folder, track, camera, ahead)
         self.configs = [*DRONE, *camera_words(camera)]
         if betaflight:
             self.ports.update(BETAFLIGHTS_OWN)
             shutil.copy(memory, self.folder / "eeprom.bin")
-            self.controller = self.start(betaflight, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.controller = self.start(*ahead, betaflight, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             self.told = ["--hover-stick-us", "1230", "--exponent", "1.66"]
             time.sleep(1)
         else:
-            self.controller = self.start(fake, *(word for name in ("servos", "state", "radio") for word in (f"--{name}", self.ports[name])),
+            self.controller = self.start(*ahead, fake, *(word for name in ("servos", "state", "radio") for word in (f"--{name}", self.ports[name])),
                                          "--msp", self.ports["controller"], stderr=subprocess.DEVNULL)
             self.told = ["--hover-stick-us", "1273", "--exponent", "1.73"]
             self.controller.stdout.readline()
         self.link = ["--link", f"msp:tcp:127.0.0.1:{self.ports['msp']}"]
 
-    def _around(self, gatefly, root, folder, track, camera):
+    def _around(self, gatefly, root, folder, track, camera, ahead):
         self.gatefly, self.root, self.folder, self.track = gatefly, pathlib.Path(root), pathlib.Path(folder), track
         self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), GATEFLY_SOURCE_DIR=str(root))
         self.ports = dict(zip(PORTS, free_ports(4, socket.SOCK_DGRAM) + free_ports(2, socket.SOCK_STREAM)))
         self.camera = ["--camera", f"udp-jpeg:{self.ports['pictures']}"]
-        self.world_words = []
+        self.world_words, self.ahead = [], ahead
 
     def start(self, *words, **more):
         streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
@@ -77,7 +77,7 @@ class Simulated:
         """link-sim around the controller, once it is ready."""
         ports = [word for name in PORTS for word in (f"--{name}", self.ports[name])]
         with open(self.folder / "world.txt", "w", encoding="utf-8") as says:
-            process = self.start(self.gatefly, "link-sim", self.track, *self.configs, *self.world_words, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
+            process = self.start(*self.ahead, self.gatefly, "link-sim", self.track, *self.configs, *self.world_words, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
         try:
             self.until_it_says("ready", process, 60)
         except RuntimeError:
@@ -136,14 +136,14 @@ class Simulated:
 class ArduCopter(Simulated):
     """ArduCopter's own simulator with the JSON interface (tools/autopilots.sh), set up as tests/live/arducopter.parm says."""
 
-    def __init__(self, gatefly, root, folder, program, signs, track="oval", camera=""):
+    def __init__(self, gatefly, root, folder, program, signs, track="oval", camera="", ahead=()):
         """signs: tests/fake_betaflight of the build, which signs a drone file."""
-        self._around(gatefly, root, folder, track, camera)
+        self._around(gatefly, root, folder, track, camera, ahead)
         self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
         self.ports.update(controller=5760, servos=9002, radio=5501)
         self.world_words = ["--autopilot", "arducopter"]
         self.signs = signs
-        self.controller = self.start(program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
+        self.controller = self.start(*ahead, program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
                                      "--home", "52,4.37,0,0", "--wipe", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.link = ["--link", f"mavlink:tcp:127.0.0.1:{self.ports['msp']}"]
 

@@ -50,7 +50,7 @@ TEST(CommandGuard, WhateverIsAskedForIsWithinLimitsAndANumber) {
       };
       const AttitudeCommand wanted{any(), any(), any(), any(), any()};
       const Belief belief{
-          any(), {any(), any(), any()}, std::chrono::milliseconds{rng.uniform_index(1000)}};
+          any(), {any(), any(), any()}, any(), std::chrono::milliseconds{rng.uniform_index(1000)}};
       const auto action = static_cast<Action>(rng.uniform_index(5));
       const AttitudeCommand sent = guard.step(action, wanted, belief, any());
       EXPECT_LE(std::abs(sent.roll), limits.tilt);
@@ -143,6 +143,38 @@ TEST(CommandGuard, AFallMayBeStoppedThoughNothingTellsTheHeight) {
   const AttitudeCommand sent = guard.step(Action::kPilot, {.thrust = kGravity + 1.5},
                                           {.v_E = {0, 0, 1}, .height_age = 1s}, kDt);
   EXPECT_NEAR(sent.thrust, kGravity + 1.5, 1e-9);
+}
+
+/// Height [m] above where a gate was last seen, after so many seconds: a pilot that wants its height back, rotors that give `strength` of what
+/// is thought, an accelerometer off by `bias` [m/s²] of which the filter thinks that it is off by `bias_sigma`.
+double risen(double seconds, double strength, double bias, double bias_sigma) {
+  CommandGuard guard;
+  double height = 0, up = 0, believed_height = 0, believed_up = 0;
+  (void)guard.step(Action::kPilot, {.thrust = kGravity}, {}, kDt);
+  for (double t = 0; t < seconds; t += kDt) {
+    const double wanted = kGravity + std::clamp(-2 * believed_height - 3 * believed_up, -3.0, 3.0);
+    const std::chrono::milliseconds age{std::lround(1e3 * t)};
+    const AttitudeCommand sent = guard.step(
+        Action::kPilot, {.thrust = wanted},
+        {.v_E = {0, 0, -believed_up}, .climb_sigma = bias_sigma * t, .height_age = age}, kDt);
+    const double acceleration = strength * sent.thrust - kGravity;
+    up += kDt * acceleration, height += kDt * up;
+    believed_up += kDt * (acceleration + bias), believed_height += kDt * believed_up;
+  }
+  return height;
+}
+
+TEST(CommandGuard, AFallThatTheFilterIsSureOfIsStopped) {
+  EXPECT_LT(risen(3, 0.96, 0.0, 1e9), -1.2) << "without the filter's word it sinks";
+  EXPECT_GT(risen(3, 0.96, 0.0, 0.03), -0.4) << "rotors that are weaker by 4 %";
+  EXPECT_NEAR(risen(3, 1.0, 0.0, 0.03), 0.0, 1e-9);
+  EXPECT_GT(risen(3, 1.05, 0.0, 0.03), -0.1) << "nor do stronger ones matter";
+}
+
+TEST(CommandGuard, AFilterThatIsSureAndWrongRaisesTheDroneByTwoMetresAndNoMore) {
+  for (const double bias : {-0.3, -0.9, -2.0})
+    EXPECT_LT(risen(8, 1.0, bias, 0.0) - risen(8, 1.0, bias, 1e9), 2.1) << bias;
+  EXPECT_LT(risen(3, 1.0, -0.09, 0.03), 0.4) << "wrong by three sigma";
 }
 
 /// Rotors that are stronger than told hover with less: the pilot has found that out, and holds its height with 0.93 of the weight.

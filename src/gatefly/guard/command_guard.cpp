@@ -22,7 +22,7 @@ bool finite(const AttitudeCommand& c) {
 
 /// A heading of many turns is nonsense, too.
 bool sensible(const Belief& belief) {
-  return std::abs(belief.yaw) < 100.0 && belief.v_E.allFinite();
+  return std::abs(belief.yaw) < 100.0 && belief.v_E.allFinite() && belief.climb_sigma >= 0.0;
 }
 
 /// A period that is no number or not positive counts as a long one.
@@ -34,15 +34,25 @@ bool CommandGuard::height_known(const Belief& belief) const {
   return belief.height_age <= limits_.height_trust;
 }
 
+/// Lift that does not climb, as far as that can be told without a height.
+double CommandGuard::most_lift(const Belief& belief) const {
+  constexpr double kFades = 0.3;  // of the way to may_rise [m]
+  const double by_thrust = hover_ - limits_.climb_damping * up_;
+  const double falls = belief.v_E.z() - belief.climb_sigma;
+  const double by_filter =
+      hover_ + std::min(limits_.fall_damping * falls, limits_.stops_fall_by * hover_);
+  const double rises_to =
+      risen_ + std::max(0.0, up_) / limits_.climb_damping;  // till it has stopped
+  const double left = std::clamp((limits_.may_rise - rises_to) / kFades, 0.0, 1.0);
+  return std::max(0.0, by_thrust + left * std::max(0.0, by_filter - by_thrust));
+}
+
 AttitudeCommand CommandGuard::limited(const AttitudeCommand& command, const Belief& belief) const {
   AttitudeCommand c = command;
   c.roll = std::clamp(c.roll, -limits_.tilt, limits_.tilt);
   c.pitch = std::clamp(c.pitch, -limits_.tilt, limits_.tilt);
   c.thrust = std::clamp(c.thrust, 0.0, limits_.thrust);
-  if (!height_known(belief)) {
-    const double most_lift = std::max(0.0, hover_ - limits_.climb_damping * up_);
-    c.thrust = std::min(c.thrust, most_lift / upright(c));
-  }
+  if (!height_known(belief)) c.thrust = std::min(c.thrust, most_lift(belief) / upright(c));
   return c;
 }
 
@@ -103,7 +113,7 @@ AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
   const Belief belief = sensible(belief_now) ? belief_now : Belief{.height_age = Situation::kNever};
   // In between the estimate drifts, and is not asked.
   const bool told_anew = belief.height_age <= height_age_ && height_known(belief);
-  if (told_anew) up_ = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb);
+  if (told_anew) up_ = std::clamp(-belief.v_E.z(), -kMostClimb, kMostClimb), risen_ = 0.0;
   height_age_ = belief.height_age;
   learn_hover(belief, period(dt));
   AttitudeCommand sent{.yaw = belief.yaw};
@@ -119,6 +129,7 @@ AttitudeCommand CommandGuard::step(Action action, const AttitudeCommand& pilot,
   const double lift = sent.thrust * upright(sent);
   lift_ = lift, learns_ = action == Action::kPilot;
   up_ = std::clamp(up_ + (lift - hover_) * period(dt), -kMostClimb, kMostClimb);
+  risen_ += up_ * period(dt);
   return sent;
 }
 

@@ -17,8 +17,12 @@ struct CommandLimits {
   double tilt = 0.7;     ///< [rad], 40°.
   double thrust = 20.0;  ///< Specific, most of all [m/s²].
   std::chrono::nanoseconds height_trust =
-      std::chrono::milliseconds{500};  ///< Without a height for longer: no climbing.
-  double climb_damping = 2.0;          ///< [1/s]
+      std::chrono::milliseconds{500};              ///< Without a height for longer: no climbing.
+  double climb_damping = 2.0, fall_damping = 8.0;  ///< [1/s]
+  /// A fall that the pilot's filter is sure of may be stopped, by no more than so much of the lift above what hovers, until the drone has
+  /// risen by so much, were hover thrust exactly as thought and the filter wrong [m]. Betaflight's hover differs by 4 % from one way of
+  /// flying to another: half a metre in a turn of a second and a half, two metres in three seconds.
+  double stops_fall_by = 0.10, may_rise = 2.0;
   /// Speed of a descent if the rotors are as strong as they may be [m/s]: even then on the floor within 3 s from 1.5 m. Slower is not
   /// softer for those that are weaker, and longer in the air, where nobody sees what the drone drifts towards.
   double sink = 0.8;
@@ -40,6 +44,7 @@ struct CommandLimits {
 struct Belief {
   double yaw = 0.0;                               ///< [rad]
   Eigen::Vector3d v_E = Eigen::Vector3d::Zero();  ///< [m/s]
+  double climb_sigma = 1e9;  ///< Standard deviation of v_E.z, as the filter knows it [m/s].
   std::chrono::nanoseconds height_age{0};  ///< Since a gate or a range finder told the height.
   bool stands = false;                     ///< The pilot has landed, it says.
 };
@@ -49,7 +54,8 @@ struct Belief {
 /// A height that an accelerometer alone carries on drifts, and a pilot that holds it climbs: while nothing tells the height,
 /// lift is not above the weight but for stopping a fall, by the speed that the thrust sent so far amounts to. That does not
 /// drift with the accelerometer, and is off by what hover thrust is off: while gates tell the height, the pilot's own mean lift, less
-/// what it has climbed by, shows what hovers.
+/// what it has climbed by, shows what hovers. A fall that the filter believes in beyond its own sigma may be stopped, too, within
+/// CommandLimits::may_rise.
 ///
 /// An ending, braking and descent, knows no height. It goes by the strongest that the rotors may be: these would sink at
 /// CommandLimits::sink, weaker ones faster, and none climb. It adds no lift against a fall that no gate has
@@ -67,6 +73,7 @@ class CommandGuard {
   [[nodiscard]] bool height_known(const Belief& belief) const;
   [[nodiscard]] AttitudeCommand limited(const AttitudeCommand& command, const Belief& belief) const;
   [[nodiscard]] AttitudeCommand descent(const Belief& belief) const;
+  [[nodiscard]] double most_lift(const Belief& belief) const;
   [[nodiscard]] double ending_lift() const;
   void follow_ending(bool ending, const Belief& belief, double lift, double dt);
   void learn_hover(const Belief& belief, double dt);
@@ -77,7 +84,8 @@ class CommandGuard {
   double hover_ = kGravity;  ///< Lift that hovers, as the pilot's commands have shown [m/s²] ...
   double lift_ = 0.0, climb_ = 0.0;  ///< ... by the last lift and the climb when it was sent.
   bool learns_ = false;
-  double up_ = 0.0;          ///< Climb by the thrust sent since the height was last told [m/s].
+  double up_ = 0.0;          ///< Climb by the thrust sent since the height was last told [m/s] ...
+  double risen_ = 0.0;       ///< ... and the way up by it [m].
   double up_at_most_ = 0.0;  ///< The same of an ending, by the strongest rotors ...
   double ending_for_ = 0.0;  ///< ... since it began [s].
 };

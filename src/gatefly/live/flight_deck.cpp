@@ -86,8 +86,11 @@ FlightDeck::Sent FlightDeck::step(const ControllerState& controller, const Wante
   v_E_ = wanted.at == wanted_at_ ? Eigen::Vector3d{left_after_braking(params_.limits) * v_E_}
                                  : wanted.v_E;
   wanted_at_ = wanted.at;
-  const guard::Belief belief{
-      .yaw = wanted.yaw, .v_E = v_E_, .height_age = situation.height_age, .stands = wanted.landed};
+  const guard::Belief belief{.yaw = wanted.yaw,
+                             .v_E = v_E_,
+                             .climb_sigma = wanted.climb_sigma,
+                             .height_age = situation.height_age,
+                             .stands = wanted.landed};
   const AttitudeCommand command =
       guard_.step(rests ? guard::Action::kNeutral : action, wanted.command.attitude, belief,
                   seconds(kStickPeriod));

@@ -189,6 +189,7 @@ void PilotLoop::say(const Command& command, nanoseconds now) {
        .p_EB = estimate.p_EB,
        .v_E = estimate.v_E,
        .yaw = estimate.attitude.yaw,
+       .climb_sigma = pilot_.navigator().velocity_sigma().z(),
        .height_at = height_at_,
        .picture_at = picture_at_,
        .picture_limit = pictures_.gone(now)});

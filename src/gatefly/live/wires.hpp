@@ -45,6 +45,7 @@ struct Wanted {
   bool landed = false;
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero(), v_E = Eigen::Vector3d::Zero();
   double yaw = 0.0;
+  double climb_sigma = 1e9;                     ///< Of v_E.z [m/s].
   std::chrono::nanoseconds height_at = kNever;  ///< A gate told it.
   std::chrono::nanoseconds picture_at = kNever, picture_limit = std::chrono::milliseconds{150};
 };
@@ -114,7 +115,7 @@ struct Wires {
   std::atomic<bool> first = true, held = false;
   std::atomic<bool> link_over = false, camera_over = false, pilot_over = false;
   std::atomic<std::chrono::nanoseconds> part_of_picture_at{
-      std::chrono::nanoseconds{0}};     ///< When something of a new one came last.
+      std::chrono::nanoseconds{0}};      ///< When something of a new one came last.
   std::string link_error, camera_error;  ///< Written before its thread is over.
   std::atomic<int> at_recorder =
       0;  ///< Pictures; at most kAtRecorder, so that a slow disk does not blind the pilot.
