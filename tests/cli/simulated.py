@@ -53,7 +53,7 @@ class Simulated:
             self.ports.update(BETAFLIGHTS_OWN)
             shutil.copy(memory, self.folder / "eeprom.bin")
             self.controller = self.start(*ahead, betaflight, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            self.told = ["--hover-stick-us", "1230", "--exponent", "1.66"]
+            self.told = ["--hover-stick-us", "1257", "--exponent", "1.66"]
             time.sleep(1)
         else:
             self.controller = self.start(*ahead, fake, *(word for name in ("servos", "state", "radio") for word in (f"--{name}", self.ports[name])),

@@ -80,7 +80,7 @@ class Followed(Cli):
 
     def out_of(self, command):
         if not BETAFLIGHT:  # whose motors are others
-            command = command.replace("--hover-stick-us 1230 --exponent 1.66", "--hover-stick-us 1273 --exponent 1.73")
+            command = command.replace("--hover-stick-us 1257 --exponent 1.66", "--hover-stick-us 1273 --exponent 1.73")
         if command == "betaflight_SITL.elf":
             self.stop("world")
             self.controller()

@@ -30,7 +30,8 @@ struct CommandLimits {
   /// A climb that a gate told so lately is one to learn from; an accelerometer's is not.
   std::chrono::nanoseconds learns_from = std::chrono::milliseconds{60};
   double hover_time = 2.0;  ///< Time constant of the mean that is taken for hovering [s].
-  double least_hover = 0.8, most_hover = 1.15;  ///< Parts of the weight; beyond is not believed.
+  /// Parts of the weight; beyond is not believed. An empty battery takes a fifth of the thrust, and a hover stick may be a tenth off.
+  double least_hover = 0.8, most_hover = 1.3;
   /// A descent's lift fades after so long [s], at this rate, so that ground effect cannot hold the drone up.
   double fades_after = 1.5, fade = 0.05;  ///< [1/s²]
   /// Part of a descent's lift, when the pilot believes that it stands: what is left to fall is not much, and near the floor a gentle
