@@ -4,9 +4,10 @@ include(gatefly_precompiled)
 # gatefly_module(<folder> [COLD] [TOGETHER] [PUBLIC <header>...] [INSTALLED_WITH gatefly|gatefly-files]
 #                DEPENDS <target>... [PRIVATE_DEPENDS <target>...])
 #
-# One folder of src/gatefly/ is one library gatefly::<folder>. DEPENDS is the architecture, written
+# One folder src/<house>/gatefly/<folder> is one library gatefly::<folder>. DEPENDS is the architecture, written
 # down once: tools/check_layers.py (a ctest) fails the build when a file includes a folder that is
 # not listed here. Sources and headers are found by name, in subfolders, too.
+# The house is where the compiler looks for "gatefly/<folder>/<file>.hpp": a library sees its own house, and those of DEPENDS.
 #
 # COLD: no time is spent in here, only wasted on optimising it.
 # TOGETHER: somebody waits for it to be compiled, on the first flight or for the tests: gatefly_compiled_together().
@@ -38,10 +39,13 @@ function(gatefly_module name)
   set_target_properties(gatefly_${name} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(gatefly_${name} ${scope} cxx_std_20)
   target_link_libraries(gatefly_${name} ${scope} ${arg_DEPENDS})
-  target_include_directories(gatefly_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+  file(RELATIVE_PATH house ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REGEX REPLACE "^(src/[a-z]+)/.*" "\\1" house ${house})  # the C interface has one of its own
+  set(house ${PROJECT_SOURCE_DIR}/${house})
+  target_include_directories(gatefly_${name} ${scope} $<BUILD_INTERFACE:${house}>)
   set(headers)
   if(arg_PUBLIC)
-    gatefly_public_headers(headers gatefly_${name} ${scope} ${PROJECT_SOURCE_DIR}/src ${arg_PUBLIC})
+    gatefly_public_headers(headers gatefly_${name} ${scope} ${house} ${arg_PUBLIC})
   endif()
   if(arg_INSTALLED_WITH)
     install(TARGETS gatefly_${name} EXPORT ${arg_INSTALLED_WITH}-targets ARCHIVE COMPONENT library ${headers})

@@ -13,7 +13,7 @@ function(gatefly_commit source)
     mark_as_advanced(git)
     if(git AND EXISTS "${source}/.git")  # not in a clone of something else that holds these files
       execute_process(COMMAND "${git}" -C "${source}" log -1 "--format=%H %ct" OUTPUT_VARIABLE archived OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-      execute_process(COMMAND "${git}" -C "${source}" diff HEAD -- src apps cmake CMakeLists.txt OUTPUT_VARIABLE code ERROR_QUIET)
+      execute_process(COMMAND "${git}" -C "${source}" diff HEAD -- src c apps cmake CMakeLists.txt OUTPUT_VARIABLE code ERROR_QUIET)
       execute_process(COMMAND "${git}" -C "${source}" status --porcelain --untracked-files=no OUTPUT_VARIABLE changed ERROR_QUIET)
     endif()
   endif()

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fails when more comments than the budget open with Of, What, Who, Whose, Whom, Whoever, Whatever, Where or Wherever.
 
-Such an opening leaves out the noun that the comment is about: "Of its end [s]" for "End of the tick [s]". Counted are comments of src, apps, python and
+Such an opening leaves out the noun that the comment is about: "Of its end [s]" for "End of the tick [s]". Counted are comments of src, c, apps, python and
 tests: the first line of each block, and each comment behind code. --list prints them. The budget only ever goes down.
 
 usage: check_comments.py [ROOT] [--list]"""
@@ -12,7 +12,7 @@ import re
 import sys
 
 BUDGET = 60
-FOLDERS = ("src", "apps", "python", "tests")
+FOLDERS = ("src", "c", "apps", "python", "tests")
 OPENING = r"(?:Of|What|Who|Whose|Whom|Whoever|Whatever|Where|Wherever)\b"
 ALONE = {".py": re.compile(r"\s*#\s?(.*)"), "": re.compile(r"\s*//[/!]?<?\s?(.*)")}
 BEHIND = {".py": re.compile(r"(?:#|\"\"\")\s*" + OPENING), "": re.compile(r"//[/!]?<?\s+" + OPENING)}
@@ -39,7 +39,7 @@ def main(root, lists):
              for number, line in openings(file.read_text(encoding="utf-8"), file.suffix)]
     if lists:
         print("\n".join(f"{file}:{number}: {line}" for file, number, line in found))
-    by_folder = collections.Counter("/".join(file.parts[:3 if file.parts[0] == "src" else 1]) for file, _, _ in found)
+    by_folder = collections.Counter("/".join(file.parts[:4 if file.parts[0] == "src" else 1]) for file, _, _ in found)
     if len(found) <= BUDGET:
         print(f"comments: ok, {len(found)} of {BUDGET}")
         return 0

@@ -51,6 +51,7 @@ FILES = tree()
 FOLDERS = {str(folder) for file in FILES for folder in file.parents}
 PATHS = {str(file) for file in FILES} | FOLDERS
 NAMES = {file.name for file in FILES} | {pathlib.PurePosixPath(folder).name for folder in FOLDERS}
+HOUSES = [pathlib.PurePosixPath("src") / house for house in ("flight", "workshop", "simulator", "studies")]
 TOP = {path for path in PATHS if "/" not in path and path != "."}
 
 
@@ -146,9 +147,9 @@ def link_errors(page, line):
 
 
 def exists(path, page):
-    """A path of the project, as somebody on `page` would write it: from the root, from the page, from src/gatefly, as an include."""
+    """A path of the project, as somebody on `page` would write it: from the root, from the page, from its house, as an include."""
     path = path.rstrip("/")
-    starts = [pathlib.PurePosixPath("."), page.parent, pathlib.PurePosixPath("src/gatefly"), pathlib.PurePosixPath("src")]
+    starts = [pathlib.PurePosixPath("."), page.parent, *HOUSES, *(house / "gatefly" for house in HOUSES)]
     for start in starts:
         there = resolved(start, path)
         if there in PATHS:
@@ -170,7 +171,7 @@ def is_ours(path, page):
     if "/" not in path:
         return suffix in OURS_BY_SUFFIX
     beside = {pathlib.PurePosixPath(folder).name for folder in FOLDERS
-              if str(pathlib.PurePosixPath(folder).parent) in {str(page.parent), "src/gatefly"}}
+              if str(pathlib.PurePosixPath(folder).parent) in {str(page.parent), *(str(house / "gatefly") for house in HOUSES)}}
     return first in TOP | beside or suffix in SOURCES
 
 
@@ -214,7 +215,7 @@ def commands():
 
 @functools.cache
 def experiments():
-    listed = text_of(pathlib.PurePosixPath("src/gatefly/experiments/experiment.cpp"))
+    listed = text_of(pathlib.PurePosixPath("src/studies/gatefly/experiments/experiment.cpp"))
     return set(re.findall(r'\{"([\w-]+)",\s*"', listed))
 
 
@@ -223,7 +224,7 @@ def keys():
     """{key: its choices, or None}."""
     found = {}
     for file in FILES:
-        if file.parts[:3] != ("src", "gatefly", "config") or file.suffix != ".cpp":
+        if file.parts[:4] != ("src", "workshop", "gatefly", "config") or file.suffix != ".cpp":
             continue
         text = without_comments(text_of(file))
         for choice in re.finditer(r'choice<\w+>\(\s*"([a-z]+\.\w+)",\s*\{([^}]*)\}', text):
@@ -244,7 +245,7 @@ def keys():
 @functools.cache
 def old_keys():
     """{old name: name} of keys that were renamed; the old name still works, but belongs into the changelog only."""
-    found = re.findall(r'\{"([a-z]+\.\w+)",\s*"([a-z]+\.\w+)"\}', text_of(pathlib.PurePosixPath("src/gatefly/config/config.cpp")))
+    found = re.findall(r'\{"([a-z]+\.\w+)",\s*"([a-z]+\.\w+)"\}', text_of(pathlib.PurePosixPath("src/workshop/gatefly/config/config.cpp")))
     return {old: new for old, new in found if old != new}
 
 

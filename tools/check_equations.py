@@ -3,7 +3,7 @@
 """Fails when docs/paper/equations.md names a function or class that is not where it says, a link that leads nowhere, or lacks a row:
 for an equation or algorithm of the paper, for a figure that we reproduce, or for an experiment.
 
-    | 9 | what | label | [pose/ray_intersection.cpp](../../src/gatefly/pose/ray_intersection.cpp): `nearest_point` |
+    | 9 | what | label | [pose/ray_intersection.cpp](../../src/flight/gatefly/pose/ray_intersection.cpp): `nearest_point` |
 
 Names in backticks belong to the last link to the source before them, a file or a folder."""
 import functools
@@ -13,7 +13,7 @@ import sys
 
 ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
 PAGE = ROOT / "docs" / "paper" / "equations.md"
-EXPERIMENTS = ROOT / "src" / "gatefly" / "experiments" / "experiment.cpp"
+EXPERIMENTS = ROOT / "src" / "studies" / "gatefly" / "experiments" / "experiment.cpp"
 
 EQUATIONS = {str(n) for n in range(1, 36)} | {"Alg. 1", "Alg. 2"}
 # The paper's figures and tables with a result; the others are drawings and photographs.
@@ -75,7 +75,7 @@ def violations():
             if link:
                 if error := link_error(link):
                     yield f"{where}: {error}"
-                elif "src/gatefly" in link:
+                elif "/src/" in link:
                     place = (PAGE.parent / link).resolve()
             elif name.startswith("gatefly "):
                 experiment = name.removeprefix("gatefly reproduce ")

@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 
-FOLDERS = ("src", "apps", "tests", "tools", "python")
+FOLDERS = ("src", "c", "apps", "tests", "tools", "python")
 SKIPPED = 77
 
 

@@ -18,7 +18,7 @@ if [[ -z $clang ]]; then
   echo "realtime: skipped, not installed: clang-22 libclang-rt-22-dev"
   exit 77
 fi
-options=(-std=c++20 -O1 -ffp-contract=off -fsanitize=realtime "-I$root/src" -isystem /usr/include/eigen3)
+options=(-std=c++20 -O1 -ffp-contract=off -fsanitize=realtime "-I$root/c" "-I$root/src/flight" "-I$root/src/workshop" -isystem /usr/include/eigen3)
 
 printf '#include <vector>\nint main() { std::vector<int> v; auto f = [&]() noexcept [[clang::nonblocking]] { v.resize(9); }; f(); }\n' >"$work/control.cpp"
 "$clang" "${options[@]}" "$work/control.cpp" -o "$work/control"
@@ -28,11 +28,11 @@ if "$work/control" >/dev/null 2>&1; then
 fi
 
 ninja -C "$build" fly_tape pack_flight >/dev/null
-"$clang" "${options[@]}" '-DGATEFLY_VERSION="0"' -c "$root/src/gatefly/c_interface/gatefly.cpp" -o "$work/gatefly.o"
-"${clang/++/}" -O1 "-I$root/src/gatefly/c_interface" -c "$root/tests/c_interface/fly_tape.c" -o "$work/fly_tape.o"
+"$clang" "${options[@]}" '-DGATEFLY_VERSION="0"' -c "$root/c/gatefly.cpp" -o "$work/gatefly.o"
+"${clang/++/}" -O1 "-I$root/c" -c "$root/tests/c_interface/fly_tape.c" -o "$work/fly_tape.o"
 libraries=()
-for folder in c_interface config files world race control estimation pose detection sensing geometry; do
-  libraries+=("$(echo "$build/src/gatefly/$folder"/libgatefly_*.a)")
+for folder in c src/workshop/gatefly/{config,files,world} src/flight/gatefly/{race,control,estimation,pose,detection,sensing,geometry}; do
+  libraries+=("$(echo "$build/$folder"/libgatefly_*.a)")
 done
 "$clang" -fsanitize=realtime "$work/gatefly.o" "$work/fly_tape.o" "${libraries[@]}" -ltomlplusplus -ljpeg -lpng -o "$work/fly_tape"
 "$build/tests/pack_flight" "$flight" "$work/tape" "$work/wanted" 0 "$flight/track.toml" "$flight/config-0.toml"

@@ -25,7 +25,7 @@ no_simulator_whole() { tools/check_without_simulator.sh --whole; }
 armv7() { tools/check_arm.py armv7; }
 aarch64() { tools/check_arm.py aarch64; }
 budget() { tools/count_steps.py --budget; }
-stack() { cmake --build build/release --target gatefly_c && tools/check_stack.py build/release/src/gatefly/c_interface/libgatefly_c.so gatefly_step 32768 paper Paper side_bars; }
+stack() { cmake --build build/release --target gatefly_c && tools/check_stack.py build/release/c/libgatefly_c.so gatefly_step 32768 paper Paper side_bars; }
 realtime() { tools/check_realtime.sh; }
 companion() { tools/check_companion.sh; }
 sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }

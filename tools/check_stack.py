@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How deep the stack gets below a function of an x86-64 program or library, at most, and whether anything in there calls itself.
 
-usage: check_stack.py FILE FUNCTION BYTES [PATTERN]...   e.g. check_stack.py build/release/src/gatefly/c_interface/libgatefly_c.so gatefly_step 32768
+usage: check_stack.py FILE FUNCTION BYTES [PATTERN]...   e.g. check_stack.py build/release/c/libgatefly_c.so gatefly_step 32768
 
 Reads what objdump prints: each function's frame (pushes and what it subtracts from the stack pointer) and whom it calls; the deepest way down is
 the answer. Functions whose name matches a PATTERN are left out, e.g. those of the paper's modes. A function of another library counts as

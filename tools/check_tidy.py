@@ -19,7 +19,7 @@ FLIGHT = ("geometry", "sensing", "detection", "pose", "estimation", "control", "
 DONE = ROOT / "build" / "tidy"
 # The flight code needs Eigen only, so no build has to be there.
 EIGEN = next((path for path in ("/usr/include/eigen3", "/usr/local/include/eigen3") if os.path.isdir(path)), "/usr/include/eigen3")
-FLAGS = ["-std=c++20", "-ffp-contract=off", f"-I{ROOT / 'src'}", "-isystem", EIGEN]
+FLAGS = ["-std=c++20", "-ffp-contract=off", f"-I{ROOT / 'src' / 'flight'}", "-isystem", EIGEN]
 OURS = re.compile(r'^\s*#\s*include\s+"(gatefly/[^"]+)"', re.M)
 SKIPPED = 77
 
@@ -39,7 +39,7 @@ def with_headers(source, seen):
     if source not in seen and source.exists():
         seen.add(source)
         for name in OURS.findall(source.read_text()):
-            with_headers(ROOT / "src" / name, seen)
+            with_headers(ROOT / "src" / "flight" / name, seen)
     return seen
 
 
@@ -66,7 +66,7 @@ def main(*names):
         print("tidy: skipped, no clang-tidy 14 here (apt-get install clang-tidy-14)")
         return SKIPPED
     sources = [pathlib.Path(name).resolve() for name in names] or sorted(
-        path for folder in FLIGHT for path in (ROOT / "src" / "gatefly" / folder).rglob("*.cpp"))
+        path for folder in FLIGHT for path in (ROOT / "src" / "flight" / "gatefly" / folder).rglob("*.cpp"))
     DONE.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         said = [text for text in pool.map(lambda source: findings(*found, source), sources) if text]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the table of a track file's keys into docs/own_course.md, between its two marks; --check: says whether it is there as it stands.
 
-What it says is what `gatefly track --schema` prints, which is made of the reader's own table (src/gatefly/config/track_keys.cpp).
+What it says is what `gatefly track --schema` prints, which is made of the reader's own table (src/workshop/gatefly/config/track_keys.cpp).
 
 usage: track_key_table.py GATEFLY [ROOT] [--check]"""
 import json

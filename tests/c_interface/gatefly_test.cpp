@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/c_interface/gatefly.h"
+#include "gatefly.h"
 
 #include <array>
 #include <cmath>

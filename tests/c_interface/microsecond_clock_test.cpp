@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/c_interface/microsecond_clock.hpp"
+#include "microsecond_clock.hpp"
 
 #include <cstdint>
 #include <optional>

@@ -243,7 +243,7 @@ class Installed(unittest.TestCase):
         self.assertIn("libgatefly_race.a", targets)
         for other in ("gatefly_sim", "gatefly_config", "_test"):
             self.assertNotIn(other, targets)
-        run(CMAKE, "--build", project / "build", "--target", "gatefly/src/gatefly/geometry/all")
+        run(CMAKE, "--build", project / "build", "--target", "gatefly/src/flight/gatefly/geometry/all")
 
 
 class Headers(unittest.TestCase):

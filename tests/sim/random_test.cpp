@@ -38,7 +38,8 @@ std::map<std::string, int> names_in_code() {
       lucks{R"~(\{\s*seed,\s*"([^"]+)",)~"}, draws{R"~(draws\("([^"]+)")~"},
       where{R"~("([\w ]+ where)")~"};
   for (const char* folder : {"sim", "closed_loop", "simulated_race"})
-    for (const auto& entry : fs::directory_iterator(fs::path{root} / "src/gatefly" / folder)) {
+    for (const auto& entry :
+         fs::directory_iterator(fs::path{root} / "src/simulator/gatefly" / folder)) {
       const std::string extension = entry.path().extension();
       if ((extension != ".cpp" && extension != ".hpp") || entry.path().filename() == "streams.hpp")
         continue;
