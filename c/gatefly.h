@@ -51,15 +51,15 @@ enum {
   /* The pilot has got something that it cannot use; it goes on without. */
   GATEFLY_NOT_FINITE = 1,   /**< NaN or infinity among the numbers. */
   GATEFLY_OUT_OF_RANGE = 2, /**< No sensor reads this. */
-  GATEFLY_STALE = 3,        /**< Its stamp is that of an earlier one, before it, or far off the IMU's. */
-  GATEFLY_WRONG_IMAGE = 4,  /**< Not of the camera's size, or not as many bytes as its format has. */
+  GATEFLY_STALE = 3, /**< Its stamp is that of an earlier one, before it, or far off the IMU's. */
+  GATEFLY_WRONG_IMAGE = 4, /**< Not of the camera's size, or not as many bytes as its format has. */
   /* The call is wrong; nothing has happened. */
-  GATEFLY_NULL = 16,          /**< A pointer is NULL, or to no pilot. */
-  GATEFLY_WRONG_SIZE = 17,    /**< struct_size is of no version of that structure. */
-  GATEFLY_NO_MEMORY = 18,     /**< The caller's memory is too small, or there is none left. */
-  GATEFLY_WRONG_SETUP = 19,   /**< The configuration cannot be flown: the text says why. */
+  GATEFLY_NULL = 16,           /**< A pointer is NULL, or to no pilot. */
+  GATEFLY_WRONG_SIZE = 17,     /**< struct_size is of no version of that structure. */
+  GATEFLY_NO_MEMORY = 18,      /**< The caller's memory is too small, or there is none left. */
+  GATEFLY_WRONG_SETUP = 19,    /**< The configuration cannot be flown: the text says why. */
   GATEFLY_WRONG_ARGUMENT = 20, /**< A value that this function does not know. */
-  GATEFLY_INTERNAL = 21       /**< Never, and if so a fault of this library. */
+  GATEFLY_INTERNAL = 21        /**< Never, and if so a fault of this library. */
 };
 
 /** A pilot; only this library knows what is in it. */
@@ -67,14 +67,15 @@ typedef struct gatefly_pilot gatefly_pilot;
 
 /** What a pilot is made of: files or texts as the program `gatefly` reads them, the later wins. */
 typedef struct gatefly_setup {
-  uint32_t struct_size;       /**< sizeof(gatefly_setup) */
-  uint32_t config_count;      /**< Of configs. */
-  uint32_t setting_count;     /**< Of settings. */
-  uint32_t reserved;          /**< 0 */
-  const char* track;          /**< File, or name of a track that gatefly comes with; or NULL and ... */
-  const char* track_text;     /**< ... what would stand in that file. */
-  const char* const* configs; /**< Camera, vehicle, settings: files, or names that gatefly comes with. */
-  const char* config_text;    /**< The same as text, after them; may be NULL. */
+  uint32_t struct_size;   /**< sizeof(gatefly_setup) */
+  uint32_t config_count;  /**< Of configs. */
+  uint32_t setting_count; /**< Of settings. */
+  uint32_t reserved;      /**< 0 */
+  const char* track;      /**< File, or name of a track that gatefly comes with; or NULL and ... */
+  const char* track_text; /**< ... what would stand in that file. */
+  const char* const*
+      configs; /**< Camera, vehicle, settings: files, or names that gatefly comes with. */
+  const char* config_text;     /**< The same as text, after them; may be NULL. */
   const char* const* settings; /**< "section.key=value", after all of it. */
 } gatefly_setup;
 
@@ -114,20 +115,20 @@ enum {
 
 /** What the pilot believes; for logs and displays. */
 typedef struct gatefly_state {
-  uint32_t struct_size;       /**< sizeof(gatefly_state), set by the caller. */
-  uint32_t phase;             /**< GATEFLY_ON_GROUND ... GATEFLY_LANDED */
-  uint32_t abort_reason;      /**< GATEFLY_NOT_ABORTED ... */
-  uint32_t finished;          /**< 1: every gate of every lap is passed. */
-  uint32_t gates_passed;      /**< Of all laps. */
-  uint32_t target_gate;       /**< Flown to, from 0. */
-  uint64_t time_us;           /**< Of the last step, unwrapped. */
-  double position_m[3];       /**< Earth axes. */
-  double velocity_mps[3];     /**< Earth axes. */
-  double attitude_rad[3];     /**< Roll, pitch, yaw. */
-  double gate_position_m[3];  /**< Seen from the target gate: x < 0 before it, y right, z down. */
-  double gate_sigma_m[3];     /**< How sure that is, one standard deviation each. */
-  double gyro_bias_radps[3];  /**< As found; subtracted already from what is flown by. */
-  double accel_bias_mps2[3];  /**< The same. */
+  uint32_t struct_size;      /**< sizeof(gatefly_state), set by the caller. */
+  uint32_t phase;            /**< GATEFLY_ON_GROUND ... GATEFLY_LANDED */
+  uint32_t abort_reason;     /**< GATEFLY_NOT_ABORTED ... */
+  uint32_t finished;         /**< 1: every gate of every lap is passed. */
+  uint32_t gates_passed;     /**< Of all laps. */
+  uint32_t target_gate;      /**< Flown to, from 0. */
+  uint64_t time_us;          /**< Of the last step, unwrapped. */
+  double position_m[3];      /**< Earth axes. */
+  double velocity_mps[3];    /**< Earth axes. */
+  double attitude_rad[3];    /**< Roll, pitch, yaw. */
+  double gate_position_m[3]; /**< Seen from the target gate: x < 0 before it, y right, z down. */
+  double gate_sigma_m[3];    /**< How sure that is, one standard deviation each. */
+  double gyro_bias_radps[3]; /**< As found; subtracted already from what is flown by. */
+  double accel_bias_mps2[3]; /**< The same. */
 } gatefly_state;
 
 /** Bits of gatefly_health.problems: what is wrong now. */
@@ -141,21 +142,21 @@ enum {
 
 /** What has arrived, and what of it could not be used; counts since creation. */
 typedef struct gatefly_health {
-  uint32_t struct_size;       /**< sizeof(gatefly_health), set by the caller. */
-  uint32_t problems;          /**< GATEFLY_PROBLEM_... now; 0: none. */
-  uint64_t steps;             /**< Of the pilot. */
-  uint64_t imu_not_finite;    /**< Samples with NaN or infinity: the last one went on. */
-  uint64_t imu_out_of_range;  /**< Samples of 100 rad/s or 400 m/s^2 and more: the same. */
-  uint64_t imu_stale;         /**< Samples not later than the one before, or after a jump. */
-  uint64_t clock_jumps;       /**< So often the IMU's clock was followed to another time. */
-  uint64_t clock_wraps;       /**< So often 32 bits were full. */
-  uint64_t heights;           /**< Given to the pilot: sonar and barometer. */
+  uint32_t struct_size;      /**< sizeof(gatefly_health), set by the caller. */
+  uint32_t problems;         /**< GATEFLY_PROBLEM_... now; 0: none. */
+  uint64_t steps;            /**< Of the pilot. */
+  uint64_t imu_not_finite;   /**< Samples with NaN or infinity: the last one went on. */
+  uint64_t imu_out_of_range; /**< Samples of 100 rad/s or 400 m/s^2 and more: the same. */
+  uint64_t imu_stale;        /**< Samples not later than the one before, or after a jump. */
+  uint64_t clock_jumps;      /**< So often the IMU's clock was followed to another time. */
+  uint64_t clock_wraps;      /**< So often 32 bits were full. */
+  uint64_t heights;          /**< Given to the pilot: sonar and barometer. */
   uint64_t heights_refused;
-  uint64_t images;            /**< Given to the pilot. */
-  uint64_t images_refused;    /**< Wrong size, stale. */
-  uint64_t images_overtaken;  /**< A later one came before the next step. */
-  uint64_t since_imu_us;      /**< From the last usable sample to the last step. */
-  uint64_t since_image_us;    /**< From the last picture to the last step; all of it without any. */
+  uint64_t images;           /**< Given to the pilot. */
+  uint64_t images_refused;   /**< Wrong size, stale. */
+  uint64_t images_overtaken; /**< A later one came before the next step. */
+  uint64_t since_imu_us;     /**< From the last usable sample to the last step. */
+  uint64_t since_image_us;   /**< From the last picture to the last step; all of it without any. */
 } gatefly_health;
 
 /** How a picture's bytes are laid out, line by line without padding. */

@@ -6,7 +6,8 @@ include(gatefly_precompiled)
 #
 # One folder src/<house>/gatefly/<folder> is one library gatefly::<folder>. DEPENDS is the architecture, written
 # down once: tools/check_layers.py (a ctest) fails the build when a file includes a folder that is
-# not listed here. Sources and headers are found by name, in subfolders, too.
+# not listed here. Sources and headers are found by name, in subfolders, too. A subfolder with a CMakeLists.txt is a library of its
+# own, gatefly::<subfolder>: what the first flight need not wait for, or what needs more than the rest of its folder.
 # The house is where the compiler looks for "gatefly/<folder>/<file>.hpp": a library sees its own house, and those of DEPENDS.
 #
 # COLD: no time is spent in here, only wasted on optimising it.
@@ -16,6 +17,16 @@ include(gatefly_precompiled)
 function(gatefly_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "COLD;TOGETHER" "INSTALLED_WITH" "PUBLIC;DEPENDS;PRIVATE_DEPENDS")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE inner CONFIGURE_DEPENDS */CMakeLists.txt)
+  foreach(library IN LISTS inner)
+    get_filename_component(library ${library} DIRECTORY)
+    foreach(source IN LISTS sources)
+      string(FIND ${source} ${library}/ found)
+      if(found EQUAL 0)
+        list(REMOVE_ITEM sources ${source})
+      endif()
+    endforeach()
+  endforeach()
 
   if(sources)
     set(scope PUBLIC)

@@ -12,7 +12,7 @@ static uint32_t read_imu(int tick, double gyro[3], double accel[3]) {
   memset(gyro, 0, 3 * sizeof *gyro);
   accel[0] = accel[1] = 0.0;
   accel[2] = tick % 2 == 0 ? -9.81 : -9.812; /* a sensor that repeats itself is taken for stuck */
-  return (uint32_t)(1953.125 * tick); /* 512 Hz */
+  return (uint32_t)(1953.125 * tick);        /* 512 Hz */
 }
 
 /* Yours: rad/s of left front, right front, right back, left back. */
@@ -29,7 +29,8 @@ static gatefly_pilot* made(int argc, const char** argv) {
 }
 
 int main(int argc, char** argv) {
-  static const char* const phases[] = {"ground", "take-off", "straight", "turn", "search", "land", "landed"};
+  static const char* const phases[] = {"ground", "take-off", "straight", "turn",
+                                       "search", "land",     "landed"};
   gatefly_command command = {.struct_size = sizeof command};
   gatefly_state state = {.struct_size = sizeof state, .phase = GATEFLY_LANDED};
   gatefly_pilot* pilot = made(argc, (const char**)argv);
@@ -43,7 +44,8 @@ int main(int argc, char** argv) {
     gatefly_step(pilot, time_us, gyro, accel, &command);
     set_motors(command.motors_radps);
     gatefly_get_state(pilot, &state);
-    if (state.phase != before) printf("%.6g s: %s\n", 1e-6 * (double)state.time_us, phases[state.phase]);
+    if (state.phase != before)
+      printf("%.6g s: %s\n", 1e-6 * (double)state.time_us, phases[state.phase]);
     before = state.phase;
   }
   puts(state.abort_reason == GATEFLY_NO_CLIMB ? "the drone did not climb" : "ended");

@@ -17,7 +17,7 @@ fi
 film="$1" picture="$2"
 shift 2
 
-# Where src/simulator/gatefly/report/flight_video.cpp draws them, of 1600 x 900 pixels.
+# Where src/simulator/gatefly/simulated_race/results/flight_video.cpp draws them, of 1600 x 900 pixels.
 view="crop=945:480:16:70" map="crop=607:646:977:138"
 inputs=()
 for at in "$@"; do inputs+=(-ss "$at" -i "file:$film"); done

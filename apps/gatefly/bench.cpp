@@ -11,12 +11,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/bench/camera_stages.hpp"
-#include "gatefly/bench/detection_stages.hpp"
-#include "gatefly/bench/flight_stages.hpp"
-#include "gatefly/bench/opencv_baseline.hpp"
-#include "gatefly/bench/pose_stages.hpp"
-#include "gatefly/bench/worst_picture.hpp"
+#include "gatefly/experiments/bench/camera_stages.hpp"
+#include "gatefly/experiments/bench/detection_stages.hpp"
+#include "gatefly/experiments/bench/flight_stages.hpp"
+#include "gatefly/experiments/bench/opencv_baseline.hpp"
+#include "gatefly/experiments/bench/pose_stages.hpp"
+#include "gatefly/experiments/bench/worst_picture.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"

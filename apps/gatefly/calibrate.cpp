@@ -5,16 +5,16 @@
 #include <optional>
 #include <stdexcept>
 
-#include "gatefly/calibration/boards.hpp"
-#include "gatefly/calibration/calibration.hpp"
-#include "gatefly/calibration/calibration_report.hpp"
-#include "gatefly/calibration/camera_file.hpp"
-#include "gatefly/calibration/mount_source.hpp"
-#include "gatefly/calibration/residual_picture.hpp"
-#include "gatefly/calibration/stored_rotation.hpp"
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/tasks/calibration/boards.hpp"
+#include "gatefly/tasks/calibration/calibration.hpp"
+#include "gatefly/tasks/calibration/calibration_report.hpp"
+#include "gatefly/tasks/calibration/camera_file.hpp"
+#include "gatefly/tasks/calibration/mount_source.hpp"
+#include "gatefly/tasks/calibration/residual_picture.hpp"
+#include "gatefly/tasks/calibration/stored_rotation.hpp"
 
 #include "commands.hpp"
 

@@ -17,10 +17,10 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/text.hpp"
-#include "gatefly/pages/list_page.hpp"
-#include "gatefly/pages/page.hpp"
-#include "gatefly/report/campaign_comparison.hpp"
+#include "gatefly/report/list_page.hpp"
+#include "gatefly/report/page.hpp"
 #include "gatefly/sim/camera.hpp"
+#include "gatefly/simulated_race/results/campaign_comparison.hpp"
 
 #include "campaign_fleet.hpp"
 #include "campaign_folder.hpp"

@@ -11,7 +11,7 @@
 #include "gatefly/files/output.hpp"
 #include "gatefly/files/partial_folder.hpp"
 #include "gatefly/files/text.hpp"
-#include "gatefly/pages/campaign_page.hpp"
+#include "gatefly/report/campaign_page.hpp"
 
 #include "commands.hpp"
 

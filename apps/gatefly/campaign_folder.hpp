@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/report/campaign_statistics.hpp"
+#include "gatefly/simulated_race/results/campaign_statistics.hpp"
 
 namespace gatefly::cli {
 

@@ -18,10 +18,10 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/identification/drag_fit.hpp"
-#include "gatefly/identification/thrust_fit.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
+#include "gatefly/tasks/identification/drag_fit.hpp"
+#include "gatefly/tasks/identification/thrust_fit.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
 
 #include "commands.hpp"

@@ -17,8 +17,8 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
-#include "gatefly/foreign_logs/imported_folder.hpp"
-#include "gatefly/foreign_logs/plausibility.hpp"
+#include "gatefly/flight_log/foreign_logs/imported_folder.hpp"
+#include "gatefly/flight_log/foreign_logs/plausibility.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
 #include "commands.hpp"

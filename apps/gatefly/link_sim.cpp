@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/link_sim/link_sim.hpp"
+#include "gatefly/simulated_race/link_sim/link_sim.hpp"
 
 #include <cstdint>
 #include <iomanip>

@@ -15,9 +15,9 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/smoothing/learnt_map.hpp"
-#include "gatefly/smoothing/track_with_map.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
+#include "gatefly/tasks/smoothing/learnt_map.hpp"
+#include "gatefly/tasks/smoothing/track_with_map.hpp"
 
 #include "commands.hpp"
 #include "render_again.hpp"

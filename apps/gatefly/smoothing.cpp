@@ -7,8 +7,8 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/smoothing/alignment.hpp"
-#include "gatefly/smoothing/smoother.hpp"
+#include "gatefly/tasks/smoothing/alignment.hpp"
+#include "gatefly/tasks/smoothing/smoother.hpp"
 
 namespace gatefly::cli {
 namespace {

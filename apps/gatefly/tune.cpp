@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/tuning/tune.hpp"
+#include "gatefly/tasks/tuning/tune.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -24,8 +24,8 @@
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/tasks/tuning/describe.hpp"
 #include "gatefly/tasks/upright.hpp"
-#include "gatefly/tuning/describe.hpp"
 
 #include "commands.hpp"
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "gatefly/files/subprocess.hpp"
-#include "gatefly/pages/campaign_page.hpp"
-#include "gatefly/server/flight_server.hpp"
+#include "gatefly/report/campaign_page.hpp"
+#include "gatefly/report/server/flight_server.hpp"
 
 #include "commands.hpp"
 

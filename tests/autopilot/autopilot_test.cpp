@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An autopilot between a pilot and its rotors: how late, how smooth, how fast, and by which curves.
-#include "gatefly/autopilot/autopilot.hpp"
+#include "gatefly/sim/autopilot/autopilot.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/autopilot/companion.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/autopilot/companion.hpp"
 
 namespace gatefly::autopilot {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "gatefly/baseline/imu15.hpp"
+#include "gatefly/flight_log/baseline/imu15.hpp"
 
 #include "support/allocation_counter.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/baseline/imu15.hpp"
+#include "gatefly/flight_log/baseline/imu15.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/baseline/mahony.hpp"
+#include "gatefly/flight_log/baseline/mahony.hpp"
 
 #include <cmath>
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/bench/flight_stages.hpp"
-#include "gatefly/bench/pose_stages.hpp"
+#include "gatefly/experiments/bench/flight_stages.hpp"
+#include "gatefly/experiments/bench/pose_stages.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::bench {

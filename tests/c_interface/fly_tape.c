@@ -110,7 +110,8 @@ int main(int argc, char** argv) {
   if (gatefly_create(memory, gatefly_size(), &setup, &pilot, error, sizeof error) != GATEFLY_OK)
     must(0, error);
 
-  const int marks = getenv("FLY_TAPE_MARKS") != NULL, memory_asked = getenv("FLY_TAPE_MEMORY") != NULL;
+  const int marks = getenv("FLY_TAPE_MARKS") != NULL,
+            memory_asked = getenv("FLY_TAPE_MEMORY") != NULL;
   if (memory_asked) { /* a second pilot: what the first one leaves is tables of the reader of files */
     gatefly_destroy(pilot);
     const size_t before = mallinfo2().uordblks;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/calibration/board_finder.hpp"
+#include "gatefly/tasks/calibration/board_finder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/calibration/calibration.hpp"
-#include "gatefly/calibration/lens_fit.hpp"
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/pictures.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/tasks/calibration/calibration.hpp"
+#include "gatefly/tasks/calibration/lens_fit.hpp"
 
 #include "support/real_data.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/calibration/boards.hpp"
+#include "gatefly/tasks/calibration/boards.hpp"
 
 #include <gtest/gtest.h>
 
-#include "gatefly/calibration/with_sigma.hpp"
+#include "gatefly/tasks/calibration/with_sigma.hpp"
 
 #include "support/temp_folder.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/calibration/calibration.hpp"
+#include "gatefly/tasks/calibration/calibration.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/calibration/corner_list.hpp"
+#include "gatefly/tasks/calibration/corner_list.hpp"
 
 #include "calibration/synthetic_board.hpp"
 #include "support/for_all.hpp"

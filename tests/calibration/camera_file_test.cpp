@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/calibration/camera_file.hpp"
+#include "gatefly/tasks/calibration/camera_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/calibration/mount.hpp"
+#include "gatefly/tasks/calibration/mount.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "gatefly/calibration/board_view.hpp"
-#include "gatefly/calibration/lens_fit.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rng.hpp"
+#include "gatefly/tasks/calibration/board_view.hpp"
+#include "gatefly/tasks/calibration/lens_fit.hpp"
 
 #include "support/generators.hpp"
 

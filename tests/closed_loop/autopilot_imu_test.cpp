@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An autopilot hands its IMU on: what of it arrives, when, and that a flight by it is replayed to the bit.
-#include "gatefly/closed_loop/autopilot_imu.hpp"
+#include "gatefly/simulated_race/closed_loop/autopilot_imu.hpp"
 
 #include <cmath>
 #include <optional>
@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/flight_log/flight_recorder.hpp"
 #include "gatefly/flight_log/recording.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
 #include "support/temp_folder.hpp"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
 #include "support/temp_folder.hpp"

@@ -11,10 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/sensor_suite.hpp"
-#include "gatefly/closed_loop/simulators.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/randomize.hpp"
+#include "gatefly/simulated_race/closed_loop/sensor_suite.hpp"
+#include "gatefly/simulated_race/closed_loop/simulators.hpp"
 
 #include "support/race_setup.hpp"
 

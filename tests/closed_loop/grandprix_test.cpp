@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
 

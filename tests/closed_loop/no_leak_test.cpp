@@ -7,13 +7,13 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/sim/detector_statistics.hpp"
 #include "gatefly/sim/gates_in_view.hpp"
 #include "gatefly/sim/solids.hpp"
 #include "gatefly/sim/told_apart.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole races: rendered pictures or ideal detections in, motor commands out.
-#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include <cstdlib>
 #include <cstring>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/frames_again.hpp"
+#include "gatefly/simulated_race/closed_loop/frames_again.hpp"
 
 #include "support/allocation_counter.hpp"
 #include "support/race_setup.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/closed_loop/scorer.hpp"
+#include "gatefly/simulated_race/closed_loop/scorer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,10 +9,10 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/geometry/attitude.hpp"
-#include "gatefly/smoothing/learnt_map.hpp"
-#include "gatefly/smoothing/track_with_map.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
+#include "gatefly/tasks/smoothing/learnt_map.hpp"
+#include "gatefly/tasks/smoothing/track_with_map.hpp"
 
 #include "support/race_setup.hpp"
 

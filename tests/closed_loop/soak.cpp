@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/sensing/sensor_health.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/allocation_counter.hpp"
 #include "support/race_setup.hpp"

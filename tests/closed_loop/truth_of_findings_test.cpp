@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/closed_loop/truth_of_findings.hpp"
+#include "gatefly/simulated_race/closed_loop/truth_of_findings.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Errors of one kind are planted; the attribution has to name that kind.
-#include "gatefly/closed_loop/why_lost.hpp"
+#include "gatefly/simulated_race/closed_loop/why_lost.hpp"
 
 #include <cmath>
 #include <string>
@@ -9,10 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/error_ledger.hpp"
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sim/random.hpp"
+#include "gatefly/simulated_race/closed_loop/error_ledger.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
 

@@ -2,8 +2,8 @@
 // Moving air, whole races with ideal vision: 3 laps of the showroom in 0.3 m/s of wind and as strong gusts.
 #include <gtest/gtest.h>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/sim/randomize.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
 

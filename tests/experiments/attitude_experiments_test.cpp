@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/baseline/mahony.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/attitude_trial.hpp"
 #include "gatefly/experiments/experiment.hpp"
+#include "gatefly/flight_log/baseline/mahony.hpp"
 #include "gatefly/geometry/math.hpp"
 
 #include "support/real_data.hpp"

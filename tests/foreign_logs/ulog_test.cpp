@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/foreign_logs/ulog.hpp"
+#include "gatefly/flight_log/foreign_logs/ulog.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/foreign_logs/stamps.hpp"
+#include "gatefly/flight_log/foreign_logs/stamps.hpp"
 
 #include "support/temp_folder.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "gatefly/foreign_logs/stamps.hpp"
-#include "gatefly/foreign_logs/ulog.hpp"
+#include "gatefly/flight_log/foreign_logs/stamps.hpp"
+#include "gatefly/flight_log/foreign_logs/ulog.hpp"
 
 namespace {
 

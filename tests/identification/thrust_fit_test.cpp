@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/identification/thrust_fit.hpp"
+#include "gatefly/tasks/identification/thrust_fit.hpp"
 
 #include <cmath>
 #include <vector>

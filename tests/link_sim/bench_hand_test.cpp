@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/link_sim/bench_hand.hpp"
+#include "gatefly/simulated_race/link_sim/bench_hand.hpp"
 
 #include <string>
 #include <vector>

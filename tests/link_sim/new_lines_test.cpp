@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/link_sim/new_lines.hpp"
+#include "gatefly/simulated_race/link_sim/new_lines.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/link_sim/paced_line.hpp"
+#include "gatefly/simulated_race/link_sim/paced_line.hpp"
 
 #include <array>
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/server/flight_server.hpp"
+#include "gatefly/report/server/flight_server.hpp"
 
 #include <filesystem>
 

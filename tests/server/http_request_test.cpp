@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/server/http_request.hpp"
+#include "gatefly/report/server/http_request.hpp"
 
 #include <random>
 #include <string>

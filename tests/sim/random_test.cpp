@@ -37,7 +37,7 @@ std::map<std::string, int> names_in_code() {
   const std::regex stream{R"~(\{\s*(?:1|[\w.]*seed_?),\s*"([^"]+)"\s*\})~"},
       lucks{R"~(\{\s*seed,\s*"([^"]+)",)~"}, draws{R"~(draws\("([^"]+)")~"},
       where{R"~("([\w ]+ where)")~"};
-  for (const char* folder : {"sim", "closed_loop", "simulated_race"})
+  for (const char* folder : {"sim", "simulated_race", "simulated_race/closed_loop"})
     for (const auto& entry :
          fs::directory_iterator(fs::path{root} / "src/simulator/gatefly" / folder)) {
       const std::string extension = entry.path().extension();

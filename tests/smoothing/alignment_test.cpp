@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far a path is from the truth, but for where and when all of it is.
-#include "gatefly/smoothing/alignment.hpp"
+#include "gatefly/tasks/smoothing/alignment.hpp"
 
 #include <cmath>
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The map that several flights agree on, and its track file.
-#include "gatefly/smoothing/learnt_map.hpp"
+#include "gatefly/tasks/smoothing/learnt_map.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -10,7 +10,7 @@
 
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/smoothing/track_with_map.hpp"
+#include "gatefly/tasks/smoothing/track_with_map.hpp"
 
 #include "support/generators.hpp"
 #include "support/matchers.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The smoother's linear models are the filter's.
-#include "gatefly/smoothing/linear_model.hpp"
+#include "gatefly/tasks/smoothing/linear_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A late finding was true before: a drone that hovers and sees its gate only after a while.
-#include "gatefly/smoothing/smoother.hpp"
+#include "gatefly/tasks/smoothing/smoother.hpp"
 
 #include <algorithm>
 #include <array>

@@ -12,9 +12,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gatefly/autopilot/autopilot.hpp"
 #include "gatefly/estimation/low_pass.hpp"
-#include "gatefly/link_sim/datagrams.hpp"
+#include "gatefly/sim/autopilot/autopilot.hpp"
+#include "gatefly/simulated_race/link_sim/datagrams.hpp"
 #include "gatefly/simulated_race/race_maker.hpp"
 
 #include "support/fake_arducopter.hpp"

@@ -9,11 +9,11 @@
 #include <thread>
 #include <vector>
 
-#include "gatefly/autopilot/autopilot.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
 #include "gatefly/link/betaflight_sitl.hpp"
-#include "gatefly/link_sim/datagrams.hpp"
+#include "gatefly/sim/autopilot/autopilot.hpp"
+#include "gatefly/simulated_race/link_sim/datagrams.hpp"
 #include "gatefly/simulated_race/race_maker.hpp"
 
 #include "support/fake_betaflight.hpp"

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/sim/randomize.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 namespace gatefly::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/tuning/lens_fit.hpp"
+#include "gatefly/tasks/tuning/lens_fit.hpp"
 
 #include <cmath>
 #include <deque>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/tuning/tune.hpp"
+#include "gatefly/tasks/tuning/tune.hpp"
 
 #include "support/draw_gate.hpp"
 #include "support/for_all.hpp"

@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/tuning/describe.hpp"
-#include "gatefly/tuning/tune.hpp"
+#include "gatefly/tasks/tuning/describe.hpp"
+#include "gatefly/tasks/tuning/tune.hpp"
 
 #include "support/draw_gate.hpp"
 

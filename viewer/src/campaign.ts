@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of a campaign or of a folder of flights: src/workshop/gatefly/pages/list_page.cpp writes what is read here.
+// The page of a campaign or of a folder of flights: src/workshop/gatefly/report/list_page.cpp writes what is read here.
 import "./style.css";
 import { type Comparison, showComparison } from "./comparison";
 import { binned, histogram, named } from "./histogram";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two campaigns beside each other, seed by seed: what `campaign --compare` writes, and src/simulator/gatefly/report/campaign_comparison.cpp pairs.
+// Two campaigns beside each other, seed by seed: what `campaign --compare` writes, and src/simulator/gatefly/simulated_race/results/campaign_comparison.cpp pairs.
 import { histogram } from "./histogram";
 import { head } from "./tables";
 import { byId, element } from "./text";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flight as src/workshop/gatefly/pages/flight_page.cpp writes it.
+// A flight as src/workshop/gatefly/report/flight_page.cpp writes it.
 
 export type Vec3 = [number, number, number];
 

@@ -13,7 +13,7 @@ constexpr int kLinesOfTile = 8, kLinesOfFastTile = 16;  // so that a tile is man
 constexpr double kJitter = 0.5;                         // of a sample in its cell, 0..1
 
 /// Number in [0, 1) by position.
-double hashed(std::uint32_t a, std::uint32_t b) {
+double ray_jitter(std::uint32_t a, std::uint32_t b) {
   std::uint32_t x = a * 0x9E3779B9u ^ (b + 0x7F4A7C15u) * 0x85EBCA6Bu;
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;
@@ -24,7 +24,7 @@ double hashed(std::uint32_t a, std::uint32_t b) {
 Eigen::Vector2d offset(const RayGrid& grid, std::uint32_t pixel, int sample) {
   if (grid.samples == 1) return {0, 0};
   const auto place = [&](int cell, int key) {
-    const double jitter = kJitter * (hashed(pixel, static_cast<std::uint32_t>(key)) - 0.5);
+    const double jitter = kJitter * (ray_jitter(pixel, static_cast<std::uint32_t>(key)) - 0.5);
     return ((cell + 0.5 + jitter) / 2 - 0.5) * grid.footprint;
   };
   return {place(sample % 2, 2 * sample), place(sample / 2, 2 * sample + 1)};

@@ -11,7 +11,7 @@
 namespace gatefly::sim {
 namespace {
 
-unsigned hashed(unsigned x) {
+unsigned scrambled(unsigned x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;
   return x ^ (x >> 16);
@@ -76,7 +76,7 @@ Material redecorated(const Material& m, std::size_t number, std::uint64_t seed) 
 Shader::Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
                const LightConditions& light) {
   for (unsigned i = 0; i < noise_.size(); ++i)
-    noise_[i] = static_cast<float>(hashed(i * 0x9E3779B9u + 1) >> 8) * 0x1p-24f;
+    noise_[i] = static_cast<float>(scrambled(i * 0x9E3779B9u + 1) >> 8) * 0x1p-24f;
   append(scene, scene.fixed, fixed, light);
   append(scene, scene.moved, moved, light);
 }
@@ -102,7 +102,7 @@ void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles
     s.last_v = r.cells_v - 1;
     s.first_node = before + r.first_node;
     s.row = r.cells_u + 1;
-    s.salt = hashed(static_cast<unsigned>(surfaces_.size())) % kNoise;
+    s.salt = scrambled(static_cast<unsigned>(surfaces_.size())) % kNoise;
     s.pattern = m.pattern;
     surfaces_.push_back(s);
   }

@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 #include "gatefly/simulated_race/race_maker.hpp"
 
 namespace gatefly::tasks {

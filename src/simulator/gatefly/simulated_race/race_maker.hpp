@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/config/track_file.hpp"
-#include "gatefly/report/summary.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
+#include "gatefly/simulated_race/results/summary.hpp"
 #include "gatefly/tasks/arguments.hpp"
 
 namespace gatefly::tasks {

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "gatefly/closed_loop/frames_again.hpp"
 #include "gatefly/files/image_file.hpp"
+#include "gatefly/simulated_race/closed_loop/frames_again.hpp"
 #include "gatefly/simulated_race/race_maker.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 

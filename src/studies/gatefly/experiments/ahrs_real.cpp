@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "gatefly/baseline/mahony.hpp"
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/attitude_errors.hpp"
@@ -18,8 +17,9 @@
 #include "gatefly/experiments/flown_attitude.hpp"
 #include "gatefly/experiments/held_attitude.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/baseline/mahony.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/identification/drag_fit.hpp"
+#include "gatefly/tasks/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
 namespace {

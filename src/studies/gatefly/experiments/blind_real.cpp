@@ -11,17 +11,17 @@
 #include <utility>
 #include <vector>
 
-#include "gatefly/baseline/imu15.hpp"
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/estimation/eskf/error_state_filter.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/two_filters.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/flight_log/baseline/imu15.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/seconds.hpp"
-#include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/sim/random.hpp"
+#include "gatefly/tasks/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
 namespace {

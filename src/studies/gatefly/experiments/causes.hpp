@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 namespace gatefly::experiments {
 

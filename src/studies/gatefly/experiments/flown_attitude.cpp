@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "gatefly/baseline/imu15.hpp"
-#include "gatefly/baseline/mahony.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/experiments/attitude_trial.hpp"
+#include "gatefly/flight_log/baseline/imu15.hpp"
+#include "gatefly/flight_log/baseline/mahony.hpp"
 #include "gatefly/geometry/seconds.hpp"
-#include "gatefly/identification/drag_fit.hpp"
+#include "gatefly/tasks/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -9,9 +9,9 @@
 
 #include <Eigen/Geometry>
 
-#include "gatefly/baseline/mahony.hpp"
 #include "gatefly/estimation/navigator.hpp"
 #include "gatefly/files/csv.hpp"
+#include "gatefly/flight_log/baseline/mahony.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -9,9 +9,9 @@
 #include "gatefly/files/csv.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/sim/sensors.hpp"
 #include "gatefly/sim/twin_body.hpp"
+#include "gatefly/tasks/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
 namespace {

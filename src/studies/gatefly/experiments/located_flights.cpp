@@ -17,8 +17,8 @@
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/seconds.hpp"
-#include "gatefly/identification/drag_fit.hpp"
 #include "gatefly/sim/random.hpp"
+#include "gatefly/tasks/identification/drag_fit.hpp"
 
 namespace gatefly::experiments {
 namespace {

@@ -13,7 +13,7 @@
 #include "gatefly/experiments/miss_cause.hpp"
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
-#include "gatefly/tuning/tune.hpp"
+#include "gatefly/tasks/tuning/tune.hpp"
 
 namespace gatefly::experiments {
 namespace {

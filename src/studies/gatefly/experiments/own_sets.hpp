@@ -6,8 +6,8 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
-#include "gatefly/tuning/roc.hpp"
-#include "gatefly/tuning/tune.hpp"
+#include "gatefly/tasks/tuning/roc.hpp"
+#include "gatefly/tasks/tuning/tune.hpp"
 
 namespace gatefly::experiments {
 

@@ -16,7 +16,7 @@
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
-#include "gatefly/report/campaign_statistics.hpp"
+#include "gatefly/simulated_race/results/campaign_statistics.hpp"
 
 namespace gatefly::experiments {
 namespace {

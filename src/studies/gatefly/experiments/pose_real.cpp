@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "gatefly/calibration/corner_list.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/tasks/calibration/corner_list.hpp"
 
 namespace gatefly::experiments {
 namespace pose_real_parts {

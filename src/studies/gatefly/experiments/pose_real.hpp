@@ -4,11 +4,11 @@
 // Shared by the two halves of pose-real; see pose_real.cpp.
 #include <string>
 
-#include "gatefly/calibration/calibration.hpp"
 #include "gatefly/config/config.hpp"
 #include "gatefly/drawing/plot.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/sensing/camera.hpp"
+#include "gatefly/tasks/calibration/calibration.hpp"
 
 namespace gatefly::experiments::pose_real_parts {
 

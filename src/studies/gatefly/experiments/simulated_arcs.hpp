@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "gatefly/closed_loop/race.hpp"
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/half_circles.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 namespace gatefly::experiments {
 

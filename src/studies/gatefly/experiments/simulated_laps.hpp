@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/closed_loop/race.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
 
 namespace gatefly::experiments {
 

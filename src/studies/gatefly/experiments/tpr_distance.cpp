@@ -12,7 +12,7 @@
 #include "gatefly/experiments/experiment.hpp"
 #include "gatefly/experiments/labelled_set.hpp"
 #include "gatefly/files/text.hpp"
-#include "gatefly/tuning/roc.hpp"
+#include "gatefly/tasks/tuning/roc.hpp"
 
 namespace gatefly::experiments {
 namespace {

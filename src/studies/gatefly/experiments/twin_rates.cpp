@@ -7,8 +7,8 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/files/scoring.hpp"
-#include "gatefly/report/campaign_statistics.hpp"
-#include "gatefly/tuning/roc.hpp"
+#include "gatefly/simulated_race/results/campaign_statistics.hpp"
+#include "gatefly/tasks/tuning/roc.hpp"
 
 namespace gatefly::experiments {
 namespace {

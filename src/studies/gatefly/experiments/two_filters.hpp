@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "gatefly/baseline/imu15.hpp"
 #include "gatefly/estimation/navigator.hpp"
+#include "gatefly/flight_log/baseline/imu15.hpp"
 
 namespace gatefly::experiments {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gatefly/baseline/imu15.hpp"
+#include "gatefly/flight_log/baseline/imu15.hpp"
 #include "gatefly/race/pilot.hpp"
 
 namespace gatefly::flight_log {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gatefly/simulated_race/link_sim/picture_feed.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "gatefly/files/jpeg_writer.hpp"
+#include "gatefly/link/jpeg_slices.hpp"
+#include "gatefly/sensing/image.hpp"
+
+namespace gatefly::link_sim {
+namespace {
+
+constexpr int kQuality = 90;             ///< Ours; TS-002 does not say.
+constexpr std::size_t kDatagram = 1400;  ///< Fits into an Ethernet frame [bytes].
+constexpr std::size_t kPoses = 512;      ///< Half a second.
+
+}  // namespace
+
+PictureFeed::PictureFeed(const sim::SimConfig& config, Datagrams to,
+                         const NetworkTroubles& troubles, const std::function<void()>& while_baking)
+    : config_{config},
+      renderer_{config.world,     config.camera,       config.light, config.seed,
+                config.cache_dir, config.bake_threads, while_baking},
+      to_{std::move(to)},
+      troubles_{troubles},
+      schedule_{config.seed, "camera schedule"},
+      network_{config.seed, "network"},
+      span_{config.camera.readout + config.camera.exposure},
+      thread_{[this] { work(); }} {
+  history_.reserve(2 * kPoses);
+}
+
+PictureFeed::~PictureFeed() {
+  {
+    const std::lock_guard lock{mutex_};
+    over_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
+  if (history_.size() == 2 * kPoses) history_.erase(history_.begin(), history_.begin() + kPoses);
+  history_.push_back(pose);
+  if (pose.t < next_start_ + span_) return;
+  const sim::SensorTruth& truth = config_.sensors;
+  const double began = next_start_, jitter = std::abs(schedule_.normal_cut(truth.latency_jitter));
+  const bool lost = schedule_.uniform() < truth.frame_loss;
+  next_start_ += 1.0 / truth.camera_hz;
+  ++frame_;
+  if (lost || frozen_) return;
+  const auto first = std::find_if(history_.begin(), history_.end(),
+                                  [&](const sim::BodyPose& p) { return p.t > began - 0.01; });
+  const auto due = std::chrono::duration<double>(began + span_ + truth.camera_latency + jitter);
+  {
+    const std::lock_guard lock{mutex_};
+    if (busy_ || next_) {
+      ++left_out_;
+      return;
+    }
+    next_ = Exposure{.frame = frame_,
+                     .start = began,
+                     .due = start + std::chrono::duration_cast<live::Clock::duration>(due),
+                     .poses = {first, history_.end()}};
+  }
+  wake_.notify_one();
+}
+
+void PictureFeed::work() {
+  for (;;) {
+    Exposure exposure;
+    {
+      std::unique_lock lock{mutex_};
+      busy_ = false;
+      wake_.wait(lock, [this] { return over_ || next_; });
+      if (over_) return;
+      exposure = std::move(*next_);
+      next_.reset();
+      busy_ = true;
+    }
+    send(exposure);
+  }
+}
+
+void PictureFeed::send(const Exposure& exposure) {
+  const sim::CameraTruth& camera = config_.camera;
+  renderer_.render(exposure.frame, exposure.start, exposure.poses, uyvy_);
+  // As stored: who receives it knows how the camera is mounted.
+  const Image stored{uyvy_.data(), PixelFormat::kUyvy, camera.stored_width, camera.stored_height,
+                     0};
+  const std::string jpeg = io::jpeg_of(stored, kQuality, io::ChromaSampling::k420);
+  if (live::Clock::now() > exposure.due) ++late_;
+  std::this_thread::sleep_until(exposure.due);
+  std::array<std::uint8_t, kDatagram> room{};
+  held_back_.clear();
+  const link::Bytes bytes{reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()};
+  const std::chrono::nanoseconds taken{std::llround(1e9 * exposure.start)};
+  (void)jpeg_slices::each_slice(bytes, exposure.frame, taken, room, [&](link::Bytes datagram) {
+    if (network_.uniform() < troubles_.loss) return;
+    if (held_back_.empty() && network_.uniform() < troubles_.reorder) {
+      held_back_.assign(datagram.begin(), datagram.end());
+      return;
+    }
+    to_.send(datagram);
+    if (!held_back_.empty()) to_.send(held_back_);
+    held_back_.clear();
+  });
+  if (!held_back_.empty()) to_.send(held_back_);
+  ++sent_;
+}
+
+}  // namespace gatefly::link_sim

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gatefly/live/clock.hpp"
+#include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/random.hpp"
+#include "gatefly/simulated_race/link_sim/datagrams.hpp"
+#include "gatefly/world/sim_config.hpp"
+
+namespace gatefly::link_sim {
+
+/// Faults of the network that carries the slices.
+struct NetworkTroubles {
+  double loss = 0.0;     ///< Part of the slices that never arrive.
+  double reorder = 0.0;  ///< Part that arrives after the next one.
+};
+
+/// The camera of the drone: exposes at its rate, renders in a thread of its own, and sends each picture when it is due, as slices
+/// of a JPEG [TS-002].
+///
+/// A picture whose time has come while the one before it is still being rendered is left out, and counted.
+class PictureFeed {
+ public:
+  /// @param while_baking  may throw to stop. @throws std::runtime_error as CameraRenderer does.
+  PictureFeed(const sim::SimConfig& config, Datagrams to, const NetworkTroubles& troubles,
+              const std::function<void()>& while_baking);
+  ~PictureFeed();
+  PictureFeed(const PictureFeed&) = delete;
+  PictureFeed& operator=(const PictureFeed&) = delete;
+
+  /// The body's pose, after every step of the physics, whose time 0 was at `start`.
+  void remember(const sim::BodyPose& pose, live::Moment start);
+  /// No more pictures, as of a camera that hangs.
+  void freeze() { frozen_ = true; }
+  [[nodiscard]] long sent() const { return sent_; }
+  [[nodiscard]] long left_out() const { return left_out_; }
+  /// Sent later than they were due, because rendering took too long.
+  [[nodiscard]] long late() const { return late_; }
+
+ private:
+  struct Exposure {
+    std::uint32_t frame = 0;
+    double start = 0.0;  ///< [s]
+    live::Moment due;
+    std::vector<sim::BodyPose> poses;
+  };
+  void work();
+  void send(const Exposure& exposure);
+
+  sim::SimConfig config_;
+  sim::CameraRenderer renderer_;
+  Datagrams to_;
+  NetworkTroubles troubles_;
+  sim::Stream schedule_, network_;
+  double span_, next_start_ = 0.2;
+  std::uint32_t frame_ = 0;
+  std::vector<sim::BodyPose> history_;
+  std::vector<std::uint8_t> uyvy_, held_back_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<Exposure> next_;
+  bool busy_ = false, over_ = false, frozen_ = false;
+  std::atomic<long> sent_ = 0, left_out_ = 0, late_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace gatefly::link_sim

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "gatefly/drawing/canvas.hpp"
+#include "gatefly/simulated_race/closed_loop/race.hpp"
+
+namespace gatefly::io {
+
+/// How a race went - gates, laps, times, speeds, errors - over a dimmed frame.
+/// @param verdict  in words: "crashed into a pole at ...".
+void draw_result_card(Canvas& canvas, const closed_loop::RaceResult& result,
+                      const std::string& verdict);
+
+}  // namespace gatefly::io
