@@ -105,7 +105,7 @@ void say(const char* what, char* error, std::size_t size) {
 
 /// Everything of one pilot, in the caller's memory but for what Pilot itself allocates.
 struct gatefly_pilot {
-  explicit gatefly_pilot(const gatefly::io::PilotFiles& files)
+  explicit gatefly_pilot(const gatefly::config::PilotFiles& files)
       : pilot{files.pilot},
         width{files.stored_width},
         height{files.stored_height},
@@ -175,12 +175,13 @@ std::optional<gatefly_setup> known(const gatefly_setup& given) {
   return setup;
 }
 
-gatefly::io::PilotFiles read(const gatefly_setup& setup) {
-  return gatefly::io::read_pilot_files({.track = text(setup.track),
-                                        .track_text = text(setup.track_text),
-                                        .configs = texts(setup.configs, setup.config_count),
-                                        .config_text = text(setup.config_text),
-                                        .settings = texts(setup.settings, setup.setting_count)});
+gatefly::config::PilotFiles read(const gatefly_setup& setup) {
+  return gatefly::config::read_pilot_files(
+      {.track = text(setup.track),
+       .track_text = text(setup.track_text),
+       .configs = texts(setup.configs, setup.config_count),
+       .config_text = text(setup.config_text),
+       .settings = texts(setup.settings, setup.setting_count)});
 }
 
 bool is_whole(const gatefly_setup& setup) {

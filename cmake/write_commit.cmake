@@ -4,4 +4,4 @@ cmake_minimum_required(VERSION 3.22)
 # has changed.
 include(${CMAKE_CURRENT_LIST_DIR}/gatefly_version.cmake)
 gatefly_commit("${SOURCE}")
-file(CONFIGURE OUTPUT "${OUT}" @ONLY CONTENT "#include \"gatefly/simulated_race/built_from.hpp\"\n\nstd::string gatefly::tasks::built_from() { return \"@GATEFLY_COMMIT@\"; }\n")
+file(CONFIGURE OUTPUT "${OUT}" @ONLY CONTENT "#include \"gatefly/simulated_race/built_from.hpp\"\n\nstd::string gatefly::simulated_race::built_from() { return \"@GATEFLY_COMMIT@\"; }\n")

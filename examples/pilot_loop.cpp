@@ -23,8 +23,8 @@ gatefly::Sensors read_sensors(int tick) {
 void set_motors(const std::array<double, 4>& /*speeds*/) {}
 
 int main(int argc, char** argv) try {
-  gatefly::Pilot pilot{gatefly::io::read_pilot_config(argc > 1 ? argv[1] : "showroom",
-                                                      {argv + std::min(argc, 2), argv + argc})};
+  gatefly::Pilot pilot{gatefly::config::read_pilot_config(argc > 1 ? argv[1] : "showroom",
+                                                          {argv + std::min(argc, 2), argv + argc})};
   std::string_view phase;
   for (int tick = 0; !pilot.landed(); ++tick) {
     const gatefly::Sensors sensors = read_sensors(tick);

@@ -41,22 +41,23 @@ class Detector {
     return list;
   }
 
-  [[nodiscard]] const io::Config& config() const { return config_; }
+  [[nodiscard]] const config::Config& config() const { return config_; }
   [[nodiscard]] bool all() const { return all_; }
 
  private:
-  io::Config config_;
+  config::Config config_;
   GateDetector detector_;
   bool all_;
   std::mutex mutex_;
 };
 
-std::string method_of(const GateDetection& gate) { return io::row_of("", 0, gate).method; }
+std::string method_of(const GateDetection& gate) { return files::row_of("", 0, gate).method; }
 
 std::string text_of(const GateDetection& gate) {
-  std::string text = "<gatefly.Gate " + method_of(gate) + ", fitness " + io::fixed(gate.fitness, 2);
+  std::string text =
+      "<gatefly.Gate " + method_of(gate) + ", fitness " + files::fixed(gate.fitness, 2);
   for (const Eigen::Vector2d& corner : gate.corners_px)
-    text += ", (" + io::fixed(corner.x(), 1) + ", " + io::fixed(corner.y(), 1) + ")";
+    text += ", (" + files::fixed(corner.x(), 1) + ", " + files::fixed(corner.y(), 1) + ")";
   return text + ">";
 }
 
@@ -104,7 +105,7 @@ void bind_detector(py::module_& m) {
           "read_image() with this detector's configuration.", py::arg("path"))
       .def_property_readonly("all", &Detector::all, "Whether every gate is listed.")
       .def_property_readonly(
-          "config", [](const Detector& d) { return python_of(io::as_json(d.config())); },
+          "config", [](const Detector& d) { return python_of(config::as_json(d.config())); },
           "Effective configuration: {section: {key: value}}, a copy.");
 
   m.def(

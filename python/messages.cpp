@@ -112,9 +112,11 @@ void bind_messages(py::module_& m) {
           },
           "Rotor speeds: left front, right front, right back, left back [rad/s].");
   bind_attitude(command);
-  py::class_<Truth> truth(m, "Truth", "What really was. The pilot never sees this.");
-  truth.def_property_readonly("p_EB", array(&Truth::p_EB), "Position: north, east, down [m].")
-      .def_property_readonly("v_E", array(&Truth::v_E), "Velocity [m/s].");
+  py::class_<flight_log::Truth> truth(m, "Truth", "What really was. The pilot never sees this.");
+  truth
+      .def_property_readonly("p_EB", array(&flight_log::Truth::p_EB),
+                             "Position: north, east, down [m].")
+      .def_property_readonly("v_E", array(&flight_log::Truth::v_E), "Velocity [m/s].");
   bind_attitude(truth);
   py::class_<MapGate>(m, "MapGate", "A gate on the pilot's map.")
       .def_property_readonly("p_EG", array(&MapGate::p_EG), "Centre of the opening [m].")

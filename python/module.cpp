@@ -23,9 +23,9 @@ void translate(std::exception_ptr thrown) {
   } catch (const py::builtin_exception&) {
     throw;
   } catch (const std::runtime_error& error) {
-    PyErr_SetString(error_type.ptr(), gatefly::io::reason_of(error).c_str());
+    PyErr_SetString(error_type.ptr(), gatefly::files::reason_of(error).c_str());
   } catch (const std::invalid_argument& error) {
-    PyErr_SetString(error_type.ptr(), gatefly::io::reason_of(error).c_str());
+    PyErr_SetString(error_type.ptr(), gatefly::files::reason_of(error).c_str());
   }
 }
 

@@ -166,10 +166,10 @@ Picture copied_picture(const void* bytes, PixelFormat format, int stored_width, 
   return {array, array.data(), format, stored_width, stored_height, rotation_deg};
 }
 
-Picture read_picture(const py::object& path, const io::Config& config) {
+Picture read_picture(const py::object& path, const config::Config& config) {
   const std::string name = path_of(path, "path");
-  const io::ImageFile file =
-      io::read_image(name, config.camera.stored_width(), config.camera.stored_height());
+  const files::ImageFile file =
+      files::read_image(name, config.camera.stored_width(), config.camera.stored_height());
   const int rotation = tasks::Upright{config}.rotation_deg(file, name);
   return copied_picture(file.bytes.data(), file.format, file.stored_width, file.stored_height,
                         rotation);

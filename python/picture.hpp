@@ -31,6 +31,6 @@ struct Picture {
                                      int stored_height, int rotation_deg);
 
 /// A file's picture, turned as `gatefly detect` with this configuration turns it.
-[[nodiscard]] Picture read_picture(const pybind11::object& path, const io::Config& config);
+[[nodiscard]] Picture read_picture(const pybind11::object& path, const config::Config& config);
 
 }  // namespace gatefly::python

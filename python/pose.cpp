@@ -72,16 +72,16 @@ class Camera {
       if (!std::isfinite(angle)) throw std::runtime_error("roll, pitch and yaw must be finite");
     const double length = side.value_or(config_.gate.side);
     if (!(length > 0.0 && std::isfinite(length)))
-      throw std::runtime_error("side = " + io::text_of(length) + ", must be > 0");
+      throw std::runtime_error("side = " + files::text_of(length) + ", must be > 0");
     const RotationGB R_GB{rotation_EB(Attitude{roll, pitch, yaw}).matrix};
     return kMethod(quad, R_GB, length, rig(), config_.pilot.pose);
   }
 
   [[nodiscard]] const CameraRig& rig() const { return config_.pilot.camera; }
-  [[nodiscard]] const io::Config& config() const { return config_; }
+  [[nodiscard]] const config::Config& config() const { return config_; }
 
  private:
-  io::Config config_;
+  config::Config config_;
 };
 
 py::object optional_array(const auto& value) {
@@ -103,8 +103,8 @@ void bind_fix(py::module_& m) {
           "not say.")
       .def_readonly("yaw_variance", &Fix::yaw_variance, "Of yaw_error [rad^2].")
       .def("__repr__", [](const Fix& fix) {
-        return "<gatefly.Fix p_GB (" + io::fixed(fix.p_GB.x(), 3) + ", " +
-               io::fixed(fix.p_GB.y(), 3) + ", " + io::fixed(fix.p_GB.z(), 3) + ") m>";
+        return "<gatefly.Fix p_GB (" + files::fixed(fix.p_GB.x(), 3) + ", " +
+               files::fixed(fix.p_GB.y(), 3) + ", " + files::fixed(fix.p_GB.z(), 3) + ") m>";
       });
 }
 

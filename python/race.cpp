@@ -31,20 +31,21 @@ std::uint64_t seed_of(const py::object& given) {
   const std::uint64_t value = PyLong_AsUnsignedLongLong(seed.ptr());
   if (PyErr_Occurred() == nullptr) return value;
   PyErr_Clear();
-  throw std::runtime_error("seed = " + io::one_line(py::str(seed)) + ", must be in 0..2^64 - 1");
+  throw std::runtime_error("seed = " + files::one_line(py::str(seed)) + ", must be in 0..2^64 - 1");
 }
 
-tasks::Race race_of(const py::object& track, const py::object& seed, const std::string& vision,
-                    std::optional<int> laps, const py::object& config, const py::object& settings) {
+simulated_race::Race race_of(const py::object& track, const py::object& seed,
+                             const std::string& vision, std::optional<int> laps,
+                             const py::object& config, const py::object& settings) {
   if (vision != "rendered" && vision != "ideal")
-    throw std::runtime_error("vision = '" + io::one_line(vision) +
+    throw std::runtime_error("vision = '" + files::one_line(vision) +
                              "', must be 'rendered' or 'ideal'");
   if (laps && (*laps < 1 || *laps > 100))
     throw std::runtime_error("laps = " + std::to_string(*laps) + ", must be in 1..100");
-  const tasks::RaceMaker maker({.config = config_arguments(config, settings),
-                                .track = path_of(track, "track"),
-                                .vision = vision,
-                                .laps = laps});
+  const simulated_race::RaceMaker maker({.config = config_arguments(config, settings),
+                                         .track = path_of(track, "track"),
+                                         .vision = vision,
+                                         .laps = laps});
   warn(maker.notes());
   return maker.race(seed_of(seed));
 }
@@ -52,10 +53,10 @@ tasks::Race race_of(const py::object& track, const py::object& seed, const std::
 /// gatefly.Race: `gatefly fly`, tick by tick.
 class Race {
  public:
-  explicit Race(tasks::Race race) : race_{std::move(race)} {
+  explicit Race(simulated_race::Race race) : race_{std::move(race)} {
     race_.config.while_baking = check_signals;
     const py::gil_scoped_release light_may_have_to_be_baked;
-    flight_ = std::make_unique<closed_loop::Flight>(race_.config);
+    flight_ = std::make_unique<simulated_race::Flight>(race_.config);
   }
 
   bool step() {
@@ -83,7 +84,7 @@ class Race {
     if (!flight_->over()) flight_->stop();
   }
 
-  [[nodiscard]] Tick tick() const {
+  [[nodiscard]] flight_log::Tick tick() const {
     check_alone();
     return flight_->tick();
   }
@@ -93,17 +94,17 @@ class Race {
   }
   [[nodiscard]] bool has_picture() const { return flight_->tick().sensors.image.has_value(); }
   [[nodiscard]] py::object picture() const {
-    const Tick now = tick();
+    const flight_log::Tick now = tick();
     if (!now.sensors.image) return py::none();
-    const sim::CameraTruth& camera = race_.config.sim.camera;
+    const world::CameraTruth& camera = race_.config.sim.camera;
     return py::cast(copied_picture(now.frame.data(), PixelFormat::kUyvy, camera.stored_width,
                                    camera.stored_height, camera.stored_rotation));
   }
   [[nodiscard]] py::object result() const {
     if (!over()) return py::none();
-    return python_of(io::summary(flight_->result(), race_.identity));
+    return python_of(simulated_race::summary(flight_->result(), race_.identity));
   }
-  [[nodiscard]] const tasks::Race& race() const { return race_; }
+  [[nodiscard]] const simulated_race::Race& race() const { return race_; }
 
  private:
   /// Nobody asks while it flies: another thread, or a signal's handler.
@@ -121,8 +122,8 @@ class Race {
     if (flying_) throw std::runtime_error("the race is being flown by another thread");
   }
 
-  tasks::Race race_;
-  std::unique_ptr<closed_loop::Flight> flight_;
+  simulated_race::Race race_;
+  std::unique_ptr<simulated_race::Flight> flight_;
   bool flying_ = false;  ///< Changes with the interpreter held only.
 };
 
@@ -143,7 +144,7 @@ void bind_pictures(py::module_& m) {
 
 }  // namespace
 
-tasks::RenderAgain render_again() { return tasks::rendered_again; }
+tasks::RenderAgain render_again() { return simulated_race::rendered_again; }
 
 void bind_race(py::module_& m) {
   bind_pictures(m);
@@ -169,7 +170,7 @@ void bind_race(py::module_& m) {
       .def(
           "pictures",
           [](const py::object& self) {
-            if (self.cast<Race&>().race().config.vision == closed_loop::Vision::kIdeal)
+            if (self.cast<Race&>().race().config.vision == simulated_race::Vision::kIdeal)
               throw std::runtime_error("vision = 'ideal': there are no pictures");
             return Pictures{self};
           },

@@ -34,7 +34,7 @@ Replay replay(const py::object& folder, const py::object& config, const py::obje
               bool true_height) {
   const auto& names = tasks::estimator_names();
   if (!estimator.empty() && std::find(names.begin(), names.end(), estimator) == names.end())
-    throw std::runtime_error("estimator = '" + io::one_line(estimator) +
+    throw std::runtime_error("estimator = '" + files::one_line(estimator) +
                              "', must be 'drag', 'eskf' or 'imu15'");
   tasks::ReplayArguments arguments{.config = config_arguments(config, settings),
                                    .directory = path_of(folder, "folder"),

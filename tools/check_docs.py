@@ -231,7 +231,7 @@ def keys():
             found[choice[1]] = set(re.findall(r'"([^"]*)"', choice[2]))
         for key in re.findall(r'"([a-z]+\.\w+)"', text):
             found.setdefault(key, None)
-        if file.stem == "randomize":
+        if file.stem == "randomize_keys":
             for key in re.findall(r'sigma\(\s*"(\w+)"', text):
                 found["randomize." + key] = None
             level = re.search(r'randomize\.level".*?choices = \{([^}]*)\}', text, re.S)

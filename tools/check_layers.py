@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fails when a file includes a folder that its own CMakeLists.txt does not list in DEPENDS, when a house depends on one
 that comes after it, when folders depend on each other in a circle, when flight code includes anything but Eigen and the
-standard library, when the simulator knows the pilot, or when somebody passes the detector's door (detection/*.hpp) and
+standard library, when a namespace is not its folder's, when the simulator knows the pilot, or when somebody passes the detector's door (detection/*.hpp) and
 includes one of its stages."""
 import pathlib
 import re
@@ -24,6 +24,9 @@ STAGE = re.compile(r'\s*#\s*include\s+"gatefly/detection/\w+/')
 STAGES_FOR = ("src/flight/gatefly/detection", "src/studies/gatefly/experiments",
               "src/workshop/gatefly/tasks/search_report", "src/workshop/gatefly/drawing/search_sheet", "tests/detection",
               "tests/support")
+NAMESPACE = re.compile(r"^(?:inline )?namespace gatefly(?:::(\w+))?(?:::[\w:]+)? \{", re.M)
+# Another folder's namespace may be opened to declare its types, and to keep a public header's old names for a release.
+LENT = re.compile(r"^namespace gatefly::\w+ \{\n(?:(?:class|struct|using) [\w:]+;(?: .*)?\n)+\}.*\n", re.M)
 # What is measured is what flies: experiments take the Navigator, and wire no filter of their own.
 RING = re.compile(r"\b(Ahrs|LowPass|DragFilter|DelayedFilter|VelocityObserver|Altimeter)\s*(\w+\s*)?[{(]")
 # Clocks, files, threads and hidden randomness have no place in the flight code; <chrono> is for durations.
@@ -102,6 +105,19 @@ def violations(found):
                     yield f"{where}: no clock, no hidden randomness, nothing thrown but std::invalid_argument"
 
 
+def namespace_violations(found):
+    """Flight code is in `gatefly`, every other folder in `gatefly::<folder>`; deeper ones in either are free."""
+    elsewhere = {name for name, (house, _, _) in found.items() if house != "flight"}
+    for path in sorted((ROOT / "src").rglob("*.[ch]pp")):
+        house, _, *inner = path.relative_to(ROOT / "src").parts[:-1]
+        for block in NAMESPACE.finditer(LENT.sub("", path.read_text())):
+            first = block[1]
+            if house == "flight" and first in elsewhere:
+                yield f"{path}: flight code in namespace gatefly::{first}"
+            if house != "flight" and first != home("/".join(inner), found):
+                yield f"{path}: namespace gatefly{'::' + first if first else ''}, not gatefly::{home('/'.join(inner), found)}"
+
+
 def c_interface_violations(found):
     """The C interface, in a folder of its own beside the houses, includes what it depends on."""
     allowed = set(DEPENDS.findall((ROOT / "c" / "CMakeLists.txt").read_text()))
@@ -129,7 +145,7 @@ def parts_with_pilot(found):
 
 
 FOUND = folders()
-wrong = [*house_violations(FOUND), *violations(FOUND), *c_interface_violations(FOUND), *passed_doors(),
+wrong = [*house_violations(FOUND), *violations(FOUND), *namespace_violations(FOUND), *c_interface_violations(FOUND), *passed_doors(),
          *parts_with_pilot(FOUND)]
 print("\n".join(wrong) or f"layers: ok, {len(FOUND)} folders in {len(HOUSES)} houses")
 sys.exit(bool(wrong))

@@ -51,29 +51,30 @@ std::vector<Stage> chosen(std::vector<Stage> stages, const std::vector<std::stri
   for (const Stage& stage : stages) known.push_back(stage.name);
   for (const std::string& name : names)
     if (find(stages, name) == nullptr)
-      throw std::runtime_error("--stage '" + io::one_line(name) + "' is not known" +
-                               io::suggestion(name, known) + " (there are: " + io::joined(known) +
-                               ")");
+      throw std::runtime_error("--stage '" + files::one_line(name) + "' is not known" +
+                               files::suggestion(name, known) +
+                               " (there are: " + files::joined(known) + ")");
   std::erase_if(stages, [&](const Stage& s) {
     return std::find(names.begin(), names.end(), s.name) == names.end();
   });
   return stages;
 }
 
-Picture read(const fs::path& path, const io::Config& config) {
-  const io::ImageFile file =
-      io::read_image(path, config.camera.stored_width(), config.camera.stored_height());
+Picture read(const fs::path& path, const config::Config& config) {
+  const files::ImageFile file =
+      files::read_image(path, config.camera.stored_width(), config.camera.stored_height());
   return as_uyvy(path.filename().string(), file.view(0), config.camera.stored_rotation_deg);
 }
 
 /// Files, folders and patterns, as named.
-Pictures named_pictures(const BenchOptions& options, const io::Config& config) {
+Pictures named_pictures(const BenchOptions& options, const config::Config& config) {
   auto pictures = std::make_shared<std::vector<Picture>>();
   for (const std::string& name : options.pictures) {
     const fs::path path = data_at(name, options.data);
     std::error_code error;
     if (fs::exists(path, error)) {
-      for (const fs::path& file : io::picture_files(path)) pictures->push_back(read(file, config));
+      for (const fs::path& file : files::picture_files(path))
+        pictures->push_back(read(file, config));
     } else {
       pictures->push_back(drawn(pattern_of(name)));
     }
@@ -82,13 +83,14 @@ Pictures named_pictures(const BenchOptions& options, const io::Config& config) {
 }
 
 /// Some pictures of the authors', when they are there: every n-th of both halls.
-Pictures real_pictures(const BenchOptions& options, const io::Config& config, std::size_t most) {
+Pictures real_pictures(const BenchOptions& options, const config::Config& config,
+                       std::size_t most) {
   auto pictures = std::make_shared<std::vector<Picture>>();
   for (const char* set : {"basement580", "cyberzoo"}) {
     const fs::path folder = data_at(fs::path{"tudelft_bebop_gates"} / set, options.data);
     std::error_code error;
     if (!fs::is_directory(folder, error)) continue;
-    const auto files = io::picture_files(folder);
+    const auto files = files::picture_files(folder);
     for (std::size_t i = 0; i < most / 2; ++i)
       pictures->push_back(read(files[i * files.size() / (most / 2)], config));
   }
@@ -169,7 +171,7 @@ class Report {
   }
   [[nodiscard]] ordered_json& json() { return all_; }
   ~Report() {
-    if (json_ && !interrupted()) std::cout << io::json_text(all_);
+    if (json_ && !interrupted()) std::cout << files::json_text(all_);
   }
   Report(const Report&) = delete;
   Report& operator=(const Report&) = delete;
@@ -269,7 +271,7 @@ int run_once(const BenchOptions& options, const Pictures& pictures, const PilotC
 
 /// gatefly bench: exit 0 measured, 2 unusable arguments, 130 Ctrl-C.
 int bench_all(const BenchOptions& options) {
-  const io::Config config = load(options.race.common);
+  const config::Config config = load(options.race.common);
   const int rounds = options.quick ? 3 : 15;
   catch_interrupt();
   const Pictures named = named_pictures(options, config);
@@ -288,11 +290,12 @@ int bench_all(const BenchOptions& options) {
   if (!named->empty()) {
     const auto stages = chosen(detection_stages(named, config.pilot), options.stages);
     const auto costs = measure(stages, rounds, interrupted);
-    report.stages("detection, " + io::amount(named->size(), "picture"), "detection", stages, costs);
+    report.stages("detection, " + files::amount(named->size(), "picture"), "detection", stages,
+                  costs);
     report.ratios_of("detection", stages, costs);
   } else {
     say(0.0, "flying, for pictures");
-    tasks::Race race = race_maker(options.race).race(1);
+    simulated_race::Race race = race_maker(options.race).race(1);
     race.config.while_baking = stop_if_interrupted;
     const auto flight = std::make_shared<const RecordedFlight>(
         recorded_flight(race.config, options.quick ? 20 : 60, interrupted));

@@ -53,7 +53,7 @@ class Protocol {
   /// @param file  that was written; "": none. @param what_for  of a line about it. @return the exit code.
   int end(const std::string& file = "", const std::string& what_for = "") {
     if (json_)
-      std::cout << io::json_text(
+      std::cout << files::json_text(
           nlohmann::ordered_json{{"well", well_}, {"findings", told_}, {"file", file}});
     else if (!file.empty() && !quiet_)
       std::cout << file << ": written; " << what_for << '\n';
@@ -77,7 +77,8 @@ void ask_for(const std::string& what) { std::cerr << live::kBenchSays << what <<
 
 /// Writes the file with another mark, or none.
 void set_mark(const live::DroneFile& drone, const std::string& mark) {
-  io::write_file(drone.path, live::with_hand_over_mark(drone, io::read_file(drone.path), mark));
+  files::write_file(drone.path,
+                    live::with_hand_over_mark(drone, files::read_file(drone.path), mark));
 }
 
 /// With --hand-over. Exit 0: passed, and drone.toml says so; 1: it does not any more.
@@ -87,13 +88,14 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
   const live::CameraUri camera = live::camera_uri(options.camera);
   if (camera.kind == live::CameraUri::Kind::kFolder)
     throw std::runtime_error("--camera " + options.camera + ": a recording is no camera");
-  const io::Config config = load(options.common);
+  const config::Config config = load(options.common);
   const live::DroneFile drone = live::read_drone(options.hand_over);
   if (drone.ardu || link.mavlink)
     throw std::runtime_error(options.hand_over +
                              ": there is no hand-over test for an ArduCopter yet; look on with "
                              "gatefly run --shadow");
-  (void)live::with_hand_over_mark(drone, io::read_file(drone.path), "");  // that it can be written
+  (void)live::with_hand_over_mark(drone, files::read_file(drone.path),
+                                  "");  // that it can be written
   live::Introduced met = live::introduced(link, drone, false);
   // From now on it has not passed, however this ends.
   if (!drone.tested.empty()) set_mark(drone, "");
@@ -139,7 +141,7 @@ int bench_ardu(const BenchDroneOptions& options, const live::LinkUri& uri, live:
   protocol.add(live::of_turns(link, limit, say));
   protocol.add(live::of_link(link, 3s));
   if (!protocol.well()) return protocol.end();
-  io::write_file(options.out, live::drone_toml(*drone.ardu, options.told));
+  files::write_file(options.out, live::drone_toml(*drone.ardu, options.told));
   return protocol.end(options.out,
                       "for --shadow: there is no hand-over test for an ArduCopter yet");
 }
@@ -181,7 +183,7 @@ int bench_drone(const BenchDroneOptions& options) {
   protocol.add(live::of_turns(port, scale, limit, say));
   protocol.add(live::of_link(port, *said.facts.order(), 3s));
   if (!protocol.well()) return protocol.end();
-  io::write_file(options.out, live::drone_toml(said, scale, options.told));
+  files::write_file(options.out, live::drone_toml(said, scale, options.told));
   return protocol.end(options.out, "for --shadow; to fly, next: gatefly bench-drone --hand-over " +
                                        options.out + " --propellers-off --link URI --camera URI");
 }

@@ -34,7 +34,7 @@ struct CalibrateOptions {
   bool json = false;
 
   [[nodiscard]] bool writes_to_stdout() const {
-    return io::is_stdout(out) || io::is_stdout(report);
+    return files::is_stdout(out) || files::is_stdout(report);
   }
   [[nodiscard]] bool prints() const { return !json && !common.quiet && !writes_to_stdout(); }
 };
@@ -46,7 +46,7 @@ void complain_of_boards(const std::string& what) {
 std::vector<fs::path> all_files(const CalibrateOptions& options) {
   std::vector<fs::path> files;
   for (const std::string& path : options.paths)
-    for (const fs::path& file : io::picture_files(data_at(path, options.data)))
+    for (const fs::path& file : files::picture_files(data_at(path, options.data)))
       files.push_back(file);
   return files;
 }
@@ -68,15 +68,15 @@ Boards find_boards(const CalibrateOptions& options) {
       } catch (const std::exception& error) {
         if (files.size() == 1) throw;
         progress.clear();
-        complain_of_boards(io::reason_of(error));
+        complain_of_boards(files::reason_of(error));
         ++boards.unusable;
       }
     }
     ++done;
     if (progress.due(done))
       progress.update(done / static_cast<double>(files.size()),
-                      io::amount(boards.views.size(), "board") + " in " +
-                          io::amount(boards.pictures, "picture"));
+                      files::amount(boards.views.size(), "board") + " in " +
+                          files::amount(boards.pictures, "picture"));
   }
   progress.clear();
   if (!interrupted() && boards.pictures > 0) expect_enough(boards, options.board);
@@ -90,20 +90,20 @@ void write(const CameraFile& camera, const CalibrateOptions& options,
     comments.push_back("Of the upright picture: the stored one turned " +
                        std::to_string(camera.stored_rotation_deg) + " degrees counter-clockwise.");
   const std::string text = camera_text(camera, camera_format(options.to), comments);
-  std::vector<io::FileContent> files;
+  std::vector<files::FileContent> files;
   if (!options.out.empty()) files.push_back({options.out, text});
   if (answer != nullptr && !options.report.empty())
     files.push_back({options.report, residual_picture(*answer).png()});
-  io::write_files(files);
+  files::write_files(files);
 }
 
 /// Adds the mount angle to the camera, and what it rests on to the comments.
 void add_tilt(CameraFile& camera, const CalibrateOptions& options,
               std::vector<std::string>& comments) {
   if (options.tilt_from.empty()) return;
-  const io::Config config = load(options.common);
+  const config::Config config = load(options.common);
   const fs::path path = data_at(options.tilt_from, options.data);
-  const io::Labels labels = gate_labels(path);
+  const files::Labels labels = gate_labels(path);
   try {
     const FoundMount found = mount_from(path, labels, camera.lens,
                                         {.gate_side = config.gate.side,
@@ -139,7 +139,7 @@ void expect_sensible(const CalibrateOptions& options) {
   for (const std::string& input : {options.from, options.tilt_from})
     if (!input.empty()) inputs.push_back(data_at(input, options.data));
   check_outputs({{"--out", options.out, {"camera of gatefly calibrate", "by gatefly calibrate"}},
-                 {"--report", options.report, io::kOurPng}},
+                 {"--report", options.report, files::kOurPng}},
                 inputs, options.common);
   if (!options.from.empty()) return;
   if (options.paths.empty())
@@ -154,7 +154,7 @@ std::optional<int> rotation_by_flight(const Boards& boards, const CalibrateOptio
   if (!boards.listed || options.rotate_deg || options.tilt_from.empty()) return std::nullopt;
   const fs::path flight = data_at(options.tilt_from, options.data);
   if (!fs::is_directory(flight)) return std::nullopt;
-  const io::Config config = load(options.common);
+  const config::Config config = load(options.common);
   return stored_rotation_of(flight, boards.size_px, config.pilot.detector, config.pilot.gate_color);
 }
 
@@ -188,7 +188,7 @@ void answer_with(const Boards& boards, const CalibrateOptions& options) {
   expect_usable(camera, "the fitted lens");
   write(camera, options, comments, &answer);
   if (options.json)
-    std::cout << io::json_text(as_json(answer, boards, camera.stored_rotation_deg, doubt));
+    std::cout << files::json_text(as_json(answer, boards, camera.stored_rotation_deg, doubt));
   else if (options.prints())
     print(answer, boards, options, doubt);
 }
@@ -207,7 +207,8 @@ int run_calibrate(const CalibrateOptions& options) {
   if (boards.pictures == 0) return kUnusable;  // each was said
   answer_with(boards, options);
   if (boards.unusable == 0) return kDone;
-  complain_of_boards(io::amount(boards.unusable, "picture") + " could not be used, the rest was");
+  complain_of_boards(files::amount(boards.unusable, "picture") +
+                     " could not be used, the rest was");
   return kUnusable;
 }
 

@@ -63,7 +63,8 @@ Shard shard_of(const std::string& text) {
 /// Flies seeds on several threads and keeps each summary in a file of its own.
 class Fleet {
  public:
-  Fleet(const tasks::RaceMaker& maker, CampaignFolder& folder, std::vector<std::uint64_t> seeds)
+  Fleet(const simulated_race::RaceMaker& maker, CampaignFolder& folder,
+        std::vector<std::uint64_t> seeds)
       : maker_{maker}, folder_{folder}, seeds_{std::move(seeds)} {}
 
   /// @throws whatever a worker threw. Returns early, or throws Interrupted, after Ctrl-C: what has
@@ -71,9 +72,9 @@ class Fleet {
   void fly(int jobs, bool quiet) {
     if (seeds_.empty()) return;
     // Data that all races share is made once, before several races would make it at the same time.
-    const tasks::Race first = maker_.race(seeds_.front());
-    if (first.config.vision == closed_loop::Vision::kRendered) {
-      const sim::SimConfig& s = first.config.sim;
+    const simulated_race::Race first = maker_.race(seeds_.front());
+    if (first.config.vision == simulated_race::Vision::kRendered) {
+      const world::SimConfig& s = first.config.sim;
       const sim::CameraRenderer bakes{
           s.world, s.camera, s.light, s.seed, s.cache_dir, s.bake_threads, stop_if_interrupted};
     }
@@ -100,15 +101,15 @@ class Fleet {
   void work() {
     try {
       for (std::size_t i = next_++; i < seeds_.size() && !stop_ && !interrupted(); i = next_++) {
-        tasks::Race race = maker_.race(seeds_[i]);
+        simulated_race::Race race = maker_.race(seeds_[i]);
         race.config.sim.bake_threads = 1;
         race.config.while_baking = [this] {
           if (stop_ || interrupted()) throw Interrupted{};
         };
-        const auto result =
-            closed_loop::fly(race.config, [this](const Tick&) { return !stop_ && !interrupted(); });
+        const auto result = simulated_race::fly(
+            race.config, [this](const flight_log::Tick&) { return !stop_ && !interrupted(); });
         if (stop_ || interrupted()) break;
-        folder_.keep(seeds_[i], io::json_text(io::summary(result, race.identity)));
+        folder_.keep(seeds_[i], files::json_text(simulated_race::summary(result, race.identity)));
         const std::lock_guard lock{mutex_};
         ++done_;
         finished_ += result.finished;
@@ -127,11 +128,11 @@ class Fleet {
     return static_cast<double>(done_) / static_cast<double>(seeds_.size());
   }
   [[nodiscard]] std::string text() const {
-    return std::to_string(done_) + " of " + io::amount(seeds_.size(), "run") + ", " +
+    return std::to_string(done_) + " of " + files::amount(seeds_.size(), "run") + ", " +
            std::to_string(finished_) + " finished";
   }
 
-  const tasks::RaceMaker& maker_;
+  const simulated_race::RaceMaker& maker_;
   CampaignFolder& folder_;
   std::vector<std::uint64_t> seeds_;
   std::atomic<std::size_t> next_{0};
@@ -152,8 +153,8 @@ nlohmann::ordered_json compared(const CampaignFolder& first, const CampaignFolde
     throw std::runtime_error("--compare " + first.path().string() + ": is of " + track(first) +
                              ", " + second.path().string() + " of " + track(second));
   nlohmann::ordered_json json{{"first", first.path().string()}, {"second", second.path().string()}};
-  json["differences"] = io::argument_differences(first.arguments(), second.arguments());
-  json.update(io::campaign_comparison(first.rows(), second.rows()));
+  json["differences"] = simulated_race::argument_differences(first.arguments(), second.arguments());
+  json.update(simulated_race::campaign_comparison(first.rows(), second.rows()));
   if (json.at("pairs") == 0)
     throw std::runtime_error("--compare " + first.path().string() +
                              ": has no seed in common with " + second.path().string());
@@ -164,12 +165,12 @@ nlohmann::ordered_json compared(const CampaignFolder& first, const CampaignFolde
 std::string page_of(nlohmann::ordered_json comparison, const CampaignFolder& first,
                     const CampaignFolder& second) {
   const auto a = first.rows(), b = second.rows();
-  comparison["lost_by"] = {io::campaign_result(a).at("lost_by"),
-                           io::campaign_result(b).at("lost_by")};
-  comparison["seeds"] = io::campaign_pairs(a, b);
+  comparison["lost_by"] = {simulated_race::campaign_result(a).at("lost_by"),
+                           simulated_race::campaign_result(b).at("lost_by")};
+  comparison["seeds"] = simulated_race::campaign_pairs(a, b);
   const std::string title = first.arguments().value("track", "") + ", two campaigns, " +
-                            io::amount(comparison.at("pairs").get<int>(), "seed") + " in common";
-  return io::comparison_page(io::shipped_page("campaign.html"), title, comparison);
+                            files::amount(comparison.at("pairs").get<int>(), "seed") + " in common";
+  return report::comparison_page(report::shipped_page("campaign.html"), title, comparison);
 }
 
 /// "before": a folder's own name, however it was given.
@@ -187,16 +188,16 @@ int compare(const CampaignOptions& options) {
           ? fs::path{"out"} / ("compare-" + name_of(first.path()) + "-" + name_of(second.path()))
           : fs::path{options.out};
   const auto json = compared(first, second);
-  io::check_output_folder("--out", out);
-  io::refuse_foreign_folder(out, "comparison.json", {"comparison", "mcnemar_p", 1 << 20},
-                            "choose another --out");
+  files::check_output_folder("--out", out);
+  files::refuse_foreign_folder(out, "comparison.json", {"comparison", "mcnemar_p", 1 << 20},
+                               "choose another --out");
   catch_interrupt();  // both files or none: it takes no time
   fs::create_directories(out);
-  io::write_files(
-      std::vector<io::FileContent>{{out / "comparison.json", io::json_text(json)},
-                                   {out / "report.html", page_of(json, first, second)}});
+  files::write_files(
+      std::vector<files::FileContent>{{out / "comparison.json", files::json_text(json)},
+                                      {out / "report.html", page_of(json, first, second)}});
   if (options.json) {
-    std::cout << io::json_text(json);
+    std::cout << files::json_text(json);
   } else {
     print_comparison(json);
     std::cout << "  page            " << (out / "report.html").string() << '\n';
@@ -207,17 +208,17 @@ int compare(const CampaignOptions& options) {
 /// Statistics of all runs of a whole folder; prints and writes them.
 void conclude(CampaignFolder& folder, const std::vector<std::uint64_t>& seeds,
               const CampaignOptions& options) {
-  std::vector<io::RunRow> rows;
+  std::vector<simulated_race::RunRow> rows;
   for (const std::uint64_t seed : seeds) rows.push_back(folder.row(seed).value());
   nlohmann::ordered_json campaign = folder.finish(rows);
   if (!options.compare.empty()) {
     const CampaignFolder other = CampaignFolder::existing(options.compare[0]);
     campaign["comparison"] = compared(other, folder);
-    io::write_file(folder.path() / "comparison.html",
-                   page_of(campaign["comparison"], other, folder));
+    files::write_file(folder.path() / "comparison.html",
+                      page_of(campaign["comparison"], other, folder));
   }
   if (options.json)
-    std::cout << io::json_text(campaign);
+    std::cout << files::json_text(campaign);
   else
     print_campaign(campaign, folder.path(), options.race.common.quiet);
   if (!options.compare.empty() && !options.json) print_comparison(campaign.at("comparison"));
@@ -248,7 +249,7 @@ int submit(const CampaignOptions& options, const fs::path& out) {
   if (!options.shard.empty()) throw std::runtime_error("--slurm: makes the shards, no --shard");
   if (options.slurm > options.runs)
     throw std::runtime_error("--slurm " + std::to_string(options.slurm) +
-                             ": more shards than the " + io::amount(options.runs, "run"));
+                             ": more shards than the " + files::amount(options.runs, "run"));
   const auto number = [](auto value) { return std::to_string(value); };
   std::cout << submit_to_slurm({.out = out,
                                 .runs = static_cast<std::uint64_t>(options.runs),
@@ -277,7 +278,7 @@ int campaign(const CampaignOptions& options) {
                         .runs = static_cast<std::uint64_t>(options.runs),
                         .shard = shard};
   expect_seeds(range);
-  const tasks::RaceMaker maker = race_maker(options.race);
+  const simulated_race::RaceMaker maker = race_maker(options.race);
   (void)maker.race(range.first);
   std::string name = "campaign-" + fs::path{options.race.track}.stem().string();
   if (options.race.vision != "rendered") name += "-" + options.race.vision;
@@ -307,9 +308,9 @@ void expect_seeds(const SeedRange& range) {
                              std::to_string(range.runs) + " runs from there on have no seeds");
 }
 
-CampaignFolder flown(const tasks::RaceMaker& maker, const RaceOptions& options,
+CampaignFolder flown(const simulated_race::RaceMaker& maker, const RaceOptions& options,
                      const SeedRange& range, const fs::path& out, int jobs) {
-  const tasks::Race race = maker.race(range.first);
+  const simulated_race::Race race = maker.race(range.first);
   nlohmann::json arguments{{"track", race.identity.track},
                            {"track_toml", maker.inputs().at("track.toml")},
                            {"vision", race.identity.vision},

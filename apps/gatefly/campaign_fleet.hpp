@@ -26,8 +26,8 @@ void expect_seeds(const SeedRange& range);
 /// Flies what is missing of a campaign into its folder, until Ctrl-C: then interrupted() says so.
 /// @param options  what `maker` was made of
 /// @throws std::runtime_error as CampaignFolder::opened, or what a race threw.
-[[nodiscard]] CampaignFolder flown(const tasks::RaceMaker& maker, const RaceOptions& options,
-                                   const SeedRange& range, const std::filesystem::path& out,
-                                   int jobs);
+[[nodiscard]] CampaignFolder flown(const simulated_race::RaceMaker& maker,
+                                   const RaceOptions& options, const SeedRange& range,
+                                   const std::filesystem::path& out, int jobs);
 
 }  // namespace gatefly::cli

@@ -30,8 +30,8 @@ constexpr std::uint64_t kMostRuns = 1'000'000;  // as --runs allows
 /// campaign.json, with everything that is asked of it later there and of its type.
 nlohmann::json read_campaign(const fs::path& path) {
   const std::string file = (path / "campaign.json").string();
-  nlohmann::ordered_json json = io::read_json(file);
-  const io::JsonObject campaign(file, json), arguments = campaign.object("arguments");
+  nlohmann::ordered_json json = files::read_json(file);
+  const files::JsonObject campaign(file, json), arguments = campaign.object("arguments");
   const auto runs = arguments.whole("runs", 1, kMostRuns);
   (void)arguments.whole("first_seed", 0, std::numeric_limits<std::uint64_t>::max() - (runs - 1));
   const auto shard = arguments.wholes("shard", 2, 1, kMostRuns);
@@ -42,7 +42,7 @@ nlohmann::json read_campaign(const fs::path& path) {
   (void)campaign.text("fly");
   nlohmann::json whole = std::move(json);
   if (nlohmann::json& given = whole["arguments"]; given.contains("config"))
-    given["config"] = io::with_current_names(given["config"]);
+    given["config"] = config::with_current_names(given["config"]);
   return whole;
 }
 
@@ -56,8 +56,9 @@ std::string difference(const nlohmann::json& stored, const nlohmann::json& given
     std::replace(name.begin(), name.end(), '/', '.');
     if (name == "track_toml") return "the track file has changed";
     if (name == "color_table") return "the colour table has changed";
-    return io::one_line(name, 100) + " was " +
-           (a.contains(key) ? io::shown(a.at(key)) : "not there") + ", is " + io::shown(value);
+    return files::one_line(name, 100) + " was " +
+           (a.contains(key) ? files::shown(a.at(key)) : "not there") + ", is " +
+           files::shown(value);
   }
   return "it has more arguments";
 }
@@ -70,10 +71,10 @@ CampaignFolder::CampaignFolder(fs::path path, nlohmann::json arguments, std::str
       fly_{std::move(fly)} {}  // braces would make an array
 
 bool CampaignFolder::is_there() const {
-  io::check_output_folder("--out", path_);
+  files::check_output_folder("--out", path_);
   std::error_code error;
   if (!fs::exists(path_ / "campaign.json", error)) {
-    io::refuse_foreign_folder(path_, "campaign.json", {"campaign", ""}, "choose another --out");
+    files::refuse_foreign_folder(path_, "campaign.json", {"campaign", ""}, "choose another --out");
     return false;
   }
   const std::string other = difference(read_campaign(path_).at("arguments"), arguments_);
@@ -91,8 +92,8 @@ CampaignFolder CampaignFolder::opened(fs::path path, nlohmann::json arguments, s
   if (error)
     throw std::runtime_error(folder.path_.string() + ": cannot be written: " + error.message());
   try {
-    io::write_file(folder.path_ / "campaign.json", io::json_text(folder.as_json()));
-  } catch (const io::CannotWrite&) {
+    files::write_file(folder.path_ / "campaign.json", files::json_text(folder.as_json()));
+  } catch (const files::CannotWrite&) {
     fs::remove(folder.path_, error);
     throw;
   }
@@ -129,19 +130,19 @@ fs::path CampaignFolder::file_of(std::uint64_t seed) const {
 }
 
 void CampaignFolder::keep(std::uint64_t seed, const std::string& summary_json) const {
-  io::write_file(file_of(seed), summary_json);
+  files::write_file(file_of(seed), summary_json);
 }
 
-std::optional<io::RunRow> CampaignFolder::row(std::uint64_t seed) const {
+std::optional<simulated_race::RunRow> CampaignFolder::row(std::uint64_t seed) const {
   if (!fs::exists(file_of(seed))) return std::nullopt;
   const std::string file = file_of(seed).string();
-  io::RunRow row = io::row_of(io::read_json(file), file);
+  simulated_race::RunRow row = simulated_race::row_of(files::read_json(file), file);
   if (row.seed != seed)
     throw std::runtime_error(file + ": seed = " + std::to_string(row.seed) + ", must be " +
                              std::to_string(seed) + ", as its name says");
   if (const std::string commit = arguments_.value("commit", ""); row.commit != commit)
-    throw AnotherCommit(file + ": flown by commit \"" + io::one_line(row.commit) +
-                        "\", the campaign by \"" + io::one_line(commit) + "\", take it away");
+    throw AnotherCommit(file + ": flown by commit \"" + files::one_line(row.commit) +
+                        "\", the campaign by \"" + files::one_line(commit) + "\", take it away");
   return row;
 }
 
@@ -155,27 +156,28 @@ bool CampaignFolder::has(std::uint64_t seed) const {
   }
 }
 
-std::vector<io::RunRow> CampaignFolder::rows() const {
-  std::vector<io::RunRow> rows;
+std::vector<simulated_race::RunRow> CampaignFolder::rows() const {
+  std::vector<simulated_race::RunRow> rows;
   for (const std::uint64_t seed : seeds())
     if (auto there = row(seed)) rows.push_back(*std::move(there));
   return rows;
 }
 
-nlohmann::ordered_json CampaignFolder::finish(const std::vector<io::RunRow>& rows) const {
+nlohmann::ordered_json CampaignFolder::finish(
+    const std::vector<simulated_race::RunRow>& rows) const {
   nlohmann::ordered_json json = as_json();
-  json["result"] = io::campaign_result(rows);
-  const auto failed =
-      std::find_if(rows.begin(), rows.end(), [](const io::RunRow& row) { return !row.finished; });
+  json["result"] = simulated_race::campaign_result(rows);
+  const auto failed = std::find_if(rows.begin(), rows.end(),
+                                   [](const simulated_race::RunRow& row) { return !row.finished; });
   if (failed != rows.end()) {
     std::string command = fly_;
     if (const auto at = command.find("{seed}"); at != std::string::npos)
       command.replace(at, 6, std::to_string(failed->seed));
     json["replay"] = command;
   }
-  io::write_file(path_ / "runs.csv", io::runs_csv(rows));
-  io::write_file(path_ / "campaign.json", io::json_text(json));
-  io::write_file(path_ / "report.html", io::campaign_page(path_));
+  files::write_file(path_ / "runs.csv", simulated_race::runs_csv(rows));
+  files::write_file(path_ / "campaign.json", files::json_text(json));
+  files::write_file(path_ / "report.html", report::campaign_page(path_));
   return json;
 }
 
@@ -203,14 +205,14 @@ CampaignFolder merged(const fs::path& out, const std::vector<fs::path>& shards) 
     files.push_back(holder->file_of(seed));
   }
   catch_interrupt();
-  io::PartialFolder folder(out, io::PartialFolder::Grows::kInside, [](const std::string& name) {
-    return name == "campaign.json" || name.starts_with("run_");
-  });
+  files::PartialFolder folder(
+      out, files::PartialFolder::Grows::kInside,
+      [](const std::string& name) { return name == "campaign.json" || name.starts_with("run_"); });
   for (const fs::path& file : files) {
     stop_if_interrupted();
-    folder.write(file.filename(), io::read_file(file));
+    folder.write(file.filename(), files::read_file(file));
   }
-  folder.write("campaign.json", io::json_text(whole.as_json()));
+  folder.write("campaign.json", files::json_text(whole.as_json()));
   folder.pour();
   return whole;
 }

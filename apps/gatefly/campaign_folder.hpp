@@ -39,16 +39,16 @@ class CampaignFolder {
   void keep(std::uint64_t seed, const std::string& summary_json) const;
   /// A stored run; nullopt when there is none.
   /// @throws std::runtime_error when it is damaged, or another commit flew it: no two are mixed.
-  [[nodiscard]] std::optional<io::RunRow> row(std::uint64_t seed) const;
+  [[nodiscard]] std::optional<simulated_race::RunRow> row(std::uint64_t seed) const;
   /// Whether there is a stored run that is not damaged: else it is to be flown (again).
   /// @throws std::runtime_error when another commit flew it.
   [[nodiscard]] bool has(std::uint64_t seed) const;
   /// All runs that are there, by seed. @throws std::runtime_error as row().
-  [[nodiscard]] std::vector<io::RunRow> rows() const;
+  [[nodiscard]] std::vector<simulated_race::RunRow> rows() const;
   [[nodiscard]] std::filesystem::path file_of(std::uint64_t seed) const;
 
   /// Writes runs.csv, campaign.json and report.html; answers the second.
-  nlohmann::ordered_json finish(const std::vector<io::RunRow>& rows) const;
+  nlohmann::ordered_json finish(const std::vector<simulated_race::RunRow>& rows) const;
 
  private:
   friend CampaignFolder merged(const std::filesystem::path&,

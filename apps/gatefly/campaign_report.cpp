@@ -12,7 +12,7 @@
 namespace gatefly::cli {
 namespace {
 
-using io::fixed;
+using files::fixed;
 
 /// "3, 8, 11, ...": the first six.
 std::string first_of(const nlohmann::ordered_json& seeds) {
@@ -58,7 +58,7 @@ void print_campaign(const nlohmann::ordered_json& campaign, const std::filesyste
   const auto& result = campaign.at("result");
   const auto& interval = result.at("completion_wilson95");
   std::cout << arguments.at("track").get<std::string>() << ", "
-            << io::amount(result.at("runs").get<int>(), "run") << ", "
+            << files::amount(result.at("runs").get<int>(), "run") << ", "
             << arguments.at("vision").get<std::string>() << " vision: " << result.at("finished")
             << " finished, " << percent(result.at("completion_rate")) << " (95 % interval "
             << percent(interval.at(0)) << " to " << percent(interval.at(1)) << ")\n";

@@ -67,13 +67,14 @@ std::string sbatch(std::vector<std::string> words) {
   const File output{std::tmpfile(), &std::fclose}, errors{std::tmpfile(), &std::fclose};
   if (!output || !errors) throw std::runtime_error("sbatch: no room for a temporary file");
   pid_t pid = 0;
-  const int failed = io::start(words, {-1, fileno(output.get()), fileno(errors.get())}, pid);
+  const int failed = files::start(words, {-1, fileno(output.get()), fileno(errors.get())}, pid);
   if (failed != 0)
     throw std::runtime_error(std::string{"sbatch: "} + std::strerror(failed) +
                              " (Slurm submits by it; Debian's package is slurm-client)");
-  if (io::wait_for(pid) != 0) throw std::runtime_error("sbatch: " + io::last_line(errors.get()));
+  if (files::wait_for(pid) != 0)
+    throw std::runtime_error("sbatch: " + files::last_line(errors.get()));
   std::rewind(output.get());
-  return io::last_line(output.get());
+  return files::last_line(output.get());
 }
 
 /// Submits the shards, then the merge that waits for them, whether they went well or not: it names what is missing.
@@ -91,8 +92,8 @@ std::string submit(const fs::path& folder, const std::string& array, const std::
 
 std::uint64_t shards_of(const fs::path& out) {
   const fs::path file = folder_of(out) / "slurm.json";
-  const auto json = io::read_json(file);
-  return io::JsonObject(file.string(), json).whole("shards", 1, kMostShards);
+  const auto json = files::read_json(file);
+  return files::JsonObject(file.string(), json).whole("shards", 1, kMostShards);
 }
 
 }  // namespace
@@ -100,17 +101,17 @@ std::uint64_t shards_of(const fs::path& out) {
 std::string submit_to_slurm(const SlurmCampaign& campaign) {
   const fs::path folder = folder_of(campaign.out);
   (void)sbatch({"--version"});  // before anything is written
-  io::check_output_folder("--out", folder);
+  files::check_output_folder("--out", folder);
   if (fs::exists(folder))
     throw std::runtime_error(folder.string() + ": is there from another submission; --resume " +
                              campaign.out.string() + " goes on with it, or choose another --out");
   fs::create_directories(folder);
   const nlohmann::json json{{"shards", campaign.shards}, {"runs", campaign.runs}};
-  io::write_file(folder / "shards.sh", shards_script(campaign, folder));
-  io::write_file(folder / "merge.sh", merge_script(campaign, folder));
-  io::write_file(folder / "slurm.json", json.dump(2) + "\n");
+  files::write_file(folder / "shards.sh", shards_script(campaign, folder));
+  files::write_file(folder / "merge.sh", merge_script(campaign, folder));
+  files::write_file(folder / "slurm.json", json.dump(2) + "\n");
   const std::string n = std::to_string(campaign.shards);
-  return submit(folder, "1-" + n, n + " shards of " + io::amount(campaign.runs, "run"));
+  return submit(folder, "1-" + n, n + " shards of " + files::amount(campaign.runs, "run"));
 }
 
 std::vector<std::uint64_t> unfinished_shards(const fs::path& out) {
@@ -130,8 +131,8 @@ std::vector<std::uint64_t> unfinished_shards(const fs::path& out) {
 std::string resume_on_slurm(const fs::path& out, const std::vector<std::uint64_t>& shards) {
   std::vector<std::string> numbers;
   for (const std::uint64_t shard : shards) numbers.push_back(std::to_string(shard));
-  return submit(folder_of(out), io::joined(numbers, ","),
-                std::to_string(shards.size()) + " of " + io::amount(shards_of(out), "shard"));
+  return submit(folder_of(out), files::joined(numbers, ","),
+                std::to_string(shards.size()) + " of " + files::amount(shards_of(out), "shard"));
 }
 
 std::vector<fs::path> shard_folders(const fs::path& out) {

@@ -22,9 +22,9 @@ std::string check_number(const std::string& text) {
   const auto [rest, error] = std::from_chars(text.data() + text.starts_with('+'), end, value);
   const bool is_whole = std::is_integral_v<Number>;
   if (error == std::errc::result_out_of_range && rest == end)
-    return io::one_line(text) + " is too large";
+    return files::one_line(text) + " is too large";
   if (error != std::errc{} || rest != end || (!is_whole && !std::isfinite(value)))
-    return "'" + io::one_line(text) + "', must be a " + (is_whole ? "whole number" : "number") +
+    return "'" + files::one_line(text) + "', must be a " + (is_whole ? "whole number" : "number") +
            (std::is_unsigned_v<Number> ? ", 0 or more" : "");
   return "";
 }

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 
@@ -50,7 +50,7 @@ CommandInfo command_of(const ordered_json& json) {
 std::vector<std::string> shipped(const char* folder) {
   std::vector<std::string> names;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(io::shipped_dir() / folder, error))
+  for (const auto& entry : fs::directory_iterator(files::shipped_dir() / folder, error))
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
@@ -104,13 +104,13 @@ std::vector<CommandInfo> whole_tree(std::vector<CommandInfo> here) {
 Words words_for_shells() {
   Words words{
       shipped("tracks"), shipped("configs"), shipped("cameras"), shipped("vehicles"), {}, {}};
-  // A name that is a camera's and a vehicle's is not taken: io::find_config.
+  // A name that is a camera's and a vehicle's is not taken: files::find_config.
   std::set_symmetric_difference(words.cameras.begin(), words.cameras.end(), words.vehicles.begin(),
                                 words.vehicles.end(), std::back_inserter(words.configs));
-  for (const auto& key : io::config_keys()) words.keys.push_back(key.rule.name);
-  words.keys.push_back(io::randomize_level_rule().name);
-  for (const auto& key : io::randomize_keys()) words.keys.push_back(key.rule.name);
-  for (const auto& key : io::fault_keys()) words.keys.push_back(key.rule.name);
+  for (const auto& key : config::config_keys()) words.keys.push_back(key.rule.name);
+  words.keys.push_back(config::randomize_level_rule().name);
+  for (const auto& key : config::randomize_keys()) words.keys.push_back(key.rule.name);
+  for (const auto& key : config::fault_keys()) words.keys.push_back(key.rule.name);
   const auto listed =
       ordered_json::parse(said_by(kLaboratory, "reproduce --list --json"), nullptr, false);
   if (listed.is_array())

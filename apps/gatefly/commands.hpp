@@ -82,20 +82,20 @@ struct CommonOptions : tasks::ConfigArguments {  // --config and --set
 void add_common(Command& command, CommonOptions& options);
 void add_force(Command& command, CommonOptions& options);
 
-/// Before the work: refuses what io::check_outputs() refuses, for which --config is an input, too.
+/// Before the work: refuses what files::check_outputs() refuses, for which --config is an input, too.
 /// An output without a path is not asked for.
-void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem::path> inputs,
+void check_outputs(std::vector<files::Output> outputs, std::vector<std::filesystem::path> inputs,
                    const CommonOptions& options);
 
 /// Prints a configuration's warnings on stderr.
 void say_notes(const std::vector<std::string>& notes);
 
-/// io::find_data(), saying so when what was called ../shared/data/X lies elsewhere.
+/// files::find_data(), saying so when what was called ../shared/data/X lies elsewhere.
 [[nodiscard]] std::filesystem::path data_at(const std::filesystem::path& path,
                                             const std::string& data);
 
 /// configs/default.toml, then --config, then --set. @throws std::runtime_error one line.
-[[nodiscard]] io::Config load(const CommonOptions& options);
+[[nodiscard]] config::Config load(const CommonOptions& options);
 
 /// Ctrl-C, SIGTERM and SIGHUP end the program at once, in one line and with the right exit code: from
 /// its first moment on, until it has something to lose.

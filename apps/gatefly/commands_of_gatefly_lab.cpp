@@ -26,6 +26,6 @@ std::span<const CommandHere> commands_here() {
   return kHere;
 }
 
-tasks::RenderAgain render_again() { return tasks::rendered_again; }
+tasks::RenderAgain render_again() { return simulated_race::rendered_again; }
 
 }  // namespace gatefly::cli

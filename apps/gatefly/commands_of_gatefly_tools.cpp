@@ -24,7 +24,7 @@ std::span<const CommandHere> commands_here() {
   return kHere;
 }
 
-tasks::RenderAgain render_again() { return tasks::rendered_again; }
+tasks::RenderAgain render_again() { return simulated_race::rendered_again; }
 
 std::unique_ptr<FlightSmoother> flight_smoother() { return nullptr; }
 

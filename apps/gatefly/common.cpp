@@ -64,9 +64,9 @@ std::size_t letters(const std::string& text) {
 
 /// "40 s", "12 min", "3.5 h".
 std::string duration_text(double seconds) {
-  if (seconds < 90.0) return io::fixed(std::ceil(seconds), 0) + " s";
-  if (seconds < 90.0 * 60.0) return io::fixed(seconds / 60.0, 0) + " min";
-  return io::fixed(seconds / 3600.0, 1) + " h";
+  if (seconds < 90.0) return files::fixed(std::ceil(seconds), 0) + " s";
+  if (seconds < 90.0 * 60.0) return files::fixed(seconds / 60.0, 0) + " min";
+  return files::fixed(seconds / 3600.0, 1) + " h";
 }
 
 double wall_seconds() {
@@ -99,33 +99,33 @@ void add_common(Command& command, CommonOptions& options) {
 
 void say_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes)
-    std::cerr << "gatefly: " << io::one_line(note, note.size()) << '\n';
+    std::cerr << "gatefly: " << files::one_line(note, note.size()) << '\n';
 }
 
 void add_force(Command& command, CommonOptions& options) {
   command.flag("--force", options.force, "replace files that are not earlier ones of this command");
 }
 
-void check_outputs(std::vector<io::Output> outputs, std::vector<std::filesystem::path> inputs,
+void check_outputs(std::vector<files::Output> outputs, std::vector<std::filesystem::path> inputs,
                    const CommonOptions& options) {
-  std::erase_if(outputs, [](const io::Output& output) { return output.path.empty(); });
+  std::erase_if(outputs, [](const files::Output& output) { return output.path.empty(); });
   std::erase_if(inputs, [](const auto& input) { return input.empty(); });
-  const auto configs = io::config_files(options.configs);
+  const auto configs = config::config_files(options.configs);
   inputs.insert(inputs.end(), configs.begin(), configs.end());
-  io::check_outputs(outputs, inputs, options.force);
+  files::check_outputs(outputs, inputs, options.force);
 }
 
 std::filesystem::path data_at(const std::filesystem::path& path, const std::string& data) {
-  const std::filesystem::path found = io::find_data(path, data);
+  const std::filesystem::path found = files::find_data(path, data);
   static std::set<std::filesystem::path> said;
-  if (found != path && io::below_shared_data(path) != path && said.insert(path).second)
+  if (found != path && files::below_shared_data(path) != path && said.insert(path).second)
     std::cerr << "gatefly: " << path.string() << ": is not there, taken from " << found.string()
               << '\n';
   return found;
 }
 
-io::Config load(const CommonOptions& options) {
-  io::Config config = tasks::load(options);
+config::Config load(const CommonOptions& options) {
+  config::Config config = tasks::load(options);
   say_notes(config.notes);
   return config;
 }
@@ -138,7 +138,7 @@ std::ostream& operator<<(std::ostream& stream, const Coloured& said) {
   static const bool wanted =
       isatty(STDOUT_FILENO) == 1 && set("NO_COLOR").empty() && set("TERM") != "dumb";
   const auto in_between = [&](const char* sequence) {
-    const io::AsItIs ours;
+    const files::AsItIs ours;
     if (wanted) stream << sequence;
   };
   in_between(said.good ? "\033[32m" : "\033[31m");
@@ -172,7 +172,7 @@ void Progress::update(double part, const std::string& text) {
   constexpr std::size_t kWidth = 24, kNarrow = 6, kLeast = 10;
   const std::size_t columns = std::max(terminal_columns(), kLeast + 1) - 1;
   std::string words = text + between + left;
-  if (letters(words) > columns) words = io::fixed(100.0 * part, 0) + " %" + between + left;
+  if (letters(words) > columns) words = files::fixed(100.0 * part, 0) + " %" + between + left;
   const std::size_t taken = letters(words) + 2;
   const std::size_t width = columns < taken + kNarrow ? 0 : std::min(kWidth, columns - taken);
   const auto full = static_cast<std::size_t>(part * static_cast<double>(width));
@@ -180,12 +180,13 @@ void Progress::update(double part, const std::string& text) {
   for (std::size_t i = 0; i < width; ++i) bar += i < full ? "█" : "░";
   clear();
   std::cerr << bar << (width > 0 ? "  " : "")
-            << io::one_line(words, letters(words) > columns ? columns : words.size()) << std::flush;
+            << files::one_line(words, letters(words) > columns ? columns : words.size())
+            << std::flush;
   shown_ = true;
 }
 
 void Progress::clear() {
-  const io::AsItIs ours;
+  const files::AsItIs ours;
   if (shown_) std::cerr << "\r\033[K" << std::flush;
   shown_ = false;
 }

@@ -74,7 +74,7 @@ const FlagInfo* argument_of(const CommandInfo& command) {
 
 std::string bash_words(const Suggested& what) {
   std::string line;
-  if (!what.words.empty()) line += "words=" + quoted(io::joined(what.words, " ")) + " ";
+  if (!what.words.empty()) line += "words=" + quoted(files::joined(what.words, " ")) + " ";
   if (what.files) line += "others=-f ";
   if (what.folders) line += "others=-d ";
   if (what.no_space) line += "; compopt -o nospace 2>/dev/null ";
@@ -85,18 +85,18 @@ std::string bash_words(const Suggested& what) {
 std::string bash_pattern(const CommandInfo& command, const FlagInfo& flag) {
   std::vector<std::string> patterns;
   for (const std::string& name : flag.names) patterns.push_back(command.name + ":" + name);
-  return io::joined(patterns, "|");
+  return files::joined(patterns, "|");
 }
 
 /// [one of] 'a b' -> "(a b)" as _arguments takes it; files and folders by its own functions.
 std::string zsh_action(const Suggested& what) {
   if (what.no_space) return "compadd -S= -- $keys";
   if (what.files && !what.words.empty())
-    return "{_alternative " + quoted("names:name:(" + io::joined(what.words, " ") + ")") +
+    return "{_alternative " + quoted("names:name:(" + files::joined(what.words, " ") + ")") +
            " 'files:file:_files'}";
   if (what.files) return "_files";
   if (what.folders) return "_files -/";
-  return what.words.empty() ? " " : "(" + io::joined(what.words, " ") + ")";
+  return what.words.empty() ? " " : "(" + files::joined(what.words, " ") + ")";
 }
 
 std::string zsh_specs(const CommandInfo& command, const Words& words) {
@@ -123,7 +123,7 @@ std::string fish_line(const CommandInfo& command, const FlagInfo& flag, const Wo
     line += what.files || what.folders ? " -r" : " -x";
   if (flag.names.empty() && !what.files && !what.folders) line += " -f";
   if (what.files || what.folders) line += " -F";
-  if (!what.words.empty()) line += " -a " + quoted(io::joined(what.words, " "));
+  if (!what.words.empty()) line += " -a " + quoted(files::joined(what.words, " "));
   return line + " -d '" + escaped(flag.help, "'\\") + "'\n";
 }
 
@@ -157,7 +157,7 @@ std::string bash_completion(const std::vector<CommandInfo>& tree, const Words& w
       "  [[ $before == = ]] && before=${COMP_WORDS[COMP_CWORD-2]}\n"
       "  if ((COMP_CWORD == 1)) || [[ ${COMP_WORDS[1]} == help ]]; then\n"
       "    words=" +
-      quoted(io::joined(names_of(tree), " ")) +
+      quoted(files::joined(names_of(tree), " ")) +
       "\n"
       "  else case ${COMP_WORDS[1]}:$before in\n";
   text += "    *:--set) " + bash_words(keys_of(words));
@@ -172,7 +172,7 @@ std::string bash_completion(const std::vector<CommandInfo>& tree, const Words& w
     for (const FlagInfo& flag : command.flags)
       flags.insert(flags.end(), flag.names.begin(), flag.names.end());
     const FlagInfo* const argument = argument_of(command);
-    text += "      " + command.name + ":-*) words=" + quoted(io::joined(flags, " ")) + " ;;\n";
+    text += "      " + command.name + ":-*) words=" + quoted(files::joined(flags, " ")) + " ;;\n";
     if (argument != nullptr)
       text += "      " + command.name + ":*) " + bash_words(suggested(command, *argument, words));
   }
@@ -190,7 +190,7 @@ std::string zsh_completion(const std::vector<CommandInfo>& tree, const Words& wo
       "#compdef gatefly\n# zsh completion for gatefly; made by: gatefly completion zsh\n"
       "_gatefly() {\n"
       "  local -a keys=(" +
-      io::joined(words.keys, " ") +
+      files::joined(words.keys, " ") +
       ")\n"
       "  if ((CURRENT == 2)); then\n"
       "    local -a commands=(\n";
@@ -215,7 +215,7 @@ std::string fish_completion(const std::vector<CommandInfo>& tree, const Words& w
     text += "complete -c gatefly -f -n __fish_use_subcommand -a " + command.name + " -d '" +
             escaped(command.help, "'\\") + "'\n";
   text += "complete -c gatefly -n 'not __fish_use_subcommand' -l set -x -a " +
-          quoted(io::joined(words.keys, "= ") + "=") + "\n";
+          quoted(files::joined(words.keys, "= ") + "=") + "\n";
   for (const CommandInfo& command : tree)
     for (const FlagInfo& flag : command.flags)
       if (!is_set(flag)) text += fish_line(command, flag, words);

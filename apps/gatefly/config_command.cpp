@@ -20,19 +20,19 @@ struct ConfigOptions {
   bool show = false, json = false, schema = false;
 };
 
-nlohmann::ordered_json as_json(const io::ShownKey& key) {
+nlohmann::ordered_json as_json(const config::ShownKey& key) {
   return {{"key", key.name},  {"value", key.value},     {"unit", key.unit},
           {"what", key.what}, {"allowed", key.allowed}, {"source", key.source}};
 }
 
 /// gatefly config KEY: one key, all that is known of it.
-int one_key(const io::ShownKey& key, const ConfigOptions& options) {
+int one_key(const config::ShownKey& key, const ConfigOptions& options) {
   if (options.json) {
     std::cout << as_json(key).dump(2) << '\n';
     return kDone;
   }
   const bool by_track = key.value.is_null();
-  std::cout << key.name << " = " << (by_track ? "the track's" : io::written(key.value)) << '\n';
+  std::cout << key.name << " = " << (by_track ? "the track's" : config::written(key.value)) << '\n';
   if (options.common.quiet) return kDone;
   const auto line = [](const char* name, const std::string& text) {
     if (!text.empty()) std::cout << "  " << std::left << std::setw(9) << name << text << '\n';
@@ -45,34 +45,35 @@ int one_key(const io::ShownKey& key, const ConfigOptions& options) {
 }
 
 /// gatefly config --filter: the keys that are about something, as a configuration file.
-int filtered(const io::Config& config, const ConfigOptions& options) {
-  std::vector<io::ShownKey> keys = io::shown_keys(config);
-  std::erase_if(keys, [&](const io::ShownKey& key) { return !io::is_about(key, options.filter); });
+int filtered(const config::Config& config, const ConfigOptions& options) {
+  std::vector<config::ShownKey> keys = config::shown_keys(config);
+  std::erase_if(
+      keys, [&](const config::ShownKey& key) { return !config::is_about(key, options.filter); });
   if (options.json) {
     auto list = nlohmann::ordered_json::array();
-    for (const io::ShownKey& key : keys) list.push_back(as_json(key));
+    for (const config::ShownKey& key : keys) list.push_back(as_json(key));
     std::cout << list.dump(2) << '\n';
   } else {
-    std::cout << io::as_file(keys);
+    std::cout << config::as_file(keys);
   }
   if (keys.empty())
-    std::cerr << "gatefly config: no key is about '" << io::one_line(options.filter) << "'\n";
+    std::cerr << "gatefly config: no key is about '" << files::one_line(options.filter) << "'\n";
   return keys.empty() ? kAnswerIsNo : kDone;
 }
 
 /// gatefly config: every key, its value, unit, and who set it.
 int config(const ConfigOptions& options) {
   if (options.schema) {
-    std::cout << io::json_text(io::config_schema());
+    std::cout << files::json_text(config::config_schema());
     return kDone;
   }
-  const io::Config config = load(options.common);
-  if (!options.key.empty()) return one_key(io::shown_key(config, options.key), options);
+  const config::Config config = load(options.common);
+  if (!options.key.empty()) return one_key(config::shown_key(config, options.key), options);
   if (!options.filter.empty()) return filtered(config, options);
   if (options.json) {
-    std::cout << io::json_text(io::as_json(config));
+    std::cout << files::json_text(config::as_json(config));
   } else {
-    std::cout << io::show(config);
+    std::cout << config::show(config);
   }
   return kDone;
 }

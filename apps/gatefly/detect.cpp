@@ -45,11 +45,11 @@ struct DetectOptions {
   std::string csv, annotate, debug, data;
 };
 
-constexpr io::OutputKind kSearchJson{"record of a search", "\"in_words\""};
+constexpr files::OutputKind kSearchJson{"record of a search", "\"in_words\""};
 
 /// Totals over all pictures.
 struct Findings {
-  std::vector<io::DetectionRow> rows;
+  std::vector<files::DetectionRow> rows;
   /// with_part: with no more than a part of a gate.
   int pictures = 0, with_gate = 0, with_part = 0, unusable = 0, grey = 0;
   std::string first_grey;                         ///< Its name.
@@ -65,20 +65,20 @@ std::string name_of_record(const std::string& picture) { return picture + ".json
 
 /// Trace of both searches in a picture.
 void debug(const Image& image, const std::string& name, const std::vector<GateDetection>& gates,
-           const io::Config& config, const Drawings& drawings) {
+           const config::Config& config, const Drawings& drawings) {
   const tasks::SearchReport report = tasks::explained(image, config.pilot, gates);
-  io::SearchSheet sheet{.title = name,
-                        .in_words = report.in_words,
-                        .found = report.answered,
-                        .fast = {report.fast.begin(), report.fast.end()},
-                        .map = report.map,
-                        .bars = report.bars,
-                        .trace = report.trace,
-                        .listed = {}};
+  drawing::SearchSheet sheet{.title = name,
+                             .in_words = report.in_words,
+                             .found = report.answered,
+                             .fast = {report.fast.begin(), report.fast.end()},
+                             .map = report.map,
+                             .bars = report.bars,
+                             .trace = report.trace,
+                             .listed = {}};
   for (const tasks::ConsideredFrame& frame : report.considered)
     sheet.listed.push_back({frame.bars_px, frame.score, frame.taken, frame.fate});
-  drawings.write(name_of_drawing(name), io::kOurPng, io::drawn(sheet, image).png());
-  drawings.write(name_of_record(name), kSearchJson, io::json_text(tasks::as_json(report)));
+  drawings.write(name_of_drawing(name), files::kOurPng, drawing::drawn(sheet, image).png());
+  drawings.write(name_of_record(name), kSearchJson, files::json_text(tasks::as_json(report)));
 }
 
 /// Whether a picture has no colour anywhere, by every 5th pixel of every 5th line.
@@ -93,7 +93,7 @@ bool is_grey(const Image& image) {
 
 /// One picture: detected, added to the findings, drawn.
 void look_at(const Image& image, const std::string& name, const DetectOptions& options,
-             const io::Config& config, GateDetector& detector, Findings& findings) {
+             const config::Config& config, GateDetector& detector, Findings& findings) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<GateDetection> gates =
       tasks::gates_in_picture(image, detector, config.pilot, options.all);
@@ -104,16 +104,16 @@ void look_at(const Image& image, const std::string& name, const DetectOptions& o
   if (!gates.empty())
     ++(gates[0].method == DetectionMethod::kBars ? findings.with_part : findings.with_gate);
   for (std::size_t i = 0; i < gates.size(); ++i)
-    findings.rows.push_back(io::row_of(name, static_cast<int>(i), gates[i]));
+    findings.rows.push_back(files::row_of(name, static_cast<int>(i), gates[i]));
   if (findings.annotated)
-    findings.annotated->write(name_of_drawing(name), io::kOurPng,
-                              io::annotated(image, gates).png());
+    findings.annotated->write(name_of_drawing(name), files::kOurPng,
+                              drawing::annotated(image, gates).png());
   if (findings.debugged) debug(image, name, gates, config, *findings.debugged);
 }
 
 /// Counts a picture that the camera of a --config does not make: its lens is then not that one's.
-void compare_size(const io::ImageFile& file, const std::string& name, const io::Config& config,
-                  Findings& findings) {
+void compare_size(const files::ImageFile& file, const std::string& name,
+                  const config::Config& config, Findings& findings) {
   const auto told = config.set_by.find("camera.size_px");
   const int width = config.camera.stored_width(), height = config.camera.stored_height();
   if (told == config.set_by.end() || (file.stored_width == width && file.stored_height == height))
@@ -125,20 +125,20 @@ void compare_size(const io::ImageFile& file, const std::string& name, const io::
                               std::to_string(height) + ": its lens does not fit";
 }
 
-using Look = std::function<void(const io::ImageFile&, const std::string& name)>;
+using Look = std::function<void(const files::ImageFile&, const std::string& name)>;
 
 /// Every picture of a file: itself, or a video's frames "f7.avi#12".
-void each_picture(const fs::path& path, const io::Config& config, bool as_stored,
+void each_picture(const fs::path& path, const config::Config& config, bool as_stored,
                   const Look& look) {
   const std::string name = path.filename().string();
   if (name.find_first_of(",\"\r\n") != std::string::npos)
     throw std::runtime_error(
         path.string() + ": its name must be without comma, quote and line break to stand in a CSV");
-  if (io::is_picture(path))
-    return look(io::read_image(path, config.camera.stored_width(), config.camera.stored_height()),
-                name);
-  io::VideoReader video(path,
-                        as_stored ? io::VideoReader::As::kStored : io::VideoReader::As::kUpright);
+  if (files::is_picture(path))
+    return look(
+        files::read_image(path, config.camera.stored_width(), config.camera.stored_height()), name);
+  files::VideoReader video(
+      path, as_stored ? files::VideoReader::As::kStored : files::VideoReader::As::kUpright);
   for (int frame = 0; !interrupted(); ++frame) {
     const auto picture = video.next();
     if (!picture) return;
@@ -155,8 +155,8 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
   bool warned = false;
   for (const std::string& path : options.paths) try {
       const fs::path found = data_at(path, options.data);
-      const std::vector<fs::path> pictures = io::picture_files(found);
-      if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
+      const std::vector<fs::path> pictures = files::picture_files(found);
+      if (const std::string others = files::left_out_of(found); !others.empty()) complain(others);
       for (const fs::path& file : pictures) {
         files.push_back(file);
         const auto [other, is_new] =
@@ -167,7 +167,7 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
                    "' have the same name, and so have their rows");
       }
     } catch (const std::exception& error) {
-      complain(io::reason_of(error));
+      complain(files::reason_of(error));
       ++findings.unusable;
     }
   return files;
@@ -176,23 +176,23 @@ std::vector<fs::path> all_files(const DetectOptions& options, Findings& findings
 /// Before the work: whether what is drawn of all these files may be.
 void open_drawings(const DetectOptions& options, const std::vector<fs::path>& files,
                    Findings& findings) {
-  const std::vector<io::Output> table{{"--csv", options.csv, {}}};
+  const std::vector<files::Output> table{{"--csv", options.csv, {}}};
   if (!options.annotate.empty()) {
     findings.annotated =
         std::make_unique<Drawings>("--annotate", options.annotate, table, options.common.force);
     for (const fs::path& file : files)
-      findings.annotated->check(name_of_drawing(file.filename().string()), io::kOurPng);
+      findings.annotated->check(name_of_drawing(file.filename().string()), files::kOurPng);
   }
   if (options.debug.empty()) return;
   findings.debugged =
       std::make_unique<Drawings>("--debug", options.debug, table, options.common.force);
   for (const fs::path& file : files) {
-    findings.debugged->check(name_of_drawing(file.filename().string()), io::kOurPng);
+    findings.debugged->check(name_of_drawing(file.filename().string()), files::kOurPng);
     findings.debugged->check(name_of_record(file.filename().string()), kSearchJson);
   }
 }
 
-Findings look_everywhere(const DetectOptions& options, const io::Config& config) {
+Findings look_everywhere(const DetectOptions& options, const config::Config& config) {
   Findings findings;
   GateDetector detector{config.pilot.detector, config.pilot.detector_mode};
   const std::vector<fs::path> files = all_files(options, findings);
@@ -204,19 +204,19 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
     if (interrupted()) break;
     try {
       each_picture(path, config, upright.told(),
-                   [&](const io::ImageFile& file, const std::string& name) {
+                   [&](const files::ImageFile& file, const std::string& name) {
                      compare_size(file, name, config, findings);
                      look_at(upright.view(file, path), name, options, config, detector, findings);
                      if (progress.due(findings.pictures))
                        progress.update(done / static_cast<double>(files.size()),
-                                       io::amount(findings.pictures, "picture") + ", " +
+                                       files::amount(findings.pictures, "picture") + ", " +
                                            std::to_string(findings.with_gate) + " with a gate");
                    });
-    } catch (const io::CannotWrite&) {  // not the picture's fault: the next would end so, too
+    } catch (const files::CannotWrite&) {  // not the picture's fault: the next would end so, too
       throw;
     } catch (const std::exception& error) {
       progress.clear();
-      complain(io::reason_of(error));
+      complain(files::reason_of(error));
       ++findings.unusable;
     }
     ++done;
@@ -228,18 +228,18 @@ Findings look_everywhere(const DetectOptions& options, const io::Config& config)
   if (findings.other_size > 0 && !options.common.quiet)
     complain(findings.first_other_size +
              (findings.other_size > 1 ? " (" + std::to_string(findings.other_size) + " of " +
-                                            io::amount(findings.pictures, "picture") + ")"
+                                            files::amount(findings.pictures, "picture") + ")"
                                       : ""));
   if (findings.grey > 0 && !options.common.quiet)
-    complain(std::to_string(findings.grey) + " of " + io::amount(findings.pictures, "picture") +
+    complain(std::to_string(findings.grey) + " of " + files::amount(findings.pictures, "picture") +
              (findings.grey == 1 ? " has" : " have") + " no colour, by which gates are found: " +
              findings.first_grey + (findings.grey > 1 ? ", ..." : ""));
   return findings;
 }
 
-nlohmann::ordered_json as_json(const Findings& findings, const io::Config& config) {
+nlohmann::ordered_json as_json(const Findings& findings, const config::Config& config) {
   nlohmann::ordered_json detections = nlohmann::ordered_json::array();
-  for (const io::DetectionRow& row : findings.rows) {
+  for (const files::DetectionRow& row : findings.rows) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();
     for (const auto& corner : row.corners_px) corners.push_back({corner.x(), corner.y()});
     detections.push_back({{"image", row.image},
@@ -259,7 +259,7 @@ nlohmann::ordered_json as_json(const Findings& findings, const io::Config& confi
 
 void print_summary(const Findings& findings, const std::string& csv) {
   std::cout << std::fixed << std::setprecision(2) << findings.with_gate << " of "
-            << io::amount(findings.pictures, "picture")
+            << files::amount(findings.pictures, "picture")
             << (findings.with_gate == 1 ? " shows a gate, " : " show a gate, ")
             << findings.with_part << " more a part of one, "
             << 1e3 * findings.seconds / std::max(findings.pictures, 1)
@@ -270,7 +270,7 @@ void print_summary(const Findings& findings, const std::string& csv) {
 /// Ctrl-C.
 int detect(const DetectOptions& options) {
   const std::string csv = options.csv.empty() && !options.json ? "-" : options.csv;
-  const bool rows_on_stdout = io::is_stdout(csv);
+  const bool rows_on_stdout = files::is_stdout(csv);
   if (options.json && rows_on_stdout)
     throw std::runtime_error("--json and --csv " + csv + ": both want stdout; name a file");
   if (!options.debug.empty() && fs::path{options.debug} == fs::path{options.annotate})
@@ -283,7 +283,7 @@ int detect(const DetectOptions& options) {
   CommonOptions common = options.common;
   if (options.rotate_deg)
     common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
-  const io::Config config = load(common);
+  const config::Config config = load(common);
 
   catch_interrupt();
   const Findings findings = look_everywhere(options, config);
@@ -294,14 +294,14 @@ int detect(const DetectOptions& options) {
   if (findings.pictures == 0) return kUnusable;
   if (findings.unusable > 0)
     complain(std::to_string(findings.unusable) + " could not be used, " +
-             io::amount(findings.pictures, "picture") +
+             files::amount(findings.pictures, "picture") +
              (findings.pictures == 1 ? " was done" : " were done"));
 
-  if (!csv.empty()) io::write_file(csv, io::detections_csv(findings.rows));
+  if (!csv.empty()) files::write_file(csv, files::detections_csv(findings.rows));
   if (findings.annotated) findings.annotated->pour();
   if (findings.debugged) findings.debugged->pour();
   if (options.json)
-    std::cout << io::json_text(as_json(findings, config));
+    std::cout << files::json_text(as_json(findings, config));
   else if (!rows_on_stdout && !options.common.quiet)
     print_summary(findings, csv);
   if (findings.unusable > 0) return kUnusable;

@@ -47,7 +47,7 @@ Check check(const char* name, bool needed, const std::string& advice,
   try {
     return {name, needed, true, look(), advice};
   } catch (const std::exception& error) {
-    return {name, needed, false, io::reason_of(error), advice};
+    return {name, needed, false, files::reason_of(error), advice};
   }
 }
 
@@ -73,7 +73,7 @@ std::string processor() {
 }
 
 std::string shipped_files() {
-  const fs::path folder = io::shipped_dir();
+  const fs::path folder = files::shipped_dir();
   if (folder.empty()) throw std::runtime_error("no share/gatefly above the program");
   return folder.string();
 }
@@ -84,14 +84,14 @@ std::string configuration(const CommonOptions& options) {
 }
 
 std::string track() {
-  const fs::path path = io::find_track("showroom");
-  (void)io::read_track(path);
+  const fs::path path = config::find_track("showroom");
+  (void)config::read_track(path);
   return path.string();
 }
 
 /// A folder that can be written to, be it there already or not.
 std::string writable(const fs::path& folder) {
-  io::check_output_folder("folder", folder);
+  files::check_output_folder("folder", folder);
   return folder.string();
 }
 
@@ -104,26 +104,26 @@ std::string laboratory() {
 
 std::string python_module() {
   pid_t pid = -1;
-  const int error = io::start({"python3", "-c", "import gatefly"}, {}, pid);
+  const int error = files::start({"python3", "-c", "import gatefly"}, {}, pid);
   if (error != 0) throw std::runtime_error("python3: " + std::system_category().message(error));
-  if (io::wait_for(pid) != 0) throw std::runtime_error("python3 cannot import gatefly");
+  if (files::wait_for(pid) != 0) throw std::runtime_error("python3 cannot import gatefly");
   return "python3 imports gatefly";
 }
 
 std::string ffmpeg() {
-  io::require_ffmpeg();
+  files::require_ffmpeg();
   return "runs";
 }
 
 std::string real_data() {
-  const fs::path folder = io::data_folder();
+  const fs::path folder = files::data_folder();
   std::error_code error;
   std::vector<std::string> sets;
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.is_directory(error)) sets.push_back(entry.path().filename().string());
   if (sets.empty()) throw std::runtime_error(folder.string() + ": no data set there");
   std::sort(sets.begin(), sets.end());
-  return folder.string() + ": " + io::joined(sets);
+  return folder.string() + ": " + files::joined(sets);
 }
 
 std::vector<Check> examined(const CommonOptions& options) {
@@ -143,7 +143,7 @@ std::vector<Check> examined(const CommonOptions& options) {
       check("out folder", true, "start gatefly in a folder of yours, or say --out",
             [] { return writable("out"); }),
       check("cache folder", false, "light maps are baked again each time; set $XDG_CACHE_HOME",
-            [] { return writable(io::cache_dir()); }),
+            [] { return writable(files::cache_dir()); }),
       check("laboratory", false,
             "calibrate, tune, identify, reproduce, bench need it: ninja gatefly-lab", laboratory),
       check("ffmpeg", false, "films and videos need it: apt-get install ffmpeg", ffmpeg),
@@ -182,11 +182,11 @@ int doctor(const DoctorOptions& options) {
   if (options.json) {
     const nlohmann::json answer = {
         {"version", GATEFLY_VERSION}, {"can_fly", lacking.empty()}, {"checks", as_json(checks)}};
-    std::cout << io::json_text(answer);
+    std::cout << files::json_text(answer);
   } else {
     std::cout << "gatefly " << GATEFLY_VERSION << ": "
               << (lacking.empty() ? "a race can be flown"
-                                  : "no race can be flown, for want of: " + io::joined(lacking))
+                                  : "no race can be flown, for want of: " + files::joined(lacking))
               << '\n';
     if (!options.common.quiet) print(checks);
   }

@@ -18,22 +18,22 @@ class Drawings {
   /// @param flag   that names it.
   /// @param files  that the command writes elsewhere.
   /// @throws std::runtime_error one line: it cannot be written to.
-  Drawings(const char* flag, std::filesystem::path folder, std::span<const io::Output> files,
+  Drawings(const char* flag, std::filesystem::path folder, std::span<const files::Output> files,
            bool force)
       : folder_{std::move(folder)}, force_{force} {
-    io::check_output_folder(flag, folder_, files);
-    aside_ = std::make_unique<io::PartialFolder>(
-        folder_, io::PartialFolder::Grows::kInside,
+    files::check_output_folder(flag, folder_, files);
+    aside_ = std::make_unique<files::PartialFolder>(
+        folder_, files::PartialFolder::Grows::kInside,
         [](const std::string& name) { return name.ends_with(".png") || name.ends_with(".json"); });
   }
   /// @throws CannotWrite where a file of this name is of another kind.
-  void check(const std::string& name, const io::OutputKind& kind) const {
+  void check(const std::string& name, const files::OutputKind& kind) const {
     const std::filesystem::path path = folder_ / name;
-    if (!force_ && std::filesystem::exists(path) && !io::is_of_kind(path, kind))
-      throw io::CannotWrite(path, "is there and is no " + std::string{kind.name} +
-                                      "; choose another folder (--force replaces it)");
+    if (!force_ && std::filesystem::exists(path) && !files::is_of_kind(path, kind))
+      throw files::CannotWrite(path, "is there and is no " + std::string{kind.name} +
+                                         "; choose another folder (--force replaces it)");
   }
-  void write(const std::string& name, const io::OutputKind& kind,
+  void write(const std::string& name, const files::OutputKind& kind,
              const std::string& content) const {
     check(name, kind);
     aside_->write(name, content);
@@ -44,7 +44,7 @@ class Drawings {
  private:
   std::filesystem::path folder_;
   bool force_;
-  std::unique_ptr<io::PartialFolder> aside_;
+  std::unique_ptr<files::PartialFolder> aside_;
 };
 
 }  // namespace gatefly::cli

@@ -15,8 +15,8 @@ namespace {
 
 constexpr const char* kSpeed = "control.speed_mps";
 
-const io::KeyRule& speed_rule() {
-  const auto& keys = io::config_keys();
+const config::KeyRule& speed_rule() {
+  const auto& keys = config::config_keys();
   return std::find_if(keys.begin(), keys.end(),
                       [](const auto& key) { return key.rule.name == kSpeed; })
       ->rule;
@@ -25,9 +25,9 @@ const io::KeyRule& speed_rule() {
 /// The file that a name in `folder` or a path stands for; it must have the [section] it is given for.
 std::string described_by(const std::string& name, const std::string& folder,
                          const std::string& section) {
-  const std::filesystem::path file = io::find_toml(name, folder);
-  if (!io::TomlFile(file).content().contains(section))
-    throw std::runtime_error("--" + section + " " + io::one_line(name) + ": has no [" + section +
+  const std::filesystem::path file = files::find_toml(name, folder);
+  if (!files::TomlFile(file).content().contains(section))
+    throw std::runtime_error("--" + section + " " + files::one_line(name) + ": has no [" + section +
                              "]; what else a configuration sets is for --config");
   std::error_code error;
   const bool is_file = std::filesystem::exists(name, error) || name.ends_with(".toml");
@@ -61,12 +61,12 @@ void take_drone(const DroneOptions& drone, tasks::ConfigArguments& config) {
   if (!drone.vehicle.empty())
     config.configs.push_back(described_by(drone.vehicle, "vehicles", "vehicle"));
   if (!drone.speed) return;
-  const std::string speed = "--speed " + io::text_of(*drone.speed);
+  const std::string speed = "--speed " + files::text_of(*drone.speed);
   for (const std::string& setting : config.settings)
     if (setting.find(kSpeed) == setting.find_first_not_of(" \t"))
-      throw std::runtime_error(speed + " and --set " + io::one_line(setting) +
+      throw std::runtime_error(speed + " and --set " + files::one_line(setting) +
                                ": give one of them");
-  config.settings.push_back(std::string{kSpeed} + "=" + io::text_of(*drone.speed));
+  config.settings.push_back(std::string{kSpeed} + "=" + files::text_of(*drone.speed));
 }
 
 }  // namespace gatefly::cli

@@ -177,8 +177,8 @@ FaultOutcome outcome_of(const CampaignFolder& folder) {
   FaultOutcome outcome;
   std::vector<double> errors;
   for (const std::uint64_t seed : folder.seeds()) {
-    const io::RunRow row = folder.row(seed).value();
-    const nlohmann::ordered_json summary = io::read_json(folder.file_of(seed).string());
+    const simulated_race::RunRow row = folder.row(seed).value();
+    const nlohmann::ordered_json summary = files::read_json(folder.file_of(seed).string());
     const bool crashed = !summary.at("crash").is_null();
     // On the floor at the end of its landing: the race is over with the first touch.
     const bool landed = !row.finished && !crashed && summary.at("stop_reason") == "abort";
@@ -216,14 +216,14 @@ std::string unmet(const PassRule& rule, const FaultOutcome& outcome, double erro
       (rule.others_land && rest > outcome.landed))
     why.push_back(outcome.first_lost);
   if (outcome.seconds > rule.most_seconds)
-    why.push_back("ends " + io::fixed(outcome.seconds, 1) + " s after it");
+    why.push_back("ends " + files::fixed(outcome.seconds, 1) + " s after it");
   if (outcome.height_error >= rule.most_height_error)
-    why.push_back(io::fixed(outcome.height_error, 2) + " m of height");
+    why.push_back(files::fixed(outcome.height_error, 2) + " m of height");
   if (outcome.side_error >= rule.most_side_error)
-    why.push_back(io::fixed(outcome.side_error, 2) + " m to the side");
+    why.push_back(files::fixed(outcome.side_error, 2) + " m to the side");
   if (outcome.error >= rule.most_error_ratio * error_without)
-    why.push_back("error of " + io::fixed(outcome.error, 2) + " m, F0's is " +
-                  io::fixed(error_without, 2) + " m");
+    why.push_back("error of " + files::fixed(outcome.error, 2) + " m, F0's is " +
+                  files::fixed(error_without, 2) + " m");
   std::string text;
   for (const std::string& each : why) text += (text.empty() ? "" : "; ") + each;
   return text;
@@ -252,8 +252,8 @@ class FaultTables {
             number(outcome.crashed) + ",\"" + row.rule.text + "\",\"" + met + "\"\n";
   }
   void write(const fs::path& out) const {
-    io::write_files(
-        std::vector<io::FileContent>{{out / "faults.csv", csv_}, {out / "faults.md", markdown_}});
+    files::write_files(std::vector<files::FileContent>{{out / "faults.csv", csv_},
+                                                       {out / "faults.md", markdown_}});
   }
   [[nodiscard]] const std::string& markdown() const { return markdown_; }
 
@@ -272,7 +272,7 @@ std::vector<FaultRow> chosen_rows(const std::vector<std::string>& only) {
   };
   for (const std::string& name : only)
     if (std::none_of(rows.begin(), rows.end(), is(name)))
-      throw std::runtime_error("--only " + io::one_line(name) + ": must be of F0 to F20");
+      throw std::runtime_error("--only " + files::one_line(name) + ": must be of F0 to F20");
   if (!only.empty())
     std::erase_if(rows, [&](const FaultRow& row) {
       return row.fault != "F0" && std::find(only.begin(), only.end(), row.fault) == only.end();
@@ -286,9 +286,9 @@ int fault_suite(const FaultSuiteOptions& options) {
   const fs::path out = options.out;
   const std::vector<FaultRow> rows = chosen_rows(options.only);
   expect_seeds({.first = options.first_seed, .runs = static_cast<std::uint64_t>(options.runs)});
-  io::check_output_folder("--out", out);
-  io::refuse_foreign_folder(out, "faults.csv", {"fault table", "fault,injected,settings"},
-                            "choose another --out");
+  files::check_output_folder("--out", out);
+  files::refuse_foreign_folder(out, "faults.csv", {"fault table", "fault,injected,settings"},
+                               "choose another --out");
   FaultTables tables;
   double error_without = 0.0;
   std::string last;
@@ -308,7 +308,7 @@ int fault_suite(const FaultSuiteOptions& options) {
       settings += (settings.empty() ? "" : " ") + setting;
     }
     const int runs = row.rendered ? std::min(options.runs, kMostRendered) : options.runs;
-    const tasks::RaceMaker maker = race_maker(race);
+    const simulated_race::RaceMaker maker = race_maker(race);
     (void)maker.race(options.first_seed);
     if (!fs::exists(out / "faults.csv")) {  // all arguments are right: made, and known as ours
       fs::create_directories(out);

@@ -27,7 +27,7 @@ namespace gatefly::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using io::fixed;
+using files::fixed;
 
 struct FlyOptions {
   RaceOptions race;
@@ -41,7 +41,7 @@ std::string place(const Eigen::Vector3d& p) {
 }
 
 /// "finished", or why not: what, where, when.
-std::string outcome(const closed_loop::RaceResult& result, const Eigen::Vector3d& last_p_EB) {
+std::string outcome(const simulated_race::RaceResult& result, const Eigen::Vector3d& last_p_EB) {
   if (result.finished) return "finished";
   const std::string where = " at " + place(last_p_EB) + " m";
   if (result.crash_time)
@@ -54,9 +54,9 @@ std::string outcome(const closed_loop::RaceResult& result, const Eigen::Vector3d
 }
 
 /// "finished, 5 of 5 gates in 24.8 s".
-std::string verdict(const closed_loop::RaceResult& r, const Eigen::Vector3d& last_p_EB) {
+std::string verdict(const simulated_race::RaceResult& r, const Eigen::Vector3d& last_p_EB) {
   return outcome(r, last_p_EB) + ", " + std::to_string(r.gates_passed) + " of " +
-         io::amount(r.gates_total, "gate") +
+         files::amount(r.gates_total, "gate") +
          (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
 }
 
@@ -68,10 +68,10 @@ double peak_memory() {
 }
 
 /// "0.23 s of CPU a second of flight; 6.5 s of CPU, 7.1 s by the clock; 34 MB at most".
-std::string cost(const closed_loop::RaceResult& r) {
+std::string cost(const simulated_race::RaceResult& r) {
   constexpr int kDigits = 2;
   const double per_second = r.flight_time > 0 ? r.cpu_seconds / r.flight_time : 0.0;
-  return io::text_of(per_second, kDigits) + " s of CPU a second of flight; in all " +
+  return files::text_of(per_second, kDigits) + " s of CPU a second of flight; in all " +
          fixed(r.cpu_seconds, 1) + " s of CPU, " + fixed(r.wall_seconds, 1) + " s by the clock" +
          (r.bake_seconds > 0
               ? ", and before " + fixed(r.bake_seconds, 1) + " s by the clock for the light map"
@@ -79,12 +79,13 @@ std::string cost(const closed_loop::RaceResult& r) {
          "; " + fixed(peak_memory(), 0) + " MB of memory at most";
 }
 
-void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
+void print_screen(const simulated_race::Race& race, const simulated_race::RaceResult& r,
                   const Eigen::Vector3d& last_p_EB, const fs::path& out, bool quiet) {
   std::cout << race.identity.track << ", seed " << race.identity.seed << ": "
             << coloured(r.finished, verdict(r, last_p_EB)) << '\n';
   if (quiet) return;
-  if (const std::string why = io::loss_line(r); !why.empty()) std::cout << "  " << why << '\n';
+  if (const std::string why = simulated_race::loss_line(r); !why.empty())
+    std::cout << "  " << why << '\n';
 
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(16) << name << text << '\n';
@@ -100,7 +101,7 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
   const Eigen::Vector3d& rmse = r.estimation_rmse;
   line("estimate", "rmse x " + known(one, rmse.x()) + ", y " + known(one, rmse.y()) + ", z " +
                        known(one, rmse.z()) + " m");
-  line("detection", io::amount(r.frames, "picture") + ", " + std::to_string(r.frames_with_gate) +
+  line("detection", files::amount(r.frames, "picture") + ", " + std::to_string(r.frames_with_gate) +
                         " show the next gate whole: in " + std::to_string(r.true_positives) +
                         " found, " + std::to_string(r.false_positives) + " false detections");
   if (const std::string refused = flight_log::in_words(r.sensor_health); !refused.empty())
@@ -112,34 +113,35 @@ void print_screen(const tasks::Race& race, const closed_loop::RaceResult& r,
 
 /// gatefly fly: one closed-loop race. Exit 0 finished, 1 not, 2 unusable input, 130 Ctrl-C.
 int fly(const FlyOptions& options) {
-  const tasks::RaceMaker maker = race_maker(options.race);
-  tasks::Race race = maker.race(options.seed);
+  const simulated_race::RaceMaker maker = race_maker(options.race);
+  simulated_race::Race race = maker.race(options.seed);
   race.config.while_baking = stop_if_interrupted;
   const fs::path out = options.out.empty()
                            ? fs::path{"out"} / (fs::path{options.race.track}.stem().string() + "-" +
                                                 std::to_string(options.seed))
                            : fs::path{options.out};
   const bool quiet = options.race.common.quiet;
-  if (options.video) io::require_ffmpeg();
+  if (options.video) files::require_ffmpeg();
   const bool pictures = options.race.vision != "ideal";
   if (options.frames && !pictures)
     throw std::runtime_error("--frames: a flight with --vision ideal has none");
-  if (options.frames) io::require_ffmpeg_for("--frames");
-  std::string empty_page = io::shipped_page();
+  if (options.frames) files::require_ffmpeg_for("--frames");
+  std::string empty_page = report::shipped_page();
   catch_interrupt();
-  io::FlightRecorder recorder(out,
-                              {.packed_log = pictures,
-                               .frames = options.frames,
-                               .stored_width = race.config.sim.camera.stored_width,
-                               .stored_height = race.config.sim.camera.stored_height,
-                               .frames_per_second = race.config.sim.sensors.camera_hz,
-                               .navigation_imu = race.config.sim.sensors.autopilot_imu_hz > 0});
-  io::FlightPage page(
-      std::move(empty_page), io::page_course(race.config.pilot, race.config.sim, pictures),
-      pictures && io::OnboardFilm::possible() ? recorder.place_for("onboard.webm") : fs::path{});
-  io::FlightMcap mcap(recorder.place_for("flight.mcap"), race.config);
+  flight_log::FlightRecorder recorder(
+      out, {.packed_log = pictures,
+            .frames = options.frames,
+            .stored_width = race.config.sim.camera.stored_width,
+            .stored_height = race.config.sim.camera.stored_height,
+            .frames_per_second = race.config.sim.sensors.camera_hz,
+            .navigation_imu = race.config.sim.sensors.autopilot_imu_hz > 0});
+  report::FlightPage page(
+      std::move(empty_page), report::page_course(race.config.pilot, race.config.sim, pictures),
+      pictures && report::OnboardFilm::possible() ? recorder.place_for("onboard.webm")
+                                                  : fs::path{});
+  simulated_race::FlightMcap mcap(recorder.place_for("flight.mcap"), race.config);
   for (const auto& [name, content] : maker.inputs()) recorder.add_file(name, content);
-  std::optional<io::FlightVideo> video;
+  std::optional<simulated_race::FlightVideo> video;
   if (options.video)
     video.emplace(recorder.place_for("flight.mp4"), race.config,
                   race.identity.track + ", seed " + std::to_string(options.seed), pictures);
@@ -148,7 +150,7 @@ int fly(const FlyOptions& options) {
   const double total = static_cast<double>(race.config.pilot.track.laps) *
                        static_cast<double>(race.config.pilot.track.gates.size());
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
-  const auto on_tick = [&](const Tick& tick) {
+  const auto on_tick = [&](const flight_log::Tick& tick) {
     stop_if_interrupted();
     recorder.record(tick);
     page.record(tick);
@@ -163,9 +165,9 @@ int fly(const FlyOptions& options) {
                                           name_of(tick.pilot.phase()));
     }
   };
-  closed_loop::Flight flight{race.config};
+  simulated_race::Flight flight{race.config};
   while (flight.step()) on_tick(flight.tick());
-  const closed_loop::RaceResult result = flight.result();
+  const simulated_race::RaceResult result = flight.result();
   page.end(flight.tick());
   while (video && flight.fall()) {
     stop_if_interrupted();
@@ -175,9 +177,9 @@ int fly(const FlyOptions& options) {
 
   mcap.finish();
   if (video) video->finish(result, verdict(result, last_p_EB));
-  nlohmann::ordered_json told = io::summary(result, race.identity);
+  nlohmann::ordered_json told = simulated_race::summary(result, race.identity);
   told["timings"]["whole_flight"]["peak_memory_mb"] = peak_memory();
-  const std::string summary = io::json_text(told);
+  const std::string summary = files::json_text(told);
   recorder.add_file("report.html", page.html(told, verdict(result, last_p_EB)));
   const std::string replaced = recorder.finish(summary);
   if (!replaced.empty() && !quiet)

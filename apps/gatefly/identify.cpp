@@ -57,13 +57,13 @@ std::vector<fs::path> flight_folders(const IdentifyOptions& options) {
   for (const std::string& given : options.flights) {
     const fs::path path = data_at(given, options.data);
     if (!fs::is_directory(path)) throw std::runtime_error(given + ": there is no such folder");
-    if (io::log_in(path)) {
+    if (flight_log::log_in(path)) {
       folders.push_back(path);
       continue;
     }
     const std::size_t before = folders.size();
     for (const auto& entry : fs::directory_iterator(path))
-      if (io::log_in(entry.path())) folders.push_back(entry.path());
+      if (flight_log::log_in(entry.path())) folders.push_back(entry.path());
     if (folders.size() == before)
       throw std::runtime_error(given + ": there is no log_si.csv in it, nor in its folders");
     std::sort(folders.begin() + static_cast<std::ptrdiff_t>(before), folders.end());
@@ -110,13 +110,15 @@ struct Commands {
   std::optional<live::DroneFile> drone;
 };
 
-Commands commands_of(const io::FlightFolder& folder) {
+Commands commands_of(const flight_log::FlightFolder& folder) {
   Commands commands;
   const auto& samples = folder.samples;
-  const auto spins = [](const io::FlightSample& sample) { return sample.motors.has_value(); };
+  const auto spins = [](const flight_log::FlightSample& sample) {
+    return sample.motors.has_value();
+  };
   if (std::any_of(samples.begin(), samples.end(), spins)) {
     commands.name = "rotor speed", commands.unit = "rad/s";
-    for (const io::FlightSample& sample : samples) {
+    for (const flight_log::FlightSample& sample : samples) {
       double squares = 0.0;
       if (sample.motors)
         for (const double speed : *sample.motors) squares += 0.25 * speed * speed;
@@ -125,9 +127,9 @@ Commands commands_of(const io::FlightFolder& folder) {
     return commands;
   }
   if (folder.log.extension() == ".gz") return commands;
-  std::string text = io::read_file(folder.log);
+  std::string text = files::read_file(folder.log);
   text.resize(text.rfind('\n') + 1);  // the line within which a recorder was cut is none
-  const io::Csv log{folder.log, std::move(text)};
+  const files::Csv log{folder.log, std::move(text)};
   const fs::path constants = folder.directory / "drone.toml";
   if (!log.has("stick_throttle_us") || !fs::exists(constants)) return commands;
   commands.name = "throttle", commands.unit = "of 1000";
@@ -228,22 +230,22 @@ void print(const Learnt& learnt) {
                        int digits, const std::string& rest) {
     std::cout << "  " << std::left << std::setw(16) << name;
     if (known)
-      std::cout << io::fixed(known->value, digits) << " ± " << io::fixed(known->sigma, digits)
+      std::cout << files::fixed(known->value, digits) << " ± " << files::fixed(known->sigma, digits)
                 << ' ';
     std::cout << rest << '\n';
   };
-  std::cout << learnt.name << ": " << io::amount(learnt.fixes, "picture")
+  std::cout << learnt.name << ": " << files::amount(learnt.fixes, "picture")
             << " corrected the filter (± is one sigma)\n";
   const std::string few = "not known: too few gates seen, or the filter has diverged";
   line("camera tilt", learnt.tilt_deg, 2,
        learnt.tilt_deg ? "° with the picture's middle (camera.tilt_deg; told " +
-                             io::fixed(learnt.told_tilt_deg, 2) + "); of the mount alone ± " +
-                             io::fixed(std::hypot(learnt.tilt_deg->sigma, kMiddleDeg), 2)
+                             files::fixed(learnt.told_tilt_deg, 2) + "); of the mount alone ± " +
+                             files::fixed(std::hypot(learnt.tilt_deg->sigma, kMiddleDeg), 2)
                        : few);
   line("camera latency", learnt.latency_ms, 0,
-       learnt.latency_ms
-           ? "ms to the middle of the exposure (told " + io::fixed(learnt.told_latency_ms, 0) + ")"
-           : few);
+       learnt.latency_ms ? "ms to the middle of the exposure (told " +
+                               files::fixed(learnt.told_latency_ms, 0) + ")"
+                         : few);
   std::optional<identification::Known> hover, exponent;
   if (learnt.thrust) hover = learnt.thrust->hover, exponent = learnt.thrust->exponent;
   line(
@@ -259,7 +261,8 @@ void print(const Learnt& learnt) {
 
 /// A flight of ours or of a recorder: it has no true positions of motion capture beside its own attitude.
 bool is_own(const fs::path& folder, const std::string& track) {
-  return tasks::is_simulated(folder) || fs::exists(folder / io::kRecordingMark) || !track.empty();
+  return tasks::is_simulated(folder) || fs::exists(folder / flight_log::kRecordingMark) ||
+         !track.empty();
 }
 
 int identify_own(const std::vector<fs::path>& folders, const IdentifyOptions& options) {
@@ -276,10 +279,10 @@ int identify_own(const std::vector<fs::path>& folders, const IdentifyOptions& op
         print(learnt);
     } catch (const std::runtime_error& error) {
       ++unusable;
-      std::cerr << "gatefly identify: " << io::reason_of(error) << '\n';
+      std::cerr << "gatefly identify: " << files::reason_of(error) << '\n';
     }
   }
-  if (options.json) std::cout << io::json_text(answer);
+  if (options.json) std::cout << files::json_text(answer);
   return unusable > 0 ? kUnusable : all ? kDone : kAnswerIsNo;
 }
 
@@ -299,10 +302,10 @@ int identify(const IdentifyOptions& options) {
   for (const fs::path& folder : folders) {
     std::optional<DragFit> fit;
     try {
-      fit = identification::fit_drag(io::read_flight_folder(folder));
+      fit = identification::fit_drag(flight_log::read_flight_folder(folder));
     } catch (const std::runtime_error& error) {
       ++unusable;
-      std::cerr << "gatefly identify: " << io::reason_of(error) << '\n';
+      std::cerr << "gatefly identify: " << files::reason_of(error) << '\n';
       continue;
     }
     const std::string name = fs::weakly_canonical(folder).filename().string();
@@ -327,7 +330,7 @@ int identify(const IdentifyOptions& options) {
       flight["misfit_m"] = one.fit.rms, flight["pieces"] = one.fit.pieces;
       answer["flights"].push_back(flight);
     }
-    std::cout << io::json_text(answer);
+    std::cout << files::json_text(answer);
   } else {
     print(all, mean);
   }

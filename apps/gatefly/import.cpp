@@ -27,10 +27,10 @@ namespace gatefly::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using files::fixed;
 using foreign_logs::CopiedPictures;
 using foreign_logs::ForeignFlight;
 using foreign_logs::Plausibility;
-using io::fixed;
 
 constexpr const char* kMappings = "configs/import";
 
@@ -59,24 +59,24 @@ std::string usual_mapping(const fs::path& log) {
     throw std::runtime_error(log.string() +
                              ": is a bag; extract it to a folder with imu.csv and images/");
   throw std::runtime_error(log.string() + ": what wrote it? Say so by --mapping (there are: " +
-                           io::joined(io::toml_names(kMappings)) + ")");
+                           files::joined(files::toml_names(kMappings)) + ")");
 }
 
 /// Track and configuration for the folder; the rate of the IMU is the log's, unless somebody says another.
 std::map<std::string, std::string> inputs_of(const ImportOptions& options, double hz) {
   if (options.track.empty()) return {};
-  const fs::path file = io::find_track(options.track);
+  const fs::path file = config::find_track(options.track);
   CommonOptions given = options.common;
-  const io::Config config = load(given);
-  const io::TrackFile track = io::read_track(file, config.gate);
+  const config::Config config = load(given);
+  const config::TrackFile track = config::read_track(file, config.gate);
   const auto sets_rate = [](const std::string& setting) {
     return setting.find("vehicle.imu_hz") != std::string::npos;
   };
   const bool said = std::any_of(given.settings.begin(), given.settings.end(), sets_rate);
   constexpr double kSame = 0.02;
   if (!said && std::abs(config.pilot.imu_hz / hz - 1.0) > kSame)
-    given.settings.push_back("vehicle.imu_hz=" + io::text_of(hz, 4));
-  const io::Config flown = io::on_course(load(given), track);
+    given.settings.push_back("vehicle.imu_hz=" + files::text_of(hz, 4));
+  const config::Config flown = config::on_course(load(given), track);
   return tasks::flight_inputs(given, flown, file, options.laps.value_or(track.track.laps));
 }
 
@@ -105,12 +105,12 @@ void print(const ImportOptions& options, const ForeignFlight& flight, const Plau
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(14) << name << text << '\n';
   };
-  std::cout << options.log << ": " << io::amount(flight.times.size(), "row") << ", "
+  std::cout << options.log << ": " << files::amount(flight.times.size(), "row") << ", "
             << fixed(flight.seconds(), 1) << " s, IMU at " << fixed(flight.hz(), 0) << " Hz\n";
   std::vector<std::string> beside;
   for (const auto& [column, source] : flight.sources)
     if (!column.starts_with("gyro_") && !column.starts_with("acc_")) beside.push_back(column);
-  if (!beside.empty()) line("also", io::joined(beside));
+  if (!beside.empty()) line("also", files::joined(beside));
   line("pictures",
        std::to_string(pictures.copied) + (flight.pictures_outside > 0
                                               ? ", " + std::to_string(flight.pictures_outside) +
@@ -123,7 +123,7 @@ void print(const ImportOptions& options, const ForeignFlight& flight, const Plau
 
 /// gatefly import: exit 0 done, 2 unusable input, or pictures that could not be read; 130 Ctrl-C.
 int import(const ImportOptions& options) {
-  const fs::path mapping_file = io::find_toml(
+  const fs::path mapping_file = files::find_toml(
       options.mapping.empty() ? usual_mapping(options.log) : options.mapping, kMappings);
   foreign_logs::check_import_folder(options.out);
   const foreign_logs::Mapping mapping = foreign_logs::read_mapping(mapping_file);
@@ -134,7 +134,7 @@ int import(const ImportOptions& options) {
                                       .delay_ms = options.delay_ms});
   const Plausibility found = foreign_logs::plausibility_of(flight);
   if (!found.wrong.empty())
-    throw std::runtime_error(options.log + ": " + io::joined(found.wrong, "; ") + " (" +
+    throw std::runtime_error(options.log + ": " + files::joined(found.wrong, "; ") + " (" +
                              mapping_file.string() + " says units, axes and signs)");
   const auto inputs = inputs_of(options, flight.hz());
   catch_interrupt();
@@ -143,14 +143,14 @@ int import(const ImportOptions& options) {
       flight, options.out, inputs,
       [&](const CopiedPictures& copied) {
         told = summary_of(options, mapping_file, flight, found, copied);
-        return io::json_text(told);
+        return files::json_text(told);
       },
       stop_if_interrupted);
   for (const std::string& note : flight.notes) std::cerr << "gatefly import: " << note << '\n';
   for (const std::string& picture : pictures.unreadable)
     std::cerr << "gatefly import: left out: " << picture << '\n';
   if (options.json)
-    std::cout << io::json_text(told);
+    std::cout << files::json_text(told);
   else if (!options.common.quiet)
     print(options, flight, found, pictures);
   return pictures.unreadable.empty() ? kDone : kUnusable;

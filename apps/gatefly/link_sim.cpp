@@ -20,7 +20,7 @@
 namespace gatefly::cli {
 namespace {
 
-using io::fixed;
+using files::fixed;
 
 struct LinkSimOptions {
   RaceOptions race;
@@ -52,7 +52,7 @@ std::string row_of(const link_sim::TrueMoment& now) {
 std::string outcome_of(const link_sim::Outcome& r) {
   return (r.finished ? std::string{"finished"} : "not finished: " + r.reason) + ", " +
          std::to_string(r.gates_passed) + " of " +
-         io::amount(static_cast<std::size_t>(r.gates_total), "gate") +
+         files::amount(static_cast<std::size_t>(r.gates_total), "gate") +
          (r.finished ? " in " + fixed(r.race_time, 1) + " s" : "");
 }
 
@@ -97,8 +97,8 @@ nlohmann::ordered_json told(const std::string& track, std::uint64_t seed,
 /// gatefly link-sim: exit 0 finished and landed, 1 not, 2 unusable input, 130 Ctrl-C.
 int simulate_link(const LinkSimOptions& options) {
   check_outputs({{"--log", options.log, {"log of link-sim", kLogHeader}}}, {}, options.race.common);
-  const tasks::RaceMaker maker = race_maker(options.race);
-  const tasks::Race race = maker.race(options.seed);
+  const simulated_race::RaceMaker maker = race_maker(options.race);
+  const simulated_race::Race race = maker.race(options.seed);
   catch_interrupt();
   link_sim::LinkSimParams params = options.params;
   if (options.controller == "arducopter") {
@@ -140,9 +140,9 @@ int simulate_link(const LinkSimOptions& options) {
       [] { return interrupted(); }, stop_if_interrupted);
   if (interrupted()) return kInterrupted;
   if (outcome.reason == "no controller") throw no_controller();
-  if (!options.log.empty()) io::write_file(options.log, log);
+  if (!options.log.empty()) files::write_file(options.log, log);
   if (options.json)
-    std::cout << io::json_text(told(race.identity.track, options.seed, outcome));
+    std::cout << files::json_text(told(race.identity.track, options.seed, outcome));
   else
     print_outcome(race.identity.track, options.seed, outcome, options.race.common.quiet);
   return outcome.finished && outcome.landed ? kDone : kAnswerIsNo;

@@ -42,7 +42,7 @@ std::string flag_suggestion(CLI::App& command, std::span<char* const> arguments)
   for (const std::string argument : arguments) {
     const std::string flag = argument.substr(0, argument.find('='));
     if (flag.starts_with("--") && std::find(flags.begin(), flags.end(), flag) == flags.end())
-      return io::suggestion(flag, flags);
+      return files::suggestion(flag, flags);
   }
   return "";
 }
@@ -52,7 +52,7 @@ int parse_failed(CLI::App& app, const CLI::ParseError& error, std::span<char* co
   if (error.get_exit_code() == 0) return app.exit(error);
   const auto chosen = app.get_subcommands();
   CLI::App& command = chosen.empty() ? app : *chosen.front();
-  const std::string what = io::reason_of(error);
+  const std::string what = files::reason_of(error);
   std::cerr << "gatefly" << (chosen.empty() ? "" : " " + command.get_name()) << ": " << what
             << flag_suggestion(command, arguments) << " (--help shows what there is)\n";
   return kUnusable;
@@ -202,8 +202,9 @@ int run_main(std::span<char*> given) {
     const std::string name = arguments[1];
     const auto names = command_names(app);
     if (std::find(names.begin(), names.end(), name) == names.end()) {
-      std::cerr << "gatefly: no command '" << io::one_line(name) << "'"
-                << io::suggestion(name, names) << " (there are: " << io::joined(names) << ")\n";
+      std::cerr << "gatefly: no command '" << files::one_line(name) << "'"
+                << files::suggestion(name, names) << " (there are: " << files::joined(names)
+                << ")\n";
       return kUnusable;
     }
     const CommandHere* here = find_here(name);
@@ -249,7 +250,8 @@ bool put_printable(std::streambuf& behind, std::string_view text) {
     return behind.sputn(piece.data(), size) == size;
   };
   const bool part = text.size() == 1 && static_cast<unsigned char>(text[0]) >= 0x80;  // of a letter
-  return put(part || io::AsItIs::lives() || io::is_printable(text) ? text : io::printable(text));
+  return put(part || files::AsItIs::lives() || files::is_printable(text) ? text
+                                                                         : files::printable(text));
 }
 
 /// Standard error while the program runs.
@@ -332,6 +334,6 @@ int main(int argc, char** argv) try {
 } catch (const gatefly::cli::StandardOutputFailed& failed) {
   return gatefly::cli::standard_output_failed(failed.reason);
 } catch (const std::exception& error) {
-  std::cerr << "gatefly: " << gatefly::io::reason_of(error) << '\n';
+  std::cerr << "gatefly: " << gatefly::files::reason_of(error) << '\n';
   return gatefly::cli::kUnusable;
 }

@@ -124,11 +124,11 @@ void print(const MapOptions& options, const Learning& learning, const Track& lea
               << *now.yaw_sigma / kDegree << std::setprecision(3) << std::setw(9) << now.side
               << " ± " << *now.side_sigma << '\n';
   }
-  if (!io::is_stdout(options.out)) std::cout << "written: " << options.out << '\n';
+  if (!files::is_stdout(options.out)) std::cout << "written: " << options.out << '\n';
 }
 
 int map(const MapOptions& options) {
-  if (options.json && io::is_stdout(options.out))
+  if (options.json && files::is_stdout(options.out))
     throw std::runtime_error("--json and --out -: both want stdout; name a file");
   std::vector<fs::path> inputs{options.replay.track};
   for (const std::string& flight : options.flights)
@@ -143,15 +143,15 @@ int map(const MapOptions& options) {
   for (std::size_t i = 0; i < options.flights.size(); ++i)
     if (fused.worst[i] > kDisagree)
       std::cerr << "gatefly map: " << options.flights[i] << ": a gate is "
-                << io::fixed(fused.worst[i], 1)
+                << files::fixed(fused.worst[i], 1)
                 << " standard deviations from where the other flights have it: was it moved in "
                    "between, or do seeds differ?\n";
   const fs::path out = options.out;
   const std::string text = smoothing::track_file_with(learning.track_file, learnt, options.flights);
-  io::write_file(out, text);
+  files::write_file(out, text);
   if (options.json)
-    std::cout << io::json_text(as_json(options, learning, learnt, fused));
-  else if (!options.common.quiet && !io::is_stdout(options.out))
+    std::cout << files::json_text(as_json(options, learning, learnt, fused));
+  else if (!options.common.quiet && !files::is_stdout(options.out))
     print(options, learning, learnt);
   return kDone;
 }

@@ -28,13 +28,13 @@ constexpr const char* kHowToKeep =
 
 std::string content(const NewOptions& options) {
   const std::string& kind = options.kind;
-  if (options.random) return io::random_course(static_cast<std::uint64_t>(*options.random));
-  if (kind == "track") return io::new_track();
+  if (options.random) return config::random_course(static_cast<std::uint64_t>(*options.random));
+  if (kind == "track") return config::new_track();
   if (kind == "camera")
-    return "# A camera for gatefly: --camera FILE.\n" + (kHowToKeep + io::new_config("camera"));
+    return "# A camera for gatefly: --camera FILE.\n" + (kHowToKeep + config::new_config("camera"));
   if (kind == "vehicle")
-    return "# A vehicle for gatefly: --vehicle FILE.\n" + (kHowToKeep + io::new_vehicle());
-  return "# A configuration for gatefly: --config FILE.\n" + (kHowToKeep + io::new_config());
+    return "# A vehicle for gatefly: --vehicle FILE.\n" + (kHowToKeep + config::new_vehicle());
+  return "# A configuration for gatefly: --config FILE.\n" + (kHowToKeep + config::new_config());
 }
 
 /// gatefly new: a commented file to start from.
@@ -45,11 +45,11 @@ int make_new(const NewOptions& options) {
   const std::string file = options.file.empty() ? options.kind + ".toml" : options.file;
   // An existing file may hold the user's own work: it is never replaced unasked.
   std::error_code error;
-  if (!options.common.force && !io::is_stdout(file) && std::filesystem::exists(file, error))
+  if (!options.common.force && !files::is_stdout(file) && std::filesystem::exists(file, error))
     throw std::runtime_error(file + ": is there already (--force replaces it)");
-  io::check_outputs(std::vector<io::Output>{{"FILE", file, {"new file", "# A"}}}, {}, true);
-  io::write_file(file, content(options));
-  if (io::is_stdout(file) || options.common.quiet) return kDone;
+  files::check_outputs(std::vector<files::Output>{{"FILE", file, {"new file", "# A"}}}, {}, true);
+  files::write_file(file, content(options));
+  if (files::is_stdout(file) || options.common.quiet) return kDone;
   const std::string next =
       options.kind == "track"     ? "gatefly track " + file + " checks it"
       : options.kind == "camera"  ? "gatefly detect --config " + file + " takes it"

@@ -31,11 +31,11 @@ void add_race_options(Command& command, RaceOptions& options) {
   add_common(command, options.common);
 }
 
-tasks::RaceMaker race_maker(const RaceOptions& options) {
-  tasks::RaceMaker maker({.config = options.common,
-                          .track = options.track,
-                          .vision = options.vision,
-                          .laps = options.laps});
+simulated_race::RaceMaker race_maker(const RaceOptions& options) {
+  simulated_race::RaceMaker maker({.config = options.common,
+                                   .track = options.track,
+                                   .vision = options.vision,
+                                   .laps = options.laps});
   say_notes(maker.notes());
   return maker;
 }

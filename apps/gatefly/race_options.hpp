@@ -24,7 +24,7 @@ void add_race_options(Command& command, RaceOptions& options);
 
 /// The races that these options mean; says what the configuration has to say.
 /// @throws std::runtime_error one line, as RaceMaker does.
-[[nodiscard]] tasks::RaceMaker race_maker(const RaceOptions& options);
+[[nodiscard]] simulated_race::RaceMaker race_maker(const RaceOptions& options);
 
 /// "gatefly fly TRACK --seed N ..." that flies one of these races alone.
 [[nodiscard]] std::string fly_command(const RaceOptions& options, const std::string& seed);

@@ -38,15 +38,15 @@ struct RecordOptions {
 
 /// Files that each folder holds beside the recording: the drone's constants, and the course if one is named.
 std::map<std::string, std::string> files_of(const RecordOptions& options,
-                                            const io::Config& config) {
+                                            const config::Config& config) {
   std::map<std::string, std::string> files;
   if (!options.track.empty()) {
-    const fs::path file = io::find_track(options.track);
-    const io::TrackFile track = io::read_track(file, config.gate);
-    files = tasks::flight_inputs(options.common, io::on_course(config, track), file,
+    const fs::path file = config::find_track(options.track);
+    const config::TrackFile track = config::read_track(file, config.gate);
+    files = tasks::flight_inputs(options.common, config::on_course(config, track), file,
                                  options.laps.value_or(track.track.laps));
   }
-  files["drone.toml"] = io::read_file(options.drone);
+  files["drone.toml"] = files::read_file(options.drone);
   return files;
 }
 
@@ -76,7 +76,7 @@ nlohmann::ordered_json summary_of(const RecordOptions& options,
 /// One that records flight after flight.
 class Recording {
  public:
-  Recording(const RecordOptions& options, const io::Config& config)
+  Recording(const RecordOptions& options, const config::Config& config)
       : options_{options},
         link_{live::link_uri(options.link)},
         drone_{live::read_drone(options.drone)},
@@ -95,7 +95,7 @@ class Recording {
       std::optional<live::Introduced> controller = meet(!any);
       if (!controller) continue;
       if (live::free_bytes(parent()) < plan_.keep_free) {
-        say("less than " + io::text_of(options_.keep_free_mib) + " MiB are free in " +
+        say("less than " + files::text_of(options_.keep_free_mib) + " MiB are free in " +
             parent().string() + ", waiting");
         wait(5s);
         continue;
@@ -108,7 +108,7 @@ class Recording {
             [&](const live::SensorRecorder& recorder, RecordingSession::End why,
                 const RecordingSession::Counts& counts) {
               told_ = summary_of(options_, recorder, why, counts);
-              return io::json_text(told_);
+              return files::json_text(told_);
             });
         tell(session, end);
       } catch (const live::DiskFailed& error) {
@@ -162,13 +162,14 @@ class Recording {
     if (!counts.camera_error.empty()) say("--camera: " + counts.camera_error);
     said_.clear();
     if (options_.json) {
-      std::cout << io::json_text(told_) << std::flush;
+      std::cout << files::json_text(told_) << std::flush;
     } else if (!options_.common.quiet) {
       const auto number = [&](const char* key) { return told_.at(key).dump(); };
       std::cout << session.folder().string() << ": "
-                << io::fixed(told_.at("flight_time_s").get<double>(), 1) << " s, " << number("rows")
-                << " rows, " << told_.at("detection").at("frames").dump() << " pictures ("
-                << counts.pictures_lost << " lost); " << live::text_of(end) << std::endl;
+                << files::fixed(told_.at("flight_time_s").get<double>(), 1) << " s, "
+                << number("rows") << " rows, " << told_.at("detection").at("frames").dump()
+                << " pictures (" << counts.pictures_lost << " lost); " << live::text_of(end)
+                << std::endl;
     }
     if (end == RecordingSession::End::kDiskFull) wait(5s);
   }
@@ -185,9 +186,9 @@ class Recording {
 
 /// gatefly record: exit 0 the time is over, 1 nothing could be recorded, or not to the end; 2 unusable input, 130 Ctrl-C, 143 TERM.
 int record(const RecordOptions& options) {
-  const io::Config config = load(options.common);
+  const config::Config config = load(options.common);
   say_notes(config.notes);
-  io::check_output_folder("--out", options.out);
+  files::check_output_folder("--out", options.out);
   Recording recording{options, config};
   catch_interrupt();
   return recording.run();

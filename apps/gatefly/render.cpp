@@ -56,7 +56,7 @@ struct Storing {
 };
 
 Storing storing_of(const CommonOptions& options, const std::string& recording) {
-  const io::Config config = tasks::load(options);
+  const config::Config config = tasks::load(options);
   const bool named = config.set_by.contains("camera.stored_rotation_deg");
   if (!named && recording == "raw") return {0, false};  // a PNG says nothing
   return {config.camera.stored_rotation_deg, !named};
@@ -64,7 +64,7 @@ Storing storing_of(const CommonOptions& options, const std::string& recording) {
 
 int exif_of(int rotation_deg) {
   for (int orientation = 1; orientation <= 8; ++orientation)
-    if (io::exif_rotation_deg(orientation) == rotation_deg) return orientation;
+    if (files::exif_rotation_deg(orientation) == rotation_deg) return orientation;
   return 0;
 }
 
@@ -82,7 +82,7 @@ std::string pgm_of(const std::vector<std::uint8_t>& pixels, int width, int heigh
 std::string corners_text(const sim::GateView& gate) {
   std::string text;
   for (const Eigen::Vector2d& corner : gate.corners_px)
-    text += "," + io::fixed(corner.x(), 2) + "," + io::fixed(corner.y(), 2);
+    text += "," + files::fixed(corner.x(), 2) + "," + files::fixed(corner.y(), 2);
   return text;
 }
 
@@ -91,12 +91,12 @@ struct Rows {
   std::string labels, gates, poses;
 };
 
-Rows rows_of(const tasks::Picture& picture, const std::string& name) {
+Rows rows_of(const simulated_race::Picture& picture, const std::string& name) {
   Rows rows;
   for (const sim::GateView& gate : picture.gates) {
     if (gate.whole) rows.labels += name + ",1" + corners_text(gate) + "\n";
-    rows.gates += name + "," + std::to_string(gate.gate + 1) + "," + io::fixed(gate.distance, 3) +
-                  (gate.whole ? ",1" : ",0");
+    rows.gates += name + "," + std::to_string(gate.gate + 1) + "," +
+                  files::fixed(gate.distance, 3) + (gate.whole ? ",1" : ",0");
     for (const bool seen : gate.seen) rows.gates += seen ? ",1" : ",0";
     rows.gates += corners_text(gate) + "\n";
   }
@@ -104,8 +104,8 @@ Rows rows_of(const tasks::Picture& picture, const std::string& name) {
   const Attitude a = attitude_of({sim::R_EB_of(picture.pose.q_EB.normalized())});
   const Eigen::Vector3d& p = picture.pose.p_EB;
   rows.poses = name + "," + std::to_string(picture.seed) + (picture.around ? ",around" : ",race");
-  for (const double x : {p.x(), p.y(), p.z()}) rows.poses += "," + io::fixed(x, 4);
-  for (const double x : {a.roll, a.pitch, a.yaw}) rows.poses += "," + io::fixed(x / kDegree, 3);
+  for (const double x : {p.x(), p.y(), p.z()}) rows.poses += "," + files::fixed(x, 4);
+  for (const double x : {a.roll, a.pitch, a.yaw}) rows.poses += "," + files::fixed(x / kDegree, 3);
   rows.poses += "\n";
   return rows;
 }
@@ -113,8 +113,8 @@ Rows rows_of(const tasks::Picture& picture, const std::string& name) {
 /// Renders days on several threads into a folder.
 class Studio {
  public:
-  Studio(const tasks::RaceMaker& maker, const tasks::PictureOrder& order,
-         const io::PartialFolder& folder, const RenderOptions& options)
+  Studio(const simulated_race::RaceMaker& maker, const simulated_race::PictureOrder& order,
+         const files::PartialFolder& folder, const RenderOptions& options)
       : maker_{maker},
         order_{order},
         folder_{folder},
@@ -154,11 +154,11 @@ class Studio {
  private:
   void days() {
     try {
-      const std::size_t count = tasks::days_of(order_);
+      const std::size_t count = simulated_race::days_of(order_);
       for (std::size_t day = next_++; day < count && !stop_ && !interrupted(); day = next_++)
-        tasks::render_day(
+        simulated_race::render_day(
             maker_, order_, day,
-            [&](tasks::Picture&& picture) {
+            [&](simulated_race::Picture&& picture) {
               keep(picture);
               return true;
             },
@@ -173,23 +173,24 @@ class Studio {
     ++ended_;
   }
 
-  void keep(const tasks::Picture& picture) {
-    const tasks::Race& race = nominal_;
-    const sim::CameraTruth& camera = race.config.sim.camera;
+  void keep(const simulated_race::Picture& picture) {
+    const simulated_race::Race& race = nominal_;
+    const world::CameraTruth& camera = race.config.sim.camera;
     const int turn = (camera.stored_rotation - storing_.rotation_deg + 360) % 360;
     const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, camera.stored_width,
                        camera.stored_height, turn};
     const std::string number = padded(picture.number);
     const std::string name = "img_" + number + (recording_ == "raw" ? ".png" : ".jpg");
     if (recording_ == "raw") {
-      folder_.write(name, io::png_of(stored));
+      folder_.write(name, files::png_of(stored));
     } else {
       const bool careful =
           recording_ == "jpeg" ||
-          (recording_ == "varied" && tasks::varied_recording(picture.seed) == tasks::Stored::kJpeg);
-      const auto how = careful ? io::Recording::kJpeg : io::Recording::kMjpegLow;
+          (recording_ == "varied" &&
+           simulated_race::varied_recording(picture.seed) == simulated_race::Stored::kJpeg);
+      const auto how = careful ? files::Recording::kJpeg : files::Recording::kMjpegLow;
       const int exif = storing_.said_by_exif ? exif_of(storing_.rotation_deg) : 0;
-      folder_.write(name, io::recorded_jpeg(stored, how, exif));
+      folder_.write(name, files::recorded_jpeg(stored, how, exif));
     }
     if (!picture.mask.empty())
       folder_.write("mask_" + number + ".pgm",
@@ -198,12 +199,12 @@ class Studio {
     ++done_;
   }
 
-  const tasks::RaceMaker& maker_;
-  tasks::PictureOrder order_;
-  const io::PartialFolder& folder_;
+  const simulated_race::RaceMaker& maker_;
+  simulated_race::PictureOrder order_;
+  const files::PartialFolder& folder_;
   std::string recording_;
   Storing storing_;
-  tasks::Race nominal_ = maker_.race(order_.first_seed);
+  simulated_race::Race nominal_ = maker_.race(order_.first_seed);
   std::vector<Rows> rows_;
   std::atomic<std::size_t> next_{0}, done_{0};
   std::atomic<int> ended_{0};  ///< Threads that have nothing left to do.
@@ -219,9 +220,9 @@ int render(const RenderOptions& options) {
       options.out.empty()
           ? fs::path{"out"} / ("pictures-" + fs::path{options.track}.stem().string())
           : fs::path{options.out};
-  io::check_output_folder("--out", out);
-  io::refuse_foreign_folder(out, "render.json", {"pictures", "\"recording\""},
-                            "choose another --out");
+  files::check_output_folder("--out", out);
+  files::refuse_foreign_folder(out, "render.json", {"pictures", "\"recording\""},
+                               "choose another --out");
   const auto last_day = static_cast<std::uint64_t>((options.frames - 1) / options.per_day);
   if (options.seed > std::numeric_limits<std::uint64_t>::max() - last_day)
     throw std::runtime_error("--seed " + std::to_string(options.seed) + ": " +
@@ -229,17 +230,17 @@ int render(const RenderOptions& options) {
   tasks::ConfigArguments config = options.common;
   if (options.varied) config.settings.insert(config.settings.begin(), "randomize.level=hard");
   if (options.fast) config.settings.push_back("sim.camera_quality=fast");
-  const tasks::RaceMaker maker(
+  const simulated_race::RaceMaker maker(
       {.config = config, .track = options.track, .vision = "rendered", .laps = std::nullopt});
   say_notes(maker.notes());
-  const tasks::PictureOrder order{.pictures = static_cast<std::size_t>(options.frames),
-                                  .per_day = static_cast<std::size_t>(options.per_day),
-                                  .first_seed = options.seed,
-                                  .around = 0.01 * options.around,
-                                  .varied = options.varied,
-                                  .masks = options.masks};
+  const simulated_race::PictureOrder order{.pictures = static_cast<std::size_t>(options.frames),
+                                           .per_day = static_cast<std::size_t>(options.per_day),
+                                           .first_seed = options.seed,
+                                           .around = 0.01 * options.around,
+                                           .varied = options.varied,
+                                           .masks = options.masks};
   catch_interrupt();
-  io::PartialFolder folder(out, io::PartialFolder::Grows::kBeside, is_ours);
+  files::PartialFolder folder(out, files::PartialFolder::Grows::kBeside, is_ours);
   Studio studio(maker, order, folder, options);
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   studio.work(options.jobs > 0 ? options.jobs : cores, options.common.quiet);
@@ -247,7 +248,7 @@ int render(const RenderOptions& options) {
   folder.write("labels.csv", rows.labels);
   folder.write("gates.csv", rows.gates);
   folder.write("poses.csv", rows.poses);
-  const tasks::Race race = maker.race(options.seed);
+  const simulated_race::Race race = maker.race(options.seed);
   const nlohmann::ordered_json said{
       {"track", race.identity.track},   {"frames", options.frames},
       {"recording", options.recording}, {"seed", options.seed},
@@ -255,14 +256,15 @@ int render(const RenderOptions& options) {
       {"varied", options.varied},       {"fast", options.fast},
       {"masks", options.masks},         {"version", race.identity.version},
       {"commit", race.identity.commit}, {"config", race.identity.config}};
-  folder.write("render.json", io::json_text(said));
+  folder.write("render.json", files::json_text(said));
   folder.replace([](const std::string&) { return false; });
   if (options.json) {
-    std::cout << io::json_text(said);
+    std::cout << files::json_text(said);
     return kDone;
   }
-  std::cout << io::amount(order.pictures, "picture") << " of " << race.identity.track << ", "
-            << io::amount(tasks::days_of(order), "day") << ": " << (out / "").string() << '\n';
+  std::cout << files::amount(order.pictures, "picture") << " of " << race.identity.track << ", "
+            << files::amount(simulated_race::days_of(order), "day") << ": " << (out / "").string()
+            << '\n';
   return kDone;
 }
 

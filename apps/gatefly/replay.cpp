@@ -37,27 +37,27 @@ struct ReplayOptions {
 
 namespace fs = std::filesystem;
 
-constexpr io::OutputKind kTum{"trajectory", "timestamp tx ty tz qx qy qz qw"};
+constexpr files::OutputKind kTum{"trajectory", "timestamp tx ty tz qx qy qz qw"};
 
 /// The page of a flight that is flown again: report.html and summary.json in a folder of its own.
 class ReplayPage {
  public:
   ReplayPage(const fs::path& out, const tasks::RecordedFlight& flight)
-      : folder_{out, io::PartialFolder::Grows::kInside, is_ours},
+      : folder_{out, files::PartialFolder::Grows::kInside, is_ours},
         flight_{flight},
-        page_{io::shipped_page(), course(flight),
-              io::OnboardFilm::possible() ? folder_.path() / "onboard.webm" : fs::path{}} {}
+        page_{report::shipped_page(), course(flight),
+              report::OnboardFilm::possible() ? folder_.path() / "onboard.webm" : fs::path{}} {}
 
   void record(const flight_log::ReplayedTick& tick, bool other_filter) {
-    const io::FlightSample& truth = flight_.folder.samples[tick.index];
-    const io::PageTick shown{.sensors = tick.sensors,
-                             .command = tick.command,
-                             .pilot = tick.pilot,
-                             .estimate = other_filter ? &tick.estimate : nullptr,
-                             .p_EB = truth.true_p_EB,
-                             .v_E = truth.true_v_E,
-                             .attitude = truth.true_attitude,
-                             .battery_v = truth.battery_v};
+    const flight_log::FlightSample& truth = flight_.folder.samples[tick.index];
+    const report::PageTick shown{.sensors = tick.sensors,
+                                 .command = tick.command,
+                                 .pilot = tick.pilot,
+                                 .estimate = other_filter ? &tick.estimate : nullptr,
+                                 .p_EB = truth.true_p_EB,
+                                 .v_E = truth.true_v_E,
+                                 .attitude = truth.true_attitude,
+                                 .battery_v = truth.battery_v};
     page_.record(shown);
     if (tick.index + 1 == flight_.folder.samples.size()) page_.end(shown);
   }
@@ -77,20 +77,20 @@ class ReplayPage {
                                 {"detection", {{"frames", result.pictures.size()}}},
                                 {"timings", nlohmann::json::object()},
                                 {"replay", tasks::as_json(report, given, result)},
-                                {"config", io::as_json(flight_.config)}};
+                                {"config", config::as_json(flight_.config)}};
     if (result.rmse_samples > 0)
       told["position_rmse_m"] = {result.rmse.x(), result.rmse.y(), result.rmse.z()};
     if (report.comparison) told["recorded"] = tasks::text_of(*report.comparison, flight_);
     const std::string verdict = name + ", flown again by its sensors";
-    folder_.write("summary.json", io::json_text(told));
+    folder_.write("summary.json", files::json_text(told));
     folder_.write("report.html", page_.html(told, verdict));
     stop_if_interrupted();
     folder_.pour();
   }
 
  private:
-  static io::PageCourse course(const tasks::RecordedFlight& flight) {
-    io::PageCourse course = io::page_course(flight.pilot);
+  static report::PageCourse course(const tasks::RecordedFlight& flight) {
+    report::PageCourse course = report::page_course(flight.pilot);
     const auto& samples = flight.folder.samples;
     const double seconds =
         1e-9 * static_cast<double>((samples.back().time - samples.front().time).count());
@@ -103,18 +103,18 @@ class ReplayPage {
     return name == "summary.json" || name == "report.html" || name.starts_with("onboard.webm");
   }
 
-  io::PartialFolder folder_;
+  files::PartialFolder folder_;
   const tasks::RecordedFlight& flight_;
-  io::FlightPage page_;
+  report::FlightPage page_;
 };
 
 /// The estimated trajectory, and the true one if the log has it.
 void write_tum(const ReplayOptions& options, const fs::path& truth_path,
                const tasks::RecordedFlight& flight, const flight_log::ReplayResult& result) {
-  std::vector<io::FileContent> files{{options.tum, tasks::tum_of_estimates(result)}};
+  std::vector<files::FileContent> files{{options.tum, tasks::tum_of_estimates(result)}};
   const auto truth = tasks::tum_of_truth(flight.folder);
   if (truth) files.push_back({truth_path, truth->text});
-  io::write_files(files);
+  files::write_files(files);
   if (options.common.quiet || (truth && truth->has_attitude)) return;
   std::cerr << "gatefly replay: " << (truth ? truth_path.string() : flight.folder.log.string())
             << (truth ? ": the log has no true attitude, each is 0 0 0 1\n"
@@ -135,14 +135,14 @@ std::unique_ptr<FlightSmoother> smoother_for(const ReplayOptions& options,
 }
 
 int replay(const ReplayOptions& options) {
-  const bool rows_on_stdout = io::is_stdout(options.csv);
+  const bool rows_on_stdout = files::is_stdout(options.csv);
   if (options.json && rows_on_stdout)
     throw std::runtime_error("--json and --csv " + options.csv + ": both want stdout; name a file");
-  if (io::is_stdout(options.tum))
+  if (files::is_stdout(options.tum))
     throw std::runtime_error("--tum " + options.tum + ": writes two files; name one");
   const fs::path truth =
       options.tum.empty() ? fs::path{} : tasks::tum_truth_path(fs::path{options.tum});
-  const std::vector<io::Output> files{
+  const std::vector<files::Output> files{
       {"--csv", options.csv, {"table of estimates", "t_s,x_m,y_m,z_m,vx_mps,"}},
       {"--tum", options.tum, kTum},
       {"--tum", truth, kTum}};
@@ -150,9 +150,9 @@ int replay(const ReplayOptions& options) {
                 {data_at(options.replay.directory, options.replay.data), options.replay.track},
                 options.common);
   if (!options.out.empty()) {
-    io::check_output_folder("--out", options.out, files);
-    io::refuse_foreign_folder(options.out, "summary.json", {"replay", "\"kind\": \"replay\""},
-                              "choose another --out");
+    files::check_output_folder("--out", options.out, files);
+    files::refuse_foreign_folder(options.out, "summary.json", {"replay", "\"kind\": \"replay\""},
+                                 "choose another --out");
   }
   const tasks::ReplayArguments& given = options.replay;
   const tasks::RecordedFlight flight = tasks::read_flight(given);
@@ -175,7 +175,7 @@ int replay(const ReplayOptions& options) {
     smoothed = smoother->smoothed(flight, result, stop_if_interrupted);
     told.estimates = smoothed.estimates;
   }
-  if (!options.csv.empty()) io::write_file(options.csv, tasks::estimates_csv(told));
+  if (!options.csv.empty()) files::write_file(options.csv, tasks::estimates_csv(told));
   if (!options.tum.empty()) write_tum(options, truth, flight, told);
 
   const tasks::ReplayReport report = tasks::report_of(flight, given, result);
@@ -186,11 +186,11 @@ int replay(const ReplayOptions& options) {
   if (options.json) {
     nlohmann::json answer = tasks::as_json(report, given, result);
     if (smoother) answer["smoothed"] = smoothed.json;
-    std::cout << io::json_text(answer);
+    std::cout << files::json_text(answer);
   } else if (!rows_on_stdout) {
     std::cout << std::fixed << std::setprecision(2) << given.directory << ": "
-              << io::amount(result.estimates.size(), "sample") << ", "
-              << io::amount(result.pictures.size(), "picture") << ", all numbers "
+              << files::amount(result.estimates.size(), "sample") << ", "
+              << files::amount(result.pictures.size(), "picture") << ", all numbers "
               << (result.finite ? "finite" : "NOT finite") << '\n';
     if (report.next_gate)  // the same words as fly's
       std::cout << "  detection       " << report.next_gate->shown
@@ -202,8 +202,8 @@ int replay(const ReplayOptions& options) {
     if (report.labelled)
       std::cout << "  labelled        in " << report.labelled->found << " of "
                 << report.labelled->shown << " (overlap70)\n";
-    std::cout << "  fixes           " << io::amount(report.fixes, "picture")
-              << " corrected the filter, " << io::amount(result.gates_passed, "gate")
+    std::cout << "  fixes           " << files::amount(report.fixes, "picture")
+              << " corrected the filter, " << files::amount(result.gates_passed, "gate")
               << " passed\n";
     if (result.rmse_samples > 0)
       std::cout << "  position error  rms x " << result.rmse.x() << ", y " << result.rmse.y()

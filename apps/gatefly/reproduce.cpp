@@ -48,7 +48,7 @@ int print_list(bool json) {
                 << std::string(20 - std::min<std::size_t>(19, experiment.name.size()), ' ')
                 << experiment.what << '\n';
   }
-  if (json) std::cout << io::json_text(list);
+  if (json) std::cout << files::json_text(list);
   return kDone;
 }
 
@@ -58,14 +58,14 @@ std::vector<Experiment> chosen(const ReproduceOptions& options) {
   const auto names = names_of_all();
   if (options.names.empty())
     throw std::runtime_error(
-        "reproduce: name an experiment or --all (there are: " + io::joined(names) + ")");
+        "reproduce: name an experiment or --all (there are: " + files::joined(names) + ")");
   std::vector<Experiment> list;
   for (const std::string& name : options.names) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
       throw std::runtime_error("reproduce: no experiment '" + name + "'" +
-                               io::suggestion(name, names) + " (there are: " + io::joined(names) +
-                               ")");
+                               files::suggestion(name, names) +
+                               " (there are: " + files::joined(names) + ")");
     const Experiment& experiment = all[static_cast<std::size_t>(found - names.begin())];
     if (std::none_of(list.begin(), list.end(),
                      [&](const Experiment& other) { return other.name == experiment.name; }))
@@ -83,8 +83,8 @@ void check_first_seed(const std::vector<Experiment>& list, const ReproduceOption
   for (const Experiment& experiment : list)
     if (!experiment.takes_seeds)
       throw std::runtime_error("reproduce: --first-seed " + std::to_string(*options.first_seed) +
-                               ": " + experiment.name + " takes none, only " + io::joined(takers) +
-                               " do");
+                               ": " + experiment.name + " takes none, only " +
+                               files::joined(takers) + " do");
 }
 
 /// The command that makes this result again.
@@ -115,16 +115,16 @@ void print_table(const Experiment& experiment, const Result& result, double seco
   for (const experiments::Comparison& row : result.table)
     std::cout << "  " << padded(row.what, first + 2) << padded(row.paper, second + 2) << row.ours
               << '\n';
-  std::cout << "  " << io::text_of(seconds, 3) << " s; plot, CSV and JSON in " << folder.string()
+  std::cout << "  " << files::text_of(seconds, 3) << " s; plot, CSV and JSON in " << folder.string()
             << '\n';
 }
 
-void write(const Result& result, io::PartialFolder& folder) {
+void write(const Result& result, files::PartialFolder& folder) {
   folder.write("result.csv", result.csv);
   folder.write("plot.png", result.picture.png());
   for (const experiments::ExtraPicture& extra : result.extra)
     folder.write(extra.name + ".png", extra.picture.png());
-  folder.write("result.json", io::json_text(result.json));
+  folder.write("result.json", files::json_text(result.json));
   folder.pour();
 }
 
@@ -134,19 +134,19 @@ fs::path folder_of(const Experiment& experiment, const ReproduceOptions& options
 
 /// Folder where each result will grow: taken before the work, when somebody else has one or it may
 /// not be written.
-std::vector<std::unique_ptr<io::PartialFolder>> taken_folders(const std::vector<Experiment>& list,
-                                                              const ReproduceOptions& options) {
-  const io::OutputKind result{"earlier result", "\"quick\"", std::string::npos};
-  io::check_output_folder("--out", options.out);
-  std::vector<std::unique_ptr<io::PartialFolder>> folders(list.size());
+std::vector<std::unique_ptr<files::PartialFolder>> taken_folders(
+    const std::vector<Experiment>& list, const ReproduceOptions& options) {
+  const files::OutputKind result{"earlier result", "\"quick\"", std::string::npos};
+  files::check_output_folder("--out", options.out);
+  std::vector<std::unique_ptr<files::PartialFolder>> folders(list.size());
   for (std::size_t i = list.size(); i-- > 0;) {  // the first made those above, and goes last
     const fs::path folder = folder_of(list[i], options);
-    io::check_output_folder("--out", folder);
+    files::check_output_folder("--out", folder);
     if (!options.common.force)
-      io::refuse_foreign_folder(folder, "result.json", result,
-                                "choose another --out (--force writes it there)");
-    folders[i] = std::make_unique<io::PartialFolder>(
-        folder, io::PartialFolder::Grows::kInside, [](const std::string& name) {
+      files::refuse_foreign_folder(folder, "result.json", result,
+                                   "choose another --out (--force writes it there)");
+    folders[i] = std::make_unique<files::PartialFolder>(
+        folder, files::PartialFolder::Grows::kInside, [](const std::string& name) {
           return name.ends_with(".png") || name.starts_with("result.");
         });
   }
@@ -159,7 +159,7 @@ fs::path page_of(const ReproduceOptions& options) { return fs::path{options.out}
 void write_page(const std::vector<experiments::PageEntry>& entries,
                 const ReproduceOptions& options) {
   if (entries.empty()) return;
-  io::write_file(page_of(options), experiments::result_page(entries));
+  files::write_file(page_of(options), experiments::result_page(entries));
   if (!options.json) std::cout << "all of it on one page: " << page_of(options).string() << '\n';
 }
 
@@ -170,8 +170,8 @@ int reproduce(const ReproduceOptions& options) {
   const std::vector<Experiment> list = chosen(options);
   check_first_seed(list, options);
   auto folders = taken_folders(list, options);
-  const io::Output page{"--out", page_of(options), {"page of results", experiments::kPageMark}};
-  io::check_outputs({&page, 1}, {}, options.common.force);
+  const files::Output page{"--out", page_of(options), {"page of results", experiments::kPageMark}};
+  files::check_outputs({&page, 1}, {}, options.common.force);
   std::vector<experiments::PageEntry> entries;
   catch_interrupt();
   nlohmann::ordered_json answer = nlohmann::ordered_json::object();
@@ -206,7 +206,7 @@ int reproduce(const ReproduceOptions& options) {
     }
   }
   write_page(entries, options);
-  if (options.json) std::cout << io::json_text(answer);
+  if (options.json) std::cout << files::json_text(answer);
   return kDone;
 }
 

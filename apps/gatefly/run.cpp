@@ -32,7 +32,7 @@ namespace gatefly::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using io::fixed;
+using files::fixed;
 using namespace std::chrono_literals;
 
 struct RunOptions {
@@ -45,17 +45,17 @@ struct RunOptions {
 
 /// A course and the pilot that is to fly it.
 struct Course {
-  io::Config config;
+  config::Config config;
   fs::path track_file;
   PilotConfig pilot;
 };
 
 Course course_of(const RunOptions& options) {
   Course course;
-  course.track_file = io::find_track(options.track);
-  io::Config config = load(options.common);
-  const io::TrackFile track = io::read_track(course.track_file, config.gate);
-  course.config = io::on_course(std::move(config), track);
+  course.track_file = config::find_track(options.track);
+  config::Config config = load(options.common);
+  const config::TrackFile track = config::read_track(course.track_file, config.gate);
+  course.config = config::on_course(std::move(config), track);
   say_notes(course.config.notes);
   course.pilot = course.config.pilot;
   course.pilot.track = track.track;
@@ -76,13 +76,13 @@ struct Flying {
 
 /// A recorded flight in the place of a link.
 struct RecordedLink {
-  io::FlightFolder folder;
+  flight_log::FlightFolder folder;
   std::vector<flight_log::RecordedTick> ticks;
 };
 
 std::shared_ptr<const RecordedLink> recording_of(const live::LinkUri& uri) {
   auto recording = std::make_shared<RecordedLink>();
-  recording->folder = io::read_flight_folder(uri.place);
+  recording->folder = flight_log::read_flight_folder(uri.place);
   recording->ticks = flight_log::ticks_of(recording->folder);
   return recording;
 }
@@ -90,7 +90,7 @@ std::shared_ptr<const RecordedLink> recording_of(const live::LinkUri& uri) {
 /// For a film without loss; without one each picture is a file.
 bool has_ffmpeg() {
   try {
-    io::require_ffmpeg();
+    files::require_ffmpeg();
     return true;
   } catch (const std::runtime_error&) {
     return false;
@@ -116,7 +116,7 @@ void check_options(const RunOptions& options, const live::LinkUri& link,
 }
 
 std::string quantiles(std::vector<double>& values) {
-  const auto ms = [&](double part) { return fixed(1e3 * io::nearest_rank(values, part), 2); };
+  const auto ms = [&](double part) { return fixed(1e3 * files::nearest_rank(values, part), 2); };
   return values.empty()
              ? "none"
              : ms(0.5) + " ms median, " + ms(0.999) + " ms p99.9, " + ms(1.0) + " ms at most";
@@ -133,7 +133,7 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
   const auto ms = [](std::vector<double>& values) {
     nlohmann::ordered_json all;
     for (const auto& [name, part] : {std::pair{"p50_ms", 0.5}, {"p999_ms", 0.999}, {"max_ms", 1.0}})
-      all[name] = values.empty() ? 0.0 : 1e3 * io::nearest_rank(values, part);
+      all[name] = values.empty() ? 0.0 : 1e3 * files::nearest_rank(values, part);
     return all;
   };
   return {{"kind", "run"},
@@ -175,7 +175,7 @@ nlohmann::ordered_json summary_of(const RunOptions& options, const Course& cours
             {"unwritten", recorder.unwritten()},
             {"late", ms(recorder.late())},
             {"step", ms(recorder.took())}}},
-          {"config", io::as_json(course.config)}};
+          {"config", config::as_json(course.config)}};
 }
 
 void print_run(const nlohmann::ordered_json& told, const SensorHealth& sensors,
@@ -188,7 +188,7 @@ void print_run(const nlohmann::ordered_json& told, const SensorHealth& sensors,
   };
   std::cout << told.at("track").get<std::string>() << ", " << told.at("mode").get<std::string>()
             << ": " << told.at("stop_reason").get<std::string>() << ", "
-            << io::amount(static_cast<std::size_t>(recorder.gates_passed()), "gate")
+            << files::amount(static_cast<std::size_t>(recorder.gates_passed()), "gate")
             << " passed in " << fixed(seconds(recorder.last_time()), 1) << " s\n";
   line("commands",
        std::to_string(recorder.ticks()) + ", " + number("pilot_loop", "missed") + " ticks missed");
@@ -360,20 +360,20 @@ int run(const RunOptions& options) {
   for (const auto& [name, content] : tasks::flight_inputs(
            options.common, course.config, course.track_file, course.pilot.track.laps))
     recorder.add_file(name, content);
-  if (drone) recorder.add_file("drone.toml", io::read_file(options.drone));
+  if (drone) recorder.add_file("drone.toml", files::read_file(options.drone));
 
   const std::string reason = flown(*session, recorder, options);
   const nlohmann::ordered_json told = summary_of(options, course, *session, recorder, reason);
-  const std::string replaced = recorder.finish(io::json_text(told));
+  const std::string replaced = recorder.finish(files::json_text(told));
   if (!replaced.empty() && !options.common.quiet)
     std::cerr << "gatefly run: " << (fs::path{options.out} / "").string() << ": " << replaced
               << '\n';
   if (!recorder.error().empty())
     std::cerr << "gatefly run: not recorded to the end, the last "
-              << io::amount(recorder.unwritten(), "tick") << " missing: " << recorder.error()
+              << files::amount(recorder.unwritten(), "tick") << " missing: " << recorder.error()
               << '\n';
   if (options.json)
-    std::cout << io::json_text(told);
+    std::cout << files::json_text(told);
   else if (!options.common.quiet)
     print_run(told, session->sensor_health(), recorder, options.out);
   if (interrupted()) return kInterrupted;

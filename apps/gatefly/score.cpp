@@ -17,8 +17,8 @@
 namespace gatefly::cli {
 namespace {
 
-using io::fixed;
-using io::number;
+using files::fixed;
+using files::number;
 using nlohmann::ordered_json;
 
 struct ScoreOptions {
@@ -28,13 +28,13 @@ struct ScoreOptions {
 };
 
 ordered_json as_json(std::span<const double> errors) {
-  return {{"median", number(io::quantile(errors, 0.5))},
-          {"p90", number(io::quantile(errors, 0.9))}};
+  return {{"median", number(files::quantile(errors, 0.5))},
+          {"p90", number(files::quantile(errors, 0.9))}};
 }
 
-ordered_json as_json(std::span<const io::HitRate> rates, const std::string& unit) {
+ordered_json as_json(std::span<const files::HitRate> rates, const std::string& unit) {
   ordered_json list = ordered_json::array();
-  for (const io::HitRate& rate : rates)
+  for (const files::HitRate& rate : rates)
     list.push_back({{"from_" + unit, rate.from},
                     {"to_" + unit, number(rate.to)},
                     {"gates", rate.gates},
@@ -42,8 +42,8 @@ ordered_json as_json(std::span<const io::HitRate> rates, const std::string& unit
   return list;
 }
 
-ordered_json as_json(const ScoreOptions& options, const io::ScoreInput& input,
-                     const io::Score& score) {
+ordered_json as_json(const ScoreOptions& options, const files::ScoreInput& input,
+                     const files::Score& score) {
   return {
       {"labels", options.labels},
       {"rule", options.rule},
@@ -69,14 +69,14 @@ ordered_json as_json(const ScoreOptions& options, const io::ScoreInput& input,
 
 std::string medians(std::span<const double> errors) {
   if (errors.empty()) return "no hit";
-  return "median " + fixed(io::quantile(errors, 0.5), 1) + " px, p90 " +
-         fixed(io::quantile(errors, 0.9), 1) + " px";
+  return "median " + fixed(files::quantile(errors, 0.5), 1) + " px, p90 " +
+         fixed(files::quantile(errors, 0.9), 1) + " px";
 }
 
 /// "20-30 px 5/6  30-45 px 12/14": hits of labelled gates.
-std::string rates_text(std::span<const io::HitRate> rates, const char* unit, bool middle) {
+std::string rates_text(std::span<const files::HitRate> rates, const char* unit, bool middle) {
   std::string text;
-  for (const io::HitRate& rate : rates) {
+  for (const files::HitRate& rate : rates) {
     if (rate.gates == 0) continue;
     std::string range = middle                   ? fixed(0.5 * (rate.from + rate.to), 0)
                         : std::isfinite(rate.to) ? fixed(rate.from, 0) + "-" + fixed(rate.to, 0)
@@ -87,7 +87,7 @@ std::string rates_text(std::span<const io::HitRate> rates, const char* unit, boo
   return text;
 }
 
-std::string left_out_text(const io::ScoreInput& input, const io::Score& score) {
+std::string left_out_text(const files::ScoreInput& input, const files::Score& score) {
   std::string text;
   const auto add = [&](std::size_t count, const char* what) {
     if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
@@ -100,13 +100,13 @@ std::string left_out_text(const io::ScoreInput& input, const io::Score& score) {
   return text;
 }
 
-void print_screen(const ScoreOptions& options, const io::ScoreInput& input,
-                  const io::Score& score) {
+void print_screen(const ScoreOptions& options, const files::ScoreInput& input,
+                  const files::Score& score) {
   const auto line = [](const char* name, const std::string& text) {
     if (!text.empty()) std::cout << "  " << std::left << std::setw(17) << name << text << '\n';
   };
-  std::cout << options.labels << ": " << io::amount(score.pictures, "picture") << ", "
-            << io::amount(score.gates, "labelled gate") << ", " << options.rule
+  std::cout << options.labels << ": " << files::amount(score.pictures, "picture") << ", "
+            << files::amount(score.gates, "labelled gate") << ", " << options.rule
             << (options.nearest ? ", nearest" : "") << '\n';
   line("true positives",
        std::to_string(score.hits) + " of " + std::to_string(score.gates) +
@@ -123,7 +123,7 @@ void print_screen(const ScoreOptions& options, const io::ScoreInput& input,
   line("left out", left_out_text(input, score));
 }
 
-void warn_of_unknown(const io::ScoreInput& input) {
+void warn_of_unknown(const files::ScoreInput& input) {
   if (input.unknown.empty()) return;
   std::cerr << "gatefly score: warning: " << input.unknown.size()
             << " detections name pictures that are not in the labels: ";
@@ -135,17 +135,17 @@ void warn_of_unknown(const io::ScoreInput& input) {
 /// gatefly score: exit 0 scored, 2 unusable input.
 int score(const ScoreOptions& options) {
   (void)load(options.common);  // a wrong --config or --set is an error here as everywhere
-  const io::Rule rule = io::rule_of(options.rule);
-  const auto detections = io::read_detections(data_at(options.detections, options.data));
-  const io::Labels labels = io::read_labels(data_at(options.labels, options.data));
-  const io::Labels ignored = options.ignore.empty()
-                                 ? io::Labels{}
-                                 : io::read_labels(data_at(options.ignore, options.data));
-  const io::ScoreInput input = io::brought_together(labels, detections, ignored, rule);
-  const io::Score result = io::score(input.pictures, rule, options.nearest);
+  const files::Rule rule = files::rule_of(options.rule);
+  const auto detections = files::read_detections(data_at(options.detections, options.data));
+  const files::Labels labels = files::read_labels(data_at(options.labels, options.data));
+  const files::Labels ignored = options.ignore.empty()
+                                    ? files::Labels{}
+                                    : files::read_labels(data_at(options.ignore, options.data));
+  const files::ScoreInput input = files::brought_together(labels, detections, ignored, rule);
+  const files::Score result = files::score(input.pictures, rule, options.nearest);
   warn_of_unknown(input);
   if (options.json)
-    std::cout << io::json_text(as_json(options, input, result));
+    std::cout << files::json_text(as_json(options, input, result));
   else
     print_screen(options, input, result);
   return kDone;

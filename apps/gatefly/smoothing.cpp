@@ -24,10 +24,10 @@ nlohmann::json as_json(const smoothing::Alignment& a) {
 std::string one_beside_other(const Vector3d& filter, const Vector3d& smoothed) {
   std::string text;
   for (int axis = 0; axis < 3; ++axis)
-    text += std::string{axis > 0 ? ", " : ""} + "xyz"[axis] + ' ' + io::fixed(filter(axis), 3) +
-            " | " + io::fixed(smoothed(axis), 3);
-  return text + " m, together " + io::fixed(filter.norm(), 3) + " | " +
-         io::fixed(smoothed.norm(), 3);
+    text += std::string{axis > 0 ? ", " : ""} + "xyz"[axis] + ' ' + files::fixed(filter(axis), 3) +
+            " | " + files::fixed(smoothed(axis), 3);
+  return text + " m, together " + files::fixed(filter.norm(), 3) + " | " +
+         files::fixed(smoothed.norm(), 3);
 }
 
 class Follower : public FlightSmoother {
@@ -84,7 +84,7 @@ class Follower : public FlightSmoother {
     out.json["filter_aligned"] = as_json(*a), out.json["aligned"] = as_json(*b);
     out.lines.push_back("        aligned rms " + one_beside_other(a->rms, b->rms) +
                         ": but for a shift, a heading and a lag of the truth (" +
-                        io::fixed(1e3 * b->lag, 0) + " ms)");
+                        files::fixed(1e3 * b->lag, 0) + " ms)");
     return out;
   }
 

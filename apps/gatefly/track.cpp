@@ -18,7 +18,7 @@
 namespace gatefly::cli {
 namespace {
 
-using io::fixed;
+using files::fixed;
 using tasks::LegReport;
 
 struct TrackOptions {
@@ -76,20 +76,20 @@ void print_way(const tasks::CourseReport& course) {
 /// gatefly track: what a course asks for. Exit 0 it can be flown, 1 it cannot, 2 unusable input.
 int track(const TrackOptions& options) {
   if (options.schema) {
-    std::cout << io::json_text(io::track_schema());
+    std::cout << files::json_text(config::track_schema());
     return kDone;
   }
   if (options.track.empty())
     throw std::runtime_error("track: TRACK is required (--help shows what there is)");
   const tasks::CourseReport course = tasks::checked_course(options.track, options.common);
-  check_outputs({{"--draw", options.draw, io::kOurPng}}, {course.path}, options.common);
+  check_outputs({{"--draw", options.draw, files::kOurPng}}, {course.path}, options.common);
   say_notes(course.notes);
   if (!options.draw.empty())
-    io::drawn_course(course.file.track, course.plan ? &*course.plan : nullptr,
-                     io::one_line(verdict(course), 110))
+    drawing::drawn_course(course.file.track, course.plan ? &*course.plan : nullptr,
+                          files::one_line(verdict(course), 110))
         .write_png(options.draw);
   if (options.json) {
-    std::cout << io::json_text(as_json(course));
+    std::cout << files::json_text(as_json(course));
   } else {
     std::cout << coloured(course.plan.has_value(), verdict(course)) << '\n';
     if (!options.common.quiet) {

@@ -27,20 +27,20 @@ struct ShippedTrack {
 ShippedTrack listed(const std::string& name, const std::vector<std::string>& cameras) {
   ShippedTrack track{.name = name, .wrong = {}, .camera = {}};
   try {
-    const io::TrackFile file = io::read_track(io::find_track(name));
+    const config::TrackFile file = config::read_track(config::find_track(name));
     track.gates = static_cast<int>(file.track.gates.size());
     track.laps = file.track.laps;
     track.room = file.world.room_size;
     if (std::find(cameras.begin(), cameras.end(), name) != cameras.end()) track.camera = name;
   } catch (const std::exception& error) {
-    track.wrong = io::reason_of(error);
+    track.wrong = files::reason_of(error);
   }
   return track;
 }
 
 std::string size_of(const ShippedTrack& track) {
-  return io::text_of(track.room.x(), 3) + " x " + io::text_of(track.room.y(), 3) + " x " +
-         io::text_of(track.room.z(), 3);
+  return files::text_of(track.room.x(), 3) + " x " + files::text_of(track.room.y(), 3) + " x " +
+         files::text_of(track.room.z(), 3);
 }
 
 void print(const std::vector<ShippedTrack>& tracks, const std::string& camera) {
@@ -80,14 +80,15 @@ nlohmann::ordered_json as_json(const std::vector<ShippedTrack>& tracks, const st
 }  // namespace
 
 int list_tracks(const CommonOptions& options, bool json) {
-  const io::Config config = load(options);
+  const config::Config config = load(options);
   // Without a camera the defaults fly, which are the Bebop's.
   const auto named = config.set_by.find("camera.model");
   const std::string camera =
       named == config.set_by.end() ? "bebop" : named->second.substr(0, named->second.rfind(':'));
-  const auto cameras = io::toml_names("cameras");
+  const auto cameras = files::toml_names("cameras");
   std::vector<ShippedTrack> tracks;
-  for (const std::string& name : io::toml_names("tracks")) tracks.push_back(listed(name, cameras));
+  for (const std::string& name : files::toml_names("tracks"))
+    tracks.push_back(listed(name, cameras));
   if (json)
     std::cout << as_json(tracks, camera).dump(2) << '\n';
   else

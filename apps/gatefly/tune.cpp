@@ -46,7 +46,7 @@ struct TuneOptions {
 
 /// The pictures that are fitted to, and what was left out.
 struct Material {
-  std::vector<io::ImageFile> files;  ///< Behind the pictures.
+  std::vector<files::ImageFile> files;  ///< Behind the pictures.
   std::vector<tuning::LabelledImage> pictures;
   int unusable = 0, duplicates = 0, without_label = 0, labels_without_picture = 0;
 
@@ -60,7 +60,7 @@ struct Material {
     std::vector<std::string> parts;
     for (const auto& [size, number] : count)
       parts.push_back(std::to_string(number) + " of " + size);
-    return io::joined(parts);
+    return files::joined(parts);
   }
 };
 
@@ -70,32 +70,33 @@ std::vector<fs::path> all_files(const TuneOptions& options) {
   std::vector<fs::path> files;
   for (const std::string& path : options.images) {
     const fs::path found = data_at(path, options.data);
-    for (const fs::path& file : io::picture_files(found)) files.push_back(file);
-    if (const std::string others = io::left_out_of(found); !others.empty()) complain(others);
+    for (const fs::path& file : files::picture_files(found)) files.push_back(file);
+    if (const std::string others = files::left_out_of(found); !others.empty()) complain(others);
   }
   // Neighbours in time stay in one half.
   std::stable_sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return a.parent_path() != b.parent_path()
                ? a.parent_path() < b.parent_path()
-               : io::counts_before(a.filename().string(), b.filename().string());
+               : files::counts_before(a.filename().string(), b.filename().string());
   });
   return files;
 }
 
-std::map<std::string, std::vector<Quad>> gates_by_picture(const io::Labels& labels) {
+std::map<std::string, std::vector<Quad>> gates_by_picture(const files::Labels& labels) {
   std::map<std::string, std::vector<Quad>> gates;
-  for (const io::LabelledPicture& picture : labels.pictures) gates[picture.image] = picture.gates;
+  for (const files::LabelledPicture& picture : labels.pictures)
+    gates[picture.image] = picture.gates;
   return gates;
 }
 
 /// Reads every picture that has a label, or every one without --labels; identical ones once.
-Material gathered(const TuneOptions& options, const io::Config& config, Progress& progress) {
+Material gathered(const TuneOptions& options, const config::Config& config, Progress& progress) {
   Material material;
   const bool labelled = !options.labels.empty();
   std::map<std::string, std::vector<Quad>> gates, ignored;
-  if (labelled) gates = gates_by_picture(io::read_labels(data_at(options.labels, options.data)));
+  if (labelled) gates = gates_by_picture(files::read_labels(data_at(options.labels, options.data)));
   if (!options.ignore.empty())
-    ignored = gates_by_picture(io::read_labels(data_at(options.ignore, options.data)));
+    ignored = gates_by_picture(files::read_labels(data_at(options.ignore, options.data)));
   std::unordered_set<std::string> contents, names;
   const std::vector<fs::path> files = all_files(options);
   tasks::Upright upright(config);
@@ -108,8 +109,8 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
     }
     names.insert(name);
     try {
-      io::ImageFile file =
-          io::read_image(path, config.camera.stored_width(), config.camera.stored_height());
+      files::ImageFile file =
+          files::read_image(path, config.camera.stored_width(), config.camera.stored_height());
       if (!contents.emplace(file.bytes.begin(), file.bytes.end()).second) {
         ++material.duplicates;
         continue;
@@ -121,13 +122,13 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
            .truth = {.gates = gates[name], .ignored = ignored[name], .detections = {}}});
     } catch (const std::exception& error) {
       progress.clear();
-      complain(io::reason_of(error));
+      complain(files::reason_of(error));
       ++material.unusable;
     }
     const auto done = static_cast<double>(names.size());
     if (progress.due(done))
       progress.update(0.5 * done / static_cast<double>(files.size()),
-                      io::amount(names.size(), "picture") + " read");
+                      files::amount(names.size(), "picture") + " read");
   }
   progress.clear();
   if (!material.files.empty() && !options.common.quiet) complain(upright.said());
@@ -138,7 +139,7 @@ Material gathered(const TuneOptions& options, const io::Config& config, Progress
         static_cast<int>(gates.size()) - static_cast<int>(names.size());
   if (labelled && names.empty() && !files.empty())
     throw std::runtime_error(options.labels + ": names none of the " +
-                             io::amount(files.size(), "picture") + ", e.g. " +
+                             files::amount(files.size(), "picture") + ", e.g. " +
                              files.front().filename().string());
   return material;
 }
@@ -151,65 +152,66 @@ fs::path beside(const fs::path& out, const char* ending) {
 }
 
 std::string summary_of(const TuneOptions& options, const Material& material, const Tuned& tuned) {
-  const std::string pictures = io::amount(material.pictures.size(), "picture") + ", ";
+  const std::string pictures = files::amount(material.pictures.size(), "picture") + ", ";
   return options.labels.empty()
              ? pictures + std::to_string(tuned.gates) + " detections of fitness " +
-                   io::text_of(tuned.confident) + " and more"
-             : pictures + io::amount(tuned.gates, "labelled gate");
+                   files::text_of(tuned.confident) + " and more"
+             : pictures + files::amount(tuned.gates, "labelled gate");
 }
 
 std::string rates_of(const tuning::Operating& point) {
-  return "hit rate " + io::fixed(point.true_positive_rate, 3) + ", " +
-         io::fixed(point.false_per_image, 3) + " false per picture";
+  return "hit rate " + files::fixed(point.true_positive_rate, 3) + ", " +
+         files::fixed(point.false_per_image, 3) + " false per picture";
 }
 
 /// The lens that the gates show, in words; "" where a lens was named.
-std::string words_of(const tuning::GateLens& lens, const io::Config& config) {
+std::string words_of(const tuning::GateLens& lens, const config::Config& config) {
   using Says = tuning::GateLens::Says;
   if (config.pilot.detector.lens.model) return "";
-  const auto degrees = [](double angle) { return io::fixed(angle / kDegree, 1); };
-  const std::string gates = io::amount(lens.gates, "gate");
+  const auto degrees = [](double angle) { return files::fixed(angle / kDegree, 1); };
+  const std::string gates = files::amount(lens.gates, "gate");
   if (lens.says == Says::kBent)
     return "bends bars as an equidistant one of " + degrees(lens.angle) + " ± " +
            degrees(lens.angle_sigma) + "° across the picture, by " +
-           io::amount(lens.sides, "side") + " of " + gates +
+           files::amount(lens.sides, "side") + " of " + gates +
            (lens.knows_center
-                ? "; its centre is " + io::fixed(100.0 * lens.center.x(), 1) + ", " +
-                      io::fixed(100.0 * lens.center.y(), 1) + " % of the width off the middle"
+                ? "; its centre is " + files::fixed(100.0 * lens.center.x(), 1) + ", " +
+                      files::fixed(100.0 * lens.center.y(), 1) + " % of the width off the middle"
                 : "; its centre taken as the picture's middle");
   if (lens.says == Says::kStraight)
     return "straight: " + gates + " leave no more than " + degrees(lens.widest) + "°";
   return "cannot be told from " + gates + "; bars are taken for straight";
 }
 
-std::string lens_text(const tuning::GateLens& lens, const io::Config& config) {
+std::string lens_text(const tuning::GateLens& lens, const config::Config& config) {
   if (lens.says == tuning::GateLens::Says::kNothing || config.pilot.detector.lens.model) return "";
-  std::string text = "lens_deg = " + io::text_of(lens.angle / kDegree, 4) + "  # " +
+  std::string text = "lens_deg = " + files::text_of(lens.angle / kDegree, 4) + "  # " +
                      words_of(lens, config) +
                      "\n# for finding gates; distances need gatefly "
                      "calibrate, whose lens goes before this one\n";
   if (lens.knows_center)
-    text += "lens_center = [" + io::text_of(lens.center.x(), 3) + ", " +
-            io::text_of(lens.center.y(), 3) + "]\n";
+    text += "lens_center = [" + files::text_of(lens.center.x(), 3) + ", " +
+            files::text_of(lens.center.y(), 3) + "]\n";
   return text;
 }
 
-std::string config_text(const TuneOptions& options, const io::Config& config,
+std::string config_text(const TuneOptions& options, const config::Config& config,
                         const Material& material, const Tuned& tuned) {
   std::ostringstream text;
   text << "# Written by gatefly tune: " << summary_of(options, material, tuned) << ".\n";
   if (options.rotate_deg)
     text << "[camera]\nstored_rotation_deg = " << *options.rotate_deg << "\n\n";
-  text << "[color]\nrgb = [" << io::text_of(config.gate.rgb.x(), 4) << ", "
-       << io::text_of(config.gate.rgb.y(), 4) << ", " << io::text_of(config.gate.rgb.z(), 4)
+  text << "[color]\nrgb = [" << files::text_of(config.gate.rgb.x(), 4) << ", "
+       << files::text_of(config.gate.rgb.y(), 4) << ", " << files::text_of(config.gate.rgb.z(), 4)
        << "]\n";
   if (!tuned.learnt) return text.str();
   text << "table = " << nlohmann::json(beside(options.out, kColors).filename().string()).dump()
        << "\n\n[detector]\n"
-       << lens_text(tuned.lens, config) << "min_score = " << io::text_of(tuned.chosen.min_score, 4)
-       << "  # " << (options.labels.empty() ? "estimated without labels: " : "two-fold: ")
+       << lens_text(tuned.lens, config)
+       << "min_score = " << files::text_of(tuned.chosen.min_score, 4) << "  # "
+       << (options.labels.empty() ? "estimated without labels: " : "two-fold: ")
        << rates_of(tuned.chosen) << "\nsure_score = "
-       << io::text_of(
+       << files::text_of(
               tuning::with_fitted_colors({.detector = config.pilot.detector}).detector.sure_score,
               4)
        << "  # fitted colours give higher scores than described ones\n";
@@ -219,61 +221,62 @@ std::string config_text(const TuneOptions& options, const io::Config& config,
 std::string roc_text(const tuning::Roc& roc) {
   std::string text = "min_score,true_positive_rate,false_positives_per_image\n";
   for (const tuning::Operating& point : roc.points)
-    text += io::text_of(point.min_score, 6) + "," + io::text_of(point.true_positive_rate, 6) + "," +
-            io::text_of(point.false_per_image, 6) + "\n";
+    text += files::text_of(point.min_score, 6) + "," + files::text_of(point.true_positive_rate, 6) +
+            "," + files::text_of(point.false_per_image, 6) + "\n";
   return text;
 }
 
 /// Without labels hits are of what was found: over false positives that is a flat line.
-io::Canvas estimate_plot(const Tuned& tuned) {
-  io::PlotSeries hits{.name = "hit rate, estimated"},
-      wrong{.name = "false positives per picture, estimated", .color = io::kLight.flown},
-      chosen{.name = "detector.min_score = " + io::text_of(tuned.chosen.min_score, 3),
+drawing::Canvas estimate_plot(const Tuned& tuned) {
+  drawing::PlotSeries hits{.name = "hit rate, estimated"},
+      wrong{.name = "false positives per picture, estimated", .color = drawing::kLight.flown},
+      chosen{.name = "detector.min_score = " + files::text_of(tuned.chosen.min_score, 3),
              .points = {{tuned.chosen.min_score, 0.0}, {tuned.chosen.min_score, 1.0}},
-             .color = io::kLight.gate_solid,
+             .color = drawing::kLight.gate_solid,
              .marks = false};
   hits.marks = wrong.marks = false;
   for (const tuning::Operating& point : tuned.roc.points) {
     hits.points.emplace_back(point.min_score, point.true_positive_rate);
     wrong.points.emplace_back(point.min_score, point.false_per_image);
   }
-  return io::draw({.title = "Estimated without labels",
-                   .x_label = "detector.min_score",
-                   .y_label = "rate",
-                   .series = {hits, wrong, chosen}});
+  return drawing::draw({.title = "Estimated without labels",
+                        .x_label = "detector.min_score",
+                        .y_label = "rate",
+                        .series = {hits, wrong, chosen}});
 }
 
-io::Canvas roc_plot(const Tuned& tuned) {
-  io::PlotSeries curve{.name = "each half by the other's colours"};
+drawing::Canvas roc_plot(const Tuned& tuned) {
+  drawing::PlotSeries curve{.name = "each half by the other's colours"};
   for (const tuning::Operating& point : tuned.roc.points)
     curve.points.emplace_back(point.false_per_image, point.true_positive_rate);
-  io::PlotSeries chosen{.name = "min_score " + io::text_of(tuned.chosen.min_score, 3),
-                        .points = {{tuned.chosen.false_per_image, tuned.chosen.true_positive_rate}},
-                        .color = io::kLight.gate_solid,
-                        .line = false,
-                        .rings = true};
-  return io::draw({.title = "Hits and false positives over detector.min_score",
-                   .x_label = "false positives per picture",
-                   .y_label = "true positive rate",
-                   .series = {curve, chosen}});
+  drawing::PlotSeries chosen{
+      .name = "min_score " + files::text_of(tuned.chosen.min_score, 3),
+      .points = {{tuned.chosen.false_per_image, tuned.chosen.true_positive_rate}},
+      .color = drawing::kLight.gate_solid,
+      .line = false,
+      .rings = true};
+  return drawing::draw({.title = "Hits and false positives over detector.min_score",
+                        .x_label = "false positives per picture",
+                        .y_label = "true positive rate",
+                        .series = {curve, chosen}});
 }
 
 /// The configuration last: when it is there, so is all that it names.
-void write(const TuneOptions& options, const io::Config& config, const Material& material,
+void write(const TuneOptions& options, const config::Config& config, const Material& material,
            const Tuned& tuned) {
-  std::vector<io::FileContent> files;
+  std::vector<files::FileContent> files;
   if (tuned.learnt)
     files = {{beside(options.out, kColors),
-              io::color_model_text(tuned.color, summary_of(options, material, tuned))},
+              files::color_model_text(tuned.color, summary_of(options, material, tuned))},
              {beside(options.out, kRocTable), roc_text(tuned.roc)},
              {beside(options.out, kRocPlot),
               (options.labels.empty() ? estimate_plot(tuned) : roc_plot(tuned)).png()}};
   files.push_back({options.out, config_text(options, config, material, tuned)});
-  io::write_files(files);
+  files::write_files(files);
 }
 
 /// Before the work: whether all that write() will write, may be.
-void check_outputs_of(const TuneOptions& options, const io::Config& config) {
+void check_outputs_of(const TuneOptions& options, const config::Config& config) {
   if (options.out == "-" || (fs::exists(options.out) && fs::is_other(options.out)))
     throw std::runtime_error("--out " + options.out +
                              ": must be the name of a file, three others are written beside it");
@@ -281,17 +284,17 @@ void check_outputs_of(const TuneOptions& options, const io::Config& config) {
   for (const std::string& image : options.images) inputs.push_back(data_at(image, options.data));
   for (const std::string& input : {options.labels, options.ignore, config.gate.color_table})
     if (!input.empty()) inputs.push_back(data_at(input, options.data));
-  const io::OutputKind ours{"configuration of gatefly tune", "by gatefly tune"};
+  const files::OutputKind ours{"configuration of gatefly tune", "by gatefly tune"};
   check_outputs({{"--out", options.out, ours},
                  {"--out", beside(options.out, kColors), ours},
                  {"--out",
                   beside(options.out, kRocTable),
                   {"ROC of gatefly tune", "min_score,true_positive_rate,"}},
-                 {"--out", beside(options.out, kRocPlot), io::kOurPng}},
+                 {"--out", beside(options.out, kRocPlot), files::kOurPng}},
                 inputs, options.common);
 }
 
-nlohmann::ordered_json as_json(const tuning::GateLens& lens, const io::Config& config) {
+nlohmann::ordered_json as_json(const tuning::GateLens& lens, const config::Config& config) {
   using Says = tuning::GateLens::Says;
   if (config.pilot.detector.lens.model) return {{"says", "named"}};
   nlohmann::ordered_json json{{"says", lens.says == Says::kBent       ? "bent"
@@ -308,7 +311,7 @@ nlohmann::ordered_json as_json(const tuning::GateLens& lens, const io::Config& c
 }
 
 nlohmann::ordered_json as_json(const TuneOptions& options, const Material& material,
-                               const io::Config& config, const Tuned& tuned) {
+                               const config::Config& config, const Tuned& tuned) {
   return {{"pictures", material.pictures.size()},
           {options.labels.empty() ? "confident_detections" : "labelled_gates", tuned.gates},
           {"learnt", tuned.learnt},
@@ -325,8 +328,8 @@ nlohmann::ordered_json as_json(const TuneOptions& options, const Material& mater
           {"config", options.out}};
 }
 
-void print_screen(const TuneOptions& options, const Material& material, const io::Config& config,
-                  const Tuned& tuned) {
+void print_screen(const TuneOptions& options, const Material& material,
+                  const config::Config& config, const Tuned& tuned) {
   const auto line = [](const char* name, const std::string& text) {
     std::cout << "  " << std::left << std::setw(14) << name << text << '\n';
   };
@@ -338,13 +341,13 @@ void print_screen(const TuneOptions& options, const Material& material, const io
       const tuning::Operating point = tuned.roc.at(allowed);
       if (point.min_score == before) continue;  // of few pictures many are the same
       line(before < 0.0 ? (options.labels.empty() ? "estimated" : "two-fold") : "",
-           rates_of(point) + " (min_score " + io::text_of(point.min_score, 3) + ")");
+           rates_of(point) + " (min_score " + files::text_of(point.min_score, 3) + ")");
       before = point.min_score;
     }
     if (options.labels.empty())
       line("", "from scores alone, of the gates that were found at all: --labels measures");
     if (const std::string words = words_of(tuned.lens, config); !words.empty()) line("lens", words);
-    line("chosen", "detector.min_score = " + io::text_of(tuned.chosen.min_score, 4));
+    line("chosen", "detector.min_score = " + files::text_of(tuned.chosen.min_score, 4));
     line("written", options.out + ", " + beside(options.out, kColors).filename().string() + ", " +
                         beside(options.out, kRocTable).filename().string() + ", " +
                         beside(options.out, kRocPlot).filename().string());
@@ -373,17 +376,17 @@ void print_screen(const TuneOptions& options, const Material& material, const io
   if (!left_out.empty()) line("left out", left_out);
 }
 
-io::Config config_of(const TuneOptions& options) {
+config::Config config_of(const TuneOptions& options) {
   CommonOptions common = options.common;
   if (options.rotate_deg)
     common.settings.push_back("camera.stored_rotation_deg=" + std::to_string(*options.rotate_deg));
-  io::Config config = load(common);
+  config::Config config = load(common);
   if (options.describe.empty()) return config;
   try {
     const auto rgb = tuning::described_color(options.describe);
     config.gate.rgb = {rgb[0], rgb[1], rgb[2]};
     config.gate.fitted_color.reset();
-    config.pilot = io::pilot_config(config);
+    config.pilot = config::pilot_config(config);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error("--describe: " + std::string{error.what()});
   }
@@ -393,7 +396,7 @@ io::Config config_of(const TuneOptions& options) {
 /// gatefly tune: exit 0 fitted, 1 too few gates to fit, 2 unusable arguments or input (the rest is
 /// done), 130 Ctrl-C.
 int tune(const TuneOptions& options) {
-  const io::Config config = config_of(options);
+  const config::Config config = config_of(options);
   check_outputs_of(options, config);
   catch_interrupt();
   Progress progress(options.common.quiet, 10'000.0);
@@ -418,7 +421,7 @@ int tune(const TuneOptions& options) {
   }
   write(options, config, material, tuned);
   if (options.json)
-    std::cout << io::json_text(as_json(options, material, config, tuned));
+    std::cout << files::json_text(as_json(options, material, config, tuned));
   else
     print_screen(options, material, config, tuned);
   return material.unusable > 0 ? kUnusable : tuned.learnt ? kDone : kAnswerIsNo;

@@ -24,13 +24,13 @@ struct ViewOptions {
   bool open = false, quiet = false;
 };
 
-const char* name_of(io::Viewable what) {
+const char* name_of(report::Viewable what) {
   switch (what) {
-    case io::Viewable::kFlight:
+    case report::Viewable::kFlight:
       return "a flight";
-    case io::Viewable::kCampaign:
+    case report::Viewable::kCampaign:
       return "a campaign";
-    case io::Viewable::kFolder:
+    case report::Viewable::kFolder:
       break;
   }
   return "a folder of flights";
@@ -39,7 +39,7 @@ const char* name_of(io::Viewable what) {
 /// Nobody waits for it: it may run as long as the browser does.
 void open_browser(const std::string& url) {
   pid_t pid = -1;
-  const int error = io::start({"xdg-open", url}, {}, pid);
+  const int error = files::start({"xdg-open", url}, {}, pid);
   if (error != 0)
     std::cerr << "gatefly view: xdg-open: " << std::system_category().message(error)
               << "; open the address yourself\n";
@@ -47,7 +47,7 @@ void open_browser(const std::string& url) {
 
 /// gatefly view: shows until Ctrl-C.
 int view(const ViewOptions& options) {
-  const io::Viewable what = io::viewable(options.path);
+  const report::Viewable what = report::viewable(options.path);
   server::FlightServer server{options.path};
   catch_interrupt();
   const std::string url = "http://127.0.0.1:" + std::to_string(server.start(options.port)) + "/";

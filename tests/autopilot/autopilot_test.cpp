@@ -12,23 +12,23 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/autopilot/companion.hpp"
 
-namespace gatefly::autopilot {
+namespace gatefly::sim {
 namespace {
 
 using Eigen::Vector3d;
-using Takes = sim::AutopilotTruth::Takes;
+using Takes = world::AutopilotTruth::Takes;
 
 constexpr double kHz = 512.0, kDt = 1.0 / kHz;
 
-sim::AutopilotTruth holding(Takes takes) {
-  sim::AutopilotTruth truth;
+world::AutopilotTruth holding(Takes takes) {
+  world::AutopilotTruth truth;
   truth.takes = takes;
   return truth;
 }
 
 /// In free air, held in its place: it turns and feels its thrust, and goes nowhere.
 struct Tethered {
-  explicit Tethered(const sim::AutopilotTruth& truth, const sim::VehicleTruth& v = {})
+  explicit Tethered(const world::AutopilotTruth& truth, const world::VehicleTruth& v = {})
       : vehicle{v}, autopilot{truth, v} {}
 
   void fly(const SetPoint& wanted) {
@@ -51,7 +51,7 @@ struct Tethered {
     accel_B = rotation_EB(q).matrix.transpose() * (held_by - Vector3d{0, 0, kGravity});
   }
 
-  sim::VehicleTruth vehicle;
+  world::VehicleTruth vehicle;
   Autopilot autopilot;
   Quaternion q;
   Vector3d rate = Vector3d::Zero(), gyro_bias = Vector3d::Zero(), push = Vector3d::Zero();
@@ -61,7 +61,7 @@ struct Tethered {
   double thrust = 0.0;
 };
 
-SetPoint hovering(const sim::VehicleTruth& vehicle, msp::Sticks sticks = msp::kNeutral) {
+SetPoint hovering(const world::VehicleTruth& vehicle, msp::Sticks sticks = msp::kNeutral) {
   const double hover = std::sqrt(vehicle.mass * kGravity / 4.0 / vehicle.thrust_coefficient);
   sticks.throttle = static_cast<std::uint16_t>(
       StickCurves{{}}.throttle.stick(throttle_of(hover, vehicle.max_speed)));
@@ -86,7 +86,7 @@ TEST(Smoothing, IsThreeDecibelDownAtItsCutOff) {
 }
 
 TEST(Companion, SendsSoManyASecondEachLateByTheDelayAndInOrder) {
-  sim::AutopilotTruth truth = holding(Takes::kRates);
+  world::AutopilotTruth truth = holding(Takes::kRates);
   truth.hz = 40.0, truth.delay = 0.030, truth.delay_jitter = 0.010;
   Companion line{truth, 1000.0, 7};
   int arrivals = 0, last = 1500;
@@ -111,7 +111,7 @@ TEST(Companion, SendsSoManyASecondEachLateByTheDelayAndInOrder) {
 }
 
 TEST(Companion, ASetPointHoldsUntilTheNextOneArrives) {
-  sim::AutopilotTruth truth = holding(Takes::kRates);
+  world::AutopilotTruth truth = holding(Takes::kRates);
   truth.hz = 40.0, truth.delay = 0.020, truth.delay_jitter = 0.0;
   Companion line{truth, 1000.0, 7};
   int changes = 0;
@@ -150,7 +150,7 @@ TEST(Autopilot, ForwardStickIsNoseDownAndRightStickNoseRight) {
 
 TEST(Autopilot, ARateIsThereWithinAFewRotorLagsAndHardlyOvershoots) {
   for (const double tau : {0.020, 0.040}) {
-    sim::VehicleTruth vehicle;
+    world::VehicleTruth vehicle;
     vehicle.rotor_time_constant = tau;
     Tethered drone{holding(Takes::kRates), vehicle};
     for (int i = 0; i < 100; ++i) drone.fly(hovering(vehicle));
@@ -201,7 +201,7 @@ TEST(Autopilot, ItsAnglesDriftWhereItAcceleratesForLong) {
 }
 
 TEST(Autopilot, TheThrottleCurveGivesBackTheRotorSpeedThatWasMeant) {
-  sim::AutopilotTruth truth = holding(Takes::kRates);
+  world::AutopilotTruth truth = holding(Takes::kRates);
   truth.delay = truth.delay_jitter = 0.0;
   Tethered drone{truth};
   for (const double speed : {400.0, 780.0, 1100.0}) {
@@ -229,4 +229,4 @@ TEST(Autopilot, StopsTheRotorsWhenDisarmed) {
 }
 
 }  // namespace
-}  // namespace gatefly::autopilot
+}  // namespace gatefly::sim

@@ -30,7 +30,7 @@ void put(std::ostream& file, Value value) {
 }
 
 /// UYVY of a picture with a colour for each pixel: of two neighbours the first one's.
-std::vector<std::uint8_t> uyvy_of(const io::ImageFile& picture) {
+std::vector<std::uint8_t> uyvy_of(const gatefly::files::ImageFile& picture) {
   if (picture.format == PixelFormat::kUyvy) return picture.bytes;
   const Image stored = picture.view(0);
   std::vector<std::uint8_t> bytes;
@@ -82,8 +82,8 @@ void write_outputs(std::ostream& file, const Command& c, const Pilot& pilot) {
       put(file, static_cast<double>(e.gates_passed));
 }
 
-io::PilotSources sources(const std::vector<std::string>& arguments) {
-  io::PilotSources from;
+gatefly::config::PilotSources sources(const std::vector<std::string>& arguments) {
+  gatefly::config::PilotSources from;
   from.track = arguments.front();
   for (std::size_t i = 1; i < arguments.size(); ++i)
     (arguments[i].find('=') == std::string::npos ? from.configs : from.settings)
@@ -92,9 +92,10 @@ io::PilotSources sources(const std::vector<std::string>& arguments) {
 }
 
 void pack(const std::vector<std::string>& arguments) {
-  const io::PilotFiles files =
-      io::read_pilot_files(sources({arguments.begin() + 4, arguments.end()}));
-  const io::FlightFolder folder = io::read_flight_folder(arguments[0]);
+  const gatefly::config::PilotFiles files =
+      gatefly::config::read_pilot_files(sources({arguments.begin() + 4, arguments.end()}));
+  const gatefly::flight_log::FlightFolder folder =
+      gatefly::flight_log::read_flight_folder(arguments[0]);
   const std::uint64_t from = std::stoull(arguments[3]);
 
   std::vector<std::vector<std::uint8_t>> pictures;

@@ -118,9 +118,9 @@ TEST(FindBoard, RealFisheyePicturesGiveALensToHalfAPixel) {
   if (!std::filesystem::is_directory(folder))
     GTEST_SKIP() << "no real pictures at " << folder << " (set GATEFLY_DATA)";
   BoardViews views;
-  const auto files = io::picture_files(folder);
+  const auto files = files::picture_files(folder);
   for (std::size_t i = 0; i < files.size(); i += 2) {
-    const io::ImageFile file = io::read_image(files[i]);
+    const files::ImageFile file = files::read_image(files[i]);
     if (auto search = find_board(file.view(0), files[i].filename().string(), {15, 9, 0.026});
         search.view)
       views.push_back(*search.view);

@@ -62,7 +62,7 @@ TEST(CameraFile, OursIsAConfiguration) {
   const TempFolder folder;
   const auto path =
       folder.file("camera.toml", camera_text(kKannalaBrandtCamera, CameraFormat::kToml));
-  const io::Config config = io::load_config(std::vector{path});
+  const config::Config config = config::load_config(std::vector{path});
   EXPECT_EQ(config.camera.width, 640);
   EXPECT_EQ(config.camera.stored_rotation_deg, 0);
   EXPECT_EQ(parameters_of(config.pilot.camera.lens).parameters,

@@ -90,10 +90,10 @@ TEST(MountFromFlight, TiltHeadingTimeAndGateComeBack) {
   const auto attitude = [](double t) {
     return Attitude{0.15 * std::sin(3.0 * t), -0.08 + 0.1 * std::cos(4.0 * t), 0.05 * std::sin(t)};
   };
-  io::FlightFolder flight;
-  io::Labels labels;
+  flight_log::FlightFolder flight;
+  files::Labels labels;
   for (int i = 0; i <= 3000; ++i) {
-    io::FlightSample sample;
+    flight_log::FlightSample sample;
     sample.time = std::chrono::milliseconds{i};
     sample.true_p_EB = position(1e-3 * i);
     sample.ahrs = attitude(1e-3 * i);

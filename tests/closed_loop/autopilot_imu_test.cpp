@@ -16,13 +16,13 @@
 #include "support/race_setup.hpp"
 #include "support/temp_folder.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 constexpr double kHz = 512.0;
 
-sim::SensorTruth autopilot(double hz, double cutoff_hz, double jitter) {
-  sim::SensorTruth truth;
+world::SensorTruth autopilot(double hz, double cutoff_hz, double jitter) {
+  world::SensorTruth truth;
   truth.autopilot_imu_hz = hz, truth.autopilot_imu_jitter = jitter;
   truth.autopilot_gyro_cutoff = truth.autopilot_accel_cutoff = cutoff_hz;
   return truth;
@@ -92,10 +92,10 @@ TEST(AutopilotImu, AFlightByItIsReplayedToTheBitFromItsLog) {
   const test::TempFolder folder;
   RaceConfig race = race_by(50.0, 1601);
   race.timeout = 25.0;
-  io::FlightRecorder recorder(folder.path() / "flight", {.navigation_imu = true});
+  flight_log::FlightRecorder recorder(folder.path() / "flight", {.navigation_imu = true});
   std::vector<std::optional<SeenGates>> seen;
   std::vector<Eigen::Vector3d> positions;
-  (void)fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     recorder.record(tick);
     seen.push_back(tick.sensors.seen);
     positions.push_back(tick.pilot.estimate().p_EB);
@@ -103,7 +103,7 @@ TEST(AutopilotImu, AFlightByItIsReplayedToTheBitFromItsLog) {
   });
   recorder.finish("{}");
 
-  const auto flight = io::read_flight_folder(folder.path() / "flight");
+  const auto flight = flight_log::read_flight_folder(folder.path() / "flight");
   const auto ticks = flight_log::ticks_of(flight);
   ASSERT_EQ(ticks.size(), seen.size());
   Pilot again{race.pilot};
@@ -135,7 +135,7 @@ TEST(AutopilotImu, ChangesNothingForAPilotThatIsNotToldOfIt) {
   with.timeout = without.timeout = 12.0;
   std::vector<double> a, b;
   const auto keep = [](std::vector<double>& numbers) {
-    return [&numbers](const Tick& tick) {
+    return [&numbers](const flight_log::Tick& tick) {
       for (const double x : tick.sensors.imu.accel_B) numbers.push_back(x);
       for (const double x : tick.command.motors) numbers.push_back(x);
       return true;
@@ -147,4 +147,4 @@ TEST(AutopilotImu, ChangesNothingForAPilotThatIsNotToldOfIt) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

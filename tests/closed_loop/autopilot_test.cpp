@@ -10,10 +10,10 @@
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
-using Takes = sim::AutopilotTruth::Takes;
+using Takes = world::AutopilotTruth::Takes;
 
 RaceConfig race_by(Output output, std::uint64_t seed) {
   RaceConfig race = test::race_on("oval", seed, 1, {"betaflight"});
@@ -36,7 +36,7 @@ TEST(ByWayOfAnAutopilot, ThePilotGetsNoImuButTheOneThatIsHandedOn) {
   race.timeout = 8.0;
   int samples = 0, fresh = 0;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
-  (void)fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     const Imu& imu = tick.sensors.imu;
     ++samples;
     if (!imu.gyro_B.allFinite()) return true;
@@ -52,7 +52,7 @@ TEST(ByWayOfAnAutopilot, EveryRotorIsMeantToGiveTheSameThrust) {
   RaceConfig race = race_by(Output::kRatesThrust, 1106);
   race.timeout = 8.0;
   bool flew = false;
-  (void)fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     const auto& motors = tick.command.motors;
     EXPECT_EQ(motors[0], motors[3]);
     flew = flew || motors[0] > 0.0;
@@ -72,7 +72,7 @@ TEST(ByWayOfAnAutopilot, IsNotHowItFliesUnasked) {
   other.sim.autopilot.hz = 7.0, other.sim.autopilot.delay = 0.4;
   std::vector<double> a, b;
   const auto keep = [](std::vector<double>& numbers) {
-    return [&numbers](const Tick& tick) {
+    return [&numbers](const flight_log::Tick& tick) {
       for (const double x : tick.command.motors) numbers.push_back(x);
       EXPECT_TRUE(tick.command.rates_B.isZero());
       return true;
@@ -84,4 +84,4 @@ TEST(ByWayOfAnAutopilot, IsNotHowItFliesUnasked) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

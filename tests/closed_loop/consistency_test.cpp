@@ -9,7 +9,7 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sim/random.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 // 20,000 draws: the mean within 4 standard errors of 1, 95 % within 4 standard errors inside.
@@ -58,7 +58,7 @@ struct Course {
     return {.on_course = true,
             .p_GB = rotation_z(-map.gates[0].yaw_EG) * (p_EB + error_E - gate.p_EG)};
   }
-  sim::WorldGate gate;
+  world::WorldGate gate;
   Track map;
   Eigen::Vector3d p_EB{1.0, 0.5, -1.4};
 };
@@ -185,4 +185,4 @@ TEST(BeliefOf, APilotOnItsPadIsNotOnCourse) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

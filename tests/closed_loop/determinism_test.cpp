@@ -13,7 +13,7 @@
 #include "support/race_setup.hpp"
 #include "support/temp_folder.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using test::race_on;
@@ -32,7 +32,7 @@ struct Trace {
 
 Trace flown(const RaceConfig& race) {
   Trace trace;
-  (void)fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     const Sensors& s = tick.sensors;
     auto& n = trace.numbers;
     n.push_back(static_cast<double>(s.time.count()));
@@ -88,4 +88,4 @@ TEST(Determinism, TwoRacesAtTheSameTimeAreEachAsItIsAlone) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

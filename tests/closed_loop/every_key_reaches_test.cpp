@@ -12,13 +12,13 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/simulated_race/closed_loop/sensor_suite.hpp"
 #include "gatefly/simulated_race/closed_loop/simulators.hpp"
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using nlohmann::json;
@@ -59,7 +59,7 @@ std::array<double, 4> motors_at(double t) {
 }
 
 /// Two pictures as they are rendered from where the drone is.
-void take_pictures(const sim::SimConfig& config, const std::vector<sim::BodyPose>& poses,
+void take_pictures(const world::SimConfig& config, const std::vector<sim::BodyPose>& poses,
                    Record& record) {
   sim::CameraRenderer renderer{config.world, config.camera,    config.light,
                                config.seed,  config.cache_dir, config.bake_threads};
@@ -72,7 +72,7 @@ void take_pictures(const sim::SimConfig& config, const std::vector<sim::BodyPose
   }
 }
 
-Records flown(const sim::SimConfig& config) {
+Records flown(const world::SimConfig& config) {
   Records records;
   IdealSimulator simulator{config, {}};
   SensorSuite suite{config};
@@ -230,14 +230,14 @@ const std::map<std::string, Effect>& effects() {
 }
 
 /// A day on which nothing is varied but what is said.
-sim::SimConfig day_with(const json& randomize, const json& faults, std::uint64_t seed) {
-  sim::SimConfig nominal = test::race_on("oval", seed, 1, {}, "none").sim;
+world::SimConfig day_with(const json& randomize, const json& faults, std::uint64_t seed) {
+  world::SimConfig nominal = test::race_on("oval", seed, 1, {}, "none").sim;
   // Something to lose and to jitter, so that each key alone shows.
-  nominal.faults = io::with_faults({}, faults, "here");
-  return sim::drawn(nominal, io::randomized({}, randomize, "here"), seed);
+  nominal.faults = config::with_faults({}, faults, "here");
+  return sim::drawn(nominal, config::randomized({}, randomize, "here"), seed);
 }
 
-sim::SimConfig day_with(const std::string& name, const Effect& effect, bool set) {
+world::SimConfig day_with(const std::string& name, const Effect& effect, bool set) {
   const auto dot = name.find('.');
   json table = effect.with;
   if (set) table[name.substr(dot + 1)] = effect.value;
@@ -248,8 +248,8 @@ sim::SimConfig day_with(const std::string& name, const Effect& effect, bool set)
 
 TEST(EveryKey, HasAnEffectNamedHere) {
   std::set<std::string> keys, named;
-  for (const auto& key : io::randomize_keys()) keys.insert(key.rule.name);
-  for (const auto& key : io::fault_keys()) keys.insert(key.rule.name);
+  for (const auto& key : config::randomize_keys()) keys.insert(key.rule.name);
+  for (const auto& key : config::fault_keys()) keys.insert(key.rule.name);
   for (const auto& [name, effect] : effects()) named.insert(name);
   EXPECT_EQ(named, keys);
 }
@@ -273,4 +273,4 @@ TEST(EveryKey, ReachesTheSensorsOfItsNameAndNoOthers) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

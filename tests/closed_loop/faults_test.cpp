@@ -14,7 +14,7 @@
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using test::race_on;
@@ -30,7 +30,7 @@ struct Arrived {
 
 Arrived flown_until(const RaceConfig& race, double until) {
   Arrived arrived;
-  (void)fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     const Sensors& sensors = tick.sensors;
     const double t = 1e-9 * static_cast<double>(sensors.time.count());
     arrived.stamps.push_back(t);
@@ -44,7 +44,7 @@ Arrived flown_until(const RaceConfig& race, double until) {
   return arrived;
 }
 
-RaceConfig ideal(const sim::Faults& faults) {
+RaceConfig ideal(const world::Faults& faults) {
   RaceConfig race = race_on("oval", 1003, 1, {}, "", faults);
   race.vision = Vision::kIdeal;
   return race;
@@ -67,7 +67,7 @@ TEST(CameraFaults, ABurstIsAGapAndNothingElse) {
 TEST(CameraFaults, PicturesThatComeMuchLaterThanToldAreFoundOut) {
   RaceConfig race = race_on("oval", 1003, 2, {}, "none", {.camera_delay = 0.060});
   race.vision = Vision::kIdeal;
-  const RaceResult result = fly(race, [](const Tick&) { return true; });
+  const RaceResult result = fly(race, [](const flight_log::Tick&) { return true; });
   ASSERT_TRUE(result.finished);
   ASSERT_TRUE(result.findings.has_value());
   EXPECT_NEAR(result.truth.latency, 0.060, 1e-9);
@@ -161,4 +161,4 @@ TEST(GateFaultsInFlight, AMissingGateIsNeverPassed) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

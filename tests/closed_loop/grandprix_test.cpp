@@ -13,16 +13,16 @@
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 /// As `gatefly fly TRACK --config NAME...`, one lap: the pilot knows the track's gates.
 RaceConfig race_with(const std::string& track_name, const std::vector<std::string>& names,
                      std::uint64_t seed, const std::string& level = "") {
-  const io::Config config = io::load_config(io::config_files(names));
+  const config::Config config = config::load_config(config::config_files(names));
   RaceConfig race = test::race_on(track_name, seed, 1, names, level);
   const Track track = race.pilot.track;
-  race.pilot = io::on_course(config, io::read_track(io::find_track(track_name))).pilot;
+  race.pilot = config::on_course(config, config::read_track(config::find_track(track_name))).pilot;
   race.pilot.track = track;
   return race;
 }
@@ -37,7 +37,7 @@ RaceConfig qualifier(std::uint64_t seed, const std::string& level = "") {
 
 TEST(Imx477, IsToldToThePilotAndSimulatedAlike) {
   const RaceConfig race = imx477_race("none");
-  const sim::CameraTruth& truth = race.sim.camera;
+  const world::CameraTruth& truth = race.sim.camera;
   EXPECT_EQ(truth.width(), 640);
   EXPECT_EQ(truth.height(), 360);
   EXPECT_DOUBLE_EQ(truth.p_BC.x(), 0.12);
@@ -72,7 +72,7 @@ TEST(Imx477, FliesThroughTwoWideGatesOnRenderedPictures) {
 // The organisers' table: feet from the boundary's top left corner, y down the map, 85 x 165 feet.
 TEST(Qualifier, GatesStandWhereTheOrganisersTableHasThem) {
   constexpr double kFoot = 0.3048;
-  const Track track = io::read_track(io::find_track("aigp-pq")).track;
+  const Track track = config::read_track(config::find_track("aigp-pq")).track;
   ASSERT_EQ(track.gates.size(), 11u);
   EXPECT_EQ(track.laps, 2);
   const MapGate &third = track.gates[2], &upper = track.gates[8], &lower = track.gates[9];
@@ -106,4 +106,4 @@ TEST(Qualifier, LapsAreFlownOnIdealVision) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -17,7 +17,7 @@
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 /// Readable fields of detections, of gates and of what is none.
@@ -40,7 +40,7 @@ void read_flight(RaceConfig race, const std::string& detector, Read& read) {
   constexpr double kRow = 1.0;  // [s]
   double last_other = -kRow;
   std::vector<sim::BodyPose> poses;
-  (void)fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     poses.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()), tick.truth.p_EB,
                      sim::q_EB_of(tick.truth.attitude)});
     if (!tick.sensors.seen || !tick.exposed) return true;
@@ -98,4 +98,4 @@ TEST(ToldApart, IsOneForTwoKindsThatNeverMixAndNothingForOneKind) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -14,7 +14,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using test::race_on;
@@ -34,7 +34,7 @@ std::array<double, 8> answer_of(const Command& c) {
 
 Trace flown(const RaceConfig& race) {
   Trace trace;
-  trace.result = fly(race, [&](const Tick& tick) {
+  trace.result = fly(race, [&](const flight_log::Tick& tick) {
     trace.answers.push_back(answer_of(tick.command));
     trace.sensors.push_back(tick.sensors);
     if (!tick.frame.empty()) trace.frames.emplace_back(tick.frame.begin(), tick.frame.end());
@@ -161,7 +161,7 @@ TEST(Race, TruthThatNoSensorShowsDoesNotReachThePilot) {
                           race.sim.camera.stored_width, race.sim.camera.stored_height, 90};
   };
   std::vector<std::array<double, 8>> answers;
-  (void)fly(other, [&](const Tick& now) {
+  (void)fly(other, [&](const flight_log::Tick& now) {
     answers.push_back(answer_of(now.command));
     return answers.size() < before.answers.size();
   });
@@ -299,7 +299,7 @@ struct SearchedFlight {
 SearchedFlight searched(const RaceConfig& race) {
   SearchedFlight flight;
   bool was_searching = false;
-  flight.result = fly(race, [&](const Tick& tick) {
+  flight.result = fly(race, [&](const flight_log::Tick& tick) {
     const bool searching = std::holds_alternative<Search>(tick.pilot.phase());
     flight.believed = tick.pilot.estimate().gates_passed;
     if (searching && !was_searching)
@@ -351,4 +351,4 @@ TEST(IdealRace, AWallThatThePilotDoesNotKnowOfIsACrashWithAName) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

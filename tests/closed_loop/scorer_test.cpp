@@ -9,7 +9,7 @@
 
 #include "support/matchers.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using Eigen::Vector2d;
@@ -41,8 +41,8 @@ struct Scene {
     scorer.score(pose, sighting, 0, sim::SolidSight{world});
     return scorer;
   }
-  sim::World world;
-  sim::CameraTruth camera;
+  world::World world;
+  world::CameraTruth camera;
   sim::BodyPose pose;
 };
 
@@ -192,4 +192,4 @@ TEST(Scorer, AHiddenGateIsNotAskedForAndNotHeldAgainstThePilot) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -32,19 +32,21 @@ constexpr double kGrey = 0.25;  // albedo
 
 std::vector<fs::path> shipped_cameras() {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(io::shipped_dir() / "cameras"))
+  for (const auto& entry : fs::directory_iterator(files::shipped_dir() / "cameras"))
     if (entry.path().extension() == ".toml") files.push_back(entry.path());
   return files;
 }
 
-CameraTruth camera_of(const fs::path& file) {
+world::CameraTruth camera_of(const fs::path& file) {
   const std::vector<fs::path> files{file};
-  const io::Config config = io::load_config(files);
-  return io::simulator_config(config, io::read_track(io::find_track("oval"), config.gate)).camera;
+  const config::Config config = config::load_config(files);
+  return config::simulator_config(config,
+                                  config::read_track(config::find_track("oval"), config.gate))
+      .camera;
 }
 
 /// A pose whose optical axis is level, towards north.
-BodyPose level_pose(const CameraTruth& camera, double t = 0.0, double yaw = 0.0) {
+BodyPose level_pose(const world::CameraTruth& camera, double t = 0.0, double yaw = 0.0) {
   return {t, {0, 0, -3.0}, q_EB_of({0.0, camera.tilt_down, yaw})};
 }
 
@@ -52,7 +54,7 @@ struct Eyes {
   Eigen::Matrix3d R_EC;
   Vector3d p_EC;
 };
-Eyes eyes_of(const CameraTruth& camera, const BodyPose& pose) {
+Eyes eyes_of(const world::CameraTruth& camera, const BodyPose& pose) {
   const Eigen::Matrix3d R_EB = R_EB_of(pose.q_EB);
   return {R_EB * camera_mount(camera.tilt_down).matrix, pose.p_EB + R_EB * camera.p_BC};
 }
@@ -60,10 +62,10 @@ Eyes eyes_of(const CameraTruth& camera, const BodyPose& pose) {
 /// Straight ahead of the camera, half as large as the picture is high; outer corners of the face
 /// that is seen.
 struct Target {
-  WorldGate gate;
+  world::WorldGate gate;
   std::array<Vector3d, 4> corners_E;  // TL, TR, BR, BL
 };
-Target target_before(const CameraTruth& camera, const BodyPose& pose) {
+Target target_before(const world::CameraTruth& camera, const BodyPose& pose) {
   const Eyes eyes = eyes_of(camera, pose);
   // The lower edge is below the optical axis: the lower bar's underside is not seen.
   const double axis = camera.lens.project(Vector3d{0, 0, 1})->y();
@@ -87,8 +89,8 @@ Target target_before(const CameraTruth& camera, const BodyPose& pose) {
 }
 
 /// A grey room's end with a gate of that brightness before it, or none.
-World wall_with(const std::optional<WorldGate>& gate, double brightness) {
-  World world;
+World wall_with(const std::optional<world::WorldGate>& gate, double brightness) {
+  world::World world;
   world.room_size = {16, 16, 6};
   world.decoys = {
       {{.center = {3.6, 0}, .size = {0.1, 14.0}, .top = 5.9}, Vector3d::Constant(kGrey)}};
@@ -108,13 +110,13 @@ class ShippedCameras : public testing::Test {
     fs::remove_all(cache, ignored);
   }
 
-  static CameraRenderer renderer_of(const World& world, const CameraTruth& camera) {
-    LightConditions light;
+  static CameraRenderer renderer_of(const world::World& world, const world::CameraTruth& camera) {
+    world::LightConditions light;
     light.noise_scale = 0.0;
     return {world, camera, light, 1, cache, 1};
   }
-  static std::vector<std::uint8_t> picture(const World& world, const CameraTruth& camera,
-                                           const BodyPose& pose) {
+  static std::vector<std::uint8_t> picture(const world::World& world,
+                                           const world::CameraTruth& camera, const BodyPose& pose) {
     CameraRenderer renderer = renderer_of(world, camera);
     std::vector<std::uint8_t> bytes;
     renderer.render(1, 0.0, std::vector<BodyPose>{pose}, bytes);
@@ -140,7 +142,7 @@ Line line_through(const std::vector<Vector2d>& points) {
 
 /// Edges of a mask's pixels and of a gate, pose by pose.
 struct Edges {
-  const CameraTruth& camera;
+  const world::CameraTruth& camera;
   const Target& target;
   std::array<std::vector<Vector2d>, 4> errors{};  // top, right, bottom, left: along, off [px]
 
@@ -176,7 +178,7 @@ struct Edges {
 TEST_F(ShippedCameras, DrawAGatesCornersWithinATenthOfAPixelOfTheirLens) {
   constexpr int kTurns = 9;  // each way
   for (const fs::path& file : shipped_cameras()) {
-    const CameraTruth camera = camera_of(file);
+    const world::CameraTruth camera = camera_of(file);
     const BodyPose middle = level_pose(camera);
     const Target target = target_before(camera, middle);
     const auto& c = target.corners_E;
@@ -212,7 +214,7 @@ TEST_F(ShippedCameras, DrawAGatesCornersWithinATenthOfAPixelOfTheirLens) {
 // The mask, whose rays go through the pixels' centres, ends where the lens says, too.
 TEST_F(ShippedCameras, MaskAGateWhereTheirLensPutsIt) {
   for (const fs::path& file : shipped_cameras()) {
-    const CameraTruth camera = camera_of(file);
+    const world::CameraTruth camera = camera_of(file);
     const BodyPose pose = level_pose(camera);
     const Target target = target_before(camera, pose);
     CameraRenderer renderer = renderer_of(wall_with(target.gate, 1.0), camera);
@@ -238,7 +240,7 @@ TEST_F(ShippedCameras, MaskAGateWhereTheirLensPutsIt) {
 TEST_F(ShippedCameras, ReadRowsOneAfterTheOtherWhereTheyAreStoredUpright) {
   constexpr double kRate = 2.0;  // [rad/s]
   const auto lean = [&](const char* name) {
-    const CameraTruth camera = camera_of(io::shipped_dir() / "cameras" / name);
+    const world::CameraTruth camera = camera_of(files::shipped_dir() / "cameras" / name);
     const Target target = target_before(camera, level_pose(camera));
     CameraRenderer renderer = renderer_of(wall_with(target.gate, 1.0), camera);
     std::vector<BodyPose> history;

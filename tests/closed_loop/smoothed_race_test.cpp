@@ -24,9 +24,9 @@ using smoothing::FlightMap;
 using smoothing::Intake;
 using smoothing::Smoothed;
 
-closed_loop::RaceConfig ideal_race(std::uint64_t seed) {
-  closed_loop::RaceConfig race = test::race_on("showroom", seed, 3);
-  race.vision = closed_loop::Vision::kIdeal;
+simulated_race::RaceConfig ideal_race(std::uint64_t seed) {
+  simulated_race::RaceConfig race = test::race_on("showroom", seed, 3);
+  race.vision = simulated_race::Vision::kIdeal;
   race.pilot.filter_model = FilterModel::kOurs;
   return race;
 }
@@ -39,15 +39,15 @@ struct Row {
 };
 
 struct Flown {
-  closed_loop::RaceResult result;
+  simulated_race::RaceResult result;
   std::vector<Row> rows;
   Intake intake;
 };
 
-Flown flown(const closed_loop::RaceConfig& race) {
+Flown flown(const simulated_race::RaceConfig& race) {
   Flown flight;
   smoothing::IntakeWatch watch;
-  flight.result = closed_loop::fly(race, [&](const Tick& tick) {
+  flight.result = simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     watch.update(*tick.pilot.navigator().error_state(), tick.sensors.seen.has_value());
     if (watch.has_started())
       flight.rows.push_back({1e-9 * static_cast<double>(tick.sensors.time.count()),
@@ -63,8 +63,8 @@ Vector3d from_gate(const Vector3d& p_EG, double yaw_EG, const Vector3d& p_EB) {
   return rotation_z(-yaw_EG) * (p_EB - p_EG);
 }
 
-Vector3d truth_of(const Row& row, const closed_loop::RaceConfig& race) {
-  const sim::WorldGate& gate = race.sim.world.gates[row.target];
+Vector3d truth_of(const Row& row, const simulated_race::RaceConfig& race) {
+  const world::WorldGate& gate = race.sim.world.gates[row.target];
   return from_gate(gate.p_EG, gate.yaw_EG, row.true_p_EB);
 }
 
@@ -76,7 +76,7 @@ Vector3d smoothed_at(const Row& row, const Smoothed& smoothed, const Vector3d& p
 // NEES of the place relative to the next gate, north and east of it, which the
 // gates show.
 double mean_nees(const Flown& flight, const Smoothed& smoothed,
-                 const closed_loop::RaceConfig& race) {
+                 const simulated_race::RaceConfig& race) {
   double sum = 0.0;
   for (const smoothing::Certainty& certainty : smoothed.certainties) {
     const smoothing::Moment& moment = smoothed.path[certainty.moment];
@@ -124,13 +124,13 @@ TEST(SmoothedRace, IsAtMostSevenTenthsAsFarFromTheGateAsTheFilter) {
 
 // Another flight through the same room: other noise of the sensors, the same
 // gates, drone and camera.
-closed_loop::RaceConfig again(closed_loop::RaceConfig race, std::uint64_t noise) {
+simulated_race::RaceConfig again(simulated_race::RaceConfig race, std::uint64_t noise) {
   race.sim.seed = noise;
   return race;
 }
 
 /// Errors of a map's gates, without what all of them have in common.
-Eigen::VectorXd errors_within(const Track& map, const sim::World& world, const Intake& intake) {
+Eigen::VectorXd errors_within(const Track& map, const world::World& world, const Intake& intake) {
   Eigen::VectorXd errors(eskf::gate_at(static_cast<int>(map.gates.size())) - eskf::kGates);
   Eigen::VectorXd information = errors;
   for (std::size_t i = 0; i < map.gates.size(); ++i) {
@@ -151,7 +151,7 @@ struct Taught {
   double worst = 0.0;
 };
 
-Taught taught_by_two(const closed_loop::RaceConfig& race) {
+Taught taught_by_two(const simulated_race::RaceConfig& race) {
   Taught taught;
   std::vector<FlightMap> maps;
   for (std::uint64_t noise : {race.sim.seed, race.sim.seed + 50}) {

@@ -38,8 +38,8 @@ int main(int argc, char** argv) try {
   if (hours < 1) throw std::invalid_argument("HOURS must be a whole number of at least 1");
   const std::string track = argc > 2 ? argv[2] : "oval", level = argc > 4 ? argv[4] : "none";
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1001;
-  closed_loop::RaceConfig race = test::race_on(track, seed, 1'000'000, {}, level);
-  race.vision = closed_loop::Vision::kIdeal;
+  gatefly::simulated_race::RaceConfig race = test::race_on(track, seed, 1'000'000, {}, level);
+  race.vision = gatefly::simulated_race::Vision::kIdeal;
   race.allocations = [] { return static_cast<std::uint64_t>(test::allocations); };
   race.timeout = 3600.0 * hours + 60.0;
   race.sim.vehicle.sag = 0.0;
@@ -47,7 +47,7 @@ int main(int argc, char** argv) try {
   std::printf("hour  gates passed  rms [m]  worst [m]  memory [kB]  refused samples\n");
   Hour hour;
   int hours_flown = 0;
-  closed_loop::Flight flight{race};
+  gatefly::simulated_race::Flight flight{race};
   while (hours_flown < hours && flight.step()) {
     const Tick tick = flight.tick();
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
@@ -65,7 +65,7 @@ int main(int argc, char** argv) try {
     std::fflush(stdout);
     hour = {};
   }
-  const closed_loop::RaceResult result = flight.result();
+  const gatefly::simulated_race::RaceResult result = flight.result();
   std::printf("allocations in the pilot's steps: %lu\n",
               static_cast<unsigned long>(result.step_allocations));
   if (hours_flown >= hours) return 0;

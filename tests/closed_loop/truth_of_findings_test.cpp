@@ -11,10 +11,10 @@
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
-TruthOfFindings truth_with(const sim::Faults& faults, const std::string& level = "none") {
+TruthOfFindings truth_with(const world::Faults& faults, const std::string& level = "none") {
   const RaceConfig race = test::race_on("showroom", 1001, 1, {}, level, faults);
   return truth_of_findings(race.sim, race.pilot);
 }
@@ -29,11 +29,11 @@ TEST(TruthOfFindings, IsNothingWhereAllIsAsTold) {
 }
 
 TEST(TruthOfFindings, NamesEveryFaultWithItsSignAndSize) {
-  const sim::Faults faults{.camera_delay = -0.020,
-                           .camera_tilt = 5 * kDegree,
-                           .moved_gate = -1,
-                           .start_heading = -5 * kDegree,
-                           .hover_thrust = 0.25};
+  const world::Faults faults{.camera_delay = -0.020,
+                             .camera_tilt = 5 * kDegree,
+                             .moved_gate = -1,
+                             .start_heading = -5 * kDegree,
+                             .hover_thrust = 0.25};
   const TruthOfFindings truth = truth_with(faults);
   EXPECT_NEAR(truth.tilt, 5 * kDegree, 1e-9);
   EXPECT_NEAR(truth.pan, 0.0, 1e-9);
@@ -74,4 +74,4 @@ TEST(TruthOfFindings, SaysWhatTheSeedDrew) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

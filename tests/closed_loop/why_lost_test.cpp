@@ -16,7 +16,7 @@
 
 #include "support/race_setup.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using Eigen::Matrix3d;
@@ -169,7 +169,7 @@ struct OneGate {
                             const std::string& object) const {
     return why_lost(now, {world, map, plan}, how, object);
   }
-  sim::World world;
+  world::World world;
   Track map;
   RacePlan plan;
   double gate_yaw;
@@ -255,8 +255,8 @@ TEST(WhyLost, ASearchThatDoesNotFindWhatIsInViewIsDetections) {
 }
 
 TEST(Named, ThingsAreCalledAsAPersonCallsThem) {
-  sim::World world;
-  world.obstacles = {sim::WorldBox{}, sim::WorldBox{.pole = true}};
+  world::World world;
+  world.obstacles = {world::WorldBox{}, world::WorldBox{.pole = true}};
   EXPECT_EQ(named("gate 4 left bar", world), "left bar of gate 4");
   EXPECT_EQ(named("false gate 2 pole", world), "pole of false gate 2");
   EXPECT_EQ(named("obstacle 2", world), "obstacle 2 (a pole)");
@@ -278,7 +278,7 @@ void expect_sum_is_the_true_miss(const RaceResult& result, const RaceConfig& rac
   const WhyLost& why = *result.why_lost;
   if (!why.from_gate) return;
   const auto index = static_cast<std::size_t>(why.gate - 1) % race.sim.world.gates.size();
-  const sim::WorldGate& gate = race.sim.world.gates[index];
+  const world::WorldGate& gate = race.sim.world.gates[index];
   const Vector3d miss = rotation_z(-gate.yaw_EG) * (true_p_EB - gate.p_EG);
   EXPECT_NEAR(why.miss.y(), miss.y(), 1e-9);
   EXPECT_NEAR(why.miss.z(), miss.z(), 1e-9);
@@ -286,7 +286,7 @@ void expect_sum_is_the_true_miss(const RaceResult& result, const RaceConfig& rac
 
 RaceResult lost(const RaceConfig& race) {
   Vector3d last = Vector3d::Zero();
-  const RaceResult result = fly(race, [&](const Tick& tick) {
+  const RaceResult result = fly(race, [&](const flight_log::Tick& tick) {
     last = tick.truth.p_EB;
     return true;
   });
@@ -351,4 +351,4 @@ TEST(Flight, AfterACrashTheWorldGoesOnWithoutThePilotAndTheResultStays) {
 }
 
 }  // namespace
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

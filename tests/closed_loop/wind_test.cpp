@@ -2,7 +2,7 @@
 // Moving air, whole races with ideal vision: 3 laps of the showroom in 0.3 m/s of wind and as strong gusts.
 #include <gtest/gtest.h>
 
-#include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/drawn.hpp"
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 
 #include "support/race_setup.hpp"
@@ -10,18 +10,18 @@
 namespace gatefly {
 namespace {
 
-closed_loop::RaceResult flown_in_wind(FilterModel model, double wind, std::uint64_t seed) {
-  const io::Config config = io::load_config(io::config_files({}));
-  const io::TrackFile file = io::read_track(io::find_track("showroom"));
-  closed_loop::RaceConfig race;
-  race.vision = closed_loop::Vision::kIdeal;
+simulated_race::RaceResult flown_in_wind(FilterModel model, double wind, std::uint64_t seed) {
+  const config::Config config = config::load_config(config::config_files({}));
+  const config::TrackFile file = config::read_track(config::find_track("showroom"));
+  simulated_race::RaceConfig race;
+  race.vision = simulated_race::Vision::kIdeal;
   race.pilot = config.pilot;
   race.pilot.track = file.track;
   race.pilot.filter_model = model;
-  sim::Randomize level = file.randomize;
+  world::Randomize level = file.randomize;
   level.wind = level.gust = wind;
-  race.sim = sim::drawn(io::simulator_config(config, file), level, seed);
-  return closed_loop::fly(race, {});
+  race.sim = sim::drawn(config::simulator_config(config, file), level, seed);
+  return simulated_race::fly(race, {});
 }
 
 // Six races are some 10 s of CPU. Before, with drag for the velocity over ground, none of forty finished.

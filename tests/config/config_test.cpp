@@ -7,14 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/config/derived.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using ::testing::AllOf;
@@ -25,7 +25,7 @@ using Settings = std::vector<std::string>;
 
 Config with(const Settings& settings) { return load_config(Files{}, settings); }
 /// The simulator's half, on no track.
-sim::SimConfig simulator(const Config& config) { return simulator_config(config, {}); }
+world::SimConfig simulator(const Config& config) { return simulator_config(config, {}); }
 std::string error_with(const std::string& setting) {
   return test::error_of([&] { (void)with({setting}); });
 }
@@ -77,12 +77,12 @@ TEST(Config, VehicleIsThePilotsBeliefAndTheSimulatorsNominalButForTheRotors) {
   EXPECT_EQ(config.pilot.vehicle.mass, 0.5);
   EXPECT_EQ(config.pilot.vehicle.min_speed, 200);
   EXPECT_DOUBLE_EQ(config.pilot.vehicle.rotor_time_constant, 0.030);
-  const sim::VehicleTruth truth = simulator(config).vehicle;
+  const world::VehicleTruth truth = simulator(config).vehicle;
   EXPECT_EQ(truth.mass, 0.5);
   EXPECT_EQ(truth.arm_x, 0.2);
   EXPECT_EQ(truth.arm_y, 0.1);
-  EXPECT_EQ(truth.min_speed, sim::VehicleTruth{}.min_speed);
-  EXPECT_EQ(truth.rotor_time_constant, sim::VehicleTruth{}.rotor_time_constant);
+  EXPECT_EQ(truth.min_speed, world::VehicleTruth{}.min_speed);
+  EXPECT_EQ(truth.rotor_time_constant, world::VehicleTruth{}.rotor_time_constant);
 }
 
 TEST(Config, TheSimulatorsOwnSettingsReachItAloneAndTheTracksWorldWithThem) {
@@ -92,7 +92,7 @@ TEST(Config, TheSimulatorsOwnSettingsReachItAloneAndTheTracksWorldWithThem) {
   TrackFile track;
   track.world.look = "showroom";
   track.start.heading = 0.5;
-  const sim::SimConfig sim = simulator_config(config, track);
+  const world::SimConfig sim = simulator_config(config, track);
   EXPECT_EQ(sim.vehicle.size, Eigen::Vector3d(0.5, 0.4, 0.1));
   EXPECT_EQ(sim.sensors.baro_noise, 0.3);
   EXPECT_EQ(sim.ideal_vision.detector, "paper");
@@ -110,7 +110,7 @@ TEST(Config, WithoutAnyFilePilotAndSimulatorHaveTheDefaultsOfTheirOwnTypes) {
   EXPECT_EQ(config.pilot.camera_timing.readout, pilot.camera_timing.readout);
   EXPECT_DOUBLE_EQ(config.pilot.detector.corner_scale, pilot.detector.corner_scale);
   EXPECT_EQ(config.pilot.detector.bar_ratio, pilot.detector.bar_ratio);
-  const sim::SimConfig nominal = simulator(config), sim;
+  const world::SimConfig nominal = simulator(config), sim;
   EXPECT_EQ(nominal.camera.p_BC, sim.camera.p_BC);
   EXPECT_NEAR(nominal.camera.tilt_down, sim.camera.tilt_down, 1e-6);
   EXPECT_EQ(nominal.camera.stored_width, sim.camera.stored_width);
@@ -311,7 +311,8 @@ TEST(Config, ErrorsAreOneLine) {
 
 TEST(Config, RandomizeGoesOverTheTracksOwn) {
   const Config config = with({"randomize.level=none", "randomize.gate_heading_deg=5"});
-  const sim::Randomize result = randomized(sim::randomize_level("hard"), config.randomize, "--set");
+  const world::Randomize result =
+      randomized(world::randomize_level("hard"), config.randomize, "--set");
   EXPECT_DOUBLE_EQ(result.gate_heading, 5 * kDegree);
   EXPECT_EQ(result.gate_position, 0.0);
 }
@@ -331,12 +332,12 @@ TEST(Config, ShippedFilesLoad) {
         "cameras/bebop-brown.toml", "cameras/wide-usb.toml", "cameras/grandprix.toml",
         "cameras/global-shutter.toml", "cameras/imx477.toml", "vehicles/bebop.toml",
         "vehicles/racer.toml", "vehicles/archer-b2.toml"})
-    EXPECT_NO_THROW((void)load_config(Files{shipped_dir() / name})) << name;
+    EXPECT_NO_THROW((void)load_config(Files{files::shipped_dir() / name})) << name;
 }
 
 // The whole original in one file: every box is the paper's.
 TEST(Config, Li18IsThePaperInEveryBox) {
-  const PilotConfig pilot = load_config(Files{shipped_dir() / "configs/li18.toml"}).pilot;
+  const PilotConfig pilot = load_config(Files{files::shipped_dir() / "configs/li18.toml"}).pilot;
   EXPECT_EQ(pilot.detector_mode, DetectorMode::kFlown);
   EXPECT_EQ(pilot.pose_scheme, Scheme::kPaper);
   EXPECT_EQ(pilot.filter_model, FilterModel::kPaper);
@@ -345,7 +346,7 @@ TEST(Config, Li18IsThePaperInEveryBox) {
 }
 
 TEST(Config, ShippedDefaultAndBebopFilesAreTheDefaults) {
-  const std::filesystem::path root = shipped_dir();
+  const std::filesystem::path root = files::shipped_dir();
   const Config bebop = load_config(Files{root / "configs/default.toml", root / "cameras/bebop.toml",
                                          root / "vehicles/bebop.toml"});
   EXPECT_EQ(as_json(bebop), as_json(Config{}));
@@ -357,4 +358,4 @@ TEST(Config, AKeyWithoutItsUnitIsSuggestedWithIt) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::config

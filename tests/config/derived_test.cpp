@@ -13,7 +13,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/race/part_params.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 /// Settings of pilot and simulator from the same keys.
@@ -23,7 +23,7 @@ struct Told {
 
   Config config;
   const PilotConfig& pilot = config.pilot;
-  sim::SimConfig simulator = simulator_config(config, {});
+  world::SimConfig simulator = simulator_config(config, {});
 };
 
 TEST(Derived, TheCamerasMountIsThePilotsAndTheSimulators) {
@@ -235,4 +235,4 @@ TEST(Derived, RotorsLagAsEachIsTold) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::config

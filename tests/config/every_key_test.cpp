@@ -12,14 +12,14 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using nlohmann::json;
@@ -60,7 +60,7 @@ json nudged(const json& now, const KeyRule& rule, bool whole) {
   const double x = now.get<double>();
   const double step = whole ? 1.0 : x == 0.0 ? 1e-3 * (rule.high - rule.low) : 0.01 * std::abs(x);
   const double other = x + step <= rule.high ? x + step : x - step;
-  return whole ? json(static_cast<int>(other)) : json(std::stod(text_of(other, 9)));
+  return whole ? json(static_cast<int>(other)) : json(std::stod(files::text_of(other, 9)));
 }
 
 /// 0, or 25 and more, and then with a filter of ours only.
@@ -132,7 +132,7 @@ class EveryKey : public ::testing::Test {
  protected:
   const test::TempFolder folder_;
   const std::string color_table_ =
-      folder_.file("colors.toml", color_model_text(ColorModel::described({0, 0, 1}), "blue"))
+      folder_.file("colors.toml", files::color_model_text(ColorModel::described({0, 0, 1}), "blue"))
           .string();
 
   /// Other value of a key that `before` lacks, the track's: 0, or the least that is allowed.
@@ -182,9 +182,9 @@ TEST_F(EveryKey, RefusesWhatItMayNotHoldNamingFileKeyAndValue) {
       const auto file =
           folder_.file("mine.toml", "[" + section_of(rule.name) + "]\n" + key_of(rule.name) +
                                         " = " + value.dump() + "\n");
-      EXPECT_THAT(
-          test::error_of([&] { (void)load_config(Files{file}); }),
-          HasSubstr(file.string() + ":2: " + rule.name + " = " + shown(value) + ", must be "));
+      EXPECT_THAT(test::error_of([&] { (void)load_config(Files{file}); }),
+                  HasSubstr(file.string() + ":2: " + rule.name + " = " + files::shown(value) +
+                            ", must be "));
     }
 }
 
@@ -271,4 +271,4 @@ TEST_F(EveryKey, AsShownReadsBackAsItself) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::config

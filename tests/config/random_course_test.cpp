@@ -16,7 +16,7 @@
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/race/path.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 TrackFile course_of(const std::string& text) {
@@ -111,4 +111,4 @@ TEST(CourseCheck, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::config

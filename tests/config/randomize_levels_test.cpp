@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 const std::vector<std::string> kLevels{"none", "race", "hard"};
@@ -39,7 +39,7 @@ std::map<std::string, std::vector<std::string>> documented_levels() {
 TEST(RandomizeLevels, AreWhatTheSimulatorsPageSays) {
   const auto documented = documented_levels();
   for (std::size_t level = 0; level < kLevels.size(); ++level) {
-    const sim::Randomize sizes = sim::randomize_level(kLevels[level]);
+    const world::Randomize sizes = world::randomize_level(kLevels[level]);
     for (const auto& key : randomize_keys()) {
       const std::string name = key.rule.name.substr(std::string{"randomize."}.size());
       ASSERT_TRUE(documented.contains(name)) << name;
@@ -52,4 +52,4 @@ TEST(RandomizeLevels, AreWhatTheSimulatorsPageSays) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -8,7 +8,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using ::testing::AllOf;
@@ -169,4 +169,4 @@ TEST(TrackFile, OvalHasTwoGatesOnTwoLanes) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::config

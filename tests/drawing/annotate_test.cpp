@@ -13,7 +13,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 using ::testing::HasSubstr;
@@ -48,7 +48,7 @@ std::array<int, 2> annotated_size(const Picture& picture) {
   const test::TempFolder folder;
   const std::array<GateDetection, 1> gates{square(5, 40, 0.9)};
   annotated(picture.view(), gates).write_png(folder.path() / "a.png");
-  return png_size(read_file(folder.path() / "a.png"));
+  return png_size(files::read_file(folder.path() / "a.png"));
 }
 
 TEST(Annotate, SmallPicturesAreTrebledUpright) {
@@ -68,7 +68,7 @@ TEST(Annotate, TheFileShowsWhatWasFound) {
   const std::array<GateDetection, 2> gates{square(20, 40, 0.9), square(50, 58, 0.7)};
   const auto file = [&](std::size_t count) {
     annotated(picture.view(), std::span{gates}.first(count)).write_png(folder.path() / "a.png");
-    return read_file(folder.path() / "a.png");
+    return files::read_file(folder.path() / "a.png");
   };
   EXPECT_NE(file(0), file(1));
   EXPECT_NE(file(1), file(2));
@@ -92,7 +92,7 @@ TEST(Annotate, GatesOutsideThePictureDoNoHarm) {
   const Picture picture{.stored_width = 30, .stored_height = 20};
   const std::array<GateDetection, 1> gates{square(-500, 900, 0.5)};
   annotated(picture.view(), gates).write_png(folder.path() / "a.png");
-  EXPECT_EQ(png_size(read_file(folder.path() / "a.png")), (std::array{90, 60}));
+  EXPECT_EQ(png_size(files::read_file(folder.path() / "a.png")), (std::array{90, 60}));
 }
 
 TEST(Annotate, WhatCannotBeWrittenLeavesNothing) {
@@ -113,4 +113,4 @@ TEST(Annotate, WhatCannotBeWrittenLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

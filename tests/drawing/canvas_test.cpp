@@ -12,7 +12,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 using ::testing::ElementsAre;
@@ -141,8 +141,8 @@ TEST(Canvas, APngThatCannotBeWrittenLeavesNothing) {
               HasSubstr("a.png"));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   canvas.write_png(folder.path() / "a.png");
-  EXPECT_THAT(read_file(folder.path() / "a.png"), HasSubstr("PNG"));
+  EXPECT_THAT(files::read_file(folder.path() / "a.png"), HasSubstr("PNG"));
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -14,14 +14,14 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 using ::testing::HasSubstr;
 
 TEST(Palette, IsThatOfTheViewer) {
   const std::string css =
-      read_file(std::string{std::getenv("GATEFLY_SOURCE_DIR")} + "/viewer/src/style.css");
+      files::read_file(std::string{std::getenv("GATEFLY_SOURCE_DIR")} + "/viewer/src/style.css");
   const std::size_t dark = css.find("prefers-color-scheme: dark"), end = css.find("* {");
   ASSERT_LT(dark, end);
   const auto expect_in = [](const std::string& part, const Palette& palette) {
@@ -97,4 +97,4 @@ TEST(Palette, ColourBlindPeopleTellTheCurvesOfAPlotApart) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 using ::testing::DoubleEq;
@@ -132,4 +132,4 @@ TEST(Plot, AQuickRunIsStampedWhereNoTitleIs) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

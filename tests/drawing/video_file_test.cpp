@@ -11,7 +11,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 using ::testing::AllOf;
@@ -21,7 +21,7 @@ using ::testing::Not;
 class VideoFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
+    if (!test::error_of(files::require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   }
   [[nodiscard]] bool nothing_left() const { return std::filesystem::is_empty(folder_.path()); }
 
@@ -35,7 +35,7 @@ TEST_F(VideoFileTest, AppearsUnderItsNameOnlyWhenWhole) {
   for (int i = 0; i < 5; ++i) video.add(picture_);
   EXPECT_FALSE(std::filesystem::exists(path));
   video.finish();
-  EXPECT_THAT(read_file(path).substr(0, 12), HasSubstr("ftyp"));
+  EXPECT_THAT(files::read_file(path).substr(0, 12), HasSubstr("ftyp"));
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
 }
 
@@ -66,7 +66,7 @@ TEST_F(VideoFileTest, WhenFfmpegGivesUpItIsOneLineWithItsReason) {
 TEST_F(VideoFileTest, WithoutFfmpegItIsOneLineAndNothingIsLeft) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder_.path().c_str(), 1);
-  const std::string asked = test::error_of(require_ffmpeg);
+  const std::string asked = test::error_of(files::require_ffmpeg);
   const std::string started =
       test::error_of([&] { VideoFile video(folder_.path() / "a.mp4", 64, 48, 20); });
   setenv("PATH", path.c_str(), 1);
@@ -76,4 +76,4 @@ TEST_F(VideoFileTest, WithoutFfmpegItIsOneLineAndNothingIsLeft) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

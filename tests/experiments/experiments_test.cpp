@@ -129,13 +129,13 @@ TEST_F(RealData, ExamplesAreWhatTheyAreCalled) {
   const auto [hit, wrong, missed] =
       detection_examples(set, runs, unlabelled_gates(set, folder / "unlabelled_gates.csv"));
   const auto hits = [&](std::size_t picture, const Found& found) {
-    const io::PictureToScore one = to_score(set, found)[picture];
-    return io::score({&one, 1}, io::Rule::kOverlap70Authors).hits;
+    const files::PictureToScore one = to_score(set, found)[picture];
+    return files::score({&one, 1}, files::Rule::kOverlap70Authors).hits;
   };
   ASSERT_TRUE(hit.picture && wrong.picture && missed.picture);
   EXPECT_EQ(hits(*hit.picture, runs[0]), 1);
   for (const Quad& gate : set.labels.pictures[*wrong.picture].gates)
-    EXPECT_EQ(io::polygon_shared_area(gate, wrong.found->corners_px), 0.0);
+    EXPECT_EQ(files::polygon_shared_area(gate, wrong.found->corners_px), 0.0);
   EXPECT_FALSE(set.labels.pictures[*missed.picture].gates.empty());
   for (const Found& found : runs) EXPECT_EQ(hits(*missed.picture, found), 0);
   EXPECT_FALSE(missed.found);

@@ -34,10 +34,10 @@ LoggedMotion swaying_flight(double mocap_delay, double phase) {
     return Eigen::Vector3d{1.5 * t, 0.3 + 0.3 * std::sin(2.0 * t + phase),
                            -1.3 - 0.1 * std::sin(t)};
   };
-  io::FlightFolder folder;
+  flight_log::FlightFolder folder;
   for (int i = 0; i < 1100; ++i) {
     const double t = i / 512.0;
-    io::FlightSample sample;
+    flight_log::FlightSample sample;
     sample.time = std::chrono::nanoseconds{std::llround(1e9 * t)};
     sample.true_p_EB = place(t - mocap_delay);
     sample.ahrs = Attitude{0.15 * std::sin(2.0 * t + phase), -0.08 + 0.03 * std::cos(3.0 * t),

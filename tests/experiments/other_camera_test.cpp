@@ -52,7 +52,7 @@ TEST(HallDay, IsThatCamerasAndLabelsWhatCanBeAskedFor) {
     EXPECT_EQ(picture.view().height(), 480);
     EXPECT_EQ(picture.file.bytes.size(), 640u * 480u * 2u);
     for (const Quad& gate : picture.truth.gates)
-      EXPECT_GE(io::polygon_area(gate), HallPicture::kLeastSide * HallPicture::kLeastSide);
+      EXPECT_GE(files::polygon_area(gate), HallPicture::kLeastSide * HallPicture::kLeastSide);
   }
   EXPECT_EQ(day.pictures[3].file.bytes, hall_day({}, 1001, 4, {}).pictures[3].file.bytes);
   EXPECT_NE(day.pictures[3].file.bytes, straight.pictures[3].file.bytes);

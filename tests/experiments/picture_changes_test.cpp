@@ -216,12 +216,12 @@ TEST(ColorChanges, NoiseHasItsSigmaAndNoMean) {
 TEST(ColorChanges, A420JpegLosesTheColourOfThinBarsA444KeepsIt) {
   UprightPicture picture = plain(64, 64, kWall);
   paint(picture, 31, 0, 31, 63, kOrange);
-  const auto red = [&](io::ChromaSampling sampling) {
+  const auto red = [&](files::ChromaSampling sampling) {
     const UprightPicture stored = through_jpeg(picture, 95, sampling);
     EXPECT_EQ(stored.format, PixelFormat::kYuv444);
     return int{stored.view().at(31, 32).v};
   };
-  EXPECT_GT(red(io::ChromaSampling::k444), red(io::ChromaSampling::k420) + 15);
+  EXPECT_GT(red(files::ChromaSampling::k444), red(files::ChromaSampling::k420) + 15);
 }
 
 TEST(ShapeChanges, SizesKeepTheMeanAndScaleLabels) {
@@ -254,7 +254,7 @@ TEST(ShapeChanges, TheSecondGateIsSmallerAndHidesNothing) {
   ASSERT_TRUE(both);
   ASSERT_EQ(both->gates.size(), 2u);
   EXPECT_NEAR(area(both->gates[1]), 0.49 * 3600.0, 1e-6);
-  EXPECT_EQ(io::polygon_shared_area(both->gates[0], both->gates[1]), 0.0);
+  EXPECT_EQ(files::polygon_shared_area(both->gates[0], both->gates[1]), 0.0);
   for (int v = 59; v <= 121; ++v)
     for (int u = 19; u <= 81; ++u)
       ASSERT_EQ(color_at(*both, u, v), color_at(picture, u, v)) << u << ' ' << v;

@@ -20,7 +20,7 @@ Result result_with(const std::string& what) {
   Result result{.table = {{what, "1 m", "2 m"}, {"  of it", "-", "0.5"}},
                 .json = nlohmann::ordered_json::object(),
                 .csv = "",
-                .picture = io::Canvas(40, 30)};
+                .picture = drawing::Canvas(40, 30)};
   result.json["quick"] = true;
   return result;
 }
@@ -89,8 +89,8 @@ TEST(ResultPage, PicturesThatAreTooLargeAreNamed) {
 }
 
 TEST(Experiments, NameSectionsOfDeviationsThatExist) {
-  const std::string page =
-      io::read_file(std::string{std::getenv("GATEFLY_SOURCE_DIR")} + "/docs/paper/deviations.md");
+  const std::string page = files::read_file(std::string{std::getenv("GATEFLY_SOURCE_DIR")} +
+                                            "/docs/paper/deviations.md");
   for (const Experiment& experiment : all()) {
     EXPECT_FALSE(experiment.deviations.empty()) << experiment.name;
     for (const Deviation& deviation : experiment.deviations)
@@ -103,7 +103,7 @@ TEST(Experiments, AQuickRunIsMarkedInNumbersAndPicture) {
                                 return Result{.table = {},
                                               .json = nlohmann::ordered_json::object(),
                                               .csv = "",
-                                              .picture = io::Canvas(300, 100)};
+                                              .picture = drawing::Canvas(300, 100)};
                               }};
   Options options;
   const Result whole = run(experiment, options);
@@ -111,7 +111,7 @@ TEST(Experiments, AQuickRunIsMarkedInNumbersAndPicture) {
   const Result quick = run(experiment, options);
   EXPECT_EQ(whole.json["quick"], false);
   EXPECT_EQ(quick.json["quick"], true);
-  EXPECT_EQ(whole.picture.rgb(), io::Canvas(300, 100).rgb());
+  EXPECT_EQ(whole.picture.rgb(), drawing::Canvas(300, 100).rgb());
   EXPECT_NE(quick.picture.rgb(), whole.picture.rgb());
 }
 

@@ -54,10 +54,10 @@ TEST(WideGates, WhatIsAboutAGateIsNotFalseFromWhicheverSide) {
 }
 
 TEST(WideGates, CountsGatesByCornersAndWhatIsNone) {
-  sim::World world;
+  world::World world;
   world.gates = {{.side = 2.0, .bar = 0.4}};
   const sim::GateView gate = cut_below();
-  const tasks::Picture picture{.number = 7, .seed = 3, .gates = {gate}};
+  const simulated_race::Picture picture{.number = 7, .seed = 3, .gates = {gate}};
   FoundCorners wrong{.corners_px = scaled(gate.corners_px, 0.1),
                      .reported = {true, true, true, true}};
   WideLooks looks;

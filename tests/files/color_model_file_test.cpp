@@ -12,7 +12,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using ::testing::AllOf;
@@ -90,23 +90,23 @@ TEST(ColorTable, IsLookedForBesideTheFileThatNamesItAndTakesThePlaceOfTheDescrip
   (void)folder.file("tables/mine.toml", color_model_text(model, ""));
   const std::vector<std::filesystem::path> files{
       folder.file("my.toml", "[color]\ntable = \"tables/mine.toml\"\n")};
-  EXPECT_EQ(load_config(files).pilot.gate_color.absolute, model.absolute);
-  EXPECT_EQ(
-      load_config(files, std::vector<std::string>{"color.table=\"\""}).pilot.gate_color.absolute,
-      Config{}.pilot.gate_color.absolute);
+  EXPECT_EQ(config::load_config(files).pilot.gate_color.absolute, model.absolute);
+  EXPECT_EQ(config::load_config(files, std::vector<std::string>{"color.table=\"\""})
+                .pilot.gate_color.absolute,
+            config::Config{}.pilot.gate_color.absolute);
 }
 
 TEST(ColorTable, ThatIsNotThereIsSaidWithTheFileThatNamesIt) {
   const test::TempFolder folder;
   const std::vector<std::filesystem::path> files{
       folder.file("my.toml", "[color]\ntable = \"none.toml\"\n")};
-  const std::string error = test::error_of([&] { (void)load_config(files); });
+  const std::string error = test::error_of([&] { (void)config::load_config(files); });
   EXPECT_THAT(error, AllOf(HasSubstr("my.toml:2: color.table: "), HasSubstr("none.toml"),
                            Not(HasSubstr("\n"))));
-  const std::string wrong =
-      test::error_of([&] { (void)load_config({}, std::vector<std::string>{"color.table=3"}); });
+  const std::string wrong = test::error_of(
+      [&] { (void)config::load_config({}, std::vector<std::string>{"color.table=3"}); });
   EXPECT_THAT(wrong, HasSubstr("color.table = 3, must be the name of a file"));
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -8,7 +8,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using ::testing::ElementsAre;
@@ -71,4 +71,4 @@ TEST(Csv, OfAThousandColumnsAndMoreIsRefusedUnread) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -9,7 +9,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using ::testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST(LabelsFile, ErrorsNameLineColumnAndValue) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

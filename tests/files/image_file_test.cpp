@@ -12,7 +12,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using ::testing::AllOf;
@@ -227,4 +227,4 @@ TEST(ImageFile, OtherEmptyMissingAndFolderAreErrorsWithThePath) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -11,7 +11,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using testing::HasSubstr;
@@ -134,4 +134,4 @@ TEST(JsonText, TakesNamesThatAreNoUtf8) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -18,7 +18,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -178,11 +178,11 @@ TEST(RefuseForeignFolder, WhatAKilledProgramLeftIsNobodys) {
 
 TEST(OurPng, IsKnownFromOthersAndStillAPicture) {
   const test::TempFolder folder;
-  Canvas(8, 8).write_png(folder.path() / "a.png");
+  drawing::Canvas(8, 8).write_png(folder.path() / "a.png");
   EXPECT_TRUE(is_of_kind(folder.path() / "a.png", kOurPng));
   EXPECT_EQ(read_image(folder.path() / "a.png").stored_width, 8);
   EXPECT_FALSE(is_of_kind(folder.file("b.png", "\x89PNG\r\n"), kOurPng));
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

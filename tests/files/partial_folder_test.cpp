@@ -8,7 +8,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,4 +108,4 @@ TEST(PartialFolder, LeftoversAreClearedAndAForeignOneIsKept) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -13,7 +13,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 /// A soft slope of grey and colour, 24 x 16, as UYVY.
@@ -87,4 +87,4 @@ TEST(PngWriter, WhatIsWrittenIsReadAgain) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

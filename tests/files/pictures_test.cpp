@@ -15,7 +15,7 @@
 #include "support/draw_gate.hpp"
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,9 +90,9 @@ TEST(VideoReader, EveryPictureOfAFilmInItsOrderInJfifColours) {
   if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   const test::TempFolder folder;
   const fs::path path = folder.path() / "a 'film'.mp4";
-  VideoFile film(path, 64, 48, 10);
+  drawing::VideoFile film(path, 64, 48, 10);
   for (int i = 0; i < 7; ++i) {
-    Canvas picture(64, 48);
+    drawing::Canvas picture(64, 48);
     picture.fill({.x = 0, .y = 0, .width = 64, .height = 48}, {0.9, 0.1 * i, 0.2});
     film.add(picture);
   }
@@ -129,12 +129,12 @@ TEST(VideoReader, WhatIsNoFilmIsOneLineWithThePath) {
 TEST(VideoReader, AReaderMayBeLeftBeforeTheEnd) {
   if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   const test::TempFolder folder;
-  VideoFile film(folder.path() / "a.mp4", 320, 240, 10);
-  for (int i = 0; i < 30; ++i) film.add(Canvas(320, 240));
+  drawing::VideoFile film(folder.path() / "a.mp4", 320, 240, 10);
+  for (int i = 0; i < 30; ++i) film.add(drawing::Canvas(320, 240));
   film.finish();
   VideoReader reader(folder.path() / "a.mp4");
   EXPECT_TRUE(reader.next());
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

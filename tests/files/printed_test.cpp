@@ -10,7 +10,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using testing::EndsWith;
@@ -73,4 +73,4 @@ TEST(Suggestion, OfAWordThatNobodyMeantThereIsNone) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 TEST(Quantile, InterpolatesBetweenSortedValues) {
@@ -30,4 +30,4 @@ TEST(NearestRank, IsOneOfTheValuesInWhateverOrderTheyCome) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -9,7 +9,7 @@
 
 #include "gatefly/geometry/rng.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using ::testing::AllOf;
@@ -230,4 +230,4 @@ TEST(Scoring, IdenticalPicturesCountOnceButEveryTimeByTheAuthorsRule) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

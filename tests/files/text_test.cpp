@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -29,4 +29,4 @@ TEST(TextOf, IsTheShortestThatReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -8,7 +8,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using testing::HasSubstr;
@@ -65,4 +65,4 @@ TEST(Toml, LongKeysInLongFilesTakeNoMemoryEach) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 std::uint64_t of(std::string_view text) {
@@ -42,4 +42,4 @@ TEST(Xxh64, ItsTextReadsBack) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::files

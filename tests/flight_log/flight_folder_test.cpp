@@ -16,7 +16,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 using ::testing::HasSubstr;
@@ -78,10 +78,10 @@ TEST_P(RecordingInEitherLog, ReadsBackExactly) {
   ASSERT_EQ(flight.images.size(), 1u);
   EXPECT_EQ(flight.images[0].log_row, 42u);
   EXPECT_EQ(flight.images[0].time, sample.time);
-  EXPECT_EQ(flight.images[0].xxh64, xxh64(frame));
+  EXPECT_EQ(flight.images[0].xxh64, files::xxh64(frame));
   EXPECT_EQ(sample.motors, (std::array<double, 4>{1, 2, 3, 4}));
   EXPECT_FALSE(std::filesystem::exists(flight.images[0].path));
-  EXPECT_EQ(flight_log::where_pictures_are(flight), flight_log::Pictures::kHashes);
+  EXPECT_EQ(where_pictures_are(flight), Pictures::kHashes);
 }
 INSTANTIATE_TEST_SUITE_P(Log, RecordingInEitherLog, ::testing::Bool());
 
@@ -128,7 +128,7 @@ TEST_F(Recording, AnAutopilotsImuIsKeptWhereItArrived) {
   EXPECT_EQ(flight.samples[2].navigation_imu->gyro_B, sample.gyro_B);
   EXPECT_EQ(flight.samples[2].navigation_imu->accel_B, sample.accel_B);
   EXPECT_FALSE(flight.samples[3].navigation_imu.has_value()) << "no use to the pilot either";
-  const auto ticks = flight_log::ticks_of(flight);
+  const auto ticks = ticks_of(flight);
   EXPECT_TRUE(ticks[2].sensors.navigation_imu.has_value());
   EXPECT_FALSE(ticks[1].sensors.navigation_imu.has_value());
 }
@@ -137,12 +137,12 @@ TEST_F(Recording, WithoutAnAutopilotsImuTheLogHasNoColumnsForIt) {
   FlightRecorder recorder(folder_.path() / "flight");
   record(recorder, 0);
   recorder.finish("{}");
-  const std::string log = read_file(folder_.path() / "flight" / "log_si.csv");
+  const std::string log = files::read_file(folder_.path() / "flight" / "log_si.csv");
   EXPECT_THAT(log.substr(0, log.find('\n')), ::testing::EndsWith(",battery_v"));
 }
 
 TEST_F(Recording, FramesAreKeptInOneFilmToTheBit) {
-  if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
+  if (!test::error_of(files::require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   constexpr int kWidth = 32, kHeight = 18, kFrames = 30;
   const auto frame_of = [](int row) {
     std::vector<std::uint8_t> frame(2 * kWidth * kHeight);
@@ -157,22 +157,19 @@ TEST_F(Recording, FramesAreKeptInOneFilmToTheBit) {
   recorder.finish("{}");
 
   const FlightFolder flight = read_flight_folder(out);
-  EXPECT_EQ(flight_log::where_pictures_are(flight), flight_log::Pictures::kFilm);
-  flight_log::HashCheck hashes;
-  const auto pictures =
-      flight_log::checked(flight_log::pictures_in_film(flight, kWidth, kHeight), flight, hashes);
+  EXPECT_EQ(where_pictures_are(flight), Pictures::kFilm);
+  HashCheck hashes;
+  const auto pictures = checked(pictures_in_film(flight, kWidth, kHeight), flight, hashes);
   for (const int row : {0, 1, 2, 7, kFrames - 1, kFrames - 1, 3})  // also back again
     EXPECT_EQ(pictures(static_cast<std::size_t>(row)).bytes, frame_of(row)) << row;
   EXPECT_EQ(hashes.checked, 7u);
   EXPECT_EQ(hashes.others, 0u);
-  EXPECT_THAT(
-      test::error_of([&] { (void)flight_log::pictures_in_film(flight, kHeight, kWidth)(0); }),
-      HasSubstr("frames.mkv: its pictures are 32 x 18, the camera's as stored 18 x 32"));
+  EXPECT_THAT(test::error_of([&] { (void)pictures_in_film(flight, kHeight, kWidth)(0); }),
+              HasSubstr("frames.mkv: its pictures are 32 x 18, the camera's as stored 18 x 32"));
   FlightFolder more = flight;
   more.images.push_back(more.images.back());
-  EXPECT_THAT(
-      test::error_of([&] { (void)flight_log::pictures_in_film(more, kWidth, kHeight)(kFrames); }),
-      HasSubstr("frames.mkv: ends after 30 pictures, images.csv has 31"));
+  EXPECT_THAT(test::error_of([&] { (void)pictures_in_film(more, kWidth, kHeight)(kFrames); }),
+              HasSubstr("frames.mkv: ends after 30 pictures, images.csv has 31"));
 }
 
 TEST_F(Recording, APictureWithAnotherHashIsCounted) {
@@ -184,12 +181,12 @@ TEST_F(Recording, APictureWithAnotherHashIsCounted) {
     recorder.finish("{}");
   }
   for (const char* name : {"frame_00000.uyvy", "frame_00001.uyvy", "frame_00002.uyvy"})
-    write_file(out / name, std::string{"\1\2\3\4\5\6\7", 7} + (name[10] == '1' ? 'x' : '\10'));
+    files::write_file(out / name,
+                      std::string{"\1\2\3\4\5\6\7", 7} + (name[10] == '1' ? 'x' : '\10'));
   const FlightFolder flight = read_flight_folder(out);
-  EXPECT_EQ(flight_log::where_pictures_are(flight), flight_log::Pictures::kFiles);
-  flight_log::HashCheck hashes;
-  const auto pictures =
-      flight_log::checked(flight_log::pictures_in_files(flight, 2, 2), flight, hashes);
+  EXPECT_EQ(where_pictures_are(flight), Pictures::kFiles);
+  HashCheck hashes;
+  const auto pictures = checked(pictures_in_files(flight, 2, 2), flight, hashes);
   for (std::size_t i = 0; i < 3; ++i) (void)pictures(i);
   EXPECT_EQ(hashes.checked, 3u);
   EXPECT_EQ(hashes.others, 1u);
@@ -221,11 +218,11 @@ TEST_F(Recording, ReplacesAnEarlierFlightButNothingElse) {
     if (i == 0) recorder.add_file("config-0.toml", "");
     const std::string said = recorder.finish("{\"gates_passed\":" + std::to_string(i) + "}");
     EXPECT_EQ(said, i == 0 ? "" : "in place of the flight that was there");
-    if (i == 0) write_file(out / "notes.txt", "mine");
+    if (i == 0) files::write_file(out / "notes.txt", "mine");
   }
-  EXPECT_EQ(read_file(out / "summary.json"), "{\"gates_passed\":1}");
+  EXPECT_EQ(files::read_file(out / "summary.json"), "{\"gates_passed\":1}");
   EXPECT_FALSE(std::filesystem::exists(out / "config-0.toml"));
-  EXPECT_EQ(read_file(out / "notes.txt"), "mine");
+  EXPECT_EQ(files::read_file(out / "notes.txt"), "mine");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 
   std::filesystem::remove(out / "summary.json");
@@ -241,10 +238,10 @@ TEST_F(Recording, AFilmThatNoNewOneReplacesGetsANameOfItsOwn) {
   const auto out = folder_.path() / "flight";
   for (int i = 0; i < 3; ++i) {
     FlightRecorder recorder(out);
-    if (i < 2) write_file(recorder.place_for("flight.mp4"), std::to_string(i));
+    if (i < 2) files::write_file(recorder.place_for("flight.mp4"), std::to_string(i));
     recorder.finish("{\"gates_passed\":1}");
   }
-  EXPECT_EQ(read_file(out / "flight-before-1.mp4"), "1");
+  EXPECT_EQ(files::read_file(out / "flight-before-1.mp4"), "1");
   EXPECT_FALSE(std::filesystem::exists(out / "flight.mp4"));
 }
 
@@ -256,8 +253,8 @@ TEST_F(Recording, AFlightThatCannotTakeItsPlaceIsKeptAside) {
     EXPECT_THAT(test::error_of([&] { recorder.finish("{}"); }),
                 HasSubstr("this flight is in " + aside.string()));
   }
-  EXPECT_EQ(read_file(aside / "summary.json"), "{}");
-  EXPECT_EQ(read_file(out), "came meanwhile");
+  EXPECT_EQ(files::read_file(aside / "summary.json"), "{}");
+  EXPECT_EQ(files::read_file(out), "came meanwhile");
 }
 
 TEST(FlightFolder, ReadsRealLogsColumns) {
@@ -298,4 +295,4 @@ TEST(FlightFolder, DamageIsNamedByFileAndLine) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

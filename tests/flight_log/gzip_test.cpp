@@ -8,7 +8,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 using ::testing::HasSubstr;
@@ -36,12 +36,12 @@ TEST(Gzip, ReadsBackWhatWasWrittenPieceByPiece) {
   EXPECT_EQ(read_gzip(path), text);
   EXPECT_LT(std::filesystem::file_size(path), text.size() / 2);
   EXPECT_EQ(read_gzip(packed(folder, "empty.gz", "", 1)), "");
-  EXPECT_EQ(read_file(packed(folder, "b.gz", text, 77'777)), read_file(path));
+  EXPECT_EQ(files::read_file(packed(folder, "b.gz", text, 77'777)), files::read_file(path));
 }
 
 TEST(Gzip, WhatIsNoWholeFileIsOneLine) {
   const test::TempFolder folder;
-  const std::string whole = read_file(packed(folder, "a.gz", rows(), 1 << 20));
+  const std::string whole = files::read_file(packed(folder, "a.gz", rows(), 1 << 20));
   const auto said = [&](const std::string& content) {
     return test::error_of([&] { (void)read_gzip(folder.file("x.gz", content)); });
   };
@@ -58,9 +58,9 @@ TEST(Gzip, WhatIsNoWholeFileIsOneLine) {
 
 TEST(Gzip, EveryMemberIsRead) {
   const test::TempFolder folder;
-  const std::string one = read_file(packed(folder, "a.gz", "t_s\n1\n", 9)),
-                    other = read_file(packed(folder, "b.gz", rows(), 1 << 20)),
-                    none = read_file(packed(folder, "c.gz", "", 1));
+  const std::string one = files::read_file(packed(folder, "a.gz", "t_s\n1\n", 9)),
+                    other = files::read_file(packed(folder, "b.gz", rows(), 1 << 20)),
+                    none = files::read_file(packed(folder, "c.gz", "", 1));
   EXPECT_EQ(read_gzip(folder.file("x.gz", one + none + other)), "t_s\n1\n" + rows());
   EXPECT_THAT(test::error_of([&] {
                 (void)read_gzip(folder.file("x.gz", one + other.substr(0, other.size() - 1)));
@@ -78,4 +78,4 @@ TEST(Gzip, WhatUnpacksToFarMoreThanALogIsRefused) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

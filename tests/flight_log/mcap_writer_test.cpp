@@ -15,7 +15,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 using ::testing::ElementsAre;
@@ -173,7 +173,7 @@ TEST(McapWriter, HasWhatTheSpecificationWantsInItsOrder) {
   writer.finish();
   (void)c;
 
-  const Mcap mcap(read_file(folder.path() / "a.mcap"));
+  const Mcap mcap(files::read_file(folder.path() / "a.mcap"));
   // Header, chunk, an index of each channel that is in it, end of data; schemas, channels,
   // statistics, chunk index, offsets of these four groups, footer.
   EXPECT_THAT(mcap.ops, ElementsAre(0x01, 0x06, 0x07, 0x07, 0x0F, 0x03, 0x03, 0x04, 0x04, 0x04,
@@ -196,8 +196,8 @@ TEST(McapWriter, ManyMessagesAreManyChunksEachIndexed) {
     for (std::uint64_t i = 0; i < 30; ++i) writer.write(channel, i, std::string(100'000, '7'));
     writer.finish();
   }
-  const std::string file = read_file(folder.path() / "a.mcap");
-  EXPECT_EQ(file, read_file(folder.path() / "b.mcap"));
+  const std::string file = files::read_file(folder.path() / "a.mcap");
+  EXPECT_EQ(file, files::read_file(folder.path() / "b.mcap"));
   const Mcap mcap(file);
   EXPECT_EQ(mcap.messages.size(), 30u);
   EXPECT_EQ(mcap.indexed_chunks, 3);
@@ -207,7 +207,7 @@ TEST(McapWriter, WithoutMessagesItIsStillWhole) {
   const test::TempFolder folder;
   McapWriter writer(folder.path() / "a.mcap");
   writer.finish();
-  const Mcap mcap(read_file(folder.path() / "a.mcap"));
+  const Mcap mcap(files::read_file(folder.path() / "a.mcap"));
   EXPECT_THAT(mcap.ops, ElementsAre(0x01, 0x0F, 0x0B, 0x0E, 0x02));
 }
 
@@ -217,4 +217,4 @@ TEST(McapWriter, AFolderThatIsNotThereIsOneLine) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

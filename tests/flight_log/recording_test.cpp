@@ -24,8 +24,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 /// A log at 100 Hz of a drone 2 m above the floor, without sonar, barometer or pictures.
-io::FlightFolder hovering(int rows) {
-  io::FlightFolder folder;
+FlightFolder hovering(int rows) {
+  FlightFolder folder;
   for (int i = 0; i < rows; ++i)
     folder.samples.push_back({.time = milliseconds{10 * i},
                               .imu = {.gyro_B = {0.1 * i, 0, 0}, .accel_B = {0, 0, -9.81}},
@@ -41,7 +41,7 @@ std::vector<std::size_t> rows_with_sonar(const std::vector<RecordedTick>& ticks)
 }
 
 TEST(TicksOf, ALogAreItsRowsAsTheyStand) {
-  io::FlightFolder folder = hovering(3);
+  FlightFolder folder = hovering(3);
   folder.samples[1].sonar = 1.5, folder.samples[2].baro = 1.75;
   folder.samples[2].true_p_EB.reset();
   const auto ticks = ticks_of(folder);
@@ -57,7 +57,7 @@ TEST(TicksOf, ALogAreItsRowsAsTheyStand) {
   }
 }
 
-std::vector<std::size_t> rows_of_take_off(const io::FlightFolder& folder) {
+std::vector<std::size_t> rows_of_take_off(const FlightFolder& folder) {
   std::vector<std::size_t> rows;
   const auto ticks = ticks_of(folder);
   for (std::size_t i = 0; i < ticks.size(); ++i)
@@ -68,7 +68,7 @@ std::vector<std::size_t> rows_of_take_off(const io::FlightFolder& folder) {
 // A log whose drone does not rest as long as our pilot wants to must not leave the pilot on the
 // ground.
 TEST(TicksOf, AnotherPilotsTakeOffIsWhereThrustIsAskedForOrItClimbs) {
-  io::FlightFolder folder = hovering(10);
+  FlightFolder folder = hovering(10);
   EXPECT_THAT(rows_of_take_off(folder), ElementsAre()) << "hovers from the first row on";
   folder.samples[7].true_p_EB->z() = -2.2;
   EXPECT_THAT(rows_of_take_off(folder), ElementsAre(7));
@@ -81,7 +81,7 @@ TEST(TicksOf, AnotherPilotsTakeOffIsWhereThrustIsAskedForOrItClimbs) {
 
 // A recorder begins with the battery, a pilot that rests for so long takes off.
 TEST(TicksOf, ALongRestBeforeAnotherPilotsTakeOffIsHeldBack) {
-  io::FlightFolder folder = hovering(400);
+  FlightFolder folder = hovering(400);
   for (std::size_t i = 0; i < 400; ++i) folder.samples[i].lifted = i >= 300;
   const auto held = [&] {
     const auto ticks = ticks_of(folder);
@@ -107,13 +107,13 @@ TEST(TicksOf, ALongRestBeforeAnotherPilotsTakeOffIsHeldBack) {
 TEST(TicksOf, NothingAreNone) { EXPECT_TRUE(ticks_of({}).empty()); }
 
 TEST(TicksOf, ALostImuSampleStaysLost) {
-  io::FlightFolder folder = hovering(2);
+  FlightFolder folder = hovering(2);
   folder.samples[1].imu.accel_B.y() = std::nan("");
   EXPECT_TRUE(std::isnan(ticks_of(folder)[1].sensors.imu.accel_B.y()));
 }
 
 TEST(TicksOf, APictureArrivesInItsRowAndOfTwoInOneTheLater) {
-  io::FlightFolder folder = hovering(4);
+  FlightFolder folder = hovering(4);
   folder.images = {{.path = "a.jpg", .log_row = 1},
                    {.path = "b.jpg", .log_row = 3},
                    {.path = "c.jpg", .log_row = 3}};
@@ -124,7 +124,7 @@ TEST(TicksOf, APictureArrivesInItsRowAndOfTwoInOneTheLater) {
 }
 
 TEST(TicksOf, APictureBeyondTheLogIsRefusedByName) {
-  io::FlightFolder folder = hovering(4);
+  FlightFolder folder = hovering(4);
   folder.images = {{.path = "late.jpg", .log_row = 4}};
   EXPECT_THROW((void)ticks_of(folder), std::invalid_argument);
   EXPECT_THAT(test::error_of([&] { (void)ticks_of(folder); }),
@@ -136,7 +136,7 @@ TEST(TicksOf, TruthStaysOutUnlessItIsAskedFor) {
 }
 
 TEST(TicksOf, WithoutAnyHeightEachNewTruthStandsInForTheSonarOnce) {
-  io::FlightFolder folder = hovering(20);
+  FlightFolder folder = hovering(20);
   for (std::size_t i = 7; i < 20; ++i) folder.samples[i].true_p_EB->z() = -2.5;
   for (std::size_t i = 12; i < 20; ++i) folder.samples[i].true_p_EB->x() = 1.1;
   const auto ticks = ticks_of(folder, SonarStandIn{});
@@ -153,7 +153,7 @@ TEST(TicksOf, OrTruthStandsInAtAGivenRate) {
 }
 
 TEST(TicksOf, OneHeightOfItsOwnAnywhereAndTruthStaysOut) {
-  io::FlightFolder sonar = hovering(20), baro = hovering(20);
+  FlightFolder sonar = hovering(20), baro = hovering(20);
   sonar.samples[7].sonar = 1.9;
   baro.samples[3].baro = 1.9;
   EXPECT_THAT(rows_with_sonar(ticks_of(sonar, SonarStandIn{})), ElementsAre(7));
@@ -161,7 +161,7 @@ TEST(TicksOf, OneHeightOfItsOwnAnywhereAndTruthStaysOut) {
 }
 
 TEST(TicksOf, TheStandInIsARangeAlongTheBodysAxis) {
-  io::FlightFolder folder = hovering(1);
+  FlightFolder folder = hovering(1);
   folder.samples[0].ahrs = Attitude{.roll = 60.0 * kDegree};
   EXPECT_NEAR(ticks_of(folder, SonarStandIn{})[0].sensors.sonar.value(), 4.0, 1e-12);
   folder.samples[0].true_attitude = Attitude{.pitch = 60.0 * kDegree};  // goes before the AHRS's
@@ -172,7 +172,7 @@ TEST(TicksOf, TheStandInIsARangeAlongTheBodysAxis) {
 }
 
 TEST(TicksOf, NoTruthOrOnTheFloorNoStandIn) {
-  io::FlightFolder folder = hovering(4);
+  FlightFolder folder = hovering(4);
   folder.samples[0].true_p_EB.reset();
   folder.samples[1].true_p_EB->z() = 0.0;
   folder.samples[2].true_p_EB->z() = 0.1;
@@ -190,7 +190,7 @@ TEST(TicksOf, NoiseIsDrawnOnceForEachReading) {
 
 // A logger that stopped for a second: stamps stay as they are, and nothing is made up for the gap.
 TEST(TicksOf, AGapInTimeStaysAGap) {
-  io::FlightFolder folder = hovering(20);
+  FlightFolder folder = hovering(20);
   for (std::size_t i = 10; i < 20; ++i) folder.samples[i].time += milliseconds{1000};
   const auto ticks = ticks_of(folder, {.period = 0.045});
   EXPECT_EQ(ticks[10].sensors.time - ticks[9].sensors.time, milliseconds{1010});
@@ -199,7 +199,7 @@ TEST(TicksOf, AGapInTimeStaysAGap) {
 
 TEST(PicturesInFiles, AreLoadedUprightAndReplayedInTheirTicks) {
   const test::TempFolder directory;
-  io::FlightFolder folder = hovering(4);
+  FlightFolder folder = hovering(4);
   folder.images = {{.path = directory.file("a.ppm", "P6 2 1 255\nRRRGGG"), .log_row = 1},
                    {.path = directory.file("b.ppm", "P6 2 1 255\nGGGBBB"), .log_row = 3}};
   const auto load = upright(pictures_in_files(folder, 2, 1), 90);
@@ -223,14 +223,14 @@ TEST(PicturesInFiles, AreLoadedUprightAndReplayedInTheirTicks) {
 
 TEST(PicturesInFiles, OfAnotherSizeThanTheCamerasAreRefused) {
   const test::TempFolder directory;
-  io::FlightFolder folder = hovering(1);
+  FlightFolder folder = hovering(1);
   folder.images = {{.path = directory.file("a.ppm", "P6 3 1 255\nRRRGGGBBB"), .log_row = 0}};
   EXPECT_THAT(test::error_of([&] { (void)pictures_in_files(folder, 1, 3)(0); }),
               HasSubstr("a.ppm: is 3 x 1, the camera's as stored 1 x 3 (camera.size_px)"));
 }
 
 TEST(PicturesInFiles, APictureThatIsNotThereSaysItsName) {
-  io::FlightFolder folder = hovering(1);
+  FlightFolder folder = hovering(1);
   folder.images = {{.path = "nowhere.jpg", .log_row = 0}};
   EXPECT_THAT(test::error_of([&] { (void)pictures_in_files(folder, 0, 0)(0); }),
               HasSubstr("nowhere.jpg"));

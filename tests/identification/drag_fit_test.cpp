@@ -19,9 +19,9 @@ struct Drone {
 };
 
 /// A weaving flight of 8 s whose accelerometer shows drag, bias and noise, and nothing else.
-io::FlightFolder flown(const Drone& drone, double noise, std::uint64_t seed) {
+flight_log::FlightFolder flown(const Drone& drone, double noise, std::uint64_t seed) {
   Rng rng{seed};
-  io::FlightFolder flight;
+  flight_log::FlightFolder flight;
   Eigen::Vector3d p{0, 0, -1.4}, v = Eigen::Vector3d::Zero();
   constexpr double kStep = 1.0 / 512.0;
   for (int i = 0; i < 8 * 512; ++i) {
@@ -33,7 +33,7 @@ io::FlightFolder flown(const Drone& drone, double noise, std::uint64_t seed) {
     // Thrust holds the height; what the accelerometer feels along x and y is drag.
     Eigen::Vector3d force_B{drone.drag.x() * v_B.x(), drone.drag.y() * v_B.y(), 0.0};
     force_B.z() = (-9.81 - (R * force_B).z()) / R(2, 2);
-    io::FlightSample s;
+    flight_log::FlightSample s;
     s.time = std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * t)};
     s.imu.accel_B = force_B + Eigen::Vector3d{drone.bias.x() + noise * test::normal(rng),
                                               drone.bias.y() + noise * test::normal(rng),
@@ -86,10 +86,10 @@ TEST(DragFit, HeadingAloneIsFoundWhenDragIsKnown) {
 }
 
 TEST(DragFit, AFlightThatStaysOnTheGroundSaysNothing) {
-  io::FlightFolder flight = flown({}, 0.0, 1);
+  flight_log::FlightFolder flight = flown({}, 0.0, 1);
   for (auto& s : flight.samples) s.true_p_EB->z() = -0.1;
   EXPECT_FALSE(fit_drag(flight));
-  EXPECT_FALSE(fit_drag(io::FlightFolder{}));
+  EXPECT_FALSE(fit_drag(flight_log::FlightFolder{}));
   for (auto& s : flight.samples) s.true_p_EB.reset();
   EXPECT_FALSE(fit_drag(flight));
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr double kDt = 0.001;
 
 TEST(HeldDrone, IsLevelAndStillUntilItIsTurned) {
-  HeldDrone drone{sim::SimConfig{}};
+  HeldDrone drone{world::SimConfig{}};
   for (int i = 0; i < 500; ++i) drone.step(kDt);
   EXPECT_NEAR(drone.told().imu.accel_B.z(), -kGravity, 1.5);
   EXPECT_LT(drone.told().imu.gyro_B.norm(), 0.1);
@@ -23,7 +23,7 @@ TEST(HeldDrone, IsLevelAndStillUntilItIsTurned) {
 TEST(HeldDrone, ATurnIsAboutOneAxisOfTheBodyAndBackAndRatesAreTheAttitudes) {
   for (int axis = 0; axis < 3; ++axis) {
     SCOPED_TRACE(axis);
-    HeldDrone drone{sim::SimConfig{}};
+    HeldDrone drone{world::SimConfig{}};
     const Eigen::Matrix3d before = sim::R_EB_of(drone.state().q_EB);
     drone.turn(axis);
     double most = 0.0;
@@ -45,7 +45,7 @@ TEST(HeldDrone, ATurnIsAboutOneAxisOfTheBodyAndBackAndRatesAreTheAttitudes) {
 }
 
 TEST(HeldDrone, ATurnThatGoesOnIsLeftAlone) {
-  HeldDrone drone{sim::SimConfig{}};
+  HeldDrone drone{world::SimConfig{}};
   drone.turn(0);
   for (int i = 0; i < 500; ++i) drone.step(kDt);
   drone.turn(2);

@@ -40,7 +40,7 @@ static_assert(CanFly<ArduSpeaker>);
 static_assert(!CanFly<ArduListener>, "a shadow's half has no set point");
 
 std::string ardu_text() {
-  return io::read_file(support::source_folder() / "tests" / "live" / "fake_arducopter.toml");
+  return files::read_file(support::source_folder() / "tests" / "live" / "fake_arducopter.toml");
 }
 
 DroneFile ardu_drone() {

@@ -36,7 +36,7 @@ class FakeGStreamer {
     setenv("PATH", (folder_.path().string() + ":" + before_).c_str(), 1);
   }
   ~FakeGStreamer() { setenv("PATH", before_.c_str(), 1); }
-  std::string words() const { return io::read_file(folder_.path() / "words"); }
+  std::string words() const { return files::read_file(folder_.path() / "words"); }
 
  private:
   test::TempFolder folder_;
@@ -70,8 +70,8 @@ TEST(StreamCamera, WordsAreSplitAsAShellDoes) {
 }
 
 TEST(SliceCamera, APictureInSlicesIsDecodedAndKept) {
-  const std::string file = io::read_file(support::source_folder() / "tests" / "replay" /
-                                         "oval_flight" / "img_00016.jpg");
+  const std::string file = files::read_file(support::source_folder() / "tests" / "replay" /
+                                            "oval_flight" / "img_00016.jpg");
   int ends[2] = {-1, -1};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_DGRAM, 0, ends), 0);
   SliceCamera camera{Port{ends[0], "slices"}, {160, 315}};

@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string the_file() {
-  return io::read_file(support::source_folder() / "tests" / "live" / "fake_drone.toml");
+  return files::read_file(support::source_folder() / "tests" / "live" / "fake_drone.toml");
 }
 
 /// The complaint about the file with `from` replaced by `to`.

@@ -26,8 +26,8 @@ struct Flown {
 
 /// The shipped flight through the threads; `pace` times its own, 0: as fast as it can.
 Flown flown(const std::filesystem::path& directory, double pace) {
-  const io::Config config = support::config_of(directory);
-  const io::FlightFolder folder = io::read_flight_folder(directory);
+  const config::Config config = support::config_of(directory);
+  const flight_log::FlightFolder folder = flight_log::read_flight_folder(directory);
   const auto ticks = flight_log::ticks_of(folder);
   const SessionPlan plan{.pilot = support::pilot_of(config, directory),
                          .rotation_deg = config.camera.stored_rotation_deg,

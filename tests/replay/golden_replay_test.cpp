@@ -76,7 +76,7 @@ void renew(const std::string& name, const std::vector<TracePoint>& trace) {
       std::snprintf(text.data(), text.size(), ",%.4f", value), csv += text.data();
     csv += "\n";
   }
-  io::write_file(expected(name), csv);
+  files::write_file(expected(name), csv);
 }
 
 void expect_the_trace(const std::string& name, const flight_log::ReplayResult& result) {
@@ -87,7 +87,7 @@ void expect_the_trace(const std::string& name, const flight_log::ReplayResult& r
     renew(name, trace);
     GTEST_SKIP() << expected(name) << " is renewed";
   }
-  const io::Csv csv(expected(name));
+  const files::Csv csv(expected(name));
   ASSERT_EQ(csv.rows(), trace.size());
   for (std::size_t k = 0; k < kQuantities.size(); ++k) {
     const Quantity& quantity = kQuantities[k];

@@ -52,10 +52,11 @@ TEST(RealFlight, TheInertialFilterFollowsElevenOnThePilotsFixes) {
 /// As plain `gatefly replay` does it: the filter that finds heading, tilt and delay by itself, without a
 /// height.
 flight_log::ReplayResult plain(const fs::path& directory) {
-  const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
-  const io::FlightFolder folder = io::read_flight_folder(directory);
+  const config::Config config =
+      config::load_config(config::config_files(std::vector<std::string>{"flights"}));
+  const flight_log::FlightFolder folder = flight_log::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
-  pilot.track = io::read_track(io::find_track("flights")).track;
+  pilot.track = config::read_track(config::find_track("flights")).track;
   pilot.track.start_heading = folder.samples.front().ahrs.value().yaw;
   const auto load =
       flight_log::upright(flight_log::pictures_in_files(folder, config.camera.stored_width(),

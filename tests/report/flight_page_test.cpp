@@ -16,7 +16,7 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -32,9 +32,9 @@ struct OneGate {
 OneGate one_gate() {
   OneGate race;
   race.pilot.track.gates = {MapGate{.p_EG = {3, 0, -1.5}}};
-  sim::SimConfig sim;
-  sim.world.gates = {sim::WorldGate{.p_EG = {3, 0.1, -1.5}}};
-  sim.world.obstacles = {sim::WorldBox{}, sim::WorldBox{.center = {2, 2}, .pole = true}};
+  world::SimConfig sim;
+  sim.world.gates = {world::WorldGate{.p_EG = {3, 0.1, -1.5}}};
+  sim.world.obstacles = {world::WorldBox{}, world::WorldBox{.center = {2, 2}, .pole = true}};
   race.course = page_course(race.pilot, sim, true);
   return race;
 }
@@ -69,7 +69,7 @@ std::vector<double> fly(FlightPage& page, const OneGate& race, double seconds, b
       next += 0.1;
     }
     const Command command = pilot.step(sensors);
-    const Tick tick{sensors, command, pilot, at(now), {}, now - 0.05};
+    const flight_log::Tick tick{sensors, command, pilot, at(now), {}, now - 0.05};
     page.record(tick);
     if (i + 1 == static_cast<int>(seconds * 512)) page.end(tick);
     times.push_back(now);
@@ -298,8 +298,8 @@ TEST(FlightPageTest, AFileThatIsNoPageIsRefused) {
   EXPECT_THAT(shipped_page(), HasSubstr("<!--gatefly:flight-->"));
   EXPECT_THAT(shipped_page("campaign.html"), HasSubstr("<!--gatefly:flight-->"));
   EXPECT_THROW((void)shipped_page("LICENSES.txt"), std::runtime_error);
-  EXPECT_THROW((void)small_jpeg(Image{}, 50), std::invalid_argument);
+  EXPECT_THROW((void)files::small_jpeg(Image{}, 50), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::report

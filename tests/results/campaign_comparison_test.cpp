@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 using ::testing::ElementsAre;
@@ -58,4 +58,4 @@ TEST(CampaignComparison, SaysInWhichArgumentsTheyDiffer) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

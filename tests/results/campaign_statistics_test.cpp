@@ -8,7 +8,7 @@
 
 #include "gatefly/simulated_race/results/summary.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 TEST(Wilson95, GivesTheTextbooksIntervals) {
@@ -77,7 +77,7 @@ TEST(CampaignResult, WithoutAnyFinishHasNoTimes) {
 }
 
 TEST(RunRow, ReadsWhatSummaryWrites) {
-  closed_loop::RaceResult result;
+  RaceResult result;
   result.gates_total = 6, result.gates_passed = 3, result.stop_reason = "crash";
   result.crash_time = 12.5, result.crash_object = "gate 2 left bar";
   result.race_time = 11.25, result.mean_speed = 1.6, result.max_speed = 1.9;
@@ -86,7 +86,7 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
                         {.samples = 2, .sum_per_dof = 1.0, .inside = 2},
                         2};
   result.frames = 100, result.true_positives = 40, result.false_positives = 3, result.searches = 1;
-  closed_loop::WhyLost why{.cause = closed_loop::WhyLost::Cause::kMap};
+  WhyLost why{.cause = WhyLost::Cause::kMap};
   why.shares = {0.04, -0.01, 0.205, 0.0}, why.since_fix = 1.5;
   result.why_lost = why;
   const RunRow row = row_of(summary(result, {"oval", 17, "ideal", "1.2.3", "c0", "f0", {}}));
@@ -119,4 +119,4 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

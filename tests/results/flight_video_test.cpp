@@ -13,21 +13,21 @@
 
 #include "support/temp_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 using ::testing::HasSubstr;
 
-closed_loop::RaceConfig one_gate() {
-  closed_loop::RaceConfig race;
+RaceConfig one_gate() {
+  RaceConfig race;
   race.pilot.track.gates = {MapGate{.p_EG = {3, 0, -1.5}}};
-  race.sim.world.gates = {sim::WorldGate{.p_EG = {3, 0, -1.5}}};
-  race.sim.world.obstacles = {sim::WorldBox{}, sim::WorldBox{.center = {2, 2}, .pole = true}};
+  race.sim.world.gates = {world::WorldGate{.p_EG = {3, 0, -1.5}}};
+  race.sim.world.obstacles = {world::WorldBox{}, world::WorldBox{.center = {2, 2}, .pole = true}};
   return race;
 }
 
 /// Half a second of standing on the pad, with a grey picture every 0.1 s if there are any.
-void record_start(FlightVideo& video, const closed_loop::RaceConfig& race, bool pictures) {
+void record_start(FlightVideo& video, const RaceConfig& race, bool pictures) {
   const std::vector<std::uint8_t> grey(image_bytes(PixelFormat::kUyvy, 160, 315), 128);
   Pilot pilot{race.pilot};
   for (int ms = 0; ms <= 500; ms += 2) {
@@ -43,7 +43,7 @@ void record_start(FlightVideo& video, const closed_loop::RaceConfig& race, bool 
 class FlightVideoTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!test::error_of(require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
+    if (!test::error_of(files::require_ffmpeg).empty()) GTEST_SKIP() << "there is no ffmpeg";
   }
   test::TempFolder folder_;
 };
@@ -56,10 +56,10 @@ TEST_F(FlightVideoTest, AFinishedFlightIsAFilmWithOrWithoutPictures) {
     record_start(video, race, pictures);
     EXPECT_FALSE(std::filesystem::exists(path));
     // Longer than any panel: it has to shrink, not to fail.
-    closed_loop::RaceResult result;
+    RaceResult result;
     result.lap_times = std::vector<double>(200, 10.0);
     video.finish(result, std::string(300, 'x'));
-    EXPECT_THAT(read_file(path).substr(0, 12), HasSubstr("ftyp"));
+    EXPECT_THAT(files::read_file(path).substr(0, 12), HasSubstr("ftyp"));
   }
 }
 
@@ -68,7 +68,7 @@ TEST_F(FlightVideoTest, AContactIsShownBeforeTheCardCoversIt) {
   const auto path = folder_.path() / "lost.mp4", frame = folder_.path() / "frame.rgb";
   FlightVideo video(path, race, "one gate, seed 1", true);
   record_start(video, race, true);
-  closed_loop::RaceResult result;
+  RaceResult result;
   result.crash_time = 0.5;
   result.crash_object = "gate 1 left bar";
   video.finish(result, "crashed");
@@ -78,7 +78,7 @@ TEST_F(FlightVideoTest, AContactIsShownBeforeTheCardCoversIt) {
                                     path.string() + " -frames:v 1 -f rawvideo -pix_fmt rgb24 " +
                                     frame.string();
         EXPECT_EQ(std::system(command.c_str()), 0);
-        const std::string rgb = read_file(frame);
+        const std::string rgb = files::read_file(frame);
         const std::size_t pixel = 3 * (1600 * (70 + 480 - 22) + 30);
         const auto of = [&](std::size_t i) {
           return static_cast<unsigned char>(rgb.at(pixel + i));
@@ -91,14 +91,14 @@ TEST_F(FlightVideoTest, AContactIsShownBeforeTheCardCoversIt) {
 }
 
 TEST(FlightMap, ShowsTheCourseAsItStandsInColoursOfItsOwn) {
-  sim::World world;
-  world.gates = {sim::WorldGate{.p_EG = {3, 0, -1.5}, .color = {0.0, 0.0, 0.4}},
-                 sim::WorldGate{.p_EG = {5, 0, -2.5}, .color = {0.5, 0.5, 0.5}}};
-  world.obstacles = {sim::WorldBox{.center = {2, 2}, .top = 1.2, .pole = true}};
-  const Course course = course_of(world);
+  world::World world;
+  world.gates = {world::WorldGate{.p_EG = {3, 0, -1.5}, .color = {0.0, 0.0, 0.4}},
+                 world::WorldGate{.p_EG = {5, 0, -2.5}, .color = {0.5, 0.5, 0.5}}};
+  world.obstacles = {world::WorldBox{.center = {2, 2}, .top = 1.2, .pole = true}};
+  const drawing::Course course = course_of(world);
   EXPECT_EQ(course.gates[0].gate.p_EG, world.gates[0].p_EG);
-  EXPECT_EQ(css_of(course.gates[0].color), "#0000ff") << "as bright as it can be";
-  EXPECT_EQ(css_of(course.gates[1].color), "#ffffff");
+  EXPECT_EQ(drawing::css_of(course.gates[0].color), "#0000ff") << "as bright as it can be";
+  EXPECT_EQ(drawing::css_of(course.gates[1].color), "#ffffff");
   EXPECT_TRUE(course.solids[0].round);
   EXPECT_EQ(course.solids[0].box.height, 1.2);
 }
@@ -113,4 +113,4 @@ TEST_F(FlightVideoTest, AnInterruptedFlightLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -7,17 +7,17 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/simulated_race/results/summary.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
-using closed_loop::WhyLost;
+using WhyLost;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// 20 cm right and 6 cm low of gate 3 of the course, on its second lap.
-closed_loop::RaceResult lost_at_a_gate() {
-  closed_loop::RaceResult result;
+RaceResult lost_at_a_gate() {
+  RaceResult result;
   result.gates_total = 15, result.gates_passed = 7, result.stop_reason = "crash";
   result.crash_time = 21.5, result.crash_object = "gate 3 right bar";
   WhyLost why{.time = 21.5, .gate = 8, .object = "right bar of gate 3"};
@@ -92,11 +92,11 @@ TEST(LossJson, HoldsTheNumbersAndIsNullWhenFinished) {
   EXPECT_DOUBLE_EQ(json.at("parts")[0].at("vertical_cm"), 5.0);
   EXPECT_DOUBLE_EQ(json.at("since_fix_s"), 1.8);
   EXPECT_EQ(json.at("wind_from"), "the left");
-  EXPECT_TRUE(summary(closed_loop::RaceResult{}, {}).at("why_lost").is_null());
+  EXPECT_TRUE(summary(RaceResult{}, {}).at("why_lost").is_null());
 }
 
 TEST(Summary, SaysTheTruthUnderTheNamesOfWhatIsFound) {
-  closed_loop::RaceResult result;
+  RaceResult result;
   result.truth.tilt = 5 * kDegree, result.truth.latency = -0.020, result.truth.moved_gate = 3;
   result.findings.emplace();
   const auto json = summary(result, {}), truth = json.at("truth");
@@ -111,7 +111,7 @@ TEST(Summary, SaysTheTruthUnderTheNamesOfWhatIsFound) {
 }
 
 TEST(Summary, HasNoSpeedAndNoErrorBeforeTheFirstGate) {
-  closed_loop::RaceResult result;
+  RaceResult result;
   result.gates_total = 5;
   auto json = summary(result, {});
   for (const char* key : {"mean_speed_mps", "max_speed_mps", "estimation_rmse_m"})
@@ -123,4 +123,4 @@ TEST(Summary, HasNoSpeedAndNoErrorBeforeTheFirstGate) {
 }
 
 }  // namespace
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -34,7 +34,7 @@ TEST(Jet, IsFastestOnItsAxisHalfAsFastAtHalfItsWidthAndNothingBeyondItsWidth) {
 }
 
 TEST(Jet, CarriesAsMuchAirAsOneOfItsWidthThatIsEverywhereAsFast) {
-  Jet jet = eastward();
+  world::Jet jet = eastward();
   jet.width = 0.7;
   double flow = 0.0, last = 0.0;
   constexpr double kSlice = 1e-3;
@@ -48,7 +48,8 @@ TEST(Jet, CarriesAsMuchAirAsOneOfItsWidthThatIsEverywhereAsFast) {
 }
 
 TEST(Shear, GrowsAsideOfItsMiddleStandsThereAndIsTheSameAlong) {
-  const Shear shear{.middle = {1.0, -2.0}, .heading = 0.0, .rate = 0.1};  // north; right is east
+  const world::Shear shear{
+      .middle = {1.0, -2.0}, .heading = 0.0, .rate = 0.1};  // north; right is east
   EXPECT_EQ(shear_at(shear, {1.0, -2.0}), Eigen::Vector2d::Zero());
   EXPECT_THAT(shear_at(shear, {9.0, 1.0}), IsNear(Eigen::Vector2d{0.3, 0.0}, 1e-12));
   EXPECT_THAT(shear_at(shear, {-4.0, -5.0}), IsNear(Eigen::Vector2d{-0.3, 0.0}, 1e-12));
@@ -64,8 +65,8 @@ TEST(Wash, PushesAwayFromEachWallWithinAMetreAndNowhereElse) {
   EXPECT_LT(wash_at(room, {4.001, 0.0}).norm(), 1e-5) << "it begins smoothly";
 }
 
-SimConfig in_room(const Wind& wind) {
-  SimConfig config;
+world::SimConfig in_room(const world::Wind& wind) {
+  world::SimConfig config;
   config.world.room_size = {10.0, 10.0, 3.0};
   config.wind = wind;
   return config;
@@ -79,9 +80,9 @@ TEST(Air, StandsStillToTheBitWhereNothingMovesIt) {
 }
 
 TEST(Air, IsTheSumOfWhatMovesIt) {
-  const Wind wind{.mean = {0.2, -0.1},
-                  .jet = {.through = {1.0, 0.0}, .heading = 0.0, .speed = 0.4},
-                  .shear = {.middle = {0.0, 0.0}, .heading = 0.0, .rate = 0.1}};
+  const world::Wind wind{.mean = {0.2, -0.1},
+                         .jet = {.through = {1.0, 0.0}, .heading = 0.0, .speed = 0.4},
+                         .shear = {.middle = {0.0, 0.0}, .heading = 0.0, .rate = 0.1}};
   Air air{in_room(wind)};
   BodyState state;
   state.p_EB = {3.0, 0.5, -1.5};
@@ -130,9 +131,10 @@ std::array<double, 4> flown(double t, double hover) {
 }
 
 TEST(Air, MovesMuJoCosBodyAndItsTwinAlike) {
-  SimConfig config = in_room({.jet = {.through = {4.0, 0.0}, .heading = 0.5 * kPi, .speed = 1.0},
-                              .shear = {.middle = {0.0, 0.0}, .heading = 0.3, .rate = 0.2},
-                              .wash = 1.0});
+  world::SimConfig config =
+      in_room({.jet = {.through = {4.0, 0.0}, .heading = 0.5 * kPi, .speed = 1.0},
+               .shear = {.middle = {0.0, 0.0}, .heading = 0.3, .rate = 0.2},
+               .wash = 1.0});
   config.world.room_size.z() = 50.0;
   config.start.position = {3.5, 0.0};
   Body body{config};

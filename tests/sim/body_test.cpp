@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kPhysics = 1.0 / 1024;
 
-double hovering_speed(const VehicleTruth& v) {
+double hovering_speed(const world::VehicleTruth& v) {
   return std::sqrt(v.mass * 9.81 / 4 / v.thrust_coefficient);
 }
 
 TEST(Body, StandsStillOnThePadWithTheMotorsOff) {
-  Body body{SimConfig{}};
+  Body body{world::SimConfig{}};
   for (int i = 0; i < 2048; ++i) body.step({}, kPhysics);
   EXPECT_LT(body.state().v_E.norm(), 1e-3);
   EXPECT_NEAR(body.state().specific_force_B.z(), -9.81, 0.05);
@@ -26,8 +26,8 @@ TEST(Body, StandsStillOnThePadWithTheMotorsOff) {
 }
 
 TEST(Body, HoversAtHoverSpeedAndReadsOneG) {
-  Body body{SimConfig{}};
-  const double hover = hovering_speed(VehicleTruth{});
+  Body body{world::SimConfig{}};
+  const double hover = hovering_speed(world::VehicleTruth{});
   for (int i = 0; i < 1000; ++i)  // off the floor, which helps
     body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kPhysics);
   for (int i = 0; i < 200; ++i) body.step({hover, hover, hover, hover}, kPhysics);
@@ -39,7 +39,7 @@ TEST(Body, HoversAtHoverSpeedAndReadsOneG) {
 }
 
 TEST(Body, StartsWhereAndHowItIsPut) {
-  SimConfig config;
+  world::SimConfig config;
   config.start = {{1.0, -2.0}, 0.7};
   const Body body{config};
   EXPECT_NEAR(body.state().p_EB.x(), 1.0, 1e-9);
@@ -54,12 +54,12 @@ struct Push {
 };
 
 TEST(Body, RotorsTurnItTheWayTheyShould) {
-  const double hover = hovering_speed(VehicleTruth{});
+  const double hover = hovering_speed(world::VehicleTruth{});
   for (const Push& push :
        {Push{"left rotors roll right", {1.1, 1, 1, 1.1}, {1, 0, 0}},
         Push{"front rotors pitch up", {1.1, 1.1, 1, 1}, {0, 1, 0}},
         Push{"right front and left back yaw right", {1, 1.1, 1, 1.1}, {0, 0, 1}}}) {
-    Body body{SimConfig{}};
+    Body body{world::SimConfig{}};
     for (int i = 0; i < 400; ++i)
       body.step({1.1 * hover, 1.1 * hover, 1.1 * hover, 1.1 * hover}, kPhysics);
     std::array<double, 4> command{};
@@ -75,9 +75,9 @@ TEST(Body, RotorsTurnItTheWayTheyShould) {
 }
 
 TEST(Body, NamesWhatItHits) {
-  SimConfig config;
+  world::SimConfig config;
   // a board 1 m above the pad
-  config.world.obstacles = {WorldBox{{0, 0}, {2, 2}, 0.0, 1.0, 1.2, false}};
+  config.world.obstacles = {world::WorldBox{{0, 0}, {2, 2}, 0.0, 1.0, 1.2, false}};
   Body body{config};
   const double full = 1.3 * hovering_speed(config.vehicle);
   std::string hit;
@@ -89,7 +89,7 @@ TEST(Body, NamesWhatItHits) {
 }
 
 TEST(Body, NeverTurnsNonFiniteOnANonFiniteCommand) {
-  Body body{SimConfig{}};
+  Body body{world::SimConfig{}};
   for (int i = 0; i < 100; ++i) body.step({std::nan(""), 1e300, -1e300, INFINITY}, kPhysics);
   EXPECT_TRUE(body.state().p_EB.allFinite());
 }

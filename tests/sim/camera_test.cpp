@@ -46,7 +46,7 @@ std::vector<BodyPose> history_of(const Path& path) {
 }
 
 /// Projection by a lens: a point of the earth frame, seen from a pose.
-std::optional<Vector2d> projected(const CameraTruth& camera, const BodyPose& pose,
+std::optional<Vector2d> projected(const world::CameraTruth& camera, const BodyPose& pose,
                                   const Vector3d& p_E) {
   const Eigen::Matrix3d R_EB =
       rotation_EB(Quaternion{pose.q_EB(0), pose.q_EB(1), pose.q_EB(2), pose.q_EB(3)}).matrix;
@@ -55,7 +55,7 @@ std::optional<Vector2d> projected(const CameraTruth& camera, const BodyPose& pos
 }
 
 /// The point that shows at a pixel, so far from the eye.
-Vector3d point_at(const CameraTruth& camera, const BodyPose& pose, const Vector2d& px,
+Vector3d point_at(const world::CameraTruth& camera, const BodyPose& pose, const Vector2d& px,
                   double distance) {
   const Eigen::Matrix3d R_EB =
       rotation_EB(Quaternion{pose.q_EB(0), pose.q_EB(1), pose.q_EB(2), pose.q_EB(3)}).matrix;
@@ -77,12 +77,13 @@ Decoy sheet(const Vector3d& p_E, const BodyPose& seen_from, const Vector3d& colo
 
 /// A world, and the same with the thing that is looked for.
 struct Pair {
-  World without, with;
+  world::World without, with;
 };
 
 /// Bluish sheets before larger grey ones: what is behind makes no difference, and where both share a
 /// pixel, its colour is nearly the mean of theirs.
-Pair with_sheets(const World& world, const BodyPose& pose, const std::vector<Vector3d>& places) {
+Pair with_sheets(const world::World& world, const BodyPose& pose,
+                 const std::vector<Vector3d>& places) {
   Pair pair{world, {}};
   for (const Vector3d& p_E : places) {
     const Vector3d away = (p_E - pose.p_EB).normalized();
@@ -157,26 +158,26 @@ class CameraRendererTest : public testing::Test {
     std::filesystem::remove_all(cache, ignored);
   }
 
-  static World room() {
-    World world;
+  static world::World room() {
+    world::World world;
     world.room_size = {8, 8, 3.2};
     world.paint = {.width = 1.0, .blue = 1.0, .wear = 0.0};
     return world;
   }
-  static World room_with(std::vector<WorldGate> gates) {
-    World world = room();
+  static world::World room_with(std::vector<world::WorldGate> gates) {
+    world::World world = room();
     world.gates = std::move(gates);
     return world;
   }
 
-  Picture picture(const World& world, const Path& path, std::uint32_t frame = 1,
+  Picture picture(const world::World& world, const Path& path, std::uint32_t frame = 1,
                   std::uint64_t seed = 1) const {
     CameraRenderer renderer{world, camera, light, seed, cache, 1};
     Picture result{{}, camera.stored_width, camera.stored_height};
     renderer.render(frame, 0.0, history_of(path), result.bytes);
     return result;
   }
-  Picture picture(const World& world, const BodyPose& pose) const {
+  Picture picture(const world::World& world, const BodyPose& pose) const {
     return picture(world, [&](double t) {
       BodyPose still = pose;
       still.t = t;
@@ -186,13 +187,13 @@ class CameraRendererTest : public testing::Test {
 
   /// Without what the Bebop's image processing does to colours: where things are is asked here.
   CameraTruth camera = [] {
-    CameraTruth plain;
+    world::CameraTruth plain;
     plain.imaging = {
         .footprint_px = 2.4, .red_shift_px = 0.0, .chroma_smoothing = 1, .saturation = 1.1};
     return plain;
   }();
-  LightConditions light = [] {
-    LightConditions quiet;
+  world::LightConditions light = [] {
+    world::LightConditions quiet;
     quiet.noise_scale = 0.0;
     return quiet;
   }();
@@ -202,7 +203,7 @@ class CameraRendererTest : public testing::Test {
 std::filesystem::path CameraRendererTest::cache;
 
 /// Places 2 m away, all over the picture.
-std::vector<Vector3d> places_in_view(const CameraTruth& camera, const BodyPose& pose) {
+std::vector<Vector3d> places_in_view(const world::CameraTruth& camera, const BodyPose& pose) {
   std::vector<Vector3d> places;
   for (const double u : {40.0, 120.0, 200.0, 275.0})
     for (const double v : {30.0, 80.0, 130.0})
@@ -238,13 +239,13 @@ TEST_F(CameraRendererTest, ThingsAppearWhereTheLensProjectsThem) {
 
 // The middle line of each bar, measured across it at four places.
 TEST_F(CameraRendererTest, AGatesBarsAppearWhereTheLensProjectsThem) {
-  const std::vector<WorldGate> gates{
+  const std::vector<world::WorldGate> gates{
       {.p_EG = {1.5, 0.0, -1.5}, .yaw_EG = 0.0, .bar = 0.03},
       {.p_EG = {1.2, 0.4, -1.3}, .yaw_EG = 0.5, .side = 1.2, .bar = 0.03},
       {.p_EG = {2.0, -0.5, -1.4}, .yaw_EG = -0.4, .bar = 0.03}};
-  for (const WorldGate& gate : gates) {
+  for (const world::WorldGate& gate : gates) {
     Pair pair{room(), room_with({gate})};  // before a grey wall
-    for (World* world : {&pair.without, &pair.with})
+    for (world::World* world : {&pair.without, &pair.with})
       world->decoys = {{{.center = {3.0, 0}, .size = {0.1, 7.0}, .top = 3.1}, kGrey}};
     const Picture with = picture(pair.with, kMiddle), without = picture(pair.without, kMiddle);
     const double off = 0.5 * (gate.side - gate.bar);
@@ -271,7 +272,7 @@ TEST_F(CameraRendererTest, AGatesBarsAppearWhereTheLensProjectsThem) {
 TEST_F(CameraRendererTest, AGateShowsItsOwnColour) {
   // The hue of a colour beside that of a grey gate in the same place, as an angle in (Cb, Cr).
   const auto chroma_of = [&](const Vector3d& color) {
-    const WorldGate gate{.p_EG = {0.7, 0, -1.5}, .bar = 0.1, .color = color};
+    const world::WorldGate gate{.p_EG = {0.7, 0, -1.5}, .bar = 0.1, .color = color};
     const Picture seen = picture(room_with({gate}), kMiddle);
     const Vector2d px = projected(camera, kMiddle, gate.p_EG + Vector3d{-0.05, -0.45, 0}).value();
     const Yuv yuv = seen.at(static_cast<int>(px.x() + 0.5), static_cast<int>(px.y() + 0.5));
@@ -294,7 +295,7 @@ TEST_F(CameraRendererTest, AGateShowsItsOwnColour) {
 // Red lies above green and blue by that much, and smoothing spreads colour along upright lines.
 TEST_F(CameraRendererTest, RedIsDisplacedAndColourSmoothedAsAsked) {
   const Vector3d p_E = point_at(camera, kMiddle, {120, 90}, 2.0);
-  World with = room();
+  world::World with = room();
   with.decoys = {sheet(p_E, kMiddle, kOrange)};
   const auto blob = [&] {
     return difference(picture(with, kMiddle), picture(room(), kMiddle), Chroma::kCr, {120, 90},
@@ -311,9 +312,9 @@ TEST_F(CameraRendererTest, RedIsDisplacedAndColourSmoothedAsAsked) {
 }
 
 TEST_F(CameraRendererTest, WornPaintIsUnevenAndNarrowPaintShowsLessColour) {
-  const WorldGate gate{.p_EG = {1.5, 0.0, -1.5}};
-  const auto reds = [&](const GatePaint& paint) {
-    World world = room_with({gate});
+  const world::WorldGate gate{.p_EG = {1.5, 0.0, -1.5}};
+  const auto reds = [&](const world::GatePaint& paint) {
+    world::World world = room_with({gate});
     world.paint = paint;
     const Picture seen = picture(world, kMiddle);
     double sum = 0.0, steps = 0.0, last = 0.0;
@@ -334,13 +335,13 @@ TEST_F(CameraRendererTest, WornPaintIsUnevenAndNarrowPaintShowsLessColour) {
 }
 
 TEST_F(CameraRendererTest, WhatIsBehindTheCameraIsNotSeen) {
-  World behind = room_with({{.p_EG = {-3.0, 0, -1.5}}});
+  world::World behind = room_with({{.p_EG = {-3.0, 0, -1.5}}});
   behind.decoys = {sheet({-2.5, 1, -1.5}, kMiddle, kOrange)};
   EXPECT_EQ(picture(behind, kMiddle).bytes, picture(room(), kMiddle).bytes);
 }
 
 TEST_F(CameraRendererTest, AGateBehindABoxIsNotSeen) {
-  World hidden = room();
+  world::World hidden = room();
   hidden.obstacles = {{{0.5, 0}, {0.2, 3.0}, 0.0, 0.0, 2.6, false}};
   const Picture without = picture(hidden, kMiddle);
   hidden.gates = {{.p_EG = {2.0, 0, -1.5}}};
@@ -350,11 +351,11 @@ TEST_F(CameraRendererTest, AGateBehindABoxIsNotSeen) {
 }
 
 TEST_F(CameraRendererTest, DecoysAreSeenInTheirColour) {
-  World world = room();
+  world::World world = room();
   world.decoys = {{{.center = {1.0, -0.6}, .size = {0.2, 0.2}, .top = 1.5}, kOrange},
                   {{.center = {1.0, 0.6}, .size = {0.2, 0.2}, .top = 1.5, .pole = true}, kOrange}};
   const Picture with = picture(world, kMiddle), without = picture(room(), kMiddle);
-  for (const Decoy& decoy : world.decoys) {
+  for (const world::Decoy& decoy : world.decoys) {
     const Vector2d px =
         projected(camera, kMiddle, {decoy.shape.center.x(), decoy.shape.center.y(), -1.2}).value();
     EXPECT_GT(difference(with, without, Chroma::kCr, px, {3, 3}).weight, 50 * 20.0);
@@ -473,7 +474,7 @@ TEST_F(CameraRendererTest, MotionBlurWidensAlongTheMotionByTheWayOfTheExposure) 
 
 TEST_F(CameraRendererTest, TheSameSeedAndFrameGiveTheSameBytesAndOthersOtherNoise) {
   light.noise_scale = 1.0;
-  const World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
+  const world::World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
   const Path still = [](double t) { return pose_at(kMiddle.p_EB, {}, t); };
   const Picture one = picture(world, still, 4, 7);
   EXPECT_EQ(one.bytes.size(), 2u * 160 * 315);
@@ -505,7 +506,7 @@ TEST_F(CameraRendererTest, AutoExposureMakesADimDayAsBrightAsABrightOne) {
 }
 
 TEST_F(CameraRendererTest, FastShowsTheSameSceneAsBrightWithoutBlurAndAlwaysTheSame) {
-  const World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
+  const world::World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
   const Picture full = picture(world, kMiddle);
   camera.fast = true;
   const Picture fast = picture(world, kMiddle);
@@ -522,7 +523,7 @@ TEST_F(CameraRendererTest, FastShowsTheSameSceneAsBrightWithoutBlurAndAlwaysTheS
 }
 
 TEST_F(CameraRendererTest, LampsColourTheRoomAndOtherSurfacesChangeItButNotItsGates) {
-  const World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
+  const world::World world = room_with({{.p_EG = {1.5, 0, -1.5}}});
   const auto mean_red = [](const Picture& seen) {
     double sum = 0.0;
     for (int u = 0; u < 315; u += 5)
@@ -545,7 +546,7 @@ TEST_F(CameraRendererTest, LampsColourTheRoomAndOtherSurfacesChangeItButNotItsGa
 }
 
 TEST_F(CameraRendererTest, AMaskCoversTheBarsWhereTheLensProjectsThem) {
-  const WorldGate gate{.p_EG = {1.5, 0.2, -1.5}, .yaw_EG = 0.3, .bar = 0.1};
+  const world::WorldGate gate{.p_EG = {1.5, 0.2, -1.5}, .yaw_EG = 0.3, .bar = 0.1};
   const CameraRenderer renderer{room_with({gate}), camera, light, 1, cache, 1};
   const auto mask = renderer.gate_mask(0.0, std::vector{kMiddle});
   const auto at = [&](double y, double z) {
@@ -564,7 +565,8 @@ TEST_F(CameraRendererTest, AMaskCoversTheBarsWhereTheLensProjectsThem) {
 }
 
 TEST_F(CameraRendererTest, SightAndRangeAgreeWithTheWorldOfThePhysics) {
-  World world = room_with({{.p_EG = {2.0, 1.0, -0.51}, .yaw_EG = 0.6}});  // stands on the floor
+  world::World world =
+      room_with({{.p_EG = {2.0, 1.0, -0.51}, .yaw_EG = 0.6}});  // stands on the floor
   world.obstacles = {{{1.0, -3.0}, {1.5, 0.6}, 0.5, 0.0, 1.9, false},
                      {{0.0, 3.0}, {2.0, 1.0}, 1.0, 1.0, 1.3, false}};
   world.decoys = {{{{-3.0, -2.0}, {0.5, 0.1}, 0.2, 0.3, 1.6, false}}};

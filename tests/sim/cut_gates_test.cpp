@@ -32,8 +32,8 @@ struct WideHall {
   [[nodiscard]] static std::vector<BodyPose> history() {
     return {{-1.0, {0, 0, -1.35}, {1, 0, 0, 0}}, {1.0, {0, 0, -1.35}, {1, 0, 0, 0}}};
   }
-  World world;
-  CameraTruth camera;
+  world::World world;
+  world::CameraTruth camera;
 };
 
 TEST(CutKind, NamesThePairsOfCorners) {

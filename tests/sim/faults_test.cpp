@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/sim/drawn.hpp"
 #include "gatefly/sim/ideal_vision.hpp"
-#include "gatefly/sim/randomize.hpp"
 #include "gatefly/sim/sensor_faults.hpp"
 #include "gatefly/sim/solids.hpp"
 
@@ -88,24 +88,24 @@ TEST(SensorFaults, TheSonarIsSilentForAsLongAsIsSaid) {
   EXPECT_EQ(faults.broken(std::optional{1.5}, 3.0), 1.5);
 }
 
-SimConfig two_gates() {
-  SimConfig config;
+world::SimConfig two_gates() {
+  world::SimConfig config;
   config.world.gates = {{.p_EG = {3, 0, -1.5}}, {.p_EG = {6, 0, -1.5}}};
   config.world.room_size = {20, 20, 4};
   return config;
 }
 
 TEST(GateFaults, AMovedGateStandsElsewhereThanInTheMap) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.faults = {.moved_gate = 2, .gate_moved = {0.3, -0.5, 0.1}, .gate_turned = 0.2};
-  const SimConfig real = drawn(config, {}, 1);
+  const world::SimConfig real = drawn(config, {}, 1);
   EXPECT_EQ(real.world.gates[0].p_EG, config.world.gates[0].p_EG);
   EXPECT_THAT(real.world.gates[1].p_EG, IsNear(Eigen::Vector3d{6.3, -0.5, -1.4}, 1e-12));
   EXPECT_EQ(real.world.gates[1].yaw_EG, 0.2);
 }
 
 TEST(GateFaults, AGateIsMovedToItsOwnRightHoweverItStands) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.world.gates[1].yaw_EG = 90 * kDegree;  // flown to the east: its right is south
   config.faults = {.moved_gate = 2, .gate_moved = {0.0, 0.0, 0.2}, .gate_aside = 0.5};
   EXPECT_THAT(drawn(config, {}, 1).world.gates[1].p_EG,
@@ -113,12 +113,12 @@ TEST(GateFaults, AGateIsMovedToItsOwnRightHoweverItStands) {
 }
 
 TEST(GateFaults, TheSeedDrawsWhichGateIsMovedAndTheTruthSaysWhich) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.world.gates.push_back({.p_EG = {9, 0, -1.5}});
   config.faults = {.moved_gate = -1, .gate_aside = 0.5};
   std::array<int, 3> drawn_of{};
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const SimConfig real = drawn(config, {}, seed);
+    const world::SimConfig real = drawn(config, {}, seed);
     ASSERT_GE(real.faults.moved_gate, 1);
     ASSERT_LE(real.faults.moved_gate, 3);
     const auto moved = static_cast<std::size_t>(real.faults.moved_gate - 1);
@@ -130,18 +130,18 @@ TEST(GateFaults, TheSeedDrawsWhichGateIsMovedAndTheTruthSaysWhich) {
 }
 
 TEST(GateFaults, ACourseThatIsSmallerThanItsMapHasItsGatesNearerToThePad) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.start.position = {1, 2};
   config.faults.course_scale = -0.07;
-  const SimConfig real = drawn(config, {}, 1);
+  const world::SimConfig real = drawn(config, {}, 1);
   EXPECT_THAT(real.world.gates[1].p_EG,
               IsNear(Eigen::Vector3d{1 + 0.93 * 5, 2 - 0.93 * 2, -1.5}, 1e-12));
   EXPECT_EQ(real.world.gates[1].side, config.world.gates[1].side);
 }
 
 TEST(Faults, ALensIsLongerThanToldBesideWhatTheSeedDraws) {
-  SimConfig config = two_gates();
-  const Randomize sigma = randomize_level("race");
+  world::SimConfig config = two_gates();
+  const world::Randomize sigma = world::randomize_level("race");
   const auto focal = [&] {
     return std::visit([](const auto& lens) -> Eigen::Vector2d { return lens.focal_px; },
                       drawn(config, sigma, 4).camera.lens.model);
@@ -152,17 +152,17 @@ TEST(Faults, ALensIsLongerThanToldBesideWhatTheSeedDraws) {
 }
 
 TEST(Faults, OffsetsOfMountAndStartAddToWhatTheSeedDraws) {
-  SimConfig config = two_gates();
-  const Randomize sigma = randomize_level("race");
-  const SimConfig usual = drawn(config, sigma, 4);
+  world::SimConfig config = two_gates();
+  const world::Randomize sigma = world::randomize_level("race");
+  const world::SimConfig usual = drawn(config, sigma, 4);
   config.faults = {.camera_tilt = -5 * kDegree, .start_heading = 5 * kDegree};
-  const SimConfig real = drawn(config, sigma, 4);
+  const world::SimConfig real = drawn(config, sigma, 4);
   EXPECT_NEAR(real.camera.tilt_down - usual.camera.tilt_down, -5 * kDegree, 1e-12);
   EXPECT_NEAR(real.start.heading - usual.start.heading, 5 * kDegree, 1e-12);
 }
 
 TEST(Faults, PicturesComeYoungerThanToldButNotBeforeReadOutHasEnded) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.faults.camera_delay = -0.020;
   EXPECT_NEAR(drawn(config, {}, 1).sensors.camera_latency, 0.010, 1e-12);
   config.faults.camera_delay = -0.050;
@@ -171,11 +171,11 @@ TEST(Faults, PicturesComeYoungerThanToldButNotBeforeReadOutHasEnded) {
 
 // x more of the thrust command: the rotor speed that hovered gives 1 / (1 + x) of the weight.
 TEST(Faults, HoveringTakesSoMuchMoreOrLessThrust) {
-  const SimConfig told = two_gates();
+  const world::SimConfig told = two_gates();
   for (const double more : {0.10, -0.10, 1.0}) {
-    SimConfig config = told;
+    world::SimConfig config = told;
     config.faults.hover_thrust = more;
-    const SimConfig real = drawn(config, {}, 1);
+    const world::SimConfig real = drawn(config, {}, 1);
     EXPECT_NEAR(real.vehicle.thrust_coefficient * (1.0 + more), told.vehicle.thrust_coefficient,
                 1e-18);
     EXPECT_EQ(real.vehicle.mass, told.vehicle.mass);
@@ -183,7 +183,7 @@ TEST(Faults, HoveringTakesSoMuchMoreOrLessThrust) {
 }
 
 TEST(GateFaults, AnotherHueIsTurnedAboutTheGreyAxis) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.faults.hue = 120 * kDegree;
   const Eigen::Vector3d was = config.world.gates[0].color,
                         is = drawn(config, {}, 1).world.gates[0].color;
@@ -191,10 +191,10 @@ TEST(GateFaults, AnotherHueIsTurnedAboutTheGreyAxis) {
 }
 
 /// Which gates a camera at the origin sees, 1.5 m up, looking north.
-std::vector<int> seen(const SimConfig& config, double x = 0.0) {
+std::vector<int> seen(const world::SimConfig& config, double x = 0.0) {
   const SolidSight sight{config.world};
   const std::vector<BodyPose> history{{0.0, {x, 0, -1.5}, {1, 0, 0, 0}}};
-  CameraTruth level = config.camera;
+  world::CameraTruth level = config.camera;
   level.tilt_down = 0.0;
   std::vector<int> gates;
   for (const GateView& view : gates_in_view(config.world, level, sight, 0.0, history))
@@ -203,29 +203,29 @@ std::vector<int> seen(const SimConfig& config, double x = 0.0) {
 }
 
 TEST(GateFaults, AMissingGateIsNeitherSeenNorSolid) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   ASSERT_EQ(seen(drawn(config, {}, 1)), (std::vector{1, 2}));
   config.faults.missing_gate = 1;
-  const SimConfig real = drawn(config, {}, 1);
+  const world::SimConfig real = drawn(config, {}, 1);
   EXPECT_EQ(seen(real), std::vector{2});
   for (const Solid& solid : solids_of(real.world)) EXPECT_FALSE(solid.name.starts_with("gate 1"));
 }
 
 TEST(GateFaults, AHiddenGateIsSeenFromNearOnly) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.faults.hidden_gate = 2, config.faults.gate_hidden = 4.0;
-  const SimConfig real = drawn(config, {}, 1);
+  const world::SimConfig real = drawn(config, {}, 1);
   EXPECT_EQ(seen(real, 0.0), std::vector{1});
   EXPECT_EQ(seen(real, 2.5), std::vector{2});
 }
 
 TEST(GateFaults, FalseGatesStandOffTheLanesAndAreSolid) {
-  SimConfig config = two_gates();
+  world::SimConfig config = two_gates();
   config.faults.false_gates = 3;
-  const SimConfig real = drawn(config, {}, 1);
+  const world::SimConfig real = drawn(config, {}, 1);
   ASSERT_EQ(real.world.false_gates.size(), 3u);
   EXPECT_EQ(real.world.gates.size(), 2u);
-  for (const WorldGate& gate : real.world.false_gates) {
+  for (const world::WorldGate& gate : real.world.false_gates) {
     EXPECT_EQ(gate.color, real.world.gates[0].color);
     EXPECT_LT(gate.p_EG.head<2>().cwiseAbs().maxCoeff(), 9.5);
     EXPECT_TRUE(std::abs(gate.p_EG.y()) > 1.0 || gate.p_EG.x() < -3.0 || gate.p_EG.x() > 9.0);

@@ -30,7 +30,7 @@ TEST(GroundEffect, GrowsTowardsTheFloorAndIsNothingHighAbove) {
 
 // Flown forward the air pitches the nose up, flown to the right it rolls left; standing air, no moment.
 TEST(AirMoment, TurnsTheBodyBackFromWhereItGoes) {
-  SimConfig config;
+  world::SimConfig config;
   config.vehicle.air_moment = {0.01, 0.03};
   const double hover =
       std::sqrt(config.vehicle.mass * kGravity / 4 / config.vehicle.thrust_coefficient);
@@ -50,7 +50,7 @@ TEST(AirMoment, TurnsTheBodyBackFromWhereItGoes) {
 }
 
 /// Gusts of one axis, sampled every `every` steps, for so many seconds.
-std::vector<Eigen::Vector3d> recorded(const Wind& wind, double airspeed, double seconds,
+std::vector<Eigen::Vector3d> recorded(const world::Wind& wind, double airspeed, double seconds,
                                       int every) {
   Gusts gusts{wind, 7};
   std::vector<Eigen::Vector3d> record;
@@ -62,7 +62,8 @@ std::vector<Eigen::Vector3d> recorded(const Wind& wind, double airspeed, double 
 }
 
 TEST(Gusts, HaveTheVarianceThatWasAskedForAlongTheWindAcrossAndUp) {
-  const Wind wind{.mean = {0.0, 2.0}, .gust = 0.8, .gust_length = 0.5, .gust_vertical = 0.25};
+  const world::Wind wind{
+      .mean = {0.0, 2.0}, .gust = 0.8, .gust_length = 0.5, .gust_vertical = 0.25};
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), square = mean;
   const auto record = recorded(wind, 2.0, 2000.0, 64);
   for (const auto& v : record) mean += v, square += v.cwiseAbs2();
@@ -93,7 +94,7 @@ double power_at(const std::vector<double>& x, double omega, double dt, std::size
 
 // MIL-F-8785C: along 1 / (1 + a²), across (1 + 3 a²) / (1 + a²)², a = Lω/V.
 TEST(Gusts, HaveDrydensSpectrum) {
-  const Wind wind{.mean = {1.0, 0.0}, .gust = 1.0, .gust_length = 1.0};
+  const world::Wind wind{.mean = {1.0, 0.0}, .gust = 1.0, .gust_length = 1.0};
   constexpr int kEvery = 16;
   const double dt = kEvery * kForceStep;
   std::vector<double> along, across;
@@ -118,7 +119,7 @@ TEST(Gusts, WithoutGustsTheAirStandsStill) {
 /// Thrust [N] of rotors that turn at `speed` and have done so for `seconds`, high above the floor.
 class Rig {
  public:
-  explicit Rig(const SimConfig& config) : forces_{config} { state_.p_EB.z() = -100.0; }
+  explicit Rig(const world::SimConfig& config) : forces_{config} { state_.p_EB.z() = -100.0; }
   double run(double speed, double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / kForceStep); ++i, time_ += kForceStep)
       forces_.advance({speed, speed, speed, speed}, state_, time_, kForceStep);
@@ -132,12 +133,12 @@ class Rig {
   double time_ = 0.0;
 };
 
-double speed_at_hover(const VehicleTruth& v) {
+double speed_at_hover(const world::VehicleTruth& v) {
   return std::sqrt(v.mass * kGravity / 4 / v.thrust_coefficient);
 }
 
 TEST(Battery, HoveringForSagTimeCostsTheSagAndLoadCostsMoreUntilItIsGone) {
-  SimConfig config;
+  world::SimConfig config;
   config.vehicle.sag = 0.10, config.vehicle.sag_time = 60.0;
   const double hover = speed_at_hover(config.vehicle), weight = config.vehicle.mass * kGravity;
   Rig rig{config};
@@ -151,7 +152,7 @@ TEST(Battery, HoveringForSagTimeCostsTheSagAndLoadCostsMoreUntilItIsGone) {
 }
 
 TEST(Faults, LostThrustIsLostWhenAndWhereItIsSaid) {
-  SimConfig config;
+  world::SimConfig config;
   config.faults = {.thrust_loss = 0.3, .weak_rotor = 0, .thrust_loss_during = {1.0, 1.0}};
   const double hover = speed_at_hover(config.vehicle), weight = config.vehicle.mass * kGravity;
   Rig all{config};
@@ -167,7 +168,7 @@ TEST(Faults, LostThrustIsLostWhenAndWhereItIsSaid) {
 }
 
 TEST(Faults, WindBlowsWhenItIsSaid) {
-  SimConfig config;
+  world::SimConfig config;
   config.wind.mean = {0.2, 0.0};
   config.faults = {.wind = {3.0, -1.0}, .wind_during = {1.0, 0.5}};
   Rig rig{config};

@@ -32,8 +32,8 @@ struct Hall {
     }
     return poses;
   }
-  World world;
-  CameraTruth camera;
+  world::World world;
+  world::CameraTruth camera;
 };
 
 TEST(GatesInView, AGateStraightAheadIsWholeAndClockwiseFromTopLeft) {
@@ -47,7 +47,7 @@ TEST(GatesInView, AGateStraightAheadIsWholeAndClockwiseFromTopLeft) {
   EXPECT_LT(c[0].y(), c[3].y());
   EXPECT_LT(c[3].x(), c[2].x());
   // The lens puts them half a metre aside at four metres.
-  const CameraTruth camera;
+  const world::CameraTruth camera;
   EXPECT_LT((c[2] - *camera.lens.project({0.5, 0.5, 4.0})).norm(), 1e-9);
 }
 
@@ -256,7 +256,7 @@ TEST(LookAlikes, TwoGatesSideBySideMakeAFrameOfTheirNearBars) {
   const auto frames = frames_of_two(views);
   // Left gate's right bar and right gate's left bar; the others are wider than high.
   ASSERT_EQ(frames.size(), 1u);
-  const CameraTruth camera;
+  const world::CameraTruth camera;
   EXPECT_LT((frames[0].corners_px[0] - *camera.lens.project({-0.5, -0.5, 4.0})).norm(), 1e-9);
   EXPECT_LT((frames[0].corners_px[2] - *camera.lens.project({0.5, 0.5, 4.0})).norm(), 1e-9);
   hall.world.gates.pop_back();

@@ -96,7 +96,7 @@ TEST(Baker, InAFurnaceABounceGivesTheAlbedo) {
 
 /// The smallest hall that has lamps, a window and clutter.
 Scene small_hall() {
-  World world;
+  world::World world;
   world.room_size = {4, 4, 3.0};
   world.gates = {{.p_EG = {0, 0, -1.5}}};
   return make_scene(world);
@@ -136,7 +136,7 @@ TEST(LightMap, ComesBackFromItsCacheWhichMayBeDamagedOrClosed) {
 
 TEST(LightMap, WhatItsCallerThrowsMeanwhileEndsTheBakeAndKeepsNothing) {
   struct Enough {};
-  World world;
+  world::World world;
   world.room_size = {120, 120, 6.0};  // minutes
   const Scene scene = make_scene(world);
   const RayScene rays{{&scene.fixed}};
@@ -179,7 +179,7 @@ struct Surface {
     builder.rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, builder.material(material));
     map.nodes.resize(static_cast<std::size_t>(Scene::nodes(scene.fixed)));
   }
-  [[nodiscard]] Float4 radiance(float u, float v, const LightConditions& light = {}) const {
+  [[nodiscard]] Float4 radiance(float u, float v, const world::LightConditions& light = {}) const {
     return Shader{scene, map, {}, light}.radiance(0, u, v);
   }
   [[nodiscard]] NodeLight& node(int i, int j) {
@@ -200,7 +200,7 @@ TEST(Shader, RadianceIsAlbedoTimesIrradianceOverPi) {
 TEST(Shader, EachGroupsGainMultipliesItsOwnLightAndLamps) {
   Surface surface{{.albedo = {0.5f, 0.5f, 0.5f}, .emission = {4, 4, 4}, .group = kWindow}};
   for (NodeLight& node : surface.map.nodes) node = {1, 1, 1, 2, 2, 2, 8, 8, 8};
-  LightConditions light;
+  world::LightConditions light;
   light.group_gain = {0.5, 3.0, 0.0};
   EXPECT_NEAR(surface.radiance(0.5f, 0.5f, light)[0], 4 * 3.0 + 0.5 * (0.5 * 1 + 3.0 * 2) / kPi,
               1e-5);

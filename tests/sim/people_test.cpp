@@ -18,12 +18,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Person walker() {
+world::Person walker() {
   return {.from = {2.0, -1.0}, .to = {2.0, 3.0}, .speed = 0.5, .start = 1.0, .height = 1.8};
 }
 
 TEST(People, WalkToTheEndAndBackAtTheirSpeed) {
-  const Person person = walker();
+  const world::Person person = walker();
   EXPECT_LT((place_of(person, 0.0) - Vector2d(2.0, 0.0)).norm(), 1e-12);
   EXPECT_LT((place_of(person, 4.0) - Vector2d(2.0, 2.0)).norm(), 1e-12);
   EXPECT_LT((place_of(person, 6.0) - person.to).norm(), 1e-12);
@@ -41,7 +41,7 @@ TEST(People, AreTouchedWhereTheyAreAndOnlyThen) {
 }
 
 TEST(People, AreDrawnInTheirPlaceAndSize) {
-  World world;
+  world::World world;
   world.people = {walker(), {.from = {-3.0, 0.0}, .to = {-1.0, 0.0}}};
   const Scene scene = make_scene(world);
   ASSERT_EQ(scene.walkers.size(), 2u);
@@ -66,7 +66,7 @@ TEST(People, AreDrawnInTheirPlaceAndSize) {
 /// Frames that look north from (0, 0, -1.2).
 class FrameOf {
  public:
-  explicit FrameOf(const World& world) : renderer_{world, camera(), {}, 1, {}, 1} {}
+  explicit FrameOf(const world::World& world) : renderer_{world, camera(), {}, 1, {}, 1} {}
 
   [[nodiscard]] std::vector<std::uint8_t> at(double t) {
     const std::vector<BodyPose> still{{t - 1.0, {0, 0, -1.2}}, {t + 1.0, {0, 0, -1.2}}};
@@ -78,16 +78,16 @@ class FrameOf {
   [[nodiscard]] const CameraRenderer& renderer() const { return renderer_; }
 
  private:
-  static CameraTruth camera() {
-    CameraTruth truth;
+  static world::CameraTruth camera() {
+    world::CameraTruth truth;
     truth.tilt_down = 0.0;
     return truth;
   }
   CameraRenderer renderer_;
 };
 
-World room_with_a_walker() {
-  World world;
+world::World room_with_a_walker() {
+  world::World world;
   world.room_size = {8, 8, 3.2};
   world.people = {{.from = {3.0, -2.0},
                    .to = {3.0, 2.0},

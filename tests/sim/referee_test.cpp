@@ -12,15 +12,15 @@
 namespace gatefly::sim {
 namespace {
 
-World one_gate() {
-  World world;
-  world.gates = {WorldGate{{5, 2, -1.5}, 0.5, 1.0, 0.05, {1, 0.5, 0}}};
+world::World one_gate() {
+  world::World world;
+  world.gates = {world::WorldGate{{5, 2, -1.5}, 0.5, 1.0, 0.05, {1, 0.5, 0}}};
   return world;
 }
 
-BodyState at(const World& world, const Eigen::Vector3d& p_G, double roll = 0.0,
+BodyState at(const world::World& world, const Eigen::Vector3d& p_G, double roll = 0.0,
              double yaw_G = 0.0) {
-  const WorldGate& gate = world.gates[0];
+  const world::WorldGate& gate = world.gates[0];
   BodyState state;
   state.p_EB = gate.p_EG + rotation_z(gate.yaw_EG) * p_G;
   state.q_EB = q_EB_of({roll, 0.0, gate.yaw_EG + yaw_G});
@@ -30,8 +30,8 @@ BodyState at(const World& world, const Eigen::Vector3d& p_G, double roll = 0.0,
 /// Flies `path` (gate frame, by time) for `seconds`, at 1 kHz; how many gates the referee counts.
 int counted(const std::function<Eigen::Vector3d(double)>& path, double seconds, double roll = 0.0,
             double yaw_G = 0.0) {
-  const World world = one_gate();
-  Referee referee{world, VehicleTruth{}, 5};
+  const world::World world = one_gate();
+  Referee referee{world, world::VehicleTruth{}, 5};
   for (double t = 0.0; t < seconds; t += 0.001)
     (void)referee.update(at(world, path(t), roll, yaw_G), t);
   return referee.passed();
@@ -42,8 +42,8 @@ TEST(Referee, CountsAStraightPassThroughTheMiddleOnce) {
 }
 
 TEST(Referee, SaysWhereAndWhenTheCentreCrossed) {
-  const World world = one_gate();
-  Referee referee{world, VehicleTruth{}, 1};
+  const world::World world = one_gate();
+  Referee referee{world, world::VehicleTruth{}, 1};
   std::optional<GatePass> pass;
   for (double t = 0.0; t < 2.0 && !pass; t += 0.001)
     pass = referee.update(at(world, {-1.5 + 1.5 * t, 0.1, -0.2}), t);
@@ -119,9 +119,9 @@ TEST(Referee, SeesADiagonalPassAtSixMetresPerSecond) {
 }
 
 TEST(Referee, GatesCountInOrderOnly) {
-  World world = one_gate();
+  world::World world = one_gate();
   world.gates.push_back({{9, 2, -1.5}, 0.0, 1.0, 0.05, {1, 0.5, 0}});
-  Referee referee{world, VehicleTruth{}, 1};
+  Referee referee{world, world::VehicleTruth{}, 1};
   BodyState state;
   for (double t = 0.0; t < 2.0; t += 0.001) {  // the second gate first
     state.p_EB = {8 + 1.5 * t, 2, -1.5};

@@ -15,7 +15,7 @@ namespace {
 
 /// A room off the origin with a box, a show-case, a pole, a hanging beam, two gates and a decoy.
 World furnished(const std::string& look) {
-  World world;
+  world::World world;
   world.look = look;
   world.room_size = {9, 11, 3.2};
   world.room_center = {2, -1};
@@ -35,7 +35,7 @@ std::array<Eigen::Vector3d, 4> corners(const Rectangle& r) {
 }
 
 /// Whether p stands inside an obstacle's footprint.
-bool in_footprint(const WorldBox& box, const Eigen::Vector3d& p_E, double margin) {
+bool in_footprint(const world::WorldBox& box, const Eigen::Vector3d& p_E, double margin) {
   const Eigen::Vector2d p =
       (rotation_z(-box.heading) * (p_E - Eigen::Vector3d{box.center.x(), box.center.y(), 0.0}))
           .head<2>();
@@ -70,7 +70,7 @@ TEST_P(Looks, RectanglesAreFlatUprightAndCountTheirNodes) {
 }
 
 TEST_P(Looks, ClutterStaysAtTheWallsOnTheFloorUpHighOrInsideObstacles) {
-  const World world = furnished(GetParam());
+  const world::World world = furnished(GetParam());
   for (const Rectangle& r : make_scene(world).fixed) {
     const auto all = corners(r);
     // Corner by corner would let a thing hang across the room.
@@ -83,8 +83,8 @@ TEST_P(Looks, ClutterStaysAtTheWallsOnTheFloorUpHighOrInsideObstacles) {
     const bool at_wall = wall(0, 1) || wall(0, -1) || wall(1, 1) || wall(1, -1);
     const bool on_floor = each([](const Eigen::Vector3d& p) { return -p.z() < 0.01; });
     const bool high = each([](const Eigen::Vector3d& p) { return -p.z() > 2.599; });
-    const bool in_obstacle =
-        std::any_of(world.obstacles.begin(), world.obstacles.end(), [&](const WorldBox& box) {
+    const bool in_obstacle = std::any_of(
+        world.obstacles.begin(), world.obstacles.end(), [&](const world::WorldBox& box) {
           return each([&](const Eigen::Vector3d& p) { return in_footprint(box, p, 0.001); });
         });
     EXPECT_TRUE(at_wall || on_floor || high || in_obstacle)
@@ -93,8 +93,8 @@ TEST_P(Looks, ClutterStaysAtTheWallsOnTheFloorUpHighOrInsideObstacles) {
 }
 
 TEST_P(Looks, WhatASeedMovesLeavesTheRoomAndItsLightMapAlone) {
-  const World one = furnished(GetParam());
-  World other = one;
+  const world::World one = furnished(GetParam());
+  world::World other = one;
   other.gates[0].p_EG.x() += 0.3, other.gates[0].color = {0, 0, 1};
   other.decoys.clear();
   EXPECT_EQ(make_scene(one).fixed_hash(), make_scene(other).fixed_hash());
@@ -104,11 +104,11 @@ TEST_P(Looks, WhatASeedMovesLeavesTheRoomAndItsLightMapAlone) {
 }
 
 TEST(Scene, AGatesBarsEncloseItsOpeningInItsColour) {
-  World world;
+  world::World world;
   world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6, .side = 1.2, .color = {0.1, 0.2, 0.7}}};
   world.paint = {.width = 1.0, .blue = 1.0, .wear = 0.0};
   const Scene scene = make_scene(world);
-  const WorldGate& gate = world.gates[0];
+  const world::WorldGate& gate = world.gates[0];
   Eigen::Vector3d low{9, 9, 9}, high = -low;
   int bars = 0;
   for (const Rectangle& r : scene.moved) {
@@ -130,13 +130,13 @@ TEST(Scene, AGatesBarsEncloseItsOpeningInItsColour) {
 // The picture as the collisions: the upper one of two stacked gates has no pole in the lower opening,
 // and no foot on the floor there.
 TEST(Scene, NoPoleIsSeenInAnOpeningOfStackedGates) {
-  World world;
+  world::World world;
   world.room_size = {20, 20, 8};
   for (const double height : {1.5, 4.6})
     world.gates.push_back(
         {.p_EG = {0.1 * height, 0.1, -height}, .yaw_EG = 0.6, .side = 2.7, .bar = 0.6});
   const auto seen_in_lower = [&] {
-    const WorldGate& gate = world.gates[0];
+    const world::WorldGate& gate = world.gates[0];
     const double in = 0.5 * gate.side - gate.bar;
     const Scene scene = make_scene(world);
     int count = 0;

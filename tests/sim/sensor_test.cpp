@@ -24,8 +24,8 @@ Radiance grey(float level) {
   return [level](int, int) { return Float4{level, level, level, 0}; };
 }
 
-CameraTruth small() {
-  CameraTruth truth;
+world::CameraTruth small() {
+  world::CameraTruth truth;
   truth.stored_width = kWidth, truth.stored_height = kHeight;
   return truth;
 }
@@ -37,8 +37,8 @@ std::vector<Float4> picture_of(const Radiance& radiance) {
   return picture;
 }
 
-LightConditions without_noise() {
-  LightConditions light;
+world::LightConditions without_noise() {
+  world::LightConditions light;
   light.noise_scale = 0.0;
   return light;
 }
@@ -46,7 +46,7 @@ LightConditions without_noise() {
 /// A camera that has metered one scene and goes on looking.
 class Camera {
  public:
-  explicit Camera(const LightConditions& light = without_noise(), std::uint64_t seed = 1)
+  explicit Camera(const world::LightConditions& light = without_noise(), std::uint64_t seed = 1)
       : sensor_{small(), light, seed} {}
 
   /// As for a first frame.
@@ -163,7 +163,7 @@ TEST(Sensor, TwoNeighboursOfALineShareTheMeanOfTheirColours) {
 TEST(Sensor, AWhiteBalanceGainLiftsItsChannel) {
   Camera nominal;
   nominal.look(grey(0.3f));
-  LightConditions light = without_noise();
+  world::LightConditions light = without_noise();
   light.white_balance = {1.2, 1.0, 1.0};
   Camera red{light};
   red.look(grey(0.3f));
@@ -178,7 +178,7 @@ TEST(Sensor, AWhiteBalanceGainLiftsItsChannel) {
 TEST(Sensor, TheMeanGreyBecomesWhatTheExposureTargetSays) {
   for (const double target : {0.5, 0.7, 1.0, 1.3})
     for (const float brightness : {0.3f, 1.0f, 5.0f}) {
-      LightConditions light = without_noise();
+      world::LightConditions light = without_noise();
       light.exposure_target = target;
       Camera camera{light};
       camera.meter(room(brightness));
@@ -200,7 +200,7 @@ TEST(Sensor, BrightLightShortensTheExposureAndDimLightRaisesTheGain) {
   const auto exposure = [](float brightness) {
     return Camera{}.meter(room(brightness)).exposure();
   };
-  const double longest = CameraTruth{}.exposure;
+  const double longest = world::CameraTruth{}.exposure;
   EXPECT_EQ(exposure(0.01f), longest);
   EXPECT_LT(exposure(0.6f), longest);
   EXPECT_NEAR(exposure(0.6f) / exposure(1.2f), 2.0, 1e-6) << "the same light in half the time";
@@ -230,9 +230,9 @@ TEST(Sensor, ExposureFollowsAStepOfLightWithALag) {
 }
 
 /// Variance of Y in the middle of a picture of one grey, without what rounding to bytes adds.
-double noise_variance(const LightConditions& light, float level) {
+double noise_variance(const world::LightConditions& light, float level) {
   // The whole sensor: the middle is lit evenly.
-  Sensor sensor{CameraTruth{}, light, 1};
+  Sensor sensor{world::CameraTruth{}, light, 1};
   std::vector<Float4> picture(std::size_t{160} * 315, Float4{level, level, level, 0});
   sensor.meter(picture);
   std::vector<std::uint8_t> bytes;
@@ -251,8 +251,8 @@ double noise_variance(const LightConditions& light, float level) {
 // of the signal times the same slope: shot noise gain s / 12,000 and read noise (gain 12 / 12,000)².
 // 1400 pixels: the ratio of two variances is good to 4 · √(4 / 1400) = 21 %.
 TEST(Sensor, NoiseGrowsWithGainAsShotAndReadNoiseDo) {
-  const LightConditions light;
-  const double longest = CameraTruth{}.exposure;
+  const world::LightConditions light;
+  const double longest = world::CameraTruth{}.exposure;
   // The level whose metered exposure just reaches the longest: gain 1.
   const float one = static_cast<float>(Camera{}.meter(grey(1.0f)).exposure() / longest);
   const double signal = 250.0 * longest * static_cast<double>(one);
@@ -266,7 +266,7 @@ TEST(Sensor, NoiseGrowsWithGainAsShotAndReadNoiseDo) {
 }
 
 TEST(Sensor, NoiseScaleScalesTheNoise) {
-  LightConditions twice;
+  world::LightConditions twice;
   twice.noise_scale = 2.0;
   EXPECT_NEAR(noise_variance(twice, 0.02f) / noise_variance({}, 0.02f), 4.0, 0.84);
   EXPECT_LT(noise_variance(without_noise(), 0.02f), 0.5);
@@ -274,7 +274,7 @@ TEST(Sensor, NoiseScaleScalesTheNoise) {
 
 TEST(Sensor, TheSameSeedAndFrameGiveTheSameBytesAndOthersOtherNoise) {
   const auto picture = [](std::uint64_t seed, std::uint32_t frame) {
-    Sensor sensor{small(), LightConditions{}, seed};
+    Sensor sensor{small(), world::LightConditions{}, seed};
     auto radiance = picture_of(room(0.1f));
     sensor.meter(radiance);
     std::vector<std::uint8_t> bytes;

@@ -29,7 +29,7 @@ BodyState at_rotor_speed(double speed) {
 
 /// An IMU without any error; tests put in the one they ask about.
 SensorTruth perfect() {
-  SensorTruth truth;
+  world::SensorTruth truth;
   truth.accel_bias.setZero(), truth.flight_bias.setZero();
   truth.gyro_bias.setZero(), truth.gyro_drift.setZero();
   truth.accel_noise.setZero(), truth.accel_vibration.setZero();
@@ -53,7 +53,7 @@ Statistics of(const std::vector<Eigen::Vector3d>& samples) {
   return {mean, (sum2 / static_cast<double>(samples.size())).cwiseSqrt()};
 }
 
-ImuStatistics measured(const SensorTruth& truth, const BodyState& state, int samples) {
+ImuStatistics measured(const world::SensorTruth& truth, const BodyState& state, int samples) {
   ImuModel model{truth, 3};
   std::vector<Eigen::Vector3d> accel, gyro;
   for (int i = 0; i < samples; ++i) {
@@ -93,7 +93,7 @@ TEST(ImuModel, StopsAtTheEndOfItsRange) {
 }
 
 TEST(ImuModel, AtRestHasItsBiasesLittleNoiseAndNoVibration) {
-  SensorTruth truth;  // with vibration
+  world::SensorTruth truth;  // with vibration
   truth.flight_bias = {1, 1, 1}, truth.gyro_drift = {1, 1, 1};
   const BodyState state = at_rotor_speed(0.0);
   const auto [accel, gyro] = measured(truth, state, kSamples);
@@ -109,7 +109,7 @@ TEST(ImuModel, AtRestHasItsBiasesLittleNoiseAndNoVibration) {
 }
 
 TEST(ImuModel, InFlightTheNoiseIsWholeAndWhatAppearsAfterTakeOffIsThere) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   truth.accel_vibration.setZero(), truth.gyro_vibration.setZero(), truth.gyro_rumble.setZero();
   truth.flight_bias = {0.05, -0.02, 0.1}, truth.gyro_drift = {0.003, 0.002, -0.004};
   const BodyState state = at_rotor_speed(kReference);
@@ -126,7 +126,7 @@ TEST(ImuModel, InFlightTheNoiseIsWholeAndWhatAppearsAfterTakeOffIsThere) {
 }
 
 TEST(ImuModel, NoiseIsWhiteAndItsAxesAreIndependent) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.accel_noise = {1, 1, 1}, truth.gyro_noise = {1, 1, 1};
   ImuModel model{truth, 4};
   const BodyState state = [] {
@@ -153,7 +153,7 @@ TEST(ImuModel, NoiseIsWhiteAndItsAxesAreIndependent) {
 }
 
 TEST(ImuModel, ScaleErrorsScaleTheMotionNotTheBias) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.accel_scale = {1.01, 0.98, 1.03}, truth.gyro_scale = {0.97, 1.02, 1.01};
   truth.accel_bias = {0.5, 0.5, 0.5}, truth.gyro_bias = {0.25, 0.25, 0.25};
   BodyState state;
@@ -168,7 +168,7 @@ TEST(ImuModel, ScaleErrorsScaleTheMotionNotTheBias) {
 // The sine's phase wanders by 0.3 rad a sample, so that about 20 samples count as one: 5 % are four
 // standard errors of the RMS of 40,000.
 TEST(ImuModel, VibrationGoesWithTheSquareOfRotorSpeed) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.accel_vibration = {1.7, 0.6, 3.4}, truth.gyro_vibration = {0.12, 0.11, 0.18};
   for (const double speed : {500.0, kReference, 850.0, 1200.0}) {
     // Rotors faster than about 920 rad/s shake no harder.
@@ -184,7 +184,7 @@ TEST(ImuModel, VibrationGoesWithTheSquareOfRotorSpeed) {
 // White noise of unit variance through a low-pass at 12 Hz and a high-pass at 3 Hz has a variance of
 // 12 / (12 + 3). Without a mean: an angle that is summed up from it stays where it is.
 TEST(ImuModel, RumbleShakesTheGyroInFlightAndDoesNotTurnIt) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.gyro_rumble = {0.16, 0.05, 0.15};
   const ImuStatistics flying = measured(truth, at_rotor_speed(kReference), 40'000),
                       resting = measured(truth, at_rotor_speed(0), 1000);
@@ -199,7 +199,7 @@ TEST(ImuModel, RumbleShakesTheGyroInFlightAndDoesNotTurnIt) {
 // x(t) = √2 sin φ(t), φ growing by ω dt and a normal step of 0.3 rad: E[x(t) x(t + dt)] is
 // cos(ω dt) exp(-0.3² / 2).
 TEST(ImuModel, VibrationIsAtTheRotorsFrequency) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.accel_vibration = {5, 0, 0};
   for (const double speed : {500.0, kReference, 900.0}) {
     const BodyState state = at_rotor_speed(speed);
@@ -215,7 +215,7 @@ TEST(ImuModel, VibrationIsAtTheRotorsFrequency) {
 }
 
 TEST(ImuModel, AnUnbalancedRotorShakesMoreAndAtItsOwnFrequency) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.accel_vibration = {2, 0, 0};
   truth.imbalance = {0, 0, 2, 0};
   BodyState state = at_rotor_speed(600.0);
@@ -232,7 +232,7 @@ TEST(ImuModel, AnUnbalancedRotorShakesMoreAndAtItsOwnFrequency) {
 }
 
 TEST(ImuModel, BiasesMoveAsItWarmsUp) {
-  SensorTruth truth = perfect();
+  world::SensorTruth truth = perfect();
   truth.accel_warming = {0.5, -0.25, 1.0}, truth.gyro_warming = {0.1, 0.2, -0.3};
   truth.warming_time = 2.0;
   BodyState state = at_rotor_speed(0.0);
@@ -246,7 +246,7 @@ TEST(ImuModel, BiasesMoveAsItWarmsUp) {
 }
 
 TEST(ImuModel, NoiseScaleScalesNoiseAndVibration) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   const auto one = measured(truth, at_rotor_speed(kReference), kSamples);
   truth.noise_scale = 2.0;
   const auto two = measured(truth, at_rotor_speed(kReference), kSamples);
@@ -256,7 +256,7 @@ TEST(ImuModel, NoiseScaleScalesNoiseAndVibration) {
 }
 
 TEST(ImuModel, SamplesComeAtTheImusRateWithItsJitter) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   for (const double jitter : {0.0, 3e-4}) {
     truth.imu_jitter = jitter;
     ImuModel model{truth, 6};
@@ -279,7 +279,7 @@ TEST(Sensors, TheSameSeedMeasuresTheSameAndAnotherSeedOtherwise) {
     return s;
   }();
   const auto record = [&](std::uint64_t seed) {
-    const SensorTruth truth;
+    const world::SensorTruth truth;
     ImuModel imu{truth, seed};
     SonarModel sonar{truth, seed};
     BaroModel baro{truth, seed};
@@ -307,8 +307,8 @@ BodyState hovering(double height, double pitch = 0.0, double roll = 0.0) {
   return state;
 }
 
-SensorTruth exact_sonar() {
-  SensorTruth truth;
+world::SensorTruth exact_sonar() {
+  world::SensorTruth truth;
   truth.sonar_noise = 0.0;
   return truth;
 }
@@ -316,7 +316,7 @@ SensorTruth exact_sonar() {
 constexpr double kSonarStep = 1e-3;
 
 TEST(SonarModel, LevelOverTheFloorMeasuresTheHeightWithItsNoise) {
-  const SensorTruth truth;
+  const world::SensorTruth truth;
   SonarModel sonar{truth, 2};
   double sum = 0.0, sum2 = 0.0;
   for (int i = 0; i < kSamples; ++i) {
@@ -329,7 +329,7 @@ TEST(SonarModel, LevelOverTheFloorMeasuresTheHeightWithItsNoise) {
 }
 
 TEST(SonarModel, OverABoxMeasuresTheBox) {
-  World world;
+  world::World world;
   world.obstacles = {{{0.0, 0.0}, {1.0, 1.0}, 0.3, 0.0, 0.8, false}};
   const SolidSight scene{world};
   SonarModel sonar{exact_sonar(), 1};
@@ -341,7 +341,7 @@ TEST(SonarModel, OverABoxMeasuresTheBox) {
 
 TEST(SonarModel, HearsTheNearestThingWithinFifteenDegreesOfBelow) {
   const auto range_beside = [](double degrees) {
-    World world;  // a thin plate 1 m below, its edge so far off the vertical
+    world::World world;  // a thin plate 1 m below, its edge so far off the vertical
     const double edge = std::tan(degrees * kDegree);
     world.obstacles = {{{edge + 1.0, 0.0}, {2.0, 6.0}, 0.0, 0.99, 1.0, false}};
     const SolidSight scene{world};
@@ -380,7 +380,7 @@ TEST(SonarModel, BeyondItsRangeHearsNothing) {
 }
 
 TEST(SonarModel, SomeEchoesAreLostAndSomeShowTwiceTheHeight) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   truth.sonar_loss = 0.2, truth.sonar_double = 0.1;
   SonarModel sonar{truth, 3};
   int lost = 0, twice = 0;
@@ -398,7 +398,7 @@ TEST(SonarModel, SomeEchoesAreLostAndSomeShowTwiceTheHeight) {
 }
 
 TEST(BaroModel, TakesPartOfTheAirspeedsPressureForHeight) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   truth.baro_noise = truth.baro_drift = 0.0, truth.baro_airspeed = 0.5;
   BodyState state = hovering(1.0);
   state.v_E = {3.0, 0.0, 0.0}, state.wind_E = {-1.0, 0.0, 0.0};
@@ -407,7 +407,7 @@ TEST(BaroModel, TakesPartOfTheAirspeedsPressureForHeight) {
 }
 
 TEST(BaroModel, NoiseIsWhiteAboutTheHeight) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   truth.baro_drift = 0.0;
   BaroModel baro{truth, 3};
   double sum = 0.0, sum2 = 0.0, in_turn = 0.0, last = 0.0;
@@ -423,7 +423,7 @@ TEST(BaroModel, NoiseIsWhiteAboutTheHeight) {
 
 // 500 barometers: the RMS of their drift within four standard errors, 13 %.
 TEST(BaroModel, DriftGrowsWithTheRootOfTimeHoweverOftenItIsRead) {
-  SensorTruth truth;
+  world::SensorTruth truth;
   truth.baro_noise = 0.0;
   const std::vector<double> times{2.5, 10.0, 40.0};
   for (const double dt : {0.05, 0.25}) {

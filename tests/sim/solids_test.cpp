@@ -19,7 +19,7 @@ namespace {
 
 /// A room with a bit of everything.
 World furnished() {
-  World world;
+  world::World world;
   world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6},
                  {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0}};
   world.obstacles = {{{1.0, -3.0}, {1.5, 0.6}, 0.5, 0.0, 1.9, false},
@@ -43,7 +43,7 @@ bool filled(const std::vector<Solid>& solids, const Eigen::Vector3d& p_E) {
 }
 
 TEST(Solids, EveryGateHasFourBarsAndAPoleByName) {
-  World world;
+  world::World world;
   world.gates = {{.p_EG = {2.0, 1.0, -1.5}}};
   std::vector<std::string> names;
   for (const Solid& solid : solids_of(world)) names.push_back(solid.name);
@@ -55,7 +55,7 @@ TEST(Solids, EveryGateHasFourBarsAndAPoleByName) {
 
 /// Two gates of the same size, one above the other, so much room between their frames.
 World stacked(double between, Stream& draw) {
-  World world;
+  world::World world;
   world.room_size = {20, 20, 12};
   const auto off = [&] { return 0.25 * draw.uniform(-1.0, 1.0); };  // 2.5 sigma of level race
   const double side = draw.uniform(1.0, 2.7), bar = draw.uniform(0.05, 0.22) * side;
@@ -74,9 +74,9 @@ World stacked(double between, Stream& draw) {
 TEST(Solids, NothingStandsInAnOpeningOfStackedGates) {
   Stream draw{11, "stacked gates"};
   for (int i = 0; i < 60; ++i) {
-    const World world = stacked(0.2 + draw.uniform(), draw);
+    const world::World world = stacked(0.2 + draw.uniform(), draw);
     const SolidSight sight{world};
-    for (const WorldGate& gate : world.gates) {
+    for (const world::WorldGate& gate : world.gates) {
       const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
       const double in = 0.5 * gate.side - gate.bar - 1e-3;
       for (int k = 0; k < 200; ++k) {
@@ -92,7 +92,7 @@ TEST(Solids, NothingStandsInAnOpeningOfStackedGates) {
 TEST(Solids, AnUpperGateIsCarriedByTheFrameBeneathItAndOthersByTheFloor) {
   Stream draw{12, "stacked gates"};
   for (const double between : {0.0, 0.5}) {
-    World world = stacked(between, draw);
+    world::World world = stacked(between, draw);
     const auto poles = [&] {
       std::vector<std::array<double, 2>> heights;
       for (const Solid& solid : solids_of(world))
@@ -104,7 +104,7 @@ TEST(Solids, AnUpperGateIsCarriedByTheFrameBeneathItAndOthersByTheFloor) {
     };
     std::sort(world.gates.begin(), world.gates.end(),
               [](const auto& a, const auto& b) { return a.p_EG.z() > b.p_EG.z(); });
-    WorldGate &lower = world.gates[0], &upper = world.gates[1];
+    world::WorldGate &lower = world.gates[0], &upper = world.gates[1];
     lower.p_EG.z() = -0.5 * lower.side - 0.3;
     upper.p_EG.z() = lower.p_EG.z() - lower.side - between;
     const double lower_top = -lower.p_EG.z() + 0.5 * lower.side;
@@ -125,7 +125,7 @@ TEST(Solids, AnUpperGateIsCarriedByTheFrameBeneathItAndOthersByTheFloor) {
 }
 
 TEST(SolidSight, ARayEndsWhereTheFirstSolidBegins) {
-  const World world = furnished();
+  const world::World world = furnished();
   const auto solids = solids_of(world);
   const SolidSight sight{world};
   Stream draw{7, "rays"};
@@ -147,7 +147,7 @@ TEST(SolidSight, ARayEndsWhereTheFirstSolidBegins) {
 }
 
 TEST(SolidSight, WhatIsBehindTheEyeHidesNothing) {
-  World world;
+  world::World world;
   world.obstacles = {{{-1.0, 0.0}, {0.5, 5.0}, 0.0, 0.0, 2.0, false}};
   const SolidSight sight{world};
   EXPECT_FALSE(sight.occluded({0, 0, -1}, {5, 0, -1}));
@@ -156,9 +156,9 @@ TEST(SolidSight, WhatIsBehindTheEyeHidesNothing) {
 
 // Points of the body inside a solid: it must be named. Body far from all of them: it must not be.
 TEST(Collisions, TheBodyTouchesWhatItsPointsAreIn) {
-  const World world = furnished();
+  const world::World world = furnished();
   const auto solids = solids_of(world);
-  const VehicleTruth vehicle;
+  const world::VehicleTruth vehicle;
   const Collisions collisions{world, vehicle};
   Stream draw{8, "bodies"};
   int touching = 0, near_miss = 0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTwinStep = 1.0 / 1024;
 
-double hover_speed(const VehicleTruth& v) {
+double hover_speed(const world::VehicleTruth& v) {
   return std::sqrt(v.mass * kGravity / 4 / v.thrust_coefficient);
 }
 
@@ -31,7 +31,7 @@ std::array<double, 4> manoeuvre(double t, double hover) {
 }
 
 TEST(TwinBody, FliesLikeMuJoCosBody) {
-  SimConfig config;
+  world::SimConfig config;
   config.world.room_size = {100, 100, 50};
   config.start = {{1.0, -2.0}, 0.7};
   config.wind = {{0.4, -0.3}, 0.5};
@@ -57,7 +57,7 @@ TEST(TwinBody, FliesLikeMuJoCosBody) {
 }
 
 TEST(TwinBody, StandsStillOnThePadWithTheMotorsOff) {
-  SimConfig config;
+  world::SimConfig config;
   config.start = {{1.0, -2.0}, 0.7};
   TwinBody twin{config};
   const Eigen::Vector3d start = twin.state().p_EB;
@@ -68,7 +68,7 @@ TEST(TwinBody, StandsStillOnThePadWithTheMotorsOff) {
 }
 
 TEST(TwinBody, LeavesThePadWhenTheRotorsCarryItAndComesBackToIt) {
-  const SimConfig config;
+  const world::SimConfig config;
   TwinBody twin{config};
   const double hover = hover_speed(config.vehicle);
   for (int i = 0; i < 1024; ++i)
@@ -90,7 +90,7 @@ struct Throw {
 };
 
 // Climbs to a height, leans forward, flies north at it.
-std::string hit_by_flying_north(const SimConfig& config, double height, double lean,
+std::string hit_by_flying_north(const world::SimConfig& config, double height, double lean,
                                 auto&& body_of) {
   auto body = body_of(config);
   const double hover = hover_speed(config.vehicle);
@@ -119,21 +119,21 @@ TEST(TwinBody, NamesWhatItHitsLikeMuJoCosBody) {
                           Throw{"right bar", 3.0, -0.475, 1.5, "gate 1 right bar"},
                           Throw{"through it", 3.0, 0.0, 1.5, "north wall"},
                           Throw{"beside it", 3.0, 1.5, 1.5, "north wall"}}) {
-    SimConfig config;
+    world::SimConfig config;
     config.world.gates = {{.p_EG = {at.north, at.east, -1.5}}};
-    EXPECT_EQ(
-        hit_by_flying_north(config, at.height, 0.1, [](const SimConfig& c) { return TwinBody{c}; }),
-        at.hit)
+    EXPECT_EQ(hit_by_flying_north(config, at.height, 0.1,
+                                  [](const world::SimConfig& c) { return TwinBody{c}; }),
+              at.hit)
         << at.what;
-    EXPECT_EQ(
-        hit_by_flying_north(config, at.height, 0.1, [](const SimConfig& c) { return Body{c}; }),
-        at.hit)
+    EXPECT_EQ(hit_by_flying_north(config, at.height, 0.1,
+                                  [](const world::SimConfig& c) { return Body{c}; }),
+              at.hit)
         << at.what;
   }
 }
 
 TEST(TwinBody, NeverTurnsNonFiniteOnANonFiniteCommand) {
-  TwinBody twin{SimConfig{}};
+  TwinBody twin{world::SimConfig{}};
   for (int i = 0; i < 100; ++i) twin.step({std::nan(""), 1e300, -1e300, INFINITY}, kTwinStep);
   EXPECT_TRUE(twin.state().p_EB.allFinite());
 }

@@ -120,8 +120,8 @@ TEST(LearntMap, AGateThatWasMovedBetweenFlightsShows) {
 TEST(LearntMap, ATrackFileOfItIsReadBackWithItsSigmas) {
   const test::TempFolder folder;
   const auto path = folder.path() / "learnt.toml";
-  const auto old = io::find_track("showroom");
-  const io::TrackFile before = io::read_track(old);
+  const auto old = config::find_track("showroom");
+  const config::TrackFile before = config::read_track(old);
   Track learnt = before.track;
   learnt.gates[2].p_EG += Vector3d{0.1, -0.2, 0.03};
   learnt.gates[2].yaw_EG += 0.05;
@@ -129,7 +129,7 @@ TEST(LearntMap, ATrackFileOfItIsReadBackWithItsSigmas) {
   learnt.gates[2].yaw_sigma = 1.5 * kDegree;
   learnt.gates[2].side_sigma = 0.004;
   std::ofstream{path} << track_file_with(old, learnt, {"out/one", "out/two"});
-  const io::TrackFile after = io::read_track(path);
+  const config::TrackFile after = config::read_track(path);
   EXPECT_EQ(after.track.name, before.track.name);
   EXPECT_EQ(after.track.laps, before.track.laps);
   EXPECT_EQ(after.track.obstacles.size(), before.track.obstacles.size());

@@ -24,7 +24,8 @@ namespace {
 
 class FakeArduSitl : public FakeArduCopter {
  public:
-  FakeArduSitl(const FakeArduSettings& settings, int servos, int radio, const sim::SimConfig& drone)
+  FakeArduSitl(const FakeArduSettings& settings, int servos, int radio,
+               const world::SimConfig& drone)
       : FakeArduCopter{settings},
         physics_{link_sim::Datagrams::to(servos)},
         radio_{link_sim::Datagrams::at(radio)},
@@ -46,7 +47,7 @@ class FakeArduSitl : public FakeArduCopter {
     const double speed = highest_ * std::sqrt(std::clamp(wanted.thrust, 0.0, 1.0));
     msp::Sticks sticks = curves_.rates.sticks(wanted.rates_B);
     sticks.throttle =
-        static_cast<std::uint16_t>(curves_.throttle.stick(autopilot::throttle_of(speed, highest_)));
+        static_cast<std::uint16_t>(curves_.throttle.stick(sim::throttle_of(speed, highest_)));
     speeds_ = autopilot_.step({sticks, armed_}, felt_now_, waited_);
     yaw_ += felt_now_.gyro_B.z() * waited_;
     const Eigen::Vector2d angles = autopilot_.angles();
@@ -94,8 +95,8 @@ class FakeArduSitl : public FakeArduCopter {
 
   link_sim::Datagrams physics_, radio_;
   double highest_, yaw_ = 0.0, waited_ = 1.0;
-  autopilot::StickCurves curves_;
-  autopilot::Autopilot autopilot_;
+  sim::StickCurves curves_;
+  sim::Autopilot autopilot_;
   std::array<double, 4> speeds_{};
   Imu felt_now_{Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, -kGravity)};
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero(), force_{0, 0, -kGravity};
@@ -116,10 +117,10 @@ int fake_sitl(const std::vector<std::string>& words) {
     if (words[i] == "--servos") servos = std::stoi(words[i + 1]);
     if (words[i] == "--hover") settings.hover = std::stod(words[i + 1]);
   }
-  tasks::RaceArguments drone_of;
+  simulated_race::RaceArguments drone_of;
   drone_of.config.configs = {"archer-b2", "arducopter"};
   drone_of.track = "oval";
-  const tasks::RaceMaker maker(drone_of);
+  const simulated_race::RaceMaker maker(drone_of);
   FakeArduSitl drone{settings, servos, radio, maker.race(1).config.sim};
   std::cout << "port " << drone.port() << std::endl;
   for (;;) {

@@ -26,7 +26,7 @@ struct SitlPorts {
 };
 
 /// The rates and the throttle curve of the AI Grand Prix, which are the simulated autopilot's own.
-FakeConstants constants_of(const sim::AutopilotTruth& truth) {
+FakeConstants constants_of(const world::AutopilotTruth& truth) {
   const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
   FakeConstants constants;
   constants.tuning = {.roll_rc_rate = byte(truth.rc_rate.x()),
@@ -45,7 +45,7 @@ FakeConstants constants_of(const sim::AutopilotTruth& truth) {
 
 class FakeSitl : public FakeBetaflight {
  public:
-  FakeSitl(const FakeSettings& settings, const SitlPorts& ports, const sim::SimConfig& drone)
+  FakeSitl(const FakeSettings& settings, const SitlPorts& ports, const world::SimConfig& drone)
       : FakeBetaflight{settings, constants_of(drone.autopilot)},
         state_{link_sim::Datagrams::at(ports.state)},
         radio_{link_sim::Datagrams::at(ports.radio)},
@@ -118,7 +118,7 @@ class FakeSitl : public FakeBetaflight {
 
   link_sim::Datagrams state_, radio_, servos_;
   double highest_, yaw_ = 0.0, waited_ = 0.0, still_for_ = 10.0;
-  autopilot::Autopilot autopilot_;
+  sim::Autopilot autopilot_;
   Imu felt_;
   static constexpr double kHz = 1000.0;
   static constexpr int kAveraged = 400;
@@ -139,10 +139,10 @@ int fake_sitl(const std::vector<std::string>& words) {
     if (words[i] == "--servos") ports.servos = std::stoi(words[i + 1]);
   }
   settings.baud = 10'000'000;  // link-sim's line is the slow one
-  tasks::RaceArguments drone_of;
+  simulated_race::RaceArguments drone_of;
   drone_of.config.configs = {"archer-b2", "betaflight"};
   drone_of.track = "oval";
-  const tasks::RaceMaker maker(drone_of);
+  const simulated_race::RaceMaker maker(drone_of);
   FakeSitl drone{settings, ports, maker.race(1).config.sim};
   std::cout << "port " << drone.port() << std::endl;
   for (;;) {

@@ -19,8 +19,9 @@ namespace gatefly::support {
 
 inline std::filesystem::path real_flights() { return real_data() / "tudelft_bebop_flights"; }
 
-inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::FlightFolder& folder,
-                                         const io::Config& config,
+inline flight_log::ReplayResult replayed(const PilotConfig& pilot,
+                                         const flight_log::FlightFolder& folder,
+                                         const config::Config& config,
                                          flight_log::Estimator estimator) {
   const auto load =
       flight_log::upright(flight_log::pictures_in_files(folder, config.camera.stored_width(),
@@ -35,10 +36,11 @@ inline flight_log::ReplayResult replayed(const PilotConfig& pilot, const io::Fli
 inline flight_log::ReplayResult replayed_real(
     const std::filesystem::path& directory, double heading_offset_deg,
     flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
-  const io::Config config = io::load_config(io::config_files(std::vector<std::string>{"flights"}));
-  const io::FlightFolder folder = io::read_flight_folder(directory);
+  const config::Config config =
+      config::load_config(config::config_files(std::vector<std::string>{"flights"}));
+  const flight_log::FlightFolder folder = flight_log::read_flight_folder(directory);
   PilotConfig pilot = config.pilot;
-  pilot.track = io::read_track(io::find_track("flights")).track;
+  pilot.track = config::read_track(config::find_track("flights")).track;
   pilot.track.gates.front().p_EG = {4.15, 0.73, -1.36};
   pilot.track.gates.front().yaw_EG = 0.0;
   pilot.camera.R_BC = camera_mount(13.3 * kDegree);
@@ -51,13 +53,13 @@ inline flight_log::ReplayResult replayed_real(
 }
 
 /// A simulated flight carries its own configuration and track.
-inline io::Config config_of(const std::filesystem::path& directory) {
-  return io::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
+inline config::Config config_of(const std::filesystem::path& directory) {
+  return config::load_config(std::vector<std::filesystem::path>{directory / "config-0.toml"});
 }
 /// The pilot that flew one lap of it.
-inline PilotConfig pilot_of(const io::Config& config, const std::filesystem::path& directory) {
+inline PilotConfig pilot_of(const config::Config& config, const std::filesystem::path& directory) {
   PilotConfig pilot = config.pilot;
-  pilot.track = io::read_track(directory / "track.toml").track;
+  pilot.track = config::read_track(directory / "track.toml").track;
   pilot.track.laps = 1;
   return pilot;
 }
@@ -65,8 +67,8 @@ inline PilotConfig pilot_of(const io::Config& config, const std::filesystem::pat
 inline flight_log::ReplayResult replayed_simulated(
     const std::filesystem::path& directory,
     flight_log::Estimator estimator = flight_log::Estimator::kDrag) {
-  const io::Config config = config_of(directory);
-  return replayed(pilot_of(config, directory), io::read_flight_folder(directory), config,
+  const config::Config config = config_of(directory);
+  return replayed(pilot_of(config, directory), flight_log::read_flight_folder(directory), config,
                   estimator);
 }
 

@@ -104,10 +104,10 @@ sim::Staying nearest_curve(const std::vector<Point>& points, std::optional<doubl
 /// Median and 1.4826 times the median distance from it.
 std::pair<double, double> robust(const std::vector<double>& values) {
   if (values.empty()) return {0.0, 0.0};
-  const double middle = io::nearest_rank(values, 0.5);
+  const double middle = files::nearest_rank(values, 0.5);
   std::vector<double> off;
   for (const double v : values) off.push_back(std::abs(v - middle));
-  return {middle, 1.4826 * io::nearest_rank(off, 0.5)};
+  return {middle, 1.4826 * files::nearest_rank(off, 0.5)};
 }
 
 double middle_of_four(std::array<double, 4> v) {
@@ -243,7 +243,7 @@ sim::Quantiles quantiles_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   if (values.empty()) return result;
   for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = io::quantile(values, static_cast<double>(i) / (result.size() - 1));
+    result[i] = files::quantile(values, static_cast<double>(i) / (result.size() - 1));
   return result;
 }
 
@@ -279,7 +279,7 @@ sim::CornerErrors corner_errors_of(const std::vector<Look>& looks) {
       static_cast<double>(beyond.size()) / (4.0 * static_cast<double>(hits.size()));
   std::sort(beyond.begin(), beyond.end());
   errors.outlier_low = limit, errors.outlier_high = limit;
-  if (!beyond.empty()) errors.outlier_high = io::quantile(beyond, 0.9);
+  if (!beyond.empty()) errors.outlier_high = files::quantile(beyond, 0.9);
   std::vector<Point> points;
   for (const int lag : kLags)
     points.push_back({lag * kPeriod, correlation_of_errors(hits, errors.together, lag)});

@@ -39,10 +39,10 @@ bool counts(const Quad& gate) {
 struct Labelled {
   std::string name;
   const Image image;
-  const io::PictureToScore& truth;
+  const files::PictureToScore& truth;
 };
 
-LookoutParams params_of(const io::Config& config) {
+LookoutParams params_of(const config::Config& config) {
   LookoutParams params = lookout_params(config.pilot);
   params.detector.min_score = GateDetectorParams{}.min_score;  // as it flies
   return params;
@@ -51,7 +51,8 @@ LookoutParams params_of(const io::Config& config) {
 /// Pictures of one set, in their order; numbers that follow each other are one window.
 class SetOfPictures {
  public:
-  SetOfPictures(const io::Config& config, int day, LooksOfBoth& looks) : day_{day}, looks_{looks} {
+  SetOfPictures(const config::Config& config, int day, LooksOfBoth& looks)
+      : day_{day}, looks_{looks} {
     const LookoutParams params = params_of(config);
     eyes_.emplace_back(kOurs, params), eyes_.emplace_back(kPaper, params);
     for (Looks& each : looks_) each.days[day] = {};
@@ -66,7 +67,7 @@ class SetOfPictures {
     last_ = number;
     std::optional<Quad> target;
     if (!picture.truth.gates.empty())
-      target = clockwise_from_top_left(io::polygon(picture.truth.gates.front()));
+      target = clockwise_from_top_left(files::polygon(picture.truth.gates.front()));
     for (std::size_t d = 0; d < kDetectors; ++d)
       judge(eyes_[d].look(picture.image, target), picture, target, looks_[d]);
   }
@@ -84,7 +85,7 @@ class SetOfPictures {
                 .side_px = side_of(*target),
                 .truth = *target};
       const auto found = std::find_if(open.begin(), open.end(), [&](const GateDetection* d) {
-        return overlaps(io::polygon(d->corners_px), *target, part);
+        return overlaps(files::polygon(d->corners_px), *target, part);
       });
       if (found != open.end()) {
         look.hit = true, look.fitness = (*found)->fitness, look.seen = (*found)->corners_px;
@@ -94,15 +95,15 @@ class SetOfPictures {
     };
     if (target && counts(*target)) claim(Kind::kGate, kSame);
     std::erase_if(open, [&](const GateDetection* d) {
-      return std::any_of(picture.truth.ignored.begin(), picture.truth.ignored.end(),
-                         [&](const Quad& other) {
-                           return overlaps(io::polygon(d->corners_px), io::polygon(other), 0.3);
-                         });
+      return std::any_of(
+          picture.truth.ignored.begin(), picture.truth.ignored.end(), [&](const Quad& other) {
+            return overlaps(files::polygon(d->corners_px), files::polygon(other), 0.3);
+          });
     });
     if (target && counts(*target)) claim(Kind::kCrooked, kOfGate);
     if (target && !counts(*target))
       std::erase_if(open, [&](const GateDetection* d) {
-        return shared_area(io::polygon(d->corners_px), *target) > 0.0;
+        return shared_area(files::polygon(d->corners_px), *target) > 0.0;
       });
     for (const GateDetection* gate : open)
       looks.alarms.push_back({.day = day_,
@@ -131,12 +132,12 @@ void look_at_flight(const lab::Options& options, int day, LooksOfBoth& looks) {
   constexpr int kInTheAir = 18;
   const lab::LabelledSet set{lab::data_folder("tudelft_bebop_flights", options) / "flight_11"};
   const std::vector<std::string> configs{"flights"};
-  const io::Config config = io::load_config(io::config_files(configs));
+  const config::Config config = config::load_config(config::config_files(configs));
   SetOfPictures looking{config, day, looks};
   for (std::size_t i = 0; i < set.size(); ++i) {
-    const io::LabelledPicture& label = set.labels.pictures[i];
+    const files::LabelledPicture& label = set.labels.pictures[i];
     if (number_of(label.image) < kInTheAir) continue;
-    const io::PictureToScore truth{.gates = label.gates, .ignored = {}, .detections = {}};
+    const files::PictureToScore truth{.gates = label.gates, .ignored = {}, .detections = {}};
     looking.look({label.image, set.picture(i), truth});
   }
 }

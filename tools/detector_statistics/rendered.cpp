@@ -40,11 +40,11 @@ struct Flown {
   std::vector<Moment> moments;
 };
 
-Flown flown(closed_loop::RaceConfig race) {
+Flown flown(simulated_race::RaceConfig race) {
   constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
-  race.vision = closed_loop::Vision::kIdeal;
+  race.vision = simulated_race::Vision::kIdeal;
   Flown flight;
-  (void)closed_loop::fly(race, [&](const Tick& tick) {
+  (void)simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     flight.poses.push_back({t, tick.truth.p_EB, sim::q_EB_of(tick.truth.attitude)});
     if (tick.exposed && tick.truth.p_EB.z() < -kFlying)
@@ -98,7 +98,7 @@ bool parts_agree(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// One day of one course.
 class DayOfLooking {
  public:
-  DayOfLooking(const tasks::Race& race, const Order& order, int day, int first_window,
+  DayOfLooking(const simulated_race::Race& race, const Order& order, int day, int first_window,
                LooksOfBoth& looks)
       : config_{race.config},
         sim_{race.config.sim},
@@ -109,7 +109,7 @@ class DayOfLooking {
     if (order.ideal) {
       sight_ = std::make_unique<sim::SolidSight>(sim_.world);
       for (const char* name : {"ours", "paper"}) {
-        sim::IdealVisionParams params = sim_.ideal_vision;
+        world::IdealVisionParams params = sim_.ideal_vision;
         params.detector = name;
         drawn_.push_back(std::make_unique<sim::IdealVision>(sim_.world, sim_.camera, params,
                                                             sim_.seed, *sight_));
@@ -142,14 +142,14 @@ class DayOfLooking {
   [[nodiscard]] Day light() const {
     Day day;
     for (const double gain : sim_.light.group_gain)
-      day.brightness += std::log(gain) / sim::LightConditions::kGroups;
+      day.brightness += std::log(gain) / world::LightConditions::kGroups;
     day.exposure = std::log(sim_.light.exposure_target);
     if (!sim_.world.gates.empty()) {
       const auto hue = [](const Eigen::Vector3d& rgb) {
         return std::atan2((rgb.y() - rgb.z()) / std::sqrt(2.0),
                           (2 * rgb.x() - rgb.y() - rgb.z()) / std::sqrt(6.0));
       };
-      day.hue = hue(sim_.world.gates[0].color) - hue(sim::WorldGate{}.color);
+      day.hue = hue(sim_.world.gates[0].color) - hue(world::WorldGate{}.color);
     }
     return day;
   }
@@ -361,8 +361,8 @@ class DayOfLooking {
     looks[Kind::kFalseCut].push_back(wrong);
   }
 
-  const closed_loop::RaceConfig& config_;
-  const sim::SimConfig& sim_;
+  const simulated_race::RaceConfig& config_;
+  const world::SimConfig& sim_;
   /// Reaches are of gates of 1 m; of wide ones they grow with the side.
   const double target_side_ = sim::build_of(sim_.world.gates) == sim::GateBuild::kWide
                                   ? config_.pilot.track.gates.front().side
@@ -381,14 +381,14 @@ class DayOfLooking {
 }  // namespace
 
 void look_at(const Order& order, LooksOfBoth& looks) {
-  const tasks::RaceMaker maker{{.config = {.configs = order.configs, .settings = {}},
-                                .track = order.track,
-                                .vision = "ideal",
-                                .laps = {}}};
+  const simulated_race::RaceMaker maker{{.config = {.configs = order.configs, .settings = {}},
+                                         .track = order.track,
+                                         .vision = "ideal",
+                                         .laps = {}}};
   const auto& days = looks[kOurs].days;
   int day = days.empty() ? 0 : days.rbegin()->first + 1, window = 1000 * day;
   for (int i = 0; i < order.days; ++i, ++day) {
-    const tasks::Race race = maker.race(order.first_seed + static_cast<std::uint64_t>(i));
+    const simulated_race::Race race = maker.race(order.first_seed + static_cast<std::uint64_t>(i));
     Flown flight = flown(race.config);
     keep_15_hz(flight, race.config.sim.sensors.camera_hz);
     std::fprintf(stderr, "\r%-20s seed %llu ", order.track.c_str(),

@@ -95,7 +95,7 @@ double per_picture(const Looks& looks) {
   return looks.pictures > 0 ? static_cast<double>(looks.alarms.size()) / looks.pictures : 0.0;
 }
 
-std::string text(double value) { return io::text_of(value, 4); }
+std::string text(double value) { return files::text_of(value, 4); }
 
 std::string text(const sim::Quantiles& q) {
   std::string list = "{";

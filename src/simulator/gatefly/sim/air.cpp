@@ -31,7 +31,7 @@ double back_from(double distance) {
 
 }  // namespace
 
-Eigen::Vector2d jet_at(const Jet& jet, const Eigen::Vector2d& p_E) {
+Eigen::Vector2d jet_at(const world::Jet& jet, const Eigen::Vector2d& p_E) {
   if (jet.speed == 0.0) return Eigen::Vector2d::Zero();
   const Eigen::Vector2d ahead = along(jet.heading);
   const double y = aside(ahead, p_E - jet.through) / jet.width;
@@ -40,7 +40,7 @@ Eigen::Vector2d jet_at(const Jet& jet, const Eigen::Vector2d& p_E) {
   return jet.speed * c * c * ahead;
 }
 
-Eigen::Vector2d shear_at(const Shear& shear, const Eigen::Vector2d& p_E) {
+Eigen::Vector2d shear_at(const world::Shear& shear, const Eigen::Vector2d& p_E) {
   if (shear.rate == 0.0) return Eigen::Vector2d::Zero();
   const Eigen::Vector2d ahead = along(shear.heading);
   return shear.rate * aside(ahead, p_E - shear.middle) * ahead;
@@ -51,7 +51,7 @@ Eigen::Vector2d wash_at(const Eigen::AlignedBox2d& room, const Eigen::Vector2d& 
   return low.unaryExpr(&back_from) - high.unaryExpr(&back_from);
 }
 
-Air::Air(const SimConfig& config)
+Air::Air(const world::SimConfig& config)
     : wind_{config.wind},
       faults_{config.faults},
       room_{config.world.room_center - 0.5 * config.world.room_size.head<2>(),
@@ -68,7 +68,7 @@ Eigen::Vector2d Air::wash(const Eigen::Vector2d& p_E, double dt) {
 void Air::advance(const BodyState& state, double rotors, double time, double dt) {
   const Eigen::Vector2d p_E = state.p_EB.head<2>();
   Eigen::Vector2d steady = wind_.mean + jet_at(wind_.jet, p_E) + shear_at(wind_.shear, p_E);
-  if (within(faults_.wind_during, time)) steady += faults_.wind;
+  if (world::within(faults_.wind_during, time)) steady += faults_.wind;
   gusts_.advance((state.v_E.head<2>() - steady).norm(), dt);
   velocity_E_ = Eigen::Vector3d{steady.x(), steady.y(), 0.0} + gusts_.velocity_E();
   if (wind_.wash > 0.0) velocity_E_.head<2>() += rotors * wash(p_E, dt);

@@ -15,10 +15,10 @@ namespace gatefly::sim {
 ///
 /// Aside of the axis by y it moves with speed · cos²(π y / 2 width), from |y| = width on not at all:
 /// half as fast at half the width, and as much air in all as `speed` over `width`.
-[[nodiscard]] Eigen::Vector2d jet_at(const Jet& jet, const Eigen::Vector2d& p_E);
+[[nodiscard]] Eigen::Vector2d jet_at(const world::Jet& jet, const Eigen::Vector2d& p_E);
 
 /// The air of a shear there [m/s].
-[[nodiscard]] Eigen::Vector2d shear_at(const Shear& shear, const Eigen::Vector2d& p_E);
+[[nodiscard]] Eigen::Vector2d shear_at(const world::Shear& shear, const Eigen::Vector2d& p_E);
 
 /// The nominal wash of rotors at hover that comes back from the walls of a room there, on average,
 /// away from each wall [m/s]: 0.5 (1 − d)² at `d` metres from it, nothing from 1 m on.
@@ -31,7 +31,7 @@ namespace gatefly::sim {
 /// The air around the body: a mean, what stands still in the room, gusts, the own wash.
 class Air {
  public:
-  explicit Air(const SimConfig& config);
+  explicit Air(const world::SimConfig& config);
 
   /// After another `dt` [s], for a body that is where `state` says.
   /// @param rotors  their mean speed, of that at hover: the wash goes with it.
@@ -43,8 +43,8 @@ class Air {
   /// Recirculation comes and goes: as strong as its mean, for about half a second.
   [[nodiscard]] Eigen::Vector2d wash(const Eigen::Vector2d& p_E, double dt);
 
-  Wind wind_;
-  Faults faults_;
+  world::Wind wind_;
+  world::Faults faults_;
   Eigen::AlignedBox2d room_;  ///< Floor plan.
   Gusts gusts_;
   Stream flicker_;

@@ -12,7 +12,7 @@
 namespace gatefly::sim {
 
 /// Irradiance at one node of a light map: r, g, b of each light group in turn.
-using NodeLight = std::array<float, 3 * LightConditions::kGroups>;
+using NodeLight = std::array<float, 3 * world::LightConditions::kGroups>;
 
 /// Cheap random numbers by position: the finaliser of SplitMix64.
 class NodeRandom {

@@ -31,8 +31,8 @@ std::string xml_of(const Solid& solid) {
   return xml.str();
 }
 
-std::string world_xml(const SimConfig& config) {
-  const VehicleTruth& v = config.vehicle;
+std::string world_xml(const world::SimConfig& config) {
+  const world::VehicleTruth& v = config.vehicle;
   std::ostringstream xml;
   xml << std::setprecision(17) << "<mujoco><compiler angle='radian' coordinate='local'/>"
       << "<option timestep='0.0009765625' gravity='0 0 " << -kGravity << "' integrator='Euler'/>"
@@ -68,7 +68,7 @@ mjModel* load(const std::string& xml) {
 }  // namespace
 
 struct Body::Mujoco {
-  explicit Mujoco(const SimConfig& config)
+  explicit Mujoco(const world::SimConfig& config)
       : model{load(world_xml(config))}, data{mj_makeData(model)} {
     drone_body = mj_name2id(model, mjOBJ_BODY, "drone");
     drone_geom = mj_name2id(model, mjOBJ_GEOM, "drone");
@@ -85,7 +85,8 @@ struct Body::Mujoco {
   int drone_body = 0, drone_geom = 0;
 };
 
-Body::Body(const SimConfig& config) : mujoco_{std::make_unique<Mujoco>(config)}, forces_{config} {
+Body::Body(const world::SimConfig& config)
+    : mujoco_{std::make_unique<Mujoco>(config)}, forces_{config} {
   double* q = mujoco_->data->qpos;
   q[0] = config.start.position.x();
   q[1] = -config.start.position.y();

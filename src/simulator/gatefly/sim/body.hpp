@@ -19,7 +19,7 @@ namespace gatefly::sim {
 class Body {
  public:
   /// @throws std::runtime_error with MuJoCo's message when the world cannot be built.
-  explicit Body(const SimConfig& config);
+  explicit Body(const world::SimConfig& config);
   ~Body();
 
   /// One step of `dt` [s] with commanded rotor speeds [rad/s].

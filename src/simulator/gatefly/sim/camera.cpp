@@ -43,8 +43,9 @@ Eye eye_of(const BodyPose& pose, const Eigen::Vector3d& p_BC) {
 }  // namespace
 
 struct CameraRenderer::Impl {
-  Impl(const World& world, const CameraTruth& truth, const LightConditions& light,
-       std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads,
+  Impl(const world::World& world, const world::CameraTruth& truth,
+       const world::LightConditions& light, std::uint64_t seed,
+       const std::filesystem::path& cache_dir, int bake_threads,
        const std::function<void()>& while_baking)
       : camera{truth},
         scene{make_scene(world)},
@@ -68,7 +69,7 @@ struct CameraRenderer::Impl {
 
   /// The scene without a gate, for as long as it is far away. Its rectangles stay in the list, of
   /// no size: hits keep their numbers.
-  void hide(int gate, const WorldGate& where) {
+  void hide(int gate, const world::WorldGate& where) {
     std::vector<Rectangle> moved = standing;
     for (Rectangle& r : moved)
       if (r.gate == gate) r.edge_u.setZero(), r.edge_v.setZero();
@@ -82,8 +83,8 @@ struct CameraRenderer::Impl {
     return hidden ? *without_gate : visible;
   }
 
-  Shader lit(const LightConditions& light, const std::filesystem::path& cache_dir, int threads,
-             const std::function<void()>& while_baking);
+  Shader lit(const world::LightConditions& light, const std::filesystem::path& cache_dir,
+             int threads, const std::function<void()>& while_baking);
   [[nodiscard]] std::vector<Eye> eyes(const LensRays& lens, double t_start,
                                       std::span<const BodyPose> history) const;
   template <class Take>
@@ -92,12 +93,12 @@ struct CameraRenderer::Impl {
   void shoot(const LensRays& lens, double t_start, std::span<const BodyPose> history,
              std::vector<Float4>& radiance);
 
-  CameraTruth camera;
+  world::CameraTruth camera;
   Scene scene;
   std::vector<Rectangle> standing;  ///< Part of scene.moved that does not walk.
   TileCaster visible;
-  During lamps_out;
-  WorldGate hidden_gate;
+  world::During lamps_out;
+  world::WorldGate hidden_gate;
   std::unique_ptr<TileCaster> without_gate;
   float brightness = 1.0f;  ///< Brightness of all lamps.
   RayScene solid;
@@ -112,7 +113,7 @@ struct CameraRenderer::Impl {
   std::vector<Float4> picture;
 };
 
-Shader CameraRenderer::Impl::lit(const LightConditions& light,
+Shader CameraRenderer::Impl::lit(const world::LightConditions& light,
                                  const std::filesystem::path& cache_dir, int threads,
                                  const std::function<void()>& while_baking) {
   const RayScene fixed{{&scene.fixed}};
@@ -189,8 +190,8 @@ BodyPose interpolated(std::span<const BodyPose> history, double t) {
   return {t, one.p_EB + s * (two.p_EB - one.p_EB), one.q_EB + s * (sign * two.q_EB - one.q_EB)};
 }
 
-CameraRenderer::CameraRenderer(const World& world, const CameraTruth& camera,
-                               const LightConditions& light, std::uint64_t seed,
+CameraRenderer::CameraRenderer(const world::World& world, const world::CameraTruth& camera,
+                               const world::LightConditions& light, std::uint64_t seed,
                                const std::filesystem::path& cache_dir, int bake_threads,
                                const std::function<void()>& while_baking)
     : impl_{std::make_unique<Impl>(world, camera, light, seed, cache_dir, bake_threads,
@@ -201,7 +202,7 @@ CameraRenderer::~CameraRenderer() = default;
 void CameraRenderer::render(std::uint32_t frame, double t_start, std::span<const BodyPose> history,
                             std::vector<std::uint8_t>& uyvy) {
   impl_->solid.move(impl_->scene.walkers_at(t_start));
-  impl_->brightness = within(impl_->lamps_out, t_start) ? kLampsOut : 1.0f;
+  impl_->brightness = world::within(impl_->lamps_out, t_start) ? kLampsOut : 1.0f;
   if (!impl_->metered) {
     impl_->exposed = impl_->sensor.exposure();
     impl_->shoot(impl_->spread_out, t_start, history, impl_->picture);
@@ -220,7 +221,7 @@ void CameraRenderer::meter_anew() { impl_->metered = false; }
 
 std::vector<std::uint8_t> CameraRenderer::gate_mask(double t_start,
                                                     std::span<const BodyPose> history) const {
-  const CameraTruth& camera = impl_->camera;
+  const world::CameraTruth& camera = impl_->camera;
   const int width = camera.width(), height = camera.height();
   const auto fixed = static_cast<int>(impl_->scene.fixed.size());
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));

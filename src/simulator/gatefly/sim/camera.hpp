@@ -36,8 +36,9 @@ class CameraRenderer final : public Sight {
   /// group, independent of the seed) is baked, or read from `cache_dir` under a hash of the scene.
   /// @param while_baking  called some twenty times a second; may throw to stop; may be empty.
   /// @throws std::runtime_error when Embree cannot start.
-  CameraRenderer(const World& world, const CameraTruth& camera, const LightConditions& light,
-                 std::uint64_t seed, const std::filesystem::path& cache_dir, int bake_threads,
+  CameraRenderer(const world::World& world, const world::CameraTruth& camera,
+                 const world::LightConditions& light, std::uint64_t seed,
+                 const std::filesystem::path& cache_dir, int bake_threads,
                  const std::function<void()>& while_baking = {});
   ~CameraRenderer() override;
 

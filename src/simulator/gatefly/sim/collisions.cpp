@@ -9,7 +9,7 @@
 
 namespace gatefly::sim {
 
-std::vector<Eigen::Vector3d> corners_of(const VehicleTruth& vehicle) {
+std::vector<Eigen::Vector3d> corners_of(const world::VehicleTruth& vehicle) {
   std::vector<Eigen::Vector3d> points;
   const Eigen::Vector3d half = 0.5 * vehicle.size;
   for (const double x : {-1.0, 1.0})
@@ -19,7 +19,7 @@ std::vector<Eigen::Vector3d> corners_of(const VehicleTruth& vehicle) {
   return points;
 }
 
-std::vector<Eigen::Vector3d> outline_of(const VehicleTruth& vehicle) {
+std::vector<Eigen::Vector3d> outline_of(const world::VehicleTruth& vehicle) {
   std::vector<Eigen::Vector3d> points = corners_of(vehicle);
   constexpr int kRim = 12;  // points on each propeller's rim
   for (const double x : {-1.0, 1.0})
@@ -33,7 +33,7 @@ std::vector<Eigen::Vector3d> outline_of(const VehicleTruth& vehicle) {
   return points;
 }
 
-Collisions::Collisions(const World& world, const VehicleTruth& vehicle)
+Collisions::Collisions(const world::World& world, const world::VehicleTruth& vehicle)
     : half_{0.5 * vehicle.size} {
   for (const Solid& solid : solids_of(world))
     shapes_.push_back(

@@ -13,11 +13,11 @@
 namespace gatefly::sim {
 
 /// The eight corners of a vehicle's box, in the body frame [m].
-[[nodiscard]] std::vector<Eigen::Vector3d> corners_of(const VehicleTruth& vehicle);
+[[nodiscard]] std::vector<Eigen::Vector3d> corners_of(const world::VehicleTruth& vehicle);
 
 /// All points that have to fit through a gate: the box's corners and twelve on each propeller's rim
 /// [m].
-[[nodiscard]] std::vector<Eigen::Vector3d> outline_of(const VehicleTruth& vehicle);
+[[nodiscard]] std::vector<Eigen::Vector3d> outline_of(const world::VehicleTruth& vehicle);
 
 /// Contacts of the vehicle's box, as MuJoCo has them: boxes and poles by separating axes. Not the
 /// floor.
@@ -25,7 +25,7 @@ namespace gatefly::sim {
 /// At 1 kHz nothing is flown through between two steps: that would take 50 m/s at a gate's bar.
 class Collisions {
  public:
-  Collisions(const World& world, const VehicleTruth& vehicle);
+  Collisions(const world::World& world, const world::VehicleTruth& vehicle);
 
   /// The first thing that the body touches; nullptr when it flies free. Allocates nothing.
   [[nodiscard]] const std::string* touched(const BodyState& state) const;

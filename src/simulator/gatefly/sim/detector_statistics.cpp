@@ -8,10 +8,10 @@
 
 namespace gatefly::sim {
 
-GateBuild build_of(std::span<const WorldGate> gates) {
+GateBuild build_of(std::span<const world::WorldGate> gates) {
   constexpr double kBetween = 0.2;  // of the side: from here on the detector takes bars for boards
   double share = 0.0;
-  for (const WorldGate& gate : gates)
+  for (const world::WorldGate& gate : gates)
     share += gate.bar / gate.side / static_cast<double>(gates.size());
   return share > kBetween ? GateBuild::kWide : GateBuild::kThin;
 }

@@ -100,7 +100,7 @@ enum class GateBuild {
   kWide,  ///< 2.7 m, boards of 0.6 m, by a camera of 640 px tilted up: cameras/grandprix.toml.
 };
 /// The table that fits these gates best, by the width of their bars.
-[[nodiscard]] GateBuild build_of(std::span<const WorldGate> gates);
+[[nodiscard]] GateBuild build_of(std::span<const world::WorldGate> gates);
 
 /// Measured: tools/detector_statistics, which writes detector_tables.hpp and wide_gates_table.hpp.
 /// The paper's detector has the table of thin gates only.

@@ -17,7 +17,8 @@ double px_per_radian_of(const AnyCamera& lens) {
 
 }  // namespace
 
-Exposure::Exposure(const CameraTruth& camera, double t_start, std::span<const BodyPose> history)
+Exposure::Exposure(const world::CameraTruth& camera, double t_start,
+                   std::span<const BodyPose> history)
     : camera_{camera},
       start_{t_start + 0.5 * camera.exposure},
       px_per_radian_{px_per_radian_of(camera.lens)},

@@ -17,7 +17,7 @@ class Exposure {
   /// Camera and history must live as long.
   /// @param t_start  when the first stored line begins its exposure [s].
   /// @param history  body poses, ascending in t, covering the exposure.
-  Exposure(const CameraTruth& camera, double t_start, std::span<const BodyPose> history);
+  Exposure(const world::CameraTruth& camera, double t_start, std::span<const BodyPose> history);
 
   [[nodiscard]] int width() const { return camera_.width(); }
   [[nodiscard]] int height() const { return camera_.height(); }
@@ -41,7 +41,7 @@ class Exposure {
     return camera_.lens.project(R_CE_ * (p_E - eye_E_));
   }
 
-  const CameraTruth& camera_;
+  const world::CameraTruth& camera_;
   double start_, px_per_radian_;
   std::span<const BodyPose> history_;
   Eigen::Matrix3d R_BC_, R_CE_;

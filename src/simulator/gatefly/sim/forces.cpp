@@ -7,13 +7,13 @@
 namespace gatefly::sim {
 namespace {
 
-double open_circuit(const Battery& b, double charge) {
+double open_circuit(const world::Battery& b, double charge) {
   return b.empty + (b.full - b.empty) * charge;
 }
 
 /// Voltage at which a constant power is drawn through the resistance; half the open one is the most
 /// that a battery can give.
-double under_load(const Battery& b, double charge, double power) {
+double under_load(const world::Battery& b, double charge, double power) {
   const double open = open_circuit(b, charge);
   return 0.5 * (open + std::sqrt(std::max(0.0, open * open - 4.0 * b.resistance * power)));
 }
@@ -33,12 +33,12 @@ double ground_effect(double height, double radius, double side) {
   return 1.0 / (1.0 - less);
 }
 
-Forces::Forces(const SimConfig& config)
+Forces::Forces(const world::SimConfig& config)
     : vehicle_{config.vehicle},
       faults_{config.faults},
       air_{config},
       hover_speed_{std::sqrt(vehicle_.mass * kGravity / 4 / vehicle_.thrust_coefficient)} {
-  const Battery& b = vehicle_.battery;
+  const world::Battery& b = vehicle_.battery;
   const double power = b.hover_power + b.electronics;
   full_voltage_ = voltage_ = under_load(b, 1.0, power);
   const double used = power / full_voltage_ * vehicle_.sag_time / b.capacity;
@@ -46,7 +46,7 @@ Forces::Forces(const SimConfig& config)
 }
 
 void Forces::drain(double dt) {
-  const Battery& b = vehicle_.battery;
+  const world::Battery& b = vehicle_.battery;
   double power = b.electronics;
   for (const double speed : rotor_speed_) {  // a propeller's power goes with speed³
     const double x = speed / hover_speed_;
@@ -58,7 +58,7 @@ void Forces::drain(double dt) {
 
 void Forces::advance(const std::array<double, 4>& command, const BodyState& state, double time,
                      double dt) {
-  const VehicleTruth& v = vehicle_;
+  const world::VehicleTruth& v = vehicle_;
   if (v.sag > 0.0) drain(dt);
   const double spent = (full_voltage_ - voltage_) / (full_voltage_ - sagged_voltage_);
   const double sag = std::max(0.0, 1.0 - v.sag * std::max(0.0, spent));
@@ -67,7 +67,7 @@ void Forces::advance(const std::array<double, 4>& command, const BodyState& stat
   const double near_floor =
       ground_effect(-state.p_EB.z(), v.propeller_radius, 2.0 * std::min(v.arm_x, v.arm_y));
   constexpr std::array<double, 4> kX{1, 1, -1, -1}, kY{-1, 1, 1, -1}, kYaw{-1, 1, -1, 1};
-  const bool weak = faults_.thrust_loss > 0.0 && within(faults_.thrust_loss_during, time);
+  const bool weak = faults_.thrust_loss > 0.0 && world::within(faults_.thrust_loss_during, time);
   thrust_ = 0.0, mean_speed_ = 0.0;
   torque_B_.setZero();
   for (std::size_t i = 0; i < 4; ++i) {

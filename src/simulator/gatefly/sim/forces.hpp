@@ -17,7 +17,7 @@ namespace gatefly::sim {
 /// One model for MuJoCo's body and its twin. Values and sources: docs/simulation.md.
 class Forces {
  public:
-  explicit Forces(const SimConfig& config);
+  explicit Forces(const world::SimConfig& config);
 
   /// Rotors, battery and air after another `dt` [s] with commanded rotor speeds [rad/s], for a
   /// body that is where `state` says; once a step. Non-finite commands stop the rotor.
@@ -37,8 +37,8 @@ class Forces {
   /// Voltage under the present load; takes its charge.
   void drain(double dt);
 
-  VehicleTruth vehicle_;
-  Faults faults_;
+  world::VehicleTruth vehicle_;
+  world::Faults faults_;
   Air air_;
   double hover_speed_;
   double full_voltage_ = 0.0, sagged_voltage_ = 0.0;  ///< Hovering: at first, after sag_time [V].

@@ -10,7 +10,7 @@ namespace gatefly::sim {
 namespace {
 
 /// Whether the middle of `lower`'s opening is under the gate that ends at this height.
-bool is_beneath(const WorldGate& lower, const WorldGate& gate, double gate_bottom) {
+bool is_beneath(const world::WorldGate& lower, const world::WorldGate& gate, double gate_bottom) {
   if (lower.missing || -lower.p_EG.z() > gate_bottom) return false;
   const Eigen::Vector3d off_G = rotation_z(-lower.yaw_EG) * (gate.p_EG - lower.p_EG);
   return std::max(std::abs(off_G.x()), std::abs(off_G.y())) < 0.5 * lower.side;
@@ -18,11 +18,11 @@ bool is_beneath(const WorldGate& lower, const WorldGate& gate, double gate_botto
 
 }  // namespace
 
-GatePole pole_of(const WorldGate& gate, const World& world) {
+GatePole pole_of(const world::WorldGate& gate, const world::World& world) {
   GatePole pole{.top = -gate.p_EG.z() - 0.5 * gate.side};
   const double lower_edge = pole.top;
   for (const auto* gates : {&world.gates, &world.false_gates})
-    for (const WorldGate& lower : *gates)
+    for (const world::WorldGate& lower : *gates)
       if (is_beneath(lower, gate, lower_edge))
         pole.bottom = std::max(pole.bottom, -lower.p_EG.z() + 0.5 * lower.side);
   pole.top = std::max(pole.top, pole.bottom);

@@ -14,6 +14,6 @@ struct GatePole {
 
 /// It stands on the floor or, where another gate is beneath, on that gate's frame: no pole stands in
 /// an opening. Without a length where the frames touch.
-[[nodiscard]] GatePole pole_of(const WorldGate& gate, const World& world);
+[[nodiscard]] GatePole pole_of(const world::WorldGate& gate, const world::World& world);
 
 }  // namespace gatefly::sim

@@ -44,7 +44,8 @@ bool in_sight(const Sight& sight, const Eigen::Vector3d& eye_E, const Eigen::Vec
   return !sight.occluded(eye_E, corner_E + 0.12 * (eye_E - corner_E).normalized());
 }
 
-std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Exposure& exposure) {
+std::optional<GateView> view_of(const world::WorldGate& gate, const Sight& sight,
+                                Exposure& exposure) {
   GateView view;
   view.corners_px.fill(Eigen::Vector2d::Zero());  // of those behind the camera, too
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
@@ -88,13 +89,13 @@ std::optional<GateView> view_of(const WorldGate& gate, const Sight& sight, Expos
 
 }  // namespace
 
-std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camera,
+std::vector<GateView> gates_in_view(const world::World& world, const world::CameraTruth& camera,
                                     const Sight& sight, double t_start,
                                     std::span<const BodyPose> history) {
   Exposure exposure{camera, t_start, history};
   std::vector<GateView> views;
   for (std::size_t i = 0; i < world.gates.size(); ++i) {
-    const WorldGate& gate = world.gates[i];
+    const world::WorldGate& gate = world.gates[i];
     auto view = gate.missing ? std::nullopt : view_of(gate, sight, exposure);
     if (!view || (gate.hidden_beyond > 0.0 && view->distance > gate.hidden_beyond)) continue;
     view->gate = static_cast<int>(i);

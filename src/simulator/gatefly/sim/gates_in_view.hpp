@@ -44,7 +44,8 @@ inline constexpr std::size_t kCutKinds = 5;
 ///
 /// @param t_start  when the first column begins its exposure [s].
 /// @param history  body poses, ascending in t, covering the exposure.
-[[nodiscard]] std::vector<GateView> gates_in_view(const World& world, const CameraTruth& camera,
+[[nodiscard]] std::vector<GateView> gates_in_view(const world::World& world,
+                                                  const world::CameraTruth& camera,
                                                   const Sight& sight, double t_start,
                                                   std::span<const BodyPose> history);
 

@@ -15,7 +15,7 @@ namespace gatefly::sim {
 /// are ours (a hall, not an atmosphere).
 class Gusts {
  public:
-  Gusts(const Wind& wind, std::uint64_t seed) : wind_{wind}, noise_{seed, "wind"} {}
+  Gusts(const world::Wind& wind, std::uint64_t seed) : wind_{wind}, noise_{seed, "wind"} {}
 
   /// After another `dt` [s] at `airspeed` [m/s] through the mean wind.
   void advance(double airspeed, double dt);
@@ -32,7 +32,7 @@ class Gusts {
     [[nodiscard]] double value() const;
   };
 
-  Wind wind_;
+  world::Wind wind_;
   Stream noise_;
   Along along_;
   Across across_, up_;

@@ -50,8 +50,9 @@ DetectorStatistics with_false_alarms(DetectorStatistics statistics, double facto
 
 }  // namespace
 
-IdealVision::IdealVision(const World& world, const CameraTruth& camera,
-                         const IdealVisionParams& params, std::uint64_t seed, const Sight& sight)
+IdealVision::IdealVision(const world::World& world, const world::CameraTruth& camera,
+                         const world::IdealVisionParams& params, std::uint64_t seed,
+                         const Sight& sight)
     : world_{world},
       camera_{camera},
       build_{build_of(world.gates)},
@@ -111,9 +112,9 @@ SeenPicture IdealVision::look(double t_start, std::span<const BodyPose> history)
 std::vector<GateView> IdealVision::with_outliers(std::vector<GateView> views, double t_start,
                                                  std::span<const BodyPose> history) {
   constexpr double kFarthest = 3.0;  // [m]
-  World moved = world_;
+  world::World moved = world_;
   Draws draw = draws("ideal outliers", 0, t_start);
-  for (WorldGate& gate : moved.gates) {
+  for (world::WorldGate& gate : moved.gates) {
     const Eigen::Vector3d direction{draw.normal(), draw.normal(), 0.3 * draw.normal()};
     gate.p_EG += kFarthest * draw.uniform() * direction.normalized();
   }

@@ -48,8 +48,8 @@ struct SeenPicture {
 class IdealVision {
  public:
   /// @param sight  must live as long.
-  IdealVision(const World& world, const CameraTruth& camera, const IdealVisionParams& params,
-              std::uint64_t seed, const Sight& sight);
+  IdealVision(const world::World& world, const world::CameraTruth& camera,
+              const world::IdealVisionParams& params, std::uint64_t seed, const Sight& sight);
 
   /// @param t_start  when the first column begins its exposure [s]; pictures in order.
   /// @param history  body poses, ascending in t, covering the exposure.
@@ -83,8 +83,8 @@ class IdealVision {
   /// A part of this gate counts within so many metres, of a gate of 1 m [m].
   [[nodiscard]] double reach(double of_1_m, const GateView& view) const;
 
-  World world_;
-  CameraTruth camera_;
+  world::World world_;
+  world::CameraTruth camera_;
   GateBuild build_;
   DetectorStatistics statistics_;
   bool one_answer_;  ///< As the paper's flown detector gives.

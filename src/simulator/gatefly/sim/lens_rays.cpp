@@ -34,7 +34,7 @@ static_assert(kLinesOfTile * 4 <= RayTile::kMostGroups && kLinesOfFastTile <= Ra
 
 }  // namespace
 
-LensRays::LensRays(const CameraTruth& camera, const RayGrid& grid)
+LensRays::LensRays(const world::CameraTruth& camera, const RayGrid& grid)
     : grid_{grid},
       width_{(camera.stored_width + grid.step - 1) / grid.step},
       lines_{(camera.stored_height + grid.step - 1) / grid.step},
@@ -47,7 +47,7 @@ LensRays::LensRays(const CameraTruth& camera, const RayGrid& grid)
     for (int x = 0; x < width_; ++x) set(camera, x, line);
 }
 
-void LensRays::set(const CameraTruth& camera, int x, int line) {
+void LensRays::set(const world::CameraTruth& camera, int x, int line) {
   const Eigen::Matrix3d R_BC = camera_mount(camera.tilt_down).matrix;
   const int tile = line / lines_of_tile_ * tiles_across_ + x / kColumns;
   const int stored_x = x * grid_.step, stored_line = line * grid_.step;

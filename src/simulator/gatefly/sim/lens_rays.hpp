@@ -26,7 +26,7 @@ struct RayGrid {
 /// The directions of a lens's rays in the body frame, in tiles of pixels that lie together.
 class LensRays {
  public:
-  LensRays(const CameraTruth& camera, const RayGrid& grid);
+  LensRays(const world::CameraTruth& camera, const RayGrid& grid);
 
   /// Pixels of one tile: `columns` of each stored line; a group of rays is a line's, then sample by
   /// sample.
@@ -47,7 +47,7 @@ class LensRays {
   void aim(int tile, const std::vector<Eye>& eyes, RayTile& rays) const;
 
  private:
-  void set(const CameraTruth& camera, int x, int line);
+  void set(const world::CameraTruth& camera, int x, int line);
 
   RayGrid grid_;
   int width_, lines_, lines_of_tile_, tiles_across_, tiles_down_;

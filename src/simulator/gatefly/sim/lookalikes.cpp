@@ -27,7 +27,8 @@ std::vector<Bar> bars_of(std::span<const GateView> views) {
 }
 
 /// The corners of a thing's upper and lower face; a pole's seen from `eye`.
-std::array<Eigen::Vector3d, 8> corners_of(const WorldBox& box, const Eigen::Vector3d& eye_E) {
+std::array<Eigen::Vector3d, 8> corners_of(const world::WorldBox& box,
+                                          const Eigen::Vector3d& eye_E) {
   double heading = box.heading;
   Eigen::Vector2d half = 0.5 * box.size;
   if (box.pole) {
@@ -70,10 +71,11 @@ std::vector<LookAlike> frames_of_two(std::span<const GateView> views) {
   return frames;
 }
 
-std::vector<LookAlike> decoys_in_view(const World& world, const Sight& sight, Exposure& exposure) {
+std::vector<LookAlike> decoys_in_view(const world::World& world, const Sight& sight,
+                                      Exposure& exposure) {
   std::vector<LookAlike> views;
   for (std::size_t i = 0; i < world.decoys.size(); ++i) {
-    const WorldBox& box = world.decoys[i].shape;
+    const world::WorldBox& box = world.decoys[i].shape;
     const Eigen::Vector3d middle_E{box.center.x(), box.center.y(), -0.5 * (box.top + box.bottom)};
     const Eigen::Vector3d eye_E = exposure.eye_E();
     const auto middle = exposure.project(middle_E);
@@ -91,7 +93,7 @@ std::vector<LookAlike> decoys_in_view(const World& world, const Sight& sight, Ex
   return views;
 }
 
-std::vector<Place> places_of(const World& world, std::uint64_t seed) {
+std::vector<Place> places_of(const world::World& world, std::uint64_t seed) {
   constexpr int kPlaces = 12;
   constexpr double kOffWall = 0.1;  // [m]
   Stream stream{seed, "ideal places"};

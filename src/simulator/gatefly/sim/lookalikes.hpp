@@ -27,7 +27,7 @@ struct LookAlike {
 [[nodiscard]] std::vector<LookAlike> frames_of_two(std::span<const GateView> views);
 
 /// Decoys in sight whose middle is in the picture: the box around each.
-[[nodiscard]] std::vector<LookAlike> decoys_in_view(const World& world, const Sight& sight,
+[[nodiscard]] std::vector<LookAlike> decoys_in_view(const world::World& world, const Sight& sight,
                                                     Exposure& exposure);
 
 /// A spot in the room that has something of a gate: a lamp, a show-case's edge.
@@ -37,7 +37,7 @@ struct Place {
   double chance = 0.0;  ///< Standard normal: how good or bad a gate it makes.
 };
 /// Twelve of them on walls, one day's.
-[[nodiscard]] std::vector<Place> places_of(const World& world, std::uint64_t seed);
+[[nodiscard]] std::vector<Place> places_of(const world::World& world, std::uint64_t seed);
 
 /// Which of them are in sight and in the picture.
 [[nodiscard]] std::vector<int> places_in_view(std::span<const Place> places, const Sight& sight,

@@ -8,13 +8,14 @@
 
 namespace gatefly::sim {
 
-Referee::Referee(const World& world, const VehicleTruth& vehicle, int laps)
+Referee::Referee(const world::World& world, const world::VehicleTruth& vehicle, int laps)
     : world_{world}, total_{static_cast<int>(world.gates.size()) * laps} {
   for (const Eigen::Vector3d& point : outline_of(vehicle)) points_.push_back({point});
 }
 
 Eigen::Vector3d Referee::in_gate(const Eigen::Vector3d& p_E) const {
-  const WorldGate& gate = world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
+  const world::WorldGate& gate =
+      world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
   return rotation_z(-gate.yaw_EG) * (p_E - gate.p_EG);
 }
 
@@ -26,7 +27,8 @@ void Referee::forget() {
 
 std::optional<GatePass> Referee::update(const BodyState& state, double time) {
   if (finished() || world_.gates.empty()) return std::nullopt;
-  const WorldGate& gate = world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
+  const world::WorldGate& gate =
+      world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
   if (gate.missing) return std::nullopt;
   const double half_opening = 0.5 * gate.side - gate.bar;
   const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);

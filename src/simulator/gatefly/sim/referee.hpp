@@ -23,7 +23,7 @@ struct GatePass {
 /// inside the opening, forwards, in order. Sees nothing but the truth.
 class Referee {
  public:
-  Referee(const World& world, const VehicleTruth& vehicle, int laps);
+  Referee(const world::World& world, const world::VehicleTruth& vehicle, int laps);
 
   /// @return the pass that is complete with this state, if any.
   std::optional<GatePass> update(const BodyState& state, double time);
@@ -40,7 +40,7 @@ class Referee {
   [[nodiscard]] Eigen::Vector3d in_gate(const Eigen::Vector3d& p_E) const;
   void forget();
 
-  World world_;
+  world::World world_;
   int total_, passed_ = 0;
   std::vector<Point> points_;
   /// Places of each point, then of the centre; empty before the first state.

@@ -56,7 +56,7 @@ int cells(double length) {
 }
 
 /// The bars' colour: worn unevenly along them.
-int painted(SceneBuilder& builder, const WorldGate& gate, const GatePaint& paint) {
+int painted(SceneBuilder& builder, const world::WorldGate& gate, const world::GatePaint& paint) {
   constexpr double kCells = 12.0;  // of wear on a metre
   Color fresh = to_color(gate.color), worn = fresh;
   fresh[2] *= static_cast<float>(paint.blue);
@@ -70,8 +70,8 @@ struct GateMaterials {
 };
 
 /// Four bars, of which that part of their width is coloured; pole and foot plate.
-void add_gate(SceneBuilder& builder, const WorldGate& gate, const GatePole& pole, double width,
-              const GateMaterials& material) {
+void add_gate(SceneBuilder& builder, const world::WorldGate& gate, const GatePole& pole,
+              double width, const GateMaterials& material) {
   const FloorFrame frame{.origin = gate.p_EG.head<2>(), .heading = gate.yaw_EG};
   const double height = -gate.p_EG.z(), half = gate.side / 2, in = half - width * gate.bar,
                d = gate.depth / 2;
@@ -86,7 +86,7 @@ void add_gate(SceneBuilder& builder, const WorldGate& gate, const GatePole& pole
   if (pole.on_floor()) builder.box(frame, {-0.15, -0.15, 0.0}, {0.15, 0.15, 0.05}, material.foot);
 }
 
-using Dresser = void (*)(SceneBuilder&, const World&);
+using Dresser = void (*)(SceneBuilder&, const world::World&);
 
 Dresser dresser(const std::string& look) {
   static const std::map<std::string, Dresser> all{{"hall", dress_hall},
@@ -99,8 +99,8 @@ Dresser dresser(const std::string& look) {
 }
 
 /// People, in the middle of their stretches.
-void add_walkers(SceneBuilder& builder, const World& world) {
-  for (const Person& person : world.people) {
+void add_walkers(SceneBuilder& builder, const world::World& world) {
+  for (const world::Person& person : world.people) {
     const Eigen::Vector2d way = person.to - person.from;
     const FloorFrame at{.origin = 0.5 * (person.from + person.to),
                         .heading = atan2(way.y(), way.x())};
@@ -114,7 +114,7 @@ void add_walkers(SceneBuilder& builder, const World& world) {
   }
 }
 
-void add_solids(SceneBuilder& builder, const World& world) {
+void add_solids(SceneBuilder& builder, const world::World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double a = world.room_size.x() / 2, b = world.room_size.y() / 2, top = world.room_size.z();
   const auto wall = [&](double a0, double b0, double a1, double b1) {
@@ -128,7 +128,7 @@ void add_solids(SceneBuilder& builder, const World& world) {
   for (const double h : {0.0, top})
     builder.rectangle(frame.at(-a, -b, h), {2 * a, 0, 0}, {0, 2 * b, 0}, {0, 0, h > 0 ? 1.0 : -1.0},
                       0);
-  for (const WorldBox& obstacle : world.obstacles) builder.solid_box(obstacle, 0);
+  for (const world::WorldBox& obstacle : world.obstacles) builder.solid_box(obstacle, 0);
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ Eigen::Vector3d FloorFrame::at(double a, double b, double h) const {
   return {origin.x() + a * s.cos - b * s.sin, origin.y() + a * s.sin + b * s.cos, -h};
 }
 
-RoomWall wall_of(const World& world, int side) {
+RoomWall wall_of(const world::World& world, int side) {
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2;
   const bool long_x = side % 2 == 0;
   const double depth = long_x ? y : x, length = 2 * (long_x ? x : y), heading = side * kPi / 2;
@@ -305,14 +305,14 @@ void SceneBuilder::tube(const Eigen::Vector3d& from, const Eigen::Vector3d& to, 
   }
 }
 
-void SceneBuilder::solid_box(const WorldBox& shape, int material) {
+void SceneBuilder::solid_box(const world::WorldBox& shape, int material) {
   const FloorFrame frame{.origin = shape.center, .heading = shape.heading};
   const double a = shape.size.x() / 2, b = shape.size.y() / 2;
   if (shape.pole) return pole(frame, shape.size.x(), shape.bottom, shape.top, material);
   box(frame, {-a, -b, shape.bottom}, {a, b, shape.top}, material);
 }
 
-Scene make_scene(const World& world) {
+Scene make_scene(const world::World& world) {
   Scene scene;
   SceneBuilder builder{scene};
   dresser(world.look)(builder, world);
@@ -320,7 +320,7 @@ Scene make_scene(const World& world) {
   const int pole = builder.matt(kPoleColor), foot = builder.matt(kFootColor);
   const auto movable = [&](SceneBuilder::Layer layer) {
     builder.layer(layer);
-    const auto add = [&](const WorldGate& gate) {
+    const auto add = [&](const world::WorldGate& gate) {
       const double width =
           layer == SceneBuilder::Layer::kMoved ? world.paint.part_of(gate.bar) : 1.0;
       add_gate(builder, gate, pole_of(gate, world), width,
@@ -331,15 +331,15 @@ Scene make_scene(const World& world) {
       if (!world.gates[i].missing) add(world.gates[i]);
     }
     builder.gate(-1);
-    for (const WorldGate& gate : world.false_gates) add(gate);
-    for (const Decoy& decoy : world.decoys)
+    for (const world::WorldGate& gate : world.false_gates) add(gate);
+    for (const world::Decoy& decoy : world.decoys)
       builder.solid_box(decoy.shape, builder.matt(to_color(decoy.color)));
   };
   movable(SceneBuilder::Layer::kMoved);
   const std::size_t before = scene.moved.size();
   builder.layer(SceneBuilder::Layer::kMoved);
   add_walkers(builder, world);
-  for (const Person& person : world.people)
+  for (const world::Person& person : world.people)
     scene.walkers.push_back({person, (scene.moved.size() - before) / world.people.size()});
   movable(SceneBuilder::Layer::kSolid);
   add_solids(builder, world);

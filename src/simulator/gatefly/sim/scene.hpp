@@ -54,7 +54,7 @@ struct Rectangle {
 
 /// Somebody's rectangles in Scene::moved, drawn in the middle of the stretch.
 struct Walker {
-  Person person;
+  world::Person person;
   std::size_t rectangles = 0;
 };
 
@@ -82,7 +82,7 @@ struct Scene {
 /// stays inside obstacle footprints, within 0.4 m of the walls, flat on the floor or above 2.6 m.
 /// @throws std::invalid_argument for a look that there is not, std::length_error for a room so large
 ///     that its light map would take more than minutes and half a gigabyte: about 150 x 150 m.
-[[nodiscard]] Scene make_scene(const World& world);
+[[nodiscard]] Scene make_scene(const world::World& world);
 
 /// An upright frame on the floor: local a, b horizontal, h height above the floor [m].
 struct FloorFrame {
@@ -128,7 +128,7 @@ class SceneBuilder {
   /// A prism of eight sides about the line between two points of the earth frame, with lids.
   void tube(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double diameter, int material);
   /// A world's box or pole as it is.
-  void solid_box(const WorldBox& shape, int material);
+  void solid_box(const world::WorldBox& shape, int material);
 
  private:
   Scene& scene_;
@@ -143,12 +143,12 @@ struct RoomWall {
   double length = 0.0;  ///< [m]
 };
 /// @param side  0..3, around the room.
-[[nodiscard]] RoomWall wall_of(const World& world, int side);
+[[nodiscard]] RoomWall wall_of(const world::World& world, int side);
 
 /// Draws the looks. The builder's layer is kFixed.
-void dress_showroom(SceneBuilder& builder, const World& world);
-void dress_hall(SceneBuilder& builder, const World& world);
-void dress_dark_hall(SceneBuilder& builder, const World& world);
-void dress_exhibition(SceneBuilder& builder, const World& world);
+void dress_showroom(SceneBuilder& builder, const world::World& world);
+void dress_hall(SceneBuilder& builder, const world::World& world);
+void dress_dark_hall(SceneBuilder& builder, const world::World& world);
+void dress_exhibition(SceneBuilder& builder, const world::World& world);
 
 }  // namespace gatefly::sim

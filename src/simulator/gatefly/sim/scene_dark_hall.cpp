@@ -125,7 +125,7 @@ void dress_trusses(SceneBuilder& b, Palette& p, const FloorFrame& wall, double l
 }
 
 /// A few long lamps far apart, girders between them, red points of a motion-capture system.
-void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
+void dress_roof(SceneBuilder& b, Palette& p, const world::World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
   if (top < 2.95) return;
@@ -147,7 +147,7 @@ void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
 
 }  // namespace
 
-void dress_dark_hall(SceneBuilder& b, const World& world) {
+void dress_dark_hall(SceneBuilder& b, const world::World& world) {
   Palette p{b};
   const FloorFrame room{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
@@ -164,7 +164,7 @@ void dress_dark_hall(SceneBuilder& b, const World& world) {
     if (top > 2.6) dress_trusses(b, p, wall, length, top);
   }
   dress_roof(b, p, world);
-  for (const WorldBox& box : world.obstacles) b.solid_box(box, box.pole ? p.truss : p.dark);
+  for (const world::WorldBox& box : world.obstacles) b.solid_box(box, box.pole ? p.truss : p.dark);
 }
 
 }  // namespace gatefly::sim

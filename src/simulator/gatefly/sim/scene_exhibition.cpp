@@ -106,7 +106,7 @@ void add_stand_side(SceneBuilder& b, Palette& p, const FloorFrame& frame, double
 }
 
 /// A stand open to both long sides of an obstacle's footprint.
-void add_stand(SceneBuilder& b, Palette& p, const WorldBox& box) {
+void add_stand(SceneBuilder& b, Palette& p, const world::WorldBox& box) {
   const bool turned = box.size.x() < box.size.y();
   const double along = (turned ? box.size.y() : box.size.x()) / 2;
   const double depth = (turned ? box.size.x() : box.size.y()) / 2;
@@ -118,7 +118,7 @@ void add_stand(SceneBuilder& b, Palette& p, const WorldBox& box) {
   }
 }
 
-void dress_obstacle(SceneBuilder& b, Palette& p, const WorldBox& box) {
+void dress_obstacle(SceneBuilder& b, Palette& p, const world::WorldBox& box) {
   if (box.pole || box.bottom > 0.0) return b.solid_box(box, p.steel);
   if (box.top >= 1.5 && box.size.minCoeff() > 0.5) return add_stand(b, p, box);
   if (box.top >= 1.5) return b.solid_box(box, p.any_of(p.banners));
@@ -170,7 +170,7 @@ void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double leng
 }
 
 /// A grid of bright lamps under girders, and banners that hang between them.
-void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
+void dress_roof(SceneBuilder& b, Palette& p, const world::World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
   if (top < 3.1) return;
@@ -200,7 +200,7 @@ void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
 
 }  // namespace
 
-void dress_exhibition(SceneBuilder& b, const World& world) {
+void dress_exhibition(SceneBuilder& b, const world::World& world) {
   Palette p{b};
   const FloorFrame room{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
@@ -216,7 +216,7 @@ void dress_exhibition(SceneBuilder& b, const World& world) {
     dress_wall(b, p, wall, length, top, side == 1);
   }
   dress_roof(b, p, world);
-  for (const WorldBox& box : world.obstacles) dress_obstacle(b, p, box);
+  for (const world::WorldBox& box : world.obstacles) dress_obstacle(b, p, box);
 }
 
 }  // namespace gatefly::sim

@@ -71,7 +71,7 @@ void dress_wall(SceneBuilder& b, Palette& p, const FloorFrame& wall, double leng
   }
 }
 
-void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
+void dress_roof(SceneBuilder& b, Palette& p, const world::World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
   const double h = top - 0.15;
@@ -89,7 +89,7 @@ void dress_roof(SceneBuilder& b, Palette& p, const World& world) {
 
 }  // namespace
 
-void dress_hall(SceneBuilder& b, const World& world) {
+void dress_hall(SceneBuilder& b, const world::World& world) {
   Palette p{b};
   const FloorFrame room{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
@@ -110,7 +110,7 @@ void dress_hall(SceneBuilder& b, const World& world) {
     }
   }
   dress_roof(b, p, world);
-  for (const WorldBox& box : world.obstacles) b.solid_box(box, box.pole ? p.metal : p.dark);
+  for (const world::WorldBox& box : world.obstacles) b.solid_box(box, box.pole ? p.metal : p.dark);
 }
 
 }  // namespace gatefly::sim

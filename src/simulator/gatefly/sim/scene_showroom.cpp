@@ -109,7 +109,7 @@ void add_showcase_side(SceneBuilder& b, Palette& p, const FloorFrame& frame, dou
 namespace {
 
 /// A back-lit show-case with dark-blue ends, open to both long sides.
-void add_showcase(SceneBuilder& b, Palette& p, const WorldBox& box) {
+void add_showcase(SceneBuilder& b, Palette& p, const world::WorldBox& box) {
   const bool turned = box.size.x() < box.size.y();
   const double along = (turned ? box.size.y() : box.size.x()) / 2;
   const double depth = (turned ? box.size.x() : box.size.y()) / 2;
@@ -125,7 +125,7 @@ void add_showcase(SceneBuilder& b, Palette& p, const WorldBox& box) {
 }
 
 /// A table with legs, struts, a shelf of stored things below and more on top; nothing above `top`.
-void add_table(SceneBuilder& b, Palette& p, const WorldBox& box) {
+void add_table(SceneBuilder& b, Palette& p, const world::WorldBox& box) {
   const FloorFrame frame{.origin = box.center, .heading = box.heading};
   const double a = box.size.x() / 2, c = box.size.y() / 2;
   const double plate = std::min(0.8, 0.65 * box.top), clutter = box.top - plate;
@@ -153,7 +153,7 @@ void add_table(SceneBuilder& b, Palette& p, const WorldBox& box) {
 }
 
 /// A column with a sign on each side.
-void add_column(SceneBuilder& b, Palette& p, const WorldBox& box, double ceiling) {
+void add_column(SceneBuilder& b, Palette& p, const world::WorldBox& box, double ceiling) {
   const FloorFrame frame{.origin = box.center, .heading = box.heading};
   const double a = box.size.x() / 2, c = box.size.y() / 2;
   const bool tall = box.top > 1.9;
@@ -169,7 +169,7 @@ void add_column(SceneBuilder& b, Palette& p, const WorldBox& box, double ceiling
   }
 }
 
-void dress_obstacle(SceneBuilder& b, Palette& p, const WorldBox& box, double ceiling) {
+void dress_obstacle(SceneBuilder& b, Palette& p, const world::WorldBox& box, double ceiling) {
   const double longest = box.size.maxCoeff(), area = box.size.prod();
   const FloorFrame frame{.origin = box.center, .heading = box.heading};
   const double a = box.size.x() / 2, c = box.size.y() / 2;
@@ -181,7 +181,7 @@ void dress_obstacle(SceneBuilder& b, Palette& p, const WorldBox& box, double cei
 }
 
 /// Things flat on the floor: mats, cables' covers, tape, the warm shine of lamps in the varnish.
-void dress_floor(SceneBuilder& b, Palette& p, const World& world) {
+void dress_floor(SceneBuilder& b, Palette& p, const world::World& world) {
   const FloorFrame room{.origin = world.room_center};
   const double x = 0.5 * world.room_size.x() - 1.0, y = 0.5 * world.room_size.y() - 1.0;
   const int count = static_cast<int>(0.06 * world.room_size.x() * world.room_size.y());
@@ -202,7 +202,7 @@ void dress_floor(SceneBuilder& b, Palette& p, const World& world) {
 
 }  // namespace
 
-void dress_showroom(SceneBuilder& b, const World& world) {
+void dress_showroom(SceneBuilder& b, const world::World& world) {
   Palette p{b};
   const FloorFrame room{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
@@ -217,7 +217,7 @@ void dress_showroom(SceneBuilder& b, const World& world) {
   }
   dress_floor(b, p, world);
   dress_showroom_ceiling(b, p, world);
-  for (const WorldBox& box : world.obstacles) dress_obstacle(b, p, box, top);
+  for (const world::WorldBox& box : world.obstacles) dress_obstacle(b, p, box, top);
 }
 
 }  // namespace gatefly::sim

@@ -61,7 +61,7 @@ void add_lamps(SceneBuilder& b, ShowroomPalette& p, const FloorFrame& frame, dou
 
 }  // namespace
 
-void dress_showroom_ceiling(SceneBuilder& b, ShowroomPalette& p, const World& world) {
+void dress_showroom_ceiling(SceneBuilder& b, ShowroomPalette& p, const world::World& world) {
   const FloorFrame frame{.origin = world.room_center};
   const double x = world.room_size.x() / 2, y = world.room_size.y() / 2, top = world.room_size.z();
   if (top < 3.05) return;

@@ -74,7 +74,8 @@ std::uint8_t byte(float x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0f
 
 }  // namespace
 
-Sensor::Sensor(const CameraTruth& camera, const LightConditions& light, std::uint64_t seed)
+Sensor::Sensor(const world::CameraTruth& camera, const world::LightConditions& light,
+               std::uint64_t seed)
     : width_{camera.stored_width},
       height_{camera.stored_height},
       glare_width_{(width_ + kGlareCell - 1) / kGlareCell + 2},

@@ -17,7 +17,7 @@ namespace gatefly::sim {
 /// about 70, whites at 235, a cyan cast, red fringes, glare around lamps.
 class Sensor {
  public:
-  Sensor(const CameraTruth& camera, const LightConditions& light, std::uint64_t seed);
+  Sensor(const world::CameraTruth& camera, const world::LightConditions& light, std::uint64_t seed);
 
   /// Sets the exposure for a first frame from a few radiances that are spread over the picture.
   void meter(std::span<const Float4> radiances);

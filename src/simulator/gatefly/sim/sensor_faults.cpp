@@ -14,7 +14,7 @@ std::chrono::nanoseconds SensorFaults::stamp(double time) const {
 }
 
 Imu SensorFaults::broken(const Imu& imu, double time) {
-  if (within(faults_.imu_stuck, time)) return last_;
+  if (world::within(faults_.imu_stuck, time)) return last_;
   Imu sample = imu;
   if (!faults_.imu_tilt.isZero()) {
     const Eigen::Matrix3d R_BS =
@@ -29,7 +29,7 @@ Imu SensorFaults::broken(const Imu& imu, double time) {
   sample.accel_B = sample.accel_B.cwiseMax(-faults_.accel_range).cwiseMin(faults_.accel_range);
   sample.gyro_B = sample.gyro_B.cwiseMax(-faults_.gyro_range).cwiseMin(faults_.gyro_range);
   last_ = sample;
-  if (within(faults_.imu_nan, time)) {
+  if (world::within(faults_.imu_nan, time)) {
     sample.accel_B.setConstant(std::numeric_limits<double>::quiet_NaN());
     sample.gyro_B = sample.accel_B;
   }
@@ -37,7 +37,7 @@ Imu SensorFaults::broken(const Imu& imu, double time) {
 }
 
 std::optional<double> SensorFaults::broken(std::optional<double> sonar, double time) const {
-  return within(faults_.sonar_out, time) ? std::nullopt : sonar;
+  return world::within(faults_.sonar_out, time) ? std::nullopt : sonar;
 }
 
 }  // namespace gatefly::sim

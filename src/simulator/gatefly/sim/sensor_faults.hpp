@@ -12,7 +12,7 @@ namespace gatefly::sim {
 /// Faults between a sensor and the pilot. Without faults everything comes through as it is.
 class SensorFaults {
  public:
-  explicit SensorFaults(const Faults& faults) : faults_{faults} {}
+  explicit SensorFaults(const world::Faults& faults) : faults_{faults} {}
 
   /// The stamp of a moment: the clock may have jumped.
   [[nodiscard]] std::chrono::nanoseconds stamp(double time) const;
@@ -22,7 +22,7 @@ class SensorFaults {
   [[nodiscard]] std::optional<double> broken(std::optional<double> sonar, double time) const;
 
  private:
-  Faults faults_;
+  world::Faults faults_;
   Imu last_;  ///< That came through.
 };
 

@@ -18,7 +18,7 @@ namespace gatefly::sim {
 /// move as the IMU warms up.
 class ImuModel {
  public:
-  ImuModel(const SensorTruth& truth, std::uint64_t seed)
+  ImuModel(const world::SensorTruth& truth, std::uint64_t seed)
       : truth_{truth}, noise_{seed, "imu"}, rumbling_{seed, "imu rumble"} {}
   /// The next interval between two samples [s].
   [[nodiscard]] double next_interval();
@@ -28,7 +28,7 @@ class ImuModel {
   /// The gyro's rumble after another `dt` [rad/s]; it has no mean, so that angles do not drift.
   [[nodiscard]] Eigen::Vector3d rumble(double dt);
 
-  SensorTruth truth_;
+  world::SensorTruth truth_;
   Stream noise_;
   Stream rumbling_;
   Eigen::Vector4d phase_{0.0, 1.6, 3.1, 4.7};
@@ -39,22 +39,24 @@ class ImuModel {
 /// Ultrasound: the nearest thing in a cone below; nothing above its range or when tilted too far.
 class SonarModel {
  public:
-  SonarModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "sonar"} {}
+  SonarModel(const world::SensorTruth& truth, std::uint64_t seed)
+      : truth_{truth}, noise_{seed, "sonar"} {}
   [[nodiscard]] std::optional<double> measure(const BodyState& state, const Sight* scene);
 
  private:
-  SensorTruth truth_;
+  world::SensorTruth truth_;
   Stream noise_;
 };
 
 /// Barometric height above the pad with a slow drift.
 class BaroModel {
  public:
-  BaroModel(const SensorTruth& truth, std::uint64_t seed) : truth_{truth}, noise_{seed, "baro"} {}
+  BaroModel(const world::SensorTruth& truth, std::uint64_t seed)
+      : truth_{truth}, noise_{seed, "baro"} {}
   [[nodiscard]] double measure(const BodyState& state, double dt);
 
  private:
-  SensorTruth truth_;
+  world::SensorTruth truth_;
   Stream noise_;
   double drift_ = 0.0;
 };

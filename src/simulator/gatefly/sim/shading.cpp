@@ -19,7 +19,7 @@ unsigned scrambled(unsigned x) {
 
 Float4 to_float4(const Color& c) { return Float4{c[0], c[1], c[2], 0.0f}; }
 
-Float4 with_gains(const NodeLight& node, const LightConditions& light) {
+Float4 with_gains(const NodeLight& node, const world::LightConditions& light) {
   Color sum{};
   for (std::size_t group = 0; group < light.group_gain.size(); ++group)
     for (std::size_t c = 0; c < 3; ++c)
@@ -28,7 +28,7 @@ Float4 with_gains(const NodeLight& node, const LightConditions& light) {
   return to_float4(sum);
 }
 
-Float4 emission_of(const Material& m, const LightConditions& light) {
+Float4 emission_of(const Material& m, const world::LightConditions& light) {
   const auto group = static_cast<std::size_t>(m.group);
   Color emission = m.emission;
   for (std::size_t c = 0; c < 3; ++c)
@@ -74,7 +74,7 @@ Material redecorated(const Material& m, std::size_t number, std::uint64_t seed) 
 }  // namespace
 
 Shader::Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
-               const LightConditions& light) {
+               const world::LightConditions& light) {
   for (unsigned i = 0; i < noise_.size(); ++i)
     noise_[i] = static_cast<float>(scrambled(i * 0x9E3779B9u + 1) >> 8) * 0x1p-24f;
   append(scene, scene.fixed, fixed, light);
@@ -82,7 +82,7 @@ Shader::Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
 }
 
 void Shader::append(const Scene& scene, const std::vector<Rectangle>& rectangles,
-                    const LightMap& map, const LightConditions& light) {
+                    const LightMap& map, const world::LightConditions& light) {
   const int before = static_cast<int>(nodes_.size());
   for (const NodeLight& node : map.nodes) nodes_.push_back(with_gains(node, light));
   for (const Rectangle& r : rectangles) {

@@ -18,7 +18,7 @@ using Float4 = float __attribute__((vector_size(16)));
 class Shader {
  public:
   Shader(const Scene& scene, const LightMap& fixed, const LightMap& moved,
-         const LightConditions& light);
+         const world::LightConditions& light);
 
   /// Radiance at (u, v) of a rectangle; those of `scene.moved` count on after `scene.fixed`.
   ///
@@ -44,7 +44,7 @@ class Shader {
   };
 
   void append(const Scene& scene, const std::vector<Rectangle>& rectangles, const LightMap& map,
-              const LightConditions& light);
+              const world::LightConditions& light);
   [[nodiscard]] float noise(unsigned x, unsigned y) const {
     return noise_[(y % kNoise) * kNoise + x % kNoise];
   }

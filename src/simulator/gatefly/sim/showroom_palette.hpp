@@ -39,7 +39,8 @@ void dress_showroom_wall(SceneBuilder& builder, ShowroomPalette& palette, const 
                          double length);
 
 /// Beams, pipes, ducts, lamps, hanging aircraft; all above 2.6 m.
-void dress_showroom_ceiling(SceneBuilder& builder, ShowroomPalette& palette, const World& world);
+void dress_showroom_ceiling(SceneBuilder& builder, ShowroomPalette& palette,
+                            const world::World& world);
 
 /// One glazed side of a show-case: sections of luminous back wall, shelves, things, light strip.
 ///

@@ -18,7 +18,7 @@ constexpr double kWall = 0.2;        // thickness [m]
 constexpr double kGatePole = 0.04;   // diameter [m]
 constexpr double kSeenUpTo = 0.999;  // the point itself may lie on something
 
-Solid solid_of(const std::string& name, const WorldBox& box) {
+Solid solid_of(const std::string& name, const world::WorldBox& box) {
   return {name,
           {box.center.x(), box.center.y(), -0.5 * (box.bottom + box.top)},
           {box.size.x(), box.size.y(), box.top - box.bottom},
@@ -26,7 +26,7 @@ Solid solid_of(const std::string& name, const WorldBox& box) {
           box.pole};
 }
 
-void add_room(std::vector<Solid>& solids, const World& world) {
+void add_room(std::vector<Solid>& solids, const world::World& world) {
   const Eigen::Vector2d c = world.room_center;
   const double a = world.room_size.x(), b = world.room_size.y(), h = world.room_size.z();
   const double half_x = 0.5 * a, half_y = 0.5 * b, out = 0.5 * kWall;
@@ -37,8 +37,8 @@ void add_room(std::vector<Solid>& solids, const World& world) {
   solids.push_back({"ceiling", {c.x(), c.y(), -h - out}, {a, b, kWall}});
 }
 
-void add_gate(std::vector<Solid>& solids, const std::string& name, const WorldGate& gate,
-              const World& world) {
+void add_gate(std::vector<Solid>& solids, const std::string& name, const world::WorldGate& gate,
+              const world::World& world) {
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG);
   const double off = 0.5 * (gate.side - gate.bar);
   const auto bar = [&](const char* which, double y, double z, double width, double height) {
@@ -88,7 +88,7 @@ double entry(const Eigen::Vector3d& from, const Eigen::Vector3d& along, const Ei
 
 }  // namespace
 
-std::vector<Solid> solids_of(const World& world) {
+std::vector<Solid> solids_of(const world::World& world) {
   std::vector<Solid> solids;
   add_room(solids, world);
   for (std::size_t i = 0; i < world.gates.size(); ++i)
@@ -103,7 +103,7 @@ std::vector<Solid> solids_of(const World& world) {
   return solids;
 }
 
-SolidSight::SolidSight(const World& world) {
+SolidSight::SolidSight(const world::World& world) {
   for (const Solid& solid : solids_of(world)) {
     const auto [s, c] = sincos(solid.heading);
     shapes_.push_back({solid.center_E, 0.5 * solid.size, c, s, solid.pole});

@@ -21,12 +21,12 @@ struct Solid {
 };
 
 /// Everything solid in a world but the floor: walls, ceiling, gates, obstacles, decoys.
-[[nodiscard]] std::vector<Solid> solids_of(const World& world);
+[[nodiscard]] std::vector<Solid> solids_of(const world::World& world);
 
 /// Looks through a world of boxes and poles; the floor is in sight, too.
 class SolidSight final : public Sight {
  public:
-  explicit SolidSight(const World& world);
+  explicit SolidSight(const world::World& world);
 
   [[nodiscard]] bool occluded(const Eigen::Vector3d& from_E,
                               const Eigen::Vector3d& to_E) const override;

@@ -10,7 +10,7 @@ namespace gatefly::sim {
 /// is one stream for each thing, its number follows. A test asks that the code uses these and no
 /// others, each in one place.
 inline constexpr std::array kStreams{
-    // what a seed draws once: randomize.cpp
+    // what a seed draws once: drawn.cpp
     std::string_view{"gates"}, std::string_view{"light"}, std::string_view{"decoys"},
     std::string_view{"start"}, std::string_view{"camera"}, std::string_view{"vehicle"},
     std::string_view{"bias"}, std::string_view{"imbalance"}, std::string_view{"warming"},

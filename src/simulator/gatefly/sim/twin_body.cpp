@@ -23,7 +23,7 @@ Motion operator*(double s, const Motion& m) {
 }
 
 /// d/dt of a motion. Newton and Euler; q̇ = ½ q ⊗ (0, ω).
-Motion rate_of(const Motion& m, const Forces& forces, const VehicleTruth& vehicle) {
+Motion rate_of(const Motion& m, const Forces& forces, const world::VehicleTruth& vehicle) {
   const Eigen::Matrix3d R_EB = R_EB_of(m.q_EB.normalized());
   const Eigen::Vector3d accel_E =
       Eigen::Vector3d{0, 0, kGravity} + R_EB * forces.force_B(R_EB, m.v_E) / vehicle.mass;
@@ -38,7 +38,7 @@ Motion rate_of(const Motion& m, const Forces& forces, const VehicleTruth& vehicl
 
 }  // namespace
 
-TwinBody::TwinBody(const SimConfig& config)
+TwinBody::TwinBody(const world::SimConfig& config)
     : vehicle_{config.vehicle},
       forces_{config},
       collisions_{config.world, config.vehicle},

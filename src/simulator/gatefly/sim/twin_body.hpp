@@ -19,7 +19,7 @@ namespace gatefly::sim {
 /// it; from anything else it does not bounce, for a touch ends the race.
 class TwinBody {
  public:
-  explicit TwinBody(const SimConfig& config);
+  explicit TwinBody(const world::SimConfig& config);
 
   /// One step of `dt` [s] with commanded rotor speeds [rad/s].
   void step(const std::array<double, 4>& command, double dt);
@@ -37,7 +37,7 @@ class TwinBody {
  private:
   void stand_on_floor();
 
-  VehicleTruth vehicle_;
+  world::VehicleTruth vehicle_;
   Forces forces_;
   Collisions collisions_;
   SolidSight sight_;

@@ -3,10 +3,10 @@
 
 #include <string>
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 
 /// The commit this program was built from: twelve digits, then "+" and a fingerprint where the code
 /// differed from it; "unknown" outside of a clone.
 [[nodiscard]] std::string built_from();
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

@@ -15,7 +15,7 @@
 #include "gatefly/sim/solids.hpp"
 #include "gatefly/simulated_race/varied_look.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 namespace {
 
 /// A moment to take a picture at, and the motion about it.
@@ -30,14 +30,13 @@ sim::BodyPose pose_of(double t, const Eigen::Vector3d& p_EB, const Attitude& att
 }
 
 /// Every exposure of an ideal race, with the motion during it.
-std::vector<Moment> moments_of_race(closed_loop::RaceConfig race,
-                                    const std::function<void()>& between) {
+std::vector<Moment> moments_of_race(RaceConfig race, const std::function<void()>& between) {
   constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
-  race.vision = closed_loop::Vision::kIdeal;
+  race.vision = Vision::kIdeal;
   race.pilot.track.laps = 1;  // the others look alike
   std::vector<sim::BodyPose> poses;
   std::vector<double> starts;
-  (void)closed_loop::fly(race, [&](const Tick& tick) {
+  (void)fly(race, [&](const flight_log::Tick& tick) {
     if (between) between();
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     poses.push_back(pose_of(t, tick.truth.p_EB, tick.truth.attitude));
@@ -70,7 +69,8 @@ bool is_free(const sim::Sight& sight, const Eigen::Vector3d& p_E) {
 
 class AroundTheRoom {
  public:
-  AroundTheRoom(const sim::SimConfig& day, std::uint64_t seed, const std::function<void()>& between)
+  AroundTheRoom(const world::SimConfig& day, std::uint64_t seed,
+                const std::function<void()>& between)
       : day_{day}, sight_{day.world}, stream_{seed, "poses"}, between_{between} {}
 
   Moment next() {
@@ -79,7 +79,7 @@ class AroundTheRoom {
       if (between_) between_();
       const auto index = static_cast<std::size_t>(
           stream_.uniform(0.0, static_cast<double>(day_.world.gates.size())));
-      const sim::WorldGate& gate = day_.world.gates[index];
+      const world::WorldGate& gate = day_.world.gates[index];
       const double distance = stream_.uniform(0.8, 7.0);
       const double aside =
           stream_.uniform(-60.0, 60.0) * kDegree + (stream_.uniform() < 0.15 ? kPi : 0.0);
@@ -111,7 +111,7 @@ class AroundTheRoom {
   }
 
  private:
-  const sim::SimConfig& day_;
+  const world::SimConfig& day_;
   sim::SolidSight sight_;
   sim::Stream stream_;
   const std::function<void()>& between_;
@@ -157,7 +157,7 @@ std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, 
 
 /// Looks take turns, the track's own first.
 std::string look_of_day(const std::string& own, std::size_t day) {
-  const auto& looks = io::track_key("room", "look").choices;
+  const auto& looks = config::track_key("room", "look").choices;
   const auto first = std::find(looks.begin(), looks.end(), own) - looks.begin();
   return looks[(static_cast<std::size_t>(first) + day) % looks.size()];
 }
@@ -185,8 +185,8 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
   const std::vector<Moment> moments = moments_of_day(race, order, count, between);
   if (order.varied) vary(race.config.sim, race.identity.seed, places_of(moments));
   if (order.without_gates)
-    for (sim::WorldGate& gate : race.config.sim.world.gates) gate.missing = true;
-  const sim::SimConfig& s = race.config.sim;
+    for (world::WorldGate& gate : race.config.sim.world.gates) gate.missing = true;
+  const world::SimConfig& s = race.config.sim;
   sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1, between};
   const double middle = 0.5 * (s.camera.exposure + s.camera.readout);
   for (std::size_t i = 0; i < moments.size(); ++i) {
@@ -195,7 +195,7 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
     renderer.meter_anew();
     renderer.render(static_cast<std::uint32_t>(i + 1), moment.start, moment.history, picture.uyvy);
     picture.pose = sim::interpolated(moment.history, moment.start + middle);
-    sim::CameraTruth camera = s.camera;
+    world::CameraTruth camera = s.camera;
     camera.exposure = renderer.exposure();  // bright light shortens it
     picture.gates = sim::gates_in_view(s.world, camera, renderer, moment.start, moment.history);
     if (order.masks) picture.mask = renderer.gate_mask(moment.start, moment.history);
@@ -203,4 +203,4 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
   }
 }
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

@@ -10,7 +10,7 @@
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 #include "gatefly/simulated_race/race_maker.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 
 /// Which pictures of a course.
 struct PictureOrder {
@@ -53,4 +53,4 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
 /// How many days an order takes.
 [[nodiscard]] std::size_t days_of(const PictureOrder& order);
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

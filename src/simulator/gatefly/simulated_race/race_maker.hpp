@@ -13,11 +13,11 @@
 #include "gatefly/simulated_race/results/summary.hpp"
 #include "gatefly/tasks/arguments.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 
 /// Arguments of a race, but its seed.
 struct RaceArguments {
-  ConfigArguments config;
+  tasks::ConfigArguments config;
   std::string track = "showroom";   ///< A name in tracks/ or a file.
   std::string vision = "rendered";  ///< Or "ideal".
   std::optional<int> laps;          ///< Instead of the track's own number.
@@ -26,8 +26,8 @@ struct RaceArguments {
 /// The pilot's half comes from configuration and map, the simulator's from the same and the seed.
 /// Nothing drawn goes to the pilot.
 struct Race {
-  closed_loop::RaceConfig config;
-  io::RaceIdentity identity;
+  RaceConfig config;
+  RaceIdentity identity;
 };
 
 /// Reads track and configuration once, then makes the race of any seed.
@@ -48,14 +48,14 @@ class RaceMaker {
 
  private:
   RaceMaker() = default;
-  void nominal(const io::Config& config, const std::filesystem::path& path, io::TrackFile file,
-               const std::string& vision);
+  void nominal(const config::Config& config, const std::filesystem::path& path,
+               config::TrackFile file, const std::string& vision);
 
-  closed_loop::RaceConfig nominal_;
-  sim::Randomize randomize_;
-  io::RaceIdentity identity_;
+  RaceConfig nominal_;
+  world::Randomize randomize_;
+  RaceIdentity identity_;
   std::map<std::string, std::string> inputs_;
   std::vector<std::string> notes_;
 };
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

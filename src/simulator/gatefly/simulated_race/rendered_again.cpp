@@ -11,21 +11,21 @@
 #include "gatefly/simulated_race/race_maker.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 namespace {
 
 struct Renderer {
-  Renderer(const RecordedFlight& f, std::function<void()> w)
+  Renderer(const tasks::RecordedFlight& f, std::function<void()> w)
       : flight{f},
         while_baking{std::move(w)},
         config{RaceMaker::of_flight(f.folder.directory)
-                   .race(seed_of_flight(f.folder.directory))
+                   .race(tasks::seed_of_flight(f.folder.directory))
                    .config.sim},
         picture{.bytes = {},
                 .format = PixelFormat::kUyvy,
                 .stored_width = config.camera.stored_width,
                 .stored_height = config.camera.stored_height} {
-    if (config.autopilot.takes != sim::AutopilotTruth::Takes::kNone)
+    if (config.autopilot.takes != world::AutopilotTruth::Takes::kNone)
       throw std::runtime_error(
           f.folder.log.string() +
           ": flown by way of an autopilot (control.output), whose rotor speeds "
@@ -34,10 +34,10 @@ struct Renderer {
                          128);
   }
 
-  const io::ImageFile& operator()(std::size_t i) {
+  const files::ImageFile& operator()(std::size_t i) {
     const std::size_t row = flight.folder.images.at(i).log_row;
     if (!frames || row < frames->ticks())
-      frames = std::make_unique<closed_loop::FramesAgain>(
+      frames = std::make_unique<FramesAgain>(
           config, [this](std::size_t tick) { return motors(tick); }, while_baking);
     const auto bytes = frames->picture_of(row);
     // Without one, as another version's camera may have it, the last stays: its hash is another.
@@ -54,19 +54,19 @@ struct Renderer {
     return *speeds;
   }
 
-  const RecordedFlight& flight;
+  const tasks::RecordedFlight& flight;
   std::function<void()> while_baking;
-  sim::SimConfig config;
-  io::ImageFile picture;
-  std::unique_ptr<closed_loop::FramesAgain> frames;
+  world::SimConfig config;
+  files::ImageFile picture;
+  std::unique_ptr<FramesAgain> frames;
 };
 
 }  // namespace
 
-flight_log::PictureSource rendered_again(const RecordedFlight& flight,
+flight_log::PictureSource rendered_again(const tasks::RecordedFlight& flight,
                                          const std::function<void()>& while_baking) {
   const auto renderer = std::make_shared<Renderer>(flight, while_baking);
-  return [renderer](std::size_t i) -> const io::ImageFile& { return (*renderer)(i); };
+  return [renderer](std::size_t i) -> const files::ImageFile& { return (*renderer)(i); };
 }
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

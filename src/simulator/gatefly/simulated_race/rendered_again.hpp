@@ -6,7 +6,7 @@
 #include "gatefly/flight_log/recording.hpp"
 #include "gatefly/tasks/recorded_flight.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 
 /// The pictures of a flight that did not keep them, rendered from what lies in its folder: track,
 /// configuration, seed, and the rotor speeds of its log.
@@ -16,7 +16,7 @@ namespace gatefly::tasks {
 /// @param flight  must live as long.
 /// @param while_baking  called some twenty times a second; may throw to stop; may be empty.
 /// @throws std::runtime_error one line: the folder does not say enough.
-[[nodiscard]] flight_log::PictureSource rendered_again(const RecordedFlight& flight,
+[[nodiscard]] flight_log::PictureSource rendered_again(const tasks::RecordedFlight& flight,
                                                        const std::function<void()>& while_baking);
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

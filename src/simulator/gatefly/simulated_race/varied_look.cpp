@@ -10,7 +10,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 namespace {
 
 using sim::Stream;
@@ -20,7 +20,7 @@ double factor(Stream& stream, double most) {
   return std::exp(std::log(most) * stream.uniform(-1.0, 1.0));
 }
 
-void vary_lamps(sim::LightConditions& light, std::uint64_t seed) {
+void vary_lamps(world::LightConditions& light, std::uint64_t seed) {
   Stream stream{seed, "varied lamps"};
   for (std::size_t group = 0; group < light.group_gain.size(); ++group) {
     light.group_gain[group] *= factor(stream, 2.5);
@@ -47,7 +47,7 @@ Eigen::Vector3d turned(const Eigen::Vector3d& color, double angle) {
   return other.cwiseMax(0.01).cwiseMin(1.0);
 }
 
-void vary_gates(sim::World& world, std::uint64_t seed) {
+void vary_gates(world::World& world, std::uint64_t seed) {
   Stream stream{seed, "varied gates"};
   const double angle = stream.uniform(-15.0, 15.0) * kDegree, saturation = stream.uniform(0.6, 1.1),
                value = stream.uniform(0.5, 1.0), bars = stream.uniform(0.6, 1.4);
@@ -55,19 +55,19 @@ void vary_gates(sim::World& world, std::uint64_t seed) {
     return Eigen::Vector3d{value * saturated(turned(color, angle), saturation)};
   };
   for (auto* gates : {&world.gates, &world.false_gates})
-    for (sim::WorldGate& gate : *gates) gate.color = painted(gate.color), gate.bar *= bars;
-  for (sim::Decoy& decoy : world.decoys) decoy.color = painted(decoy.color);
+    for (world::WorldGate& gate : *gates) gate.color = painted(gate.color), gate.bar *= bars;
+  for (world::Decoy& decoy : world.decoys) decoy.color = painted(decoy.color);
 }
 
 /// Boxes and poles of any colour, standing anywhere but where the camera goes or a gate stands.
-void add_clutter(sim::World& world, std::uint64_t seed,
+void add_clutter(world::World& world, std::uint64_t seed,
                  const std::vector<Eigen::Vector3d>& keep_clear) {
   constexpr double kClear = 0.7, kFromGate = 0.9;  // [m]
   Stream stream{seed, "varied clutter"};
   const int count = static_cast<int>(stream.uniform(0.0, 16.0));
   const Eigen::Vector2d half = 0.5 * world.room_size.head<2>() - Eigen::Vector2d::Constant(0.4);
   for (int i = 0; i < count; ++i) {
-    sim::Decoy thing;
+    world::Decoy thing;
     thing.shape.center = world.room_center + Eigen::Vector2d{stream.uniform(-half.x(), half.x()),
                                                              stream.uniform(-half.y(), half.y())};
     thing.shape.pole = stream.uniform() < 0.4;
@@ -89,7 +89,7 @@ void add_clutter(sim::World& world, std::uint64_t seed,
   }
 }
 
-void vary_camera(sim::CameraTruth& camera, std::uint64_t seed) {
+void vary_camera(world::CameraTruth& camera, std::uint64_t seed) {
   Stream stream{seed, "varied camera"};
   camera.tilt_down += stream.uniform(-5.0, 5.0) * kDegree;
   const double zoom = factor(stream, 1.05);
@@ -97,7 +97,7 @@ void vary_camera(sim::CameraTruth& camera, std::uint64_t seed) {
   camera.exposure *= stream.uniform(0.2, 1.0);  // what is not exposed is not blurred
 }
 
-void vary_sensor(sim::LightConditions& light, std::uint64_t seed) {
+void vary_sensor(world::LightConditions& light, std::uint64_t seed) {
   Stream stream{seed, "varied sensor"};
   light.exposure_target *= factor(stream, 1.6);
   light.noise_scale *= factor(stream, 2.0);
@@ -107,7 +107,8 @@ void vary_sensor(sim::LightConditions& light, std::uint64_t seed) {
 
 }  // namespace
 
-void vary(sim::SimConfig& day, std::uint64_t seed, const std::vector<Eigen::Vector3d>& keep_clear) {
+void vary(world::SimConfig& day, std::uint64_t seed,
+          const std::vector<Eigen::Vector3d>& keep_clear) {
   vary_lamps(day.light, seed);
   vary_sensor(day.light, seed);
   vary_gates(day.world, seed);
@@ -121,4 +122,4 @@ Stored varied_recording(std::uint64_t seed) {
   return stream.uniform() < 0.5 ? Stored::kJpeg : Stored::kMjpegLow;
 }
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

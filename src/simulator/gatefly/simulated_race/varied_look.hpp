@@ -7,7 +7,7 @@
 #include "gatefly/sim/camera.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::tasks {
+namespace gatefly::simulated_race {
 
 /// How a day's pictures are stored.
 enum class Stored { kJpeg, kMjpegLow };
@@ -20,9 +20,10 @@ enum class Stored { kJpeg, kMjpegLow };
 /// labels say follows: they are computed from the same `day`.
 /// @param day   changed; its flight is over, as things now stand elsewhere.
 /// @param keep_clear  where the camera will be: clutter keeps 0.7 m off.
-void vary(sim::SimConfig& day, std::uint64_t seed, const std::vector<Eigen::Vector3d>& keep_clear);
+void vary(world::SimConfig& day, std::uint64_t seed,
+          const std::vector<Eigen::Vector3d>& keep_clear);
 
 /// How that day's pictures are recorded: each in half of the days.
 [[nodiscard]] Stored varied_recording(std::uint64_t seed);
 
-}  // namespace gatefly::tasks
+}  // namespace gatefly::simulated_race

@@ -29,7 +29,7 @@ using nlohmann::ordered_json;
 
 constexpr double kLeastFlight = 3.0;  // to be scored [s]
 
-std::string degrees(double value) { return io::text_of(value, 3) + "°"; }
+std::string degrees(double value) { return files::text_of(value, 3) + "°"; }
 
 struct Turns {
   AttitudeErrors ours, mahony;  ///< Errors of roll while turning.
@@ -64,13 +64,13 @@ struct Report {
   Result result{.table = {},
                 .json = {},
                 .csv = "kind,name,ours_rms_deg,mahony_rms_deg,authors_rms_deg,ours_claimed_deg\n",
-                .picture = io::Canvas(1, 1)};
-  std::vector<io::Plot> plots;
+                .picture = drawing::Canvas(1, 1)};
+  std::vector<drawing::Plot> plots;
 
   void row(const std::string& kind, const std::string& name, double ours, double mahony,
            const std::string& authors, const std::string& claimed) {
-    result.csv += kind + "," + name + "," + io::text_of(ours, 4) + "," + io::text_of(mahony, 4) +
-                  "," + authors + "," + claimed + "\n";
+    result.csv += kind + "," + name + "," + files::text_of(ours, 4) + "," +
+                  files::text_of(mahony, 4) + "," + authors + "," + claimed + "\n";
     result.table.push_back({name, "",
                             degrees(ours) + " (Mahony " + degrees(mahony) +
                                 (authors.empty() ? "" : ", autopilot " + authors + "°") + ")"});
@@ -94,7 +94,7 @@ void add_held(Report& report, const fs::path& folder, const Options& options) {
                                   {"claimed_rms_deg", c.ours.claimed_deg()},
                                   {"within_95", static_cast<double>(c.ours.within) / c.ours.n}};
     report.row("broad", file.stem().string(), c.ours.rms_deg(), c.mahony.rms_deg(), "",
-               io::text_of(c.ours.claimed_deg(), 4));
+               files::text_of(c.ours.claimed_deg(), 4));
     report.plots.push_back(c.trace.plot);
   }
 }
@@ -115,7 +115,7 @@ void add_turns(Report& report, const Options& options) {
                   {"mahony_max_deg", t.mahony.most / kDegree},
                   {"claimed_deg", claimed}};
     report.row("turns", "roll, " + name + " of 180°, " + std::to_string(seeds) + " seeds",
-               t.ours.rms_deg(), t.mahony.rms_deg(), "", io::text_of(claimed, 4));
+               t.ours.rms_deg(), t.mahony.rms_deg(), "", files::text_of(claimed, 4));
     report.result.table.push_back(
         {"  at most", "",
          degrees(t.ours.most / kDegree) + " (Mahony " + degrees(t.mahony.most / kDegree) + ")"});
@@ -132,19 +132,21 @@ void add_flights(Report& report, const fs::path& folder, const Options& options)
     throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::sort(flights.begin(), flights.end());
   auto& json = report.result.json["flights"] = ordered_json::object();
-  io::Plot plot{.title = "Real flights: roll and pitch, RMS",
-                .x_label = "number of the flight",
-                .y_label = "difference to motion capture [°]"};
-  plot.series = {
-      {.name = "Mahony, Kp 0.5", .color = io::kLight.gate_solid, .line = false},
-      {.name = "ours, as flown", .line = false},
-      {.name = "the Bebop's autopilot", .color = io::kLight.flown, .line = false, .rings = true}};
+  drawing::Plot plot{.title = "Real flights: roll and pitch, RMS",
+                     .x_label = "number of the flight",
+                     .y_label = "difference to motion capture [°]"};
+  plot.series = {{.name = "Mahony, Kp 0.5", .color = drawing::kLight.gate_solid, .line = false},
+                 {.name = "ours, as flown", .line = false},
+                 {.name = "the Bebop's autopilot",
+                  .color = drawing::kLight.flown,
+                  .line = false,
+                  .rings = true}};
   for (std::size_t i = 0; i < flights.size(); ++i) {
     if (options.stopped()) throw Stopped{};
     const std::string name = flights[i].filename().string();
     options.progress(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(flights.size()),
                      name);
-    const io::FlightFolder flight = io::read_flight_folder(flights[i]);
+    const flight_log::FlightFolder flight = flight_log::read_flight_folder(flights[i]);
     const auto fit = identification::fit_drag(flight);
     if (!fit) continue;
     const FlownAttitude f = flown_attitude(name, flight, fit->heading_offset);
@@ -158,7 +160,7 @@ void add_flights(Report& report, const fs::path& folder, const Options& options)
                   {"autopilot", told(f.authors)},
                   {"reference_sigma_deg", f.reference_sigma_deg}};
     report.row("flight", name, f.ours.rms_deg(), f.mahony.rms_deg(),
-               io::text_of(f.authors.rms_deg(), 3), "");
+               files::text_of(f.authors.rms_deg(), 3), "");
     const double number = std::stod("0" + name.substr(std::string("flight_").size()));
     plot.series[0].points.emplace_back(number, f.mahony.rms_deg()),
         plot.series[1].points.emplace_back(number, f.ours.rms_deg());
@@ -177,7 +179,7 @@ Result ahrs_real(const Options& options) {
   add_held(report, held_folder, options);
   add_turns(report, options);
   add_flights(report, flights, options);
-  report.result.picture = io::draw_sheet(report.plots, 2);
+  report.result.picture = drawing::draw_sheet(report.plots, 2);
   return std::move(report.result);
 }
 

@@ -41,13 +41,13 @@ std::vector<Sighted> moments_of(const LabelledSet& set) {
   for (std::size_t s = 0; s < kSequences.size(); ++s) {
     std::size_t place = 0;
     for (std::size_t i = 0; i < set.size(); ++i) {
-      const io::LabelledPicture& picture = set.labels.pictures[i];
+      const files::LabelledPicture& picture = set.labels.pictures[i];
       const int number = number_of(picture.image);
       if (number < kSequences[s].first || number > kSequences[s].last || place == kLongest)
         continue;
       const double distance = picture.gates.empty()
                                   ? std::nan("")
-                                  : distance_from_area(io::polygon_area(picture.gates.front()));
+                                  : distance_from_area(files::polygon_area(picture.gates.front()));
       moments.push_back(
           {.sequence = s, .place = place++, .picture = i, .distance = distance, .shown = {}});
     }
@@ -55,8 +55,8 @@ std::vector<Sighted> moments_of(const LabelledSet& set) {
   return moments;
 }
 
-bool hit(const io::PictureToScore& picture) {
-  return io::score({&picture, 1}, io::Rule::kOverlap70Authors).hits > 0;
+bool hit(const files::PictureToScore& picture) {
+  return files::score({&picture, 1}, files::Rule::kOverlap70Authors).hits > 0;
 }
 
 void look(const LabelledSet& set, std::vector<Sighted>& moments, int repeats,
@@ -65,7 +65,7 @@ void look(const LabelledSet& set, std::vector<Sighted>& moments, int repeats,
     if (options.stopped()) throw Stopped{};
     const auto pictures = run_paper(set, {}, repeat);
     for (Sighted& moment : moments) {
-      const io::PictureToScore& picture = pictures[moment.picture];
+      const files::PictureToScore& picture = pictures[moment.picture];
       moment.paper_hits += hit(picture);
       if (repeat == 0) moment.shown = picture.detections, moment.shown_hit = hit(picture);
     }
@@ -73,7 +73,7 @@ void look(const LabelledSet& set, std::vector<Sighted>& moments, int repeats,
   in_parallel(moments.size(), [&](std::size_t i) {
     Rng rng{i};
     const auto gate = detect_as_flown(set.picture(moments[i].picture), {}, rng);
-    io::PictureToScore picture{
+    files::PictureToScore picture{
         .gates = set.labels.pictures[moments[i].picture].gates, .ignored = {}, .detections = {}};
     if (gate) picture.detections.push_back(gate->corners_px);
     moments[i].flown_hit = hit(picture);
@@ -81,36 +81,38 @@ void look(const LabelledSet& set, std::vector<Sighted>& moments, int repeats,
 }
 
 /// A row for each sequence, from far to near: pictures, labels thin, candidates thick.
-io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Sighted>& moments) {
+drawing::Canvas contact_sheet(const LabelledSet& set, const std::vector<Sighted>& moments) {
   constexpr int kGap = 10, kCaption = 40, kTop = 84;
   const int width = set.picture(moments.front().picture).width(),
             height = set.picture(moments.front().picture).height();
-  io::Canvas sheet(static_cast<int>(kLongest) * (width + kGap) + kGap,
-                   kTop + static_cast<int>(kSequences.size()) * (height + kCaption + kGap));
+  drawing::Canvas sheet(static_cast<int>(kLongest) * (width + kGap) + kGap,
+                        kTop + static_cast<int>(kSequences.size()) * (height + kCaption + kGap));
   sheet.text({kGap, 54.0},
              "The paper's detector while a gate is approached: label (dashed), found (cyan), found "
              "but no gate (pink)",
              {.size = 36.0, .bold = true});
   for (const Sighted& moment : moments) {
-    const io::Box tile{
+    const drawing::Box tile{
         .x = kGap + static_cast<double>(moment.place) * (width + kGap),
         .y = kTop + static_cast<double>(moment.sequence) * (height + kCaption + kGap),
         .width = static_cast<double>(width),
         .height = static_cast<double>(height)};
-    const io::LabelledPicture& labelled = set.labels.pictures[moment.picture];
+    const files::LabelledPicture& labelled = set.labels.pictures[moment.picture];
     sheet.clip(tile);
     sheet.image(set.picture(moment.picture), {tile.x, tile.y}, 1.0);
     const Eigen::Vector2d offset{tile.x + 0.5, tile.y + 0.5};
     for (const Quad& gate : labelled.gates) {
       const Quad at{offset + gate[0], offset + gate[1], offset + gate[2], offset + gate[3]};
-      sheet.outline(at, {.color = io::kDark.ink, .width = 1.0, .dash = 3.0});
+      sheet.outline(at, {.color = drawing::kDark.ink, .width = 1.0, .dash = 3.0});
     }
     for (const Quad& quad : moment.shown) {
-      const bool is_gate = std::any_of(
-          labelled.gates.begin(), labelled.gates.end(),
-          [&](const Quad& gate) { return io::matches(quad, gate, io::Rule::kOverlap70Authors); });
-      io::draw_detection(sheet, {quad, 1.0}, {tile.x, tile.y}, 1.0,
-                         {.color = is_gate ? io::kDark.found : io::kDark.estimate, .width = 1.6});
+      const bool is_gate =
+          std::any_of(labelled.gates.begin(), labelled.gates.end(), [&](const Quad& gate) {
+            return files::matches(quad, gate, files::Rule::kOverlap70Authors);
+          });
+      drawing::draw_detection(
+          sheet, {quad, 1.0}, {tile.x, tile.y}, 1.0,
+          {.color = is_gate ? drawing::kDark.found : drawing::kDark.estimate, .width = 1.6});
     }
     sheet.unclip();
     sheet.text(
@@ -118,7 +120,7 @@ io::Canvas contact_sheet(const LabelledSet& set, const std::vector<Sighted>& mom
         labelled.image + "  " +
             (std::isfinite(moment.distance) ? fixed(moment.distance, 1) + " m" : "no label") +
             (moment.shown_hit ? "  found" : ""),
-        {.color = moment.shown_hit ? io::kLight.found : io::kLight.muted, .size = 24.0});
+        {.color = moment.shown_hit ? drawing::kLight.found : drawing::kLight.muted, .size = 24.0});
   }
   return sheet;
 }
@@ -142,7 +144,7 @@ Result approach_sequence(const Options& options) {
   for (const Sighted& moment : moments) {
     const std::string& image = set.labels.pictures[moment.picture].image;
     result.csv += image + "," +
-                  (std::isfinite(moment.distance) ? io::text_of(moment.distance, 4) : "") + "," +
+                  (std::isfinite(moment.distance) ? files::text_of(moment.distance, 4) : "") + "," +
                   std::to_string(moment.paper_hits) + "," + std::to_string(repeats) + "," +
                   (moment.flown_hit ? "1" : "0") + "\n";
     list.push_back(

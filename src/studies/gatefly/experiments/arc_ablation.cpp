@@ -16,7 +16,7 @@ constexpr double kWind = 0.2;    // [m/s]
 constexpr double kFaster = 1.5;  // rotors; the loop's gains below accordingly
 
 using Settings = std::vector<std::string>;
-using Change = std::function<void(sim::SimConfig&)>;
+using Change = std::function<void(world::SimConfig&)>;
 
 /// Something that is put right, or made wrong.
 struct Step {
@@ -32,14 +32,14 @@ struct TrueDrag {
 };
 TrueDrag true_drag() {
   constexpr double kSpeed = 1.6;
-  const sim::VehicleTruth vehicle;
+  const world::VehicleTruth vehicle;
   const auto text = [&](int axis) {
-    return io::text_of(vehicle.rotor_drag[axis] - kSpeed * vehicle.body_drag, 4);
+    return files::text_of(vehicle.rotor_drag[axis] - kSpeed * vehicle.body_drag, 4);
   };
   return {text(0), text(1), text(2)};
 }
 
-void without_errors(sim::SensorTruth& sensors) {
+void without_errors(world::SensorTruth& sensors) {
   sensors.accel_bias.setZero(), sensors.gyro_bias.setZero();
   sensors.noise_scale = 0.0;
 }
@@ -49,7 +49,7 @@ std::vector<Step> put_right() {
   return {
       {"sensors without bias and noise",
        {},
-       [](sim::SimConfig& sim) { without_errors(sim.sensors); }},
+       [](world::SimConfig& sim) { without_errors(sim.sensors); }},
       {"and the filter's drag", {"filter.drag_per_s=[" + k.x + "," + k.y + "]"}, {}},
       {"and the speed on entry", {"control.entry_speed_drag_per_s=" + k.x}, {}},
       {"and the arc's drag", {"control.arc_drag_per_s=[" + k.x + "," + k.y + "," + k.z + "]"}, {}},
@@ -60,18 +60,18 @@ std::vector<Step> made_wrong() {
   return {
       {"an accelerometer that reads 0.1 m/s² too much ahead",
        {},
-       [](sim::SimConfig& sim) { sim.sensors.flight_bias.x() = kBias; }},
+       [](world::SimConfig& sim) { sim.sensors.flight_bias.x() = kBias; }},
       {"... 0.1 m/s² too much to the right, the turn's inside",
        {},
-       [](sim::SimConfig& sim) { sim.sensors.flight_bias.y() = kBias; }},
-      {"10 % less drag", {}, [](sim::SimConfig& sim) { sim.vehicle.rotor_drag *= kLess; }},
+       [](world::SimConfig& sim) { sim.sensors.flight_bias.y() = kBias; }},
+      {"10 % less drag", {}, [](world::SimConfig& sim) { sim.vehicle.rotor_drag *= kLess; }},
       {"0.2 m/s of wind along the lanes",
        {},
-       [](sim::SimConfig& sim) { sim.wind.mean.x() = kWind; }},
+       [](world::SimConfig& sim) { sim.wind.mean.x() = kWind; }},
       {"attitude loop and rotors 1.5 times as fast",
        {"control.attitude_gain_per_s2=450", "control.yaw_attitude_gain_per_s2=450",
         "control.rate_gain_per_s=42", "control.yaw_rate_gain_per_s=42"},
-       [](sim::SimConfig& sim) { sim.vehicle.rotor_time_constant /= kFaster; }},
+       [](world::SimConfig& sim) { sim.vehicle.rotor_time_constant /= kFaster; }},
   };
 }
 
@@ -89,7 +89,7 @@ void report_ablation(const std::vector<BlindArc>& as_flown, const ArcFlightCount
     return simulated_arcs({.level = "none",
                            .settings = all,
                            .change =
-                               [each](sim::SimConfig& sim) {
+                               [each](world::SimConfig& sim) {
                                  for (const Change& change : each) change(sim);
                                },
                            .flights = count.flights,

@@ -162,10 +162,10 @@ void report_inside(const std::string& name, const SimulatedArcs& flown, const Pa
 std::string detail_of(const BlindArc& arc) {
   if (!arc.detail) return ",,,,,,,,,,";
   const SimulatedDetail& d = *arc.detail;
-  std::string cells = "," + io::text_of(d.predicted_speed, 5);
+  std::string cells = "," + files::text_of(d.predicted_speed, 5);
   for (const Eigen::Vector2d& p : {d.entry_at_gate, d.exit_at_gate, d.error_before, d.error_after})
-    for (const double v : p) cells += std::isfinite(v) ? "," + io::text_of(v, 5) : ",";
-  return cells + (std::isfinite(d.blind) ? "," + io::text_of(d.blind, 4) : ",");
+    for (const double v : p) cells += std::isfinite(v) ? "," + files::text_of(v, 5) : ",";
+  return cells + (std::isfinite(d.blind) ? "," + files::text_of(d.blind, 4) : ",");
 }
 
 std::string csv_of(const std::vector<ArcSource>& sources) {
@@ -180,9 +180,9 @@ std::string csv_of(const std::vector<ArcSource>& sources) {
       csv += source.name + "," + arc.flight + "," + (arc.right ? "right" : "left");
       for (const double v : {wrap_angle(arc.heading) / kDegree, arc.begin,
                              arc.entry_slip() / kDegree, arc.mean_climb})
-        csv += "," + io::text_of(v, 6);
+        csv += "," + files::text_of(v, 6);
       for (const ArcQuantity& quantity : arc_quantities())
-        csv += "," + io::text_of(quantity.of(arc), 5);
+        csv += "," + files::text_of(quantity.of(arc), 5);
       csv += detail_of(arc) + "\n";
     }
   return csv;
@@ -204,13 +204,13 @@ Result arc_accuracy(const Options& options) {
   };
   const SimulatedArcs none = flown("none"), race = flown("race");
   const std::vector<ArcSource> sources{
-      {.name = "recorded", .color = io::kLight.found, .arcs = takes.arcs(), .told = {}},
-      {.name = "simulated none", .color = io::kLight.flown, .arcs = none.arcs, .told = {}},
-      {.name = "simulated race", .color = io::kLight.estimate, .arcs = race.arcs, .told = {}}};
+      {.name = "recorded", .color = drawing::kLight.found, .arcs = takes.arcs(), .told = {}},
+      {.name = "simulated none", .color = drawing::kLight.flown, .arcs = none.arcs, .told = {}},
+      {.name = "simulated race", .color = drawing::kLight.estimate, .arcs = race.arcs, .told = {}}};
   std::vector<ArcSource> drawn{sources.rbegin(), sources.rend()};  // the few above the many
   drawn.push_back(
       {.name = "paper (17 arcs: mean and σ)",
-       .color = io::kLight.gate_solid,
+       .color = drawing::kLight.gate_solid,
        .arcs = {},
        .told = Spread2{
            .count = paper.count, .mean = paper.mean, .covariance = paper.variance.asDiagonal()}});

@@ -14,8 +14,8 @@
 namespace gatefly::experiments {
 namespace {
 
-using io::Box;
-using io::Canvas;
+using drawing::Box;
+using drawing::Canvas;
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -46,19 +46,21 @@ class View {
                                                   {box_.right(), box_.y},
                                                   {box_.right(), box_.bottom()},
                                                   {box_.x, box_.bottom()}},
-                   {.color = io::kLight.rule, .width = 1.0});
-    const io::Stroke grid{.color = io::kLight.grid, .width = 1.0};
-    for (const double y : io::ticks(low(1), high(1), count)) {
+                   {.color = drawing::kLight.rule, .width = 1.0});
+    const drawing::Stroke grid{.color = drawing::kLight.grid, .width = 1.0};
+    for (const double y : drawing::ticks(low(1), high(1), count)) {
       const double u = place({0.0, y}).x();
       canvas.line({u, box_.y}, {u, box_.bottom()}, grid);
-      canvas.text({u, box_.bottom() + letters + 4.0}, io::text_of(y, 3),
-                  {.color = io::kLight.muted, .size = letters, .align = io::Align::kCenter});
+      canvas.text(
+          {u, box_.bottom() + letters + 4.0}, files::text_of(y, 3),
+          {.color = drawing::kLight.muted, .size = letters, .align = drawing::Align::kCenter});
     }
-    for (const double x : io::ticks(low(0), high(0), count)) {
+    for (const double x : drawing::ticks(low(0), high(0), count)) {
       const double v = place({x, 0.0}).y();
       canvas.line({box_.x, v}, {box_.right(), v}, grid);
-      canvas.text({box_.x - 6.0, v + 0.35 * letters}, io::text_of(x, 3),
-                  {.color = io::kLight.muted, .size = letters, .align = io::Align::kRight});
+      canvas.text(
+          {box_.x - 6.0, v + 0.35 * letters}, files::text_of(x, 3),
+          {.color = drawing::kLight.muted, .size = letters, .align = drawing::Align::kRight});
     }
   }
 
@@ -100,7 +102,8 @@ Points ellipse(const Spread2& spread) {
   return points;
 }
 
-void draw_cross(Canvas& canvas, const Eigen::Vector2d& at, double half, const io::Stroke& stroke) {
+void draw_cross(Canvas& canvas, const Eigen::Vector2d& at, double half,
+                const drawing::Stroke& stroke) {
   canvas.line({at.x() - half, at.y()}, {at.x() + half, at.y()}, stroke);
   canvas.line({at.x(), at.y() - half}, {at.x(), at.y() + half}, stroke);
 }
@@ -109,7 +112,7 @@ void draw_ends(Canvas& canvas, const View& view, const std::vector<ArcSource>& s
                const PlannedArc& planned) {
   canvas.clip(view.box());
   canvas.polyline(view.place(planned_path(planned)),
-                  {.color = io::kLight.muted, .width = 1.5, .dash = 6.0});
+                  {.color = drawing::kLight.muted, .width = 1.5, .dash = 6.0});
   for (const ArcSource& source : sources)
     for (const BlindArc& arc : source.arcs)
       canvas.disc(view.place(arc.displacement()), source.arcs.size() > 30 ? 2.5 : 4.0,
@@ -121,7 +124,7 @@ void draw_ends(Canvas& canvas, const View& view, const std::vector<ArcSource>& s
     draw_cross(canvas, view.place(spread.mean), 7.0, {.color = source.color, .width = 2.0});
   }
   draw_cross(canvas, view.place({0.0, 2.0 * planned.radius}), 11.0,
-             {.color = io::kLight.ink, .width = 2.0});
+             {.color = drawing::kLight.ink, .width = 2.0});
   canvas.unclip();
 }
 
@@ -134,15 +137,15 @@ void draw_paths(Canvas& canvas, const View& view, const std::vector<ArcSource>& 
           view.place(path_of(arc)),
           {.color = source.color.faded(source.arcs.size() > 30 ? 0.25 : 0.8), .width = 1.2});
   canvas.polyline(view.place(planned_path(planned)),
-                  {.color = io::kLight.ink, .width = 1.5, .dash = 6.0});
-  canvas.disc(view.place({0.0, 0.0}), 4.0, io::kLight.ink);
+                  {.color = drawing::kLight.ink, .width = 1.5, .dash = 6.0});
+  canvas.disc(view.place({0.0, 0.0}), 4.0, drawing::kLight.ink);
   canvas.unclip();
 }
 
 /// From each error of the estimate when the gate is seen again to that half a second later.
 void draw_jumps(Canvas& canvas, const View& view, const std::vector<ArcSource>& sources) {
   canvas.clip(view.box());
-  draw_cross(canvas, view.place({0.0, 0.0}), 11.0, {.color = io::kLight.ink, .width = 2.0});
+  draw_cross(canvas, view.place({0.0, 0.0}), 11.0, {.color = drawing::kLight.ink, .width = 2.0});
   for (const ArcSource& source : sources)
     for (const BlindArc& arc : source.arcs) {
       if (!arc.detail) continue;
@@ -155,25 +158,25 @@ void draw_jumps(Canvas& canvas, const View& view, const std::vector<ArcSource>& 
   canvas.unclip();
 }
 
-void draw_one(Canvas& canvas, const View& view, const BlindArc& arc, const io::Color& color,
+void draw_one(Canvas& canvas, const View& view, const BlindArc& arc, const drawing::Color& color,
               const PlannedArc& planned) {
   constexpr double kLetters = 14.0;
   view.draw_grid(canvas, 4, 13.0);
   canvas.clip(view.box());
   canvas.polyline(view.place(planned_path(planned)),
-                  {.color = io::kLight.muted, .width = 1.3, .dash = 5.0});
+                  {.color = drawing::kLight.muted, .width = 1.3, .dash = 5.0});
   canvas.polyline(view.place(path_of(arc)), {.color = color, .width = 1.8});
-  canvas.disc(view.place({0.0, 0.0}), 4.0, io::kLight.flown);
-  canvas.disc(view.place(arc.displacement()), 4.0, io::kLight.gate_solid);
+  canvas.disc(view.place({0.0, 0.0}), 4.0, drawing::kLight.flown);
+  canvas.disc(view.place(arc.displacement()), 4.0, drawing::kLight.gate_solid);
   canvas.unclip();
   const Eigen::Vector2d d = arc.displacement();
   const Box& box = view.box();
   canvas.text({box.x, box.y - 25.0}, arc.flight, {.size = kLetters, .bold = true});
   canvas.text({box.x, box.y - 7.0},
-              "(" + io::fixed(d.x(), 2) + ", " + io::fixed(d.y(), 2) + ") m, " +
-                  io::fixed(arc.duration(), 2) + " s, " + io::fixed(arc.entry_speed(), 2) + " to " +
-                  io::fixed(arc.exit_speed(), 2) + " m/s",
-              {.color = io::kLight.muted, .size = kLetters});
+              "(" + files::fixed(d.x(), 2) + ", " + files::fixed(d.y(), 2) + ") m, " +
+                  files::fixed(arc.duration(), 2) + " s, " + files::fixed(arc.entry_speed(), 2) +
+                  " to " + files::fixed(arc.exit_speed(), 2) + " m/s",
+              {.color = drawing::kLight.muted, .size = kLetters});
 }
 
 /// Extent that a panel must show.
@@ -188,7 +191,7 @@ struct Frame {
 void draw_legend(Canvas& canvas, Eigen::Vector2d at, const std::vector<ArcSource>& sources) {
   for (const ArcSource& source : sources) {
     canvas.disc({at.x() + 6.0, at.y() - 4.5}, 4.0, source.color);
-    const io::Lettering letters{.size = 16.0};
+    const drawing::Lettering letters{.size = 16.0};
     canvas.text({at.x() + 18.0, at.y()}, source.name, letters);
     at.x() += 18.0 + canvas.text_width(source.name, letters) + 26.0;
   }
@@ -203,9 +206,9 @@ Spread2 ArcSource::displacement() const {
   return spread_of(points);
 }
 
-io::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& each,
-                      const PlannedArc& planned) {
-  constexpr int kWidth = io::kPlotWidth, kTop = 500, kColumns = 3, kTileHeight = 260;
+drawing::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& each,
+                           const PlannedArc& planned) {
+  constexpr int kWidth = drawing::kPlotWidth, kTop = 500, kColumns = 3, kTileHeight = 260;
   const int rows = (static_cast<int>(each.arcs.size()) + kColumns - 1) / kColumns;
   Canvas canvas(kWidth, kTop + std::max(1, rows) * kTileHeight + 20);
   canvas.text({60.0, 40.0}, "Blind half circles, seen from the entry: x ahead, y to the inside",
@@ -233,7 +236,7 @@ io::Canvas picture_of(const std::vector<ArcSource>& sources, const ArcSource& ea
     view.draw_grid(canvas, 6, 14.0);
     canvas.text({box.x, box.y - 12.0}, title, {.size = 14.0});
     canvas.text({box.x + 0.5 * box.width, box.bottom() + 40.0}, "y [m]",
-                {.size = 14.0, .align = io::Align::kCenter});
+                {.size = 14.0, .align = drawing::Align::kCenter});
     return view;
   };
   draw_ends(canvas, panel(60.0, ends, "x [m]: ends, 1 σ about means; black: planned"), sources,

@@ -55,19 +55,19 @@ Spread2 ends_of(const std::vector<BlindArc>& arcs) {
 }
 
 std::string text_of(const Spread1& spread) {
-  return io::fixed(spread.mean, 2) + " ± " + io::fixed(spread.deviation, 2);
+  return files::fixed(spread.mean, 2) + " ± " + files::fixed(spread.deviation, 2);
 }
 
 std::string text_of(const Eigen::Vector2d& p) {
-  return "(" + io::fixed(p.x(), 2) + ", " + io::fixed(p.y(), 2) + ")";
+  return "(" + files::fixed(p.x(), 2) + ", " + files::fixed(p.y(), 2) + ")";
 }
 
 nlohmann::ordered_json json_of(const Spread1& spread) {
-  return {{"mean", io::number(spread.mean)}, {"std", io::number(spread.deviation)}};
+  return {{"mean", files::number(spread.mean)}, {"std", files::number(spread.deviation)}};
 }
 
 nlohmann::ordered_json json_of(const Eigen::Vector2d& p) {
-  return {io::number(p.x()), io::number(p.y())};
+  return {files::number(p.x()), files::number(p.y())};
 }
 
 std::string parts_text(const std::vector<BlindArc>& arcs, int axis) {
@@ -78,7 +78,7 @@ std::string parts_text(const std::vector<BlindArc>& arcs, int axis) {
   std::string text;
   for (const Eigen::Vector2d& part : {sum.early_end, sum.late_nose, sum.speed, sum.slip})
     text +=
-        (text.empty() ? "" : ", ") + io::fixed(part[axis] / static_cast<double>(arcs.size()), 2);
+        (text.empty() ? "" : ", ") + files::fixed(part[axis] / static_cast<double>(arcs.size()), 2);
   return text;
 }
 

@@ -57,7 +57,7 @@ struct AttitudeTrace {
       : plot{.title = std::move(title),
              .x_label = "time [s]",
              .y_label = std::move(y),
-             .series = {{.name = "Mahony, Kp 0.5", .color = io::kLight.gate_solid},
+             .series = {{.name = "Mahony, Kp 0.5", .color = drawing::kLight.gate_solid},
                         {.name = "ours, as flown"}},
              .y_from_0 = false} {}
 
@@ -68,7 +68,7 @@ struct AttitudeTrace {
         plot.series[1].points.emplace_back(t, ours / kDegree);
   }
 
-  io::Plot plot;
+  drawing::Plot plot;
   double next = -1.0;
 };
 

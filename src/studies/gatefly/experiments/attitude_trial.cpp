@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/drawn.hpp"
 #include "gatefly/sim/sensors.hpp"
 
 namespace gatefly::experiments {
@@ -66,7 +66,7 @@ Attitude attitude_for(const Pace& pace, double yaw, const Eigen::Vector3d& drag)
 }  // namespace
 
 std::vector<Moment> coordinated_turns(const TurnCourse& course, std::uint64_t seed) {
-  const sim::SimConfig world = sim::drawn({}, sim::randomize_level(course.level), seed);
+  const world::SimConfig world = sim::drawn({}, world::randomize_level(course.level), seed);
   const Eigen::Vector3d drag{world.vehicle.rotor_drag.x(), world.vehicle.rotor_drag.y(), 0.0};
   sim::ImuModel sensor(world.sensors, seed);
   const Course c(course);

@@ -63,8 +63,8 @@ struct Blind {
 /// @param heading_offset  of the log's heading, which filters are told with an altitude, blind ones too;
 ///     nullopt: they are told neither.
 template <class Filter>
-Errors flown(const io::FlightFolder& flight, std::optional<double> heading_offset, Filter filter,
-             bool* fine) {
+Errors flown(const flight_log::FlightFolder& flight, std::optional<double> heading_offset,
+             Filter filter, bool* fine) {
   const auto rows = identification::airborne(flight);
   Errors errors;
   *fine = true;
@@ -75,7 +75,7 @@ Errors flown(const io::FlightFolder& flight, std::optional<double> heading_offse
   std::vector<Blind<Filter>> blind;
   double next_fix = kRest, next_blind = from, before = 0.0;
   for (std::size_t i = 0; i < rows.last; ++i) {
-    const io::FlightSample& s = flight.samples[i];
+    const flight_log::FlightSample& s = flight.samples[i];
     const double t = seconds(s.time);
     FilterTick tick{.imu = s.imu, .t = t, .dt = t - before};
     before = t;
@@ -100,14 +100,15 @@ Errors flown(const io::FlightFolder& flight, std::optional<double> heading_offse
 
 struct BlindFlight {
   std::string name;
-  io::FlightFolder folder;
+  flight_log::FlightFolder folder;
 };
 
 std::vector<BlindFlight> flights_in(const fs::path& folder) {
   std::vector<BlindFlight> flights;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_directory() && entry.path().filename().string().starts_with("flight_"))
-      flights.push_back({entry.path().filename().string(), io::read_flight_folder(entry.path())});
+      flights.push_back(
+          {entry.path().filename().string(), flight_log::read_flight_folder(entry.path())});
   if (flights.empty())
     throw std::runtime_error(folder.string() + ": there is no folder flight_* in it");
   std::sort(flights.begin(), flights.end(),
@@ -120,9 +121,9 @@ struct Rest {
   Attitude attitude;
   Eigen::Vector3d p_EB = Eigen::Vector3d::Zero();
 };
-Rest rest_of(const io::FlightFolder& flight, double heading_offset) {
+Rest rest_of(const flight_log::FlightFolder& flight, double heading_offset) {
   Rest rest;
-  for (const io::FlightSample& s : flight.samples) {
+  for (const flight_log::FlightSample& s : flight.samples) {
     if (seconds(s.time) >= kRest) break;
     if (s.true_p_EB) rest.p_EB = *s.true_p_EB;
     if (s.ahrs) rest.attitude = *s.ahrs;
@@ -132,7 +133,7 @@ Rest rest_of(const io::FlightFolder& flight, double heading_offset) {
 }
 
 // The estimation that flies, after its rest, with what other flights taught of drag and bias.
-Navigator rested(const io::FlightFolder& flight, const Rest& rest, const DragFit& others,
+Navigator rested(const flight_log::FlightFolder& flight, const Rest& rest, const DragFit& others,
                  const Eigen::Vector3d& bias, const Eigen::Vector3d& bias_sigma) {
   NavigatorParams params;
   params.filter.start_bias_sigma = bias_sigma;
@@ -140,7 +141,7 @@ Navigator rested(const io::FlightFolder& flight, const Rest& rest, const DragFit
   params.filter.model.drag = others.drag;
   Navigator navigator{params};
   navigator.start(rest.p_EB, rest.attitude.yaw);
-  for (const io::FlightSample& s : flight.samples) {
+  for (const flight_log::FlightSample& s : flight.samples) {
     if (seconds(s.time) >= kRest) break;
     navigator.rest(s.imu, seconds(s.time));
   }
@@ -182,8 +183,8 @@ struct Outcome {
 
 /// Both filters start from the rest of this flight and the log's heading as it is, and are told
 /// positions before the gap, nothing in it. Of the other flights: drag.
-void fly_untold(const io::FlightFolder& flight, const Navigator& navigator, const DragFit& others,
-                Outcome& outcome, bool* fine) {
+void fly_untold(const flight_log::FlightFolder& flight, const Navigator& navigator,
+                const DragFit& others, Outcome& outcome, bool* fine) {
   const Rest rest = rest_of(flight, 0.0);
   const Ahrs& ahrs = navigator.ahrs();
   bool wind_fine = true, imu_fine = true;
@@ -197,7 +198,7 @@ void fly_untold(const io::FlightFolder& flight, const Navigator& navigator, cons
   *fine = *fine && wind_fine && imu_fine;
 }
 
-Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
+Outcome outcome_of(const flight_log::FlightFolder& flight, const DragFit& others) {
   Outcome outcome;
   outcome.heading_offset = identification::fit_heading(flight, others);
   const Rest rest = rest_of(flight, outcome.heading_offset);
@@ -219,7 +220,7 @@ Outcome outcome_of(const io::FlightFolder& flight, const DragFit& others) {
 }
 
 std::string metres(double value) {
-  return std::isfinite(value) ? io::text_of(value, 3) + " m" : "-";
+  return std::isfinite(value) ? files::text_of(value, 3) + " m" : "-";
 }
 
 std::string both(const Errors& eskf, const Errors& imu15) {
@@ -271,7 +272,7 @@ Result blind_real(const Options& options) {
   Result result{.table = {},
                 .json = {},
                 .csv = "flight,windows,heading_offset_deg,drag_rms_2s_m,imu15_rms_2s_m\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   Errors drag, imu15;
   Untold untold;
   auto per_drag = nlohmann::ordered_json::object(), per_imu15 = nlohmann::ordered_json::object(),
@@ -295,10 +296,11 @@ Result blind_real(const Options& options) {
     per_drag[flights[i].name] = outcome.drag.rms(kTwoSeconds),
     per_imu15[flights[i].name] = outcome.imu15.rms(kTwoSeconds);
     offsets[flights[i].name] = offset;
-    result.csv += flights[i].name + "," + std::to_string(windows) + "," + io::text_of(offset, 4) +
-                  "," + io::text_of(outcome.drag.rms(kTwoSeconds), 4) + "," +
-                  io::text_of(outcome.imu15.rms(kTwoSeconds), 4) + "\n";
-    result.table.push_back({flights[i].name + ", heading " + io::text_of(offset, 3) + "°, " +
+    result.csv += flights[i].name + "," + std::to_string(windows) + "," +
+                  files::text_of(offset, 4) + "," +
+                  files::text_of(outcome.drag.rms(kTwoSeconds), 4) + "," +
+                  files::text_of(outcome.imu15.rms(kTwoSeconds), 4) + "\n";
+    result.table.push_back({flights[i].name + ", heading " + files::text_of(offset, 3) + "°, " +
                                 std::to_string(windows) + " windows",
                             "",
                             metres(outcome.drag.rms(kTwoSeconds)) + " (imu15 " +
@@ -314,11 +316,11 @@ Result blind_real(const Options& options) {
       {"the same without flight_05", "", both(untold.wind_without_05, untold.imu15_without_05)});
   const DragFit mean = identification::mean_of(fits);
   auto by_length = nlohmann::ordered_json::array();
-  io::Plot plot{.title = "Blind on real flights",
-                .x_label = "time without a fix [s]",
-                .y_label = "horizontal error, RMS [m]"};
+  drawing::Plot plot{.title = "Blind on real flights",
+                     .x_label = "time without a fix [s]",
+                     .y_label = "horizontal error, RMS [m]"};
   plot.series = {{.name = "drag filter, 7 states"},
-                 {.name = "inertial filter, 15 states", .color = io::kLight.gate_solid}};
+                 {.name = "inertial filter, 15 states", .color = drawing::kLight.gate_solid}};
   for (std::size_t k = 0; k < kLengths.size(); ++k) {
     by_length.push_back({{"blind_s", kLengths[k]},
                          {"unfitted", untold.json()},
@@ -338,7 +340,7 @@ Result blind_real(const Options& options) {
       {"without_window", without},
       {"mean_drag_1ps", {mean.drag.x(), mean.drag.y()}},
       {"fix", {{"rate_hz", 15}, {"sigma_m", kFixSigma}}}};
-  result.picture = io::draw(plot);
+  result.picture = drawing::draw(plot);
   return result;
 }
 

@@ -9,7 +9,7 @@
 namespace gatefly::experiments {
 
 /// Why a race ended: "finished", "crash: obstacle", "abort: ..."; one word for all things of a kind.
-[[nodiscard]] inline std::string cause_of(const closed_loop::RaceResult& r) {
+[[nodiscard]] inline std::string cause_of(const simulated_race::RaceResult& r) {
   if (r.stop_reason == "abort") return "abort: " + r.abort_reason;
   if (r.stop_reason != "crash") return r.stop_reason;
   // "gate 1 left bar", "obstacle 13", "east wall", "floor"
@@ -22,7 +22,7 @@ namespace gatefly::experiments {
 /// "3 crash: gate, 1 timeout" of the races that did not finish; "" when all did.
 [[nodiscard]] std::string causes_of(const auto& races) {
   std::map<std::string, int> counts;
-  for (const closed_loop::RaceResult& r : races)
+  for (const simulated_race::RaceResult& r : races)
     if (!r.finished) ++counts[cause_of(r)];
   std::string text;
   for (const auto& [cause, count] : counts)

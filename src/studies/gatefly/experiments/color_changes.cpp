@@ -149,9 +149,9 @@ UprightPicture noisy(const UprightPicture& picture, double sigma) {
 }
 
 UprightPicture through_jpeg(const UprightPicture& picture, int quality,
-                            io::ChromaSampling sampling) {
-  io::ImageFile read =
-      io::decoded_jpeg("changed picture", io::jpeg_of(picture.view(), quality, sampling));
+                            files::ChromaSampling sampling) {
+  files::ImageFile read =
+      files::decoded_jpeg("changed picture", files::jpeg_of(picture.view(), quality, sampling));
   UprightPicture changed = picture;
   changed.format = read.format;
   changed.bytes = std::move(read.bytes);

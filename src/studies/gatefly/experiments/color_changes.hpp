@@ -35,6 +35,6 @@ enum class Blurred { kAll, kLuma, kChroma };
 
 /// Stored as a JPEG and read again, as the program's reader does: Y'CbCr.
 [[nodiscard]] UprightPicture through_jpeg(const UprightPicture& picture, int quality,
-                                          io::ChromaSampling sampling);
+                                          files::ChromaSampling sampling);
 
 }  // namespace gatefly::experiments

@@ -38,65 +38,66 @@ std::string text_of(const Crossover& c) {
   return seconds(c.t) + " (" + seconds(c.low) + " to " + seconds(c.high) + ")";
 }
 
-void add_area(io::Plot& plot, const std::string& name, const Samples& samples,
-              const io::Color& color) {
-  io::PlotSeries band{.color = color.faded(0.2), .area = true},
+void add_area(drawing::Plot& plot, const std::string& name, const Samples& samples,
+              const drawing::Color& color) {
+  drawing::PlotSeries band{.color = color.faded(0.2), .area = true},
       median{.name = name, .color = color, .marks = false};
   std::vector<Eigen::Vector2d> upper;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double t = time_of(i);
-    band.points.emplace_back(t, io::nearest_rank(samples[i], 0.05));
-    upper.emplace_back(t, io::nearest_rank(samples[i], 0.95));
-    median.points.emplace_back(t, io::nearest_rank(samples[i], 0.5));
+    band.points.emplace_back(t, files::nearest_rank(samples[i], 0.05));
+    upper.emplace_back(t, files::nearest_rank(samples[i], 0.95));
+    median.points.emplace_back(t, files::nearest_rank(samples[i], 0.5));
   }
   band.points.insert(band.points.end(), upper.rbegin(), upper.rend());
   plot.series.push_back(band), plot.series.push_back(median);
 }
 
-io::Plot curves(const BothFilters& pair, const Crossover& cross) {
-  io::Plot plot{.title = "Accelerometer bias found: error of x and y",
-                .x_label = "time since the first fix [s]",
-                .y_label = "error [m/s²], median, 90 % band"};
-  add_area(plot, "15 states", pair.imu15[kBias], io::kLight.gate_solid);
-  add_area(plot, "drag filter, 7 states", pair.drag[kBias], io::kLight.found);
+drawing::Plot curves(const BothFilters& pair, const Crossover& cross) {
+  drawing::Plot plot{.title = "Accelerometer bias found: error of x and y",
+                     .x_label = "time since the first fix [s]",
+                     .y_label = "error [m/s²], median, 90 % band"};
+  add_area(plot, "15 states", pair.imu15[kBias], drawing::kLight.gate_solid);
+  add_area(plot, "drag filter, 7 states", pair.drag[kBias], drawing::kLight.found);
   if (std::isfinite(cross.t))
     plot.series.push_back({.name = "crossover at " + seconds(cross.t),
                            .points = {{cross.t, 0.0}, {cross.t, 0.5}},
-                           .color = io::kLight.ink,
+                           .color = drawing::kLight.ink,
                            .marks = false,
                            .dash = 5.0});
   return plot;
 }
 
 /// A line for each condition: its crossover with its band.
-io::Canvas crossovers(const std::vector<Condition>& list, const std::vector<Crossover>& found,
-                      int width, int height) {
+drawing::Canvas crossovers(const std::vector<Condition>& list, const std::vector<Crossover>& found,
+                           int width, int height) {
   constexpr double kLeft = 330.0, kTop = 76.0, kRight = 150.0, kBottom = 66.0;  // [px]
   constexpr double kLetters = 15.0;
-  io::Canvas canvas(width, height);
-  const io::Box area{kLeft, kTop, width - kLeft - kRight, height - kTop - kBottom};
+  drawing::Canvas canvas(width, height);
+  const drawing::Box area{kLeft, kTop, width - kLeft - kRight, height - kTop - kBottom};
   const auto place = [&](double t) { return area.x + area.width * std::min(t, kTo) / kTo; };
   canvas.text({67.0, 34.0}, "From when on 15 states know the bias better",
               {.size = 18.5, .bold = true});
   canvas.text({67.0, 60.0}, "crossover of the medians, 90 % band",
-              {.color = io::kLight.muted, .size = kLetters});
-  for (const double t : io::ticks(0.0, kTo, 5)) {
+              {.color = drawing::kLight.muted, .size = kLetters});
+  for (const double t : drawing::ticks(0.0, kTo, 5)) {
     canvas.line({place(t), area.y}, {place(t), area.bottom()},
-                {.color = io::kLight.grid, .width = 1.0});
-    canvas.text({place(t), area.bottom() + 20.0}, io::text_of(t),
-                {.color = io::kLight.muted, .size = kLetters, .align = io::Align::kCenter});
+                {.color = drawing::kLight.grid, .width = 1.0});
+    canvas.text(
+        {place(t), area.bottom() + 20.0}, files::text_of(t),
+        {.color = drawing::kLight.muted, .size = kLetters, .align = drawing::Align::kCenter});
   }
   canvas.text({area.x + 0.5 * area.width, area.bottom() + 44.0}, "time since the first fix [s]",
-              {.size = kLetters, .align = io::Align::kCenter});
+              {.size = kLetters, .align = drawing::Align::kCenter});
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double v =
         area.y + area.height * (static_cast<double>(i) + 0.5) / static_cast<double>(list.size());
     const Crossover& c = found[i];
     canvas.text({area.x - 12.0, v + 4.5}, list[i].name,
-                {.size = kLetters, .align = io::Align::kRight});
+                {.size = kLetters, .align = drawing::Align::kRight});
     canvas.line({place(c.low), v}, {place(c.high), v},
-                {.color = io::kLight.found.faded(0.5), .width = 5.0});
-    if (std::isfinite(c.t)) canvas.disc({place(c.t), v}, 5.0, io::kLight.found);
+                {.color = drawing::kLight.found.faded(0.5), .width = 5.0});
+    if (std::isfinite(c.t)) canvas.disc({place(c.t), v}, 5.0, drawing::kLight.found);
     canvas.text({area.right() + 8.0, v + 4.5}, seconds(c.t), {.size = kLetters});
   }
   return canvas;
@@ -106,10 +107,10 @@ std::string csv_of(const Condition& condition, const BothFilters& pair) {
   std::string csv;
   for (std::size_t what = 0; what < kWhats; ++what)
     for (std::size_t i = 0; i < kPoints; ++i) {
-      csv += condition.key + "," + kNames[what].key + "," + io::text_of(time_of(i), 4);
+      csv += condition.key + "," + kNames[what].key + "," + files::text_of(time_of(i), 4);
       for (const auto* samples : {&pair.drag[what][i], &pair.imu15[what][i]})
         for (const double part : {0.5, 0.05, 0.95})
-          csv += "," + io::text_of(io::nearest_rank(*samples, part), 4);
+          csv += "," + files::text_of(files::nearest_rank(*samples, part), 4);
       csv += "\n";
     }
   return csv;
@@ -214,15 +215,16 @@ Result convergence(const Options& options) {
                 .csv =
                     "condition,what,t_s,drag_median,drag_p5,drag_p95,imu15_median,imu15_p5,"
                     "imu15_p95\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   tell_when(pairs.front(), result);
   tell_how_much(pairs.front(), result);
   for (std::size_t c = 0; c < list.size(); ++c) tell_where_not(list[c], pairs[c], cross[c], result);
-  result.picture = io::Canvas(io::kPlotWidth, io::kPlotHeight);
+  result.picture = drawing::Canvas(drawing::kPlotWidth, drawing::kPlotHeight);
   result.picture.paste(
-      io::draw(curves(pairs.front(), cross.front()), io::kPlotWidth, io::kRowHeight), {0.0, 0.0});
-  result.picture.paste(crossovers(list, cross, io::kPlotWidth, io::kRowHeight),
-                       {0.0, io::kRowHeight});
+      drawing::draw(curves(pairs.front(), cross.front()), drawing::kPlotWidth, drawing::kRowHeight),
+      {0.0, 0.0});
+  result.picture.paste(crossovers(list, cross, drawing::kPlotWidth, drawing::kRowHeight),
+                       {0.0, drawing::kRowHeight});
   return result;
 }
 

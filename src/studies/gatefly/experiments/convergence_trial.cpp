@@ -79,8 +79,8 @@ std::vector<Condition> conditions(bool quick) {
                     "fixes at " + std::to_string(rate) + " Hz",
                     {.fix_period = 1.0 / rate}});
   for (const double sigma : {0.05, 0.3})
-    list.push_back({"sigma_" + io::text_of(sigma),
-                    "fixes of " + io::text_of(sigma) + " m",
+    list.push_back({"sigma_" + files::text_of(sigma),
+                    "fixes of " + files::text_of(sigma) + " m",
                     {.fix_sigma = sigma}});
   list.push_back({"start_1", "start known to 1 m", {.start_sigma = 1.0}});
   return list;
@@ -134,13 +134,13 @@ BothFilters gathered(const std::vector<FlightCurves>& flights, std::size_t condi
 
 double median_ratio(const BothFilters& pair, ErrorOf what, double t) {
   const std::size_t point = point_at(t);
-  return io::nearest_rank(pair.imu15[what][point], 0.5) /
-         io::nearest_rank(pair.drag[what][point], 0.5);
+  return files::nearest_rank(pair.imu15[what][point], 0.5) /
+         files::nearest_rank(pair.drag[what][point], 0.5);
 }
 
 double time_below(const Samples& samples, double part, double threshold) {
   for (std::size_t i = kFirstFix; i < samples.size(); ++i)
-    if (io::nearest_rank(samples[i], part) <= threshold) return time_of(i);
+    if (files::nearest_rank(samples[i], part) <= threshold) return time_of(i);
   return std::numeric_limits<double>::quiet_NaN();
 }
 

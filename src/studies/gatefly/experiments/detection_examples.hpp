@@ -27,8 +27,8 @@ struct DetectionExample {
     const std::vector<std::vector<Quad>>& unlabelled);
 
 /// The pictures with labels and detections, and below each its colour mask.
-[[nodiscard]] io::Canvas drawn_examples(const LabelledSet& set, const Found& found,
-                                        const std::array<DetectionExample, 3>& examples,
-                                        const ColorRange& color);
+[[nodiscard]] drawing::Canvas drawn_examples(const LabelledSet& set, const Found& found,
+                                             const std::array<DetectionExample, 3>& examples,
+                                             const ColorRange& color);
 
 }  // namespace gatefly::experiments

@@ -68,7 +68,7 @@ void add_failures(const OwnSet& set, std::size_t number, std::vector<Failure>& f
                     .picture = i};
     if (found != nullptr) failure.score = found->score, failure.found = found->corners_px;
     const bool is_false = found != nullptr && found->wrong > 0.0 && found->score >= threshold;
-    if (!picture.truth.gates.empty()) failure.label = io::polygon(picture.truth.gates[0]);
+    if (!picture.truth.gates.empty()) failure.label = files::polygon(picture.truth.gates[0]);
     if (is_false)
       failure.by = found->score - threshold;
     else if (failure.label && !is_hit[i])
@@ -78,22 +78,22 @@ void add_failures(const OwnSet& set, std::size_t number, std::vector<Failure>& f
     else
       continue;
     const Quad& about = failure.label ? *failure.label : *failure.found;
-    failure.side_px = std::sqrt(io::polygon_area(about)), failure.aspect = aspect_of(about);
+    failure.side_px = std::sqrt(files::polygon_area(about)), failure.aspect = aspect_of(about);
     failure.evidence = evidence_along(set, picture.image, about);
     failures.push_back(std::move(failure));
   }
 }
 
-io::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& failures) {
+drawing::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& failures) {
   constexpr int kColumns = 4, kScale = 2, kWidth = 640, kHeight = 364, kTop = 100;
   const int rows = std::max(1, (static_cast<int>(failures.size()) + kColumns - 1) / kColumns);
-  io::Canvas canvas(kColumns * kWidth, kTop + rows * kHeight);
+  drawing::Canvas canvas(kColumns * kWidth, kTop + rows * kHeight);
   canvas.text({10.0, 46.0}, "Where our detector is most wrong, colours fitted to the other half",
               {.size = 36.0, .bold = true});
   canvas.text({10.0, 84.0},
               failures.empty() ? "in these sets no gate is missed, and nothing else is found"
                                : "green: label; pink: found; score and the least that counts",
-              {.color = io::kLight.muted, .size = 26.0});
+              {.color = drawing::kLight.muted, .size = 26.0});
   for (std::size_t i = 0; i < failures.size(); ++i) {
     const Failure& f = failures[i];
     const Eigen::Vector2d at{static_cast<double>(static_cast<int>(i) % kColumns * kWidth),
@@ -101,11 +101,11 @@ io::Canvas sheet(const std::vector<OwnSet>& sets, const std::vector<Failure>& fa
     canvas.clip({at.x(), at.y(), kWidth, kHeight});
     canvas.image(sets[f.set_number].picture(f.picture).image, at, kScale);
     if (f.label)
-      io::draw_detection(canvas, {.corners_px = *f.label}, at, kScale,
-                         {.color = io::kDark.flown, .width = 2.0});
+      drawing::draw_detection(canvas, {.corners_px = *f.label}, at, kScale,
+                              {.color = drawing::kDark.flown, .width = 2.0});
     if (f.found)
-      io::draw_detection(canvas, {.corners_px = *f.found}, at, kScale,
-                         {.color = io::kDark.estimate, .width = 2.0});
+      drawing::draw_detection(canvas, {.corners_px = *f.found}, at, kScale,
+                              {.color = drawing::kDark.estimate, .width = 2.0});
     canvas.text(at + Eigen::Vector2d{4, kHeight - 14.0},
                 std::to_string(i + 1) + " " + f.set + " " + f.image +
                     (f.miss ? " missed, " : " false, ") + fixed(f.score, 2) + " / " +
@@ -140,15 +140,15 @@ Result detection_failures(const Options& options) {
                          {"missed", misses},
                          {"false_positives", failures.size() - misses}},
                 .csv = "rank,set,image,kind,score,threshold,side_px,aspect,evidence_nats\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   auto list = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < failures.size(); ++i) {
     const Failure& f = failures[i];
     const char* kind = f.miss ? "missed" : "false";
     result.csv += std::to_string(i + 1) + "," + f.set + "," + f.image + "," + kind + "," +
-                  (f.found ? io::text_of(f.score, 4) : "") + "," + io::text_of(f.threshold, 4) +
-                  "," + io::text_of(f.side_px, 3) + "," + io::text_of(f.aspect, 3) + "," +
-                  io::text_of(f.evidence, 3) + "\n";
+                  (f.found ? files::text_of(f.score, 4) : "") + "," +
+                  files::text_of(f.threshold, 4) + "," + files::text_of(f.side_px, 3) + "," +
+                  files::text_of(f.aspect, 3) + "," + files::text_of(f.evidence, 3) + "\n";
     if (i >= kWorst) continue;
     result.table.push_back({f.set, "-",
                             f.image + " " + kind + ", side " + fixed(f.side_px, 0) + " px, score " +

@@ -44,7 +44,7 @@ struct Followed {
   bool finished = false;
 };
 
-Followed flown(std::uint64_t seed, closed_loop::Vision vision, const Options& options) {
+Followed flown(std::uint64_t seed, simulated_race::Vision vision, const Options& options) {
   constexpr double kBlind = 0.3;
   auto race = race_on("oval", kLaps, vision, seed, true);
   race.while_baking = [&options] {
@@ -53,7 +53,7 @@ Followed flown(std::uint64_t seed, closed_loop::Vision vision, const Options& op
   flight_log::InertialFollower inertial;
   Followed flight;
   double next = 0.0, last_fix = -1.0;
-  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
+  const auto result = simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     inertial.update(tick.sensors, tick.pilot);
     if ((tick.sensors.image || tick.sensors.seen) && tick.pilot.sighting().fix)
@@ -82,7 +82,7 @@ struct Spread {
     for (const double e : errors) sum += std::pow(e - mean(), 2);
     return std::sqrt(sum / static_cast<double>(errors.size()));
   }
-  [[nodiscard]] double quantile(double part) const { return io::nearest_rank(errors, part); }
+  [[nodiscard]] double quantile(double part) const { return files::nearest_rank(errors, part); }
   [[nodiscard]] double beyond(double limit) const {
     return static_cast<double>(std::count_if(errors.begin(), errors.end(),
                                              [&](double e) { return std::abs(e) > limit; })) /
@@ -96,55 +96,57 @@ void add(Spreads& spreads, const Eigen::Vector3d& error) {
     spreads[static_cast<std::size_t>(axis)].errors.push_back(error[axis]);
 }
 
-io::PlotSeries histogram(const std::string& name, const Spread& spread, const io::Color& color) {
+drawing::PlotSeries histogram(const std::string& name, const Spread& spread,
+                              const drawing::Color& color) {
   std::vector<double> counts(static_cast<std::size_t>(std::lround(2.0 * kMost / kBin)));
   for (const double e : spread.errors) {
     const double bin = std::floor((e + kMost) / kBin);
     if (bin >= 0.0 && bin < static_cast<double>(counts.size()))
       ++counts[static_cast<std::size_t>(bin)];
   }
-  io::PlotSeries series{.name = name, .points = {}, .color = color};
+  drawing::PlotSeries series{.name = name, .points = {}, .color = color};
   for (std::size_t i = 0; i < counts.size(); ++i)
     series.points.emplace_back(-kMost + (static_cast<double>(i) + 0.5) * kBin,
                                100.0 * counts[i] / static_cast<double>(spread.errors.size()));
   return series;
 }
 
-io::PlotSeries as_normal(const PaperAxis& paper) {
-  io::PlotSeries series{.name = "paper (normal distribution)",
-                        .points = {},
-                        .color = io::kLight.ink,
-                        .marks = false,
-                        .dash = 6.0};
+drawing::PlotSeries as_normal(const PaperAxis& paper) {
+  drawing::PlotSeries series{.name = "paper (normal distribution)",
+                             .points = {},
+                             .color = drawing::kLight.ink,
+                             .marks = false,
+                             .dash = 6.0};
   for (double e = -kMost + 0.5 * kBin; e < kMost; e += kBin)
     series.points.emplace_back(e, 100.0 * kBin / (paper.std * std::sqrt(2.0 * kPi)) *
                                       std::exp(-0.5 * std::pow((e - paper.mean) / paper.std, 2)));
   return series;
 }
 
-io::Canvas picture_of(const Followed& flight, const Spreads& drag, const Spreads& imu15) {
-  const auto series = [](const char* name, const io::Color& color, bool line) {
-    return io::PlotSeries{.name = name, .points = {}, .color = color, .line = line, .rings = !line};
+drawing::Canvas picture_of(const Followed& flight, const Spreads& drag, const Spreads& imu15) {
+  const auto series = [](const char* name, const drawing::Color& color, bool line) {
+    return drawing::PlotSeries{
+        .name = name, .points = {}, .color = color, .line = line, .rings = !line};
   };
-  const std::vector<io::PlotSeries> empty{series("truth", io::kLight.ink, true),
-                                          series("fixes", io::kLight.muted, false),
-                                          series("15 states", io::kLight.gate_solid, true),
-                                          series("drag filter", io::kLight.found, true)};
-  std::array<io::Plot, 3> plots{io::Plot{.title = "Two gates, from above",
-                                         .x_label = "x [m]",
-                                         .y_label = "y [m]",
-                                         .series = empty,
-                                         .y_from_0 = false},
-                                io::Plot{.title = "Along x",
-                                         .x_label = "t [s]",
-                                         .y_label = "x [m]",
-                                         .series = empty,
-                                         .y_from_0 = false},
-                                io::Plot{.title = "Along y",
-                                         .x_label = "t [s]",
-                                         .y_label = "y [m]",
-                                         .series = empty,
-                                         .y_from_0 = false}};
+  const std::vector<drawing::PlotSeries> empty{
+      series("truth", drawing::kLight.ink, true), series("fixes", drawing::kLight.muted, false),
+      series("15 states", drawing::kLight.gate_solid, true),
+      series("drag filter", drawing::kLight.found, true)};
+  std::array<drawing::Plot, 3> plots{drawing::Plot{.title = "Two gates, from above",
+                                                   .x_label = "x [m]",
+                                                   .y_label = "y [m]",
+                                                   .series = empty,
+                                                   .y_from_0 = false},
+                                     drawing::Plot{.title = "Along x",
+                                                   .x_label = "t [s]",
+                                                   .y_label = "x [m]",
+                                                   .series = empty,
+                                                   .y_from_0 = false},
+                                     drawing::Plot{.title = "Along y",
+                                                   .x_label = "t [s]",
+                                                   .y_label = "y [m]",
+                                                   .series = empty,
+                                                   .y_from_0 = false}};
   const auto point = [&](std::size_t which, double t, const Eigen::Vector3d& p) {
     plots[0].series[which].points.emplace_back(p.x(), p.y()),
         plots[1].series[which].points.emplace_back(t, p.x()),
@@ -156,17 +158,17 @@ io::Canvas picture_of(const Followed& flight, const Spreads& drag, const Spreads
   }
   for (std::size_t i = 0; i < flight.fixes.size(); i += 3)
     point(1, flight.fixes[i].first, flight.fixes[i].second);
-  std::array<io::Plot, 6> all;  // a row for each axis
+  std::array<drawing::Plot, 6> all;  // a row for each axis
   for (std::size_t i = 0; i < 3; ++i) {
-    io::Plot errors{.title = std::string{"Error of "} + kAxes[i],
-                    .x_label = "estimate - truth [m]",
-                    .y_label = "samples [%]"};
+    drawing::Plot errors{.title = std::string{"Error of "} + kAxes[i],
+                         .x_label = "estimate - truth [m]",
+                         .y_label = "samples [%]"};
     if (i < kPaper.size()) errors.series.push_back(as_normal(kPaper[i]));
-    errors.series.push_back(histogram("15 states", imu15[i], io::kLight.gate_solid)),
-        errors.series.push_back(histogram("drag filter", drag[i], io::kLight.found));
+    errors.series.push_back(histogram("15 states", imu15[i], drawing::kLight.gate_solid)),
+        errors.series.push_back(histogram("drag filter", drag[i], drawing::kLight.found));
     all[2 * i] = plots[i], all[2 * i + 1] = errors;
   }
-  return io::draw_sheet(all, 2);
+  return drawing::draw_sheet(all, 2);
 }
 
 std::string text_of(const Spread& s) {
@@ -190,7 +192,8 @@ nlohmann::ordered_json json_of(const Spreads& spreads) {
 }  // namespace
 
 Result ekf_track(const Options& options) {
-  const auto vision = options.quick ? closed_loop::Vision::kIdeal : closed_loop::Vision::kRendered;
+  const auto vision =
+      options.quick ? simulated_race::Vision::kIdeal : simulated_race::Vision::kRendered;
   std::vector<Followed> flights(options.quick ? 4 : 10);
   if (!options.quick) flights[0] = flown(1, vision, options);  // the hall's light is computed once
   in_pieces(flights.size(), options, [&](std::size_t i) {
@@ -201,7 +204,7 @@ Result ekf_track(const Options& options) {
       .table = {},
       .json = {},
       .csv = "seed,t_s,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m,imu15_x_m,imu15_y_m,imu15_z_m\n",
-      .picture = io::Canvas(1, 1)};
+      .picture = drawing::Canvas(1, 1)};
   Spreads drag, imu15, drag_blind, imu15_blind;
   int finished = 0;
   for (std::size_t i = 0; i < flights.size(); ++i) {
@@ -209,9 +212,9 @@ Result ekf_track(const Options& options) {
     for (const Instant& m : flights[i].moments) {
       add(drag, m.drag - m.truth), add(imu15, m.imu15 - m.truth);
       if (m.blind) add(drag_blind, m.drag - m.truth), add(imu15_blind, m.imu15 - m.truth);
-      result.csv += std::to_string(i + 1) + "," + io::text_of(m.t, 6);
+      result.csv += std::to_string(i + 1) + "," + files::text_of(m.t, 6);
       for (const Eigen::Vector3d& p : {m.truth, m.drag, m.imu15})
-        for (const double v : p) result.csv += "," + io::text_of(v, 5);
+        for (const double v : p) result.csv += "," + files::text_of(v, 5);
       result.csv += "\n";
     }
   }

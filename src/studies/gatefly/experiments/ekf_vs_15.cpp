@@ -126,7 +126,7 @@ Result ekf_vs_15(const Options& options) {
       .table = {},
       .json = {},
       .csv = "what,t_s,samples,drag_median,drag_p5,drag_p95,imu15_median,imu15_p5,imu15_p95\n",
-      .picture = io::Canvas(1, 1)};
+      .picture = drawing::Canvas(1, 1)};
   result.table.push_back({std::to_string(count) + " flights of " +
                               std::to_string(FilterRace::kLaps) + " laps, finished",
                           "", std::to_string(finished)});
@@ -138,29 +138,29 @@ Result ekf_vs_15(const Options& options) {
                                    std::tuple{"later gaps", &drag.later_gaps, &imu15.later_gaps}})
     for (const std::size_t point : {std::size_t{0}, kOneSecond, kTwoSeconds})
       result.table.push_back({std::string{"position, "} + name + ", " +
-                                  io::text_of(static_cast<double>(point) * kDriftStep, 2) +
+                                  files::text_of(static_cast<double>(point) * kDriftStep, 2) +
                                   " s blind",
                               "", against((*d)[point], (*i)[point], "m")});
 
-  io::Plot bias{.title = "Accelerometer bias found: error of x and y",
-                .x_label = "time since the first fix [s]",
-                .y_label = "error [m/s²], median, 90 % band"};
-  io::Plot first{.title = "Drift in the first gap",
-                 .x_label = "time without a fix [s]",
-                 .y_label = "horizontal error [m], median, 90 % band"},
+  drawing::Plot bias{.title = "Accelerometer bias found: error of x and y",
+                     .x_label = "time since the first fix [s]",
+                     .y_label = "error [m/s²], median, 90 % band"};
+  drawing::Plot first{.title = "Drift in the first gap",
+                      .x_label = "time without a fix [s]",
+                      .y_label = "horizontal error [m], median, 90 % band"},
       later = first;
   later.title = "Drift in later gaps";
-  const auto show = [&](const std::string& what, io::Plot& plot, const auto& d, const auto& i,
+  const auto show = [&](const std::string& what, drawing::Plot& plot, const auto& d, const auto& i,
                         double step) {
-    add_band(plot, "15 states", i, 0.0, step, io::kLight.gate_solid),
-        add_band(plot, "drag filter, 7 states", d, 0.0, step, io::kLight.found);
+    add_band(plot, "15 states", i, 0.0, step, drawing::kLight.gate_solid),
+        add_band(plot, "drag filter, 7 states", d, 0.0, step, drawing::kLight.found);
     result.json[what] = curve_json(d, i, step);
     for (std::size_t k = 0; k < d.size(); ++k) {
-      result.csv += what + "," + io::text_of(static_cast<double>(k) * step, 4) + "," +
+      result.csv += what + "," + files::text_of(static_cast<double>(k) * step, 4) + "," +
                     std::to_string(d[k].size());
       for (const auto* v : {&d[k], &i[k]})
         for (const double part : {0.5, 0.05, 0.95})
-          result.csv += "," + io::text_of(io::nearest_rank(*v, part), 4);
+          result.csv += "," + files::text_of(files::nearest_rank(*v, part), 4);
       result.csv += "\n";
     }
   };
@@ -175,13 +175,16 @@ Result ekf_vs_15(const Options& options) {
   show("bias_error_mps2", bias, drag.bias, imu15.bias, kBiasStep);
   show("first_gap_m", first, drag.first_gap, imu15.first_gap, kDriftStep);
   show("later_gaps_m", later, drag.later_gaps, imu15.later_gaps, kDriftStep);
-  result.json["ratio_2s_later_gaps"] = number(io::nearest_rank(imu15.later_gaps[kTwoSeconds], 0.5) /
-                                              io::nearest_rank(drag.later_gaps[kTwoSeconds], 0.5));
-  result.json["ratio_2s_first_gap"] = number(io::nearest_rank(imu15.first_gap[kTwoSeconds], 0.5) /
-                                             io::nearest_rank(drag.first_gap[kTwoSeconds], 0.5));
-  result.picture = io::Canvas(io::kPlotWidth, io::kPlotHeight);
-  result.picture.paste(io::draw(bias, io::kPlotWidth, io::kRowHeight), {0.0, 0.0});
-  result.picture.paste(io::draw_sheet(std::array{first, later}, 2), {0.0, io::kRowHeight});
+  result.json["ratio_2s_later_gaps"] =
+      number(files::nearest_rank(imu15.later_gaps[kTwoSeconds], 0.5) /
+             files::nearest_rank(drag.later_gaps[kTwoSeconds], 0.5));
+  result.json["ratio_2s_first_gap"] =
+      number(files::nearest_rank(imu15.first_gap[kTwoSeconds], 0.5) /
+             files::nearest_rank(drag.first_gap[kTwoSeconds], 0.5));
+  result.picture = drawing::Canvas(drawing::kPlotWidth, drawing::kPlotHeight);
+  result.picture.paste(drawing::draw(bias, drawing::kPlotWidth, drawing::kRowHeight), {0.0, 0.0});
+  result.picture.paste(drawing::draw_sheet(std::array{first, later}, 2),
+                       {0.0, drawing::kRowHeight});
   return result;
 }
 

@@ -183,8 +183,8 @@ Result run(const Experiment& experiment, const Options& options) {
   Result result = experiment.run(options);
   result.json["quick"] = options.quick;
   if (!options.quick) return result;
-  io::stamp_quick(result.picture);
-  for (ExtraPicture& extra : result.extra) io::stamp_quick(extra.picture);
+  drawing::stamp_quick(result.picture);
+  for (ExtraPicture& extra : result.extra) drawing::stamp_quick(extra.picture);
   return result;
 }
 
@@ -193,7 +193,7 @@ std::uint64_t first_seed(const Options& options, std::uint64_t reported, std::ui
 }
 
 std::filesystem::path data_folder(const std::string& name, const Options& options) {
-  const std::filesystem::path folder = io::find_data(name, options.data);
+  const std::filesystem::path folder = files::find_data(name, options.data);
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error))
     throw std::runtime_error(name + ": there is no such folder" +

@@ -17,8 +17,8 @@
 
 namespace gatefly::experiments {
 
-using io::fixed;   // how all tables print numbers
-using io::number;  // ... and all JSON holds them
+using files::fixed;   // how all tables print numbers
+using files::number;  // ... and all JSON holds them
 
 /// Settings of an experiment.
 struct Options {
@@ -41,14 +41,14 @@ struct Comparison {
 /// A picture beside an experiment's plot.
 struct ExtraPicture {
   std::string name;  ///< Name of its file, without ".png".
-  io::Canvas picture;
+  drawing::Canvas picture;
 };
 
 struct Result {
   std::vector<Comparison> table;
   nlohmann::ordered_json json;  ///< The same and more, as numbers.
   std::string csv;              ///< With its header.
-  io::Canvas picture;
+  drawing::Canvas picture;
   std::vector<ExtraPicture> extra = {};  ///< Pictures beside the plot.
 };
 

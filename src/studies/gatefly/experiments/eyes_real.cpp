@@ -54,7 +54,7 @@ void add(Replayed& out, const flight_log::EstimateRow& row, const Eigen::Vector3
 /// From the first picture in the air that corrected the filter until the drone is in the gate's
 /// plane. The filter of kOurs from the gate as it has found it, the others from where the map has it.
 Replayed replayed(const Flight& flight, const std::vector<flight_log::RecordedTick>& ticks,
-                  const PilotConfig& pilot, const Airframe& airframe, const io::Config& config,
+                  const PilotConfig& pilot, const Airframe& airframe, const config::Config& config,
                   Estimator estimator) {
   const auto load =
       flight_log::upright(flight_log::pictures_in_files(flight.folder, config.camera.stored_width(),
@@ -94,9 +94,9 @@ nlohmann::ordered_json json_of(const FrameErrors& e) {
           {"x_std_m", number(std.x())}, {"y_std_m", number(std.y())}, {"samples", e.samples}};
 }
 
-io::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points,
-                        const io::Color& color, bool line) {
-  io::PlotSeries series{
+drawing::PlotSeries top_down(const std::string& name, const std::vector<Eigen::Vector3d>& points,
+                             const drawing::Color& color, bool line) {
+  drawing::PlotSeries series{
       .name = name, .points = {}, .color = color, .line = line, .rings = !line, .marks = !line};
   for (std::size_t i = 0; i < points.size(); i += line ? 60 : 1)
     series.points.emplace_back(points[i].x(), points[i].y());
@@ -122,31 +122,31 @@ nlohmann::ordered_json with_nees(nlohmann::ordered_json json, const FrameErrors&
   return json;
 }
 
-io::Canvas panels_of(const std::vector<Shown>& shown) {
-  std::vector<io::Plot> plots;
-  io::Plot errors_x{.title = "Error of x, through the gate; each flight",
-                    .x_label = "time before the gate [s]",
-                    .y_label = "error [m]",
-                    .y_from_0 = false};
-  io::Plot errors_y = errors_x;
+drawing::Canvas panels_of(const std::vector<Shown>& shown) {
+  std::vector<drawing::Plot> plots;
+  drawing::Plot errors_x{.title = "Error of x, through the gate; each flight",
+                         .x_label = "time before the gate [s]",
+                         .y_label = "error [m]",
+                         .y_from_0 = false};
+  drawing::Plot errors_y = errors_x;
   errors_y.title = "Error of y, to the right; each flight";
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const Replayed& r = shown[i].drag;
-    plots.push_back(io::Plot{
+    plots.push_back(drawing::Plot{
         .title = shown[i].name + ": RMS " + x_and_y(r.errors.rms()) + " m",
         .x_label = "x before the gate [m]",
         .y_label = "y to the right [m]",
-        .series = {top_down("truth", r.truth, io::kLight.ink, true),
-                   top_down("fixes", r.fixes, io::kLight.muted, false),
-                   top_down("15 states", shown[i].imu15.estimate, io::kLight.gate_solid, true),
-                   top_down("ours", r.estimate, io::kLight.found, true)},
+        .series = {top_down("truth", r.truth, drawing::kLight.ink, true),
+                   top_down("fixes", r.fixes, drawing::kLight.muted, false),
+                   top_down("15 states", shown[i].imu15.estimate, drawing::kLight.gate_solid, true),
+                   top_down("ours", r.estimate, drawing::kLight.found, true)},
         .y_from_0 = false});
-    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, io::kLight.gate_solid},
-                                        std::pair{&shown[i].drag, io::kLight.found}}) {
-      io::PlotSeries x{.name = i > 0          ? ""
-                               : replay == &r ? "ours"
-                                              : "15 states",
-                       .color = color},
+    for (const auto& [replay, color] : {std::pair{&shown[i].imu15, drawing::kLight.gate_solid},
+                                        std::pair{&shown[i].drag, drawing::kLight.found}}) {
+      drawing::PlotSeries x{.name = i > 0          ? ""
+                                    : replay == &r ? "ours"
+                                                   : "15 states",
+                            .color = color},
           y = x;
       for (std::size_t k = 0; k < replay->t.size(); k += 100) {
         const Eigen::Vector3d error = replay->estimate[k] - replay->truth[k];
@@ -157,9 +157,9 @@ io::Canvas panels_of(const std::vector<Shown>& shown) {
     }
   }
   // The errors in rows of their own, below.
-  const io::Canvas flights = io::draw_sheet(plots, 2, 320),
-                   errors = io::draw_sheet(std::array{errors_x, errors_y}, 1);
-  io::Canvas canvas(io::kPlotWidth, flights.height() + errors.height());
+  const drawing::Canvas flights = drawing::draw_sheet(plots, 2, 320),
+                        errors = drawing::draw_sheet(std::array{errors_x, errors_y}, 1);
+  drawing::Canvas canvas(drawing::kPlotWidth, flights.height() + errors.height());
   canvas.paste(flights, {0.0, 0.0});
   canvas.paste(errors, {0.0, 1.0 * flights.height()});
   return canvas;
@@ -180,10 +180,10 @@ nlohmann::ordered_json fitted_json(const Located& found, const Survey& s, std::s
 
 void add_rows(const Shown& one, std::string& csv) {
   for (std::size_t k = 0; k < one.drag.t.size(); k += 26) {
-    csv += one.name + "," + io::text_of(one.drag.t[k], 6);
+    csv += one.name + "," + files::text_of(one.drag.t[k], 6);
     for (const Eigen::Vector3d& p :
          {one.drag.truth[k], one.drag.estimate[k], one.imu15.estimate[k]})
-      csv += "," + io::text_of(p.x(), 5) + "," + io::text_of(p.y(), 5);
+      csv += "," + files::text_of(p.x(), 5) + "," + files::text_of(p.y(), 5);
     csv += "\n";
   }
 }
@@ -216,7 +216,7 @@ struct Pool {
 Result eyes_real(const Options& options) {
   const fs::path folder = data_folder("tudelft_bebop_flights", options);
   const std::vector<std::string> name{"flights"};
-  const io::Config config = io::load_config(io::config_files(name));
+  const config::Config config = config::load_config(config::config_files(name));
   const PilotConfig pilot = pilot_for_recordings(config);
   std::vector<Flight> flights = flights_in(folder, config, pilot, options);
   const Located found = located(flights, pilot);
@@ -224,7 +224,7 @@ Result eyes_real(const Options& options) {
   Result result{.table = {},
                 .json = {},
                 .csv = "flight,t_s,true_x_m,true_y_m,x_m,y_m,imu15_x_m,imu15_y_m\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   auto without = nlohmann::ordered_json::object(), fits = without;
   const auto leave_out = [&](const std::string& flight, const std::string& why) {
     without[flight] = why;

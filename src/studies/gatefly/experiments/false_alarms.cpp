@@ -41,7 +41,7 @@ Negatives rendered_ones(const char* track, const Options& options) {
   const TwinRoom room{.set = {},
                       .config = {},
                       .track = track,
-                      .recording = io::Recording::kJpeg,
+                      .recording = files::Recording::kJpeg,
                       .shake_deg = 4.0,
                       .settings = {}};
   const TwinOrder order{.first_seed = first_seed(options, kAlarmsReported, kAlarmsLookedAt),
@@ -52,7 +52,7 @@ Negatives rendered_ones(const char* track, const Options& options) {
           .pictures = rendered_pictures(room, order, options)};
 }
 
-int false_alarms_in(const Negatives& negatives, const io::Config& config) {
+int false_alarms_in(const Negatives& negatives, const config::Config& config) {
   const tuning::Judging judging{.detector = config.pilot.detector,
                                 .lowest = config.pilot.detector.min_score};
   std::vector<double> wrong(negatives.pictures.size(), 0.0);
@@ -82,7 +82,7 @@ std::vector<Quad> expectations(const Options& options) {
 
 /// In how many looks a gate is found where one is expected and none is; of all looks.
 std::pair<int, int> expected_alarms_in(const Negatives& negatives, const std::vector<Quad>& gates,
-                                       const io::Config& config) {
+                                       const config::Config& config) {
   std::vector<int> wrong(negatives.pictures.size(), 0);
   in_parallel(wrong.size(), [&](std::size_t i) {
     const TwinPicture& picture = negatives.pictures[i];
@@ -102,9 +102,9 @@ std::pair<int, int> expected_alarms_in(const Negatives& negatives, const std::ve
   return {std::accumulate(wrong.begin(), wrong.end(), 0), looks};
 }
 
-io::Config shipped(const std::string& name) {
+config::Config shipped(const std::string& name) {
   const std::vector<std::string> names{name};
-  return io::load_config(io::config_files(names));
+  return config::load_config(config::config_files(names));
 }
 
 }  // namespace
@@ -113,9 +113,10 @@ Result false_alarms(const Options& options) {
   Result result{.table = {},
                 .json = {{"aim_fp_per_image", kAim}},
                 .csv = "pictures,config,count,false_alarms\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   std::vector<std::string> rows;
-  RowMarks aim{"aim", {}, io::kLight.ink, true}, found{"found", {}, io::kLight.gate_solid};
+  RowMarks aim{"aim", {}, drawing::kLight.ink, true},
+      found{"found", {}, drawing::kLight.gate_solid};
   const auto add = [&](const Negatives& negatives) {
     for (const char* name : kConfigs) {
       if (options.stopped()) throw Stopped{};

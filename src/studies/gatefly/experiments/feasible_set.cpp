@@ -124,10 +124,10 @@ Outline outline(const FeasibleSet& set, double speed, double opening) {
 
 // ---------------------------------------------------------------- report
 
-io::Color color_of(const LateralLaw& law) {
-  return law.key == "printed" ? io::kLight.gate_solid
-         : law.key == "ours"  ? io::kLight.flown
-                              : io::kLight.found;
+drawing::Color color_of(const LateralLaw& law) {
+  return law.key == "printed" ? drawing::kLight.gate_solid
+         : law.key == "ours"  ? drawing::kLight.flown
+                              : drawing::kLight.found;
 }
 
 std::vector<Eigen::Vector2d> mirrored(std::vector<Eigen::Vector2d> points) {
@@ -135,16 +135,18 @@ std::vector<Eigen::Vector2d> mirrored(std::vector<Eigen::Vector2d> points) {
   return points;
 }
 
-io::Plot panel(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSet>& sets,
-               double speed) {
-  io::Plot plot{.title = "From where a gate is passed, " + fixed(speed, 1) + " m/s",
-                .x_label = "x₀ [m], gate at 0",
-                .y_label = "y₀ [m]"};
+drawing::Plot panel(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSet>& sets,
+                    double speed) {
+  drawing::Plot plot{.title = "From where a gate is passed, " + fixed(speed, 1) + " m/s",
+                     .x_label = "x₀ [m], gate at 0",
+                     .y_label = "y₀ [m]"};
   std::vector<Eigen::Vector2d> area = outline(sets.back(), speed, half_opening()).inner;
   const std::vector<Eigen::Vector2d> below = mirrored(area);
   area.insert(area.end(), below.rbegin(), below.rend());
-  plot.series.push_back(
-      {.name = "ours passes", .points = area, .color = io::kLight.flown.faded(0.15), .area = true});
+  plot.series.push_back({.name = "ours passes",
+                         .points = area,
+                         .color = drawing::kLight.flown.faded(0.15),
+                         .area = true});
   for (const double opening : {half_opening(), kPaperOpening})
     for (std::size_t i = 0; i < laws.size(); ++i) {
       if (laws[i].key == "flown_no_lag") continue;  // in the CSV
@@ -166,27 +168,30 @@ io::Plot panel(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSe
       add(laws[i].name, edges.late), add("", mirrored(edges.late));
       add("", edges.overshot), add("", mirrored(edges.overshot));
     }
-  plot.series.push_back(
-      {.name = "if |y| < 0.5 m will do", .color = io::kLight.muted, .marks = false, .dash = 4.0});
+  plot.series.push_back({.name = "if |y| < 0.5 m will do",
+                         .color = drawing::kLight.muted,
+                         .marks = false,
+                         .dash = 4.0});
   if (speed == kSpeeds[0])
     plot.series.push_back({.name = "paper: 2 m for 0.8 m",
                            .points = {{-2.0, 0.8}, {-2.0, -0.8}},
-                           .color = io::kLight.ink,
+                           .color = drawing::kLight.ink,
                            .line = false,
                            .rings = true});
   const MapGate gate;
   const double middle = 0.5 * (gate.side - gate.bar);
   plot.series.push_back({.name = "bars",
                          .points = {{0.0, middle}, {0.0, -middle}},
-                         .color = io::kLight.ink,
+                         .color = drawing::kLight.ink,
                          .line = false});
   return plot;
 }
 
-io::Canvas picture_of(const std::vector<LateralLaw>& laws, const std::vector<FeasibleSet>& sets) {
-  std::vector<io::Plot> panels;
+drawing::Canvas picture_of(const std::vector<LateralLaw>& laws,
+                           const std::vector<FeasibleSet>& sets) {
+  std::vector<drawing::Plot> panels;
   for (const double speed : kSpeeds) panels.push_back(panel(laws, sets, speed));
-  return io::draw_sheet(panels, 2, io::kPlotHeight);
+  return drawing::draw_sheet(panels, 2, drawing::kPlotHeight);
 }
 
 std::string csv_of(const LateralLaw& law, const FeasibleSet& set, double speed, double opening) {
@@ -195,11 +200,11 @@ std::string csv_of(const LateralLaw& law, const FeasibleSet& set, double speed, 
     std::string late, overshot;  // where there are such edges
     for (const FeasibleSet::Edge& edge : set.edges(-p.x() / speed, opening))
       (edge.overshot ? overshot : late) +=
-          (edge.overshot && !overshot.empty() ? "," : "") + io::text_of(edge.y0, 5);
+          (edge.overshot && !overshot.empty() ? "," : "") + files::text_of(edge.y0, 5);
     const std::string lacking = overshot.find(',') == std::string::npos ? "," : "";
-    csv += law.key + "," + io::text_of(speed) + "," + io::text_of(opening) + "," +
-           io::text_of(p.x() + 0.0, 6) + "," + io::text_of(p.y(), 5) + "," + late + "," + overshot +
-           lacking + "\n";
+    csv += law.key + "," + files::text_of(speed) + "," + files::text_of(opening) + "," +
+           files::text_of(p.x() + 0.0, 6) + "," + files::text_of(p.y(), 5) + "," + late + "," +
+           overshot + lacking + "\n";
   }
   return csv;
 }
@@ -357,7 +362,7 @@ Result feasible_set(const Options& options) {
                           {"distance_m", json}});
         if (error.metres <= opening) continue;
         result.table.push_back(
-            {"distance for " + io::text_of(error.metres) + " m (" + error.name + "), " + where,
+            {"distance for " + files::text_of(error.metres) + " m (" + error.name + "), " + where,
              error.metres == 0.80 && speed == kSpeeds[0] ? "2 m" : "-",
              joined(
                  [&](std::size_t i) {

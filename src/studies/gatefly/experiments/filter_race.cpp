@@ -105,15 +105,16 @@ double rms(std::span<const double> values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-void add_band(io::Plot& plot, const std::string& name, const Samples& samples, double from,
-              double step, const io::Color& color) {
+void add_band(drawing::Plot& plot, const std::string& name, const Samples& samples, double from,
+              double step, const drawing::Color& color) {
   const auto curve = [&](double part) {
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < samples.size(); ++i)
-      points.emplace_back(from + static_cast<double>(i) * step, io::nearest_rank(samples[i], part));
+      points.emplace_back(from + static_cast<double>(i) * step,
+                          files::nearest_rank(samples[i], part));
     return points;
   };
-  io::PlotSeries band{.points = curve(0.05), .color = color.faded(0.2), .area = true};
+  drawing::PlotSeries band{.points = curve(0.05), .color = color.faded(0.2), .area = true};
   const auto upper = curve(0.95);
   band.points.insert(band.points.end(), upper.rbegin(), upper.rend());
   plot.series.push_back(band);
@@ -121,20 +122,20 @@ void add_band(io::Plot& plot, const std::string& name, const Samples& samples, d
 }
 
 nlohmann::ordered_json band_json(const std::vector<double>& values) {
-  return {{"median", number(io::nearest_rank(values, 0.5))},
-          {"p5", number(io::nearest_rank(values, 0.05))},
-          {"p95", number(io::nearest_rank(values, 0.95))},
+  return {{"median", number(files::nearest_rank(values, 0.5))},
+          {"p5", number(files::nearest_rank(values, 0.05))},
+          {"p95", number(files::nearest_rank(values, 0.95))},
           {"rms", number(rms(values))}};
 }
 
 std::string against(const std::vector<double>& drag, const std::vector<double>& imu15,
                     const std::string& unit) {
   const auto band = [&](const std::vector<double>& v) {
-    return fixed(io::nearest_rank(v, 0.5), 2) + " (" + fixed(io::nearest_rank(v, 0.05), 2) + "-" +
-           fixed(io::nearest_rank(v, 0.95), 2) + ") " + unit;
+    return fixed(files::nearest_rank(v, 0.5), 2) + " (" + fixed(files::nearest_rank(v, 0.05), 2) +
+           "-" + fixed(files::nearest_rank(v, 0.95), 2) + ") " + unit;
   };
   return band(drag) + ", imu15 " + band(imu15) + ", ratio " +
-         fixed(io::nearest_rank(imu15, 0.5) / io::nearest_rank(drag, 0.5), 1);
+         fixed(files::nearest_rank(imu15, 0.5) / files::nearest_rank(drag, 0.5), 1);
 }
 
 }  // namespace gatefly::experiments

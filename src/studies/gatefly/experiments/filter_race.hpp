@@ -85,8 +85,8 @@ void append(Samples& to, const Samples& from);
 [[nodiscard]] double rms(std::span<const double> values);
 
 /// Median, and the band that holds 90 %; the first point is at `from`.
-void add_band(io::Plot& plot, const std::string& name, const Samples& samples, double from,
-              double step, const io::Color& color);
+void add_band(drawing::Plot& plot, const std::string& name, const Samples& samples, double from,
+              double step, const drawing::Color& color);
 
 /// {median, p5, p95, rms}.
 [[nodiscard]] nlohmann::ordered_json band_json(const std::vector<double>& values);

@@ -18,13 +18,13 @@ constexpr double kReferenceSigma = 0.01;  // of a position of motion capture [m]
 
 }  // namespace
 
-FlownAttitude flown_attitude(const std::string& name, const io::FlightFolder& flight,
+FlownAttitude flown_attitude(const std::string& name, const flight_log::FlightFolder& flight,
                              double heading_offset) {
   const auto rows = identification::airborne(flight);
   FlownAttitude result{
       name, {},  {},
       {},   0.0, AttitudeTrace(name + ", beside motion capture", "roll difference [°]")};
-  const auto yaw_of = [&](const io::FlightSample& s) {
+  const auto yaw_of = [&](const flight_log::FlightSample& s) {
     return wrap_angle(s.ahrs->yaw + heading_offset);
   };
   Navigator ours{{}};
@@ -34,7 +34,7 @@ FlownAttitude flown_attitude(const std::string& name, const io::FlightFolder& fl
   double before = 0.0, next = kLogRest;
   Eigen::Vector3d last_p = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < rows.last; ++i) {
-    const io::FlightSample& s = flight.samples[i];
+    const flight_log::FlightSample& s = flight.samples[i];
     const double t = seconds(s.time), dt = i > 0 ? t - before : 0.0;
     before = t;
     if (!s.true_p_EB || !s.ahrs) continue;

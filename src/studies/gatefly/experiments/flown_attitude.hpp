@@ -18,7 +18,8 @@ struct FlownAttitude {
 
 /// Tilt by motion capture's positions: an inertial filter that is given all of them.
 /// @param heading_offset  of the logged heading against the positions' axes [rad].
-[[nodiscard]] FlownAttitude flown_attitude(const std::string& name, const io::FlightFolder& flight,
+[[nodiscard]] FlownAttitude flown_attitude(const std::string& name,
+                                           const flight_log::FlightFolder& flight,
                                            double heading_offset);
 
 }  // namespace gatefly::experiments

@@ -21,8 +21,8 @@
 namespace gatefly::experiments {
 namespace {
 
-using closed_loop::RaceResult;
-using closed_loop::Vision;
+using simulated_race::RaceResult;
+using simulated_race::Vision;
 
 constexpr std::uint64_t kTrackReported = 2401,
                         kTrackLookedAt = 1401;       // first seeds: in full, quick
@@ -66,7 +66,7 @@ Race flown(const Contender& who, std::uint64_t seed, const Options& options) {
   double next = 0.0, sum = 0.0, way = 0.0;
   int count = 0;
   bool last_lap = false;
-  flight.result = closed_loop::fly(race, [&](const Tick& tick) {
+  flight.result = simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     const double t = std::chrono::duration<double>(tick.sensors.time).count();
     if (t < next || tick.pilot.finished()) return !options.stopped();
     next = t + kPeriod;
@@ -121,16 +121,17 @@ std::string each_of(const std::vector<const Race*>& flights, int digits, const a
   return text.empty() ? "none" : text;
 }
 
-constexpr std::array kColors{io::kLight.found, io::kLight.gate_solid, io::kLight.estimate};
+constexpr std::array kColors{drawing::kLight.found, drawing::kLight.gate_solid,
+                             drawing::kLight.estimate};
 
 /// Height over time of the flights shown.
-io::Plot height_plot(const std::string& name, const std::vector<const Race*>& flights) {
-  io::Plot plot{
+drawing::Plot height_plot(const std::string& name, const std::vector<const Race*>& flights) {
+  drawing::Plot plot{
       .title = name + (flights.empty() ? ": no flight to show" : ": height (pale: estimated)"),
       .x_label = "t [s]",
       .y_label = "height [m]"};
   for (std::size_t i = 0; i < flights.size(); ++i) {
-    io::PlotSeries truth{
+    drawing::PlotSeries truth{
         .name = "seed " + std::to_string(flights[i]->seed), .color = kColors[i], .marks = false},
         estimate{.color = kColors[i].faded(0.35), .marks = false};
     for (std::size_t k = 0; k < flights[i]->t.size(); k += 4) {
@@ -142,12 +143,12 @@ io::Plot height_plot(const std::string& name, const std::vector<const Race*>& fl
   return plot;
 }
 
-io::Canvas picture_of(const std::vector<Contender>& who, const std::vector<Days>& days,
-                      const Track& track) {
+drawing::Canvas picture_of(const std::vector<Contender>& who, const std::vector<Days>& days,
+                           const Track& track) {
   constexpr int kView = 600;  // wide; the plot of heights beside it
-  io::Canvas canvas(io::kPlotWidth, io::kRowHeight * static_cast<int>(who.size()));
+  drawing::Canvas canvas(drawing::kPlotWidth, drawing::kRowHeight * static_cast<int>(who.size()));
   for (std::size_t i = 0; i < who.size(); ++i) {
-    const double y = static_cast<double>(i) * io::kRowHeight;
+    const double y = static_cast<double>(i) * drawing::kRowHeight;
     const auto shown = days[i].shown();
     std::vector<Trajectory> ways;
     for (std::size_t k = 0; k < shown.size(); ++k) ways.push_back({shown[k]->estimate, kColors[k]});
@@ -155,8 +156,9 @@ io::Canvas picture_of(const std::vector<Contender>& who, const std::vector<Days>
         {16, y + 31},
         who[i].name + ": as estimated, " + std::to_string(shown.size()) + " flights of 15 gates",
         {.size = 18, .bold = true});
-    draw_track_3d(canvas, {16, y + 44, kView - 32.0, io::kRowHeight - 52.0}, track, ways);
-    canvas.paste(io::draw(height_plot(who[i].name, shown), io::kPlotWidth - kView, io::kRowHeight),
+    draw_track_3d(canvas, {16, y + 44, kView - 32.0, drawing::kRowHeight - 52.0}, track, ways);
+    canvas.paste(drawing::draw(height_plot(who[i].name, shown), drawing::kPlotWidth - kView,
+                               drawing::kRowHeight),
                  {kView, y});
   }
   return canvas;
@@ -215,7 +217,7 @@ Result full_track(const Options& options) {
                     "," + std::to_string(r.gates_passed) + "," + cause;
       for (const double v : {r.race_time, r.mean_speed, f.straight_speed, f.lap_length,
                              r.estimation_rmse.x(), r.estimation_rmse.y(), r.estimation_rmse.z()})
-        result.csv += "," + io::text_of(v, 4);
+        result.csv += "," + files::text_of(v, 4);
       result.csv += "\n";
       list.push_back({{"seed", f.seed},
                       {"finished", r.finished},
@@ -234,9 +236,9 @@ Result full_track(const Options& options) {
   // The introduction's races: gates, metres, seconds.
   const auto winner = [&](const std::string& what, int gates, double metres, double seconds) {
     result.table.push_back({what,
-                            std::to_string(gates) + " gates, " + io::text_of(metres, 3) + " m, " +
-                                io::text_of(seconds, 3) + " s: " + fixed(metres / seconds, 2) +
-                                " m/s",
+                            std::to_string(gates) + " gates, " + files::text_of(metres, 3) +
+                                " m, " + files::text_of(seconds, 3) +
+                                " s: " + fixed(metres / seconds, 2) + " m/s",
                             ""});
   };
   winner("IROS 2016, first (KAIST)", 10, 50.0, 86.0);

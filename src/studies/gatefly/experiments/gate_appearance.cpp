@@ -35,7 +35,7 @@ Yuvf at(const Image& image, const Eigen::Vector2d& px) {
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  return io::quantile(values, 0.5);
+  return files::quantile(values, 0.5);
 }
 
 /// The colour across a side at one place, every half pixel, out to a fifth of the gate.
@@ -136,8 +136,8 @@ GateAppearance appearance_of(const TwinPicture& picture) {
     }
   a.edges = static_cast<double>(edges) / (image.width() * image.height());
   if (!picture.gate) return a;
-  const Quad gate = io::polygon(*picture.gate);
-  a.side_px = std::sqrt(io::polygon_area(gate));
+  const Quad gate = files::polygon(*picture.gate);
+  a.side_px = std::sqrt(files::polygon_area(gate));
   double wide = 0.0, high = 0.0;
   for (std::size_t s = 0; s < 4; ++s) {
     const Eigen::Vector2d along = gate[(s + 1) % 4] - gate[s];

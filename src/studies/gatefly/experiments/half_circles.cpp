@@ -23,7 +23,7 @@ class Turn {
     std::vector<double> rates;
     for (std::size_t i = run.first; i < run.second; ++i)
       if (motion[i].tracked) rates.push_back(motion[i].yaw_rate);
-    rate_ = io::nearest_rank(rates, 0.5);
+    rate_ = files::nearest_rank(rates, 0.5);
     sign_ = rate_ < 0.0 ? -1.0 : 1.0;
     // Backwards from the middle, so that a slower start belongs to it.
     begin_ = end_ = (run.first + run.second) / 2;
@@ -32,7 +32,7 @@ class Turn {
     std::vector<double> before;
     for (std::size_t i = begin_; i-- > 0 && is_within(i, begin_, rule.straight_before);)
       before.push_back(motion[i].yaw);
-    heading_ = before.empty() ? motion[begin_].yaw : io::nearest_rank(before, 0.5);
+    heading_ = before.empty() ? motion[begin_].yaw : files::nearest_rank(before, 0.5);
     while (end_ < motion.size() && turned(end_) < kPi - rule.end_within) ++end_;
   }
 
@@ -42,14 +42,14 @@ class Turn {
     if (end_ >= motion_.size() || motion_[end_].t > motion_[run_.second - 1].t + kEndTime)
       return "turned by " + at_most + " only";
     if (tracked_part() < rule_.min_tracked || !motion_[begin_].tracked || !motion_[end_].tracked)
-      return "lost for " + io::fixed(100.0 * (1.0 - tracked_part()), 0) + " % of its time";
+      return "lost for " + files::fixed(100.0 * (1.0 - tracked_part()), 0) + " % of its time";
     if (!is_held_before()) return "no straight before it";
     if (!is_settled_after()) return "no straight after it: turned by " + at_most;
     for (std::size_t i = begin_; i <= end_; ++i) {
       if (std::abs(motion_[i].p_E.z() - motion_[begin_].p_E.z()) > rule_.max_climb)
         return "not level";
       if (motion_[i].v_E.head<2>().norm() < rule_.min_speed)
-        return "slower than " + io::text_of(rule_.min_speed) + " m/s";
+        return "slower than " + files::text_of(rule_.min_speed) + " m/s";
     }
     const double slip = arc().entry_slip();
     if (std::abs(slip) > rule_.max_entry_slip)
@@ -78,7 +78,7 @@ class Turn {
     const double part = (level - value(i - 1)) / (value(i) - value(i - 1));
     return motion_[i - 1].t + part * (motion_[i].t - motion_[i - 1].t);
   }
-  static std::string fixed_deg(double angle) { return io::fixed(angle / kDegree, 0) + "°"; }
+  static std::string fixed_deg(double angle) { return files::fixed(angle / kDegree, 0) + "°"; }
   [[nodiscard]] double turned(std::size_t i) const { return sign_ * (motion_[i].yaw - heading_); }
   [[nodiscard]] bool is_within(std::size_t a, std::size_t b, double time) const {
     return std::abs(motion_[a].t - motion_[b].t) <= time;

@@ -17,7 +17,7 @@ constexpr double kAround = 0.5;   // part of the pictures from anywhere in the h
 constexpr double kNoArea = 16.0;  // an edge-on gate is a line, not a quad [px²]
 
 tasks::ConfigArguments arguments_of(const HallCamera& camera, std::uint64_t seed) {
-  const std::string focal = io::text_of(kFocalPx[seed % kFocalPx.size()]);
+  const std::string focal = files::text_of(kFocalPx[seed % kFocalPx.size()]);
   tasks::ConfigArguments given{.configs = {"cameras/wide-usb.toml"},
                                .settings = {"camera.focal_px=[" + focal + ", " + focal + "]"}};
   if (camera.days != HallCamera::Days::kRace)
@@ -28,10 +28,10 @@ tasks::ConfigArguments arguments_of(const HallCamera& camera, std::uint64_t seed
   return given;
 }
 
-io::PictureToScore truth_of(const tasks::Picture& picture) {
-  io::PictureToScore truth;
+files::PictureToScore truth_of(const simulated_race::Picture& picture) {
+  files::PictureToScore truth;
   for (const sim::GateView& gate : picture.gates) {
-    const double area = io::polygon_area(gate.corners_px);
+    const double area = files::polygon_area(gate.corners_px);
     if (gate.whole && std::sqrt(area) >= HallPicture::kLeastSide)
       truth.gates.push_back(gate.corners_px);
     else if (area > kNoArea)
@@ -46,25 +46,25 @@ HallDay hall_day(const HallCamera& camera, std::uint64_t seed, std::size_t pictu
                  const Options& options) {
   const tasks::ConfigArguments given = arguments_of(camera, seed);
   HallDay day{.seed = seed, .config = tasks::load(given), .pictures = {}};
-  const tasks::RaceMaker maker(
+  const simulated_race::RaceMaker maker(
       {.config = given, .track = "exhibition", .vision = "rendered", .laps = 1});
-  const tasks::PictureOrder order{.pictures = pictures,
-                                  .per_day = pictures,
-                                  .first_seed = seed,
-                                  .around = kAround,
-                                  .varied = camera.days == HallCamera::Days::kVaried};
+  const simulated_race::PictureOrder order{.pictures = pictures,
+                                           .per_day = pictures,
+                                           .first_seed = seed,
+                                           .around = kAround,
+                                           .varied = camera.days == HallCamera::Days::kVaried};
   const auto stop = [&options] {
     if (options.stopped()) throw Stopped{};
   };
-  const auto keep = [&](tasks::Picture&& picture) {
-    const io::CameraDescription& size = day.config.camera;
+  const auto keep = [&](simulated_race::Picture&& picture) {
+    const config::CameraDescription& size = day.config.camera;
     day.pictures.push_back(
         {.name = std::to_string(seed) + " #" + std::to_string(picture.number),
          .file = {std::move(picture.uyvy), PixelFormat::kUyvy, size.width, size.height},
          .truth = truth_of(picture)});
     return true;
   };
-  tasks::render_day(maker, order, 0, keep, stop);
+  simulated_race::render_day(maker, order, 0, keep, stop);
   return day;
 }
 

@@ -24,10 +24,10 @@ struct HallCamera {
 /// A rendered picture and what it shows.
 struct HallPicture {
   std::string name;
-  io::ImageFile file;
+  files::ImageFile file;
   /// Whole gates of a side of at least kLeastSide; smaller ones, and those cut or hidden in part, are
   /// ignored.
-  io::PictureToScore truth;
+  files::PictureToScore truth;
 
   static constexpr double kLeastSide = 25.0;  ///< Square root of the area [px].
   [[nodiscard]] Image view() const { return file.view(0); }
@@ -36,7 +36,7 @@ struct HallPicture {
 /// One day in the exhibition hall: its own light, exposure, gates and lens.
 struct HallDay {
   std::uint64_t seed = 0;
-  io::Config config;  ///< The detector gets the camera file, no more.
+  config::Config config;  ///< The detector gets the camera file, no more.
   std::vector<HallPicture> pictures;
 };
 

@@ -15,19 +15,19 @@ namespace {
 constexpr int kWidth = 400, kHeight = 300, kCaption = 28, kGap = 8, kTop = 60, kColumns = 5;
 constexpr std::size_t kOfADay = 4;
 
-io::Canvas tile_of(const HallPicture& picture, const HallGate& gate) {
+drawing::Canvas tile_of(const HallPicture& picture, const HallGate& gate) {
   const Image image = picture.view();
   // Three times the gate's side, four times at most enlarged, all of the picture at least.
-  const double side = std::sqrt(io::polygon_area(gate.corners_px));
+  const double side = std::sqrt(files::polygon_area(gate.corners_px));
   const double scale = std::clamp(kHeight / (3.0 * side), kHeight / 480.0, 4.0);
   const Eigen::Vector2d at =
       Eigen::Vector2d{0.5 * kWidth, 0.5 * kHeight} - scale * center(gate.corners_px);
-  io::Canvas canvas(kWidth, kHeight + kCaption);
+  drawing::Canvas canvas(kWidth, kHeight + kCaption);
   canvas.clip({0.0, 0.0, kWidth, kHeight});
   canvas.image(image, at, scale);
-  io::draw_detection(
+  drawing::draw_detection(
       canvas, {.corners_px = gate.corners_px}, at, scale,
-      {.color = gate.is_false() ? io::kDark.estimate : io::kDark.flown, .width = 1.0});
+      {.color = gate.is_false() ? drawing::kDark.estimate : drawing::kDark.flown, .width = 1.0});
   canvas.unclip();
   canvas.text({4.0, kHeight + 19.0},
               picture.name + ", " + fixed(side, 0) +
@@ -52,10 +52,10 @@ void HallSheet::add(Tiles& tiles) {
   tiles.clear();
 }
 
-io::Canvas HallSheet::drawn() const {
+drawing::Canvas HallSheet::drawn() const {
   const int rows = std::max(1, (static_cast<int>(tiles_.size()) + kColumns - 1) / kColumns);
   constexpr int kWide = kWidth + kGap, kHigh = kHeight + kCaption + kGap;
-  io::Canvas canvas(kGap + kColumns * kWide, kTop + rows * kHigh);
+  drawing::Canvas canvas(kGap + kColumns * kWide, kTop + rows * kHigh);
   canvas.text({kGap, 38.0}, tiles_.empty() ? title_ + ": none" : title_,
               {.size = 26.0, .bold = true});
   for (std::size_t i = 0; i < tiles_.size(); ++i) {

@@ -26,7 +26,7 @@ struct HallGate {
 /// A contact sheet: what is around each miss or false alarm, enlarged.
 class HallSheet {
  public:
-  using Tiles = std::vector<io::Canvas>;
+  using Tiles = std::vector<drawing::Canvas>;
 
   explicit HallSheet(std::string title) : title_{std::move(title)} {}
 
@@ -34,7 +34,7 @@ class HallSheet {
   [[nodiscard]] static Tiles tiles_of(const HallDay& day, const std::vector<HallGate>& gates,
                                       bool wrong);
   void add(Tiles& tiles);
-  [[nodiscard]] io::Canvas drawn() const;
+  [[nodiscard]] drawing::Canvas drawn() const;
 
  private:
   std::string title_;

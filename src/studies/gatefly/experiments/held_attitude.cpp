@@ -27,7 +27,7 @@ struct Held {
 
 // The sensor's axes are like ENU where ours are like NED: y and z change sign.
 std::vector<Held> read_held(const std::filesystem::path& file) {
-  const io::Csv csv(file);
+  const files::Csv csv(file);
   const auto column = [&](const char* name) { return csv.numbers(name); };
   const auto t = column("t_s"), moves = column("movement");
   const std::array gyro{column("gyr_x_radps"), column("gyr_y_radps"), column("gyr_z_radps")};

@@ -39,21 +39,21 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work
 
 LabelledSet::LabelledSet(const std::filesystem::path& folder, const std::string& labels_file,
                          int rotation_deg)
-    : labels{io::read_labels(folder / labels_file)}, stored_rotation_deg{rotation_deg} {
+    : labels{files::read_labels(folder / labels_file)}, stored_rotation_deg{rotation_deg} {
   std::stable_sort(
       labels.pictures.begin(), labels.pictures.end(),
-      [](const auto& a, const auto& b) { return io::counts_before(a.image, b.image); });
-  for (const io::LabelledPicture& picture : labels.pictures)
-    files.push_back(io::read_image(folder / picture.image));
+      [](const auto& a, const auto& b) { return files::counts_before(a.image, b.image); });
+  for (const files::LabelledPicture& picture : labels.pictures)
+    files.push_back(files::read_image(folder / picture.image));
 }
 
 std::vector<std::vector<Quad>> unlabelled_gates(const LabelledSet& set,
                                                 const std::filesystem::path& file) {
   std::map<std::string, std::vector<Quad>> by_name;
-  for (const io::LabelledPicture& picture : io::read_labels(file).pictures)
+  for (const files::LabelledPicture& picture : files::read_labels(file).pictures)
     by_name[picture.image] = picture.gates;
   std::vector<std::vector<Quad>> gates;
-  for (const io::LabelledPicture& picture : set.labels.pictures)
+  for (const files::LabelledPicture& picture : set.labels.pictures)
     gates.push_back(by_name[picture.image]);
   return gates;
 }
@@ -93,8 +93,8 @@ Found run(const LabelledSet& set, const PaperDetector& detector, int repeat) {
   return found;
 }
 
-std::vector<io::PictureToScore> to_score(const LabelledSet& set, const Found& found) {
-  std::vector<io::PictureToScore> pictures(set.size());
+std::vector<files::PictureToScore> to_score(const LabelledSet& set, const Found& found) {
+  std::vector<files::PictureToScore> pictures(set.size());
   for (std::size_t i = 0; i < set.size(); ++i) {
     pictures[i].gates = set.labels.pictures[i].gates;
     for (const GateDetection& gate : found[i]) pictures[i].detections.push_back(gate.corners_px);
@@ -102,8 +102,8 @@ std::vector<io::PictureToScore> to_score(const LabelledSet& set, const Found& fo
   return pictures;
 }
 
-std::vector<io::PictureToScore> run_paper(const LabelledSet& set, const PaperDetectorParams& params,
-                                          int repeat) {
+std::vector<files::PictureToScore> run_paper(const LabelledSet& set,
+                                             const PaperDetectorParams& params, int repeat) {
   return to_score(set, run(set, as_paper(params), repeat));
 }
 
@@ -113,8 +113,8 @@ RocPoint roc_point(const LabelledSet& set, const PaperDetector& detector, int re
   double squares = 0.0;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     if (options.stopped()) throw Stopped{};
-    const io::Score score =
-        io::score(to_score(set, run(set, detector, repeat)), io::Rule::kOverlap70Authors);
+    const files::Score score =
+        files::score(to_score(set, run(set, detector, repeat)), files::Rule::kOverlap70Authors);
     const double tpr = score.true_positive_rate();
     point.tpr += tpr / repeats, squares += tpr * tpr / repeats;
     point.fp_per_image += score.false_positives_per_image() / repeats;

@@ -21,9 +21,9 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t)>& work
 
 /// Every row of a labels.csv with its picture, decoded.
 struct LabelledSet {
-  io::Labels labels;
-  std::vector<io::ImageFile> files;  ///< One for each of labels.pictures.
-  int stored_rotation_deg = 90;      ///< As the Bebop stores them.
+  files::Labels labels;
+  std::vector<files::ImageFile> files;  ///< One for each of labels.pictures.
+  int stored_rotation_deg = 90;         ///< As the Bebop stores them.
 
   /// Pictures in the order of their numbers.
   /// @throws std::runtime_error one line: a file is missing or wrong.
@@ -54,10 +54,11 @@ using Found = std::vector<std::vector<GateDetection>>;
 [[nodiscard]] Found run(const LabelledSet& set, const PaperDetector& detector, int repeat);
 
 /// The same beside the labels.
-[[nodiscard]] std::vector<io::PictureToScore> to_score(const LabelledSet& set, const Found& found);
-[[nodiscard]] std::vector<io::PictureToScore> run_paper(const LabelledSet& set,
-                                                        const PaperDetectorParams& params,
-                                                        int repeat);
+[[nodiscard]] std::vector<files::PictureToScore> to_score(const LabelledSet& set,
+                                                          const Found& found);
+[[nodiscard]] std::vector<files::PictureToScore> run_paper(const LabelledSet& set,
+                                                           const PaperDetectorParams& params,
+                                                           int repeat);
 
 /// Hits and false positives of several runs, counted as the authors did.
 struct RocPoint {

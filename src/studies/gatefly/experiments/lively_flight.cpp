@@ -35,7 +35,7 @@ void find_airborne(LivelyFlight& flight) {
 /// Log columns as three-vectors.
 class Columns {
  public:
-  explicit Columns(const io::Csv& csv) : csv_{csv} {}
+  explicit Columns(const files::Csv& csv) : csv_{csv} {}
   template <std::size_t N>
   [[nodiscard]] std::array<std::vector<double>, N> of(
       const std::array<const char*, N>& names) const {
@@ -45,11 +45,11 @@ class Columns {
   }
 
  private:
-  const io::Csv& csv_;
+  const files::Csv& csv_;
 };
 
 LivelyFlight read_flight(const fs::path& folder) {
-  const io::Csv csv{folder / "log_si.csv"};
+  const files::Csv csv{folder / "log_si.csv"};
   const Columns in{csv};
   const auto t = csv.numbers("t_s");
   const auto gyro = in.of<3>({"gyro_p_radps", "gyro_q_radps", "gyro_r_radps"});
@@ -144,7 +144,7 @@ std::vector<LivelyFlight> lively_flights(const fs::path& folder, const Options& 
   std::vector<LivelyFlight> flights;
   for (const fs::path& each : folders) {
     if (options.stopped()) throw Stopped{};
-    const auto fit = identification::fit_drag(io::read_flight_folder(each));
+    const auto fit = identification::fit_drag(flight_log::read_flight_folder(each));
     if (!fit) continue;
     flights.push_back(read_flight(each));
     flights.back().heading_offset = fit->heading_offset;
@@ -152,7 +152,7 @@ std::vector<LivelyFlight> lively_flights(const fs::path& folder, const Options& 
   return flights;
 }
 
-LivelyFlight flown_again(const LivelyFlight& real, sim::SimConfig config) {
+LivelyFlight flown_again(const LivelyFlight& real, world::SimConfig config) {
   config.start.heading = real.samples.front().attitude.yaw;
   config.start.position.setZero();
   config.world = {};

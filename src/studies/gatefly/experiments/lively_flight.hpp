@@ -46,6 +46,6 @@ struct LivelyFlight {
 /// The same set points of roll, pitch, heading and height, at the same times, given to a simulated
 /// drone under the autopilot that flew the log, as the log shows it: nothing of our pilot.
 /// @param config  drawn truth; its start and room are of no account.
-[[nodiscard]] LivelyFlight flown_again(const LivelyFlight& real, sim::SimConfig config);
+[[nodiscard]] LivelyFlight flown_again(const LivelyFlight& real, world::SimConfig config);
 
 }  // namespace gatefly::experiments

@@ -34,7 +34,7 @@ constexpr std::size_t kFewestPictures = 5;
 constexpr double kSameGate = 0.5;  // places nearer than this are one gate's [m]
 
 /// With a sonar that is as noisy as a real one.
-std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
+std::vector<RecordedTick> ticks_of(const flight_log::FlightFolder& folder) {
   return flight_log::ticks_of(
       folder, {.period = kAltitudePeriod, .noise = [stream = sim::Stream{1, "altitude"}]() mutable {
                  return kAltitudeSigma * stream.normal();
@@ -42,8 +42,8 @@ std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder) {
 }
 
 /// Attitudes that our AHRS has without any picture.
-LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<RecordedTick>& ticks,
-                       PilotConfig pilot) {
+LoggedMotion motion_of(const flight_log::FlightFolder& folder,
+                       const std::vector<RecordedTick>& ticks, PilotConfig pilot) {
   pilot.track.start_heading = 0.0;
   LoggedMotion motion{folder};
   motion.clear_attitudes();
@@ -52,20 +52,20 @@ LoggedMotion motion_of(const io::FlightFolder& folder, const std::vector<Recorde
   return motion;
 }
 
-bool clear_of_border(const Quad& px, const io::Config& config) {
+bool clear_of_border(const Quad& px, const config::Config& config) {
   return std::all_of(px.begin(), px.end(), [&](const Eigen::Vector2d& p) {
     return p.x() > kBorderPx && p.y() > kBorderPx && p.x() < config.camera.width - 1 - kBorderPx &&
            p.y() < config.camera.height - 1 - kBorderPx;
   });
 }
 
-std::vector<GatePicture> gates_in(const Flight& flight, const io::Config& config) {
+std::vector<GatePicture> gates_in(const Flight& flight, const config::Config& config) {
   const auto detector = std::make_unique<GateDetector>(config.pilot.detector);
   std::vector<GatePicture> seen;
-  for (const io::FlightImage& image : flight.folder.images) {
+  for (const flight_log::FlightImage& image : flight.folder.images) {
     const double t = seconds(image.time);
     if (flight.motion.position(t).z() > -kWellInTheAir) continue;
-    const io::ImageFile file = io::read_image(image.path);
+    const files::ImageFile file = files::read_image(image.path);
     const auto gates =
         detector->look(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color).gates;
     if (!gates.empty() && gates[0].whole && clear_of_border(gates[0].corners_px, config))
@@ -131,15 +131,15 @@ double log_yaw(const Flight& flight) {
   return flight.folder.samples.front().ahrs ? flight.folder.samples.front().ahrs->yaw : 0.0;
 }
 
-PilotConfig pilot_for_recordings(const io::Config& config) {
+PilotConfig pilot_for_recordings(const config::Config& config) {
   PilotConfig pilot = config.pilot;
-  pilot.track = io::read_track(io::find_track("flights")).track;
+  pilot.track = config::read_track(config::find_track("flights")).track;
   pilot.track.room_size = {100.0, 100.0};  // whatever way a frame is turned
   pilot.phase.climb_timeout = 60.0;        // these drones climb when somebody else wants
   return pilot;
 }
 
-std::vector<Flight> flights_in(const fs::path& folder, const io::Config& config,
+std::vector<Flight> flights_in(const fs::path& folder, const config::Config& config,
                                const PilotConfig& pilot, const Options& options) {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -154,7 +154,7 @@ std::vector<Flight> flights_in(const fs::path& folder, const io::Config& config,
     options.progress(0.4 * static_cast<double>(flights.size()) / static_cast<double>(paths.size()),
                      path.filename().string());
     Flight flight{.name = path.filename().string(),
-                  .folder = io::read_flight_folder(path),
+                  .folder = flight_log::read_flight_folder(path),
                   .ticks = {},
                   .motion = {},
                   .seen = {}};

@@ -18,7 +18,7 @@ namespace gatefly::experiments {
 /// A recorded flight as the pilot would have had it.
 struct Flight {
   std::string name;
-  io::FlightFolder folder;
+  flight_log::FlightFolder folder;
   std::vector<flight_log::RecordedTick> ticks;
   /// Motion capture, and attitudes of our AHRS that starts at heading 0.
   LoggedMotion motion;
@@ -27,12 +27,12 @@ struct Flight {
 
 /// The pilot of a configuration for flights without a track: anywhere, in the air when somebody
 /// else wants.
-[[nodiscard]] PilotConfig pilot_for_recordings(const io::Config& config);
+[[nodiscard]] PilotConfig pilot_for_recordings(const config::Config& config);
 
 /// All flight_* of a folder. @throws std::runtime_error when there is none, or as the files'
 /// readers.
 [[nodiscard]] std::vector<Flight> flights_in(const std::filesystem::path& folder,
-                                             const io::Config& config, const PilotConfig& pilot,
+                                             const config::Config& config, const PilotConfig& pilot,
                                              const Options& options);
 
 /// Flights whose gate can be located, and where.

@@ -9,8 +9,8 @@
 
 namespace gatefly::experiments {
 
-LoggedMotion::LoggedMotion(const io::FlightFolder& flight) {
-  for (const io::FlightSample& sample : flight.samples) {
+LoggedMotion::LoggedMotion(const flight_log::FlightFolder& flight) {
+  for (const flight_log::FlightSample& sample : flight.samples) {
     const double t = seconds(sample.time);
     if (sample.ahrs) add_attitude(t, *sample.ahrs);
     // The log repeats a position until the next one has come.

@@ -16,7 +16,7 @@ class LoggedMotion {
  public:
   LoggedMotion() = default;
   /// With the attitudes of the log's own AHRS.
-  explicit LoggedMotion(const io::FlightFolder& flight);
+  explicit LoggedMotion(const flight_log::FlightFolder& flight);
 
   /// Attitudes in the order of their times [s].
   void clear_attitudes() { attitudes_.clear(); }

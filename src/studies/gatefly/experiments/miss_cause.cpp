@@ -11,8 +11,10 @@ namespace gatefly::experiments {
 std::string cause_of_miss(const Image& image, const Quad& corners_px, const ColorModel& color,
                           const GateDetectorParams& params) {
   constexpr double kSame = 0.5;  // of the larger one's area
-  const Quad bars = scaled(io::polygon(corners_px), 1.0 / params.corner_scale);
-  const auto is_there = [&](const Quad& quad) { return overlaps(io::polygon(quad), bars, kSame); };
+  const Quad bars = scaled(files::polygon(corners_px), 1.0 / params.corner_scale);
+  const auto is_there = [&](const Quad& quad) {
+    return overlaps(files::polygon(quad), bars, kSame);
+  };
   CarefulSearch search{params};
   SearchTrace trace;
   (void)search.detect(image, color, &trace);

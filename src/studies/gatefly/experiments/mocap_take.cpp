@@ -30,7 +30,7 @@ const Eigen::Matrix3d& R_of_body() {
 }  // namespace
 
 MocapTake read_take(const fs::path& path) {
-  const io::Csv csv{path};
+  const files::Csv csv{path};
   std::array<std::vector<double>, kColumns.size()> columns;
   for (std::size_t c = 0; c < kColumns.size(); ++c) columns[c] = csv.numbers(kColumns[c]);
   MocapTake take{.name = path.stem().string()};

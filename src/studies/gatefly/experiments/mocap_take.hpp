@@ -25,7 +25,7 @@ struct MocapTake {
 /// Frame: E is (x, z, -y) of Motive's, so z is down and nothing is mirrored. The nose is the body's
 /// z axis: on every straight of the four takes of 2017 the course lies along it, and course and
 /// nose turn to the same side in every arc (both tested on the data).
-/// @throws std::runtime_error as io::Csv; also when times do not increase.
+/// @throws std::runtime_error as files::Csv; also when times do not increase.
 [[nodiscard]] MocapTake read_take(const std::filesystem::path& path);
 
 /// All takes of a folder, in the order of their names. @throws std::runtime_error when there is

@@ -51,12 +51,12 @@ struct Judgement {
   double min_score = 0.0;
   tuning::GateLens lens{};  ///< The found one, if not named.
   double lens_off = 0.0;    ///< Angle found less angle named, where it bends; a part of it.
-  io::Score score{};
+  files::Score score{};
   std::vector<HallGate> gates{};  ///< To be found, and false alarms.
 };
 
 /// The side of a gate, by its area [px].
-double side_of(const Quad& gate) { return std::sqrt(io::polygon_area(gate)); }
+double side_of(const Quad& gate) { return std::sqrt(files::polygon_area(gate)); }
 
 Judgement judged(const HallDay& day, bool names_lens, bool ten) {
   std::vector<tuning::LabelledImage> own;
@@ -74,11 +74,11 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
                    .learnt = tuned.learnt,
                    .min_score = used.lowest,
                    .lens = tuned.lens};
-  std::vector<io::PictureToScore> scored;
+  std::vector<files::PictureToScore> scored;
   for (std::size_t i = 0; i < day.pictures.size(); ++i) {
     if (!is_judged(i)) continue;
     const HallPicture& picture = day.pictures[i];
-    io::PictureToScore& truth = scored.emplace_back(picture.truth);
+    files::PictureToScore& truth = scored.emplace_back(picture.truth);
     const auto found = tuning::judged_in({picture.view(), picture.truth}, tuned.color, used);
     for (const tuning::Judged& gate : found) {
       truth.detections.push_back(gate.corners_px);
@@ -87,7 +87,7 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
     }
     for (const Quad& gate : picture.truth.gates) {
       const bool hit = std::any_of(found.begin(), found.end(), [&](const tuning::Judged& f) {
-        return f.hit > 0.0 && io::matches(f.corners_px, gate, io::Rule::kOverlap70);
+        return f.hit > 0.0 && files::matches(f.corners_px, gate, files::Rule::kOverlap70);
       });
       result.gates.push_back(
           {day.seed, i, gate, 0.0, hit,
@@ -98,7 +98,7 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
   if (tuned.lens.says == tuning::GateLens::Says::kBent)
     result.lens_off = std::abs(tuned.lens.angle / angle - 1.0);
   result.pictures = scored.size();
-  result.score = io::score(scored, io::Rule::kOverlap70);
+  result.score = files::score(scored, files::Rule::kOverlap70);
   return result;
 }
 
@@ -107,7 +107,7 @@ struct Sum {
   std::size_t learnt_from = 0, pictures = 0, days = 0, learnt = 0;
   int gates = 0, hits = 0, wrong = 0;
   std::vector<double> errors{};  ///< Errors of corners [px], sorted.
-  std::array<io::HitRate, kSizes.size() - 1> by_size{};
+  std::array<files::HitRate, kSizes.size() - 1> by_size{};
   std::map<std::string, int> causes{};
   std::vector<double> thresholds{};  ///< Each day's, sorted.
   std::vector<double> lens_off{};    ///< On days on which the gates showed a bend, sorted.
@@ -132,7 +132,7 @@ Sum sum_of(const std::vector<Judgement>& days) {
     if (day.lens.says == tuning::GateLens::Says::kBent) sum.lens_off.push_back(day.lens_off);
     for (const HallGate& gate : day.gates) {
       if (gate.is_false()) continue;
-      for (io::HitRate& bin : sum.by_size)
+      for (files::HitRate& bin : sum.by_size)
         if (side_of(gate.corners_px) >= bin.from && side_of(gate.corners_px) < bin.to)
           ++bin.gates, bin.hits += gate.hit;
       if (!gate.hit) ++sum.causes[gate.cause];
@@ -144,7 +144,7 @@ Sum sum_of(const std::vector<Judgement>& days) {
   return sum;
 }
 
-std::string size_name(const io::HitRate& bin) {
+std::string size_name(const files::HitRate& bin) {
   return bin.to > 1e6 ? fixed(bin.from, 0) + " px and more"
                       : fixed(bin.from, 0) + "-" + fixed(bin.to, 0) + " px";
 }
@@ -156,10 +156,10 @@ void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison
        fixed(sum.tpr(), 3) + " at " + fixed(sum.fp_per_image(), 3) + " false a picture"});
   if (!sum.errors.empty())
     table.push_back({"  corner error", "-",
-                     "median " + fixed(io::quantile(sum.errors, 0.5), 2) + " px, p90 " +
-                         fixed(io::quantile(sum.errors, 0.9), 1) + " px"});
+                     "median " + fixed(files::quantile(sum.errors, 0.5), 2) + " px, p90 " +
+                         fixed(files::quantile(sum.errors, 0.9), 1) + " px"});
   std::string sizes, causes;
-  for (const io::HitRate& bin : sum.by_size)
+  for (const files::HitRate& bin : sum.by_size)
     if (bin.gates > 0)
       sizes += (sizes.empty() ? "" : ", ") + size_name(bin) + " " +
                fixed(static_cast<double>(bin.hits) / bin.gates, 2) + " of " +
@@ -171,23 +171,25 @@ void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison
   if (!condition.names_lens)
     table.push_back(
         {"  lens found on the gates", "-",
-         "on " + std::to_string(sum.lens_off.size()) + " of " + io::amount(sum.days, "day") +
+         "on " + std::to_string(sum.lens_off.size()) + " of " + files::amount(sum.days, "day") +
              (sum.lens_off.empty()
                   ? ""
-                  : ", its angle off by " + fixed(100.0 * io::quantile(sum.lens_off, 0.5), 1) +
+                  : ", its angle off by " + fixed(100.0 * files::quantile(sum.lens_off, 0.5), 1) +
                         " %, median, " + fixed(100.0 * sum.lens_off.back(), 1) + " % at most")});
   if (sum.learnt < sum.days)
-    table.push_back({"  too few gates to learn from", "-",
-                     std::to_string(sum.days - sum.learnt) + " of " + io::amount(sum.days, "day")});
+    table.push_back(
+        {"  too few gates to learn from", "-",
+         std::to_string(sum.days - sum.learnt) + " of " + files::amount(sum.days, "day")});
 }
 
 nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
   auto by_size = nlohmann::ordered_json::array();
-  for (const io::HitRate& bin : sum.by_size)
+  for (const files::HitRate& bin : sum.by_size)
     by_size.push_back({{"from_px", bin.from}, {"gates", bin.gates}, {"hits", bin.hits}});
   nlohmann::ordered_json corners = nullptr;
   if (!sum.errors.empty())
-    corners = {{"median", io::quantile(sum.errors, 0.5)}, {"p90", io::quantile(sum.errors, 0.9)}};
+    corners = {{"median", files::quantile(sum.errors, 0.5)},
+               {"p90", files::quantile(sum.errors, 0.9)}};
   return {{"condition", condition.key},
           {"learnt_from", sum.learnt_from},
           {"days", sum.days},
@@ -200,9 +202,9 @@ nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
           {"lens",
            {{"named", condition.names_lens},
             {"days_found", sum.lens_off.size()},
-            {"angle_off_median", sum.lens_off.empty()
-                                     ? nlohmann::ordered_json(nullptr)
-                                     : nlohmann::ordered_json(io::quantile(sum.lens_off, 0.5))}}},
+            {"angle_off_median",
+             sum.lens_off.empty() ? nlohmann::ordered_json(nullptr)
+                                  : nlohmann::ordered_json(files::quantile(sum.lens_off, 0.5))}}},
           {"min_score", {{"least", sum.thresholds.front()}, {"most", sum.thresholds.back()}}},
           {"by_size", by_size},
           {"missed", sum.causes}};
@@ -214,7 +216,7 @@ std::string csv_of(const Condition& condition, const std::vector<Judgement>& day
     for (const HallGate& gate : day.gates)
       csv += std::string{condition.key} + "," + std::to_string(day.learnt_from) + "," +
              std::to_string(gate.seed) + "," + std::to_string(gate.picture) + "," +
-             io::text_of(side_of(gate.corners_px), 4) + "," +
+             files::text_of(side_of(gate.corners_px), 4) + "," +
              (gate.is_false() ? "false"
               : gate.hit      ? "hit"
                               : "missed") +
@@ -222,9 +224,9 @@ std::string csv_of(const Condition& condition, const std::vector<Judgement>& day
   return csv;
 }
 
-io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color& color) {
-  io::PlotSeries series{.name = name, .points = {}, .color = color};
-  for (const io::HitRate& bin : sum.by_size)
+drawing::PlotSeries curve_of(const std::string& name, const Sum& sum, const drawing::Color& color) {
+  drawing::PlotSeries series{.name = name, .points = {}, .color = color};
+  for (const files::HitRate& bin : sum.by_size)
     if (bin.gates > 0)
       series.points.emplace_back(bin.to > 1e6 ? 1.5 * bin.from : 0.5 * (bin.from + bin.to),
                                  static_cast<double>(bin.hits) / bin.gates);
@@ -234,8 +236,9 @@ io::PlotSeries curve_of(const std::string& name, const Sum& sum, const io::Color
 }  // namespace
 
 Result other_camera(const Options& options) {
-  constexpr std::array kColors{io::kLight.found, io::kLight.focus, io::kLight.gate_solid,
-                               io::kLight.flown, io::kLight.estimate};
+  constexpr std::array kColors{drawing::kLight.found, drawing::kLight.focus,
+                               drawing::kLight.gate_solid, drawing::kLight.flown,
+                               drawing::kLight.estimate};
   Order order = options.quick ? kQuick : kFull;
   order.first_seed = first_seed(options, kFull.first_seed, kQuick.first_seed);
   Result result{.table = {},
@@ -243,8 +246,8 @@ Result other_camera(const Options& options) {
                          {"least_side_px", HallPicture::kLeastSide},
                          {"first_seed", order.first_seed}},
                 .csv = "condition,learnt_from,seed,picture,side_px,is,cause\n",
-                .picture = io::Canvas(1, 1)};
-  io::Plot plot{
+                .picture = drawing::Canvas(1, 1)};
+  drawing::Plot plot{
       .title = "Gates found by their side, exhibition hall, colours learnt without labels",
       .x_label = "side of the gate [px]",
       .y_label = "true positive rate",
@@ -279,7 +282,7 @@ Result other_camera(const Options& options) {
     for (std::size_t d = 0; d < order.days; ++d) misses.add(missed[d]), alarms.add(wrong[d]);
   }
   result.json["conditions"] = list;
-  result.picture = io::draw(plot);
+  result.picture = drawing::draw(plot);
   result.extra.push_back({"missed", misses.drawn()});
   result.extra.push_back({"false-alarms", alarms.drawn()});
   return result;

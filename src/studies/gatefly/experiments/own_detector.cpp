@@ -34,7 +34,7 @@ std::vector<double> corner_errors_of(const OwnSet& set, const std::vector<tuning
     if (found.hit < 1.0 || found.score < min_score) continue;
     const auto& gates = set.picture(found.picture).truth.gates;
     const auto of = [&](const Quad& gate) {
-      return io::corner_errors(found.corners_px, gate).best_order;
+      return files::corner_errors(found.corners_px, gate).best_order;
     };
     const auto sum = [&](const Quad& gate) {
       double all = 0.0;
@@ -67,7 +67,7 @@ nlohmann::ordered_json json_of(const OwnSet& set, const std::vector<tuning::Judg
   const std::vector<double> errors = corner_errors_of(set, judged, roc.at(0.05).min_score);
   nlohmann::ordered_json corners = nullptr;
   if (!errors.empty())
-    corners = {{"median", io::quantile(errors, 0.5)}, {"p90", io::quantile(errors, 0.9)}};
+    corners = {{"median", files::quantile(errors, 0.5)}, {"p90", files::quantile(errors, 0.9)}};
   return {{"at", at}, {"corner_error_px", corners}};
 }
 
@@ -79,8 +79,9 @@ std::string row_text(const tuning::Roc& roc) {
   return text;
 }
 
-io::PlotSeries curve(const std::string& name, const tuning::Roc& roc, const io::Color& color) {
-  io::PlotSeries series{.name = name, .points = {}, .color = color};
+drawing::PlotSeries curve(const std::string& name, const tuning::Roc& roc,
+                          const drawing::Color& color) {
+  drawing::PlotSeries series{.name = name, .points = {}, .color = color};
   for (const tuning::Operating& point : roc.points)
     if (point.false_per_image >= 0.004 && point.false_per_image <= 0.2)
       series.points.emplace_back(point.false_per_image, point.true_positive_rate);
@@ -90,16 +91,17 @@ io::PlotSeries curve(const std::string& name, const tuning::Roc& roc, const io::
 }  // namespace
 
 Result own_detector(const Options& options) {
-  constexpr std::array kColors{io::kLight.gate_solid, io::kLight.found, io::kLight.flown,
-                               io::kLight.estimate, io::kLight.ink};
+  constexpr std::array kColors{drawing::kLight.gate_solid, drawing::kLight.found,
+                               drawing::kLight.flown, drawing::kLight.estimate,
+                               drawing::kLight.ink};
   Result result{.table = {},
                 .json = {{"rule", "overlap70; washington_obrace: iou50, nearest gate"}},
                 .csv = "set,colours,min_score,tpr,fp_per_image\n",
-                .picture = io::Canvas(1, 1)};
-  io::Plot plot{.title = "Our detector, colours fitted to labels of the other half",
-                .x_label = "false positives per picture",
-                .y_label = "true positive rate",
-                .log_x = true};
+                .picture = drawing::Canvas(1, 1)};
+  drawing::Plot plot{.title = "Our detector, colours fitted to labels of the other half",
+                     .x_label = "false positives per picture",
+                     .y_label = "true positive rate",
+                     .log_x = true};
   auto sets = nlohmann::ordered_json::array();
   const std::size_t count = options.quick ? 2 : own_set_names().size();
   for (std::size_t s = 0; s < count; ++s) {
@@ -116,9 +118,9 @@ Result own_detector(const Options& options) {
       result.table.push_back({set.name + ", " + model.name, paper_text(set.name), row_text(roc)});
       models[model.key] = json_of(set, judged, roc);
       for (const tuning::Operating& point : roc.points)
-        result.csv += set.name + "," + model.key + "," + io::text_of(point.min_score, 6) + "," +
-                      io::text_of(point.true_positive_rate, 6) + "," +
-                      io::text_of(point.false_per_image, 6) + "\n";
+        result.csv += set.name + "," + model.key + "," + files::text_of(point.min_score, 6) + "," +
+                      files::text_of(point.true_positive_rate, 6) + "," +
+                      files::text_of(point.false_per_image, 6) + "\n";
       if (model.colors == Colors::kLabels && !model.fast)
         plot.series.push_back(curve(set.name, roc, kColors[s]));
     }
@@ -133,10 +135,10 @@ Result own_detector(const Options& options) {
   result.json["sets"] = sets;
   plot.series.push_back({.name = "paper (basement580)",
                          .points = {{0.064, 0.46}},
-                         .color = io::kLight.ink,
+                         .color = drawing::kLight.ink,
                          .line = false,
                          .rings = true});
-  result.picture = io::draw(plot);
+  result.picture = drawing::draw(plot);
   return result;
 }
 

@@ -41,7 +41,8 @@ Gates ignored_of(const Place& place, const std::filesystem::path& folder) {
   if (std::string{place.name} == "distance51") return second_gates();
   Gates gates;
   if (place.ignored != nullptr)
-    for (const io::LabelledPicture& picture : io::read_labels(folder / place.ignored).pictures)
+    for (const files::LabelledPicture& picture :
+         files::read_labels(folder / place.ignored).pictures)
       gates[picture.image] = picture.gates;
   return gates;
 }
@@ -68,7 +69,7 @@ OwnSet own_set(const std::string& name, const Options& options) {
   std::filesystem::path folder = data_folder(top, options);
   if (*place.folder != '\0') folder /= place.name;
   const std::vector<std::string> configs{place.config};
-  const io::Config config = io::load_config(io::config_files(configs));
+  const config::Config config = config::load_config(config::config_files(configs));
   OwnSet set{.name = name,
              .files = LabelledSet(folder, place.labels, config.camera.stored_rotation_deg),
              .config = config,
@@ -77,17 +78,17 @@ OwnSet own_set(const std::string& name, const Options& options) {
              .names = {},
              .judging = {.detector = config.pilot.detector}};
   const bool is_washington = top == place.name;
-  if (is_washington) set.judging.rule = io::Rule::kIou50, set.judging.nearest = true;
+  if (is_washington) set.judging.rule = files::Rule::kIou50, set.judging.nearest = true;
   set.judging.all = name == "distance51";  // two gates are in view
   // all gates are alike, so the nearest is the largest; nine pictures list it last
   if (is_washington)
-    for (io::LabelledPicture& label : set.files.labels.pictures)
+    for (files::LabelledPicture& label : set.files.labels.pictures)
       std::stable_sort(label.gates.begin(), label.gates.end(), [](const Quad& a, const Quad& b) {
-        return io::polygon_area(a) > io::polygon_area(b);
+        return files::polygon_area(a) > files::polygon_area(b);
       });
   Gates ignored = ignored_of(place, folder);
   for (std::size_t i = 0; i < set.files.size(); ++i) {
-    const io::LabelledPicture& label = set.files.labels.pictures[i];
+    const files::LabelledPicture& label = set.files.labels.pictures[i];
     if (!label.first_identical.empty() && label.first_identical != label.image) continue;
     (2 * i < set.files.size() ? set.first : set.second)
         .push_back({set.files.picture(i),

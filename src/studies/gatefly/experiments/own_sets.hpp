@@ -16,7 +16,7 @@ namespace gatefly::experiments {
 struct OwnSet {
   std::string name;
   LabelledSet files;
-  io::Config config;                                 ///< Shipped: basement, cyberzoo, washington.
+  config::Config config;                             ///< Shipped: basement, cyberzoo, washington.
   std::vector<tuning::LabelledImage> first, second;  ///< Halves of the set's rows.
   std::vector<std::string> names;                    ///< Pictures of both.
   tuning::Judging judging;

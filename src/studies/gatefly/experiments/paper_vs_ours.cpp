@@ -21,8 +21,8 @@
 namespace gatefly::experiments {
 namespace {
 
-using closed_loop::RaceResult;
-using closed_loop::Vision;
+using simulated_race::RaceResult;
+using simulated_race::Vision;
 
 constexpr std::uint64_t kComparedReported = 2801,
                         kComparedLookedAt = 1801;  // first seeds: in full, quick
@@ -55,7 +55,7 @@ std::vector<Mixture> mixtures() {
 /// The keys of those sections of configs/li18.toml, as --set has them. Without pictures the
 /// detector's box is its statistics.
 std::vector<std::string> settings_of(const Mixture& mixture, Vision vision) {
-  const io::TomlFile file(io::config_files(std::vector<std::string>{"li18"}).back());
+  const files::TomlFile file(config::config_files(std::vector<std::string>{"li18"}).back());
   const nlohmann::json& li18 = file.content();
   std::vector<std::string> settings;
   for (std::size_t i = 0; i < kBoxes.size(); ++i) {
@@ -89,7 +89,7 @@ struct Campaign {
     std::vector<double> values;
     for (const RaceResult& r : races)
       if (r.gates_passed > 1) values.push_back(value(r));
-    return values.empty() ? std::nan("") : io::nearest_rank(values, 0.5);
+    return values.empty() ? std::nan("") : files::nearest_rank(values, 0.5);
   }
   [[nodiscard]] double speed() const {
     return median([](const RaceResult& r) { return r.mean_speed; });
@@ -112,7 +112,8 @@ Campaign campaign_of(const Mixture& mixture, Vision vision, std::size_t days,
     race.while_baking = [&options] {
       if (options.stopped()) throw Stopped{};
     };
-    campaign.races[i] = closed_loop::fly(race, [&](const Tick&) { return !options.stopped(); });
+    campaign.races[i] =
+        simulated_race::fly(race, [&](const flight_log::Tick&) { return !options.stopped(); });
   });
   return campaign;
 }
@@ -124,13 +125,13 @@ struct Row {
 };
 
 /// One line a mixture: part finished with its 95 % interval, gates, speed, error, causes.
-io::Canvas picture_of(const std::vector<Row>& rows) {
-  constexpr int kWidth = io::kPlotWidth, kLine = 32, kTop = 112;
+drawing::Canvas picture_of(const std::vector<Row>& rows) {
+  constexpr int kWidth = drawing::kPlotWidth, kLine = 32, kTop = 112;
   constexpr double kBar = 250.0, kBarWidth = 220.0, kColumns = 490.0;
-  io::Canvas canvas(kWidth, kTop + kLine * (static_cast<int>(rows.size()) + 3));
+  drawing::Canvas canvas(kWidth, kTop + kLine * (static_cast<int>(rows.size()) + 3));
   canvas.text({24, 40}, "Paper and ours on the same days: showroom, 15 gates, level race",
               {.size = 22, .bold = true});
-  const io::Lettering head{.color = io::kLight.muted, .size = 14};
+  const drawing::Lettering head{.color = drawing::kLight.muted, .size = 14};
   canvas.text({kBar, 84}, "races finished, 95 % interval", head);
   const std::array<std::pair<double, const char*>, 5> titles{{{kColumns, "finished"},
                                                               {kColumns + 85, "gates"},
@@ -143,28 +144,29 @@ io::Canvas picture_of(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     if (row.vision != vision) {
       vision = row.vision;
-      canvas.text({24, y + 8}, vision, {.color = io::kLight.ink, .size = 16, .bold = true});
+      canvas.text({24, y + 8}, vision, {.color = drawing::kLight.ink, .size = 16, .bold = true});
       y += kLine;
     }
     const Campaign& c = row.campaign;
     const int n = static_cast<int>(c.races.size());
     const double part = static_cast<double>(c.finished()) / n;
-    const auto interval = io::wilson95(c.finished(), n);
+    const auto interval = simulated_race::wilson95(c.finished(), n);
     const bool pure = row.mixture.name.rfind("all", 0) == 0;
-    const io::Color color = row.mixture.paper[3] ? io::kLight.gate_solid : io::kLight.found;
+    const drawing::Color color =
+        row.mixture.paper[3] ? drawing::kLight.gate_solid : drawing::kLight.found;
     canvas.text({24, y + 8}, row.mixture.name, {.size = 15, .bold = pure});
-    canvas.fill({kBar, y - 6, kBarWidth, 16}, io::kLight.well, 3);
+    canvas.fill({kBar, y - 6, kBarWidth, 16}, drawing::kLight.well, 3);
     canvas.fill({kBar, y - 6, std::max(1.0, kBarWidth * part), 16}, color.faded(pure ? 1.0 : 0.6),
                 3);
     canvas.line({kBar + kBarWidth * interval.low, y + 2}, {kBar + kBarWidth * interval.high, y + 2},
-                {.color = io::kLight.ink, .width = 2});
-    const io::Lettering small{.size = 14};
+                {.color = drawing::kLight.ink, .width = 2});
+    const drawing::Lettering small{.size = 14};
     canvas.text({kColumns, y + 8}, std::to_string(c.finished()) + " of " + std::to_string(n),
                 small);
     canvas.text({kColumns + 85, y + 8}, fixed(c.gates(), 1), small);
     canvas.text({kColumns + 140, y + 8}, fixed(c.speed(), 2), small);
     canvas.text({kColumns + 190, y + 8}, fixed(c.error(), 2), small);
-    io::Lettering causes{.color = io::kLight.muted, .size = 14};
+    drawing::Lettering causes{.color = drawing::kLight.muted, .size = 14};
     const double wide = canvas.text_width(c.causes(), causes), most = kWidth - kColumns - 290;
     if (wide > most) causes.size *= most / wide;
     canvas.text({kColumns + 270, y + 8}, c.causes(), causes);
@@ -200,7 +202,7 @@ Result paper_vs_ours(const Options& options) {
   for (const Row& row : rows) {
     const Campaign& c = row.campaign;
     const int n = static_cast<int>(c.races.size());
-    const auto interval = io::wilson95(c.finished(), n);
+    const auto interval = simulated_race::wilson95(c.finished(), n);
     result.table.push_back({row.vision + ": " + row.mixture.name, "",
                             std::to_string(c.finished()) + " of " + std::to_string(n) + " (" +
                                 fixed(interval.low, 2) + "-" + fixed(interval.high, 2) + "), " +
@@ -214,7 +216,7 @@ Result paper_vs_ours(const Options& options) {
                     "," + (r.finished ? "1" : "0") + "," + std::to_string(r.gates_passed) + "," +
                     cause_of(r);
       for (const double v : {r.mean_speed, r.estimation_rmse.x(), r.estimation_rmse.y()})
-        result.csv += "," + io::text_of(v, 4);
+        result.csv += "," + files::text_of(v, 4);
       result.csv += "\n";
     }
     list.push_back({{"vision", row.vision},

@@ -15,7 +15,7 @@ using Changed = std::optional<UprightPicture>;
 constexpr double kBarWidth = 0.05 / 0.95;  // of a side of the bars' middle lines [Li18's gates]
 constexpr double kBand = 2.0 / 3.0;        // of a side
 
-template <int kQuality, io::ChromaSampling kSampling>
+template <int kQuality, files::ChromaSampling kSampling>
 Changed jpeg(const Picture& p) {
   return through_jpeg(p, kQuality, kSampling);
 }
@@ -27,8 +27,8 @@ Changed band(const Picture& p) {
 
 Changed nothing(const Picture& p) { return p; }
 
-using io::ChromaSampling::k420;
-using io::ChromaSampling::k444;
+using files::ChromaSampling::k420;
+using files::ChromaSampling::k444;
 
 constexpr std::array kChanges{
     PictureChange{"nothing", "nothing", nothing},

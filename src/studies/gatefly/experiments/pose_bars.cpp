@@ -115,9 +115,9 @@ void report(const Line& line, const LineErrors& row, Result& result) {
                         {"no_answer", row[i].paper.none},
                         {"map_no_answer", row[i].map.none}});
       result.csv += std::string(line.name) + "," + (axis == 0 ? "x" : "y") + "," +
-                    io::text_of(kBarDistances[i]) + "," + io::text_of(paper[i]) + "," +
-                    io::text_of(value, 5) + "," + (std::isfinite(map) ? io::text_of(map, 5) : "") +
-                    "\n";
+                    files::text_of(kBarDistances[i]) + "," + files::text_of(paper[i]) + "," +
+                    files::text_of(value, 5) + "," +
+                    (std::isfinite(map) ? files::text_of(map, 5) : "") + "\n";
     }
     const std::string name = std::string(line.name) + (axis == 0 ? " x" : " y");
     result.table.push_back({name, theirs, ours + "(" + std::to_string(good) + " of 5)"});
@@ -126,15 +126,17 @@ void report(const Line& line, const LineErrors& row, Result& result) {
   }
 }
 
-io::Plot panel(const std::array<LineErrors, 4>& rows, int axis, const std::string& title) {
-  constexpr std::array<io::Color, 4> kColors{io::kLight.found, io::kLight.flown, io::kLight.muted,
-                                             io::kLight.gate_solid};
-  io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
+drawing::Plot panel(const std::array<LineErrors, 4>& rows, int axis, const std::string& title) {
+  constexpr std::array<drawing::Color, 4> kColors{drawing::kLight.found, drawing::kLight.flown,
+                                                  drawing::kLight.muted,
+                                                  drawing::kLight.gate_solid};
+  drawing::Plot plot{
+      .title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
   for (std::size_t l = 0; l < rows.size(); ++l) {
     if (l == 2) continue;  // -30° is the same as 30°
     const Line& line = lines()[l];
-    io::PlotSeries ours{.name = line.name, .points = {}, .color = kColors[l]};
-    io::PlotSeries theirs{
+    drawing::PlotSeries ours{.name = line.name, .points = {}, .color = kColors[l]};
+    drawing::PlotSeries theirs{
         .name = "", .points = {}, .color = kColors[l], .line = false, .rings = true};
     for (std::size_t i = 0; i < kBarDistances.size(); ++i) {
       ours.points.emplace_back(kBarDistances[i], rows[l][i].paper.axis(axis));
@@ -146,8 +148,8 @@ io::Plot panel(const std::array<LineErrors, 4>& rows, int axis, const std::strin
   return plot;
 }
 
-io::Canvas plotted(const std::array<LineErrors, 4>& rows) {
-  return io::draw_sheet(
+drawing::Canvas plotted(const std::array<LineErrors, 4>& rows) {
+  return drawing::draw_sheet(
       std::array{panel(rows, 0, "Position from the two side bars: x, through the gate"),
                  panel(rows, 1, "Position from the two side bars: y, to the right")},
       1);

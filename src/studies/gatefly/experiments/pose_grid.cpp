@@ -43,8 +43,8 @@ struct Cell {
   [[nodiscard]] double against_oracle() const { return map_outlier.all() / oracle.all(); }
   [[nodiscard]] double nees_per_axis() const { return nees / (3.0 * map.n); }
   [[nodiscard]] std::string name() const {
-    return io::text_of(distance) + " m, " + io::text_of(attitude_deg) + "°, " + io::text_of(px) +
-           " px, yaw " + io::text_of(yaw_deg) + "°";
+    return files::text_of(distance) + " m, " + files::text_of(attitude_deg) + "°, " +
+           files::text_of(px) + " px, yaw " + files::text_of(yaw_deg) + "°";
   }
 };
 
@@ -197,27 +197,27 @@ std::string csv_of(const std::vector<Cell>& cells) {
           c.ippe.all(), c.p3p.all(), c.against_best(), c.nees_per_axis(),
           static_cast<double>(c.map.none), c.map_outlier.all(), c.oracle.all(), c.against_oracle(),
           c.nees_outlier / (3.0 * c.map_outlier.n)})
-      csv += (std::isfinite(value) ? io::text_of(value, 5) : "") + ",";
+      csv += (std::isfinite(value) ? files::text_of(value, 5) : "") + ",";
     csv += std::to_string(c.map_outlier.none) + "\n";
   }
   return csv;
 }
 
-io::Canvas plotted(const std::vector<Cell>& cells) {
-  std::vector<io::Plot> plots;
+drawing::Canvas plotted(const std::vector<Cell>& cells) {
+  std::vector<drawing::Plot> plots;
   for (const double attitude_deg : {0.0, 5.0, 15.0}) {
-    io::Plot plot{.title = "Position error, 3.5 px, attitude " + io::text_of(attitude_deg) +
-                           "°, gate straight across",
-                  .x_label = "distance [m]",
-                  .y_label = "3-D RMSE [m]",
-                  .series = {{.name = "P3P", .color = io::kLight.muted},
-                             {.name = "IPPE", .color = io::kLight.flown},
-                             {.name = "SQPNP", .color = io::kLight.estimate},
-                             {.name = "MAP (ours)", .color = io::kLight.found},
-                             {.name = "rays (paper)",
-                              .color = io::kLight.gate_solid,
-                              .line = false,
-                              .rings = true}}};  // often the same points
+    drawing::Plot plot{.title = "Position error, 3.5 px, attitude " + files::text_of(attitude_deg) +
+                                "°, gate straight across",
+                       .x_label = "distance [m]",
+                       .y_label = "3-D RMSE [m]",
+                       .series = {{.name = "P3P", .color = drawing::kLight.muted},
+                                  {.name = "IPPE", .color = drawing::kLight.flown},
+                                  {.name = "SQPNP", .color = drawing::kLight.estimate},
+                                  {.name = "MAP (ours)", .color = drawing::kLight.found},
+                                  {.name = "rays (paper)",
+                                   .color = drawing::kLight.gate_solid,
+                                   .line = false,
+                                   .rings = true}}};  // often the same points
     for (const Cell& c : cells) {
       if (c.attitude_deg != attitude_deg || c.px != 3.5 || c.yaw_deg != 0.0) continue;
       const std::array<double, 5> values{c.p3p.all(), c.ippe.all(), c.sqpnp.all(), c.map.all(),
@@ -227,7 +227,7 @@ io::Canvas plotted(const std::vector<Cell>& cells) {
     }
     plots.push_back(plot);
   }
-  return io::draw_sheet(plots, 1);
+  return drawing::draw_sheet(plots, 1);
 }
 
 }  // namespace

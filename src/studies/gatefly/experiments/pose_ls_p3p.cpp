@@ -125,7 +125,7 @@ bool shown(const Study& study, std::size_t i) { return study.distances.size() <=
 std::string distances_of(const Study& study) {
   std::string list;
   for (std::size_t i = 0; i < study.distances.size(); ++i)
-    if (shown(study, i)) list += io::text_of(study.distances[i]) + " ";
+    if (shown(study, i)) list += files::text_of(study.distances[i]) + " ";
   return list + "m";
 }
 
@@ -145,9 +145,9 @@ void report(const Study& study, Result& result) {
                         {"paper_rmse_m", number(theirs)},
                         {"rmse_m", number(mine)}});
       result.csv += std::string(study.name) + "," + curve.name + "," +
-                    io::text_of(study.distances[i]) + "," +
-                    (std::isfinite(theirs) ? io::text_of(theirs) : "") + "," +
-                    (std::isfinite(mine) ? io::text_of(mine, 5) : "") + "\n";
+                    files::text_of(study.distances[i]) + "," +
+                    (std::isfinite(theirs) ? files::text_of(theirs) : "") + "," +
+                    (std::isfinite(mine) ? files::text_of(mine, 5) : "") + "\n";
     }
     const std::string within =
         compared > 0 ? "(" + std::to_string(good) + " of " + std::to_string(compared) + ")" : "";
@@ -202,15 +202,18 @@ void report(const std::vector<Variant>& list, Result& result) {
 }
 
 /// One panel: the curves of one method.
-io::Plot panel(const Study& study, bool p3p, const std::string& title) {
-  constexpr std::array<io::Color, 4> kColors{io::kLight.estimate, io::kLight.gate_solid,
-                                             io::kLight.found, io::kLight.flown};
-  io::Plot plot{.title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
+drawing::Plot panel(const Study& study, bool p3p, const std::string& title) {
+  constexpr std::array<drawing::Color, 4> kColors{drawing::kLight.estimate,
+                                                  drawing::kLight.gate_solid, drawing::kLight.found,
+                                                  drawing::kLight.flown};
+  drawing::Plot plot{
+      .title = title, .x_label = "distance [m]", .y_label = "RMSE [m]", .series = {}};
   for (std::size_t c = 0, shown = 0; c < study.curves.size(); ++c) {
     if (study.curves[c].p3p.has_value() != p3p) continue;
-    const io::Color color = kColors[shown++];
-    io::PlotSeries ours{.name = study.curves[c].name, .points = {}, .color = color};
-    io::PlotSeries theirs{.name = "", .points = {}, .color = color, .line = false, .rings = true};
+    const drawing::Color color = kColors[shown++];
+    drawing::PlotSeries ours{.name = study.curves[c].name, .points = {}, .color = color};
+    drawing::PlotSeries theirs{
+        .name = "", .points = {}, .color = color, .line = false, .rings = true};
     for (std::size_t i = 0; i < study.distances.size(); ++i) {
       ours.points.emplace_back(study.distances[i], study.ours[c][i]);
       theirs.points.emplace_back(study.distances[i], study.curves[c].paper[i]);
@@ -222,10 +225,11 @@ io::Plot panel(const Study& study, bool p3p, const std::string& title) {
 }
 
 /// Above each other: P3P is ten times as far off.
-io::Canvas plotted(const Study& study) {
-  return io::draw_sheet(std::array{panel(study, true, "P3P, noise as the authors drew it"),
-                                   panel(study, false, "Least squares (LS), the same corners")},
-                        1);
+drawing::Canvas plotted(const Study& study) {
+  return drawing::draw_sheet(
+      std::array{panel(study, true, "P3P, noise as the authors drew it"),
+                 panel(study, false, "Least squares (LS), the same corners")},
+      1);
 }
 
 }  // namespace

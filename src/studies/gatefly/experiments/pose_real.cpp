@@ -13,11 +13,11 @@
 namespace gatefly::experiments {
 namespace pose_real_parts {
 
-io::Config config_with(const std::string& name) {
-  std::vector<std::filesystem::path> files = io::config_files(std::vector<std::string>{name});
-  files.push_back(io::find_toml("bebop-brown", "cameras"));
+config::Config config_with(const std::string& name) {
+  std::vector<std::filesystem::path> files = config::config_files(std::vector<std::string>{name});
+  files.push_back(files::find_toml("bebop-brown", "cameras"));
   const std::vector<std::string> settings{"gate.corners=middle"};
-  return io::load_config(files, settings);
+  return config::load_config(files, settings);
 }
 
 calibration::Calibration calibrated(const char* corners, int rotation_deg, const Options& options) {
@@ -40,14 +40,14 @@ Result pose_real(const Options& options) {
   Result result{.table = {},
                 .json = {},
                 .csv = "from,true_x_m,true_y_m,true_z_m,x_m,y_m,z_m\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   if (options.stopped()) throw Stopped{};
   const calibration::Calibration camera = calibrated(kCorners, 0, options);
-  const io::Plot distances = report_distances(options, camera, result);
+  const drawing::Plot distances = report_distances(options, camera, result);
   options.progress(0.2, "flight_11");
   if (options.stopped()) throw Stopped{};
-  const io::Plot flight = report_flight(options, camera, result);
-  result.picture = io::draw_sheet(std::array{distances, flight}, 1);
+  const drawing::Plot flight = report_flight(options, camera, result);
+  result.picture = drawing::draw_sheet(std::array{distances, flight}, 1);
   return result;
 }
 

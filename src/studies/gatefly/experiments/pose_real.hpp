@@ -22,7 +22,7 @@ inline constexpr const char* kCorners = "calib_rot_3_corners.csv";
 inline constexpr const char* kOtherCorners = "calib_Flow_3c_corners.csv";
 
 /// The camera's mount is the airframe's; the lens comes from the calibration.
-[[nodiscard]] io::Config config_with(const std::string& name);
+[[nodiscard]] config::Config config_with(const std::string& name);
 
 /// As `gatefly calibrate` has it. @param rotation_deg  how the listed pictures are stored.
 [[nodiscard]] calibration::Calibration calibrated(const char* corners, int rotation_deg,
@@ -32,11 +32,12 @@ inline constexpr const char* kOtherCorners = "calib_Flow_3c_corners.csv";
 
 /// distance51: distances to a gate that somebody measured with a tape. Adds to the result; returns
 /// what to draw.
-[[nodiscard]] io::Plot report_distances(const Options& options,
-                                        const calibration::Calibration& camera, Result& result);
+[[nodiscard]] drawing::Plot report_distances(const Options& options,
+                                             const calibration::Calibration& camera,
+                                             Result& result);
 
 /// flight_11 against motion capture. Adds to the result; returns what to draw.
-[[nodiscard]] io::Plot report_flight(const Options& options, const calibration::Calibration& camera,
-                                     Result& result);
+[[nodiscard]] drawing::Plot report_flight(const Options& options,
+                                          const calibration::Calibration& camera, Result& result);
 
 }  // namespace gatefly::experiments::pose_real_parts

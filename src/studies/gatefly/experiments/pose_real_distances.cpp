@@ -52,14 +52,14 @@ struct MeasuredGate {
 };
 
 std::vector<MeasuredGate> measured_gates(const std::filesystem::path& folder,
-                                         const io::Config& config) {
+                                         const config::Config& config) {
   constexpr double kSamePx = 15.0;  // a second gate stands at the right
   const auto search = std::make_unique<CarefulSearch>(config.pilot.detector);
   std::vector<MeasuredGate> gates;
-  for (const io::LabelledPicture& picture : io::read_labels(folder / "labels.csv").pictures) {
+  for (const files::LabelledPicture& picture : files::read_labels(folder / "labels.csv").pictures) {
     if (picture.gates.empty() || !std::isfinite(picture.true_distance)) continue;
     gates.push_back({picture.true_distance, clockwise_from_top_left(picture.gates.front()), {}});
-    const io::ImageFile file = io::read_image(folder / picture.image);
+    const files::ImageFile file = files::read_image(folder / picture.image);
     for (const GateDetection& found :
          search->detect(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color))
       if ((center(found.corners_px) - center(gates.back().label)).norm() < kSamePx)
@@ -192,32 +192,32 @@ std::string mean_and_spread(const std::vector<double>& values) {
          fixed(deviation(values), 2) + ")";
 }
 
-io::PlotSeries errors_over_distance(const std::string& name, const AllDistances& found,
-                                    std::vector<double> Distances::*answers, const io::Color& color,
-                                    double aside) {
-  io::PlotSeries out{.name = name, .points = {}, .color = color, .line = false};
+drawing::PlotSeries errors_over_distance(const std::string& name, const AllDistances& found,
+                                         std::vector<double> Distances::*answers,
+                                         const drawing::Color& color, double aside) {
+  drawing::PlotSeries out{.name = name, .points = {}, .color = color, .line = false};
   for (const auto& [truth, at] : found)
     for (const double d : at.*answers) out.points.emplace_back(truth + aside, d - truth);
   return out;
 }
 
-io::Plot plotted(const AllDistances& found) {
+drawing::Plot plotted(const AllDistances& found) {
   constexpr double kAside = 0.06;
   return {.title = "Distance to a gate (distance51), picture by picture",
           .x_label = "distance by tape [m]",
           .y_label = "ours - tape [m]",
           .series = {errors_over_distance("from labels", found, &Distances::from_both_label,
-                                          io::kLight.gate_solid, -kAside),
+                                          drawing::kLight.gate_solid, -kAside),
                      errors_over_distance("from detections", found, &Distances::from_both_detection,
-                                          io::kLight.found, kAside)},
+                                          drawing::kLight.found, kAside)},
           .y_from_0 = false};
 }
 
 }  // namespace
 
-io::Plot report_distances(const Options& options, const calibration::Calibration& camera,
-                          Result& result) {
-  const io::Config config = config_with("cyberzoo");
+drawing::Plot report_distances(const Options& options, const calibration::Calibration& camera,
+                               Result& result) {
+  const config::Config config = config_with("cyberzoo");
   const std::vector<MeasuredGate> gates =
       measured_gates(data_folder("tudelft_bebop_gates", options) / "distance51", config);
   CameraRig rig = config.pilot.camera;
@@ -225,9 +225,9 @@ io::Plot report_distances(const Options& options, const calibration::Calibration
   const AllDistances distances = distances_of(gates, rig);
   auto list = nlohmann::ordered_json::array();
   for (const auto& [truth, found] : distances) {
-    result.table.push_back({"distance51, " + io::text_of(truth) + " m: PnP, ours; the drone moved",
-                            mean_and_spread(found.pnp),
-                            mean_and_spread(found.map) + "; " + fixed(found.moved(), 2)});
+    result.table.push_back(
+        {"distance51, " + files::text_of(truth) + " m: PnP, ours; the drone moved",
+         mean_and_spread(found.pnp), mean_and_spread(found.map) + "; " + fixed(found.moved(), 2)});
     list.push_back({{"true_m", truth},
                     {"pictures", found.map.size()},
                     {"mean_m", mean(found.map)},

@@ -119,18 +119,18 @@ struct Seen {
   std::vector<GatePicture> labels, detections;
 };
 
-Seen seen_in_flight(const io::FlightFolder& flight, const io::Config& config) {
+Seen seen_in_flight(const flight_log::FlightFolder& flight, const config::Config& config) {
   constexpr std::size_t kFirst = 18;  // before it the drone stands on the ground
-  const io::Labels labels = io::read_labels(flight.directory / "labels.csv");
+  const files::Labels labels = files::read_labels(flight.directory / "labels.csv");
   const auto search = std::make_unique<CarefulSearch>(config.pilot.detector);
   Seen seen;
   for (std::size_t i = kFirst; i < flight.images.size(); ++i)
-    for (const io::LabelledPicture& picture : labels.pictures) {
+    for (const files::LabelledPicture& picture : labels.pictures) {
       if (picture.image != flight.images[i].path.filename().string() || picture.gates.empty())
         continue;
       const double t = seconds(flight.images[i].time);
       seen.labels.push_back({t, picture.gates.front()});
-      const io::ImageFile file = io::read_image(flight.images[i].path);
+      const files::ImageFile file = files::read_image(flight.images[i].path);
       const GateDetections gates =
           search->detect(file.view(config.camera.stored_rotation_deg), config.pilot.gate_color);
       if (!gates.empty())
@@ -158,9 +158,9 @@ nlohmann::ordered_json json_of(const FlightErrors& errors) {
           {"nees_per_axis", number(errors.nees / (3.0 * errors.map.n))}};
 }
 
-io::PlotSeries series(const std::string& name, const std::vector<Eigen::Vector3d>& points,
-                      const io::Color& color, bool line, bool rings) {
-  io::PlotSeries out{.name = name, .points = {}, .color = color, .line = line, .rings = rings};
+drawing::PlotSeries series(const std::string& name, const std::vector<Eigen::Vector3d>& points,
+                           const drawing::Color& color, bool line, bool rings) {
+  drawing::PlotSeries out{.name = name, .points = {}, .color = color, .line = line, .rings = rings};
   for (const Eigen::Vector3d& p : points) out.points.emplace_back(p.x(), p.y());
   return out;
 }
@@ -169,22 +169,22 @@ void add_rows(const std::string& from, const FlightErrors& errors, std::string& 
   for (std::size_t i = 0; i < errors.found.size(); ++i) {
     csv += from;
     for (const Eigen::Vector3d& p : {errors.truth[i], errors.found[i]})
-      for (const double v : p) csv += "," + io::text_of(v, 5);
+      for (const double v : p) csv += "," + files::text_of(v, 5);
     csv += "\n";
   }
 }
 
 }  // namespace
 
-io::Plot report_flight(const Options& options, const calibration::Calibration& camera,
-                       Result& result) {
-  const io::FlightFolder flight =
-      io::read_flight_folder(data_folder("tudelft_bebop_flights", options) / "flight_11");
-  const io::Config config = config_with("flights");
+drawing::Plot report_flight(const Options& options, const calibration::Calibration& camera,
+                            Result& result) {
+  const flight_log::FlightFolder flight =
+      flight_log::read_flight_folder(data_folder("tudelft_bebop_flights", options) / "flight_11");
+  const config::Config config = config_with("flights");
   const Seen seen = seen_in_flight(flight, config);
   Flown flown{.motion = LoggedMotion(flight), .pilot = config.pilot, .setup = {}};
   flown.pilot.camera.lens = lens_of(camera.best());
-  flown.pilot.track = io::read_track(io::find_track("flights")).track;
+  flown.pilot.track = config::read_track(config::find_track("flights")).track;
   flown.setup = fitted(flown.motion, seen.labels, flown.pilot, kSide);
   const FlightErrors labels = errors_of(flown, seen.labels, kLabelSigmaPx);
   const FlightErrors detections =
@@ -219,13 +219,14 @@ io::Plot report_flight(const Options& options, const calibration::Calibration& c
                                 {"rms_px", misfit}}},
                               {"best_side_m", side}};
   add_rows("labels", labels, result.csv), add_rows("detections", detections, result.csv);
-  return {.title = "flight_11 before the gate: pose from single pictures",
-          .x_label = "x, through the gate [m]",
-          .y_label = "y, to the right [m]",
-          .series = {series("motion capture", labels.truth, io::kLight.ink, true, false),
-                     series("from labels", labels.found, io::kLight.gate_solid, false, true),
-                     series("from detections", detections.found, io::kLight.found, false, false)},
-          .y_from_0 = false};
+  return {
+      .title = "flight_11 before the gate: pose from single pictures",
+      .x_label = "x, through the gate [m]",
+      .y_label = "y, to the right [m]",
+      .series = {series("motion capture", labels.truth, drawing::kLight.ink, true, false),
+                 series("from labels", labels.found, drawing::kLight.gate_solid, false, true),
+                 series("from detections", detections.found, drawing::kLight.found, false, false)},
+      .y_from_0 = false};
 }
 
 }  // namespace gatefly::experiments::pose_real_parts

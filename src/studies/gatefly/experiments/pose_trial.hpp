@@ -63,8 +63,8 @@ void in_pieces(std::size_t count, const Options& options,
                const std::function<void(std::size_t)>& work);
 
 /// A legend's word for the rings of a plot, whose colours are those of our curves.
-[[nodiscard]] inline io::PlotSeries paper_marks() {
-  return {.name = "paper", .color = io::kLight.ink, .line = false, .rings = true};
+[[nodiscard]] inline drawing::PlotSeries paper_marks() {
+  return {.name = "paper", .color = drawing::kLight.ink, .line = false, .rings = true};
 }
 
 }  // namespace gatefly::experiments

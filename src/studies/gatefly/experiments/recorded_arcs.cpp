@@ -43,7 +43,7 @@ double course_off_nose(const std::vector<SmoothSample>& motion, const HalfCircle
     for (const SmoothSample& s : motion)
       if (s.tracked && s.t > arc.begin - kRunIn && s.t < arc.begin)
         angles.push_back(wrap_angle(std::atan2(s.v_E.y(), s.v_E.x()) - s.yaw));
-  return io::nearest_rank(angles, 0.5);
+  return files::nearest_rank(angles, 0.5);
 }
 
 double roughness(const RecordedArcs::Take& take) {
@@ -99,7 +99,7 @@ std::vector<BlindArc> RecordedArcs::arcs() const {
 }
 
 RecordedArcs recorded_arcs(const Options& options) {
-  const fs::path folder = io::find_data(kFolder, options.data);
+  const fs::path folder = files::find_data(kFolder, options.data);
   RecordedArcs recorded;
   std::error_code error;
   if (!fs::is_directory(folder, error)) return recorded;

@@ -187,16 +187,16 @@ std::size_t largest_embedded(std::span<const PageEntry> entries) {
   return largest;
 }
 
-PagePicture page_picture(std::string file, const io::Canvas& canvas) {
+PagePicture page_picture(std::string file, const drawing::Canvas& canvas) {
   const std::vector<std::uint8_t> rgb = canvas.rgb();
   const Image image(rgb.data(), PixelFormat::kRgb, canvas.width(), canvas.height());
-  const std::string png = canvas.png(), jpeg = io::small_jpeg(image, 82);
+  const std::string png = canvas.png(), jpeg = files::small_jpeg(image, 82);
   return {.file = std::move(file),
           .width = canvas.width(),
           .height = canvas.height(),
           .data_uri = png.size() <= 2 * jpeg.size()  // curves stay sharp as PNG
-                          ? "data:image/png;base64," + io::base64(png)
-                          : "data:image/jpeg;base64," + io::base64(jpeg)};
+                          ? "data:image/png;base64," + files::base64(png)
+                          : "data:image/jpeg;base64," + files::base64(jpeg)};
 }
 
 }  // namespace
@@ -225,8 +225,9 @@ std::string result_page(std::span<const PageEntry> entries) {
     sections += section_of(entry, largest);
   }
   std::string html = kHead;
-  html += ":root { color-scheme: light dark; " + io::css_of(io::kLight) + " }\n";
-  html += "@media (prefers-color-scheme: dark) { :root { " + io::css_of(io::kDark) + " } }";
+  html += ":root { color-scheme: light dark; " + drawing::css_of(drawing::kLight) + " }\n";
+  html +=
+      "@media (prefers-color-scheme: dark) { :root { " + drawing::css_of(drawing::kDark) + " } }";
   html += kStyle;
   html += kTop;
   if (quick) html += kQuickNote;

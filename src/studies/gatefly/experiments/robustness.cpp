@@ -106,7 +106,7 @@ std::string csv_of(const std::string& set, const PictureChange& change, const Ch
     csv += set + "," + change.key + "," + choice.key;
     for (const double value :
          {rate.true_positive_rate, rate.false_per_image, rate.min_scores[0], rate.min_scores[1]})
-      csv += "," + io::text_of(value, 6);
+      csv += "," + files::text_of(value, 6);
     csv += "\n";
   }
   return csv;
@@ -120,7 +120,7 @@ const UprightPicture* example_of(const UprightHalves& halves) {
     for (const UprightPicture& picture : half)
       if (!picture.gates.empty() && roomy.apply(picture)) list.push_back(&picture);
   if (list.empty()) return nullptr;
-  const auto size = [](const UprightPicture* p) { return io::polygon_area(p->gates.front()); };
+  const auto size = [](const UprightPicture* p) { return files::polygon_area(p->gates.front()); };
   const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
   std::nth_element(list.begin(), middle, list.end(),
                    [&](const auto* a, const auto* b) { return size(a) < size(b); });
@@ -130,10 +130,10 @@ const UprightPicture* example_of(const UprightHalves& halves) {
 /// Points of one set in the plot.
 struct Drawn {
   std::vector<std::string> rows = {};
-  std::array<RowMarks, 4> marks{{{"aim", {}, io::kLight.ink, true},
-                                 {"shipped", {}, io::kLight.gate_solid},
-                                 {"threshold of the other half", {}, io::kLight.found},
-                                 {"colours, too", {}, io::kLight.flown}}};
+  std::array<RowMarks, 4> marks{{{"aim", {}, drawing::kLight.ink, true},
+                                 {"shipped", {}, drawing::kLight.gate_solid},
+                                 {"threshold of the other half", {}, drawing::kLight.found},
+                                 {"colours, too", {}, drawing::kLight.flown}}};
 
   void add(const PictureChange& change, const ChangedRates& rates, double aim, bool tunes) {
     rows.emplace_back(change.words);
@@ -180,7 +180,7 @@ Result robustness(const Options& options) {
   Result result{.table = {},
                 .json = {{"rule", "overlap70"}, {"allowed_fp_per_image", kAllowed}},
                 .csv = "set,change,choice,tpr,fp_per_image,min_score_first,min_score_second\n",
-                .picture = io::Canvas(1, 1)};
+                .picture = drawing::Canvas(1, 1)};
   Drawn drawn;
   for (const Place& place : kPlaces) add_set(place, options, result, drawn);
   result.picture =

@@ -15,16 +15,16 @@ namespace gatefly::experiments {
 struct RowMarks {
   std::string name;
   std::vector<double> values;  ///< One a row; NaN: none.
-  io::Color color;
+  drawing::Color color;
   bool bars = false;  ///< An upright line instead of a disc.
 };
 
 /// Rates by row: names at the left, marks along an axis from 0 to `most`; what is more is drawn
 /// there.
-[[nodiscard]] io::Canvas draw_rows(const std::string& title, std::span<const std::string> rows,
-                                   std::span<const RowMarks> marks, double most = 1.0);
+[[nodiscard]] drawing::Canvas draw_rows(const std::string& title, std::span<const std::string> rows,
+                                        std::span<const RowMarks> marks, double most = 1.0);
 
 /// One picture under every change, its labelled gates and what is found in it as shipped.
-[[nodiscard]] io::Canvas sheet_of_changes(const UprightPicture& original, const OwnSet& set);
+[[nodiscard]] drawing::Canvas sheet_of_changes(const UprightPicture& original, const OwnSet& set);
 
 }  // namespace gatefly::experiments

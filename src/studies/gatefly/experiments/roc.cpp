@@ -18,7 +18,7 @@ constexpr const char* kData = "tudelft_bebop_gates";
 /// The points of one of the authors' two stored sweeps ("sigma_L", "sigma_cf").
 std::vector<RocPoint> authors_points(const std::filesystem::path& folder,
                                      const std::string& sweep) {
-  const io::Csv csv(folder / "roc_reference_of_the_authors.csv");
+  const files::Csv csv(folder / "roc_reference_of_the_authors.csv");
   const auto sweeps = csv.texts("sweep");
   const auto length = csv.numbers("sigma_L"), fitness = csv.numbers("sigma_cf");
   const auto tpr = csv.numbers("TPR_mean"), fp = csv.numbers("FP_per_image_mean");
@@ -47,8 +47,8 @@ std::vector<RocPoint> measured(const LabelledSet& set, const Settings& settings,
   std::vector<RocPoint> points;
   for (const PaperDetectorParams& params : settings) {
     options.progress(static_cast<double>(points.size()) / static_cast<double>(settings.size()),
-                     "σ_L " + io::text_of(params.min_side_px) + " px, σ_cf " +
-                         io::text_of(params.min_color_fitness));
+                     "σ_L " + files::text_of(params.min_side_px) + " px, σ_cf " +
+                         files::text_of(params.min_color_fitness));
     points.push_back(roc_point(set, params, options.quick ? 2 : 10, options));
   }
   return points;
@@ -63,7 +63,7 @@ std::string rates(const RocPoint& point) {
 struct OneGate {
   const char *key, *name;
   PaperDetector detector;
-  io::Color color;
+  drawing::Color color;
   RocPoint paper = {.tpr =
                         std::numeric_limits<double>::quiet_NaN()};  ///< NaN: the authors have none.
   RocPoint ours = {};
@@ -75,9 +75,9 @@ struct OneGate {
 std::vector<OneGate> one_gate_points(const LabelledSet& set, int repeats, const Options& options) {
   std::vector<OneGate> list{
       {"best_of_paper", "best gate of mode paper (2017)", as_paper_best({.min_color_fitness = 0.0}),
-       io::kLight.estimate, RocPoint{.tpr = 0.448, .fp_per_image = 0.074}},
-      {"best_of_paper_0.7", "best gate, σ_cf 0.7", as_paper_best(), io::kLight.muted},
-      {"flown", "mode flown (2018)", as_flown(), io::kLight.ink}};
+       drawing::kLight.estimate, RocPoint{.tpr = 0.448, .fp_per_image = 0.074}},
+      {"best_of_paper_0.7", "best gate, σ_cf 0.7", as_paper_best(), drawing::kLight.muted},
+      {"flown", "mode flown (2018)", as_flown(), drawing::kLight.ink}};
   for (OneGate& point : list) {
     options.progress(1.0, point.name);
     point.ours = roc_point(set, point.detector, repeats, options);
@@ -100,17 +100,18 @@ void tell(const std::vector<OneGate>& points, Result& result) {
 
 /// Table, JSON and CSV of ours beside the authors'.
 Result compared(const std::vector<RocPoint>& ours, const std::vector<RocPoint>& authors,
-                double RocPoint::*swept, const LabelledSet& set, int repeats, io::Canvas picture) {
+                double RocPoint::*swept, const LabelledSet& set, int repeats,
+                drawing::Canvas picture) {
   Result result{.table = {}, .json = {}, .csv = {}, .picture = std::move(picture)};
   result.csv = "sigma_l_px,sigma_cf,tpr,tpr_std,fp_per_image,paper_tpr,paper_fp_per_image\n";
   auto points = nlohmann::ordered_json::array();
   for (const RocPoint& point : ours) {
     const RocPoint paper = partner(authors, swept, point.*swept);
-    result.table.push_back({"σ_L " + io::text_of(point.min_side_px) + " px, σ_cf " +
-                                io::text_of(point.min_color_fitness, 6),
+    result.table.push_back({"σ_L " + files::text_of(point.min_side_px) + " px, σ_cf " +
+                                files::text_of(point.min_color_fitness, 6),
                             rates(paper), rates(point)});
     const auto cell = [](double value) {
-      return std::isfinite(value) ? io::text_of(value, 6) : std::string{};
+      return std::isfinite(value) ? files::text_of(value, 6) : std::string{};
     };
     result.csv += cell(point.min_side_px) + "," + cell(point.min_color_fitness) + "," +
                   cell(point.tpr) + "," + cell(point.tpr_std) + "," + cell(point.fp_per_image) +
@@ -151,11 +152,12 @@ void tell_differences(const std::vector<RocPoint>& ours, const std::vector<RocPo
     const auto [least, most] = std::minmax_element(
         point, end, [&](const auto& a, const auto& b) { return off(a) < off(b); });
     const double from = point->min_side_px, to = (end - 1)->min_side_px;
-    result.table.push_back(
-        {"differs: σ_L " + io::text_of(from) + (to > from ? "-" + io::text_of(to) : "") + " px",
-         "-",
-         "hits by " + fixed(100.0 * off(*least), 1) +
-             (to > from ? " to " + fixed(100.0 * off(*most), 1) : "") + " points of TPR, σ_cf 0"});
+    result.table.push_back({"differs: σ_L " + files::text_of(from) +
+                                (to > from ? "-" + files::text_of(to) : "") + " px",
+                            "-",
+                            "hits by " + fixed(100.0 * off(*least), 1) +
+                                (to > from ? " to " + fixed(100.0 * off(*most), 1) : "") +
+                                " points of TPR, σ_cf 0"});
     result.json["differs"].push_back({{"from_px", from},
                                       {"to_px", to},
                                       {"least_tpr_difference", off(*least)},
@@ -164,15 +166,16 @@ void tell_differences(const std::vector<RocPoint>& ours, const std::vector<RocPo
   }
 }
 
-io::PlotSeries series(const std::string& name, const std::vector<RocPoint>& points,
-                      const io::Color& color, bool rings) {
-  io::PlotSeries curve{.name = name, .points = {}, .color = color, .line = true, .rings = rings};
+drawing::PlotSeries series(const std::string& name, const std::vector<RocPoint>& points,
+                           const drawing::Color& color, bool rings) {
+  drawing::PlotSeries curve{
+      .name = name, .points = {}, .color = color, .line = true, .rings = rings};
   for (const RocPoint& point : points) curve.points.emplace_back(point.fp_per_image, point.tpr);
   return curve;
 }
 
 /// Ours as discs, the authors' as a ring of the same colour.
-void add(io::Plot& plot, const std::vector<OneGate>& points) {
+void add(drawing::Plot& plot, const std::vector<OneGate>& points) {
   for (const OneGate& point : points) {
     plot.series.push_back({.name = point.name,
                            .points = {{point.ours.fp_per_image, point.ours.tpr}},
@@ -187,7 +190,7 @@ void add(io::Plot& plot, const std::vector<OneGate>& points) {
   }
 }
 
-io::Plot roc_plot(const std::string& title) {
+drawing::Plot roc_plot(const std::string& title) {
   return {.title = title,
           .x_label = "false positives per picture",
           .y_label = "true positive rate",
@@ -211,14 +214,15 @@ Result roc_length(const Options& options) {
   const auto ours = measured(set, settings, options);
 
   const auto half = ours.begin() + static_cast<std::ptrdiff_t>(ours.size() / 2);
-  io::Plot plot = roc_plot("ROC over σ_L, the paper's detector on its own 580 pictures");
-  plot.series = {series("paper (its stored run)", authors, io::kLight.gate_solid, true),
-                 series("ours, σ_cf 0", {ours.begin(), half}, io::kLight.found, false),
-                 series("ours, σ_cf 0.7", {half, ours.end()}, io::kLight.flown, false)};
+  drawing::Plot plot = roc_plot("ROC over σ_L, the paper's detector on its own 580 pictures");
+  plot.series = {series("paper (its stored run)", authors, drawing::kLight.gate_solid, true),
+                 series("ours, σ_cf 0", {ours.begin(), half}, drawing::kLight.found, false),
+                 series("ours, σ_cf 0.7", {half, ours.end()}, drawing::kLight.flown, false)};
   const int repeats = options.quick ? 2 : 10;
   const std::vector<OneGate> one_gate = one_gate_points(set, repeats, options);
   add(plot, one_gate);
-  Result result = compared(ours, authors, &RocPoint::min_side_px, set, repeats, io::draw(plot));
+  Result result =
+      compared(ours, authors, &RocPoint::min_side_px, set, repeats, drawing::draw(plot));
   tell(one_gate, result);
   tell_differences({ours.begin(), half}, authors, result);
   return result;
@@ -234,15 +238,15 @@ Result roc_fitness(const Options& options) {
       settings.push_back({.min_color_fitness = percent / 100.0});
   const auto ours = measured(set, settings, options);
 
-  io::Plot plot =
+  drawing::Plot plot =
       roc_plot("ROC over σ_cf at σ_L = 25 px, the paper's detector on its own 580 pictures");
-  plot.series = {series("paper (its stored run)", authors, io::kLight.gate_solid, true),
-                 series("ours", ours, io::kLight.found, false)};
+  plot.series = {series("paper (its stored run)", authors, drawing::kLight.gate_solid, true),
+                 series("ours", ours, drawing::kLight.found, false)};
   const int repeats = options.quick ? 2 : 10;
   const std::vector<OneGate> one_gate = one_gate_points(set, repeats, options);
   add(plot, one_gate);
   Result result =
-      compared(ours, authors, &RocPoint::min_color_fitness, set, repeats, io::draw(plot));
+      compared(ours, authors, &RocPoint::min_color_fitness, set, repeats, drawing::draw(plot));
   tell(one_gate, result);
   return result;
 }

@@ -80,7 +80,7 @@ bool apart(const Bounds& a, const Bounds& b) {
   return (a.high.array() < b.low.array()).any() || (b.high.array() < a.low.array()).any();
 }
 
-Quad upright(const Quad& label) { return clockwise_from_top_left(io::polygon(label)); }
+Quad upright(const Quad& label) { return clockwise_from_top_left(files::polygon(label)); }
 
 /// Between four pixels; black outside.
 void copy_between(const UprightPicture& from, const Vector2d& p, std::uint8_t* to) {

@@ -9,12 +9,12 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/derived.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/experiments/pose_trial.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/seconds.hpp"
-#include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/drawn.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -43,41 +43,41 @@ struct ArcFlight {
 class Races {
  public:
   explicit Races(const ArcFlights& flights) : flights_{flights}, config_{read(flights)} {
-    nominal_.vision = closed_loop::Vision::kIdeal;
+    nominal_.vision = simulated_race::Vision::kIdeal;
     nominal_.timeout = config_.sim.timeout, nominal_.pilot = config_.pilot;
-    const io::TrackFile file = io::read_track(io::find_track(kTrack), config_.gate);
+    const config::TrackFile file = config::read_track(config::find_track(kTrack), config_.gate);
     nominal_.pilot.track = file.track;
     nominal_.pilot.track.laps = flights.laps;
-    nominal_.sim = io::simulator_config(config_, file);
+    nominal_.sim = config::simulator_config(config_, file);
   }
-  [[nodiscard]] closed_loop::RaceConfig drawn(std::uint64_t seed) const {
-    closed_loop::RaceConfig race = nominal_;
-    race.sim = sim::drawn(nominal_.sim, sim::randomize_level(flights_.level), seed);
+  [[nodiscard]] simulated_race::RaceConfig drawn(std::uint64_t seed) const {
+    simulated_race::RaceConfig race = nominal_;
+    race.sim = sim::drawn(nominal_.sim, world::randomize_level(flights_.level), seed);
     if (flights_.change) flights_.change(race.sim);
     return race;
   }
 
  private:
-  static io::Config read(const ArcFlights& flights) {
+  static config::Config read(const ArcFlights& flights) {
     const std::vector<std::string> names{kConfig};
-    return io::load_config(io::config_files(names), flights.settings);
+    return config::load_config(config::config_files(names), flights.settings);
   }
   ArcFlights flights_;
-  io::Config config_;
-  closed_loop::RaceConfig nominal_;
+  config::Config config_;
+  simulated_race::RaceConfig nominal_;
 };
 
 /// In the horizontal frame of a gate: ahead, right.
-Eigen::Vector2d beside(const sim::WorldGate& gate, const Eigen::Vector3d& p_EB) {
+Eigen::Vector2d beside(const world::WorldGate& gate, const Eigen::Vector3d& p_EB) {
   return (rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG)).head<2>();
 }
 
-ArcFlight flown(const closed_loop::RaceConfig& race, const Options& options) {
+ArcFlight flown(const simulated_race::RaceConfig& race, const Options& options) {
   ArcFlight flight;
   int tick_number = 0, target_before = 0;
   bool was_turning = false;
   Eigen::Vector2d error = Eigen::Vector2d::Zero();
-  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
+  const auto result = simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     const double t = seconds(tick.sensors.time);
     const auto* turning = std::get_if<Turn>(&tick.pilot.phase());
     const int target = tick.pilot.target_gate();
@@ -113,7 +113,7 @@ ArcFlight flown(const closed_loop::RaceConfig& race, const Options& options) {
 }
 
 /// The simulator's knowledge of an arc that belongs to this turn of the pilot's.
-SimulatedDetail detail_of(const BlindArc& arc, const PilotTurn& turn, const sim::World& world) {
+SimulatedDetail detail_of(const BlindArc& arc, const PilotTurn& turn, const world::World& world) {
   const auto &from = world.gates[static_cast<std::size_t>(turn.from_gate)],
              &to = world.gates[static_cast<std::size_t>(turn.to_gate)];
   // Lane of the gate before: x ahead, y to the inside.
@@ -147,7 +147,7 @@ SimulatedArcs simulated_arcs(const ArcFlights& flights, const Options& options) 
   std::vector<Answer> answers(static_cast<std::size_t>(flights.flights));
   in_pieces(answers.size(), options, [&](std::size_t i) {
     const std::uint64_t seed = flights.first_seed + i;
-    const closed_loop::RaceConfig race = races.drawn(seed);
+    const simulated_race::RaceConfig race = races.drawn(seed);
     const ArcFlight flight = flown(race, options);
     const std::vector<SmoothSample> motion = smoothed(flight.motion);
     Answer& answer = answers[i];

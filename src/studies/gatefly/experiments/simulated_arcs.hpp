@@ -15,9 +15,10 @@ namespace gatefly::experiments {
 
 /// One way to fly the paper's control scheme in the simulator.
 struct ArcFlights {
-  std::string level;                                 ///< Level of the seeds' draws: "none", "race".
-  std::vector<std::string> settings = {};            ///< As `gatefly fly --set`.
-  std::function<void(sim::SimConfig&)> change = {};  ///< Applied to the drawn truth; may be empty.
+  std::string level;                       ///< Level of the seeds' draws: "none", "race".
+  std::vector<std::string> settings = {};  ///< As `gatefly fly --set`.
+  std::function<void(world::SimConfig&)> change =
+      {};  ///< Applied to the drawn truth; may be empty.
   int flights = 1, laps = 1;
   std::uint64_t first_seed = 1;
 };

@@ -15,11 +15,11 @@ namespace gatefly::experiments {
 /// @param laps  0: as many as the track says.
 /// @param exact_map  the gates stand where the map says.
 /// @param configs, settings  as --config and --set.
-[[nodiscard]] closed_loop::RaceConfig race_on(const std::string& track, int laps,
-                                              closed_loop::Vision vision, std::uint64_t seed,
-                                              bool exact_map = false,
-                                              const std::vector<std::string>& configs = {},
-                                              const std::vector<std::string>& settings = {});
+[[nodiscard]] simulated_race::RaceConfig race_on(const std::string& track, int laps,
+                                                 simulated_race::Vision vision, std::uint64_t seed,
+                                                 bool exact_map = false,
+                                                 const std::vector<std::string>& configs = {},
+                                                 const std::vector<std::string>& settings = {});
 
 /// One IMU sample of a simulated flight.
 struct LapMoment {

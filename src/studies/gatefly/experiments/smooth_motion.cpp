@@ -48,7 +48,7 @@ Eigen::Matrix<double, kOrder + 1, kColumns> robust_fit(
       for (int k = kOrder; k >= 0; --k) at = at * t[i] + fit.row(k).transpose();
       residuals[i] = (values[i] - at).norm();
     }
-    const double median = io::nearest_rank(residuals, 0.5);
+    const double median = files::nearest_rank(residuals, 0.5);
     for (std::size_t i = 0; i < t.size(); ++i) weights[i] = weight_of(residuals[i], median, floor);
   }
   return fit;

@@ -39,13 +39,13 @@ Bins empty_bins() {
            {"5-6 m", 5, 6, .0, 12}}};
 }
 
-constexpr io::Rule kRule = io::Rule::kOverlap70Authors;
+constexpr files::Rule kRule = files::Rule::kOverlap70Authors;
 
-void count(Bins& bins, const std::vector<io::PictureToScore>& pictures) {
-  for (const io::PictureToScore& picture : pictures) {
+void count(Bins& bins, const std::vector<files::PictureToScore>& pictures) {
+  for (const files::PictureToScore& picture : pictures) {
     if (picture.gates.empty()) continue;
-    const double distance = distance_from_area(io::polygon_area(picture.gates.front()));
-    const io::Score score = io::score({&picture, 1}, kRule);
+    const double distance = distance_from_area(files::polygon_area(picture.gates.front()));
+    const files::Score score = files::score({&picture, 1}, kRule);
     for (Bin& bin : bins)
       if (distance >= bin.from && distance < bin.to) ++bin.gates, bin.hits += score.hits;
   }
@@ -54,7 +54,7 @@ void count(Bins& bins, const std::vector<io::PictureToScore>& pictures) {
 /// Our detector as `gatefly detect --config basement` runs it: the best gate of each picture.
 Found by_own_detector(const LabelledSet& set) {
   const std::vector<std::string> configs{"basement"};
-  const io::Config config = io::load_config(io::config_files(configs));
+  const config::Config config = config::load_config(config::config_files(configs));
   const tuning::Judging judging{.detector = config.pilot.detector,
                                 .lowest = config.pilot.detector.min_score};
   Found found(set.size());
@@ -66,25 +66,25 @@ Found by_own_detector(const LabelledSet& set) {
   return found;
 }
 
-io::Canvas plotted(const Bins& paper_mode, const Bins& own) {
-  io::PlotSeries paper{.name = "paper (its stored run)",
-                       .points = {},
-                       .color = io::kLight.gate_solid,
-                       .line = true,
-                       .rings = true};
-  io::PlotSeries rebuilt{
-      .name = "the paper's detector, rebuilt", .points = {}, .color = io::kLight.found};
-  io::PlotSeries ours{.name = "our detector", .points = {}, .color = io::kLight.flown};
+drawing::Canvas plotted(const Bins& paper_mode, const Bins& own) {
+  drawing::PlotSeries paper{.name = "paper (its stored run)",
+                            .points = {},
+                            .color = drawing::kLight.gate_solid,
+                            .line = true,
+                            .rings = true};
+  drawing::PlotSeries rebuilt{
+      .name = "the paper's detector, rebuilt", .points = {}, .color = drawing::kLight.found};
+  drawing::PlotSeries ours{.name = "our detector", .points = {}, .color = drawing::kLight.flown};
   for (std::size_t i = 0; i < own.size(); ++i) {
     const double middle = 0.5 * (std::max(own[i].from, 1.0) + own[i].to);
     paper.points.emplace_back(middle, own[i].paper_tpr);
     rebuilt.points.emplace_back(middle, paper_mode[i].tpr());
     ours.points.emplace_back(middle, own[i].tpr());
   }
-  return io::draw({.title = "True positive rate by distance, the authors' 580 pictures",
-                   .x_label = "distance to the gate [m]",
-                   .y_label = "true positive rate",
-                   .series = {paper, rebuilt, ours}});
+  return drawing::draw({.title = "True positive rate by distance, the authors' 580 pictures",
+                        .x_label = "distance to the gate [m]",
+                        .y_label = "true positive rate",
+                        .series = {paper, rebuilt, ours}});
 }
 
 /// Distances with more hits than nearer ones: the authors' curve has none.
@@ -115,9 +115,9 @@ Result tpr_distance(const Options& options) {
   options.progress(1.0, "our detector");
   auto by_own = to_score(set, by_own_detector(set));
   count(own, by_own);
-  const io::Score own_score = io::score(by_own, kRule);
+  const files::Score own_score = files::score(by_own, kRule);
   for (std::size_t i = 0; i < set.size(); ++i) by_own[i].ignored = unlabelled[i];
-  const double on_no_gate = io::score(by_own, kRule).false_positives_per_image();
+  const double on_no_gate = files::score(by_own, kRule).false_positives_per_image();
 
   Result result{.table = {{"", "authors", "the same detector, rebuilt; our detector"}},
                 .json = {},
@@ -130,10 +130,11 @@ Result tpr_distance(const Options& options) {
     result.table.push_back(
         {bin.name, fixed(bin.paper_tpr, 2) + " of " + std::to_string(bin.paper_gates),
          fixed(bin.tpr(), 2) + " of " + std::to_string(gates) + "; " + fixed(own[i].tpr(), 2)});
-    result.csv += io::text_of(bin.from) + "," + io::text_of(bin.to) + "," + std::to_string(gates) +
-                  "," + (bin.gates > 0 ? io::text_of(bin.tpr(), 6) : "") + "," +
-                  std::to_string(bin.paper_gates) + "," + io::text_of(bin.paper_tpr) + "," +
-                  (bin.gates > 0 ? io::text_of(own[i].tpr(), 6) : "") + "\n";
+    result.csv += files::text_of(bin.from) + "," + files::text_of(bin.to) + "," +
+                  std::to_string(gates) + "," +
+                  (bin.gates > 0 ? files::text_of(bin.tpr(), 6) : "") + "," +
+                  std::to_string(bin.paper_gates) + "," + files::text_of(bin.paper_tpr) + "," +
+                  (bin.gates > 0 ? files::text_of(own[i].tpr(), 6) : "") + "\n";
     list.push_back({{"from_m", bin.from},
                     {"to_m", bin.to},
                     {"gates", gates},

@@ -44,7 +44,7 @@ std::array<Vector3d, 4> floor_corners(const Vector2d& center, const Vector2d& si
   return corners;
 }
 
-Projection fitted(const io::Box& box, const Track& track) {
+Projection fitted(const drawing::Box& box, const Track& track) {
   Vector2d low{1e9, 1e9}, high{-1e9, -1e9};
   for (const Vector3d& corner : floor_corners(track.room_center, track.room_size, 0.0))
     for (const double height : {0.0, 2.5}) {
@@ -59,44 +59,45 @@ Projection fitted(const io::Box& box, const Track& track) {
   return projection;
 }
 
-void draw_box(io::Canvas& canvas, const Projection& at, const MapObstacle& solid) {
+void draw_box(drawing::Canvas& canvas, const Projection& at, const MapObstacle& solid) {
   const auto floor = floor_corners(solid.center, solid.size, solid.heading);
   std::array<Vector2d, 4> low, high;
   for (std::size_t i = 0; i < 4; ++i) {
     low[i] = at(floor[i]);
     high[i] = at(floor[i] - Vector3d{0, 0, solid.height});
   }
-  const io::Stroke stroke{.color = io::kLight.solid, .width = 1.0};
-  canvas.polygon(high, io::kLight.solid.faded(0.35));
+  const drawing::Stroke stroke{.color = drawing::kLight.solid, .width = 1.0};
+  canvas.polygon(high, drawing::kLight.solid.faded(0.35));
   canvas.outline(low, stroke), canvas.outline(high, stroke);
   for (std::size_t i = 0; i < 4; ++i) canvas.line(low[i], high[i], stroke);
 }
 
-void draw_gate(io::Canvas& canvas, const Projection& at, const MapGate& gate, int number) {
+void draw_gate(drawing::Canvas& canvas, const Projection& at, const MapGate& gate, int number) {
   const Eigen::Matrix3d R = rotation_z(gate.yaw_EG);
   const double h = 0.5 * gate.side;
   std::array<Vector2d, 4> frame;
   constexpr std::array<double, 4> kY{-1, 1, 1, -1}, kZ{-1, -1, 1, 1};
   for (std::size_t i = 0; i < 4; ++i)
     frame[i] = at(gate.p_EG + R * Vector3d{0, kY[i] * h, kZ[i] * h});
-  canvas.outline(frame, {.color = io::kLight.gate_solid, .width = 3.0});
+  canvas.outline(frame, {.color = drawing::kLight.gate_solid, .width = 3.0});
   const Vector3d foot{gate.p_EG.x(), gate.p_EG.y(), 0.0};
   canvas.line(at(gate.p_EG + Vector3d{0, 0, h}), at(foot),
-              {.color = io::kLight.gate_solid, .width = 1.5});
-  canvas.text(at(gate.p_EG - Vector3d{0, 0, h}) + Vector2d{0, -6}, "G" + std::to_string(number),
-              {.color = io::kLight.gate, .size = 15, .align = io::Align::kCenter, .bold = true});
+              {.color = drawing::kLight.gate_solid, .width = 1.5});
+  canvas.text(
+      at(gate.p_EG - Vector3d{0, 0, h}) + Vector2d{0, -6}, "G" + std::to_string(number),
+      {.color = drawing::kLight.gate, .size = 15, .align = drawing::Align::kCenter, .bold = true});
 }
 
 }  // namespace
 
-void draw_track_3d(io::Canvas& canvas, const io::Box& box, const Track& track,
+void draw_track_3d(drawing::Canvas& canvas, const drawing::Box& box, const Track& track,
                    const std::vector<Trajectory>& flown) {
   const Projection at = fitted(box, track);
   std::array<Vector2d, 4> room;
   const auto corners = floor_corners(track.room_center, track.room_size, 0.0);
   for (std::size_t i = 0; i < 4; ++i) room[i] = at(corners[i]);
-  canvas.polygon(room, io::kLight.well);
-  canvas.outline(room, {.color = io::kLight.rule, .width = 1.0});
+  canvas.polygon(room, drawing::kLight.well);
+  canvas.outline(room, {.color = drawing::kLight.rule, .width = 1.0});
   for (const MapObstacle& solid : track.obstacles) draw_box(canvas, at, solid);
   for (const Trajectory& way : flown) {
     std::vector<Vector2d> floor, air;

@@ -45,20 +45,20 @@ std::vector<Group> groups() {
            {{.set = "basement580",
              .config = "basement",
              .track = "showroom",
-             .recording = io::Recording::kMjpegLow,
+             .recording = files::Recording::kMjpegLow,
              .shake_deg = 4.0,
              .settings = as_real({"sim.saturation=1.15"})}}},
           {"basement32_hq and cyberzoo",
            {{.set = "basement32_hq",
              .config = "basement",
              .track = "showroom",
-             .recording = io::Recording::kJpeg,
+             .recording = files::Recording::kJpeg,
              .shake_deg = 4.0,
              .settings = as_real({"sim.saturation=1.55"})},
             {.set = "cyberzoo",
              .config = "cyberzoo",
              .track = "darkhall",
-             .recording = io::Recording::kJpeg,
+             .recording = files::Recording::kJpeg,
              .shake_deg = 20.0,
              .settings = as_real(
                  {"faults.hue_deg=10", "sim.saturation=1.9", "randomize.light_percent=20"})}}}};
@@ -146,13 +146,13 @@ nlohmann::ordered_json json_of(const TwinRate& real, const TwinRate& rendered) {
 }
 
 nlohmann::ordered_json errors_json(const std::vector<double>& errors) {
-  return {{"robust_sigma_px", number(io::quantile(errors, 0.5) / kRayleigh)},
-          {"p95_px", number(io::quantile(errors, 0.95))}};
+  return {{"robust_sigma_px", number(files::quantile(errors, 0.5) / kRayleigh)},
+          {"p95_px", number(files::quantile(errors, 0.95))}};
 }
 
 std::string errors_text(const std::vector<double>& errors) {
-  return "σ " + fixed(io::quantile(errors, 0.5) / kRayleigh, 1) + " px, p95 " +
-         fixed(io::quantile(errors, 0.95), 1) + " px";
+  return "σ " + fixed(files::quantile(errors, 0.5) / kRayleigh, 1) + " px, p95 " +
+         fixed(files::quantile(errors, 0.95), 1) + " px";
 }
 
 void report(const Compared& c, Result& result) {
@@ -166,9 +166,9 @@ void report(const Compared& c, Result& result) {
                                  : inside(real, rendered.mean) ? ", inside"
                                                                : ", outside")});
     result.csv += c.group + "," + name_of(c.mode) + "," + what.substr(2) + "," +
-                  std::to_string(real.count) + "," + io::text_of(real.mean, 5) + "," +
-                  io::text_of(real.low, 5) + "," + io::text_of(real.high, 5) + "," +
-                  std::to_string(rendered.count) + "," + io::text_of(rendered.mean, 5) + "\n";
+                  std::to_string(real.count) + "," + files::text_of(real.mean, 5) + "," +
+                  files::text_of(real.low, 5) + "," + files::text_of(real.high, 5) + "," +
+                  std::to_string(rendered.count) + "," + files::text_of(rendered.mean, 5) + "\n";
   };
   result.table.push_back(
       {head + ": hits", "", "pooled deviation " + fixed(pooled_deviation(c), 3)});
@@ -195,11 +195,11 @@ void report(const Compared& c, Result& result) {
         {{"real", errors_json(c.real_errors)}, {"rendered", errors_json(c.rendered_errors)}}}});
 }
 
-io::Plot plot_of(const Compared& c) {
-  io::PlotSeries real{
-      .name = "real", .points = {}, .color = io::kLight.ink, .line = false, .rings = true},
-      low{.points = {}, .color = io::kLight.muted, .marks = false, .dash = 4.0},
-      high = low, rendered{.name = "rendered", .points = {}, .color = io::kLight.found};
+drawing::Plot plot_of(const Compared& c) {
+  drawing::PlotSeries real{
+      .name = "real", .points = {}, .color = drawing::kLight.ink, .line = false, .rings = true},
+      low{.points = {}, .color = drawing::kLight.muted, .marks = false, .dash = 4.0},
+      high = low, rendered{.name = "rendered", .points = {}, .color = drawing::kLight.found};
   high.name = "real, 95 %";
   for (std::size_t i = 0; i < kTwinBinCount; ++i) {
     const double x = 0.5 * (std::max(kTwinBins[i], 1.0) + kTwinBins[i + 1]);
@@ -237,7 +237,7 @@ void report_looks(const Sides& sides, Result& result) {
         if (std::isfinite(a.*feature.value)) values.push_back(a.*feature.value);
       std::sort(values.begin(), values.end());
       for (const double part : {0.25, 0.5, 0.75}) {
-        const double q = io::quantile(values, part);
+        const double q = files::quantile(values, part);
         text[side] += (text[side].empty() ? "" : ", ") + fixed(q, std::abs(q) < 5.0 ? 2 : 0);
         json[feature.key][side == 0 ? "real" : "rendered"].push_back(number(q));
       }
@@ -278,7 +278,7 @@ void report_effects(const TwinRoom& room, const Options& options, Result& result
     TwinRoom without = room;
     without.settings.insert(without.settings.end(), effect.settings.begin(), effect.settings.end());
     without.shake_deg *= effect.shake;
-    if (effect.kept_better) without.recording = io::Recording::kJpeg;
+    if (effect.kept_better) without.recording = files::Recording::kJpeg;
     const Pictures pictures = rendered_pictures(
         without, {.first_seed = kHardLookedAt, .days = 30, .per_day = 20}, options);
     std::string text;
@@ -309,8 +309,8 @@ std::string spread_of_days(const Pictures& pictures, const Outcomes& outcomes) {
   for (const auto& [day, sum] : days)
     if (sum.second >= 4) rates.push_back(sum.first / sum.second);
   std::sort(rates.begin(), rates.end());
-  return fixed(io::quantile(rates, 0.1), 2) + " to " + fixed(io::quantile(rates, 0.9), 2) + " on " +
-         std::to_string(rates.size()) + " days";
+  return fixed(files::quantile(rates, 0.1), 2) + " to " + fixed(files::quantile(rates, 0.9), 2) +
+         " on " + std::to_string(rates.size()) + " days";
 }
 
 }  // namespace
@@ -320,8 +320,8 @@ Result twin_hardness(const Options& options) {
       .table = {{"", "real, 95 %", "rendered"}},
       .json = {{"rule", "overlap70; mode paper: overlap70-authors"}},
       .csv = "group,mode,what,real_count,real,real_low,real_high,rendered_count,rendered\n",
-      .picture = io::Canvas(1, 1)};
-  std::vector<io::Plot> plots;
+      .picture = drawing::Canvas(1, 1)};
+  std::vector<drawing::Plot> plots;
   const std::vector<Group> all = groups();
   double done = 0.0;
   for (const Group& group : all) {
@@ -352,7 +352,7 @@ Result twin_hardness(const Options& options) {
   }
   options.progress(0.8, "one effect at a time");
   if (!options.quick) report_effects(all.front().rooms.front(), options, result);
-  result.picture = io::draw_sheet(plots, 3);
+  result.picture = drawing::draw_sheet(plots, 3);
   return result;
 }
 

@@ -20,7 +20,7 @@
 #include "gatefly/experiments/simulated_arcs.hpp"
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/drawn.hpp"
 
 namespace gatefly::experiments {
 namespace {
@@ -39,7 +39,7 @@ struct Quantity {
 
   [[nodiscard]] static double part(std::vector<double> values, double part) {
     std::sort(values.begin(), values.end());
-    return io::quantile(values, part);
+    return files::quantile(values, part);
   }
   [[nodiscard]] double ratio() const { return part(simulated, 0.5) / part(real, 0.5); }
   [[nodiscard]] bool within() const { return std::abs(ratio() - 1.0) <= kAllowed; }
@@ -126,10 +126,10 @@ class Comparisons {
 };
 
 /// The truth of one seed's day.
-sim::SimConfig day(std::uint64_t seed) {
-  const io::Config config = io::load_config(io::config_files({}));
-  const io::TrackFile track = io::read_track(io::find_track("oval"), config.gate);
-  return sim::drawn(io::simulator_config(config, track), sim::randomize_level("race"), seed);
+world::SimConfig day(std::uint64_t seed) {
+  const config::Config config = config::load_config(config::config_files({}));
+  const config::TrackFile track = config::read_track(config::find_track("oval"), config.gate);
+  return sim::drawn(config::simulator_config(config, track), world::randomize_level("race"), seed);
 }
 
 std::string quartiles(const std::vector<double>& values, int digits) {
@@ -157,13 +157,13 @@ void report(const std::vector<Quantity>& quantities, Result& result) {
       auto values = nlohmann::ordered_json::array();
       for (const double part : {0.25, 0.5, 0.75}) {
         const double value = Quantity::part(*side, part);
-        result.csv += "," + io::text_of(value, 5);
+        result.csv += "," + files::text_of(value, 5);
         values.push_back(number(value));
       }
       told[side == &q.real ? "real" : "simulated"] = values;
     }
-    result.csv +=
-        "," + io::text_of(q.ratio(), 4) + (q.judged ? ",1," : ",0,") + (q.within() ? "1\n" : "0\n");
+    result.csv += "," + files::text_of(q.ratio(), 4) + (q.judged ? ",1," : ",0,") +
+                  (q.within() ? "1\n" : "0\n");
     told["count"] = q.real.size();
     told["ratio"] = number(q.ratio());
     told["judged"] = q.judged, told["within_30_percent"] = q.within();
@@ -173,15 +173,15 @@ void report(const std::vector<Quantity>& quantities, Result& result) {
   result.json["judged"] = judged, result.json["within"] = within;
 }
 
-io::Plot trace(const LivelyFlight& real, const LivelyFlight& simulated, const std::string& title,
-               const std::string& y,
-               const std::function<double(const LivelyFlight&, std::size_t)>& of,
-               const std::function<double(const LivelySample&)>& wanted) {
-  io::Plot plot{.title = title, .x_label = "time [s]", .y_label = y, .y_from_0 = false};
+drawing::Plot trace(const LivelyFlight& real, const LivelyFlight& simulated,
+                    const std::string& title, const std::string& y,
+                    const std::function<double(const LivelyFlight&, std::size_t)>& of,
+                    const std::function<double(const LivelySample&)>& wanted) {
+  drawing::Plot plot{.title = title, .x_label = "time [s]", .y_label = y, .y_from_0 = false};
   plot.series = {{.name = "real", .marks = false},
-                 {.name = "simulated", .color = io::kLight.gate_solid, .marks = false}};
+                 {.name = "simulated", .color = drawing::kLight.gate_solid, .marks = false}};
   if (wanted)
-    plot.series.push_back({.name = "set point", .color = io::kLight.flown, .marks = false});
+    plot.series.push_back({.name = "set point", .color = drawing::kLight.flown, .marks = false});
   constexpr std::size_t kOneIn = 4;
   for (std::size_t i = real.first; i < real.last; i += kOneIn) {
     plot.series[0].points.emplace_back(real.samples[i].t, of(real, i));
@@ -191,13 +191,13 @@ io::Plot trace(const LivelyFlight& real, const LivelyFlight& simulated, const st
   return plot;
 }
 
-io::Plot ratios(const std::vector<Quantity>& quantities) {
-  io::Plot plot{.title = "All judged quantities",
-                .x_label = "number in the table",
-                .y_label = "simulated / real"};
+drawing::Plot ratios(const std::vector<Quantity>& quantities) {
+  drawing::Plot plot{.title = "All judged quantities",
+                     .x_label = "number in the table",
+                     .y_label = "simulated / real"};
   plot.series = {{.name = "ratio of the medians", .line = false},
-                 {.name = "± 30 %", .color = io::kLight.flown, .marks = false, .dash = 6},
-                 {.name = "", .color = io::kLight.flown, .marks = false, .dash = 6}};
+                 {.name = "± 30 %", .color = drawing::kLight.flown, .marks = false, .dash = 6},
+                 {.name = "", .color = drawing::kLight.flown, .marks = false, .dash = 6}};
   int i = 0;
   for (const Quantity& q : quantities) {
     if (!q.judged) continue;
@@ -237,7 +237,7 @@ Result twin_liveliness(const Options& options) {
   const std::vector<LivelyFlight> flights =
       lively_flights(data_folder("tudelft_bebop_flights", options), options);
   Comparisons all;
-  std::vector<io::Plot> plots;
+  std::vector<drawing::Plot> plots;
   const std::size_t count =
       options.quick ? std::min<std::size_t>(2, flights.size()) : flights.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -261,12 +261,12 @@ Result twin_liveliness(const Options& options) {
   options.progress(0.85, "laps");
   add_laps(all, options);
 
-  Result result{.table = {}, .json = {}, .csv = {}, .picture = io::Canvas(1, 1)};
+  Result result{.table = {}, .json = {}, .csv = {}, .picture = drawing::Canvas(1, 1)};
   report(all.quantities(), result);
   result.json["flights"] = count,
   result.json["first_seed"] = first_seed(options, kLivelyReported, kLivelyLookedAt);
   plots.push_back(ratios(all.quantities()));
-  result.picture = io::draw_sheet(plots, 2);
+  result.picture = drawing::draw_sheet(plots, 2);
   return result;
 }
 

@@ -24,7 +24,8 @@ Quad middle_of_bars(const std::array<Eigen::Vector2d, 4>& outer, double bar_shar
 }
 
 /// The gate to fly is the nearest whole one.
-void label(TwinPicture& to, const tasks::Picture& picture, double bar_share, sim::Stream& noise) {
+void label(TwinPicture& to, const simulated_race::Picture& picture, double bar_share,
+           sim::Stream& noise) {
   for (const sim::GateView& gate : picture.gates) {
     Quad quad = middle_of_bars(gate.corners_px, bar_share);
     if (to.gate || !gate.whole) {
@@ -48,7 +49,7 @@ std::vector<TwinPicture> real_pictures(const TwinRoom& room, const Options& opti
                               : std::vector<std::vector<Quad>>(set.size());
   std::vector<TwinPicture> pictures;
   for (std::size_t i = 0; i < set.size(); ++i) {
-    const io::LabelledPicture& row = set.labels.pictures[i];
+    const files::LabelledPicture& row = set.labels.pictures[i];
     if (!row.first_identical.empty() && row.first_identical != row.image) continue;
     pictures.push_back({.name = row.image,
                         .file = std::move(set.files[i]),
@@ -62,37 +63,37 @@ std::vector<TwinPicture> real_pictures(const TwinRoom& room, const Options& opti
 
 std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder& twin_order,
                                            const Options& options) {
-  const tasks::RaceMaker maker({.config = {.configs = {}, .settings = room.settings},
-                                .track = room.track,
-                                .vision = "rendered",
-                                .laps = 1});
-  const tasks::PictureOrder order{.pictures = twin_order.days * twin_order.per_day,
-                                  .per_day = twin_order.per_day,
-                                  .first_seed = twin_order.first_seed,
-                                  .around = 0.0,
-                                  .shake = room.shake_deg * kDegree,
-                                  .without_gates = twin_order.without_gates};
-  const tasks::Race race = maker.race(order.first_seed);
-  const sim::CameraTruth& camera = race.config.sim.camera;
-  const sim::WorldGate& gate = race.config.sim.world.gates.front();
+  const simulated_race::RaceMaker maker({.config = {.configs = {}, .settings = room.settings},
+                                         .track = room.track,
+                                         .vision = "rendered",
+                                         .laps = 1});
+  const simulated_race::PictureOrder order{.pictures = twin_order.days * twin_order.per_day,
+                                           .per_day = twin_order.per_day,
+                                           .first_seed = twin_order.first_seed,
+                                           .around = 0.0,
+                                           .shake = room.shake_deg * kDegree,
+                                           .without_gates = twin_order.without_gates};
+  const simulated_race::Race race = maker.race(order.first_seed);
+  const world::CameraTruth& camera = race.config.sim.camera;
+  const world::WorldGate& gate = race.config.sim.world.gates.front();
   std::vector<TwinPicture> pictures(order.pictures);
   in_parallel(twin_order.days, [&](std::size_t day) {
     const auto stop = [&options] {
       if (options.stopped()) throw Stopped{};
     };
     sim::Stream noise{order.first_seed + day, "labels"};
-    const auto keep = [&](tasks::Picture&& picture) {
+    const auto keep = [&](simulated_race::Picture&& picture) {
       TwinPicture& to = pictures[picture.number];
       to.name = "seed " + std::to_string(picture.seed);
       to.day = picture.seed;
       const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, camera.stored_width,
                          camera.stored_height, 0};
-      to.file = io::decoded_jpeg(to.name, io::recorded_jpeg(stored, room.recording));
+      to.file = files::decoded_jpeg(to.name, files::recorded_jpeg(stored, room.recording));
       label(to, picture, race.config.sim.world.paint.part_of(gate.bar) * gate.bar / gate.side,
             noise);
       return true;
     };
-    tasks::render_day(maker, order, day, keep, stop);
+    simulated_race::render_day(maker, order, day, keep, stop);
   });
   return pictures;
 }

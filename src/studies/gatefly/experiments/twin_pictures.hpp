@@ -17,7 +17,7 @@ namespace gatefly::experiments {
 /// A picture of a room, real or rendered.
 struct TwinPicture {
   std::string name;
-  io::ImageFile file;
+  files::ImageFile file;
   std::optional<Quad> gate;  ///< The one to fly through, all corners in view: middle of the bars.
   std::vector<Quad> others;  ///< Gates where a detection is no mistake.
   std::uint64_t day = 0;     ///< Seed of its light; 50 rows of a real set.
@@ -30,7 +30,7 @@ struct TwinRoom {
   std::string set;                    ///< Folder of tudelft_bebop_gates.
   std::string config;                 ///< Our detector's.
   std::string track;                  ///< Track on which the rendered poses are flown.
-  io::Recording recording{};          ///< How the real pictures were kept; the rendered ones, too.
+  files::Recording recording{};       ///< How the real pictures were kept; the rendered ones, too.
   double shake_deg = 0.0;             ///< How the camera was held: tasks::PictureOrder.
   std::vector<std::string> settings;  ///< Its look, as --set has them.
 };

@@ -19,7 +19,7 @@ PaperDetector detector_of(TwinMode mode, const std::string& config_name) {
   if (mode == TwinMode::kPaper) return as_paper();
   if (mode == TwinMode::kFlown) return as_flown();
   const std::vector<std::string> names{config_name};
-  const io::Config config = io::load_config(io::config_files(names));
+  const config::Config config = config::load_config(config::config_files(names));
   const tuning::Judging judging{.detector = config.pilot.detector,
                                 .lowest = config.pilot.detector.min_score};
   return [config, judging](const Image& image, Rng&) {
@@ -46,7 +46,7 @@ TwinRate rate_of(const std::vector<double>& hits) {
   TwinRate rate = mean_of(hits);
   if (hits.empty()) return rate;
   const auto interval =
-      io::wilson95(static_cast<int>(std::lround(rate.mean * rate.count)), rate.count);
+      simulated_race::wilson95(static_cast<int>(std::lround(rate.mean * rate.count)), rate.count);
   rate.low = interval.low, rate.high = interval.high;
   return rate;
 }
@@ -58,7 +58,7 @@ const char* name_of(TwinMode mode) {
 }
 
 int bin_of(const Quad& gate) {
-  const double distance = distance_from_area(io::polygon_area(gate));
+  const double distance = distance_from_area(files::polygon_area(gate));
   for (std::size_t i = 0; i < kTwinBinCount; ++i)
     if (distance < kTwinBins[i + 1]) return static_cast<int>(i);
   return -1;
@@ -67,18 +67,18 @@ int bin_of(const Quad& gate) {
 std::vector<TwinOutcome> outcomes(std::span<const TwinPicture> pictures, TwinMode mode,
                                   const std::string& config, int repeats) {
   const PaperDetector detector = detector_of(mode, config);
-  const io::Rule rule =
-      mode == TwinMode::kPaper ? io::Rule::kOverlap70Authors : io::Rule::kOverlap70;
+  const files::Rule rule =
+      mode == TwinMode::kPaper ? files::Rule::kOverlap70Authors : files::Rule::kOverlap70;
   if (mode == TwinMode::kOurs) repeats = 1;  // it draws nothing
   std::vector<TwinOutcome> all(pictures.size());
   in_parallel(pictures.size(), [&](std::size_t i) {
     for (int repeat = 0; repeat < repeats; ++repeat) {
       Rng rng{1'000'003u * static_cast<std::uint64_t>(repeat) + i};
-      io::PictureToScore picture{.gates = {}, .ignored = pictures[i].others, .detections = {}};
+      files::PictureToScore picture{.gates = {}, .ignored = pictures[i].others, .detections = {}};
       if (pictures[i].gate) picture.gates.push_back(*pictures[i].gate);
       for (const GateDetection& gate : detector(pictures[i].view(), rng))
         picture.detections.push_back(gate.corners_px);
-      const io::Score score = io::score({&picture, 1}, rule);
+      const files::Score score = files::score({&picture, 1}, rule);
       all[i].hit += static_cast<double>(score.hits) / repeats;
       all[i].false_positives += static_cast<double>(score.false_positives) / repeats;
       if (repeat == 0) all[i].corner_errors = score.best_order_px;
@@ -91,7 +91,7 @@ TwinRates pooled(std::span<const TwinRates> sets) {
   TwinRates all = weighted(sets, sets);
   for (TwinRate& bin : all.bins) {
     const auto interval =
-        io::wilson95(static_cast<int>(std::lround(bin.mean * bin.count)), bin.count);
+        simulated_race::wilson95(static_cast<int>(std::lround(bin.mean * bin.count)), bin.count);
     bin.low = interval.low, bin.high = interval.high;
   }
   return all;

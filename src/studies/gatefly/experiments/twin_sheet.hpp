@@ -9,7 +9,7 @@
 namespace gatefly::experiments {
 
 /// Real pictures beside rendered ones whose gates look as large; labels dashed.
-[[nodiscard]] io::Canvas twin_sheet(std::span<const TwinPicture> real,
-                                    std::span<const TwinPicture> rendered);
+[[nodiscard]] drawing::Canvas twin_sheet(std::span<const TwinPicture> real,
+                                         std::span<const TwinPicture> rendered);
 
 }  // namespace gatefly::experiments

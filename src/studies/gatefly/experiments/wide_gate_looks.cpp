@@ -54,7 +54,7 @@ bool is_about(const FoundCorners& found, const sim::GateView& gate) {
   return drawn && found.count() == 4 && overlaps(found.corners_px, gate.corners_px, kShared);
 }
 
-void WideLooks::add(const tasks::Picture& picture, const sim::World& world,
+void WideLooks::add(const simulated_race::Picture& picture, const world::World& world,
                     const std::vector<FoundCorners>& found) {
   constexpr double kSame = 0.7;  // [the paper's rule]
   ++pictures;
@@ -90,7 +90,7 @@ void WideLooks::add(const WideLooks& more) {
 std::string WideLooks::csv() const {
   std::string csv =
       "seed,picture,gate,distance_m,distance_sides,side_px,outer,inner,is,error_px,scale\n";
-  const auto text = [](double value) { return io::text_of(value, 4); };
+  const auto text = [](double value) { return files::text_of(value, 4); };
   for (const WideLook& look : looks) {
     double sum = 0.0;
     for (const double e : look.errors_px) sum += e / static_cast<double>(look.errors_px.size());

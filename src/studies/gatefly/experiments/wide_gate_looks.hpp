@@ -56,7 +56,7 @@ struct WideLooks {
   std::vector<WideLook> looks;
   std::vector<Wrong> wrong;
 
-  void add(const tasks::Picture& picture, const sim::World& world,
+  void add(const simulated_race::Picture& picture, const world::World& world,
            const std::vector<FoundCorners>& found);
   void add(const WideLooks& more);
   [[nodiscard]] std::string csv() const;

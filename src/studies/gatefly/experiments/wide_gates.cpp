@@ -47,23 +47,24 @@ std::vector<FoundCorners> found_in(const Image& image, const LookoutParams& para
   return found;
 }
 
-WideLooks looks_of(const tasks::RaceMaker& maker, const tasks::PictureOrder& order,
-                   std::size_t seed, const Options& options) {
-  const tasks::Race race = maker.race(order.first_seed + seed);
-  const sim::CameraTruth& camera = race.config.sim.camera;
+WideLooks looks_of(const simulated_race::RaceMaker& maker,
+                   const simulated_race::PictureOrder& order, std::size_t seed,
+                   const Options& options) {
+  const simulated_race::Race race = maker.race(order.first_seed + seed);
+  const world::CameraTruth& camera = race.config.sim.camera;
   const LookoutParams params = lookout_params(race.config.pilot);
   GateDetector detector{params.detector, params.detector_mode};
   WideLooks looks;
   const auto stop = [&options] {
     if (options.stopped()) throw Stopped{};
   };
-  const auto take = [&](tasks::Picture&& picture) {
+  const auto take = [&](simulated_race::Picture&& picture) {
     const Image image{picture.uyvy.data(), PixelFormat::kUyvy, camera.stored_width,
                       camera.stored_height, camera.stored_rotation};
     looks.add(picture, race.config.sim.world, found_in(image, params, detector));
     return true;
   };
-  tasks::render_day(maker, order, seed, take, stop);
+  simulated_race::render_day(maker, order, seed, take, stop);
   return looks;
 }
 
@@ -142,7 +143,7 @@ void add_errors(const WideLooks& all, Result& result) {
   const auto median = [&](const std::string& what, const char* key, std::vector<double>& values,
                           double factor, const char* unit) {
     std::sort(values.begin(), values.end());
-    const double m = values.empty() ? std::nan("") : factor * io::quantile(values, 0.5);
+    const double m = values.empty() ? std::nan("") : factor * files::quantile(values, 0.5);
     result.json[key] = number(m);
     if (!values.empty()) result.table.push_back({what, "-", fixed(m, 2) + unit});
   };
@@ -153,19 +154,20 @@ void add_errors(const WideLooks& all, Result& result) {
                        static_cast<double>(std::max<std::size_t>(1, all.pictures));
   result.table.push_back(
       {"detections that are no gate", "-",
-       std::to_string(all.wrong.size()) + " in " + io::amount(all.pictures, "picture")});
+       std::to_string(all.wrong.size()) + " in " + files::amount(all.pictures, "picture")});
   result.json["false"] = all.wrong.size(), result.json["false_per_image"] = wrong;
 }
 
-io::Canvas plot_of(const WideLooks& all) {
-  constexpr std::array kColors{io::kLight.found, io::kLight.estimate, io::kLight.flown};
-  io::Plot plot{.title = "Wide gates found, by corners in view",
-                .x_label = "distance [sides of the gate]",
-                .y_label = "part of them that is found"};
+drawing::Canvas plot_of(const WideLooks& all) {
+  constexpr std::array kColors{drawing::kLight.found, drawing::kLight.estimate,
+                               drawing::kLight.flown};
+  drawing::Plot plot{.title = "Wide gates found, by corners in view",
+                     .x_label = "distance [sides of the gate]",
+                     .y_label = "part of them that is found"};
   for (int outer = 4; outer >= 2; --outer) {
-    io::PlotSeries series{.name = std::to_string(outer) + " corners",
-                          .points = {},
-                          .color = kColors[static_cast<std::size_t>(4 - outer)]};
+    drawing::PlotSeries series{.name = std::to_string(outer) + " corners",
+                               .points = {},
+                               .color = kColors[static_cast<std::size_t>(4 - outer)]};
     for (double from = 0.5; from < 6.0; from += 0.5) {
       const Share share = share_of(all.looks, [&](const WideLook& look) {
         return look.outer == outer && look.sides >= from && look.sides < from + 0.5;
@@ -174,7 +176,7 @@ io::Canvas plot_of(const WideLooks& all) {
     }
     plot.series.push_back(series);
   }
-  return io::draw(plot);
+  return drawing::draw(plot);
 }
 
 }  // namespace
@@ -182,13 +184,14 @@ io::Canvas plot_of(const WideLooks& all) {
 Result wide_gates(const Options& options) {
   WideOrder wide = options.quick ? kWideQuick : kWideFull;
   wide.first_seed = first_seed(options, kWideFull.first_seed, kWideQuick.first_seed);
-  const tasks::RaceMaker maker({.config = {.configs = {"cameras/grandprix.toml"}, .settings = {}},
-                                .track = "grandprix",
-                                .vision = "rendered",
-                                .laps = 1});
-  const tasks::PictureOrder order{.pictures = wide.seeds * wide.per_seed,
-                                  .per_day = wide.per_seed,
-                                  .first_seed = wide.first_seed};
+  const simulated_race::RaceMaker maker(
+      {.config = {.configs = {"cameras/grandprix.toml"}, .settings = {}},
+       .track = "grandprix",
+       .vision = "rendered",
+       .laps = 1});
+  const simulated_race::PictureOrder order{.pictures = wide.seeds * wide.per_seed,
+                                           .per_day = wide.per_seed,
+                                           .first_seed = wide.first_seed};
   std::vector<WideLooks> by_seed(wide.seeds);
   in_parallel(wide.seeds, [&](std::size_t i) {
     if (!options.stopped()) by_seed[i] = looks_of(maker, order, i, options);

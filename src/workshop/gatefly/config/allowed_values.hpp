@@ -5,9 +5,9 @@
 
 #include "gatefly/config/schema.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// Allowed values in words: "a whole number in 1..100", "one of "full", "fast"".
 [[nodiscard]] std::string allowed_values(const KeyRule& rule);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -11,14 +11,14 @@
 #include "gatefly/config/derived.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/key_names.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/config/texts.hpp"
 #include "gatefly/files/color_model_file.hpp"
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using nlohmann::json;
@@ -94,7 +94,7 @@ void set_key(Config& config, const std::string& given, const json& value, const 
     const auto found = std::find_if(keys.begin(), keys.end(),
                                     [&](const auto& key) { return key.rule.name == name; });
     if (found == keys.end())
-      throw std::runtime_error(where + ": " + one_line(name) + " is not a known key" +
+      throw std::runtime_error(where + ": " + files::one_line(name) + " is not a known key" +
                                key_suggestion(name));
     json allowed = checked(found->rule, value, where);
     if (found->rule.kind == KeyRule::Kind::kFile)
@@ -108,21 +108,22 @@ void set_key(Config& config, const std::string& given, const json& value, const 
                                   const std::string& place) {
   const std::string where = place + ": ";
   if (!content.is_object())
-    throw std::runtime_error(where + one_line(section) + " stands outside every [section]" +
+    throw std::runtime_error(where + files::one_line(section) + " stands outside every [section]" +
                              key_suggestion(section));
-  throw std::runtime_error(where + "[" + one_line(section) + "] is not a known section" +
-                           suggestion(section, section_names()) +
-                           " (there are: " + joined(section_names()) + ")");
+  throw std::runtime_error(where + "[" + files::one_line(section) + "] is not a known section" +
+                           files::suggestion(section, section_names()) +
+                           " (there are: " + files::joined(section_names()) + ")");
 }
 
-void read_config_file(Config& config, const TomlFile& file, const std::filesystem::path& path) {
+void read_config_file(Config& config, const files::TomlFile& file,
+                      const std::filesystem::path& path) {
   for (const auto& [section, table] : file.content().items()) {
     const std::string pointer = "/" + section, place = file.place(pointer);
     const auto sections = section_names();
     if (std::find(sections.begin(), sections.end(), section) == sections.end())
       unknown_section(section, table, place);
     if (!table.is_object())
-      throw std::runtime_error(place + ": " + section + " = " + shown(table) +
+      throw std::runtime_error(place + ": " + section + " = " + files::shown(table) +
                                ", must be a section: [" + section +
                                "] on a line of its own, its keys below");
     for (const auto& [key, value] : table.items()) {
@@ -143,8 +144,8 @@ void ordered(const Config& config, const char* low_key, double low, const char* 
   const auto who = config.set_by.contains(low_key)    ? config.set_by.at(low_key)
                    : config.set_by.contains(high_key) ? config.set_by.at(high_key)
                                                       : "default";
-  throw std::runtime_error(who + ": " + low_key + " = " + text_of(low) + ", must be at most " +
-                           high_key + " = " + text_of(high));
+  throw std::runtime_error(who + ": " + low_key + " = " + files::text_of(low) +
+                           ", must be at most " + high_key + " = " + files::text_of(high));
 }
 
 /// Requirements of a model on camera.distortion.
@@ -176,10 +177,10 @@ void check_distortion(const Config& c) {
                                ? "[]"
                                : std::to_string(rule.coefficients.size()) + " number" +
                                      (rule.coefficients.size() == 1 ? "" : "s") + " [" +
-                                     joined(rule.coefficients) + "] in " + text_of(rule.low) +
-                                     ".." + text_of(rule.high);
+                                     files::joined(rule.coefficients) + "] in " +
+                                     files::text_of(rule.low) + ".." + files::text_of(rule.high);
   throw std::runtime_error(c.set_by.at(given ? "camera.distortion" : "camera.model") +
-                           ": camera.distortion = " + shown(json(c.camera.distortion)) +
+                           ": camera.distortion = " + files::shown(json(c.camera.distortion)) +
                            (given ? "" : " (the default)") + ", must be " + need +
                            " with camera.model = \"" + c.camera.model + "\"");
 }
@@ -190,11 +191,11 @@ void check_autopilot_imu(const Config& c) {
   const auto fail = [&](const std::string& key, double value, const std::string& must) {
     const auto who = c.set_by.find(key);
     throw std::runtime_error((who == c.set_by.end() ? "default" : who->second) + ": " + key +
-                             " = " + text_of(value) + ", must be " + must);
+                             " = " + files::text_of(value) + ", must be " + must);
   };
   const double vehicle_hz = c.rates.imu_hz;
-  const std::string vehicle = "vehicle.imu_hz = " + text_of(vehicle_hz);
-  const sim::SensorTruth& sim = c.sim.sensors;
+  const std::string vehicle = "vehicle.imu_hz = " + files::text_of(vehicle_hz);
+  const world::SensorTruth& sim = c.sim.sensors;
   for (const auto& [key, hz] : {std::pair{"filter.imu_hz", c.rates.filter_imu_hz},
                                 std::pair{"sim.autopilot_imu_hz", sim.autopilot_imu_hz}}) {
     if (!(hz > 0.0)) continue;
@@ -226,8 +227,9 @@ void check(const Config& c) {
     return c.set_by.contains(key) ? c.set_by.at(key) : std::string{"default"};
   };
   if (c.gate.bar * 2 >= c.gate.side)
-    throw std::runtime_error(who("gate.bar_m") + ": gate.bar_m = " + text_of(c.gate.bar) +
-                             ", must be less than half of gate.side_m = " + text_of(c.gate.side));
+    throw std::runtime_error(
+        who("gate.bar_m") + ": gate.bar_m = " + files::text_of(c.gate.bar) +
+        ", must be less than half of gate.side_m = " + files::text_of(c.gate.side));
   if (c.camera.stored_rotation_deg % 90 != 0)
     throw std::runtime_error(who("camera.stored_rotation_deg") + ": camera.stored_rotation_deg = " +
                              std::to_string(c.camera.stored_rotation_deg) +
@@ -237,7 +239,7 @@ void check(const Config& c) {
 void read_color_table(Config& c) {
   if (c.gate.color_table.empty()) return;
   try {
-    c.gate.fitted_color = read_color_model(c.gate.color_table);
+    c.gate.fitted_color = files::read_color_model(c.gate.color_table);
   } catch (const std::exception& error) {
     throw std::runtime_error(c.set_by.at("color.table") + ": color.table: " + error.what());
   }
@@ -255,16 +257,16 @@ Config load_config(std::span<const std::filesystem::path> files,
 Config load_config(std::span<const std::filesystem::path> files,
                    std::span<const std::string> settings, const std::optional<TextFile>& text) {
   Config config;
-  for (const auto& file : files) read_config_file(config, TomlFile{file}, file);
-  if (text) read_config_file(config, TomlFile{text->name, text->content}, {});
+  for (const auto& file : files) read_config_file(config, files::TomlFile{file}, file);
+  if (text) read_config_file(config, files::TomlFile{text->name, text->content}, {});
   for (const std::string& setting : settings) {
     if (setting.find_first_of("\n\r") != std::string::npos)  // a flight keeps each on a line
-      throw std::runtime_error("--set " + one_line(setting) + ": must be on one line");
+      throw std::runtime_error("--set " + files::one_line(setting) + ": must be on one line");
     const auto equals = setting.find('=');
     const std::string name = trimmed(setting.substr(0, equals));
     if (equals == std::string::npos || name.empty())
-      throw std::runtime_error("--set " + one_line(setting) + ": must be section.key=value");
-    set_key(config, name, parse_toml_value(setting.substr(equals + 1)), "--set");
+      throw std::runtime_error("--set " + files::one_line(setting) + ": must be section.key=value");
+    set_key(config, name, files::parse_toml_value(setting.substr(equals + 1)), "--set");
   }
   check(config);
   read_color_table(config);
@@ -274,14 +276,14 @@ Config load_config(std::span<const std::filesystem::path> files,
 
 void check_config(const std::string& content, const std::string& name) {
   Config config;
-  read_config_file(config, TomlFile{name, content}, name);
+  read_config_file(config, files::TomlFile{name, content}, name);
   check(config);
   (void)pilot_config(config);
 }
 
 std::vector<std::filesystem::path> config_files(std::span<const std::string> names) {
-  std::vector<std::filesystem::path> files{find_toml("default", "configs")};
-  for (const std::string& name : names) files.push_back(find_config(name));
+  std::vector<std::filesystem::path> files{files::find_toml("default", "configs")};
+  for (const std::string& name : names) files.push_back(files::find_config(name));
   return files;
 }
 
@@ -310,4 +312,4 @@ json with_current_names(json config) {
   return config;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -15,19 +15,19 @@
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// [sim]: the simulator's own. What it shares with the pilot: simulator_config in derived.hpp.
 struct SimulatorSettings {
-  sim::VehicleTruth vehicle;
+  world::VehicleTruth vehicle;
   /// True moments of inertia / the vehicle file's. [recorded flights: docs/simulation.md]
   Eigen::Vector3d inertia_ratio{1.0, 2.75, 1.0};
-  sim::SensorTruth sensors;
-  sim::AutopilotTruth autopilot;
-  sim::Wind wind;
-  sim::Imaging imaging;
-  sim::GatePaint paint;
-  sim::IdealVisionParams ideal_vision;
+  world::SensorTruth sensors;
+  world::AutopilotTruth autopilot;
+  world::Wind wind;
+  world::Imaging imaging;
+  world::GatePaint paint;
+  world::IdealVisionParams ideal_vision;
   std::string camera_quality = "full";  ///< Or "fast": one ray a pixel, no blur, no glare.
   int bake_threads = 2;
   double timeout = 240.0;  ///< Limit of one flight [s].
@@ -84,4 +84,4 @@ struct Config {
 /// Translates as_json() of an earlier version: renamed keys get their present names.
 [[nodiscard]] nlohmann::json with_current_names(nlohmann::json config);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -10,7 +10,7 @@
 #define AT(expression) \
   [](auto& c) -> auto& { return c.expression; }
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using Keys = std::vector<Key<Config>>;
@@ -416,6 +416,6 @@ const std::vector<Key<Config>>& config_keys() {
   return all;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config
 
 #undef AT

@@ -7,7 +7,7 @@
 
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 constexpr double kToWall = 0.3;     // of a gate's frame [m]
@@ -147,4 +147,4 @@ class Check {
 
 std::vector<std::string> course_problems(const Track& track) { return Check{track}.problems(); }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

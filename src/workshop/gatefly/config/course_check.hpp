@@ -6,7 +6,7 @@
 
 #include "gatefly/race/track.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// Problems of a course as it stands, each in one sentence; empty when there are none.
 ///
@@ -15,4 +15,4 @@ namespace gatefly::io {
 /// there is a way round is the planner's question.
 [[nodiscard]] std::vector<std::string> course_problems(const Track& track);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -11,7 +11,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 AnyCamera lens_of(const CameraDescription& c) {
@@ -69,8 +69,8 @@ Output output_of(const std::string& name) {
                                    : Output::kMotors;
 }
 
-sim::AutopilotTruth::Takes taken_by_autopilot(Output output) {
-  using Takes = sim::AutopilotTruth::Takes;
+world::AutopilotTruth::Takes taken_by_autopilot(Output output) {
+  using Takes = world::AutopilotTruth::Takes;
   return output == Output::kAttitudeThrust ? Takes::kAngles
          : output == Output::kRatesThrust  ? Takes::kRates
                                            : Takes::kNone;
@@ -126,7 +126,7 @@ Config on_course(Config config, const TrackFile& track) {
   for (std::size_t i = 0; i < gates.size(); ++i)
     if (!speaks_for_gate(color, gates[i].color)) unseen.push_back(std::to_string(i + 1));
   if (!unseen.empty())
-    config.notes.push_back(track.track.name + ": gate " + joined(unseen) +
+    config.notes.push_back(track.track.name + ": gate " + files::joined(unseen) +
                            " not of the colour that the pilot looks for (color.rgb, color.table): "
                            "will not be seen");
   return config;
@@ -183,8 +183,8 @@ Eigen::Vector3d true_inertia(const Eigen::Vector3d& known, const Eigen::Vector3d
   return inertia;
 }
 
-sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
-  sim::SimConfig nominal;
+world::SimConfig simulator_config(const Config& config, const TrackFile& track) {
+  world::SimConfig nominal;
   nominal.world = track.world;
   nominal.world.paint = config.sim.paint;
   for (auto& gate : nominal.world.gates)
@@ -227,4 +227,4 @@ sim::SimConfig simulator_config(const Config& config, const TrackFile& track) {
   return nominal;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

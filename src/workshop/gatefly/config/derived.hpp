@@ -8,7 +8,7 @@
 
 // Pilot and simulator each take what they need from the same descriptions, and nothing from each
 // other.
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// The pilot's own settings with what camera, vehicle and gate mean to it; without a track.
 [[nodiscard]] PilotConfig pilot_config(const Config& config);
@@ -20,6 +20,6 @@ namespace gatefly::io {
 
 /// The simulator's own settings, what camera and vehicle mean to it, and the track's world; nominal:
 /// nothing is drawn yet.
-[[nodiscard]] sim::SimConfig simulator_config(const Config& config, const TrackFile& track);
+[[nodiscard]] world::SimConfig simulator_config(const Config& config, const TrackFile& track);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

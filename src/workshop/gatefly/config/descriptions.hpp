@@ -14,7 +14,7 @@
 
 // Quantities that a team measures: the pilot takes them as they are, the simulator varies them.
 // Sources of the defaults: config_keys.cpp.
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// [camera]: the camera, how it is mounted and how late it is.
 struct CameraDescription {
@@ -57,4 +57,4 @@ struct GateDescription {
   std::optional<ColorModel> fitted_color;  ///< Contents of that file.
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

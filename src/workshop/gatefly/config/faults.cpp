@@ -12,19 +12,20 @@
 #define AT(member) \
   [](auto& f) -> auto& { return f.member; }
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 constexpr double kPercent = 0.01;
 constexpr double kLongest = 1e9;  // [s] as good as for ever
 
 template <class Member>
-Key<sim::Faults> k(const char* name, double low, double high, Member member, const char* what,
-                   double unit = 1.0) {
-  return key<sim::Faults>(std::string{"faults."} + name, low, high, member, what, "no fault", unit);
+Key<world::Faults> k(const char* name, double low, double high, Member member, const char* what,
+                     double unit = 1.0) {
+  return key<world::Faults>(std::string{"faults."} + name, low, high, member, what, "no fault",
+                            unit);
 }
 
-std::vector<Key<sim::Faults>> make_keys() {
+std::vector<Key<world::Faults>> make_keys() {
   return {
       k("camera_drop_percent", 0, 100, AT(camera_drop), "pictures that never arrive", kPercent),
       k("camera_out_s", 0, kLongest, AT(camera_out), "no pictures: from, for how long"),
@@ -75,7 +76,7 @@ std::vector<Key<sim::Faults>> make_keys() {
   };
 }
 
-const Key<sim::Faults>* find(const std::string& name) {
+const Key<world::Faults>* find(const std::string& name) {
   const auto& keys = fault_keys();
   const auto found = std::find_if(keys.begin(), keys.end(),
                                   [&](const auto& k) { return k.rule.name == "faults." + name; });
@@ -84,8 +85,8 @@ const Key<sim::Faults>* find(const std::string& name) {
 
 }  // namespace
 
-const std::vector<Key<sim::Faults>>& fault_keys() {
-  static const std::vector<Key<sim::Faults>> keys = make_keys();
+const std::vector<Key<world::Faults>>& fault_keys() {
+  static const std::vector<Key<world::Faults>> keys = make_keys();
   return keys;
 }
 
@@ -96,13 +97,13 @@ void check_fault(const std::string& key, const nlohmann::json& value, const std:
   }
   std::vector<std::string> names;
   for (const auto& each : fault_keys()) names.push_back(each.rule.name.substr(7));
-  throw std::runtime_error(where + ": faults." + one_line(key) + " is not a known key" +
-                           suggestion(key, names));
+  throw std::runtime_error(where + ": faults." + files::one_line(key) + " is not a known key" +
+                           files::suggestion(key, names));
 }
 
-sim::Faults with_faults(const sim::Faults& base, const nlohmann::json& table,
-                        const std::string& where) {
-  sim::Faults result = base;
+world::Faults with_faults(const world::Faults& base, const nlohmann::json& table,
+                          const std::string& where) {
+  world::Faults result = base;
   for (const auto& [key, value] : table.items()) {
     check_fault(key, value, where);
     find(key)->set(result, value);
@@ -110,17 +111,17 @@ sim::Faults with_faults(const sim::Faults& base, const nlohmann::json& table,
   return result;
 }
 
-void expect_gates_of(const sim::Faults& faults, std::size_t gates, const std::string& track) {
+void expect_gates_of(const world::Faults& faults, std::size_t gates, const std::string& track) {
   for (const auto& [name, number] :
        {std::pair{"moved_gate", faults.moved_gate}, std::pair{"missing_gate", faults.missing_gate},
         std::pair{"hidden_gate", faults.hidden_gate}})
     if (number > static_cast<int>(gates))
       throw std::runtime_error(std::string{"faults."} + name + " = " + std::to_string(number) +
-                               ", but " + track + " has " + amount(gates, "gate") +
-                               ", must be in " + text_of(find(name)->rule.low) + ".." +
+                               ", but " + track + " has " + files::amount(gates, "gate") +
+                               ", must be in " + files::text_of(find(name)->rule.low) + ".." +
                                std::to_string(gates));
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config
 
 #undef AT

@@ -7,11 +7,11 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/config/track_keys.hpp"
 #include "gatefly/files/toml_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using nlohmann::ordered_json;
@@ -85,7 +85,7 @@ ordered_json faults_table() {
 
 /// As its example shows: a text, a number, or a list of so many numbers.
 ordered_json allowed(const TrackKey& key) {
-  const nlohmann::json example = parse_toml_value(key.example);
+  const nlohmann::json example = files::parse_toml_value(key.example);
   const ordered_json one = number("number", key.low, key.high);
   if (example.is_array()) return list_of(one, example.size(), example.size());
   if (std::string_view{key.name} == "color")
@@ -102,7 +102,7 @@ ordered_json track_table(std::string_view section, const char* what) {
     const std::string otherwise = key.otherwise;
     ordered_json rule = allowed(key);
     rule["description"] = key.what + (otherwise.empty() ? "" : "; without it " + otherwise);
-    rule["examples"] = ordered_json::array({ordered_json(parse_toml_value(key.example))});
+    rule["examples"] = ordered_json::array({ordered_json(files::parse_toml_value(key.example))});
     keys[key.name] = rule;
     if (otherwise.empty()) required.push_back(key.name);
   }
@@ -147,4 +147,4 @@ ordered_json config_schema() {
   return document("A configuration of gatefly", table(sections));
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -5,7 +5,7 @@
 
 // JSON Schemas, draft 7, with which editors complete and check a file while it is written. Made of
 // the tables that the readers use, so that the two cannot differ.
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// Schema of a track file: track_keys(), randomize_keys() and fault_keys().
 [[nodiscard]] nlohmann::ordered_json track_schema();
@@ -14,4 +14,4 @@ namespace gatefly::io {
 /// fault_keys().
 [[nodiscard]] nlohmann::ordered_json config_schema();
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

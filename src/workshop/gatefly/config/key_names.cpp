@@ -5,15 +5,15 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 /// "'a' or 'b'".
 std::string quoted(const std::vector<std::string>& keys) {
-  return "'" + joined(keys, "' or '") + "'";
+  return "'" + files::joined(keys, "' or '") + "'";
 }
 
 }  // namespace
@@ -43,10 +43,10 @@ std::string key_suggestion(const std::string& name) {
   constexpr std::size_t kFew = 3;
   for (const auto& meant : {same, longer_here, longer})
     if (!meant.empty() && meant.size() <= kFew) return ", did you mean " + quoted(meant) + "?";
-  if (!suggestion(last, beside).empty())
-    return ", did you mean '" + section + nearest(last, beside) + "'?";
-  const std::string any = beside.empty() ? suggestion(name, key_names()) : "";
+  if (!files::suggestion(last, beside).empty())
+    return ", did you mean '" + section + files::nearest(last, beside) + "'?";
+  const std::string any = beside.empty() ? files::suggestion(name, key_names()) : "";
   return any.empty() ? ", gatefly config --show lists them all" : any;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

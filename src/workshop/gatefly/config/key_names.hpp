@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// Every key that a configuration may set: "camera.tilt_deg", ..., [randomize]'s and [faults]' too.
 [[nodiscard]] std::vector<std::string> key_names();
@@ -14,4 +14,4 @@ namespace gatefly::io {
 /// like name in its section, or any like it. Else where they are listed.
 [[nodiscard]] std::string key_suggestion(const std::string& name);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

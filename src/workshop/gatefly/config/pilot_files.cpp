@@ -10,7 +10,7 @@
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/shipped_files.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 PilotConfig read_pilot_config(const std::string& track, const std::vector<std::string>& configs,
                               const std::vector<std::string>& settings) {
@@ -21,8 +21,8 @@ PilotFiles read_pilot_files(const PilotSources& sources) {
   // An autopilot has its own files and none of those that gatefly comes with: default.toml only says
   // what the program's own defaults are.
   std::vector<std::filesystem::path> files;
-  if (shipped_dir().empty())
-    for (const std::string& name : sources.configs) files.push_back(find_config(name));
+  if (files::shipped_dir().empty())
+    for (const std::string& name : sources.configs) files.push_back(files::find_config(name));
   else
     files = config_files(sources.configs);
   std::optional<TextFile> text;
@@ -37,4 +37,4 @@ PilotFiles read_pilot_files(const PilotSources& sources) {
   return read;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -6,7 +6,7 @@
 
 #include "gatefly/race/pilot_config.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// A pilot's configuration from the files that the program reads: it flies as you fly.
 ///
@@ -37,4 +37,12 @@ struct PilotFiles {
 /// @throws std::runtime_error one line; a text is called "track text", "config text".
 [[nodiscard]] PilotFiles read_pilot_files(const PilotSources& sources);
 
+}  // namespace gatefly::config
+
+/// The names until 0.3; they go with 0.4.
+namespace gatefly::io {
+using config::PilotFiles;
+using config::PilotSources;
+using config::read_pilot_config;
+using config::read_pilot_files;
 }  // namespace gatefly::io

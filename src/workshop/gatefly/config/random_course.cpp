@@ -13,7 +13,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rng.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 /// Sizes of a look's rooms: least and most of each side, height.
@@ -137,12 +137,12 @@ std::optional<Course> drawn(Dice& dice) {
 
 std::string list(std::initializer_list<double> values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "[" : ", ") + fixed(value, 2);
+  for (const double value : values) text += (text.empty() ? "[" : ", ") + files::fixed(value, 2);
   return text + "]";
 }
 
 std::string heading_line(double heading) {
-  return "heading_deg = " + fixed(std::round(heading / kDegree) + 0.0, 1) + "\n";
+  return "heading_deg = " + files::fixed(std::round(heading / kDegree) + 0.0, 1) + "\n";
 }
 
 std::string track_text(const Course& course, std::uint64_t seed) {
@@ -158,8 +158,8 @@ std::string track_text(const Course& course, std::uint64_t seed) {
     const MapGate& gate = track.gates[i];
     text += "[[gates]]  # " + std::to_string(i + 1) +
             "\nposition_m = " + list({gate.p_EG.x(), gate.p_EG.y(), gate.p_EG.z()}) + "\n" +
-            heading_line(gate.yaw_EG) + "side_m = " + fixed(gate.side, 2) +
-            "\nbar_m = " + fixed(gate.bar, 2) + "\ncolor = \"orange\"\n\n";
+            heading_line(gate.yaw_EG) + "side_m = " + files::fixed(gate.side, 2) +
+            "\nbar_m = " + files::fixed(gate.bar, 2) + "\ncolor = \"orange\"\n\n";
   }
   for (const MapObstacle& box : track.obstacles)
     text += "[[obstacles]]\nbox_m = " + list({box.size.x(), box.size.y(), box.height}) +
@@ -180,4 +180,4 @@ std::string random_course(std::uint64_t seed) {
   throw std::logic_error("random_course: no valid course in 10000 draws");
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

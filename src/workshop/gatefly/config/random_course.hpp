@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// A track file of a course drawn at random: the same seed, the same text.
 ///
@@ -13,4 +13,4 @@ namespace gatefly::io {
 /// asked: `gatefly track` answers that, with the reason.
 [[nodiscard]] std::string random_course(std::uint64_t seed);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

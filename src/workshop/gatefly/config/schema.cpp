@@ -10,7 +10,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 // 315.0 is as whole as 315.
@@ -53,7 +53,7 @@ bool fits(const KeyRule& rule, const nlohmann::json& value) {
 }  // namespace
 
 std::string allowed_values(const KeyRule& rule) {
-  const std::string range = text_of(rule.low) + ".." + text_of(rule.high);
+  const std::string range = files::text_of(rule.low) + ".." + files::text_of(rule.high);
   switch (rule.kind) {
     case KeyRule::Kind::kNumber:
       return "a number in " + range;
@@ -69,12 +69,13 @@ std::string allowed_values(const KeyRule& rule) {
     case KeyRule::Kind::kText:
       break;
   }
-  return (rule.choices.size() == 1 ? "\"" : "one of \"") + joined(rule.choices, "\", \"") + "\"";
+  return (rule.choices.size() == 1 ? "\"" : "one of \"") + files::joined(rule.choices, "\", \"") +
+         "\"";
 }
 
 nlohmann::json checked(const KeyRule& rule, const nlohmann::json& value, const std::string& where) {
   if (!fits(rule, value))
-    throw std::runtime_error(where + ": " + rule.name + " = " + shown(value) + ", must be " +
+    throw std::runtime_error(where + ": " + rule.name + " = " + files::shown(value) + ", must be " +
                              allowed_values(rule));
   return value;
 }
@@ -116,11 +117,12 @@ double in_unit(double si, double unit) {
   constexpr int kAllDigits = 17;
   const double quotient = si / unit;
   for (int digits = 1; digits <= kAllDigits; ++digits)
-    if (const double value = std::stod(text_of(quotient, digits)); value * unit == si) return value;
+    if (const double value = std::stod(files::text_of(quotient, digits)); value * unit == si)
+      return value;
   // The quotient is rounded: what multiplies back may be its neighbour, if anything does.
   for (const double towards : {-HUGE_VAL, HUGE_VAL})
     if (const double value = std::nextafter(quotient, towards); value * unit == si) return value;
   return quotient;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

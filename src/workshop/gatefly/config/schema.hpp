@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 inline constexpr double kMilliseconds = 1e-3;  ///< The unit of a key in milliseconds [s].
 
@@ -127,4 +127,4 @@ Key<Target> file_name(std::string name, std::string& (*member)(Target&), std::st
   return result;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -10,11 +10,11 @@
 #include "gatefly/config/allowed_values.hpp"
 #include "gatefly/config/faults.hpp"
 #include "gatefly/config/key_names.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using nlohmann::json;
@@ -60,7 +60,7 @@ ShownKey shown_key(const Config& config, const std::string& name) {
   const auto found =
       std::find_if(keys.begin(), keys.end(), [&](const ShownKey& key) { return key.name == name; });
   if (found == keys.end())
-    throw std::runtime_error("config " + one_line(name) + ": is not a known key" +
+    throw std::runtime_error("config " + files::one_line(name) + ": is not a known key" +
                              key_suggestion(name));
   return *found;
 }
@@ -70,14 +70,14 @@ bool is_about(const ShownKey& key, std::string_view text) {
 }
 
 std::string written(const json& value) {
-  if (value.is_number_float()) return text_of(value.get<double>());
+  if (value.is_number_float()) return files::text_of(value.get<double>());
   if (value.is_array()) {
     std::vector<std::string> items;
     for (const json& item : value) items.push_back(written(item));
-    return "[" + joined(items) + "]";
+    return "[" + files::joined(items) + "]";
   }
   return value.is_string() ? value.dump(-1, ' ', false, json::error_handler_t::replace)
-                           : shown(value);
+                           : files::shown(value);
 }
 
 std::string as_file(const std::vector<ShownKey>& keys) {
@@ -97,4 +97,4 @@ std::string as_file(const std::vector<ShownKey>& keys) {
 
 std::string show(const Config& config) { return as_file(shown_keys(config)); }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -9,7 +9,7 @@
 
 #include "gatefly/config/config.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// A key as `gatefly config` tells it.
 struct ShownKey {
@@ -36,4 +36,4 @@ struct ShownKey {
 /// The keys as a configuration file, one line each under their [sections]; the track's are comments.
 [[nodiscard]] std::string as_file(const std::vector<ShownKey>& keys);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

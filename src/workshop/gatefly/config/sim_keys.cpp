@@ -7,7 +7,7 @@
 #define AT(expression) \
   [](auto& c) -> auto& { return c.expression; }
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 constexpr double kMicro = 1e-6;
@@ -146,6 +146,6 @@ std::vector<Key<Config>> sim_keys() {
   };
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config
 
 #undef AT

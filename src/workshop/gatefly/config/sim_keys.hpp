@@ -5,9 +5,9 @@
 
 #include "gatefly/config/config.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// The keys of [sim], part of config_keys().
 [[nodiscard]] std::vector<Key<Config>> sim_keys();
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

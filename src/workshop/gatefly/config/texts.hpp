@@ -10,7 +10,7 @@
 #include "gatefly/config/track_file.hpp"
 
 // Configuration and track of whom who has no files: an autopilot's own parameters, the C interface.
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// Content of a file, and its name in messages.
 struct TextFile {
@@ -25,4 +25,4 @@ struct TextFile {
 /// read_track() of a text; its name is also that of a track that does not say its own.
 [[nodiscard]] TrackFile read_track(const TextFile& text, const GateDescription& gates = {});
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/config/texts.hpp"
 #include "gatefly/config/track_keys.hpp"
 #include "gatefly/files/shipped_files.hpp"
@@ -18,7 +18,7 @@
 #include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 using nlohmann::json;
@@ -43,9 +43,9 @@ std::string counted(const char* what, std::size_t index) {
 /// One [section] of the file: its keys and their bounds are those of track_keys().
 class Section {
  public:
-  Section(Table table, const char* name) : table_{std::move(table)}, name_{name} {}
+  Section(files::Table table, const char* name) : table_{std::move(table)}, name_{name} {}
 
-  [[nodiscard]] Table& table() { return table_; }
+  [[nodiscard]] files::Table& table() { return table_; }
   [[nodiscard]] bool has(const char* key) { return table_.has(rule(key).name); }
   double number(const char* key) { return table_.number(key, rule(key).low, rule(key).high); }
   double number(const char* key, double fallback) {
@@ -73,7 +73,7 @@ class Section {
  private:
   [[nodiscard]] const TrackKey& rule(const char* key) const { return track_key(name_, key); }
 
-  Table table_;
+  files::Table table_;
   const char* name_;
 };
 
@@ -93,10 +93,10 @@ Eigen::Vector3d read_color(Section& gate, const GateDescription& defaults) {
   }
   for (const auto& [name, color] : colors())
     if (value.is_string() && value.get<std::string>() == name) return color;
-  gate.fail("color", "[r, g, b] in 0..1 or one of " + joined(track_colors()));
+  gate.fail("color", "[r, g, b] in 0..1 or one of " + files::joined(track_colors()));
 }
 
-std::optional<GateExit> read_exit(Table& gate) {
+std::optional<GateExit> read_exit(files::Table& gate) {
   if (!gate.has("exit")) return std::nullopt;
   Section table{gate.table("exit"), "exit"};
   GateExit exit{.run = table.number("run_m")};
@@ -136,14 +136,14 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
   const GateSigmas sigmas = read_sigmas(table);
   table.refuse_others();
 
-  if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + text_of(side));
+  if (2 * bar >= side) table.fail("bar_m", "less than half of side_m = " + files::text_of(side));
   const double lowest = -p[2] - 0.5 * side, highest = -p[2] + 0.5 * side;
   if (lowest < -kSunk)
     table.fail("position_m", "so high that the lower bar is not below the floor: z at most " +
-                                 text_of(-0.5 * side, 6));
+                                 files::text_of(-0.5 * side, 6));
   if (highest > track.track.ceiling)
-    table.fail("position_m",
-               "below the ceiling at " + text_of(track.track.ceiling) + " m with its upper bar");
+    table.fail("position_m", "below the ceiling at " + files::text_of(track.track.ceiling) +
+                                 " m with its upper bar");
 
   const Eigen::Vector3d center{p[0], p[1], p[2]};
   track.track.gates.push_back({.p_EG = center,
@@ -160,7 +160,7 @@ void read_gate(Section table, const GateDescription& defaults, TrackFile& track)
 }
 
 void read_obstacle(Section table, TrackFile& track) {
-  sim::WorldBox box;
+  world::WorldBox box;
   box.center = table.floor_point("position_m");
   box.heading = table.heading();
   box.pole = table.has("pole_m");
@@ -180,8 +180,8 @@ void read_obstacle(Section table, TrackFile& track) {
       {.center = box.center, .size = box.size, .heading = box.heading, .height = box.top});
 }
 
-void read_room(Table& file_table, TrackFile& track) {
-  sim::World& world = track.world;
+void read_room(files::Table& file_table, TrackFile& track) {
+  world::World& world = track.world;
   if (file_table.has("room")) {
     Section room{file_table.table("room"), "room"};
     if (room.has("size_m")) {
@@ -192,7 +192,7 @@ void read_room(Table& file_table, TrackFile& track) {
     world.look = room.text("look", world.look);
     const auto& looks = track_key("room", "look").choices;
     if (std::find(looks.begin(), looks.end(), world.look) == looks.end())
-      room.fail("look", "one of " + joined(looks));
+      room.fail("look", "one of " + files::joined(looks));
     room.refuse_others();
   }
   track.track.room_center = world.room_center;
@@ -200,7 +200,7 @@ void read_room(Table& file_table, TrackFile& track) {
   track.track.ceiling = world.room_size.z();
 }
 
-void read_start(Table& file_table, TrackFile& track) {
+void read_start(files::Table& file_table, TrackFile& track) {
   if (!file_table.has("start")) return;
   Section start{file_table.table("start"), "start"};
   track.start.position = start.floor_point("position_m");
@@ -227,11 +227,11 @@ bool in_room(const Track& track, const MapObstacle& box) {
   return true;
 }
 
-void check_inside_room(const Track& track, const TomlFile& file) {
+void check_inside_room(const Track& track, const files::TomlFile& file) {
   const auto fail = [&](const std::string& pointer, const std::string& name,
                         const Eigen::Vector2d& p) {
     throw std::runtime_error(file.place(pointer + "/position_m") + ": " + name + "position_m = [" +
-                             text_of(p.x(), 6) + ", " + text_of(p.y(), 6) +
+                             files::text_of(p.x(), 6) + ", " + files::text_of(p.y(), 6) +
                              "], must be inside the room, all of it (room.size_m, room.center_m)");
   };
   if (!in_room(track, track.start)) fail("/start", "start.", track.start);
@@ -244,7 +244,7 @@ void check_inside_room(const Track& track, const TomlFile& file) {
            track.obstacles[i].center);
 }
 
-const json& list_of(Table& table, const char* key, std::size_t least, std::size_t most) {
+const json& list_of(files::Table& table, const char* key, std::size_t least, std::size_t most) {
   static const json none = json::array();
   const json& list = table.raw(key);
   if (list.is_null() && least == 0) return none;
@@ -254,14 +254,14 @@ const json& list_of(Table& table, const char* key, std::size_t least, std::size_
   return list;
 }
 
-TrackFile track_of(const TomlFile& file, const std::filesystem::path& path,
+TrackFile track_of(const files::TomlFile& file, const std::filesystem::path& path,
                    const GateDescription& defaults) {
-  Section top{Table(file), ""};
-  Table& table = top.table();
+  Section top{files::Table(file), ""};
+  files::Table& table = top.table();
 
   TrackFile track;
   constexpr std::size_t kLongestName = 200;
-  track.track.name = one_line(top.text("name", path.stem().string()), kLongestName);
+  track.track.name = files::one_line(top.text("name", path.stem().string()), kLongestName);
   track.track.laps = top.integer("laps", 1);
   read_room(table, track);
   read_start(table, track);
@@ -294,11 +294,11 @@ TrackFile track_of(const TomlFile& file, const std::filesystem::path& path,
 }  // namespace
 
 TrackFile read_track(const std::filesystem::path& path, const GateDescription& defaults) {
-  return track_of(TomlFile{path}, path, defaults);
+  return track_of(files::TomlFile{path}, path, defaults);
 }
 
 TrackFile read_track(const TextFile& text, const GateDescription& defaults) {
-  return track_of(TomlFile{text.name, text.content}, text.name, defaults);
+  return track_of(files::TomlFile{text.name, text.content}, text.name, defaults);
 }
 
 std::vector<std::string> track_colors() {
@@ -307,6 +307,8 @@ std::vector<std::string> track_colors() {
   return names;
 }
 
-std::filesystem::path find_track(const std::string& name) { return find_toml(name, "tracks"); }
+std::filesystem::path find_track(const std::string& name) {
+  return files::find_toml(name, "tracks");
+}
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

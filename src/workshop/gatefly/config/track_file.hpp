@@ -11,15 +11,15 @@
 #include "gatefly/world/sim_config.hpp"
 #include "gatefly/world/world.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// A course as its file describes it: for the pilot, for the simulator, and what a seed changes.
 struct TrackFile {
-  Track track;       ///< The pilot's map.
-  sim::World world;  ///< The same as nominal truth; `sim::drawn` moves it.
-  sim::StartTruth start;
-  sim::Randomize randomize;  ///< Level of the file with its overrides.
-  sim::Faults faults;
+  Track track;         ///< The pilot's map.
+  world::World world;  ///< The same as nominal truth; `sim::drawn` moves it.
+  world::StartTruth start;
+  world::Randomize randomize;  ///< Level of the file with its overrides.
+  world::Faults faults;
 };
 
 /// Reads tracks/*.toml. Format: see tracks/oval.toml.
@@ -36,4 +36,4 @@ struct TrackFile {
 /// @throws std::runtime_error listing the tracks there are.
 [[nodiscard]] std::filesystem::path find_track(const std::string& name);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

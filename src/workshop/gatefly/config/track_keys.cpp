@@ -9,12 +9,12 @@
 
 #include "gatefly/config/config.hpp"
 #include "gatefly/config/faults.hpp"
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 #include "gatefly/config/shown_keys.hpp"
 #include "gatefly/config/track_file.hpp"
 #include "gatefly/files/toml_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 constexpr double kFarthest = 1000.0;  // [m] from the origin
@@ -49,10 +49,10 @@ std::string section_lines(std::string_view section) {
 }
 
 std::string randomize_lines() {
-  const sim::Randomize race = randomized({}, {{"level", "race"}}, "");
+  const world::Randomize race = randomized({}, {{"level", "race"}}, "");
   std::string text = line("level", "\"race\"", "none, race or hard", false);
   for (const auto& key : randomize_keys())
-    text += line(key.rule.name.substr(key.rule.name.find('.') + 1), shown(key.get(race)),
+    text += line(key.rule.name.substr(key.rule.name.find('.') + 1), files::shown(key.get(race)),
                  key.rule.what, true);
   return text;
 }
@@ -60,7 +60,7 @@ std::string randomize_lines() {
 std::string fault_lines() {
   std::string text;
   for (const auto& key : fault_keys())
-    text += line(key.rule.name.substr(key.rule.name.find('.') + 1), shown(key.get({})),
+    text += line(key.rule.name.substr(key.rule.name.find('.') + 1), files::shown(key.get({})),
                  key.rule.what, true);
   return text;
 }
@@ -198,4 +198,4 @@ std::string new_vehicle() {
   });
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// A key of a track file: what the reader allows and what a new file says of it.
 struct TrackKey {
@@ -38,4 +38,4 @@ inline constexpr std::size_t kMaxGates = 200, kMaxObstacles = 1000;
 /// its drag.
 [[nodiscard]] std::string new_vehicle();
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -8,7 +8,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 constexpr int kLargestSide = 1600;  // [px]
@@ -30,7 +30,7 @@ void draw_label(Canvas& canvas, const std::string& label, const Eigen::Vector2d&
 
 std::string label_of(std::size_t rank, const GateDetection& gate) {
   return (gate.method == DetectionMethod::kBars ? "part " : "gate ") + std::to_string(rank) +
-         "   " + fixed(gate.fitness, 2);
+         "   " + files::fixed(gate.fitness, 2);
 }
 
 }  // namespace
@@ -88,4 +88,4 @@ Canvas annotated(const Image& image, std::span<const GateDetection> gates) {
   return canvas;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -9,7 +9,7 @@
 #include "gatefly/drawing/canvas.hpp"
 #include "gatefly/sensing/image.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 /// How much annotated() enlarges: whole steps up to 3; pictures with a side above 1600 px are made
 /// smaller.
@@ -25,4 +25,4 @@ void draw_detection(Canvas& canvas, const GateDetection& gate, const Eigen::Vect
 /// fitness. @throws std::runtime_error when the picture is empty.
 [[nodiscard]] Canvas annotated(const Image& image, std::span<const GateDetection> gates);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

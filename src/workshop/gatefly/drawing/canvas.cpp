@@ -12,7 +12,7 @@
 
 #include "gatefly/files/output.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -219,6 +219,6 @@ std::string Canvas::png() const {
   return file.insert(kHeaderEnd, kChunk);
 }
 
-void Canvas::write_png(const std::filesystem::path& path) const { write_file(path, png()); }
+void Canvas::write_png(const std::filesystem::path& path) const { files::write_file(path, png()); }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -16,7 +16,7 @@
 struct _cairo;  // Cairo's own names; its header stays in canvas.cpp
 struct _cairo_surface;
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 struct Stroke {
   Color color = kLight.ink;
@@ -90,4 +90,4 @@ class Canvas {
   std::unique_ptr<_cairo, Free> context_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

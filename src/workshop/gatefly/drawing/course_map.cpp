@@ -9,7 +9,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 using Eigen::Vector2d;
@@ -117,7 +117,7 @@ void CourseMap::draw_gate(Canvas& canvas, std::size_t index, const Color& color)
   const bool aside = std::abs(out.x()) > 0.5;
   const Vector2d more = aside ? Vector2d{out.x() > 0.0 ? 9.0 : -9.0, 0.0}
                               : Vector2d{0.0, out.y() > 0.0 ? 16.0 : -16.0};
-  canvas.text(beside + more, fixed(-gate.p_EG.z(), 1) + " m",
+  canvas.text(beside + more, files::fixed(-gate.p_EG.z(), 1) + " m",
               {.color = palette_.muted,
                .size = 13,
                .align = !aside          ? Align::kCenter
@@ -165,4 +165,4 @@ Canvas drawn_course(const Track& track, const RacePlan* plan, const std::string&
   return canvas;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

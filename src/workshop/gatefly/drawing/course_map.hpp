@@ -10,7 +10,7 @@
 #include "gatefly/race/path.hpp"
 #include "gatefly/race/track.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 /// Contents of a course's map, as the pilot knows it or as it really stands.
 struct Course {
@@ -69,4 +69,4 @@ class CourseMap {
 [[nodiscard]] Canvas drawn_course(const Track& track, const RacePlan* plan,
                                   const std::string& title);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

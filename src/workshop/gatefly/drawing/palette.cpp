@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 std::string css_of(const Color& color) {
   constexpr char kDigits[] = "0123456789abcdef";
@@ -36,4 +36,4 @@ std::string css_of(const Palette& p) {
   return css;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 /// Each part 0..1; a: 1 hides what is below, 0 is not there.
 struct Color {
@@ -81,4 +81,4 @@ inline constexpr Palette kDark{.page = color_of(0x10141a),
 /// The style sheet's variables: "--page:#f4f6f8;--panel:...".
 [[nodiscard]] std::string css_of(const Palette& palette);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

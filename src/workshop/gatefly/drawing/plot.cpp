@@ -8,7 +8,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 constexpr double kStampWidth = 120.0;  // [px]
@@ -57,14 +57,14 @@ std::vector<Tick> ticks_of(const Axis& axis, double about) {
   std::vector<Tick> list;
   if (!axis.log) {
     for (const double value : ticks(axis.low, axis.high, std::clamp(static_cast<int>(about), 2, 8)))
-      list.push_back({value, text_of(value, 6)});
+      list.push_back({value, files::text_of(value, 6)});
     return list;
   }
   for (double decade = std::floor(axis.low); decade <= axis.high; ++decade)
     for (const double digit : {1.0, 2.0, 5.0}) {
       const double value = digit * std::pow(10.0, decade);
       if (std::log10(value) >= axis.low && std::log10(value) <= axis.high)
-        list.push_back({value, text_of(value, 6)});
+        list.push_back({value, files::text_of(value, 6)});
     }
   return list;
 }
@@ -317,4 +317,4 @@ void stamp_quick(Canvas& canvas) {
   canvas.text({plate.x + 0.5 * plate.width, plate.y + 18.5 * unit}, "quick run", lettering);
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -9,7 +9,7 @@
 
 #include "gatefly/drawing/canvas.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 /// One curve of a plot.
 struct PlotSeries {
@@ -51,4 +51,4 @@ inline constexpr int kPlotWidth = 1200, kPlotHeight = 800, kRowHeight = 400;
 /// The stamp of a run with fewer repeats, at the top right.
 void stamp_quick(Canvas& canvas);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

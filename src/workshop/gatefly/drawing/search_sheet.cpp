@@ -11,7 +11,7 @@
 #include "gatefly/drawing/annotate.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 constexpr double kPanel = 720.0;  // width of a panel [px]
@@ -50,11 +50,11 @@ class Sheet {
     answer(begin(0, 0, "what was answered"));
     evidence(begin(1, 0, "evidence: bright speaks for a bar of the gate's colour, dark against"));
     frames(begin(0, 1,
-                 "careful search: " + amount(what_.trace.places.size(), "place") +
+                 "careful search: " + files::amount(what_.trace.places.size(), "place") +
                      " tried (thin), frames as listed below"));
     bars(begin(1, 1,
-               "fast search: " + amount(what_.bars.size(), "bar") + ", " +
-                   amount(what_.fast.size(), "gate")));
+               "fast search: " + files::amount(what_.bars.size(), "bar") + ", " +
+                   files::amount(what_.fast.size(), "gate")));
     canvas_.unclip();
     list();
     return std::move(canvas_);
@@ -149,9 +149,10 @@ class Sheet {
       const ListedFrame& frame = what_.listed[i];
       const FrameScore& s = frame.score;
       row(y += kRow,
-          {std::to_string(i + 1), fixed(s.total, 2), fixed(s.mean, 2), fixed(s.weakest, 2),
-           fixed(s.inside, 2), fixed(s.outside, 2), fixed(s.beyond, 2), fixed(s.filled, 2),
-           fixed(std::sqrt(std::abs(area(frame.bars_px))), 0), frame.fate},
+          {std::to_string(i + 1), files::fixed(s.total, 2), files::fixed(s.mean, 2),
+           files::fixed(s.weakest, 2), files::fixed(s.inside, 2), files::fixed(s.outside, 2),
+           files::fixed(s.beyond, 2), files::fixed(s.filled, 2),
+           files::fixed(std::sqrt(std::abs(area(frame.bars_px))), 0), frame.fate},
           frame.taken ? kDark.good : kDark.ink);
     }
   }
@@ -170,4 +171,4 @@ Canvas drawn(const SearchSheet& sheet, const Image& image) {
   return Sheet(sheet, image).draw();
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -11,7 +11,7 @@
 #include "gatefly/detection/search/search_trace.hpp"
 #include "gatefly/drawing/canvas.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 /// A frame that was considered, as the sheet lists it.
 struct ListedFrame {
@@ -37,4 +37,4 @@ struct SearchSheet {
 /// picture is empty.
 [[nodiscard]] Canvas drawn(const SearchSheet& sheet, const Image& image);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

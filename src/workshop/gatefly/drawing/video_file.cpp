@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 namespace {
 
 std::vector<std::string> coding() {
@@ -43,4 +43,4 @@ void VideoFile::add(const Canvas& picture) { pipe_.add(picture.rgb()); }
 
 void VideoFile::finish() { pipe_.finish(); }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -6,7 +6,7 @@
 #include "gatefly/drawing/canvas.hpp"
 #include "gatefly/files/film_pipe.hpp"
 
-namespace gatefly::io {
+namespace gatefly::drawing {
 
 /// A film written picture by picture: H.264 in MP4 (yuv420p, BT.709) as browsers play it, by ffmpeg
 /// at the other end of a pipe. It is whole or not there, as FilmPipe says.
@@ -23,7 +23,7 @@ class VideoFile {
   void finish();
 
  private:
-  FilmPipe pipe_;
+  files::FilmPipe pipe_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::drawing

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// Bytes as text, RFC 4648 §4, with padding.
 [[nodiscard]] inline std::string base64(std::string_view bytes) {
@@ -23,4 +23,4 @@ namespace gatefly::io {
   return text;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -10,7 +10,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr std::string_view kLetters =
@@ -77,4 +77,4 @@ ColorModel read_color_model(const std::filesystem::path& path) {
   return model;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -6,7 +6,7 @@
 
 #include "gatefly/detection/color_model.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A colour model as TOML: version = 1, about = "what it was fitted to", absolute = [...], relative
 /// = [...].
@@ -20,4 +20,4 @@ namespace gatefly::io {
 /// wrong, what is allowed.
 [[nodiscard]] ColorModel read_color_model(const std::filesystem::path& path);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -11,7 +11,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr std::uintmax_t kMostCsvBytes = std::uintmax_t{512} << 20;
@@ -163,4 +163,4 @@ std::vector<std::string> Csv::texts(const std::string& column) const {
   return values;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

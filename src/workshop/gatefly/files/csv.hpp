@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A table of text cells with a header line; every cell's place is known for error messages.
 class Csv {
@@ -52,4 +52,4 @@ class Csv {
   Csv& operator=(const Csv&) = delete;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

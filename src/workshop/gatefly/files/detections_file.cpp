@@ -7,7 +7,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr std::array<const char*, 8> kCorners{"tl_u", "tl_v", "tr_u", "tr_v",
@@ -112,4 +112,4 @@ std::vector<DetectionRow> read_detections(const std::filesystem::path& path) {
   return rows;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -11,7 +11,7 @@
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/files/csv.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// One row of detections.csv: a gate found in a picture.
 struct DetectionRow {
@@ -49,4 +49,4 @@ struct DetectionRow {
 ///     that is empty.
 void expect_whole(const Quad& quad, const Csv& csv, std::size_t row);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -13,7 +13,7 @@
 
 #include "gatefly/files/subprocess.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 void require_ffmpeg_for(const std::string& what) {
   pid_t pid = -1;
@@ -90,4 +90,4 @@ void FilmPipe::fail() {
                            ": cannot be written: ffmpeg: " + (why.empty() ? "ended early" : why));
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

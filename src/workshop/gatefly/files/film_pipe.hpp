@@ -11,7 +11,7 @@
 
 #include <sys/types.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// Whether there is an ffmpeg that can be called. @throws std::runtime_error one line, when there
 /// is none, with what needs it.
@@ -58,4 +58,4 @@ class FilmPipe {
   bool finished_ = false;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

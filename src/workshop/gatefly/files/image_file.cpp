@@ -16,7 +16,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr int kLargestSide = 16384;  // [px]
@@ -255,4 +255,4 @@ ImageFile read_image(const std::filesystem::path& path, int uyvy_width, int uyvy
   return decoded_jpeg(path.string(), file);
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

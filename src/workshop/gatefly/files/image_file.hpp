@@ -9,7 +9,7 @@
 
 #include "gatefly/sensing/image.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A stored picture and its bytes.
 struct ImageFile {
@@ -50,4 +50,15 @@ struct ImageFile {
 /// @throws std::runtime_error one line: not a usable JPEG, and why.
 [[nodiscard]] ImageFile decoded_jpeg(const std::string& name, const std::string& bytes);
 
+}  // namespace gatefly::files
+
+/// The names until 0.3; they go with 0.4.
+namespace gatefly::io {
+using files::decoded_jpeg;
+using files::exif_rotation_deg;
+using files::ImageFile;
+using files::is_picture;
+using files::is_raw;
+using files::kind_of;
+using files::read_image;
 }  // namespace gatefly::io

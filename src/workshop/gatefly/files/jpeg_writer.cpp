@@ -11,7 +11,7 @@
 
 #include <jpeglib.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 struct Compressor {
@@ -125,4 +125,4 @@ std::string recorded_jpeg(const Image& image, Recording recording, int exif_orie
   return {reinterpret_cast<const char*>(to.bytes), to.size};
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -5,7 +5,7 @@
 
 #include "gatefly/sensing/image.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A picture, upright, as the bytes of a small JPEG: for people to look at, not to measure in.
 /// @param quality  1..100
@@ -33,4 +33,4 @@ enum class Recording {
 [[nodiscard]] std::string recorded_jpeg(const Image& image, Recording recording,
                                         int exif_orientation = 0);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -5,7 +5,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 /// Beginning of a value, as JSON, until `room` bytes are full: the rest is not looked at.
@@ -58,4 +58,4 @@ std::string json_text(const nlohmann::ordered_json& value) {
   return value.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

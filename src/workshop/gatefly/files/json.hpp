@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// `value` for a JSON file; null for NaN and infinity, which have no place there.
 [[nodiscard]] inline nlohmann::ordered_json number(double value) {
@@ -22,4 +22,4 @@ namespace gatefly::io {
 [[nodiscard]] std::string json_text(const nlohmann::json& value);
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& value);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -9,7 +9,7 @@
 #include "gatefly/files/json.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -212,4 +212,4 @@ std::string JsonObject::text(std::string_view key, const std::string& fallback) 
   return has(key) ? text(key) : fallback;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

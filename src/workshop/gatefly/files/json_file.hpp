@@ -14,7 +14,7 @@
 // JSON that others may have written, or changed: whatever is in a file, its reader gets a value of
 // the type it asks for, or one line that says what is wrong where.
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// Content of JSON file of at most 32 MiB, 64 levels, two million values and 10 000 members an
 /// object: a reader may copy, compare and print it.
@@ -68,4 +68,4 @@ class JsonObject {
   const nlohmann::ordered_json* value_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -10,7 +10,7 @@
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/scoring.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 /// A column of 0 and 1; `otherwise` in every row when there is no such column.
@@ -74,4 +74,4 @@ Labels read_labels(const std::filesystem::path& path) {
   return labels;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -9,7 +9,7 @@
 
 #include "gatefly/detection/quad.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A row of labels.csv: one picture.
 struct LabelledPicture {
@@ -34,4 +34,4 @@ struct Labels {
 /// @throws std::runtime_error "file:line:column: ..." with the value and what is allowed.
 [[nodiscard]] Labels read_labels(const std::filesystem::path& path);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -19,7 +19,7 @@
 #include "gatefly/files/image_file.hpp"
 #include "gatefly/files/printed.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -277,4 +277,4 @@ void write_file(const fs::path& path, std::string_view content) {
   write_files({&file, 1});
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -13,7 +13,7 @@
 // works, so that nothing is found out after minutes and nothing of the user's is replaced; what it
 // wrote is put in place when it is whole.
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// An output that cannot be written: "found.csv: cannot be written: No space left on device".
 class CannotWrite : public std::runtime_error {
@@ -79,4 +79,4 @@ struct FileContent {
 void write_files(std::span<const FileContent> files);
 void write_file(const std::filesystem::path& path, std::string_view content);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

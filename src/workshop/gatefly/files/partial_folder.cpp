@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 namespace fs = std::filesystem;
 
@@ -152,4 +152,4 @@ void PartialFolder::pour() {
   }
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -8,7 +8,7 @@
 
 #include "gatefly/files/output.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// New content of a folder `out`: it grows aside, for one program at a time, and is put in place when
 /// it is whole; until then nothing that is in `out` changes, and what never is whole goes.
@@ -54,4 +54,4 @@ class PartialFolder {
   bool kept_ = false;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -10,7 +10,7 @@
 
 // The part of image_file.hpp that takes a picture's name alone: also there without a picture
 // library.
-namespace gatefly::io {
+namespace gatefly::files {
 
 std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
@@ -26,4 +26,4 @@ bool is_picture(const std::filesystem::path& path) {
 
 bool is_raw(const std::filesystem::path& path) { return kind_of(path) == ".uyvy"; }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -10,7 +10,7 @@
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 namespace fs = std::filesystem;
 
@@ -73,4 +73,4 @@ fs::path below_shared_data(const fs::path& path) {
   return inside.empty() || *inside.begin() == ".." ? path : inside;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// The files that a path on the command line means, sorted by name: itself, or a folder's .jpg,
 /// .jpeg, .png, .ppm (not what lies in folders below; raw .uyvy only when named).
@@ -28,4 +28,4 @@ namespace gatefly::io {
 /// X of "../shared/data/X", which is what pages call the folder of real data; other paths as they are.
 [[nodiscard]] std::filesystem::path below_shared_data(const std::filesystem::path& path);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

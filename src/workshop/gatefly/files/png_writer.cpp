@@ -9,7 +9,7 @@
 
 #include <png.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 /// JFIF 1.02, full range.
@@ -39,4 +39,4 @@ std::string png_of(const Image& image) {
   return bytes;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

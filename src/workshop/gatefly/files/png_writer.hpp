@@ -5,10 +5,10 @@
 
 #include "gatefly/sensing/image.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A picture, upright, as the bytes of a PNG in 8-bit RGB.
 /// @throws std::runtime_error when libpng cannot.
 [[nodiscard]] std::string png_of(const Image& image);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

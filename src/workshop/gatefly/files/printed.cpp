@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr std::string_view kBetween = " ... ";
@@ -81,4 +81,4 @@ std::atomic<int>& AsItIs::count() {
   return count;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

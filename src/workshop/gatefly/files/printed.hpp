@@ -9,7 +9,7 @@
 // Names, arguments and texts of files come from anywhere: what a terminal would obey must not reach
 // it, and what nobody reads to its end is not shown whole.
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// Whether printable() has nothing to change.
 [[nodiscard]] bool is_printable(std::string_view text);
@@ -39,4 +39,4 @@ class AsItIs {
   static std::atomic<int>& count();
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -28,4 +28,4 @@ double nearest_rank(std::vector<double> values, double part) {
       std::lround(part * static_cast<double>(values.size() - 1)))];
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr double kNoRate = std::numeric_limits<double>::quiet_NaN();
@@ -258,4 +258,4 @@ ScoreInput brought_together(const Labels& labels, std::span<const DetectionRow> 
   return input;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

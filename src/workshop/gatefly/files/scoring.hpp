@@ -11,7 +11,7 @@
 #include "gatefly/files/detections_file.hpp"
 #include "gatefly/files/labels_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// When a detection is a hit.
 enum class Rule {
@@ -97,4 +97,4 @@ struct ScoreInput {
                                           std::span<const DetectionRow> detections,
                                           const Labels& ignored, Rule rule);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -16,7 +16,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace fs = std::filesystem;
 
 namespace {
@@ -147,4 +147,4 @@ fs::path find_config(const std::string& name) {
   return other_file(name, std::vector<std::string>{"configs", "cameras", "vehicles"});
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

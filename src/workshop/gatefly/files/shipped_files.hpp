@@ -7,7 +7,7 @@
 
 // Files that gatefly comes with (tracks, configurations, cameras, vehicles, the report's page), and
 // the folders it uses.
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// The folder share/gatefly with tracks/, configs/, cameras/ and vehicles/; empty when there is none.
 ///
@@ -33,4 +33,4 @@ namespace gatefly::io {
 /// The names that find_toml() finds in a folder, sorted.
 [[nodiscard]] std::vector<std::string> toml_names(const std::string& folder);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -11,7 +11,7 @@
 
 extern char** environ;
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 int start(std::vector<std::string> words, Streams streams, pid_t& pid) {
   std::vector<char*> arguments;
@@ -58,4 +58,4 @@ std::string last_line(std::FILE* file) {
   return line.empty() ? last : line;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -7,7 +7,7 @@
 
 #include <sys/types.h>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// Open files that become a program's stdin, stdout and stderr; -1: nothing.
 struct Streams {
@@ -24,4 +24,4 @@ int wait_for(pid_t pid);
 /// The last line of an open file that says something.
 [[nodiscard]] std::string last_line(std::FILE* file);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -19,7 +19,7 @@
 
 #include "gatefly/files/printed.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 namespace fs = std::filesystem;
 
@@ -165,4 +165,4 @@ std::string read_file(const fs::path& path, std::uintmax_t most) {
   return content;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// Letters to insert, remove or replace to get from one word to the other.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
@@ -53,4 +53,4 @@ template <class Whole>
 [[nodiscard]] std::string read_file(const std::filesystem::path& path,
                                     std::uintmax_t most = std::uintmax_t{1} << 30);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -10,7 +10,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 using nlohmann::json;
@@ -246,4 +246,4 @@ void Table::refuse_others() const {
                                suggestion(key, known_));
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

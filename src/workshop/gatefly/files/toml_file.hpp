@@ -12,7 +12,7 @@
 
 #include "gatefly/files/json.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A TOML file as a JSON value, tables are objects, numbers keep being whole or not; and where in
 /// it everything stands. Of at most 1 MiB and 16 levels.
@@ -79,4 +79,4 @@ class Table {
   std::vector<std::string> known_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

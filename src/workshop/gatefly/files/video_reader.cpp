@@ -15,7 +15,7 @@
 
 #include "gatefly/files/subprocess.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 // Containers of pictures; without this list ffmpeg paints text files and follows playlists to other
@@ -152,4 +152,4 @@ void VideoReader::end() {
                            " (ffmpeg: " + why + ")");
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -11,7 +11,7 @@
 
 #include "gatefly/files/image_file.hpp"
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// A film read picture by picture, decoded by ffmpeg at the other end of a pipe.
 ///
@@ -51,4 +51,4 @@ class VideoReader {
   int width_ = 0, height_ = 0, pictures_ = 0;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstring>
 
-namespace gatefly::io {
+namespace gatefly::files {
 namespace {
 
 constexpr std::uint64_t kP1 = 0x9E3779B185EBCA87, kP2 = 0xC2B2AE3D27D4EB4F,
@@ -71,4 +71,4 @@ std::optional<std::uint64_t> xxh64_of_text(std::string_view text) {
   return hash;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace gatefly::io {
+namespace gatefly::files {
 
 /// XXH64 of some bytes, seed 0: tells two pictures apart, not a forger from an honest man.
 ///
@@ -19,4 +19,4 @@ namespace gatefly::io {
 /// nullopt when it is no such text.
 [[nodiscard]] std::optional<std::uint64_t> xxh64_of_text(std::string_view text);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::files

@@ -12,7 +12,7 @@
 #include "gatefly/files/xxh64.hpp"
 #include "gatefly/flight_log/gzip.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -23,7 +23,7 @@ constexpr double kLatest = 9e6;               // [s]; nanoseconds stay exact in 
 /// A column if the log has it; each cell may still be empty.
 class Column {
  public:
-  Column(const Csv& csv, const std::string& name) {
+  Column(const files::Csv& csv, const std::string& name) {
     if (csv.has(name)) values_ = csv.numbers(name);
   }
   [[nodiscard]] std::optional<double> at(std::size_t row) const {
@@ -37,7 +37,7 @@ class Column {
 
 struct Triple {
   Column a, b, c;
-  Triple(const Csv& csv, const std::string& prefix, const std::array<const char*, 3>& names)
+  Triple(const files::Csv& csv, const std::string& prefix, const std::array<const char*, 3>& names)
       : a{csv, prefix + names[0]}, b{csv, prefix + names[1]}, c{csv, prefix + names[2]} {}
   [[nodiscard]] std::optional<Eigen::Vector3d> at(std::size_t row) const {
     const auto x = a.at(row), y = b.at(row), z = c.at(row);
@@ -52,7 +52,7 @@ struct Triple {
 };
 
 /// Exact from t_ns where there is one, else from t_s.
-std::vector<nanoseconds> times_of(const Csv& csv) {
+std::vector<nanoseconds> times_of(const files::Csv& csv) {
   const bool exact = csv.has("t_ns");
   const std::vector<double> column = csv.numbers(exact ? "t_ns" : "t_s");
   std::vector<nanoseconds> times;
@@ -71,7 +71,7 @@ std::vector<nanoseconds> times_of(const Csv& csv) {
 /// All four or none.
 class Motors {
  public:
-  explicit Motors(const Csv& csv)
+  explicit Motors(const files::Csv& csv)
       : columns_{Column{csv, "motor_lf_radps"}, Column{csv, "motor_rf_radps"},
                  Column{csv, "motor_rb_radps"}, Column{csv, "motor_lb_radps"}} {}
   [[nodiscard]] std::optional<std::array<double, 4>> at(std::size_t row) const {
@@ -104,18 +104,18 @@ bool was_cut(const std::filesystem::path& directory) {
 
 /// Without the line within which it was cut.
 std::string whole_lines(const std::filesystem::path& path) {
-  std::string content = read_file(path);
+  std::string content = files::read_file(path);
   content.resize(content.rfind('\n') + 1);  // none: npos + 1 is 0
   return content;
 }
 
 std::string content_of(const std::filesystem::path& path) {
   if (path.extension() == ".gz") return read_gzip(path);
-  return was_cut(path.parent_path()) ? whole_lines(path) : read_file(path);
+  return was_cut(path.parent_path()) ? whole_lines(path) : files::read_file(path);
 }
 
 std::vector<FlightSample> read_log(const std::filesystem::path& path) {
-  const Csv csv(path, content_of(path));
+  const files::Csv csv(path, content_of(path));
   if (csv.rows() == 0) throw std::runtime_error(path.string() + ": has no rows");
   if (csv.rows() > kMostRows)
     throw std::runtime_error(path.string() + ": has " + std::to_string(csv.rows()) +
@@ -166,7 +166,7 @@ std::vector<FlightSample> read_log(const std::filesystem::path& path) {
 /// All corners of the next gate, or none.
 class NextGate {
  public:
-  explicit NextGate(const Csv& csv) {
+  explicit NextGate(const files::Csv& csv) {
     for (const char* name : kNextGateColumns) columns_.emplace_back(csv, name);
   }
   [[nodiscard]] std::optional<Quad> at(std::size_t row) const {
@@ -184,11 +184,14 @@ class NextGate {
 };
 
 /// A picture arrives in its row: exactly so in our own flights, which tell nanoseconds.
-void expect_at_its_row(const Csv& csv, std::size_t i, nanoseconds time, nanoseconds row_time) {
+void expect_at_its_row(const files::Csv& csv, std::size_t i, nanoseconds time,
+                       nanoseconds row_time) {
   const nanoseconds most = csv.has("t_ns") ? nanoseconds{0} : nanoseconds{100'000'000};
   const nanoseconds off = time > row_time ? time - row_time : row_time - time;
   if (off <= most) return;
-  const auto text = [](nanoseconds t) { return text_of(1e-9 * static_cast<double>(t.count()), 9); };
+  const auto text = [](nanoseconds t) {
+    return files::text_of(1e-9 * static_cast<double>(t.count()), 9);
+  };
   throw std::runtime_error(csv.place(i) + ": came at " + text(time) +
                            " s, the row of its log_row at " + text(row_time) +
                            " s: rows are missing in log_si.csv, or it has too many");
@@ -203,7 +206,7 @@ bool has_nothing(const std::filesystem::path& file) {
 std::vector<FlightImage> read_images(const std::filesystem::path& directory,
                                      const std::vector<FlightSample>& samples) {
   const std::size_t log_rows = samples.size();
-  const Csv csv(directory / "images.csv", content_of(directory / "images.csv"));
+  const files::Csv csv(directory / "images.csv", content_of(directory / "images.csv"));
   const bool cut = was_cut(directory);
   const auto names = csv.texts("image");
   const auto rows = csv.numbers("log_row");
@@ -220,7 +223,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
       throw std::runtime_error(csv.place(i) + ": image = '" + names[i] +
                                "', must be a file name in this folder");
     if (!known.insert(names[i]).second)
-      throw std::runtime_error(csv.place(i) + ": image = '" + one_line(names[i]) +
+      throw std::runtime_error(csv.place(i) + ": image = '" + files::one_line(names[i]) +
                                "', a second time");
     const double row = rows[i];
     // The rows listed last may not have reached the disk.
@@ -228,9 +231,9 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
     if (!(row >= 0 && row < static_cast<double>(log_rows)) || row != std::floor(row))
       throw std::runtime_error(csv.place(i) + ": log_row must be a whole number in 0.." +
                                std::to_string(log_rows - 1) + ", the rows of log_si.csv");
-    const auto hash = xxh64_of_text(hashes[i]);
+    const auto hash = files::xxh64_of_text(hashes[i]);
     if (!hash && !hashes[i].empty())
-      throw std::runtime_error(csv.place(i, "xxh64") + ": '" + one_line(hashes[i]) +
+      throw std::runtime_error(csv.place(i, "xxh64") + ": '" + files::one_line(hashes[i]) +
                                "', must be 16 hexadecimal digits");
     images.push_back({.path = directory / name,
                       .time = times[i],
@@ -276,4 +279,4 @@ FlightFolder read_flight_folder(const std::filesystem::path& directory) {
   return flight;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

@@ -16,7 +16,7 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/sensing/imu.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 
 /// One row of a flight's log_si.csv. What the log does not have is empty.
 struct FlightSample {
@@ -89,4 +89,4 @@ inline constexpr const char* kFrameFilm = "frames.mkv";
 ///     backwards.
 [[nodiscard]] FlightFolder read_flight_folder(const std::filesystem::path& directory);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

@@ -16,7 +16,7 @@
 #include "gatefly/files/xxh64.hpp"
 #include "gatefly/flight_log/flight_folder.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,7 +36,7 @@ constexpr const char* kLogHeader =
 double seconds(std::chrono::nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
 
 constexpr const char* kFilm = "flight.mp4";
-constexpr OutputKind kFlight{"earlier flight", "\"gates_passed\""};
+constexpr files::OutputKind kFlight{"earlier flight", "\"gates_passed\""};
 
 /// The names of a flight's files, a film on its way among them. Others in its folder are kept.
 bool is_of_a_flight(const std::string& name) {
@@ -82,7 +82,7 @@ std::string corners_of(const std::optional<Quad>& gate) {
   if (!gate) return std::string(kNextGateColumns.size(), ',');
   std::string cells;
   for (const Eigen::Vector2d& corner : *gate)
-    cells += "," + text_of(corner.x()) + "," + text_of(corner.y());
+    cells += "," + files::text_of(corner.x()) + "," + files::text_of(corner.y());
   return cells;
 }
 
@@ -94,9 +94,9 @@ fs::path checked(fs::path out) {
       std::mismatch(place.begin(), place.end(), here.begin(), here.end()).first == place.end())
     throw std::runtime_error("--out " + out.string() +
                              ": must be a folder of its own, which will be replaced");
-  check_output_folder("--out", out);
-  refuse_foreign_folder(out, "summary.json", kFlight, "choose another --out");
-  if (const fs::path aside = behind_links(out).string() + ".partial";
+  files::check_output_folder("--out", out);
+  files::refuse_foreign_folder(out, "summary.json", kFlight, "choose another --out");
+  if (const fs::path aside = files::behind_links(out).string() + ".partial";
       fs::exists(aside / "summary.json"))
     throw std::runtime_error(aside.string() + ": is there and holds a whole flight, move it away");
   return out;
@@ -114,7 +114,7 @@ fs::path free_name(const fs::path& folder) {
 
 FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
     : out_{checked(std::move(out))},
-      folder_{out_, PartialFolder::Grows::kBeside, is_of_a_flight},
+      folder_{out_, files::PartialFolder::Grows::kBeside, is_of_a_flight},
       keep_{keep} {
   if (keep.packed_log)
     packed_log_.open(folder_.path() / "log_si.csv.gz");
@@ -131,13 +131,13 @@ FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
   images_ << "image,t_s,log_row,t_ns,xxh64";
   for (const char* column : kNextGateColumns) images_ << ',' << column;
   images_ << '\n';
-  detections_ << detections_header();
+  detections_ << files::detections_header();
   check(keep.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
   check(images_.good(), "images.csv");
   check(detections_.good(), "detections.csv");
   if (keep.frames)
     film_.emplace(folder_.path() / kFrameFilm,
-                  FilmPipe::Pictures{
+                  files::FilmPipe::Pictures{
                       .pixels = "yuv422p",
                       .width = keep.stored_width,
                       .height = keep.stored_height,
@@ -269,14 +269,14 @@ void FlightRecorder::record_frame(const RecordedRow& row) {
   const std::chrono::nanoseconds time = row.sensors.time;
   const std::string name = keep_frame(row);
   // Decoders differ, so a hash of a decoded file would say nothing.
-  const std::string hash = row.file.empty() ? text_of_xxh64(xxh64(row.frame)) : "";
-  images_ << name << ',' << text_of(seconds(time)) << ',' << row_ << ',' << time.count() << ','
-          << hash << corners_of(row.next_gate_px) << '\n';
+  const std::string hash = row.file.empty() ? files::text_of_xxh64(files::xxh64(row.frame)) : "";
+  images_ << name << ',' << files::text_of(seconds(time)) << ',' << row_ << ',' << time.count()
+          << ',' << hash << corners_of(row.next_gate_px) << '\n';
   check(images_.good(), "images.csv");
 
   int rank = 0;
   for (const GateDetection& gate : row.detections)
-    detections_ << line_of(row_of(name, rank++, gate));
+    detections_ << files::line_of(files::row_of(name, rank++, gate));
   check(detections_.good(), "detections.csv");
 }
 
@@ -301,7 +301,7 @@ std::string FlightRecorder::finish(const std::string& summary_json) {
   const bool replaces = fs::exists(out_ / "summary.json");
   const bool film = fs::exists(folder_.path() / kFilm);
   try {
-    refuse_foreign_folder(out_, "summary.json", kFlight, "it came while we flew");
+    files::refuse_foreign_folder(out_, "summary.json", kFlight, "it came while we flew");
     folder_.replace([film](const std::string& name) { return name == kFilm && !film; });
   } catch (const std::exception& error) {  // the flight itself is complete
     folder_.keep();
@@ -318,4 +318,4 @@ std::string FlightRecorder::finish(const std::string& summary_json) {
   return said;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

@@ -17,7 +17,7 @@
 #include "gatefly/flight_log/tick.hpp"
 #include "gatefly/geometry/attitude.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 
 /// Records that a flight keeps.
 struct Keep {
@@ -94,13 +94,13 @@ class FlightRecorder {
   void check(bool good, const std::filesystem::path& path) const;
 
   std::filesystem::path out_;
-  PartialFolder folder_;
+  files::PartialFolder folder_;
   Keep keep_;
   std::ofstream log_, images_, detections_;
   GzipFile packed_log_;
-  std::optional<FilmPipe> film_;
+  std::optional<files::FilmPipe> film_;
   std::string buffer_;  ///< Part of the log, written in large pieces.
   std::size_t row_ = 0, frame_ = 0;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

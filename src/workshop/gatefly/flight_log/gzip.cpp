@@ -11,7 +11,7 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 constexpr int kGzip = 15 + 16;  // the largest window, with gzip's header
@@ -65,7 +65,7 @@ void GzipFile::deflate(std::string_view piece, bool last) {
 
 std::string read_gzip(const std::filesystem::path& path, std::size_t most) {
   constexpr std::size_t kTightest = 32, kAnyway = std::size_t{1} << 20;  // a short one may be zeros
-  const std::string packed = read_file(path, most);
+  const std::string packed = files::read_file(path, most);
   const auto fail = [&](const std::string& what) {
     throw std::runtime_error(path.string() + what);
   };
@@ -99,4 +99,4 @@ std::string read_gzip(const std::filesystem::path& path, std::size_t most) {
   return content;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

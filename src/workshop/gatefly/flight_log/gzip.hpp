@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 
 /// A file.gz written piece by piece, the same bytes for the same content.
 class GzipFile {
@@ -39,4 +39,4 @@ class GzipFile {
 [[nodiscard]] std::string read_gzip(const std::filesystem::path& path,
                                     std::size_t most = std::size_t{512} << 20);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

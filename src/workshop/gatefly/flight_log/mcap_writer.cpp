@@ -10,7 +10,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 namespace {
 
 constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
@@ -272,4 +272,4 @@ void McapWriter::put(std::string_view bytes) {
   crc_ = crc(crc_, bytes);
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

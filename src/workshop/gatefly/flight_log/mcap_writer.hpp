@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace gatefly::io {
+namespace gatefly::flight_log {
 
 /// An MCAP file of JSON messages, written in one go: schemas, channels, chunks compressed by zstd,
 /// indexes, statistics, summary. The same file for the same messages.
@@ -71,4 +71,4 @@ class McapWriter {
   std::vector<std::uint32_t> sequence_;  ///< Number of each channel's messages.
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::flight_log

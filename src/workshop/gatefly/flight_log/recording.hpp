@@ -34,27 +34,27 @@ struct SonarStandIn {
 /// A recording as the pilot had it: what each row of the log says, nothing added. Of two pictures in
 /// one row the later counts.
 /// @throws std::invalid_argument when a picture arrives in a row that is not there.
-[[nodiscard]] std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder);
+[[nodiscard]] std::vector<RecordedTick> ticks_of(const FlightFolder& folder);
 
 /// The same, but a log without a single height (sonar or barometer) gets one from its true positions,
 /// as a sonar has it: along the body's axis, by the log's attitude; level where it has none.
-[[nodiscard]] std::vector<RecordedTick> ticks_of(const io::FlightFolder& folder,
+[[nodiscard]] std::vector<RecordedTick> ticks_of(const FlightFolder& folder,
                                                  const SonarStandIn& sonar);
 
 /// Answers the stored picture `i` of a recording, valid until the next.
-using PictureSource = std::function<const io::ImageFile&(std::size_t i)>;
+using PictureSource = std::function<const files::ImageFile&(std::size_t i)>;
 
 /// Reads each picture from its file.
 /// @param folder  must live as long.
 /// @param stored_width,stored_height  the camera's [px]: of raw pictures, which do not know it, and
 ///     what others must have. @throws std::runtime_error one line, when the picture is read.
-[[nodiscard]] PictureSource pictures_in_files(const io::FlightFolder& folder, int stored_width,
+[[nodiscard]] PictureSource pictures_in_files(const FlightFolder& folder, int stored_width,
                                               int stored_height);
 
 /// Reads them from frames.mkv, in order; one before the last one is found from the start again.
 /// @throws std::runtime_error one line: no ffmpeg, damaged, fewer or other pictures than images.csv
 ///     says.
-[[nodiscard]] PictureSource pictures_in_film(const io::FlightFolder& folder, int stored_width,
+[[nodiscard]] PictureSource pictures_in_film(const FlightFolder& folder, int stored_width,
                                              int stored_height);
 
 /// Place of a recording's pictures.
@@ -64,7 +64,7 @@ enum class Pictures {
   kFilm,   ///< In frames.mkv.
   kHashes  ///< Not kept: to be rendered again, and compared with their hashes.
 };
-[[nodiscard]] Pictures where_pictures_are(const io::FlightFolder& folder);
+[[nodiscard]] Pictures where_pictures_are(const FlightFolder& folder);
 
 /// Pictures that are not those of the flight, by their hashes.
 struct HashCheck {
@@ -74,7 +74,7 @@ struct HashCheck {
 
 /// Compares each picture with the hash that images.csv has, if it has one.
 /// @param folder,check  must live as long.
-[[nodiscard]] PictureSource checked(PictureSource source, const io::FlightFolder& folder,
+[[nodiscard]] PictureSource checked(PictureSource source, const FlightFolder& folder,
                                     HashCheck& check);
 
 /// The pictures upright, for replay(): each view is valid until the next.

@@ -9,7 +9,7 @@
 
 #include "gatefly/race/pilot.hpp"
 
-namespace gatefly {
+namespace gatefly::flight_log {
 
 /// True state at one moment. The pilot never sees this.
 struct Truth {
@@ -35,4 +35,4 @@ struct Tick {
   std::optional<Quad> next_gate_px = std::nullopt;
 };
 
-}  // namespace gatefly
+}  // namespace gatefly::flight_log

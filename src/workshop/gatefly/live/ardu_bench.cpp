@@ -61,7 +61,7 @@ Findings of_rest(LinkQueries& link, std::chrono::milliseconds lasts) {
   });
   if (link.broken()) return {gone(link)};
   const double per_second = samples / std::chrono::duration<double>(lasts).count();
-  const std::string rate = "IMU: " + io::fixed(per_second, 0) + " samples a second";
+  const std::string rate = "IMU: " + files::fixed(per_second, 0) + " samples a second";
   Findings found{told_so(per_second >= kLeastRate, rate, rate + ", must be at least 20")};
   if (samples < 10) return found;
   if (2 * fresh < samples) {
@@ -71,17 +71,17 @@ Findings of_rest(LinkQueries& link, std::chrono::milliseconds lasts) {
   gyro /= samples, accel /= samples;
   const double turning = gyro.norm() / kDegree, up = -accel.z(), norm = accel.norm();
   found.push_back(told_so(turning < 2.0, "gyro: still at rest",
-                          "gyro: at rest it turns by " + io::fixed(turning, 1) +
+                          "gyro: at rest it turns by " + files::fixed(turning, 1) +
                               " °/s: hold it still, or calibrate it"));
   found.push_back(told_so(up > 0.95 * norm && norm > 1.0, "accelerometer: up is up",
-                          "accelerometer: level, it shows (" + io::fixed(accel.x(), 1) + ", " +
-                              io::fixed(accel.y(), 1) + ", " + io::fixed(accel.z(), 1) +
+                          "accelerometer: level, it shows (" + files::fixed(accel.x(), 1) + ", " +
+                              files::fixed(accel.y(), 1) + ", " + files::fixed(accel.z(), 1) +
                               ") m/s² to front, right, down: put the drone level, or set "
                               "AHRS_ORIENTATION"));
-  found.push_back(
-      told_so(std::abs(norm - kGravity) < 0.05 * kGravity,
-              "accelerometer: " + io::fixed(norm, 2) + " m/s² at rest",
-              "accelerometer: " + io::fixed(norm, 2) + " m/s² at rest, must be 9.8: calibrate it"));
+  found.push_back(told_so(
+      std::abs(norm - kGravity) < 0.05 * kGravity,
+      "accelerometer: " + files::fixed(norm, 2) + " m/s² at rest",
+      "accelerometer: " + files::fixed(norm, 2) + " m/s² at rest, must be 9.8: calibrate it"));
   return found;
 }
 
@@ -110,7 +110,7 @@ Findings of_turns(LinkQueries& link, std::chrono::milliseconds limit,
     const auto part = check.scale(axis);
     std::string line = "gyro about " + std::string{kNames[static_cast<std::size_t>(axis)]} + ": " +
                        std::string{guard::text_of(verdict)};
-    if (part) line += " (" + io::fixed(*part, 2) + " of it)";
+    if (part) line += " (" + files::fixed(*part, 2) + " of it)";
     found.push_back({verdict == guard::AxisVerdict::kAgrees, line});
   }
   return found;
@@ -127,7 +127,7 @@ Findings of_link(LinkCommands& link, std::chrono::milliseconds lasts) {
   if (link.broken()) return {gone(link)};
   const double per_second = samples / std::chrono::duration<double>(lasts).count();
   const int answered = link.state().acknowledged;
-  const std::string timing = io::fixed(per_second, 0) + " samples a second beside 40 set points";
+  const std::string timing = files::fixed(per_second, 0) + " samples a second beside 40 set points";
   return {told_so(per_second >= kLeastRate, "link: " + timing, "link: too slow: " + timing),
           told_so(10 * answered > 9 * sent, "link: set points are acknowledged",
                   "link: of " + std::to_string(sent) + " set points " + std::to_string(answered) +
@@ -147,16 +147,16 @@ std::string drone_toml(const ArduDrone& drone, const Told& told) {
   line("version", "\"" + drone.version + "\"");
   line("system", std::to_string(drone.system));
   line("guided_options", std::to_string(drone.guided_options));
-  line("guided_timeout_s", io::text_of(drone.guided_timeout_s));
+  line("guided_timeout_s", files::text_of(drone.guided_timeout_s));
   text += "\n[thrust]\n";
-  line("hover", io::text_of(drone.hover));
-  line("expo", io::text_of(drone.expo));
-  line("spin_min", io::text_of(drone.spin_min));
-  line("spin_max", io::text_of(drone.spin_max));
+  line("hover", files::text_of(drone.hover));
+  line("expo", files::text_of(drone.expo));
+  line("spin_min", files::text_of(drone.spin_min));
+  line("spin_max", files::text_of(drone.spin_max));
   line("angle_boost", drone.angle_boost ? "1" : "0");
-  line("exponent", io::text_of(told.exponent));
+  line("exponent", files::text_of(told.exponent));
   text += "\n[battery]\n";
-  line("least_v", io::text_of(told.least_v));
+  line("least_v", files::text_of(told.least_v));
   return text;
 }
 

@@ -160,7 +160,7 @@ Findings of_introduction(const Introduction& said) {
   if (said.board.size() != 4)
     found.push_back({false, "the controller does not say what board it is"});
   if (found.empty())
-    found.push_back({true, "Betaflight, board " + io::one_line(said.board) + ", MSP API 1." +
+    found.push_back({true, "Betaflight, board " + files::one_line(said.board) + ", MSP API 1." +
                                std::to_string(said.facts.api->minor) +
                                "; rates, throttle curve, channels and switches are known here"});
   return found;
@@ -176,8 +176,8 @@ Findings of_rest(Port& port, std::chrono::milliseconds lasts, msp::ImuScale& sca
   const double per_second =
       static_cast<double>(samples.size()) / std::chrono::duration<double>(lasts).count();
   Findings found{
-      finding(per_second >= 20, "IMU: " + io::fixed(per_second, 0) + " samples a second",
-              "IMU: " + io::fixed(per_second, 0) + " samples a second, must be at least 20")};
+      finding(per_second >= 20, "IMU: " + files::fixed(per_second, 0) + " samples a second",
+              "IMU: " + files::fixed(per_second, 0) + " samples a second, must be at least 20")};
   if (samples.size() < 10) return found;
   if (2 * fresh_ones(samples) < samples.size()) {
     found.push_back({false, "IMU: it repeats itself, frozen"});
@@ -191,24 +191,24 @@ Findings of_rest(Port& port, std::chrono::milliseconds lasts, msp::ImuScale& sca
                         gyro = mean_of(samples, &msp::RawImu::gyro);
   const double norm = accel.norm(), turning = gyro.norm() / scale.gyro_counts_per_deg_per_s;
   found.push_back(finding(turning < 2.0, "gyro: still at rest",
-                          "gyro: at rest it turns by " + io::fixed(turning, 1) +
+                          "gyro: at rest it turns by " + files::fixed(turning, 1) +
                               " °/s: hold it still, or calibrate it"));
   if (norm < 20.0) {
     found.push_back({false, "accelerometer: it shows nothing"});
     return found;
   }
-  found.push_back(
-      finding(accel.z() > 0.95 * norm, "accelerometer: up is up",
-              "accelerometer: level, it says that up is (" + io::fixed(accel.x() / norm, 2) + ", " +
-                  io::fixed(accel.y() / norm, 2) + ", " + io::fixed(accel.z() / norm, 2) +
-                  ") of front, left, up: put the drone level, or align the board"));
+  found.push_back(finding(
+      accel.z() > 0.95 * norm, "accelerometer: up is up",
+      "accelerometer: level, it says that up is (" + files::fixed(accel.x() / norm, 2) + ", " +
+          files::fixed(accel.y() / norm, 2) + ", " + files::fixed(accel.z() / norm, 2) +
+          ") of front, left, up: put the drone level, or align the board"));
   const double nearest = *std::min_element(
       kCountsPerG.begin(), kCountsPerG.end(),
       [&](double a, double b) { return std::abs(a - norm) < std::abs(b - norm); });
   found.push_back(finding(std::abs(norm - nearest) < 0.05 * nearest,
-                          "accelerometer: " + io::fixed(nearest, 0) + " counts are 1 g (" +
-                              io::fixed(norm, 0) + " at rest)",
-                          "accelerometer: " + io::fixed(norm, 0) +
+                          "accelerometer: " + files::fixed(nearest, 0) + " counts are 1 g (" +
+                              files::fixed(norm, 0) + " at rest)",
+                          "accelerometer: " + files::fixed(norm, 0) +
                               " counts at rest, no scale that is known: calibrate it"));
   scale.accel_counts_per_g = nearest;
   return found;
@@ -242,7 +242,7 @@ Findings of_turns(Port& port, const msp::ImuScale& scale, std::chrono::milliseco
     const auto part = check.scale(axis);
     std::string line = "gyro about " + std::string{kAxes[static_cast<std::size_t>(axis)]} + ": " +
                        std::string{guard::text_of(verdict)};
-    if (part) line += " (" + io::fixed(*part, 2) + " of it)";
+    if (part) line += " (" + files::fixed(*part, 2) + " of it)";
     found.push_back({verdict == guard::AxisVerdict::kAgrees, line});
   }
   return found;
@@ -259,9 +259,9 @@ Findings of_link(Port& port, const msp::ChannelOrder& order, std::chrono::millis
       static_cast<double>(took.size()) / std::chrono::duration<double>(lasts).count();
   const std::string timing =
       took.empty() ? "no answers"
-                   : io::fixed(per_second, 0) +
+                   : files::fixed(per_second, 0) +
                          " samples a second beside 40 stick frames, 95 % answered within " +
-                         io::fixed(io::nearest_rank(took, 0.95), 1) + " ms, " +
+                         files::fixed(files::nearest_rank(took, 0.95), 1) + " ms, " +
                          std::to_string(sampler.lost()) + " lost";
   const double answered =
       sampler.sticks_sent() > 0 ? double(sampler.acknowledged()) / sampler.sticks_sent() : 0.0;
@@ -290,8 +290,8 @@ std::string drone_toml(const Introduction& said, const msp::ImuScale& scale, con
   line("api_minor", std::to_string(said.facts.api->minor));
   text += "\n[imu]\n";
   line("axes", "\"front-left-up\"");
-  line("gyro_counts_per_deg_per_s", io::text_of(scale.gyro_counts_per_deg_per_s));
-  line("accel_counts_per_g", io::text_of(scale.accel_counts_per_g));
+  line("gyro_counts_per_deg_per_s", files::text_of(scale.gyro_counts_per_deg_per_s));
+  line("accel_counts_per_g", files::text_of(scale.accel_counts_per_g));
   text += "\n[rates]\n";
   line("type", t.rates_type == 3 ? "\"actual\"" : "\"betaflight\"");
   line("rc_rate", list_of({t.roll_rc_rate, t.pitch_rc_rate, t.yaw_rc_rate}));
@@ -306,12 +306,12 @@ std::string drone_toml(const Introduction& said, const msp::ImuScale& scale, con
   line("expo_percent", std::to_string(t.throttle_expo));
   line("min_check_us", std::to_string(receiver.min_check));
   line("hover_stick_us", std::to_string(told.hover_stick_us));
-  line("exponent", io::text_of(told.exponent));
+  line("exponent", files::text_of(told.exponent));
   text += "\n[channels]\n";
   line("place", list_of({map.place[0], map.place[1], map.place[2], map.place[3]}));
   line("override", "[0, 1, 2, 3]");
   text += "\n[battery]\n";
-  line("least_v", io::text_of(told.least_v));
+  line("least_v", files::text_of(told.least_v));
   return text;
 }
 

@@ -75,7 +75,7 @@ std::string ChannelWatch::not_following() const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < 4; ++i)
     if (off_[i]) names.emplace_back(kChannels[i]);
-  return io::joined(names, " and ");
+  return files::joined(names, " and ");
 }
 
 }  // namespace gatefly::live

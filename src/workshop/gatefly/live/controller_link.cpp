@@ -24,7 +24,7 @@ constexpr auto kCallsFor = 3s;
 
 [[noreturn]] void not_the_drone(const DroneFile& drone, const std::vector<std::string>& others) {
   throw AnotherDrone("is not the drone of " + drone.path.string() + ": " +
-                     io::joined(others, "; "));
+                     files::joined(others, "; "));
 }
 
 [[noreturn]] void refuse(std::string_view why) { throw std::runtime_error(std::string{why}); }

@@ -24,7 +24,7 @@ constexpr std::string_view kTestTable = "[hand_over_test]";
 /// A table of which every key must be there.
 class Strict {
  public:
-  explicit Strict(io::Table table) : table_{std::move(table)} {}
+  explicit Strict(files::Table table) : table_{std::move(table)} {}
 
   double number(const std::string& key, double low, double high) {
     return table_.number(key, low, high);
@@ -51,10 +51,10 @@ class Strict {
   [[noreturn]] void fail(const std::string& key, const std::string& what) const {
     table_.fail(key, what);
   }
-  io::Table& table() { return table_; }
+  files::Table& table() { return table_; }
 
  private:
-  io::Table table_;
+  files::Table table_;
 };
 
 template <class To>
@@ -151,7 +151,7 @@ void read_channels(Strict channels, DroneFile& drone) {
 }
 
 /// The curves that follow of what is set; nobody flies by another kind.
-void derive(io::Table& file, DroneFile& drone) {
+void derive(files::Table& file, DroneFile& drone) {
   const auto rates = msp::RateProfile::from(drone.tuning, drone.deadband, drone.receiver);
   if (!rates) file.fail("rates", "rates that a Betaflight can have");
   const auto throttle = msp::ThrottleCurve::from(drone.tuning, drone.receiver);
@@ -162,13 +162,13 @@ void derive(io::Table& file, DroneFile& drone) {
   drone.hover.throttle = drone.throttle.throttle(drone.hover_stick);
   if (drone.hover.throttle < 50 || drone.hover.throttle > 800)
     file.fail("throttle", "a hover_stick_us that gives a throttle of 5 to 80 %, it gives " +
-                              io::text_of(0.1 * drone.hover.throttle, 3) + " %");
+                              files::text_of(0.1 * drone.hover.throttle, 3) + " %");
 }
 
 /// All constants as text, in one order.
 std::string constants_of(const DroneFile& d) {
   std::string all = d.name + "|" + d.board;
-  const auto add = [&all](double value) { all += "|" + io::text_of(value); };
+  const auto add = [&all](double value) { all += "|" + files::text_of(value); };
   const msp::RcTuning& t = d.tuning;
   for (const double value :
        {double(d.api_minor), d.imu.gyro_counts_per_deg_per_s, d.imu.accel_counts_per_g,
@@ -214,8 +214,8 @@ bool DroneFile::hand_over_tested(const std::string& program) const {
 }
 
 DroneFile read_drone(const std::filesystem::path& path) {
-  const io::TomlFile content(path);
-  io::Table file(content);
+  const files::TomlFile content(path);
+  files::Table file(content);
   DroneFile drone;
   drone.path = path;
   const auto expect = [&file](std::initializer_list<const char*> sections) {
@@ -252,8 +252,8 @@ DroneFile read_drone(const std::filesystem::path& path) {
 
 std::string hand_over_mark(const DroneFile& drone, const std::string& program) {
   const std::string all = constants_of(drone) + "|" + program;
-  return io::text_of_xxh64(
-      io::xxh64({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
+  return files::text_of_xxh64(
+      files::xxh64({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
 }
 
 std::string with_hand_over_mark(const DroneFile& drone, const std::string& text,
@@ -268,29 +268,30 @@ std::string with_hand_over_mark(const DroneFile& drone, const std::string& text,
     if (!inside) kept += line + "\n";
   }
   while (kept.ends_with("\n\n")) kept.pop_back();
-  const io::TomlFile left(drone.path, kept);
+  const files::TomlFile left(drone.path, kept);
   if (left.content().contains("hand_over_test"))
-    io::Table{left}.fail("hand_over_test", "written as a table: " + std::string{kTestTable});
+    files::Table{left}.fail("hand_over_test", "written as a table: " + std::string{kTestTable});
   if (mark.empty()) return kept;
   return kept + "\n" + std::string{kTestTable} + "\npassed = \"" + mark + "\"\n";
 }
 
 std::string program_mark(const std::filesystem::path& program) {
-  const std::string bytes = io::read_file(program, std::uintmax_t{1} << 30);
-  return io::text_of_xxh64(
-      io::xxh64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+  const std::string bytes = files::read_file(program, std::uintmax_t{1} << 30);
+  return files::text_of_xxh64(
+      files::xxh64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
 }
 
 std::vector<std::string> differences(const DroneFile& drone, const guard::DroneFacts& facts,
                                      const std::string& board) {
   std::vector<std::string> found;
   const auto compare = [&](const char* what, const auto& told, const auto& expected) {
-    const std::string says = io::text_of(double(told)), wanted = io::text_of(double(expected));
+    const std::string says = files::text_of(double(told)),
+                      wanted = files::text_of(double(expected));
     if (says != wanted)
       found.push_back(std::string{what} + " is " + says + ", in the file " + wanted);
   };
   if (board != drone.board)
-    found.push_back("board is " + io::one_line(board) + ", in the file " + drone.board);
+    found.push_back("board is " + files::one_line(board) + ", in the file " + drone.board);
   if (facts.api) compare("api_minor", facts.api->minor, drone.api_minor);
   if (facts.tuning) {
     const msp::RcTuning &t = *facts.tuning, &e = drone.tuning;
@@ -359,9 +360,9 @@ std::vector<std::string> differences(const DroneFile& drone, const guard::ArduFa
         {"MOT_SPIN_MIN", is.spin_min, file.spin_min},
         {"MOT_SPIN_MAX", is.spin_max, file.spin_max},
         {"ATC_ANGLE_BOOST", double(is.angle_boost), double(file.angle_boost)}})
-    differs(what, io::text_of(told), io::text_of(wanted));
+    differs(what, files::text_of(told), files::text_of(wanted));
   if (std::abs(is.hover - file.hover) > kLearns * file.hover)
-    differs("MOT_THST_HOVER", io::text_of(is.hover), io::text_of(file.hover));
+    differs("MOT_THST_HOVER", files::text_of(is.hover), files::text_of(file.hover));
   return found;
 }
 

@@ -9,7 +9,7 @@
 namespace gatefly::live {
 
 FolderCamera::FolderCamera(const std::filesystem::path& folder, StoredSize size, bool paced)
-    : folder_{io::read_flight_folder(folder)}, paced_{paced} {
+    : folder_{flight_log::read_flight_folder(folder)}, paced_{paced} {
   const auto where = flight_log::where_pictures_are(folder_);
   if (where == flight_log::Pictures::kHashes || where == flight_log::Pictures::kNone)
     throw std::runtime_error(folder.string() + ": keeps no pictures (fly it with --frames)");
@@ -26,12 +26,12 @@ Camera::Got FolderCamera::next(Picture& picture, Moment deadline) {
     std::this_thread::sleep_until(std::min(due, deadline));
     if (due > deadline) return Got::kNothing;
   }
-  const io::ImageFile& file = source_(next_);
+  const files::ImageFile& file = source_(next_);
   const std::filesystem::path& path = folder_.images[next_].path;
   picture.pixels.assign(file.bytes.begin(), file.bytes.end());
   picture.file.clear();
   if (file.format != PixelFormat::kUyvy) {
-    const std::string bytes = io::read_file(path), kind = io::kind_of(path);
+    const std::string bytes = files::read_file(path), kind = files::kind_of(path);
     picture.file.assign(bytes.begin(), bytes.end());
     picture.ending = kind == ".png" ? ".png" : kind == ".ppm" ? ".ppm" : ".jpg";
   }

@@ -15,7 +15,7 @@ class FolderCamera : public Camera {
   Got next(Picture& picture, Moment deadline) override;
 
  private:
-  io::FlightFolder folder_;
+  flight_log::FlightFolder folder_;
   flight_log::PictureSource source_;
   bool paced_;
   Moment start_;

@@ -24,7 +24,7 @@ constexpr int kRadioWithin = 20;        ///< A radio at rest is not quite still 
 constexpr int kBrakes = 15;             ///< Pitch that braking has, at least [µs].
 constexpr int kCentred = 40;            ///< Its sticks, from the middle [µs].
 
-std::string ms(nanoseconds time) { return io::fixed(1e3 * seconds(time), 0) + " ms"; }
+std::string ms(nanoseconds time) { return files::fixed(1e3 * seconds(time), 0) + " ms"; }
 
 /// The test while it runs. Every step answers whether all was well so far, and has said so if not.
 class HandOverWalk {
@@ -119,7 +119,7 @@ bool HandOverWalk::asked_for(std::string_view what, Done&& done) {
     return done();
   };
   return wait(test_.step, done_or_refused,
-              "for " + io::fixed(seconds(test_.step), 0) +
+              "for " + files::fixed(seconds(test_.step), 0) +
                   " s the controller has not seen this at the radio: " + std::string{what});
 }
 
@@ -155,11 +155,11 @@ bool HandOverWalk::handed_over() {
 bool HandOverWalk::followed(const std::string& when) {
   if (view_.channels().reads() < 3)
     return wrong(when + ": the channels are not read back, " +
-                 io::amount(view_.channels().reads(), "time"));
+                 files::amount(view_.channels().reads(), "time"));
   if (view_.channels().wrong() == 0) return true;
   return wrong(when + ": " + view_.channels().not_following() + " not as sent, in " +
                std::to_string(view_.channels().wrong()) + " of " +
-               io::amount(view_.channels().reads(), "answer") + " (" +
+               files::amount(view_.channels().reads(), "answer") + " (" +
                text_of(view_.channels().wrong_one()) +
                "); msp_override_channels_mask must be 15, and [channels] that of the controller");
 }
@@ -232,11 +232,11 @@ bool HandOverWalk::blind() {
 
 bool HandOverWalk::taken_back_and_blind() {
   if (!streaming()) return false;
-  well("disarmed, override off: " + io::amount(view_.last()->acknowledged, "neutral frame") +
+  well("disarmed, override off: " + files::amount(view_.last()->acknowledged, "neutral frame") +
        " acknowledged, pictures come");
   if (!handed_over() || !follows(1500ms, "override on")) return false;
   well("override on: roll, pitch, yaw and throttle as sent, in " +
-       io::amount(view_.channels().reads(), "answer") + ", at most " +
+       files::amount(view_.channels().reads(), "answer") + ", at most " +
        ms(view_.channels().behind()) + " behind");
   return taken_back("", false) && blind() && taken_back(" after it", true) && disarmed();
 }
@@ -308,7 +308,7 @@ bool HandOverWalk::alone(const msp::Sticks& last, Moment since) {
 }
 
 bool HandOverWalk::no_gap() {
-  const std::string line = io::amount(view_.frames(), "stick frame") + ", at most " +
+  const std::string line = files::amount(view_.frames(), "stick frame") + ", at most " +
                            ms(view_.longest_gap()) + " from one to the next";
   return view_.longest_gap() <= kLongestGap ? well(line)
                                             : wrong(line + ", must be " + ms(kLongestGap));

@@ -75,8 +75,9 @@ void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, con
   }
 }
 
-void play(const std::vector<flight_log::RecordedTick>& ticks, const io::FlightFolder& folder,
-          double pace, Wires& wires, const RunClock& clock) {
+void play(const std::vector<flight_log::RecordedTick>& ticks,
+          const flight_log::FlightFolder& folder, double pace, Wires& wires,
+          const RunClock& clock) {
   const nanoseconds first = ticks.empty() ? 0ns : ticks.front().sensors.time;
   for (std::size_t i = 0; i < ticks.size() && !wires.stop; ++i) {
     const flight_log::RecordedTick& tick = ticks[i];

@@ -26,7 +26,7 @@ void fly(LinkCommands& link, FlightDeck& deck, Keeper& keeper, Wires& wires, con
 
 /// A recorded flight in the place of a drone.
 /// @param pace  times its own; 0: as fast as it is flown.
-void play(const std::vector<flight_log::RecordedTick>& ticks, const io::FlightFolder& folder,
-          double pace, Wires& wires, const RunClock& clock);
+void play(const std::vector<flight_log::RecordedTick>& ticks,
+          const flight_log::FlightFolder& folder, double pace, Wires& wires, const RunClock& clock);
 
 }  // namespace gatefly::live

@@ -7,7 +7,7 @@
 
 namespace gatefly::live {
 
-RunRecorder::RunRecorder(const std::filesystem::path& out, const io::Keep& keep) {
+RunRecorder::RunRecorder(const std::filesystem::path& out, const flight_log::Keep& keep) {
   if (!out.empty()) recorder_.emplace(out, keep);
 }
 
@@ -21,13 +21,13 @@ void RunRecorder::record(const FlownTick& tick) {
   took_.push_back(seconds(tick.took));
   unwritten_ += recorder_ && !error_.empty();
   if (!recorder_ || !error_.empty()) return;
-  io::RecordedRow row{.sensors = tick.sensors,
-                      .command = tick.command,
-                      .estimate = tick.estimate,
-                      .phase = tick.phase,
-                      .target_gate = tick.target_gate,
-                      .detections = tick.detections,
-                      .motors = tick.motors};
+  flight_log::RecordedRow row{.sensors = tick.sensors,
+                              .command = tick.command,
+                              .estimate = tick.estimate,
+                              .phase = tick.phase,
+                              .target_gate = tick.target_gate,
+                              .detections = tick.detections,
+                              .motors = tick.motors};
   if (tick.picture != nullptr) {
     row.frame = tick.picture->pixels;
     row.file = tick.picture->file;

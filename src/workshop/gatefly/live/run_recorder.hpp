@@ -17,7 +17,7 @@ namespace gatefly::live {
 class RunRecorder {
  public:
   /// @param out  "": nothing is written, only counted.
-  RunRecorder(const std::filesystem::path& out, const io::Keep& keep);
+  RunRecorder(const std::filesystem::path& out, const flight_log::Keep& keep);
 
   void record(const FlownTick& tick);
   void add_file(const std::string& name, const std::string& content);
@@ -38,7 +38,7 @@ class RunRecorder {
   [[nodiscard]] std::vector<double>& took() { return took_; }
 
  private:
-  std::optional<io::FlightRecorder> recorder_;
+  std::optional<flight_log::FlightRecorder> recorder_;
   std::string error_;
   std::size_t ticks_ = 0, pictures_ = 0, with_gate_ = 0, unwritten_ = 0;
   int gates_passed_ = 0;

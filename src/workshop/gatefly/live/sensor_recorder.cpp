@@ -34,8 +34,8 @@ void append(std::string& line, const Imu& imu) {
 
 std::string header() {
   std::string line = "t_ns,gyro_p_radps,gyro_q_radps,gyro_r_radps,acc_x_mps2,acc_y_mps2,acc_z_mps2";
-  for (const char* column : io::kNavigationImuColumns) line += std::string{","} + column;
-  return line + "," + io::kLiftedColumn +
+  for (const char* column : flight_log::kNavigationImuColumns) line += std::string{","} + column;
+  return line + "," + flight_log::kLiftedColumn +
          ",sample_t_ns,fc_roll_rad,fc_pitch_rad,fc_yaw_rad,stick_roll_us,stick_pitch_us,"
          "stick_yaw_us,stick_throttle_us,armed,override,battery_v\n";
 }
@@ -56,7 +56,7 @@ SensorRecorder::SensorRecorder(std::filesystem::path folder, const Params& param
       held_{nothing()},
       heard_at_{ControllerState::kNever} {
   for (const auto& [name, content] : files) write_whole(folder_ / name, content);
-  write_whole(folder_ / io::kRecordingMark, "{\"kind\": \"record\"}\n");
+  write_whole(folder_ / flight_log::kRecordingMark, "{\"kind\": \"record\"}\n");
   log_.add(header());
   images_.add("image,t_ns,log_row,arrived_ns\n");
 }
@@ -112,7 +112,7 @@ void SensorRecorder::keep(nanoseconds time, const Picture& picture) {
     write_whole(folder_ / name.data(), picture.file);
   } else {  // the sampling of its colours stays, so that hardly anything is lost
     write_whole(folder_ / name.data(),
-                std::string_view{io::recorded_jpeg(picture.view(0), io::Recording::kJpeg)});
+                std::string_view{files::recorded_jpeg(picture.view(0), files::Recording::kJpeg)});
   }
   images_.add(std::string{name.data()} + "," + std::to_string(time.count()) + "," +
               std::to_string(rows_ - 1) + "," + std::to_string(picture.arrived.count()) + "\n");

@@ -23,9 +23,9 @@ Camera::Got SliceCamera::next(Picture& picture, Moment deadline) {
     }
     if (!whole) continue;
     const std::string bytes(whole->jpeg.begin(), whole->jpeg.end());
-    io::ImageFile file;
+    files::ImageFile file;
     try {
-      file = io::decoded_jpeg(port_.name(), bytes);
+      file = files::decoded_jpeg(port_.name(), bytes);
     } catch (const std::runtime_error&) {
       continue;  // torn: the next one is on its way
     }

@@ -59,7 +59,7 @@ StreamCamera::StreamCamera(const std::string& pipeline, StoredSize size)
         std::string{"sync=false"}})
     words.push_back(word);
   const int error =
-      io::start(words, {.output = ends[1], .errors = fileno(messages_.get())}, program_);
+      files::start(words, {.output = ends[1], .errors = fileno(messages_.get())}, program_);
   ::close(ends[1]);
   pipe_.emplace(ends[0], "gst");
   fcntl(ends[0], F_SETPIPE_SZ, 1 << 20);  // a picture whole; refused, it is but slower
@@ -71,7 +71,7 @@ StreamCamera::StreamCamera(const std::string& pipeline, StoredSize size)
 StreamCamera::~StreamCamera() {
   if (program_ <= 0) return;
   kill(program_, SIGKILL);
-  io::wait_for(program_);
+  files::wait_for(program_);
 }
 
 Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
@@ -90,6 +90,6 @@ Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
   return Got::kPicture;
 }
 
-std::string StreamCamera::why() const { return io::last_line(messages_.get()); }
+std::string StreamCamera::why() const { return files::last_line(messages_.get()); }
 
 }  // namespace gatefly::live

@@ -18,7 +18,7 @@ class UriText {
   UriText(const char* flag, const std::string& text) : flag_{flag}, text_{text}, rest_{text_} {}
 
   [[noreturn]] void fail(const std::string& why) const {
-    throw std::runtime_error(std::string{flag_} + " " + io::one_line(text_) + ": " + why);
+    throw std::runtime_error(std::string{flag_} + " " + files::one_line(text_) + ": " + why);
   }
   /// Whether it goes on with `word`, which is then taken.
   bool takes(std::string_view word) {
@@ -54,8 +54,9 @@ class UriText {
     const char* const end = value.data() + value.size();
     const auto [rest, error] = std::from_chars(value.data(), end, result);
     if (error != std::errc{} || rest != end || !(result >= low && result <= high))
-      fail(name + " = '" + io::one_line(std::string{value}) + "', must be in " +
-           io::text_of(static_cast<double>(low)) + ".." + io::text_of(static_cast<double>(high)));
+      fail(name + " = '" + files::one_line(std::string{value}) + "', must be in " +
+           files::text_of(static_cast<double>(low)) + ".." +
+           files::text_of(static_cast<double>(high)));
     return result;
   }
   void refuse_other_options() const {

@@ -17,7 +17,7 @@
 #include "gatefly/report/list_page.hpp"
 #include "gatefly/report/page.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ std::optional<Json> object_in(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return std::nullopt;
   try {
-    Json json = read_json(path);
+    Json json = files::read_json(path);
     if (json.is_object()) return json;
   } catch (const std::runtime_error&) {  // not readable, damaged
   }
@@ -197,4 +197,4 @@ Viewable viewable(const fs::path& path) {
   throw std::runtime_error(path.string() + ": holds no flight and no campaign of gatefly");
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

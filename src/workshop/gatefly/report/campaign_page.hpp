@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// Page on a folder of `gatefly campaign`, for a browser: how often, how fast, what
 /// went wrong, and the command that flies each run again. A run that was flown into the folder
@@ -21,4 +21,4 @@ enum class Viewable { kFlight, kCampaign, kFolder };
 /// @throws std::runtime_error one line: nothing that gatefly has written.
 [[nodiscard]] Viewable viewable(const std::filesystem::path& path);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -13,7 +13,7 @@
 #include "gatefly/report/page_course.hpp"
 #include "gatefly/report/page_numbers.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 constexpr std::size_t kMostRows = 6000;  // two minutes at 50 Hz
@@ -126,7 +126,8 @@ void put_states(RowWriter& row, const PageTick& tick, const Estimate& e) {
   row.put(e.gyro_bias);
 }
 
-void put_errors(RowWriter& row, const PageTick& tick, const sim::World& world, const Estimate& e) {
+void put_errors(RowWriter& row, const PageTick& tick, const world::World& world,
+                const Estimate& e) {
   const auto truth =
       tick.p_EB ? in_gate(world, tick.pilot.target_gate(), *tick.p_EB) : std::nullopt;
   row.put(truth ? Eigen::Vector3d{*truth - e.p_GB} : kNothing);
@@ -172,7 +173,7 @@ void put_rotors(RowWriter& row, const PageTick& tick, const RotorUse& rotors) {
 }
 
 /// In the order of kColumns.
-FlightRow row_of(const PageTick& tick, const sim::World& world, const RotorUse& rotors,
+FlightRow row_of(const PageTick& tick, const world::World& world, const RotorUse& rotors,
                  double now) {
   const Estimate own = tick.pilot.estimate();
   const Estimate& e = tick.estimate ? *tick.estimate : own;
@@ -231,8 +232,8 @@ std::string FlightColumns::json(std::size_t row_step) const {
                                      [&](const FlightRow& row) { return row[c] == kMissing; }))
       continue;
     if (text.size() > 1) text += ',';
-    text += '"' + std::string{kColumns[c].name} + "\":{\"unit\":" + text_of(kColumns[c].unit) +
-            ",\"steps\":[";
+    text += '"' + std::string{kColumns[c].name} +
+            "\":{\"unit\":" + files::text_of(kColumns[c].unit) + ",\"steps\":[";
     std::int64_t before = 0;
     std::array<char, 24> digits{};
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -251,4 +252,4 @@ std::string FlightColumns::json(std::size_t row_step) const {
   return text + "}";
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

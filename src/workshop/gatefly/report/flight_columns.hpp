@@ -11,7 +11,7 @@
 #include "gatefly/report/page_course.hpp"
 #include "gatefly/report/page_tick.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// Whole numbers of the units in flight_columns.cpp: differences of them add up without error.
 using FlightRow = std::array<std::int64_t, 59>;
@@ -49,4 +49,4 @@ class FlightColumns {
   double row_period_ = 0.02, next_row_ = 0.0;  ///< [s]
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -8,7 +8,7 @@
 #include "gatefly/files/jpeg_writer.hpp"
 #include "gatefly/report/page_numbers.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -41,7 +41,7 @@ const char* name_of(Sighting::Source source) {
 }
 
 /// All but the picture itself.
-Look looked(const PageTick& tick, const sim::World& world, double now) {
+Look looked(const PageTick& tick, const world::World& world, double now) {
   Look look{.time = now,
             .exposed = tick.exposed.value_or(now),
             .took = tick.took,
@@ -115,7 +115,7 @@ void FlightLooks::add(const PageTick& tick, const PageCourse& course, const Race
 void FlightLooks::take_picture(Look& look, const Image& image) {
   if (jpegs_seen_++ % jpeg_step_ != 0) return;
   const int largest = std::max(image.width(), image.height());
-  look.jpeg = small_jpeg(image, kJpegQuality, (largest + kLargestSide - 1) / kLargestSide);
+  look.jpeg = files::small_jpeg(image, kJpegQuality, (largest + kLargestSide - 1) / kLargestSide);
   jpeg_bytes_ += look.jpeg.size();
   if (jpeg_bytes_ < kMostJpegBytes) return;
   jpeg_step_ *= 2;  // every second one goes, and from now on comes
@@ -145,8 +145,8 @@ std::string FlightLooks::jpegs(std::size_t picture_step) const {
   std::size_t pictures = 0;
   for (const Look& look : looks_)
     if (!look.jpeg.empty() && pictures++ % picture_step == 0)
-      text += (text.size() > 1 ? ",\"" : "\"") + base64(look.jpeg) + "\"";
+      text += (text.size() > 1 ? ",\"" : "\"") + files::base64(look.jpeg) + "\"";
   return text + "]";
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

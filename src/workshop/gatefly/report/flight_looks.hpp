@@ -14,7 +14,7 @@
 #include "gatefly/report/page_film.hpp"
 #include "gatefly/report/page_tick.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// Outcome of one picture.
 struct Look {
@@ -57,4 +57,4 @@ class FlightLooks {
   PageFilm film_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

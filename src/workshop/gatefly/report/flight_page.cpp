@@ -6,7 +6,7 @@
 #include "gatefly/files/base64.hpp"
 #include "gatefly/report/page.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -22,7 +22,7 @@ std::string script(const std::string& type, const std::string& id, const std::st
   return "<script type=\"" + type + "\" id=\"" + id + "\">" + content + "</script>\n";
 }
 
-PageTick page_tick(const Tick& tick) {
+PageTick page_tick(const flight_log::Tick& tick) {
   return {.sensors = tick.sensors,
           .command = tick.command,
           .pilot = tick.pilot,
@@ -44,8 +44,8 @@ double seconds_of(const PageTick& tick) {
 FlightPage::FlightPage(std::string page, PageCourse course, std::filesystem::path film)
     : page_{std::move(page)}, course_{std::move(course)}, looks_{std::move(film)} {}
 
-void FlightPage::record(const Tick& tick) { record(page_tick(tick)); }
-void FlightPage::end(const Tick& tick) { end(page_tick(tick)); }
+void FlightPage::record(const flight_log::Tick& tick) { record(page_tick(tick)); }
+void FlightPage::end(const flight_log::Tick& tick) { end(page_tick(tick)); }
 
 void FlightPage::record(const PageTick& tick) {
   const double now = seconds_of(tick);
@@ -84,9 +84,10 @@ std::string FlightPage::filled(const Json& flight, const std::string& film,
   std::string told = in_a_script(with_looks);
   told.pop_back();  // the brace: columns are the largest part, and written by hand
   told += ",\"columns\":" + columns_.json(film.empty() ? 1 : step) + "}";
-  return with_elements(page_, script("application/json", "flight", told) +
-                                  script("application/json", "pictures", looks_.jpegs(step)) +
-                                  (film.empty() ? "" : script("text/plain", "film", base64(film))));
+  return with_elements(page_,
+                       script("application/json", "flight", told) +
+                           script("application/json", "pictures", looks_.jpegs(step)) +
+                           (film.empty() ? "" : script("text/plain", "film", files::base64(film))));
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

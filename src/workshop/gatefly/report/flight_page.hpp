@@ -15,7 +15,7 @@
 #include "gatefly/report/page_course.hpp"
 #include "gatefly/report/page_tick.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// A flight as one page for a browser, report.html, collected while it is flown: what was, what the
 /// pilot believed and what it saw, each with its time. Collects only; the flight is the same
@@ -31,10 +31,10 @@ class FlightPage {
   FlightPage(std::string page, PageCourse course, std::filesystem::path film = {});
 
   /// Every tick of the flight, in order.
-  void record(const Tick& tick);
+  void record(const flight_log::Tick& tick);
   void record(const PageTick& tick);
   /// The last of them once more: the page goes on to it, and to the contact of a flight that is lost.
-  void end(const Tick& tick);
+  void end(const flight_log::Tick& tick);
   void end(const PageTick& tick);
 
   /// Once, after the last tick.
@@ -54,4 +54,4 @@ class FlightPage {
   GatePasses passes_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

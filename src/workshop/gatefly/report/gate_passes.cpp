@@ -5,7 +5,7 @@
 
 #include "gatefly/report/page_numbers.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -28,7 +28,7 @@ void GatePasses::add(const PageTick& tick, const PageCourse& course, double now)
     follow_truth(tick, course.world, now);
 }
 
-void GatePasses::follow_truth(const PageTick& tick, const sim::World& world, double now) {
+void GatePasses::follow_truth(const PageTick& tick, const world::World& world, double now) {
   const Eigen::Vector3d& p_EB = *tick.p_EB;
   if (before_ && !world.gates.empty()) {
     const std::size_t next = passes_.size() % world.gates.size();
@@ -79,4 +79,4 @@ Json GatePasses::json(const PageCourse& course, std::span<const Look> looks,
   return list;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -12,7 +12,7 @@
 #include "gatefly/report/page_course.hpp"
 #include "gatefly/report/page_tick.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// When and how fast each gate was passed: by the truth where it is known, else as the pilot counts.
 class GatePasses {
@@ -30,7 +30,7 @@ class GatePasses {
     double time = 0.0, speed = 0.0;  ///< [s], [m/s]
   };
 
-  void follow_truth(const PageTick& tick, const sim::World& world, double now);
+  void follow_truth(const PageTick& tick, const world::World& world, double now);
   void follow_pilot(const PageTick& tick, double now);
 
   std::vector<Pass> passes_;
@@ -39,4 +39,4 @@ class GatePasses {
   int passed_ = 0;            ///< As the pilot counts.
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

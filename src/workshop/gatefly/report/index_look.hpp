@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// The index's colours and type are those of viewer/src/style.css.
 inline constexpr const char* kIndexStyle = R"css(
@@ -96,4 +96,4 @@ filter();  // a browser remembers what was typed
 window.__report = { rows: rows.length };  // ready, for who waits for it
 )js";
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

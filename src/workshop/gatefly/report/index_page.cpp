@@ -12,7 +12,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/report/index_look.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Kind = IndexEntry::Kind;
@@ -71,7 +71,7 @@ const nlohmann::json& at(const nlohmann::json& object, const char* key) {
 
 std::string text_at(const nlohmann::json& object, const char* key) {
   const nlohmann::json& value = at(object, key);
-  return value.is_string() ? one_line(value.get<std::string>(), 200) : std::string{};
+  return value.is_string() ? files::one_line(value.get<std::string>(), 200) : std::string{};
 }
 
 std::optional<double> number_at(const nlohmann::json& object, const char* key) {
@@ -106,7 +106,7 @@ Outcome outcome_of(const IndexEntry& entry) {
     const nlohmann::json& result = at(entry.summary, "result");
     const auto runs = number_at(result, "runs"), finished = number_at(result, "finished");
     if (!runs || !finished) return {"not yet whole"};
-    return {fixed(*finished, 0) + " of " + fixed(*runs, 0) + " races finished",
+    return {files::fixed(*finished, 0) + " of " + files::fixed(*runs, 0) + " races finished",
             *finished == *runs ? "good" : "muted"};
   }
   const nlohmann::json& finished = at(entry.summary, "finished");
@@ -144,14 +144,15 @@ std::string number_cell(const char* label, const std::string& number, const std:
 
 std::string number_cell(const char* label, const std::optional<double>& value, int digits,
                         const std::string& unit) {
-  const std::string text = value ? fixed(*value, digits) : std::string{};
+  const std::string text = value ? files::fixed(*value, digits) : std::string{};
   return number_cell(label, text, value ? text + unit : text);
 }
 
 std::string gates_cell(const nlohmann::json& summary) {
   const auto passed = number_at(summary, "gates_passed"), all = number_at(summary, "gates_total");
   if (!passed || !all) return number_cell("gates", "", "");
-  return number_cell("gates", fixed(*passed, 0), fixed(*passed, 0) + " of " + fixed(*all, 0));
+  return number_cell("gates", files::fixed(*passed, 0),
+                     files::fixed(*passed, 0) + " of " + files::fixed(*all, 0));
 }
 
 std::string link(const std::string& path, const std::string& text) {
@@ -203,9 +204,10 @@ std::string counted(const std::vector<IndexEntry>& entries) {
   }
   std::vector<std::string> parts;
   if (flights > 0)
-    parts.push_back(amount(flights, "flight") + ", " + std::to_string(finished) + " finished");
-  if (replays > 0) parts.push_back(amount(replays, "replay"));
-  if (campaigns > 0) parts.push_back(amount(campaigns, "campaign"));
+    parts.push_back(files::amount(flights, "flight") + ", " + std::to_string(finished) +
+                    " finished");
+  if (replays > 0) parts.push_back(files::amount(replays, "replay"));
+  if (campaigns > 0) parts.push_back(files::amount(campaigns, "campaign"));
   if (damaged > 0) parts.push_back(std::to_string(damaged) + " damaged");
   std::string all;
   for (const std::string& part : parts) all += (all.empty() ? "" : "; ") + part;
@@ -246,4 +248,4 @@ std::string index_page(const std::string& title, const std::vector<IndexEntry>& 
   return page + "</main>\n<script>" + kIndexScript + "</script>\n</body>\n</html>\n";
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// A line of the index: a folder in which gatefly has written.
 struct IndexEntry {
@@ -27,4 +27,4 @@ struct IndexEntry {
 [[nodiscard]] std::string index_page(const std::string& title,
                                      const std::vector<IndexEntry>& entries);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

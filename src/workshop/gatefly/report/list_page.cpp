@@ -7,7 +7,7 @@
 
 #include "gatefly/report/page.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -101,4 +101,4 @@ std::string comparison_page(const std::string& page, const std::string& title,
                             {"comparison", comparison}}}});
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// A flight in a list: a campaign's run, or a flight folder.
 struct ListedFlight {
@@ -32,4 +32,4 @@ struct ListedFlight {
 [[nodiscard]] std::string comparison_page(const std::string& page, const std::string& title,
                                           const nlohmann::ordered_json& comparison);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

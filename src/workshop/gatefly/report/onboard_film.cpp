@@ -8,7 +8,7 @@
 #include "gatefly/files/subprocess.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 constexpr int kLargestFilmSide = 320;  // [px]
@@ -66,8 +66,8 @@ std::vector<std::string> coding_of(double bits_per_second) {
 int ffmpeg(std::vector<std::string> words) {
   words.insert(words.begin(), {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y"});
   pid_t pid = -1;
-  const int error = start(std::move(words), {}, pid);
-  return error != 0 ? error : wait_for(pid);
+  const int error = files::start(std::move(words), {}, pid);
+  return error != 0 ? error : files::wait_for(pid);
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ void OnboardFilm::add(const Image& picture) {
 
 std::string OnboardFilm::finish() {
   file_.finish();
-  std::string film = read_file(path_);
+  std::string film = files::read_file(path_);
   for (int again = 0; film.size() > kMostBytes && again < 3; ++again) {
     const double part = kAimed * static_cast<double>(kMostBytes) / static_cast<double>(film.size());
     film = smaller(bits_per_second_ *= part);
@@ -129,10 +129,10 @@ std::string OnboardFilm::smaller(double bits_per_second) const {
   words.insert(words.end(), encoder.begin(), encoder.end());
   words.push_back("file:" + coarse);
   if (ffmpeg(std::move(words)) != 0) throw std::runtime_error("ffmpeg: the onboard film failed");
-  std::string film = read_file(coarse);
+  std::string film = files::read_file(coarse);
   std::error_code ignored;
   std::filesystem::remove(coarse, ignored);
   return film;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -11,7 +11,7 @@
 #include "gatefly/files/film_pipe.hpp"
 #include "gatefly/sensing/image.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// The camera's view as one small film for a page: VP8 in WebM, every picture of the flight.
 ///
@@ -45,8 +45,8 @@ class OnboardFilm {
   int width_, height_, step_;  ///< Size of the film, even [px]; every step_-th pixel is taken.
   int from_width_, from_height_;
   double bits_per_second_;
-  FilmPipe file_;
+  files::FilmPipe file_;
   std::vector<std::uint8_t> bytes_;  ///< One picture's: Y, then U, then V.
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -8,7 +8,7 @@
 #include "gatefly/files/shipped_files.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 constexpr std::string_view kPlaceOfData = "<!--gatefly:flight-->";
@@ -16,8 +16,8 @@ constexpr std::string_view kPlaceOfData = "<!--gatefly:flight-->";
 }  // namespace
 
 std::string shipped_page(const std::string& name) {
-  const std::filesystem::path path = shipped_dir() / "viewer" / name;
-  std::string page = read_file(path);
+  const std::filesystem::path path = files::shipped_dir() / "viewer" / name;
+  std::string page = files::read_file(path);
   if (page.find(kPlaceOfData) == std::string::npos)
     throw std::runtime_error(path.string() + ": is not the page that data is put into");
   return page;
@@ -44,4 +44,4 @@ std::string with_data(const std::string& page,
   return with_elements(page, elements);
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

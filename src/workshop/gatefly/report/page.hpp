@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// A page of viewer/ without its data, as gatefly comes with it: "report.html", "campaign.html".
 /// @throws std::runtime_error when it is missing or no such page.
@@ -24,4 +24,4 @@ namespace gatefly::io {
     const std::string& page,
     const std::vector<std::pair<std::string, nlohmann::ordered_json>>& data);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

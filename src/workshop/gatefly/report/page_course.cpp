@@ -7,12 +7,12 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/report/page_numbers.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json box(const sim::WorldBox& b) {
+Json box(const world::WorldBox& b) {
   return {{"center", {rounded(b.center.x()), rounded(b.center.y())}},
           {"size", {rounded(b.size.x()), rounded(b.size.y())}},
           {"heading", rounded(b.heading)},
@@ -42,7 +42,7 @@ Json way(const RacePlan& plan) {
 Json gates_of(const PageCourse& course) {
   Json gates = Json::array();
   for (std::size_t i = 0; i < course.world.gates.size(); ++i) {
-    const sim::WorldGate& gate = course.world.gates[i];
+    const world::WorldGate& gate = course.world.gates[i];
     Json json{{"position", place(gate.p_EG)},
               {"heading", rounded(gate.yaw_EG)},
               {"side", rounded(gate.side)},
@@ -58,7 +58,7 @@ Json gates_of(const PageCourse& course) {
 
 }  // namespace
 
-PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim, bool pictures) {
+PageCourse page_course(const PilotConfig& pilot, const world::SimConfig& sim, bool pictures) {
   return {.world = sim.world,
           .map = pilot.track,
           .speed = pilot.plan.speed,
@@ -87,10 +87,10 @@ PageCourse page_course(const PilotConfig& pilot) {
 }
 
 Json as_json(const PageCourse& course, const std::optional<RacePlan>& plan) {
-  const sim::World& world = course.world;
+  const world::World& world = course.world;
   Json obstacles = Json::array(), decoys = Json::array();
-  for (const sim::WorldBox& b : world.obstacles) obstacles.push_back(box(b));
-  for (const sim::Decoy& decoy : world.decoys) decoys.push_back(box(decoy.shape));
+  for (const world::WorldBox& b : world.obstacles) obstacles.push_back(box(b));
+  for (const world::Decoy& decoy : world.decoys) decoys.push_back(box(decoy.shape));
   Json json{{"room_center", {rounded(world.room_center.x()), rounded(world.room_center.y())}},
             {"room_size", place(world.room_size)},
             {"laps", course.map.laps},
@@ -117,11 +117,11 @@ double pictures_expected(const PageCourse& course, const RacePlan& plan) {
   return course.pictures_per_second * (10.0 + 1.2 * way / std::max(0.1, course.speed));
 }
 
-std::optional<Eigen::Vector3d> in_gate(const sim::World& world, int gate,
+std::optional<Eigen::Vector3d> in_gate(const world::World& world, int gate,
                                        const Eigen::Vector3d& p_EB) {
   if (static_cast<std::size_t>(gate) >= world.gates.size()) return std::nullopt;
-  const sim::WorldGate& there = world.gates[static_cast<std::size_t>(gate)];
+  const world::WorldGate& there = world.gates[static_cast<std::size_t>(gate)];
   return Eigen::Vector3d{rotation_z(-there.yaw_EG) * (p_EB - there.p_EG)};
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -12,11 +12,11 @@
 #include "gatefly/race/track.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// Scene of a flight, as a page shows it.
 struct PageCourse {
-  sim::World world;                  ///< True places of everything.
+  world::World world;                ///< True places of everything.
   Track map;                         ///< As the pilot knows it.
   double speed = 1.5;                ///< That the pilot is to fly [m/s].
   double pictures_per_second = 0.0;  ///< 0: there are none.
@@ -27,7 +27,7 @@ struct PageCourse {
   /// The world is the truth, and the referee goes by it; else it is the map, and the pilot counts.
   bool is_truth = true;
 };
-[[nodiscard]] PageCourse page_course(const PilotConfig& pilot, const sim::SimConfig& sim,
+[[nodiscard]] PageCourse page_course(const PilotConfig& pilot, const world::SimConfig& sim,
                                      bool pictures);
 /// Course of a recorded flight: nobody knows where things really stood.
 [[nodiscard]] PageCourse page_course(const PilotConfig& pilot);
@@ -42,7 +42,7 @@ struct PageCourse {
 [[nodiscard]] double pictures_expected(const PageCourse& course, const RacePlan& plan);
 
 /// A point in the frame of one of the world's gates; nullopt when there is no such gate.
-[[nodiscard]] std::optional<Eigen::Vector3d> in_gate(const sim::World& world, int gate,
+[[nodiscard]] std::optional<Eigen::Vector3d> in_gate(const world::World& world, int gate,
                                                      const Eigen::Vector3d& p_EB);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

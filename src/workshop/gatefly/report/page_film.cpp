@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 std::optional<std::size_t> PageFilm::add(const Image& picture, double expected) try {
   if (failed_) return std::nullopt;
@@ -26,4 +26,4 @@ std::string PageFilm::finish() {
   return bytes;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

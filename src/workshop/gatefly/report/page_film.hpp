@@ -8,7 +8,7 @@
 
 #include "gatefly/report/onboard_film.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// The onboard film of a page. A page without it is better than no flight: what fails is
 /// remembered, not thrown.
@@ -36,4 +36,4 @@ class PageFilm {
   bool failed_ = false;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

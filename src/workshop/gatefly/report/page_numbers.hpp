@@ -8,14 +8,14 @@
 
 #include "gatefly/files/json.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 // Steps of a page's numbers, of whatever unit: thousandths, tenths and hundredths of those.
 inline constexpr double kMilli = 1e-3, kTenth = 1e-4, kHundredth = 1e-5;
 
 /// Rounded for a page: to millimetres, milliradians, or to multiples of `unit`.
 [[nodiscard]] inline nlohmann::ordered_json rounded(double value, double unit = kMilli) {
-  return number(std::round(value / unit) / std::round(1.0 / unit));
+  return files::number(std::round(value / unit) / std::round(1.0 / unit));
 }
 
 /// [x, y, z] in millimetres.
@@ -23,4 +23,4 @@ inline constexpr double kMilli = 1e-3, kTenth = 1e-4, kHundredth = 1e-5;
   return nlohmann::ordered_json::array({rounded(p.x()), rounded(p.y()), rounded(p.z())});
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

@@ -8,7 +8,7 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/race/pilot.hpp"
 
-namespace gatefly::io {
+namespace gatefly::report {
 
 /// One tick of a flight. What nobody knows is empty.
 struct PageTick {
@@ -24,4 +24,4 @@ struct PageTick {
   std::optional<double> took = std::nullopt;  ///< Wall-clock of the pilot's step [s].
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::report

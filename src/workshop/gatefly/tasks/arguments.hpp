@@ -16,8 +16,8 @@ struct ConfigArguments {
 
 /// configs/default.toml, then the configurations, then the settings.
 /// @throws std::runtime_error one line.
-[[nodiscard]] inline io::Config load(const ConfigArguments& arguments) {
-  return io::load_config(io::config_files(arguments.configs), arguments.settings);
+[[nodiscard]] inline config::Config load(const ConfigArguments& arguments) {
+  return config::load_config(config::config_files(arguments.configs), arguments.settings);
 }
 
 }  // namespace gatefly::tasks

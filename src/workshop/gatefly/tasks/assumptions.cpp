@@ -12,20 +12,20 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Key of a lens that somebody named; the default camera's is nobody's.
-std::string key_of_lens(const io::Config& config) {
+std::string key_of_lens(const config::Config& config) {
   for (const char* key :
        {"camera.model", "camera.focal_px", "camera.center_px", "camera.distortion"})
     if (who_set(config, key) != "default") return key;
   return "";
 }
 
-void add_lens(Assumptions& to, const io::Config& config) {
+void add_lens(Assumptions& to, const config::Config& config) {
   to.sides = "straight";
   const std::string key = key_of_lens(config);
   if (key.empty()) {
     if (config.lens_angle < 0.0) return;
     to.lens = config.lens_angle > 0.0
-                  ? "of " + io::text_of(config.lens_angle / kDegree, 4) + " degrees across"
+                  ? "of " + files::text_of(config.lens_angle / kDegree, 4) + " degrees across"
                   : "straight";
     to.lens_by = who_set(config, "detector.lens_deg");
     if (config.lens_angle > 0.0) to.sides = "the lens bends them";
@@ -37,7 +37,7 @@ void add_lens(Assumptions& to, const io::Config& config) {
   to.sides = "the lens bends them";
 }
 
-void add_color(Assumptions& to, const io::Config& config) {
+void add_color(Assumptions& to, const config::Config& config) {
   if (config.detector_mode != "ours" && config.detector_mode != "fast" &&
       config.detector_mode != "careful") {
     to.color = "and thresholds of detector.mode " + config.detector_mode;
@@ -47,8 +47,8 @@ void add_color(Assumptions& to, const io::Config& config) {
   const auto& rgb = config.gate.rgb;
   to.color = config.gate.fitted_color
                  ? "as tuned in " + fs::path{config.gate.color_table}.filename().string()
-                 : "as described by rgb " + io::text_of(rgb.x(), 3) + ", " +
-                       io::text_of(rgb.y(), 3) + ", " + io::text_of(rgb.z(), 3);
+                 : "as described by rgb " + files::text_of(rgb.x(), 3) + ", " +
+                       files::text_of(rgb.y(), 3) + ", " + files::text_of(rgb.z(), 3);
   to.color_by = who_set(config, config.gate.fitted_color ? "color.table" : "color.rgb");
   to.min_score = config.pilot.detector.min_score;
   to.threshold_by = who_set(config, "detector.min_score");
@@ -56,7 +56,7 @@ void add_color(Assumptions& to, const io::Config& config) {
 
 }  // namespace
 
-std::string who_set(const io::Config& config, const std::string& key) {
+std::string who_set(const config::Config& config, const std::string& key) {
   const auto found = config.set_by.find(key);
   if (found == config.set_by.end()) return "default";
   if (found->second == "--set") return "--set";
@@ -65,7 +65,7 @@ std::string who_set(const io::Config& config, const std::string& key) {
   return file.stem() == "default" ? "default" : "config " + file.stem().string();
 }
 
-Assumptions assumptions_of(const io::Config& config) {
+Assumptions assumptions_of(const config::Config& config) {
   Assumptions assumed;
   add_lens(assumed, config);
   add_color(assumed, config);
@@ -78,7 +78,8 @@ std::string text_of(const Assumptions& assumed) {
   text += ", sides taken as " + assumed.sides + "; colour " + assumed.color + " (" +
           assumed.color_by + ")";
   if (assumed.min_score > 0.0)
-    text += "; min_score " + io::text_of(assumed.min_score, 3) + " (" + assumed.threshold_by + ")";
+    text +=
+        "; min_score " + files::text_of(assumed.min_score, 3) + " (" + assumed.threshold_by + ")";
   return text;
 }
 

@@ -10,7 +10,7 @@
 namespace gatefly::tasks {
 
 /// Source of a key: "default", "--set", or "config NAME".
-[[nodiscard]] std::string who_set(const io::Config& config, const std::string& key);
+[[nodiscard]] std::string who_set(const config::Config& config, const std::string& key);
 
 /// A detector's assumptions on pictures, beside how they are turned.
 struct Assumptions {
@@ -22,7 +22,7 @@ struct Assumptions {
   double min_score = 0.0;
   std::string threshold_by;
 };
-[[nodiscard]] Assumptions assumptions_of(const io::Config& config);
+[[nodiscard]] Assumptions assumptions_of(const config::Config& config);
 
 /// "no lens named, sides taken as straight; colour ...; min_score 2.5 (default)".
 [[nodiscard]] std::string text_of(const Assumptions& assumed);

@@ -95,12 +95,12 @@ const LegReport& CourseReport::nearest() const {
 
 CourseReport checked_course(const std::string& track, const ConfigArguments& arguments) {
   CourseReport report;
-  io::Config config = load(arguments);
-  report.path = io::find_track(track);
-  report.file = io::read_track(report.path, config.gate);
-  config = io::on_course(std::move(config), report.file);
-  io::expect_gates_of(io::with_faults(report.file.faults, config.faults, "[faults]"),
-                      report.file.track.gates.size(), report.path.string());
+  config::Config config = load(arguments);
+  report.path = config::find_track(track);
+  report.file = config::read_track(report.path, config.gate);
+  config = config::on_course(std::move(config), report.file);
+  config::expect_gates_of(config::with_faults(report.file.faults, config.faults, "[faults]"),
+                          report.file.track.gates.size(), report.path.string());
   report.notes = config.notes;
   report.params = config.pilot.plan;
   try {

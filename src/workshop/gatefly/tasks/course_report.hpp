@@ -28,7 +28,7 @@ struct LegReport {
 /// Report on a course before it is flown.
 struct CourseReport {
   std::filesystem::path path;
-  io::TrackFile file;
+  config::TrackFile file;
   PlanParams params;
   std::optional<RacePlan> plan;  ///< None: there is no way.
   std::string reason;            ///< Why there is none.

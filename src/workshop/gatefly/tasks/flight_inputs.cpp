@@ -39,7 +39,7 @@ Settings read_settings(const fs::path& directory) {
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
   Settings settings;
   if (!fs::exists(directory / kSettings)) return settings;
-  std::istringstream lines(io::read_file(directory / kSettings, kMostBytes));
+  std::istringstream lines(files::read_file(directory / kSettings, kMostBytes));
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with(kLaps)) {
       if (!line.empty()) settings.keys.push_back(line);
@@ -49,7 +49,7 @@ Settings read_settings(const fs::path& directory) {
     const char* const end = line.data() + line.size();
     const auto [rest, error] = std::from_chars(line.data() + kLaps.size(), end, laps);
     if (error != std::errc{} || rest != end || laps < 1 || laps > 100)
-      throw std::runtime_error((directory / kSettings).string() + ": " + io::one_line(line) +
+      throw std::runtime_error((directory / kSettings).string() + ": " + files::one_line(line) +
                                ", must be a whole number in 1..100");
     settings.laps = laps;
   }
@@ -63,12 +63,12 @@ class FlightSummary {
   explicit FlightSummary(const fs::path& directory) {
     if (!fs::exists(directory / kSummary)) return;
     try {
-      summary_ = io::read_json(directory / kSummary);
+      summary_ = files::read_json(directory / kSummary);
     } catch (const std::runtime_error&) {
       return;
     }
     if (summary_.contains("config"))
-      summary_["config"] = io::with_current_names(summary_["config"]);
+      summary_["config"] = config::with_current_names(summary_["config"]);
   }
   /// Null where it says nothing.
   [[nodiscard]] nlohmann::json at(const std::string& pointer) const {
@@ -87,15 +87,15 @@ class FlightSummary {
 }  // namespace
 
 std::map<std::string, std::string> flight_inputs(const ConfigArguments& options,
-                                                 const io::Config& config, const fs::path& track,
-                                                 int laps) {
-  std::map<std::string, std::string> inputs{{kTrack, io::read_file(track)}};
+                                                 const config::Config& config,
+                                                 const fs::path& track, int laps) {
+  std::map<std::string, std::string> inputs{{kTrack, files::read_file(track)}};
   std::size_t number = 0;
-  for (const auto& given : io::config_files(options.configs))
-    inputs[config_name(number++)] = io::read_file(given);
+  for (const auto& given : config::config_files(options.configs))
+    inputs[config_name(number++)] = files::read_file(given);
   const bool has_table = !config.gate.color_table.empty();
   if (has_table) {  // beside the last configuration, whichever file named it
-    inputs[kColors] = io::read_file(config.gate.color_table);
+    inputs[kColors] = files::read_file(config.gate.color_table);
     inputs[config_name(number)] = std::string{"[color]\ntable = \""} + kColors + "\"\n";
   }
   std::string& settings = inputs[kSettings];
@@ -110,7 +110,7 @@ bool is_simulated(const fs::path& directory) {
   return fs::exists(directory / kTrack) || fs::exists(directory / kSettings);
 }
 
-void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
+void expect_whole(const fs::path& directory, const flight_log::FlightFolder& folder) {
   const FlightSummary flown(directory);
   if (flown.at("/vision") == "ideal")  // what it saw was drawn and is not kept
     throw std::runtime_error(
@@ -129,29 +129,30 @@ void expect_whole(const fs::path& directory, const io::FlightFolder& folder) {
   if (frames && *frames != static_cast<double>(folder.images.size()))
     throw std::runtime_error((directory / "images.csv").string() + ": has " +
                              std::to_string(folder.images.size()) + " rows, the flight had " +
-                             io::text_of(*frames) + " pictures (summary.json)");
+                             files::text_of(*frames) + " pictures (summary.json)");
   const double last = std::chrono::duration<double>(folder.samples.back().time).count();
   if (seconds && std::abs(*seconds - last) > 1e-6)
-    throw std::runtime_error(folder.log.string() + ": ends at " + io::text_of(last, 6) +
-                             " s, the flight at " + io::text_of(*seconds, 6) + " s (summary.json)");
+    throw std::runtime_error(folder.log.string() + ": ends at " + files::text_of(last, 6) +
+                             " s, the flight at " + files::text_of(*seconds, 6) +
+                             " s (summary.json)");
 }
 
-io::Config config_of_flight(const fs::path& directory, const ConfigArguments& user) {
+config::Config config_of_flight(const fs::path& directory, const ConfigArguments& user) {
   std::vector<fs::path> files;
   for (std::size_t i = 0; fs::exists(directory / config_name(i)); ++i)
     files.push_back(directory / config_name(i));
-  const auto given = io::config_files(user.configs);
+  const auto given = config::config_files(user.configs);
   files.insert(files.end(), given.begin() + 1, given.end());  // the default is the flight's own
   std::vector<std::string> settings = read_settings(directory).keys;
   try {  // the flight's own first: what is wrong in them is no --set of the user's
-    (void)io::load_config(files, settings);
+    (void)config::load_config(files, settings);
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
     if (!what.starts_with("--set")) throw;
     throw std::runtime_error((directory / kSettings).string() + what.substr(5));
   }
   settings.insert(settings.end(), user.settings.begin(), user.settings.end());
-  return io::load_config(files, settings);
+  return config::load_config(files, settings);
 }
 
 std::optional<int> laps_of_flight(const fs::path& directory) {
@@ -162,7 +163,7 @@ std::uint64_t seed_of_flight(const fs::path& directory) {
   const fs::path file = directory / kSummary;
   // Not FlightSummary, which takes a damaged file for one that says nothing.
   nlohmann::json summary;
-  if (fs::exists(file)) summary = io::read_json(file);
+  if (fs::exists(file)) summary = files::read_json(file);
   const nlohmann::json seed =
       summary.is_object() ? summary.value("seed", nlohmann::json{}) : nlohmann::json{};
   if (!seed.is_number_unsigned())
@@ -195,16 +196,16 @@ std::string version_of_flight(const fs::path& directory) {
   return version.is_string() ? version.get<std::string>() : "";
 }
 
-std::string difference_in(const io::Config& config, const fs::path& directory) {
+std::string difference_in(const config::Config& config, const fs::path& directory) {
   const FlightSummary flown(directory);
-  const nlohmann::json now = io::as_json(config);
+  const nlohmann::json now = config::as_json(config);
   for (const auto& [section, keys] : now.items()) {
     if (section == "randomize" || section == "faults") continue;  // the simulator's alone
     for (const auto& [key, value] : keys.items()) {
       const std::string name = section + "." + key;
       const nlohmann::json was = flown.at("/config/" + section + "/" + key);
       if (name != kTableKey && !was.is_null() && was != value)
-        return name + " is " + io::shown(value) + ", was " + io::shown(was) + " in flight";
+        return name + " is " + files::shown(value) + ", was " + files::shown(was) + " in flight";
     }
   }
   return "";

@@ -18,7 +18,7 @@ namespace gatefly::tasks {
 /// Files of the folder by name: track and configurations as given, a fitted colour table, settings.
 /// @param config  what `options` load as.
 [[nodiscard]] std::map<std::string, std::string> flight_inputs(const ConfigArguments& options,
-                                                               const io::Config& config,
+                                                               const config::Config& config,
                                                                const std::filesystem::path& track,
                                                                int laps);
 
@@ -26,11 +26,11 @@ namespace gatefly::tasks {
 [[nodiscard]] bool is_simulated(const std::filesystem::path& directory);
 
 /// @throws std::runtime_error one line: what fly wrote is not all there, or it has no pictures.
-void expect_whole(const std::filesystem::path& directory, const io::FlightFolder& folder);
+void expect_whole(const std::filesystem::path& directory, const flight_log::FlightFolder& folder);
 
 /// The configuration a flight was flown with, then the user's.
-[[nodiscard]] io::Config config_of_flight(const std::filesystem::path& directory,
-                                          const ConfigArguments& user);
+[[nodiscard]] config::Config config_of_flight(const std::filesystem::path& directory,
+                                              const ConfigArguments& user);
 
 /// nullopt where its settings do not say.
 [[nodiscard]] std::optional<int> laps_of_flight(const std::filesystem::path& directory);
@@ -46,7 +46,7 @@ void expect_whole(const std::filesystem::path& directory, const io::FlightFolder
 
 /// "control.speed_mps is 1.2, was 1.5 in flight" for the first key that summary.json has otherwise;
 /// "" when none.
-[[nodiscard]] std::string difference_in(const io::Config& config,
+[[nodiscard]] std::string difference_in(const config::Config& config,
                                         const std::filesystem::path& directory);
 
 }  // namespace gatefly::tasks

@@ -44,14 +44,15 @@ flight_log::PictureSource source_of(const RecordedFlight& flight, const RenderAg
 void expect_navigation_imu(const RecordedFlight& flight) {
   const auto& samples = flight.folder.samples;
   if (!(flight.pilot.filter_imu_hz > 0.0) ||
-      std::any_of(samples.begin(), samples.end(),
-                  [](const io::FlightSample& sample) { return sample.navigation_imu.has_value(); }))
+      std::any_of(samples.begin(), samples.end(), [](const flight_log::FlightSample& sample) {
+        return sample.navigation_imu.has_value();
+      }))
     return;
   throw std::runtime_error(flight.folder.log.string() + ": has no " +
-                           io::kNavigationImuColumns.front() + " ... " +
-                           io::kNavigationImuColumns.back() +
+                           flight_log::kNavigationImuColumns.front() + " ... " +
+                           flight_log::kNavigationImuColumns.back() +
                            ", the IMU that filter.imu_hz (or sim.autopilot_imu_hz) = " +
-                           io::text_of(flight.pilot.filter_imu_hz) + " is about");
+                           files::text_of(flight.pilot.filter_imu_hz) + " is about");
 }
 
 flight_log::Estimator estimator_named(const std::string& name) {
@@ -65,11 +66,12 @@ flight_log::Estimator estimator_named(const std::string& name) {
 
 RecordedFlight read_flight(const ReplayArguments& arguments) {
   if (!(std::abs(arguments.heading_offset_deg) <= 360.0))
-    throw std::runtime_error("--heading-offset-deg = " + io::text_of(arguments.heading_offset_deg) +
-                             ", must be in -360..360");
+    throw std::runtime_error(
+        "--heading-offset-deg = " + files::text_of(arguments.heading_offset_deg) +
+        ", must be in -360..360");
   RecordedFlight flight;
-  const fs::path directory = io::find_data(arguments.directory, arguments.data);
-  flight.folder = io::read_flight_folder(directory);
+  const fs::path directory = files::find_data(arguments.directory, arguments.data);
+  flight.folder = flight_log::read_flight_folder(directory);
   flight.simulated = is_simulated(directory);
   if (flight.simulated) {
     expect_whole(directory, flight.folder);
@@ -80,12 +82,12 @@ RecordedFlight read_flight(const ReplayArguments& arguments) {
     flight.config = load(config);
     flight.notes = flight.config.notes;
   }
-  const fs::path track_path = !arguments.track.empty() ? io::find_track(arguments.track)
+  const fs::path track_path = !arguments.track.empty() ? config::find_track(arguments.track)
                               : flight.simulated       ? directory / "track.toml"
-                                                       : io::find_track("flights");
-  const io::TrackFile track = io::read_track(track_path, flight.config.gate);
+                                                       : config::find_track("flights");
+  const config::TrackFile track = config::read_track(track_path, flight.config.gate);
   flight.track_file = track_path;
-  if (flight.simulated) flight.config = io::on_course(std::move(flight.config), track);
+  if (flight.simulated) flight.config = config::on_course(std::move(flight.config), track);
   flight.pilot = flight.config.pilot;
   flight.pilot.track = track.track;
   if (flight.simulated)

@@ -30,9 +30,9 @@ struct ReplayArguments {
 
 /// A recorded flight, ready for the pilot.
 struct RecordedFlight {
-  io::Config config;
+  config::Config config;
   PilotConfig pilot;
-  io::FlightFolder folder;
+  flight_log::FlightFolder folder;
   std::filesystem::path track_file;  ///< The pilot's track comes from.
   std::vector<flight_log::RecordedTick> ticks;
   /// As they stand, in the map's order: of a simulated flight what its summary says, of a real one the

@@ -29,7 +29,7 @@ std::optional<Rate> against_labels(const RecordedFlight& flight,
   const fs::path path = flight.folder.directory / "labels.csv";
   if (!fs::exists(path)) return std::nullopt;
   std::map<std::string, std::vector<Quad>> gates_of;
-  for (const io::LabelledPicture& picture : io::read_labels(path).pictures)
+  for (const files::LabelledPicture& picture : files::read_labels(path).pictures)
     gates_of[picture.image] = picture.gates;
   Rate rate;
   for (const auto& row : result.pictures) {
@@ -40,7 +40,7 @@ std::optional<Rate> against_labels(const RecordedFlight& flight,
       ++rate.shown;
       bool found = false;
       for (const auto& detection : row.sighting.detections)
-        found = found || io::matches(detection.corners_px, gate, io::Rule::kOverlap70);
+        found = found || files::matches(detection.corners_px, gate, files::Rule::kOverlap70);
       rate.found += found;
     }
   }
@@ -144,9 +144,9 @@ std::string unknown(const RecordedFlight& flight, const ReplayArguments& argumen
   constexpr double kUseful = 0.5;  // [m]
   if (result.pictures.empty() || estimator_of(arguments, flight.pilot) != "eskf") return "";
   if (!result.known_to)
-    return "no gate of the map was seen in " + io::amount(result.pictures.size(), "picture");
+    return "no gate of the map was seen in " + files::amount(result.pictures.size(), "picture");
   if (*result.known_to < kUseful) return "";
-  return "after the last sighting it is known to " + io::text_of(*result.known_to, 2) +
+  return "after the last sighting it is known to " + files::text_of(*result.known_to, 2) +
          " m (one sigma) across the floor";
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kListed = 8;  // frames; a screen's worth
 
-using io::fixed;
+using files::fixed;
 
 std::string below(const char* what, double value, const char* key, double limit) {
   return std::string{what} + " " + fixed(value, 2) + " < " + key + " " + fixed(limit, 2);
@@ -86,12 +86,12 @@ std::string words_of(const SearchReport& report, const GateDetectorParams& param
 
 nlohmann::ordered_json corners_json(const Quad& quad) {
   auto corners = nlohmann::ordered_json::array();
-  for (const auto& p : quad) corners.push_back({io::number(p.x()), io::number(p.y())});
+  for (const auto& p : quad) corners.push_back({files::number(p.x()), files::number(p.y())});
   return corners;
 }
 
 nlohmann::ordered_json gate_json(const GateDetection& gate) {
-  return {{"score", io::number(score_of(gate.fitness))},
+  return {{"score", files::number(score_of(gate.fitness))},
           {"corners_px", corners_json(gate.corners_px)}};
 }
 
@@ -126,19 +126,19 @@ nlohmann::ordered_json as_json(const SearchReport& report) {
                           {"closely", frame.closely},
                           {"bars_px", corners_json(frame.bars_px)},
                           {"score",
-                           {{"total", io::number(s.total)},
-                            {"mean", io::number(s.mean)},
-                            {"weakest", io::number(s.weakest)},
-                            {"inside", io::number(s.inside)},
-                            {"outside", io::number(s.outside)},
-                            {"beyond", io::number(s.beyond)},
-                            {"filled", io::number(s.filled)},
+                           {{"total", files::number(s.total)},
+                            {"mean", files::number(s.mean)},
+                            {"weakest", files::number(s.weakest)},
+                            {"inside", files::number(s.inside)},
+                            {"outside", files::number(s.outside)},
+                            {"beyond", files::number(s.beyond)},
+                            {"filled", files::number(s.filled)},
                             {"sides", {s.side[0], s.side[1], s.side[2], s.side[3]}}}}});
   }
   for (const SearchTrace::Place& place : report.trace.places)
     places.push_back({{"template_px", corners_json(place.template_px)},
                       {"frame_px", corners_json(place.frame_px)},
-                      {"score", io::number(place.score.total)},
+                      {"score", files::number(place.score.total)},
                       {"has_shape", place.has_shape}});
   return {{"in_words", report.in_words}, {"answered", answered},
           {"bars", report.bars.size()},  {"fast", fast},

@@ -10,9 +10,9 @@ namespace gatefly::tasks {
 namespace {
 
 void append(std::string& text, double t, const Eigen::Vector3d& p, const Quaternion& q) {
-  text += io::text_of(t);
+  text += files::text_of(t);
   for (const double value : {p.x(), p.y(), p.z(), q.x, q.y, q.z, q.w})
-    text += ' ' + io::text_of(value);
+    text += ' ' + files::text_of(value);
   text += '\n';
 }
 
@@ -29,10 +29,10 @@ std::string tum_of_estimates(const flight_log::ReplayResult& result) {
   return text;
 }
 
-std::optional<TumTruth> tum_of_truth(const io::FlightFolder& flight) {
+std::optional<TumTruth> tum_of_truth(const flight_log::FlightFolder& flight) {
   TumTruth truth{.text = header("truth of a flight's log"), .has_attitude = true};
   bool any = false;
-  for (const io::FlightSample& sample : flight.samples) {
+  for (const flight_log::FlightSample& sample : flight.samples) {
     if (!sample.true_p_EB) continue;
     any = true;
     truth.has_attitude = truth.has_attitude && sample.true_attitude;

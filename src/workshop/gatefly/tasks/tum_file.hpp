@@ -20,7 +20,7 @@ struct TumTruth {
   bool has_attitude = false;  ///< Else each is the identity, 0 0 0 1.
 };
 /// nullopt when the log has no true position.
-[[nodiscard]] std::optional<TumTruth> tum_of_truth(const io::FlightFolder& flight);
+[[nodiscard]] std::optional<TumTruth> tum_of_truth(const flight_log::FlightFolder& flight);
 
 /// Beside est.txt: est.truth.txt.
 [[nodiscard]] std::filesystem::path tum_truth_path(const std::filesystem::path& estimates);

@@ -15,13 +15,13 @@ namespace gatefly::tasks {
 class Upright {
  public:
   /// @param config  its camera.stored_rotation_deg counts where somebody has set it.
-  explicit Upright(const io::Config& config);
+  explicit Upright(const config::Config& config);
 
   [[nodiscard]] bool told() const { return !by_.empty(); }
   /// How far to turn a picture counter-clockwise.
   /// @throws std::runtime_error when the picture's EXIF says that it is mirrored.
-  [[nodiscard]] int rotation_deg(const io::ImageFile& file, const std::filesystem::path& path);
-  [[nodiscard]] Image view(const io::ImageFile& file, const std::filesystem::path& path) {
+  [[nodiscard]] int rotation_deg(const files::ImageFile& file, const std::filesystem::path& path);
+  [[nodiscard]] Image view(const files::ImageFile& file, const std::filesystem::path& path) {
     return file.view(rotation_deg(file, path));
   }
   /// "3 pictures turned by 90 degrees counter-clockwise (EXIF), 2 taken as upright": so far.

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace gatefly::sim {
+namespace gatefly::world {
 
 /// A part of the flight: from when on and how long [s]. A length of 0 is never.
 using During = Eigen::Vector2d;
@@ -63,4 +63,4 @@ struct Faults {
   During wind_during{0, 1e9};
 };
 
-}  // namespace gatefly::sim
+}  // namespace gatefly::world

@@ -5,7 +5,7 @@
 
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::sim {
+namespace gatefly::world {
 
 Randomize randomize_level(const std::string& level) {
   if (level == "none") return {};
@@ -49,4 +49,4 @@ Randomize randomize_level(const std::string& level) {
   return hard;
 }
 
-}  // namespace gatefly::sim
+}  // namespace gatefly::world

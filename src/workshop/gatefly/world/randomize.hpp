@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace gatefly::sim {
+namespace gatefly::world {
 
 /// Sizes of what one day varies: one standard deviation each, drawn cut at 2.5 σ.
 /// [docs/simulation.md]
@@ -33,4 +33,4 @@ struct Randomize {
 /// The levels "none", "race" and "hard" of simulation.md. @throws std::invalid_argument for others.
 [[nodiscard]] Randomize randomize_level(const std::string& level);
 
-}  // namespace gatefly::sim
+}  // namespace gatefly::world

@@ -13,7 +13,7 @@
 #include "gatefly/world/faults.hpp"
 #include "gatefly/world/world.hpp"
 
-namespace gatefly::sim {
+namespace gatefly::world {
 
 /// The battery as a circuit: its voltage falls with its charge and with the current drawn.
 struct Battery {
@@ -247,4 +247,4 @@ struct SimConfig {
   int bake_threads = 2;
 };
 
-}  // namespace gatefly::sim
+}  // namespace gatefly::world

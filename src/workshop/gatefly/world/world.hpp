@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace gatefly::sim {
+namespace gatefly::world {
 
 /// A gate as it really stands: a square frame on a pole and a foot plate.
 struct WorldGate {
@@ -76,4 +76,4 @@ struct World {
   std::vector<Person> people;
 };
 
-}  // namespace gatefly::sim
+}  // namespace gatefly::world

@@ -7,7 +7,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
 
-namespace gatefly::autopilot {
+namespace gatefly::sim {
 namespace {
 
 constexpr double kIdle = 0.055;  // of the highest speed, with the throttle at its least [a default]
@@ -16,14 +16,14 @@ constexpr double kLevelling = 0.25;       // what gravity corrects the angles by
 constexpr double kFullThrottle = 1000.0;  // of the throttle
 constexpr int kMiddle = 1500, kHalfTravel = 500;  // of a stick [µs]
 
-msp::RateCurve curve_of(const sim::AutopilotTruth& truth, int axis) {
+msp::RateCurve curve_of(const world::AutopilotTruth& truth, int axis) {
   return {.type = msp::RateCurve::Type::kBetaflight,
           .rc_rate = truth.rc_rate[axis],
           .super_rate = truth.super_rate[axis],
           .expo = truth.rc_expo[axis]};
 }
 
-msp::ThrottleCurve throttle_of(const sim::AutopilotTruth& truth) {
+msp::ThrottleCurve throttle_of(const world::AutopilotTruth& truth) {
   msp::RcTuning tuning;
   tuning.throttle_mid = static_cast<std::uint8_t>(truth.throttle_mid);
   tuning.throttle_expo = static_cast<std::uint8_t>(truth.throttle_expo);
@@ -35,7 +35,7 @@ msp::ThrottleCurve throttle_of(const sim::AutopilotTruth& truth) {
 
 }  // namespace
 
-StickCurves::StickCurves(const sim::AutopilotTruth& truth)
+StickCurves::StickCurves(const world::AutopilotTruth& truth)
     : rates{curve_of(truth, 0), curve_of(truth, 1), curve_of(truth, 2)},
       throttle{throttle_of(truth)},
       most_angle{truth.most_angle} {}
@@ -55,7 +55,7 @@ int throttle_of(double speed, double highest) {
   return static_cast<int>(std::lround(kFullThrottle * std::clamp(part, 0.0, 1.0)));
 }
 
-Autopilot::Autopilot(const sim::AutopilotTruth& truth, const sim::VehicleTruth& vehicle)
+Autopilot::Autopilot(const world::AutopilotTruth& truth, const world::VehicleTruth& vehicle)
     : truth_{truth},
       vehicle_{vehicle},
       curves_{truth},
@@ -92,7 +92,7 @@ void Autopilot::level(const Imu& imu, double dt) {
 // The rates that the smoothed sticks ask for [rad/s].
 Eigen::Vector3d Autopilot::wanted_rates(const Eigen::Vector4d& smoothed) const {
   Eigen::Vector3d rates = smoothed.head<3>();
-  if (truth_.takes == sim::AutopilotTruth::Takes::kAngles)
+  if (truth_.takes == world::AutopilotTruth::Takes::kAngles)
     rates.head<2>() = truth_.angle_gain * (smoothed.head<2>() - angles());
   return rates;
 }
@@ -134,7 +134,7 @@ std::array<double, 4> Autopilot::step(const SetPoint& wanted, const Imu& imu, do
   Eigen::Vector4d asked;
   asked.head<3>() = curves_.rates.rates(s);
   // Stick forward is nose down, for rates and for angles.
-  if (truth_.takes == sim::AutopilotTruth::Takes::kAngles)
+  if (truth_.takes == world::AutopilotTruth::Takes::kAngles)
     asked.head<2>() = Eigen::Vector2d{curves_.angle(s.roll), -curves_.angle(s.pitch)};
   asked(3) = curves_.throttle.throttle(s.throttle) / kFullThrottle;
   const Eigen::Vector4d smoothed = sticks_.update(asked, dt);
@@ -152,4 +152,4 @@ std::array<double, 4> Autopilot::step(const SetPoint& wanted, const Imu& imu, do
   return mixed(turn, smoothed(3));
 }
 
-}  // namespace gatefly::autopilot
+}  // namespace gatefly::sim

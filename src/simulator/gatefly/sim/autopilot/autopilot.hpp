@@ -11,7 +11,7 @@
 #include "gatefly/sim/autopilot/smoothing.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::autopilot {
+namespace gatefly::sim {
 
 /// A set point as a companion sends it: sticks, and whether the motors may turn.
 struct SetPoint {
@@ -21,7 +21,7 @@ struct SetPoint {
 
 /// How the sticks are read: the rates, the throttle and the largest angle that an autopilot is set to.
 struct StickCurves {
-  explicit StickCurves(const sim::AutopilotTruth& truth);
+  explicit StickCurves(const world::AutopilotTruth& truth);
   msp::RateProfile rates;
   msp::ThrottleCurve throttle;
   double most_angle;  ///< Roll or pitch with the stick at its end [rad].
@@ -45,7 +45,7 @@ struct StickCurves {
 /// angles drift, held rates do not.
 class Autopilot {
  public:
-  Autopilot(const sim::AutopilotTruth& truth, const sim::VehicleTruth& vehicle);
+  Autopilot(const world::AutopilotTruth& truth, const world::VehicleTruth& vehicle);
 
   /// Rotor speeds [rad/s], after one more sample of the IMU; `dt` since the one before [s]. What is no
   /// number is left out.
@@ -59,8 +59,8 @@ class Autopilot {
   [[nodiscard]] Eigen::Vector3d wanted_rates(const Eigen::Vector4d& smoothed) const;
   [[nodiscard]] std::array<double, 4> mixed(const Eigen::Vector3d& turn, double throttle) const;
 
-  sim::AutopilotTruth truth_;
-  sim::VehicleTruth vehicle_;
+  world::AutopilotTruth truth_;
+  world::VehicleTruth vehicle_;
   StickCurves curves_;
   Eigen::Vector3d kp_, kd_, ki_;  ///< [1/s], [], [1/s²]
   Eigen::Vector3d
@@ -73,4 +73,4 @@ class Autopilot {
   bool started_ = false;
 };
 
-}  // namespace gatefly::autopilot
+}  // namespace gatefly::sim

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/sim/autopilot/companion.hpp"
 
-namespace gatefly::autopilot {
+namespace gatefly::sim {
 
-Companion::Companion(const sim::AutopilotTruth& truth, double max_rotor_speed, std::uint64_t seed)
+Companion::Companion(const world::AutopilotTruth& truth, double max_rotor_speed, std::uint64_t seed)
     : truth_{truth},
       curves_{truth},
       max_rotor_speed_{max_rotor_speed},
@@ -13,7 +13,7 @@ SetPoint Companion::set_point(const Wish& wish) const {
   SetPoint s;
   s.armed = wish.rotor_speed > 0.0;
   s.sticks = curves_.rates.sticks(wish.rates_B);
-  if (truth_.takes == sim::AutopilotTruth::Takes::kAngles) {
+  if (truth_.takes == world::AutopilotTruth::Takes::kAngles) {
     s.sticks.roll = static_cast<std::uint16_t>(curves_.angle_stick(wish.roll));
     s.sticks.pitch = static_cast<std::uint16_t>(curves_.angle_stick(-wish.pitch));
   }
@@ -28,4 +28,4 @@ const SetPoint& Companion::pass_on(const Wish& wish, double time) {
   return arrived_;
 }
 
-}  // namespace gatefly::autopilot
+}  // namespace gatefly::sim

@@ -9,7 +9,7 @@
 #include "gatefly/sim/late_line.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::autopilot {
+namespace gatefly::sim {
 
 /// A pilot's request to an autopilot, in SI units.
 struct Wish {
@@ -25,7 +25,7 @@ struct Wish {
 class Companion {
  public:
   /// @param max_rotor_speed  as the pilot believes it [rad/s].
-  Companion(const sim::AutopilotTruth& truth, double max_rotor_speed, std::uint64_t seed);
+  Companion(const world::AutopilotTruth& truth, double max_rotor_speed, std::uint64_t seed);
 
   /// Sends what the pilot wants now, when it is time to. @return what has arrived last.
   const SetPoint& pass_on(const Wish& wish, double time);
@@ -33,11 +33,11 @@ class Companion {
  private:
   [[nodiscard]] SetPoint set_point(const Wish& wish) const;
 
-  sim::AutopilotTruth truth_;
+  world::AutopilotTruth truth_;
   StickCurves curves_;
   double max_rotor_speed_;
-  sim::LateLine<SetPoint> line_;
+  LateLine<SetPoint> line_;
   SetPoint arrived_;
 };
 
-}  // namespace gatefly::autopilot
+}  // namespace gatefly::sim

@@ -8,7 +8,7 @@
 
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::autopilot {
+namespace gatefly::sim {
 
 /// First-order low-pass; 0 Hz: none. The first value starts it at rest.
 template <int N>
@@ -54,4 +54,4 @@ class Smoothing {
   std::array<LowPass1<N>, 3> stages_;
 };
 
-}  // namespace gatefly::autopilot
+}  // namespace gatefly::sim

@@ -9,14 +9,14 @@
 #include "gatefly/sim/late_line.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// An autopilot between the IMU and the estimator: it filters every sample, and hands some on.
 ///
 /// They are taken regularly and arrive in order, each a little late, one a tick at most.
 class AutopilotImu {
  public:
-  AutopilotImu(const sim::SensorTruth& truth, std::uint64_t seed)
+  AutopilotImu(const world::SensorTruth& truth, std::uint64_t seed)
       : gyro_{low_pass(truth.autopilot_gyro_cutoff, truth.imu_hz)},
         accel_{low_pass(truth.autopilot_accel_cutoff, truth.imu_hz)},
         line_{truth.autopilot_imu_hz, 0.0, truth.autopilot_imu_jitter, {seed, "autopilot imu"}} {}
@@ -45,4 +45,4 @@ class AutopilotImu {
   sim::LateLine<Imu> line_;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

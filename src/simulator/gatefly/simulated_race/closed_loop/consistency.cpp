@@ -5,7 +5,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 Belief belief_of(const Pilot& pilot, bool picture) {
   const Phase& phase = pilot.phase();
@@ -25,7 +25,7 @@ void ConsistencyWatch::update(const Belief& belief, const Eigen::Vector3d& true_
     result_.nis.add(seen->nis, seen->nis_dof);
 
   const auto target = static_cast<std::size_t>(belief.target);
-  const sim::WorldGate& gate = gates_[target];
+  const world::WorldGate& gate = gates_[target];
   const Eigen::Vector3d error = rotation_z(-gate.yaw_EG) * (true_p_EB - gate.p_EG) - belief.p_GB;
   constexpr double kPeriod = 0.05, kFar = 1.0, kLong = 1.0;  // [s], [m], [s]
   if (time >= next_) {
@@ -43,4 +43,4 @@ void ConsistencyWatch::update(const Belief& belief, const Eigen::Vector3d& true_
     ++result_.divergences, counted_ = true;
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

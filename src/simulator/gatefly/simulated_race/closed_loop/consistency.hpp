@@ -9,7 +9,7 @@
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/world/world.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 using flight_log::ChiSquareCount;
 
@@ -40,7 +40,7 @@ struct Belief {
 /// Fills it while a race goes on.
 class ConsistencyWatch {
  public:
-  ConsistencyWatch(std::vector<sim::WorldGate> gates, const Track& map)
+  ConsistencyWatch(std::vector<world::WorldGate> gates, const Track& map)
       : gates_{std::move(gates)}, map_{map} {}
 
   /// One tick.
@@ -48,11 +48,11 @@ class ConsistencyWatch {
   [[nodiscard]] const Consistency& result() const { return result_; }
 
  private:
-  std::vector<sim::WorldGate> gates_;
+  std::vector<world::WorldGate> gates_;
   Track map_;
   Consistency result_;
   double next_ = 0.0, far_since_ = -1.0;
   bool seen_while_far_ = false, counted_ = false;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -8,7 +8,7 @@
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 constexpr double kReportPeriod = 0.05;  // A pilot's findings are read so often [s].
@@ -30,7 +30,7 @@ void DiscoveryWatch::update(const Pilot& pilot, const sim::BodyState& state, dou
     if (flies && passes == gates_.size()) note_lap(*filter, state);
   }
   if (target != passes_ % gates_.size()) return;  // the pilot is elsewhere in the course
-  const sim::WorldGate& gate = gates_[target];
+  const world::WorldGate& gate = gates_[target];
   const Eigen::Vector3d p_GB = rotation_z(-gate.yaw_EG) * (state.p_EB - gate.p_EG);
   squares_ += (pilot.estimate().p_GB - p_GB).head<2>().squaredNorm(), ++samples_;
   if (flies && now >= next_report_) note_reports(*filter, now, passes);
@@ -74,4 +74,4 @@ void DiscoveryWatch::note_lap(const eskf::ErrorStateFilter& filter, const sim::B
                           truth_.latency + truth_.latency_jitter);
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

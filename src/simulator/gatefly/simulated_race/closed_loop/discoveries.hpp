@@ -13,7 +13,7 @@
 #include "gatefly/simulated_race/closed_loop/truth_of_findings.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// An estimate of something that was told wrong: how far off it is from the truth, and how far
 /// off the filter says it may be.
@@ -47,7 +47,7 @@ struct Discoveries {
 /// Fills it while a race goes on.
 class DiscoveryWatch {
  public:
-  DiscoveryWatch(const PilotConfig& told, const sim::SimConfig& truth)
+  DiscoveryWatch(const PilotConfig& told, const world::SimConfig& truth)
       : vehicle_{told.vehicle}, gates_{truth.world.gates}, truth_{truth_of_findings(truth, told)} {}
 
   /// A tick of the pilot, the drone being where `state` says.
@@ -61,7 +61,7 @@ class DiscoveryWatch {
   void note_lap(const eskf::ErrorStateFilter& filter, const sim::BodyState& state);
 
   VehicleParams vehicle_;  ///< As told.
-  std::vector<sim::WorldGate> gates_;
+  std::vector<world::WorldGate> gates_;
   TruthOfFindings truth_;
   Discoveries result_;
   double thrust_ = 0.0, last_ = 0.0;  ///< Relative, of the rotors' true one; when it was taken [s].
@@ -70,4 +70,4 @@ class DiscoveryWatch {
   std::size_t passes_ = 0;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

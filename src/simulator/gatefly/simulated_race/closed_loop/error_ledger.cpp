@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 /// The share of a fix that entered the estimate.
@@ -40,4 +40,4 @@ void ErrorLedger::add(const Entry& entry) {
   estimate_ = entry.true_p_EB - entry.p_EB + map_shift_ - map_ - detection_;
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

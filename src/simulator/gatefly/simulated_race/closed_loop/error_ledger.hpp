@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// How the error of an estimate came about, told apart while it arises. Earth axes [m].
 ///
@@ -48,4 +48,4 @@ class ErrorLedger {
   std::optional<Eigen::Vector3d> fix_error_;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -7,10 +7,10 @@
 #include "gatefly/simulated_race/closed_loop/simulators.hpp"
 #include "gatefly/simulated_race/closed_loop/stopwatch.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 struct FramesAgain::Impl {
-  Impl(const sim::SimConfig& config, Motors m, const std::function<void()>& while_baking)
+  Impl(const world::SimConfig& config, Motors m, const std::function<void()>& while_baking)
       : motors{std::move(m)},
         simulator{config, while_baking},
         suite{config},
@@ -35,7 +35,7 @@ struct FramesAgain::Impl {
   std::size_t tick = 0;
 };
 
-FramesAgain::FramesAgain(const sim::SimConfig& config, Motors motors,
+FramesAgain::FramesAgain(const world::SimConfig& config, Motors motors,
                          const std::function<void()>& while_baking)
     : impl_{std::make_unique<Impl>(config, std::move(motors), while_baking)} {}
 FramesAgain::~FramesAgain() = default;
@@ -48,4 +48,4 @@ std::span<const std::uint8_t> FramesAgain::picture_of(std::size_t tick) {
   return arrived ? impl_->simulator.picture() : std::span<const std::uint8_t>{};
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -10,7 +10,7 @@
 
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// Renders the pictures of a flight again, without its pilot: body and camera obey the rotor speeds
 /// that were recorded. Whatever the pilot is by now, the pictures are those of the flight.
@@ -21,7 +21,7 @@ class FramesAgain {
 
   /// @param config  drawn for the flight's seed.
   /// @param while_baking  called some twenty times a second; may throw to stop; may be empty.
-  FramesAgain(const sim::SimConfig& config, Motors motors,
+  FramesAgain(const world::SimConfig& config, Motors motors,
               const std::function<void()>& while_baking = {});
   ~FramesAgain();
   FramesAgain(const FramesAgain&) = delete;
@@ -38,4 +38,4 @@ class FramesAgain {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <variant>
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 void Logbook::moved(const sim::BodyState& state, double dt, bool racing) {
   if (!racing || passes_.empty()) return;
@@ -71,4 +71,4 @@ void Logbook::fill(RaceResult& result) const {
   result.careful_searches = scorer_.careful();
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

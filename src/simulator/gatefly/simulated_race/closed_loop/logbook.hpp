@@ -12,7 +12,7 @@
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 #include "gatefly/simulated_race/closed_loop/scorer.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// Collects what a race's result says: the way flown, what was seen, what was believed.
 class Logbook {
@@ -54,4 +54,4 @@ class Logbook {
   double motors_on_ = -1.0;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -6,7 +6,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 LossMoment::Flying flying(const Phase& phase) {
@@ -98,4 +98,4 @@ WhyLost LossWatch::why(const Pilot& pilot, const std::string& stop_reason,
   return why;
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

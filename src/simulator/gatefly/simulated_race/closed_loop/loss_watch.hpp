@@ -10,12 +10,12 @@
 #include "gatefly/simulated_race/closed_loop/scorer.hpp"
 #include "gatefly/simulated_race/closed_loop/why_lost.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// Keeps while a race goes on what is needed to say why it was lost.
 class LossWatch {
  public:
-  LossWatch(const sim::World& world, const Track& map) : world_{world}, map_{map} {}
+  LossWatch(const world::World& world, const Track& map) : world_{world}, map_{map} {}
 
   /// A tick of the pilot. @param looked  it has just looked at a picture, with which result so far.
   /// @param passed  gates, by the referee.
@@ -34,7 +34,7 @@ class LossWatch {
   void keep_turning_points(const Pilot& pilot);
   [[nodiscard]] Eigen::Vector3d map_shift(int gate) const;
 
-  sim::World world_;
+  world::World world_;
   Track map_;
   ErrorLedger ledger_;
   LossMoment now_;
@@ -46,4 +46,4 @@ class LossWatch {
   int ticks_ = 0;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

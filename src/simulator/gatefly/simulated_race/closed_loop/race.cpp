@@ -20,7 +20,7 @@
 #include "gatefly/simulated_race/closed_loop/simulators.hpp"
 #include "gatefly/simulated_race/closed_loop/stopwatch.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// A flight, whichever simulator it is flown in.
 class AnyFlight {
@@ -32,7 +32,7 @@ class AnyFlight {
 
   virtual bool step() = 0;
   virtual bool fall() = 0;
-  [[nodiscard]] virtual Tick tick() const = 0;
+  [[nodiscard]] virtual flight_log::Tick tick() const = 0;
   virtual void stop() = 0;
   [[nodiscard]] virtual bool over() const = 0;
   [[nodiscard]] virtual RaceResult result() = 0;
@@ -53,7 +53,7 @@ double cpu_seconds() {
 }
 
 template <class Body>
-Truth truth_of(const Body& body) {
+flight_log::Truth truth_of(const Body& body) {
   const sim::BodyState& s = body.state();
   return {s.p_EB, s.v_E, attitude_of({sim::R_EB_of(s.q_EB)}), s.wind_E.head<2>(), body.battery_v()};
 }
@@ -140,7 +140,7 @@ class Arena {
   }
 
   int steps_;
-  std::vector<sim::Person> people_;
+  std::vector<world::Person> people_;
   double drone_radius_;
   double timeout_;
   bool airborne_ = false;
@@ -156,17 +156,17 @@ class AutopilotLine {
 
   std::array<double, 4> rotors(const Command& command, const Imu& imu, double time, double dt) {
     const AttitudeCommand& attitude = command.attitude;
-    const autopilot::Wish wish{attitude.roll, attitude.pitch, command.rates_B, command.motors[0]};
+    const sim::Wish wish{attitude.roll, attitude.pitch, command.rates_B, command.motors[0]};
     return autopilot_.step(companion_.pass_on(wish, time), imu, dt);
   }
 
  private:
-  autopilot::Companion companion_;
-  autopilot::Autopilot autopilot_;
+  sim::Companion companion_;
+  sim::Autopilot autopilot_;
 };
 
 std::optional<AutopilotLine> line_of(const RaceConfig& config) {
-  if (config.sim.autopilot.takes == sim::AutopilotTruth::Takes::kNone) return std::nullopt;
+  if (config.sim.autopilot.takes == world::AutopilotTruth::Takes::kNone) return std::nullopt;
   return AutopilotLine{config};
 }
 
@@ -212,7 +212,7 @@ class FlightIn final : public AnyFlight {
     return true;
   }
 
-  [[nodiscard]] Tick tick() const override {
+  [[nodiscard]] flight_log::Tick tick() const override {
     const auto picture = looks_ ? arena_.simulator.picture() : std::span<const std::uint8_t>{};
     const auto exposed = looks_ ? std::optional{suite_.camera().start()} : std::nullopt;
     const auto next_gate = looks_ ? book_.next_gate() : std::nullopt;
@@ -285,16 +285,17 @@ Flight::~Flight() = default;
 
 bool Flight::step() { return flight_->step(); }
 bool Flight::fall() { return flight_->fall(); }
-Tick Flight::tick() const { return flight_->tick(); }
+flight_log::Tick Flight::tick() const { return flight_->tick(); }
 void Flight::stop() { flight_->stop(); }
 bool Flight::over() const { return flight_->over(); }
 RaceResult Flight::result() const { return flight_->result(); }
 
-RaceResult fly(const RaceConfig& config, const std::function<bool(const Tick&)>& on_tick) {
+RaceResult fly(const RaceConfig& config,
+               const std::function<bool(const flight_log::Tick&)>& on_tick) {
   Flight flight{config};
   while (flight.step())
     if (on_tick && !on_tick(flight.tick())) flight.stop();
   return flight.result();
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -21,7 +21,7 @@
 #include "gatefly/simulated_race/closed_loop/why_lost.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// Source of the pilot's sightings.
 enum class Vision {
@@ -33,7 +33,7 @@ enum class Vision {
 struct RaceConfig {
   Vision vision = Vision::kRendered;
   PilotConfig pilot;
-  sim::SimConfig sim;      ///< Already drawn for the seed.
+  world::SimConfig sim;    ///< Already drawn for the seed.
   double timeout = 240.0;  ///< Limit of the whole flight [s].
   /// May put other sensors in place of what the pilot is about to be told, for tests; may be empty.
   std::function<void(Sensors&)> sensors;
@@ -73,7 +73,7 @@ struct RaceResult {
   TruthOfFindings truth;                   ///< True values of the findings.
   SensorHealth sensor_health;              ///< Readings that the pilot refused.
   std::optional<eskf::Monitor::Verdict> divergence;  ///< As the pilot says, without any truth.
-  std::vector<sim::WorldGate> true_gates;            ///< As they stood.
+  std::vector<world::WorldGate> true_gates;          ///< As they stood.
   int frames = 0, frames_with_gate = 0, true_positives = 0, false_positives = 0;
   int careful_searches = 0;  ///< Frames that the pilot searched carefully.
   int searches = 0;          ///< How often the pilot had to look for a gate.
@@ -101,7 +101,7 @@ class Flight {
   /// One IMU sample, one Pilot::step. False, and nothing happens, when the race is over.
   bool step();
   /// The last one; before the first step nothing is in it. Valid until the next.
-  [[nodiscard]] Tick tick() const;
+  [[nodiscard]] flight_log::Tick tick() const;
   /// After a crash, 1.5 s long: a tick of the world alone, with motors off, for who draws it. The
   /// pilot is not asked any more, and the result stays what it was. False when there is none.
   bool fall();
@@ -122,6 +122,6 @@ class Flight {
 /// @param on_tick  called after every pilot step; may be empty. Return false to stop (Ctrl-C).
 /// Same configuration, same result, to the byte (but the timings).
 [[nodiscard]] RaceResult fly(const RaceConfig& config,
-                             const std::function<bool(const Tick&)>& on_tick);
+                             const std::function<bool(const flight_log::Tick&)>& on_tick);
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -5,9 +5,9 @@
 #include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/sim/body_state.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
-std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const sim::WorldGate& gate,
+std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const world::WorldGate& gate,
                                          const sim::Sight* scene) const {
   const Eigen::Matrix3d R_EB = sim::R_EB_of(pose.q_EB);
   const Eigen::Matrix3d R_EC = R_EB * camera_mount(camera_.tilt_down).matrix;
@@ -41,7 +41,7 @@ std::string Scorer::taken_of(const sim::BodyPose& pose, const Sighting& sighting
                              int target) const {
   if (sighting.source == Sighting::Source::kNone || sighting.used < 0) return "";
   const Quad& used = sighting.detections[static_cast<std::size_t>(sighting.used)].corners_px;
-  const auto covers = [&](const sim::WorldGate& gate) {
+  const auto covers = [&](const world::WorldGate& gate) {
     const auto there = visible_gate(pose, gate, nullptr);
     return there && overlaps(used, *there, 0.5);
   };
@@ -57,7 +57,7 @@ std::string Scorer::taken_of(const sim::BodyPose& pose, const Sighting& sighting
 void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int target,
                    const sim::Sight& scene) {
   ++frames_, careful_ += sighting.careful;
-  const sim::WorldGate& gate_to_fly = world_.gates[static_cast<std::size_t>(target)];
+  const world::WorldGate& gate_to_fly = world_.gates[static_cast<std::size_t>(target)];
   wanted_ = visible_gate(pose, gate_to_fly, &scene);
   with_gate_ += wanted_.has_value();
   bool hit = false;
@@ -77,4 +77,4 @@ void Scorer::score(const sim::BodyPose& pose, const Sighting& sighting, int targ
   true_ += hit;
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

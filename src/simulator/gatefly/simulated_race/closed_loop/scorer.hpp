@@ -8,7 +8,7 @@
 #include "gatefly/race/pilot.hpp"
 #include "gatefly/sim/camera.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// Compares what the pilot saw with what was there to see.
 ///
@@ -16,7 +16,7 @@ namespace gatefly::closed_loop {
 /// any gate before the camera, hidden or not, is no false positive: the pilot may look at others.
 class Scorer {
  public:
-  Scorer(const sim::World& world, const sim::CameraTruth& camera)
+  Scorer(const world::World& world, const world::CameraTruth& camera)
       : world_{world}, camera_{camera} {}
 
   /// One delivered frame, exposed around `pose`.
@@ -40,14 +40,14 @@ class Scorer {
 
   /// Corners of a gate in the picture; nullopt unless all are inside and unhidden.
   [[nodiscard]] std::optional<Quad> visible_gate(const sim::BodyPose& pose,
-                                                 const sim::WorldGate& gate,
+                                                 const world::WorldGate& gate,
                                                  const sim::Sight* scene) const;
 
  private:
-  sim::World world_;
-  sim::CameraTruth camera_;
+  world::World world_;
+  world::CameraTruth camera_;
   std::optional<Quad> wanted_;
   int frames_ = 0, with_gate_ = 0, true_ = 0, false_ = 0, careful_ = 0;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

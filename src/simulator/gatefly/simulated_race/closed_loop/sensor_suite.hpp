@@ -20,7 +20,7 @@
 #include "gatefly/simulated_race/closed_loop/stopwatch.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// How often the body is stepped in an interval of the IMU: a thousand times a second at least.
 [[nodiscard]] inline int physics_steps(double imu_hz) {
@@ -31,7 +31,7 @@ namespace gatefly::closed_loop {
 /// The camera's schedule: frames are exposed at its rate, some are lost, the others arrive later.
 class CameraFeed {
  public:
-  CameraFeed(const sim::SimConfig& config)
+  CameraFeed(const world::SimConfig& config)
       : truth_{config.sensors},
         faults_{config.faults},
         span_{config.camera.readout + config.camera.exposure},
@@ -50,8 +50,8 @@ class CameraFeed {
     if (t >= next_start_ + span_ && !pending_) {
       const double jitter = std::abs(schedule_.normal_cut(truth_.latency_jitter));
       const bool lost =
-          schedule_.uniform() < truth_.frame_loss || sim::within(faults_.camera_out, next_start_);
-      const bool stuck = exposed_ && sim::within(faults_.camera_stuck, next_start_);
+          schedule_.uniform() < truth_.frame_loss || world::within(faults_.camera_out, next_start_);
+      const bool stuck = exposed_ && world::within(faults_.camera_stuck, next_start_);
       ++frame_;
       if (!lost) {
         if (!stuck) watch.time([&] { simulator.expose(frame_, next_start_, history_); });
@@ -77,8 +77,8 @@ class CameraFeed {
   }
 
  private:
-  sim::SensorTruth truth_;
-  sim::Faults faults_;
+  world::SensorTruth truth_;
+  world::Faults faults_;
   double span_;
   sim::Stream schedule_;
   std::vector<sim::BodyPose> history_;
@@ -90,14 +90,14 @@ class CameraFeed {
 /// Everything that looks at the world for the pilot, each at its own rate.
 class SensorSuite {
  public:
-  explicit SensorSuite(const sim::SimConfig& config)
+  explicit SensorSuite(const world::SimConfig& config)
       : faults_{config.faults},
         imu_{config.sensors, config.seed},
         sonar_{config.sensors, config.seed},
         baro_{config.sensors, config.seed},
         camera_{config},
         imu_hz_{config.sensors.imu_hz},
-        by_way_{config.autopilot.takes != sim::AutopilotTruth::Takes::kNone &&
+        by_way_{config.autopilot.takes != world::AutopilotTruth::Takes::kNone &&
                 config.sensors.autopilot_imu_hz > 0.0},
         sonar_every_{every(config.sensors.sonar_hz)},
         baro_every_{every(config.sensors.baro_hz)} {
@@ -153,4 +153,4 @@ class SensorSuite {
   std::int64_t sonar_every_, baro_every_;  ///< IMU ticks.
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

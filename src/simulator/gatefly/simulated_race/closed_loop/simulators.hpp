@@ -15,11 +15,11 @@
 
 // The two simulators a race can be flown in: one interface, told apart at compile time.
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// MuJoCo's body, and pictures.
 struct RenderedSimulator {
-  RenderedSimulator(const sim::SimConfig& config, const std::function<void()>& while_baking)
+  RenderedSimulator(const world::SimConfig& config, const std::function<void()>& while_baking)
       : truth{config.camera},
         renderer{config.world,     config.camera,       config.light, config.seed,
                  config.cache_dir, config.bake_threads, while_baking},
@@ -36,7 +36,7 @@ struct RenderedSimulator {
   }
   [[nodiscard]] std::span<const std::uint8_t> picture() const { return bytes; }
 
-  sim::CameraTruth truth;
+  world::CameraTruth truth;
   sim::CameraRenderer renderer;
   sim::Body body;
   std::vector<std::uint8_t> bytes;
@@ -44,7 +44,7 @@ struct RenderedSimulator {
 
 /// The twin body, and detections without pictures.
 struct IdealSimulator {
-  IdealSimulator(const sim::SimConfig& config, const std::function<void()>& /*bakes nothing*/)
+  IdealSimulator(const world::SimConfig& config, const std::function<void()>& /*bakes nothing*/)
       : body{config},
         vision{config.world, config.camera, config.ideal_vision, config.seed, body.sight()},
         width{config.camera.width()},
@@ -57,7 +57,7 @@ struct IdealSimulator {
   [[nodiscard]] double bake_seconds() const { return 0.0; }
   void expose(std::uint32_t, double t_start, std::span<const sim::BodyPose> history) {
     seen = vision.look(t_start, history);
-    if (sim::within(lamps_out, t_start)) seen = {};
+    if (world::within(lamps_out, t_start)) seen = {};
   }
   void deliver(Sensors& sensors) const {
     SeenGates& gates = sensors.seen.emplace();
@@ -77,8 +77,8 @@ struct IdealSimulator {
   sim::TwinBody body;
   sim::IdealVision vision;
   int width, height;
-  sim::During lamps_out;
+  world::During lamps_out;
   sim::SeenPicture seen;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

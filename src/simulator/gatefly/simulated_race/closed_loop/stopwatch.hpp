@@ -10,7 +10,7 @@
 
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// Wall-clock of one stage, for the summary's `timings`; nothing in the race depends on it. Of a flight
 /// of hours the last minutes count.
@@ -59,4 +59,4 @@ class Stopwatch {
   float latest_ = 0.0F;
 };
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

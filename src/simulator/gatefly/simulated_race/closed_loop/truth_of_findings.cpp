@@ -7,7 +7,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 constexpr double kMeanOfHalf = 0.7724;  // of |z|, z standard normal and cut at 2.5
@@ -21,7 +21,7 @@ Eigen::Vector2d center_of(const AnyCamera& lens) {
 
 }  // namespace
 
-TruthOfFindings truth_of_findings(const sim::SimConfig& truth, const PilotConfig& told) {
+TruthOfFindings truth_of_findings(const world::SimConfig& truth, const PilotConfig& told) {
   TruthOfFindings found;
   const Eigen::Matrix3d R_BC = camera_mount(truth.camera.tilt_down).matrix;
   const Eigen::Vector3d mount = turn_of(told.camera.R_BC.matrix.transpose() * R_BC);
@@ -32,7 +32,7 @@ TruthOfFindings truth_of_findings(const sim::SimConfig& truth, const PilotConfig
     found.center_as_pan = atan2(axis->x(), axis->z());
   found.focal = focal_of(truth.camera.lens).x() / focal_of(told.camera.lens).x() - 1.0;
 
-  const sim::SensorTruth& sensors = truth.sensors;
+  const world::SensorTruth& sensors = truth.sensors;
   const double middle = 0.5 * (truth.camera.exposure + truth.camera.readout);
   found.latency = sensors.camera_latency + middle - told.camera_timing.latency;
   found.latency_jitter = kMeanOfHalf * sensors.latency_jitter;
@@ -44,4 +44,4 @@ TruthOfFindings truth_of_findings(const sim::SimConfig& truth, const PilotConfig
   return found;
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

@@ -4,7 +4,7 @@
 #include "gatefly/race/pilot_config.hpp"
 #include "gatefly/world/sim_config.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// The truth of what the filter estimates, less what the pilot was told. Names and signs are
 /// those of eskf::Findings.
@@ -25,7 +25,7 @@ struct TruthOfFindings {
 };
 
 /// @param truth  drawn for a seed. @param told  the pilot of the same race.
-[[nodiscard]] TruthOfFindings truth_of_findings(const sim::SimConfig& truth,
+[[nodiscard]] TruthOfFindings truth_of_findings(const world::SimConfig& truth,
                                                 const PilotConfig& told);
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

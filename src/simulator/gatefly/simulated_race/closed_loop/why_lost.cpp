@@ -8,7 +8,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 namespace {
 
 using How = WhyLost::How;
@@ -135,7 +135,7 @@ Cause cause_of(const WhyLost& why, const LossPlace& place, const LossMoment& now
 
 }  // namespace
 
-std::string named(const std::string& object, const sim::World& world) {
+std::string named(const std::string& object, const world::World& world) {
   for (const std::string_view kind : {"gate ", "false gate "}) {
     if (!number_after(object, kind)) continue;
     const std::size_t space = object.find(' ', kind.size());
@@ -167,4 +167,4 @@ WhyLost why_lost(const LossMoment& moment, const LossPlace& place, How how,
   return why;
 }
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

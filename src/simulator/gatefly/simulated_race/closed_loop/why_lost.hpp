@@ -11,7 +11,7 @@
 #include "gatefly/race/track.hpp"
 #include "gatefly/world/world.hpp"
 
-namespace gatefly::closed_loop {
+namespace gatefly::simulated_race {
 
 /// The camera's record since the last fix: a gate counts where all of it could be seen.
 struct LooksSinceFix {
@@ -45,7 +45,7 @@ struct LossMoment {
 
 /// The surroundings of the loss: what stood there and what was planned.
 struct LossPlace {
-  const sim::World& world;
+  const world::World& world;
   const Track& map;
   const RacePlan& plan;
 };
@@ -90,7 +90,7 @@ struct WhyLost {
 
 /// Renames an object of the physics, "gate 3 right bar", "obstacle 2", to "right bar of gate 3",
 /// "obstacle 2 (a pole)".
-[[nodiscard]] std::string named(const std::string& object, const sim::World& world);
+[[nodiscard]] std::string named(const std::string& object, const world::World& world);
 
 /// Splits the miss of a moment: the truth from its aim.
 ///
@@ -100,4 +100,4 @@ struct WhyLost {
 [[nodiscard]] WhyLost why_lost(const LossMoment& moment, const LossPlace& place, WhyLost::How how,
                                const std::string& object);
 
-}  // namespace gatefly::closed_loop
+}  // namespace gatefly::simulated_race

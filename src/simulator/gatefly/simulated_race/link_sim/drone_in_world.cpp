@@ -15,7 +15,7 @@ constexpr double kStill = 0.1;      ///< [m/s]
 
 }  // namespace
 
-DroneInWorld::DroneInWorld(const sim::SimConfig& config, int laps)
+DroneInWorld::DroneInWorld(const world::SimConfig& config, int laps)
     : vehicle_{config.vehicle},
       body_{config},
       imu_model_{config.sensors, config.seed},

@@ -17,7 +17,7 @@ namespace gatefly::link_sim {
 /// A day's drone among its gates: motors in, what a flight controller's sensors feel out, and a referee who watches.
 class DroneInWorld {
  public:
-  DroneInWorld(const sim::SimConfig& config, int laps);
+  DroneInWorld(const world::SimConfig& config, int laps);
 
   /// Another `dt` [s] with motors 0 … 1 of their highest speed: front left, front right, rear right, rear left.
   void step(const std::array<double, 4>& motors, double dt);
@@ -38,7 +38,7 @@ class DroneInWorld {
   [[nodiscard]] double mean_speed() const;
 
  private:
-  sim::VehicleTruth vehicle_;
+  world::VehicleTruth vehicle_;
   sim::Body body_;
   sim::ImuModel imu_model_;
   sim::Referee referee_;

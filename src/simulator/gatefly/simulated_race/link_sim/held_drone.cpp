@@ -17,7 +17,7 @@ constexpr double kThereAndBack = 2.0;  ///< [s]
 
 }  // namespace
 
-HeldDrone::HeldDrone(const sim::SimConfig& config)
+HeldDrone::HeldDrone(const world::SimConfig& config)
     : imu_model_{config.sensors, config.seed}, yaw_{config.start.heading} {
   state_.p_EB << config.start.position, -kHeldAt;
   state_.q_EB = sim::q_EB_of({0.0, 0.0, yaw_});

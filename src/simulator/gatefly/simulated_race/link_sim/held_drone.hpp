@@ -17,7 +17,7 @@ namespace gatefly::link_sim {
 /// moves nothing.
 class HeldDrone {
  public:
-  explicit HeldDrone(const sim::SimConfig& config);
+  explicit HeldDrone(const world::SimConfig& config);
 
   /// Begins a turn about front (0), right (1) or down (2), and back, in two seconds; one that goes on is left alone.
   void turn(int axis);

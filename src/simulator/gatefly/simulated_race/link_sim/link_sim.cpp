@@ -29,7 +29,7 @@ std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, 
 
 }  // namespace
 
-Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
+Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
             const std::function<void(const std::string&)>& say,
             const std::function<void(const TrueMoment&)>& look, const std::function<bool()>& stop,
             const std::function<void()>& while_baking) {
@@ -113,7 +113,7 @@ Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
   return outcome;
 }
 
-bool hold(const sim::SimConfig& day, const std::string& asks, const LinkSimParams& params,
+bool hold(const world::SimConfig& day, const std::string& asks, const LinkSimParams& params,
           const std::function<void(const std::string&)>& say, const std::function<bool()>& stop,
           const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;

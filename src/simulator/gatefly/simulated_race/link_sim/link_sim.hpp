@@ -75,7 +75,7 @@ struct Outcome {
 /// @param say   hears what happens, a line each. @param look  is shown the truth 50 times a second. @param stop  asked often; true ends it.
 /// @param while_baking  called while the room's light is baked; may throw to stop.
 /// @throws std::runtime_error one line: a port is taken.
-[[nodiscard]] Outcome fly(const sim::SimConfig& day, int laps, const LinkSimParams& params,
+[[nodiscard]] Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
                           const std::function<void(const std::string&)>& say,
                           const std::function<void(const TrueMoment&)>& look,
                           const std::function<bool()>& stop,
@@ -86,7 +86,7 @@ struct Outcome {
 ///
 /// @return false: no controller has told its motors.
 /// @throws std::runtime_error one line: a port is taken, `asks` cannot be read.
-[[nodiscard]] bool hold(const sim::SimConfig& day, const std::string& asks,
+[[nodiscard]] bool hold(const world::SimConfig& day, const std::string& asks,
                         const LinkSimParams& params,
                         const std::function<void(const std::string&)>& say,
                         const std::function<bool()>& stop,

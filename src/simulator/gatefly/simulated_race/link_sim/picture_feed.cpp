@@ -20,7 +20,7 @@ constexpr std::size_t kPoses = 512;      ///< Half a second.
 
 }  // namespace
 
-PictureFeed::PictureFeed(const sim::SimConfig& config, Datagrams to,
+PictureFeed::PictureFeed(const world::SimConfig& config, Datagrams to,
                          const NetworkTroubles& troubles, const std::function<void()>& while_baking)
     : config_{config},
       renderer_{config.world,     config.camera,       config.light, config.seed,
@@ -47,7 +47,7 @@ void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
   if (history_.size() == 2 * kPoses) history_.erase(history_.begin(), history_.begin() + kPoses);
   history_.push_back(pose);
   if (pose.t < next_start_ + span_) return;
-  const sim::SensorTruth& truth = config_.sensors;
+  const world::SensorTruth& truth = config_.sensors;
   const double began = next_start_, jitter = std::abs(schedule_.normal_cut(truth.latency_jitter));
   const bool lost = schedule_.uniform() < truth.frame_loss;
   next_start_ += 1.0 / truth.camera_hz;
@@ -87,12 +87,12 @@ void PictureFeed::work() {
 }
 
 void PictureFeed::send(const Exposure& exposure) {
-  const sim::CameraTruth& camera = config_.camera;
+  const world::CameraTruth& camera = config_.camera;
   renderer_.render(exposure.frame, exposure.start, exposure.poses, uyvy_);
   // As stored: who receives it knows how the camera is mounted.
   const Image stored{uyvy_.data(), PixelFormat::kUyvy, camera.stored_width, camera.stored_height,
                      0};
-  const std::string jpeg = io::jpeg_of(stored, kQuality, io::ChromaSampling::k420);
+  const std::string jpeg = files::jpeg_of(stored, kQuality, files::ChromaSampling::k420);
   if (live::Clock::now() > exposure.due) ++late_;
   std::this_thread::sleep_until(exposure.due);
   std::array<std::uint8_t, kDatagram> room{};

@@ -32,7 +32,7 @@ struct NetworkTroubles {
 class PictureFeed {
  public:
   /// @param while_baking  may throw to stop. @throws std::runtime_error as CameraRenderer does.
-  PictureFeed(const sim::SimConfig& config, Datagrams to, const NetworkTroubles& troubles,
+  PictureFeed(const world::SimConfig& config, Datagrams to, const NetworkTroubles& troubles,
               const std::function<void()>& while_baking);
   ~PictureFeed();
   PictureFeed(const PictureFeed&) = delete;
@@ -57,7 +57,7 @@ class PictureFeed {
   void work();
   void send(const Exposure& exposure);
 
-  sim::SimConfig config_;
+  world::SimConfig config_;
   sim::CameraRenderer renderer_;
   Datagrams to_;
   NetworkTroubles troubles_;

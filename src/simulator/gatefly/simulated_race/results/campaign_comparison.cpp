@@ -9,21 +9,22 @@
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 /// Quartiles of what one gained on the other; null without any.
 nlohmann::ordered_json spread(std::vector<double> values) {
   if (values.empty()) return nullptr;
   std::sort(values.begin(), values.end());
-  return {{"p25", quantile(values, 0.25)},
-          {"p50", quantile(values, 0.5)},
-          {"p75", quantile(values, 0.75)}};
+  return {{"p25", files::quantile(values, 0.25)},
+          {"p50", files::quantile(values, 0.5)},
+          {"p75", files::quantile(values, 0.75)}};
 }
 
 std::string whole(const nlohmann::json& value) {
   constexpr std::size_t kMost = 200;  // nobody reads more of a message
-  return one_line(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), kMost);
+  return files::one_line(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                         kMost);
 }
 
 }  // namespace
@@ -123,4 +124,4 @@ std::vector<std::string> argument_differences(const nlohmann::json& first,
   return differences;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

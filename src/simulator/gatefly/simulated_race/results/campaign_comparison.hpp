@@ -8,7 +8,7 @@
 
 #include "gatefly/simulated_race/results/campaign_statistics.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// How likely it is that two kinds of race that finish equally often differ as much as this or more,
 /// when `only_first` of the paired races were finished by the first alone and `only_second` by the
@@ -29,4 +29,4 @@ namespace gatefly::io {
 [[nodiscard]] std::vector<std::string> argument_differences(const nlohmann::json& first,
                                                             const nlohmann::json& second);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

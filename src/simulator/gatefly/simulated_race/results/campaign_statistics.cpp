@@ -10,7 +10,7 @@
 #include "gatefly/files/quantile.hpp"
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 std::string cell(const std::string& text) {
@@ -20,13 +20,13 @@ std::string cell(const std::string& text) {
 }
 
 /// A number's cell; empty for NaN.
-std::string cell(double value) { return std::isnan(value) ? "" : text_of(value); }
+std::string cell(double value) { return std::isnan(value) ? "" : files::text_of(value); }
 
-void read_loss(const JsonObject& summary, RunRow& row) {
+void read_loss(const files::JsonObject& summary, RunRow& row) {
   if (!summary.has("why_lost")) return;
-  const JsonObject lost = summary.object("why_lost");
+  const files::JsonObject lost = summary.object("why_lost");
   row.why = lost.text("cause");
-  for (const JsonObject& part : lost.objects("parts", 4))
+  for (const files::JsonObject& part : lost.objects("parts", 4))
     row.shares.push_back(part.number("share_cm"));
   row.since_fix = lost.number_or_null("since_fix_s");
 }
@@ -39,7 +39,7 @@ std::string loss_cells(const RunRow& row) {
   return cells + "," + cell(row.since_fix);
 }
 
-std::string cause_in(const JsonObject& summary) {
+std::string cause_in(const files::JsonObject& summary) {
   if (summary.truth("finished")) return "finished";
   if (summary.has("crash")) return "crash: " + summary.object("crash").text("object");
   const std::string reason = summary.text("stop_reason");
@@ -57,29 +57,27 @@ nlohmann::ordered_json quantiles(std::vector<double> values) {
                                 {"p75", 0.75},
                                 {"p90", 0.9},
                                 {"max", 1.0}})
-    json[name] = quantile(values, q);
+    json[name] = files::quantile(values, q);
   return json;
 }
 
-closed_loop::ChiSquareCount count_of(const JsonObject& json) {
+ChiSquareCount count_of(const files::JsonObject& json) {
   return {json.count("samples"), json.number("sum_per_dof"), json.count("inside")};
 }
-double mean_of(const closed_loop::ChiSquareCount& c) {
-  return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0;
-}
-double inside_of(const closed_loop::ChiSquareCount& c) {
+double mean_of(const ChiSquareCount& c) { return c.samples > 0 ? c.sum_per_dof / c.samples : 0.0; }
+double inside_of(const ChiSquareCount& c) {
   return c.samples > 0 ? static_cast<double>(c.inside) / c.samples : 0.0;
 }
 
 nlohmann::ordered_json pooled(const std::vector<RunRow>& rows) {
-  closed_loop::Consistency all;
-  const auto add = [](closed_loop::ChiSquareCount& to, const closed_loop::ChiSquareCount& from) {
+  Consistency all;
+  const auto add = [](ChiSquareCount& to, const ChiSquareCount& from) {
     to.samples += from.samples, to.sum_per_dof += from.sum_per_dof, to.inside += from.inside;
   };
   for (const RunRow& row : rows)
     add(all.nees, row.consistency.nees), add(all.nis, row.consistency.nis),
         all.divergences += row.consistency.divergences;
-  const auto json = [](const closed_loop::ChiSquareCount& c) {
+  const auto json = [](const ChiSquareCount& c) {
     return nlohmann::ordered_json{
         {"samples", c.samples}, {"mean_per_dof", mean_of(c)}, {"inside_95", inside_of(c)}};
   };
@@ -102,11 +100,11 @@ nlohmann::ordered_json ranked(const Seeds& seeds) {
 
 constexpr std::array kFound{"camera_tilt_deg", "heading_deg", "thrust_percent", "latency_ms"};
 
-void read_discoveries(const JsonObject& summary, RunRow& row) {
+void read_discoveries(const files::JsonObject& summary, RunRow& row) {
   if (summary.has("found_after_lap_1")) {
-    const JsonObject found = summary.object("found_after_lap_1");
+    const files::JsonObject found = summary.object("found_after_lap_1");
     for (const char* name : kFound) {
-      const JsonObject one = found.object(name);
+      const files::JsonObject one = found.object(name);
       row.found.push_back({one.number("error"), one.number("sigma")});
     }
   }
@@ -147,13 +145,13 @@ double median_nees(const std::vector<RunRow>& rows) {
     if (row.consistency.nees.samples > 0) means.push_back(mean_of(row.consistency.nees));
   if (means.empty()) return 0.0;
   std::sort(means.begin(), means.end());
-  return quantile(means, 0.5);
+  return files::quantile(means, 0.5);
 }
 
 }  // namespace
 
 RunRow row_of(const nlohmann::ordered_json& json, const std::string& file) {
-  const JsonObject summary(file, json), detection = summary.object("detection");
+  const files::JsonObject summary(file, json), detection = summary.object("detection");
   RunRow row;
   row.seed = summary.whole("seed");
   row.finished = summary.truth("finished");
@@ -173,7 +171,7 @@ RunRow row_of(const nlohmann::ordered_json& json, const std::string& file) {
   row.commit = summary.text("commit", "");
   row.configuration = summary.text("configuration", "");
   if (summary.has("consistency")) {
-    const JsonObject consistency = summary.object("consistency");
+    const files::JsonObject consistency = summary.object("consistency");
     row.consistency = {count_of(consistency.object("nees")), count_of(consistency.object("nis")),
                        consistency.count("divergences")};
   }
@@ -199,13 +197,13 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
       "latency_error_ms,latency_sigma_ms,map_reports\n";
   for (const RunRow& r : rows) {
     csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
-           "," + std::to_string(r.gates_total) + "," + text_of(r.time) + "," + cell(r.mean_speed) +
-           "," + cell(r.max_speed) + "," + cell(r.cause);
+           "," + std::to_string(r.gates_total) + "," + files::text_of(r.time) + "," +
+           cell(r.mean_speed) + "," + cell(r.max_speed) + "," + cell(r.cause);
     for (const double error : r.rmse) csv += "," + cell(error);
     for (const int count : {r.frames, r.true_positives, r.false_positives, r.searches})
       csv += "," + std::to_string(count);
     for (const auto& count : {r.consistency.nees, r.consistency.nis})
-      csv += "," + text_of(mean_of(count)) + "," + text_of(inside_of(count));
+      csv += "," + files::text_of(mean_of(count)) + "," + files::text_of(inside_of(count));
     csv += "," + std::to_string(r.consistency.divergences) + loss_cells(r) + "," + cell(r.commit) +
            "," + cell(r.configuration) + found_cells(r) + "\n";
   }
@@ -247,4 +245,4 @@ nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   return json;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

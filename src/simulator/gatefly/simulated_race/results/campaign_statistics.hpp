@@ -10,7 +10,7 @@
 #include "gatefly/simulated_race/closed_loop/consistency.hpp"
 #include "gatefly/simulated_race/closed_loop/discoveries.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// Fields of one race's summary.json that a campaign keeps.
 struct RunRow {
@@ -29,11 +29,11 @@ struct RunRow {
   std::vector<double> shares;  ///< Parts of the miss: those four [cm]; empty when unknown.
   double since_fix = 0.0;      ///< NaN without [s].
   int frames = 0, true_positives = 0, false_positives = 0, searches = 0;
-  std::string commit, configuration;     ///< "" when an older summary does not say.
-  closed_loop::Consistency consistency;  ///< Nothing in it when an older summary has none.
+  std::string commit, configuration;  ///< "" when an older summary does not say.
+  Consistency consistency;            ///< Nothing in it when an older summary has none.
   /// After the first lap: error and sigma of the camera's tilt [deg], the heading [deg], the thrust
   /// [%], the latency [ms]; empty when nobody says.
-  std::vector<closed_loop::FoundError> found;
+  std::vector<FoundError> found;
   int map_reports = 0;  ///< Gates of which it said that the map has them elsewhere.
 };
 
@@ -56,4 +56,4 @@ struct Interval {
 /// bytes.
 [[nodiscard]] nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -14,7 +14,7 @@
 #include "gatefly/simulated_race/results/mcap_schemas.hpp"
 #include "gatefly/simulated_race/results/z_up.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 using schema::Json;
@@ -53,7 +53,7 @@ void add_transform(JsonText& text, std::uint64_t time, std::string_view parent,
 
 }  // namespace
 
-FlightMcap::FlightMcap(const std::filesystem::path& path, const closed_loop::RaceConfig& race)
+FlightMcap::FlightMcap(const std::filesystem::path& path, const RaceConfig& race)
     : writer_{path}, race_{race} {
   const auto channel = [&](const char* topic, const char* name, const Json& json) {
     return writer_.add_channel(topic, name, json.dump());
@@ -68,13 +68,13 @@ FlightMcap::FlightMcap(const std::filesystem::path& path, const closed_loop::Rac
   control_ = channel("/control", "gatefly.Control", schema::control());
   imu_ = channel("/imu", "gatefly.Imu", schema::imu());
   detections_ = channel("/detections", "gatefly.Detections", schema::detections());
-  if (race.vision != closed_loop::Vision::kRendered) return;
+  if (race.vision != Vision::kRendered) return;
   image_ = channel("/camera/image", "foxglove.CompressedImage", schema::compressed_image());
   annotations_ =
       channel("/camera/annotations", "foxglove.ImageAnnotations", schema::image_annotations());
 }
 
-void FlightMcap::record(const Tick& tick) {
+void FlightMcap::record(const flight_log::Tick& tick) {
   const auto time =
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, tick.sensors.time.count()));
   const double now = 1e-9 * static_cast<double>(time);
@@ -87,13 +87,13 @@ void FlightMcap::record(const Tick& tick) {
   if (tick.sensors.image || tick.sensors.seen) write_look(tick, time);
 }
 
-void FlightMcap::write_scene(const Tick& tick, std::uint64_t time) {
+void FlightMcap::write_scene(const flight_log::Tick& tick, std::uint64_t time) {
   writer_.write(scene_, time,
                 scene_of(race_.sim.world, race_.pilot.track, tick.pilot.plan(), time).dump());
 
   // The camera on the drone: its own axes (right, down, forward) in front, left, up.
   const Eigen::Matrix3d turn = Eigen::Vector3d{1, -1, -1}.asDiagonal();
-  const sim::CameraTruth& camera = race_.sim.camera;
+  const world::CameraTruth& camera = race_.sim.camera;
   JsonText text{text_};
   text << R"({"transforms":[)";
   add_transform(text, time, "drone", "camera", up(camera.p_BC),
@@ -102,7 +102,7 @@ void FlightMcap::write_scene(const Tick& tick, std::uint64_t time) {
   writer_.write(fixed_transforms_, time, text_);
 }
 
-void FlightMcap::write_state(const Tick& tick, std::uint64_t time) {
+void FlightMcap::write_state(const flight_log::Tick& tick, std::uint64_t time) {
   const Estimate estimate = tick.pilot.estimate();
   write_transforms(tick.truth, estimate, time);
   write_pose(true_pose_, tick.truth.p_EB, tick.truth.attitude, time);
@@ -112,7 +112,8 @@ void FlightMcap::write_state(const Tick& tick, std::uint64_t time) {
   write_control(tick, time);
 }
 
-void FlightMcap::write_transforms(const Truth& truth, const Estimate& e, std::uint64_t time) {
+void FlightMcap::write_transforms(const flight_log::Truth& truth, const Estimate& e,
+                                  std::uint64_t time) {
   JsonText text{text_};
   text << R"({"transforms":[)";
   add_transform(text, time, "world", "drone", up(truth.p_EB), up(truth.attitude));
@@ -122,7 +123,7 @@ void FlightMcap::write_transforms(const Truth& truth, const Estimate& e, std::ui
   writer_.write(transforms_, time, text_);
 }
 
-void FlightMcap::write_pose(McapWriter::Channel channel, const Eigen::Vector3d& p_EB,
+void FlightMcap::write_pose(flight_log::McapWriter::Channel channel, const Eigen::Vector3d& p_EB,
                             const Attitude& attitude, std::uint64_t time) {
   JsonText text{text_};
   text << R"({"timestamp":)";
@@ -132,7 +133,7 @@ void FlightMcap::write_pose(McapWriter::Channel channel, const Eigen::Vector3d& 
   writer_.write(channel, time, text_);
 }
 
-void FlightMcap::write_truth(const Truth& truth, std::uint64_t time) {
+void FlightMcap::write_truth(const flight_log::Truth& truth, std::uint64_t time) {
   JsonText text{text_};
   text << R"({"position_m":)";
   text.xyz(truth.p_EB, kMetre) << R"(,"velocity_mps":)";
@@ -154,7 +155,7 @@ void FlightMcap::write_estimate(const Estimate& e, int target_gate, std::uint64_
   writer_.write(estimate_, time, text_);
 }
 
-void FlightMcap::write_control(const Tick& tick, std::uint64_t time) {
+void FlightMcap::write_control(const flight_log::Tick& tick, std::uint64_t time) {
   const AttitudeCommand& command = tick.command.attitude;
   const auto& motors = tick.command.motors;
   JsonText text{text_};
@@ -174,7 +175,7 @@ void FlightMcap::write_imu(const Imu& imu, std::uint64_t time) {
   writer_.write(imu_, time, text_);
 }
 
-void FlightMcap::write_look(const Tick& tick, std::uint64_t time) {
+void FlightMcap::write_look(const flight_log::Tick& tick, std::uint64_t time) {
   const Sighting& sighting = tick.pilot.sighting();
   write_detections(sighting, tick.exposed.value_or(1e-9 * static_cast<double>(time)), time);
   if (!tick.sensors.image || looks_++ % kPictureEvery != 0) return;
@@ -208,7 +209,7 @@ void FlightMcap::write_image(const Image& image, std::uint64_t time) {
   JsonText text{text_};
   text << R"({"timestamp":)";
   text.time(time) << R"(,"frame_id":"camera","format":"jpeg","data":")"
-                  << base64(small_jpeg(image, kJpegQuality)) << R"("})";
+                  << files::base64(files::small_jpeg(image, kJpegQuality)) << R"("})";
   writer_.write(image_, time, text_);
 }
 
@@ -233,4 +234,4 @@ void FlightMcap::write_annotations(const Sighting& sighting, std::uint64_t time)
   writer_.write(annotations_, time, text_);
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -11,7 +11,7 @@
 #include "gatefly/simulated_race/results/result_card.hpp"
 #include "gatefly/simulated_race/results/time_strip.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 constexpr int kWidth = 1600, kHeight = 900;  // [px]
@@ -22,7 +22,7 @@ constexpr double kBright = 7.0;   // the way flown in these last seconds is draw
 constexpr double kHold = 5.0;     // of the last frame [s]
 constexpr double kContact = 2.0;  // of the contact, before the card covers it [s]
 
-Box left_column(bool pictures) {
+drawing::Box left_column(bool pictures) {
   return {.x = kMargin,
           .y = kHead,
           .width = pictures ? 945.0 : 470.0,
@@ -32,13 +32,13 @@ Box left_column(bool pictures) {
 /// The picture three times as large; without pictures, a line that says so.
 double view_height(bool pictures) { return pictures ? 480.0 : 60.0; }
 
-Box right_of(const Box& left) {
+drawing::Box right_of(const drawing::Box& left) {
   const double x = left.right() + kMargin;
   return {.x = x, .y = left.y, .width = kWidth - kMargin - x, .height = left.height};
 }
 
 /// The map's place in its panel: room around it, the legend below.
-Box inside(const Box& panel) {
+Box inside(const drawing::Box& panel) {
   return {.x = panel.x + 20,
           .y = panel.y + 16,
           .width = panel.width - 40,
@@ -58,17 +58,18 @@ const char* source_in_words(Sighting::Source source) {
 }
 
 /// Everything that the detector reported in one picture; what the pilot used is drawn strongest.
-void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, double height) {
+void draw_sighting(drawing::Canvas& canvas, const Sighting& sighting, double scale, double height) {
   const auto at = [scale](const Eigen::Vector2d& px) {
     return Eigen::Vector2d{scale * (px.array() + 0.5)};
   };
   int rank = 0;
   for (const GateDetection& gate : sighting.detections) {
     const bool used = rank++ == sighting.used;
-    draw_detection(canvas, gate, {0, 0}, scale,
-                   {.color = kDark.found.faded(used ? 1.0 : 0.6), .width = used ? 3.5 : 1.8});
+    drawing::draw_detection(
+        canvas, gate, {0, 0}, scale,
+        {.color = drawing::kDark.found.faded(used ? 1.0 : 0.6), .width = used ? 3.5 : 1.8});
   }
-  const Stroke stroke{.color = kDark.found, .width = 3.5};
+  const drawing::Stroke stroke{.color = drawing::kDark.found, .width = 3.5};
   if (sighting.lower_corners) {
     const Eigen::Vector2d left = at(sighting.lower_corners->bottom_left_px),
                           right = at(sighting.lower_corners->bottom_right_px);
@@ -83,7 +84,7 @@ void draw_sighting(Canvas& canvas, const Sighting& sighting, double scale, doubl
 
 }  // namespace
 
-FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race,
+FlightVideo::FlightVideo(const std::filesystem::path& mp4, const RaceConfig& race,
                          std::string title, bool pictures)
     : race_{race},
       title_{std::move(title)},
@@ -92,22 +93,24 @@ FlightVideo::FlightVideo(const std::filesystem::path& mp4, const closed_loop::Ra
       map_box_{right_of(left_)},
       map_{inside(map_box_), race},
       file_{mp4, kWidth, kHeight, kPicturesPerSecond},
-      backdrop_{kWidth, kHeight, kDark.page},
-      frame_{kWidth, kHeight, kDark.page},
-      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)), kDark.panel} {}
+      backdrop_{kWidth, kHeight, drawing::kDark.page},
+      frame_{kWidth, kHeight, drawing::kDark.page},
+      view_{static_cast<int>(left_.width), static_cast<int>(view_height(pictures)),
+            drawing::kDark.panel} {}
 
-void FlightVideo::start(const Tick& tick) {
-  backdrop_.text({kMargin + 2, 38}, "gatefly", {.color = kDark.gate, .size = 25, .bold = true});
-  backdrop_.text({kMargin + 130, 38}, title_, {.color = kDark.ink, .size = 25});
-  backdrop_.fill(map_box_, kDark.panel, 8.0);
+void FlightVideo::start(const flight_log::Tick& tick) {
+  backdrop_.text({kMargin + 2, 38}, "gatefly",
+                 {.color = drawing::kDark.gate, .size = 25, .bold = true});
+  backdrop_.text({kMargin + 130, 38}, title_, {.color = drawing::kDark.ink, .size = 25});
+  backdrop_.fill(map_box_, drawing::kDark.panel, 8.0);
   map_.draw_course(backdrop_, tick.pilot.plan());
   map_.draw_legend(backdrop_, {map_box_.x + 20, map_box_.bottom() - 0.5 * kLegend - 2});
   const std::string waiting = pictures_ ? "no picture yet" : "ideal vision: there are no pictures";
   view_.text({0.5 * view_.width(), 0.5 * view_.height() + 5}, waiting,
-             {.color = kDark.muted, .size = 18, .align = Align::kCenter});
+             {.color = drawing::kDark.muted, .size = 18, .align = drawing::Align::kCenter});
 }
 
-void FlightVideo::look(const Tick& tick) {
+void FlightVideo::look(const flight_log::Tick& tick) {
   const Image& image = *tick.sensors.image;
   picture_size_ = Eigen::Vector2d{image.width(), image.height()};
   const double fits =
@@ -115,16 +118,16 @@ void FlightVideo::look(const Tick& tick) {
   const double scale = fits >= 1.0 ? std::floor(fits) : fits;
   const Eigen::Vector2d size = scale * *picture_size_;
 
-  Canvas picture(static_cast<int>(size.x()), static_cast<int>(size.y()));
+  drawing::Canvas picture(static_cast<int>(size.x()), static_cast<int>(size.y()));
   picture.image(image, {0, 0}, scale, true);
   if (!contact_) draw_sighting(picture, tick.pilot.sighting(), scale, size.y());
   view_.fill({.x = 0, .y = 0, .width = 1.0 * view_.width(), .height = 1.0 * view_.height()},
-             kDark.panel);
+             drawing::kDark.panel);
   view_.paste(picture, {std::floor(0.5 * (view_.width() - size.x())),
                         std::floor(0.5 * (view_.height() - size.y()))});
 }
 
-void FlightVideo::record(const Tick& tick) {
+void FlightVideo::record(const flight_log::Tick& tick) {
   const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
   if (moments_.empty()) start(tick);
   if (pictures_ && tick.sensors.image) look(tick);
@@ -135,7 +138,7 @@ void FlightVideo::record(const Tick& tick) {
   add_frames(tick);
 }
 
-void FlightVideo::add_frames(const Tick& tick) {
+void FlightVideo::add_frames(const flight_log::Tick& tick) {
   const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
   const Estimate estimate = tick.pilot.estimate();
   last_ = {now, tick.truth.p_EB, estimate.p_EB, tick.truth.v_E.norm(), estimate.v_E.norm()};
@@ -147,14 +150,14 @@ void FlightVideo::add_frames(const Tick& tick) {
   }
 }
 
-void FlightVideo::record_fall(const Tick& tick, const closed_loop::RaceResult& result) {
+void FlightVideo::record_fall(const flight_log::Tick& tick, const RaceResult& result) {
   if (moments_.empty() || !result.crash_time) return;
   touch(result);
   if (pictures_ && tick.sensors.image) look(tick);
   add_frames(tick);
 }
 
-void FlightVideo::draw(const Tick& tick) {
+void FlightVideo::draw(const flight_log::Tick& tick) {
   if (moments_.size() > 1) {
     const Moment &from = moments_[moments_.size() - 2], &to = moments_.back();
     backdrop_.clip(inside(map_box_));
@@ -165,17 +168,17 @@ void FlightVideo::draw(const Tick& tick) {
   frame_.paste(backdrop_, {0, 0});
   draw_head(tick);
   frame_.paste(view_, {left_.x, left_.y});
-  const Box status{.x = left_.x,
-                   .y = left_.y + view_height(pictures_),
-                   .width = left_.width,
-                   .height = kStatusHeight};
+  const drawing::Box status{.x = left_.x,
+                            .y = left_.y + view_height(pictures_),
+                            .width = left_.width,
+                            .height = kStatusHeight};
   draw_status(tick, status);
   const double strips = status.bottom() + 12.0;
   draw_strips(tick, {left_.x, strips, left_.width, left_.bottom() - strips});
   draw_map(tick);
 }
 
-void FlightVideo::draw_strips(const Tick& tick, const Box& box) {
+void FlightVideo::draw_strips(const flight_log::Tick& tick, const drawing::Box& box) {
   const StripCurve height{"height above the floor",
                           "m",
                           [](const Moment& m) { return -m.true_p_EB.z(); },
@@ -186,7 +189,7 @@ void FlightVideo::draw_strips(const Tick& tick, const Box& box) {
                          [](const Moment& m) { return m.est_speed; }, 2.0};
   const auto& gates = race_.sim.world.gates;
   const auto at = [&](double time, std::size_t index) -> PassedGate {
-    const sim::WorldGate& gate = gates[index % gates.size()];
+    const world::WorldGate& gate = gates[index % gates.size()];
     const double half = 0.5 * gate.side - gate.bar;
     return {time, -gate.p_EG.z() - half, -gate.p_EG.z() + half, color_of(gate)};
   };
@@ -207,53 +210,58 @@ void FlightVideo::draw_strips(const Tick& tick, const Box& box) {
       .draw(frame_, passes, next);
 }
 
-void FlightVideo::draw_head(const Tick& tick) {
+void FlightVideo::draw_head(const flight_log::Tick& tick) {
   const int gates = static_cast<int>(race_.pilot.track.gates.size()),
             total = gates * race_.pilot.track.laps;
   const int passed = tick.pilot.estimate().gates_passed;
   const int lap = std::min(passed / std::max(gates, 1) + 1, race_.pilot.track.laps);
-  frame_.text({kWidth - kMargin - 2, 40}, fixed(moments_.back().time, 1) + " s",
-              {.color = kDark.ink, .size = 30, .align = Align::kRight, .bold = true});
+  frame_.text(
+      {kWidth - kMargin - 2, 40}, files::fixed(moments_.back().time, 1) + " s",
+      {.color = drawing::kDark.ink, .size = 30, .align = drawing::Align::kRight, .bold = true});
   const std::string progress = "gates " + std::to_string(passed) + " of " + std::to_string(total) +
                                "     lap " + std::to_string(lap) + " of " +
                                std::to_string(race_.pilot.track.laps);
   frame_.text({kWidth - kMargin - 160, 38}, progress,
-              {.color = kDark.muted, .size = 20, .align = Align::kRight});
+              {.color = drawing::kDark.muted, .size = 20, .align = drawing::Align::kRight});
 
   // One mark for each gate of the race.
   const auto& world = race_.sim.world.gates;
   const auto gate_color = [&](int i) {
-    return world.empty() ? kDark.gate : color_of(world[static_cast<std::size_t>(i) % world.size()]);
+    return world.empty() ? drawing::kDark.gate
+                         : color_of(world[static_cast<std::size_t>(i) % world.size()]);
   };
   const double width = (kWidth - 2.0 * kMargin + 4.0) / std::max(total, 1);
   for (int i = 0; i < total; ++i)
     frame_.fill(
         {.x = kMargin + i * width, .y = 54, .width = std::max(1.0, width - 4.0), .height = 5},
-        i < passed ? gate_color(i) : kDark.rule, 2.0);
+        i < passed ? gate_color(i) : drawing::kDark.rule, 2.0);
 }
 
-void FlightVideo::draw_status(const Tick& tick, const Box& box) {
-  frame_.fill(box, kDark.panel);
+void FlightVideo::draw_status(const flight_log::Tick& tick, const drawing::Box& box) {
+  frame_.fill(box, drawing::kDark.panel);
   const double line = box.y + 29;
   const std::string phase = gatefly::name_of(tick.pilot.phase());
   const double width = 116.0;
-  frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 29}, kDark.ink, 5.0);
-  frame_.text({box.x + 10 + 0.5 * width, line}, phase,
-              {.color = kDark.page, .size = 17, .align = Align::kCenter, .bold = true});
+  frame_.fill({.x = box.x + 10, .y = box.y + 8, .width = width, .height = 29}, drawing::kDark.ink,
+              5.0);
+  frame_.text(
+      {box.x + 10 + 0.5 * width, line}, phase,
+      {.color = drawing::kDark.page, .size = 17, .align = drawing::Align::kCenter, .bold = true});
   const std::string next = "to gate " + std::to_string(tick.pilot.target_gate() + 1);
   frame_.text({box.x + width + 28, line}, tick.pilot.finished() ? "all gates passed" : next,
-              {.color = kDark.gate, .size = 18, .bold = true});
+              {.color = drawing::kDark.gate, .size = 18, .bold = true});
   if (!pictures_) return;
   const bool fix = source_ != Sighting::Source::kNone;
   const std::string source = source_in_words(source_);
-  const Lettering lettering{
-      .color = fix ? kDark.found : kDark.muted, .size = 18, .align = Align::kRight};
+  const drawing::Lettering lettering{.color = fix ? drawing::kDark.found : drawing::kDark.muted,
+                                     .size = 18,
+                                     .align = drawing::Align::kRight};
   frame_.text({box.right() - 14, line}, source, lettering);
   frame_.disc({box.right() - 26 - frame_.text_width(source, lettering), line - 6}, 6.0,
               lettering.color);
 }
 
-void FlightVideo::draw_view(const Tick& tick) {
+void FlightVideo::draw_view(const flight_log::Tick& tick) {
   const double row = 0.5 * picture_size_->y();
   const CameraRig& rig = race_.pilot.camera;
   const auto left = rig.lens.bearing({0.0, row}),
@@ -264,7 +272,7 @@ void FlightVideo::draw_view(const Tick& tick) {
   map_.draw_view(frame_, tick.truth.p_EB.head<2>(), left_E.head<2>(), right_E.head<2>());
 }
 
-void FlightVideo::draw_map(const Tick& tick) {
+void FlightVideo::draw_map(const flight_log::Tick& tick) {
   frame_.clip(inside(map_box_));
   if (picture_size_) draw_view(tick);
   if (!tick.pilot.finished()) map_.draw_target(frame_, tick.pilot.target_gate());
@@ -279,10 +287,10 @@ void FlightVideo::draw_map(const Tick& tick) {
 }
 
 /// From now on there is a contact to be shown, where the drone is.
-void FlightVideo::touch(const closed_loop::RaceResult& result) {
+void FlightVideo::touch(const RaceResult& result) {
   if (contact_) return;
   const std::string object = result.why_lost ? result.why_lost->object : result.crash_object;
-  contact_ = {last_, fixed(*result.crash_time, 1) + " s, contact: " + object};
+  contact_ = {last_, files::fixed(*result.crash_time, 1) + " s, contact: " + object};
   source_ = Sighting::Source::kNone;
 }
 
@@ -294,13 +302,14 @@ void FlightVideo::draw_contact() {
   frame_.unclip();
   const double line = left_.y + view_height(pictures_);
   frame_.fill({.x = left_.x, .y = line - kHeight, .width = left_.width, .height = kHeight},
-              kDark.bad);
-  frame_.text({left_.x + 0.5 * left_.width, line - 15}, contact_->text,
-              {.color = kDark.page, .size = 20, .align = Align::kCenter, .bold = true});
+              drawing::kDark.bad);
+  frame_.text(
+      {left_.x + 0.5 * left_.width, line - 15}, contact_->text,
+      {.color = drawing::kDark.page, .size = 20, .align = drawing::Align::kCenter, .bold = true});
   ++contact_->frames;
 }
 
-void FlightVideo::finish(const closed_loop::RaceResult& result, const std::string& verdict) {
+void FlightVideo::finish(const RaceResult& result, const std::string& verdict) {
   if (!moments_.empty() && result.crash_time) {
     touch(result);
     draw_contact();
@@ -312,4 +321,4 @@ void FlightVideo::finish(const closed_loop::RaceResult& result, const std::strin
   file_.finish();
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -11,7 +11,7 @@
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 #include "gatefly/simulated_race/results/flight_map.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// A flight as a film, drawn while it is flown, in real time: what the pilot saw, where it flew,
 /// how high and how fast, and at the end how well. Draws only; the flight is the same without it.
@@ -21,37 +21,37 @@ class FlightVideo {
   /// @param title     e.g. "showroom, seed 1"
   /// @param pictures  false when the race has none (ideal vision): the map takes their place.
   /// @throws std::runtime_error when ffmpeg cannot be started.
-  FlightVideo(const std::filesystem::path& mp4, const closed_loop::RaceConfig& race,
-              std::string title, bool pictures);
+  FlightVideo(const std::filesystem::path& mp4, const RaceConfig& race, std::string title,
+              bool pictures);
 
   /// Every tick of the race, in order. @throws std::runtime_error when ffmpeg has given up.
-  void record(const Tick& tick);
+  void record(const flight_log::Tick& tick);
   /// Every tick after a crash: the drone falls, the moment and place of contact stay marked.
-  void record_fall(const Tick& tick, const closed_loop::RaceResult& result);
+  void record_fall(const flight_log::Tick& tick, const RaceResult& result);
   /// Holds the last frame, where the race was lost by a contact with that marked in it, then with a
   /// card over it: laps, times, speed, error, what went wrong. Then completes the file.
   /// @param verdict  in words: "crashed into a pole at ..."
-  void finish(const closed_loop::RaceResult& result, const std::string& verdict);
+  void finish(const RaceResult& result, const std::string& verdict);
 
  private:
-  void start(const Tick& tick);
-  void look(const Tick& tick);
-  void add_frames(const Tick& tick);
-  void draw(const Tick& tick);
+  void start(const flight_log::Tick& tick);
+  void look(const flight_log::Tick& tick);
+  void add_frames(const flight_log::Tick& tick);
+  void draw(const flight_log::Tick& tick);
   void draw_contact();
-  void touch(const closed_loop::RaceResult& result);
-  void draw_head(const Tick& tick);
-  void draw_status(const Tick& tick, const Box& box);
-  void draw_strips(const Tick& tick, const Box& box);
-  void draw_view(const Tick& tick);
-  void draw_map(const Tick& tick);
+  void touch(const RaceResult& result);
+  void draw_head(const flight_log::Tick& tick);
+  void draw_status(const flight_log::Tick& tick, const drawing::Box& box);
+  void draw_strips(const flight_log::Tick& tick, const drawing::Box& box);
+  void draw_view(const flight_log::Tick& tick);
+  void draw_map(const flight_log::Tick& tick);
 
-  closed_loop::RaceConfig race_;
+  RaceConfig race_;
   std::string title_;
   bool pictures_;
-  Box left_, map_box_;
+  drawing::Box left_, map_box_;
   FlightMap map_;
-  VideoFile file_;
+  drawing::VideoFile file_;
   /// The fixed background; the frame being drawn; the last picture with detections.
   Canvas backdrop_, frame_, view_;
   std::vector<Moment> moments_;                  ///< One a frame.
@@ -67,4 +67,4 @@ class FlightVideo {
   std::optional<Contact> contact_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

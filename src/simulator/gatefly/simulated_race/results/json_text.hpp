@@ -14,7 +14,7 @@
 
 #include "gatefly/geometry/attitude.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// A JSON text that grows: ten times as fast as a tree of values, for ten thousand messages.
 class JsonText {
@@ -71,4 +71,4 @@ class JsonText {
   std::string& text_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -9,10 +9,10 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
-using closed_loop::WhyLost;
+using WhyLost;
 using How = WhyLost::How;
 using Cause = WhyLost::Cause;
 using Json = nlohmann::ordered_json;
@@ -23,7 +23,7 @@ constexpr double kStill = 0.02;   // [m/s]
 /// "17 cm", "1.9 m".
 std::string length(double metres) {
   const double size = std::abs(metres);
-  return size < 0.995 ? fixed(100.0 * size, 0) + " cm" : fixed(size, 1) + " m";
+  return size < 0.995 ? files::fixed(100.0 * size, 0) + " cm" : files::fixed(size, 1) + " m";
 }
 
 /// "20 cm right, 6 cm low"; what is less than a fifth of the whole is left out.
@@ -51,21 +51,21 @@ std::string fix_words(const WhyLost& why) {
   constexpr double kRecent = 0.25;  // [s]
   if (!why.since_fix) return "no fix at all";
   if (*why.since_fix < 0.05) return "a fix just before";
-  if (*why.since_fix < kRecent) return "last fix " + fixed(*why.since_fix, 1) + " s before";
-  std::string text = "no fix for " + fixed(*why.since_fix, 1) + " s";
+  if (*why.since_fix < kRecent) return "last fix " + files::fixed(*why.since_fix, 1) + " s before";
+  std::string text = "no fix for " + files::fixed(*why.since_fix, 1) + " s";
   const auto& looks = why.looks;
   if (looks.pictures < 3) return text;
   if (looks.gate_in_view == 0) return text + ", the gate not whole in view";
   return text + ", the gate found in " + std::to_string(looks.gate_found) + " of the " +
-         amount(looks.gate_in_view, "picture") + " that showed it whole" +
+         files::amount(looks.gate_in_view, "picture") + " that showed it whole" +
          (2 * looks.gate_found > looks.gate_in_view ? " but not believed" : "");
 }
 
 std::string wind_words(const WhyLost& why) {
   if (why.wind.norm() < kStill && why.wind_mean < kStill) return "";
-  const std::string mean = fixed(why.wind_mean, 1);
+  const std::string mean = files::fixed(why.wind_mean, 1);
   if (why.wind.norm() < 0.05) return ", no wind then, " + mean + " m/s on average";
-  const std::string now = fixed(why.wind.norm(), 1);
+  const std::string now = files::fixed(why.wind.norm(), 1);
   return ", wind " + now + " m/s from " + side_of(why.wind) +
          (now == mean ? "" : ", " + mean + " on average");
 }
@@ -74,7 +74,7 @@ std::string detection_words(const WhyLost& why) {
   constexpr double kLately = 5.0;  // [s]
   if (why.wrong_fix && why.time - why.wrong_fix->time < kLately)
     return "it took " + why.wrong_fix->taken_of + " for its gate " +
-           fixed(why.time - why.wrong_fix->time, 1) + " s before";
+           files::fixed(why.time - why.wrong_fix->time, 1) + " s before";
   return why.fix_error ? "its last fix was " + length(why.fix_error->norm()) + " off" : "";
 }
 
@@ -101,7 +101,7 @@ std::string shares(const WhyLost& why) {
 }
 
 /// The outcome in words, without its cause.
-std::string event(const WhyLost& why, const closed_loop::RaceResult& r) {
+std::string event(const WhyLost& why, const RaceResult& r) {
   switch (why.how) {
     case How::kContact: {
       const std::size_t of = why.object.find(" of ");
@@ -117,7 +117,7 @@ std::string event(const WhyLost& why, const closed_loop::RaceResult& r) {
     case How::kGivenUp:
       return "gave up, " + why.reason;
     case How::kTimeout:
-      return "out of time after " + fixed(r.flight_time, 0) + " s";
+      return "out of time after " + files::fixed(r.flight_time, 0) + " s";
   }
   return "";
 }
@@ -132,9 +132,9 @@ std::string miss_words(const WhyLost& why) {
   return length(miss.norm()) + where + (ways.empty() ? "" : " (" + ways + ")");
 }
 
-std::string afterwards(const WhyLost& why, const closed_loop::RaceResult& r) {
+std::string afterwards(const WhyLost& why, const RaceResult& r) {
   if (why.how == How::kContact || why.object.empty() || !r.crash_time) return "";
-  return "; touched " + why.object + " " + fixed(*r.crash_time - why.time, 1) + " s later";
+  return "; touched " + why.object + " " + files::fixed(*r.crash_time - why.time, 1) + " s later";
 }
 
 const char* name_of(Cause cause) {
@@ -169,7 +169,7 @@ Json part(const char* cause, const Eigen::Vector3d& offset, double share) {
 
 }  // namespace
 
-std::string loss_line(const closed_loop::RaceResult& result) {
+std::string loss_line(const RaceResult& result) {
   if (!result.why_lost) return "";
   const WhyLost& why = *result.why_lost;
   std::string line = std::string{why.at_its_gate ? "Lost at gate " : "Lost before gate "} +
@@ -183,7 +183,7 @@ std::string loss_line(const closed_loop::RaceResult& result) {
   return line + ", " + miss_words(why) + ": " + shares(why) + afterwards(why, result) + ".";
 }
 
-Json loss_json(const closed_loop::RaceResult& result) {
+Json loss_json(const RaceResult& result) {
   if (!result.why_lost) return nullptr;
   const WhyLost& why = *result.why_lost;
   Json json;
@@ -216,4 +216,4 @@ Json loss_json(const closed_loop::RaceResult& result) {
   return json;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -10,7 +10,7 @@
 #include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/simulated_race/results/z_up.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -68,7 +68,7 @@ Json shown(const Eigen::Vector3d& albedo) {
   return color(bright(albedo.x()), bright(albedo.y()), bright(albedo.z()));
 }
 
-void add_box(Json& entity, const sim::WorldBox& box, const Json& its_color) {
+void add_box(Json& entity, const world::WorldBox& box, const Json& its_color) {
   const Eigen::Vector3d middle{box.center.x(), -box.center.y(), 0.5 * (box.bottom + box.top)};
   Json solid{
       {"pose", pose(middle, box.heading)},
@@ -95,7 +95,7 @@ std::vector<Eigen::Vector3d> way(const RacePlan& plan) {
 }
 
 /// A gate where it stands, with its number above.
-Json numbered(const sim::WorldGate& gate, std::size_t number, std::uint64_t time) {
+Json numbered(const world::WorldGate& gate, std::size_t number, std::uint64_t time) {
   Json json = entity("gate " + std::to_string(number), time);
   json["lines"].push_back(line(LineType::kLoop,
                                frame_of(gate.p_EG, gate.yaw_EG, gate.side - gate.bar), gate.bar,
@@ -117,10 +117,11 @@ Json mapped(const Track& map, std::uint64_t time) {
   return json;
 }
 
-Json obstacles_of(const sim::World& world, std::uint64_t time) {
+Json obstacles_of(const world::World& world, std::uint64_t time) {
   Json json = entity("obstacles", time);
-  for (const sim::WorldBox& box : world.obstacles) add_box(json, box, color(0.6, 0.62, 0.65, 0.8));
-  for (const sim::Decoy& decoy : world.decoys) add_box(json, decoy.shape, shown(decoy.color));
+  for (const world::WorldBox& box : world.obstacles)
+    add_box(json, box, color(0.6, 0.62, 0.65, 0.8));
+  for (const world::Decoy& decoy : world.decoys) add_box(json, decoy.shape, shown(decoy.color));
   return json;
 }
 
@@ -132,7 +133,8 @@ Json planned(const RacePlan& plan, std::uint64_t time) {
 
 }  // namespace
 
-Json scene_of(const sim::World& world, const Track& map, const RacePlan& plan, std::uint64_t time) {
+Json scene_of(const world::World& world, const Track& map, const RacePlan& plan,
+              std::uint64_t time) {
   Json entities = Json::array();
   for (std::size_t i = 0; i < world.gates.size(); ++i)
     entities.push_back(numbered(world.gates[i], i + 1, time));
@@ -142,4 +144,4 @@ Json scene_of(const sim::World& world, const Track& map, const RacePlan& plan, s
   return {{"deletions", Json::array()}, {"entities", std::move(entities)}};
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-namespace gatefly::io::schema {
+namespace gatefly::simulated_race::schema {
 namespace {
 
 /// All of its properties are required.
@@ -204,4 +204,4 @@ Json control() {
        {"motors_radps", named({"lf", "rf", "rb", "lb"}, "Commanded rotor speeds [rad/s]")}});
 }
 
-}  // namespace gatefly::io::schema
+}  // namespace gatefly::simulated_race::schema

@@ -5,7 +5,7 @@
 
 // JSON schemas of the messages of flight.mcap: Foxglove's well-known ones by their
 // names, without their descriptions, and ours.
-namespace gatefly::io::schema {
+namespace gatefly::simulated_race::schema {
 
 using Json = nlohmann::ordered_json;
 
@@ -21,4 +21,4 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] Json detections();  ///< gatefly.Detections
 [[nodiscard]] Json control();     ///< gatefly.Control
 
-}  // namespace gatefly::io::schema
+}  // namespace gatefly::simulated_race::schema

@@ -6,11 +6,11 @@
 #include "gatefly/drawing/canvas.hpp"
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// How a race went - gates, laps, times, speeds, errors - over a dimmed frame.
 /// @param verdict  in words: "crashed into a pole at ...".
-void draw_result_card(Canvas& canvas, const closed_loop::RaceResult& result,
+void draw_result_card(drawing::Canvas& canvas, const RaceResult& result,
                       const std::string& verdict);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

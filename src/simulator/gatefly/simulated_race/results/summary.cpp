@@ -6,11 +6,11 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/simulated_race/results/loss_report.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 /// The names of "found", where it has one.
-nlohmann::ordered_json truth_json(const closed_loop::TruthOfFindings& truth) {
+nlohmann::ordered_json truth_json(const TruthOfFindings& truth) {
   constexpr double kMillisecond = 1e-3;
   return {{"camera_tilt_deg", truth.tilt / kDegree},
           {"camera_pan_deg", truth.pan / kDegree},
@@ -25,9 +25,9 @@ nlohmann::ordered_json truth_json(const closed_loop::TruthOfFindings& truth) {
           {"moved_gate", truth.moved_gate}};
 }
 
-nlohmann::ordered_json found_after_lap(const closed_loop::Discoveries& found) {
+nlohmann::ordered_json found_after_lap(const Discoveries& found) {
   if (!found.after_lap) return nullptr;
-  const auto pair = [](const closed_loop::FoundError& one, double unit) {
+  const auto pair = [](const FoundError& one, double unit) {
     return nlohmann::ordered_json{{"error", one.error / unit}, {"sigma", one.sigma / unit}};
   };
   return {{"camera_tilt_deg", pair(found.after_lap->camera_tilt, kDegree)},
@@ -36,9 +36,9 @@ nlohmann::ordered_json found_after_lap(const closed_loop::Discoveries& found) {
           {"latency_ms", pair(found.after_lap->latency, 1e-3)}};
 }
 
-nlohmann::ordered_json map_reports(const closed_loop::Discoveries& found) {
+nlohmann::ordered_json map_reports(const Discoveries& found) {
   auto json = nlohmann::ordered_json::array();
-  for (const closed_loop::MapReport& report : found.map_reports)
+  for (const MapReport& report : found.map_reports)
     json.push_back(
         {{"gate", report.gate + 1},
          {"t_s", report.time},
@@ -49,7 +49,7 @@ nlohmann::ordered_json map_reports(const closed_loop::Discoveries& found) {
 
 }  // namespace
 
-nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const RaceIdentity& race) {
+nlohmann::ordered_json summary(const RaceResult& result, const RaceIdentity& race) {
   using Json = nlohmann::ordered_json;
   Json crash = nullptr;
   if (result.crash_time) crash = {{"t_s", *result.crash_time}, {"object", result.crash_object}};
@@ -57,7 +57,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   for (const Eigen::Vector2d& offset : result.gate_offsets)
     offsets.push_back(Json::array({offset.x(), offset.y()}));
   Json timings = Json::object();
-  for (const closed_loop::StageTime& stage : result.timings)
+  for (const StageTime& stage : result.timings)
     timings[stage.stage] = {
         {"p50_us", stage.p50_us}, {"p99_us", stage.p99_us}, {"max_us", stage.max_us}};
   timings["whole_flight"] = {
@@ -86,7 +86,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   json["gate_offsets_m"] = offsets;
   json["estimation_rmse_m"] =
       result.gates_passed > 0 ? Json::array({rmse.x(), rmse.y(), rmse.z()}) : Json{};
-  const auto counted = [](const closed_loop::ChiSquareCount& count) {
+  const auto counted = [](const ChiSquareCount& count) {
     return Json{
         {"samples", count.samples}, {"sum_per_dof", count.sum_per_dof}, {"inside", count.inside}};
   };
@@ -109,7 +109,7 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
     json["diverged"] = {{"since_s", result.divergence->since},
                         {"why", eskf::text_of(result.divergence->why)}};
   json["true_gates"] = Json::array();
-  for (const sim::WorldGate& gate : result.true_gates)
+  for (const world::WorldGate& gate : result.true_gates)
     json["true_gates"].push_back({{"position_m", {gate.p_EG.x(), gate.p_EG.y(), gate.p_EG.z()}},
                                   {"heading_deg", gate.yaw_EG / kDegree}});
   json["searches"] = result.searches;
@@ -125,4 +125,4 @@ nlohmann::ordered_json summary(const closed_loop::RaceResult& result, const Race
   return json;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

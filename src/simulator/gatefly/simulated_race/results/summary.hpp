@@ -8,7 +8,7 @@
 
 #include "gatefly/simulated_race/closed_loop/race.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// Inputs of a race.
 struct RaceIdentity {
@@ -25,7 +25,6 @@ struct RaceIdentity {
 
 /// summary.json with the keys people and scripts rely on. Only "timings" may differ between two
 /// runs of one seed.
-[[nodiscard]] nlohmann::ordered_json summary(const closed_loop::RaceResult& result,
-                                             const RaceIdentity& race);
+[[nodiscard]] nlohmann::ordered_json summary(const RaceResult& result, const RaceIdentity& race);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -7,15 +7,15 @@
 
 #include "gatefly/files/text.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 namespace {
 
 constexpr double kWindow = 30.0;  // [s]
 
 }  // namespace
 
-TimeStrip::TimeStrip(const Box& panel, const StripCurve& curve, std::span<const Moment> moments,
-                     double per_second)
+TimeStrip::TimeStrip(const drawing::Box& panel, const StripCurve& curve,
+                     std::span<const Moment> moments, double per_second)
     : panel_{panel},
       curve_{curve},
       moments_{moments},
@@ -30,35 +30,37 @@ TimeStrip::TimeStrip(const Box& panel, const StripCurve& curve, std::span<const 
   if (moments.size() > shown) moments_ = moments.last(shown);
 }
 
-void TimeStrip::draw(Canvas& canvas, std::span<const PassedGate> passes,
+void TimeStrip::draw(drawing::Canvas& canvas, std::span<const PassedGate> passes,
                      const std::optional<PassedGate>& next) const {
-  canvas.fill(panel_, kDark.panel, 8.0);
-  canvas.text({panel_.x + 14, panel_.y + 27}, curve_.name, {.color = kDark.muted, .size = 16});
-  canvas.text({panel_.right() - 14, panel_.y + 28},
-              fixed(curve_.truth(moments_.back()), 2) + " " + curve_.unit,
-              {.color = kDark.ink, .size = 20, .align = Align::kRight, .bold = true});
+  canvas.fill(panel_, drawing::kDark.panel, 8.0);
+  canvas.text({panel_.x + 14, panel_.y + 27}, curve_.name,
+              {.color = drawing::kDark.muted, .size = 16});
+  canvas.text(
+      {panel_.right() - 14, panel_.y + 28},
+      files::fixed(curve_.truth(moments_.back()), 2) + " " + curve_.unit,
+      {.color = drawing::kDark.ink, .size = 20, .align = drawing::Align::kRight, .bold = true});
   draw_scale(canvas);
   canvas.clip(
       {.x = area_.x - 2, .y = area_.y - 8, .width = area_.width + 16, .height = area_.height + 16});
   for (const PassedGate& pass : passes) draw_pass(canvas, pass);
-  trace(canvas, curve_.estimate, {.color = kDark.estimate, .width = 1.4});
-  trace(canvas, curve_.truth, {.color = kDark.flown, .width = 2.6});
+  trace(canvas, curve_.estimate, {.color = drawing::kDark.estimate, .width = 1.4});
+  trace(canvas, curve_.truth, {.color = drawing::kDark.flown, .width = 2.6});
   if (next && curve_.is_height) draw_next(canvas, *next);
   canvas.unclip();
-  canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 4.5, kDark.ink);
+  canvas.disc(at(moments_.back().time, curve_.truth(moments_.back())), 4.5, drawing::kDark.ink);
 }
 
-void TimeStrip::draw_scale(Canvas& canvas) const {
+void TimeStrip::draw_scale(drawing::Canvas& canvas) const {
   for (double level = 0.0; level <= top_ + 1e-9; level += 1.0) {
     const double y = at(end_, level).y();
-    canvas.line({area_.x, y}, {area_.right(), y}, {.color = kDark.rule, .width = 1.0});
-    canvas.text({area_.x - 10, y + 5}, fixed(level, 0),
-                {.color = kDark.muted, .size = 14, .align = Align::kRight});
+    canvas.line({area_.x, y}, {area_.right(), y}, {.color = drawing::kDark.rule, .width = 1.0});
+    canvas.text({area_.x - 10, y + 5}, files::fixed(level, 0),
+                {.color = drawing::kDark.muted, .size = 14, .align = drawing::Align::kRight});
   }
 }
 
 /// Over heights as wide as it is open.
-void TimeStrip::draw_pass(Canvas& canvas, const PassedGate& pass) const {
+void TimeStrip::draw_pass(drawing::Canvas& canvas, const PassedGate& pass) const {
   const double x = at(pass.time, 0.0).x();
   canvas.line({x, at(0, 0.0).y()}, {x, at(0, top_).y()},
               {.color = pass.color.faded(curve_.is_height ? 0.25 : 0.6), .width = 1.5});
@@ -70,14 +72,14 @@ void TimeStrip::draw_pass(Canvas& canvas, const PassedGate& pass) const {
 }
 
 /// At the right end: its time is not known yet.
-void TimeStrip::draw_next(Canvas& canvas, const PassedGate& next) const {
+void TimeStrip::draw_next(drawing::Canvas& canvas, const PassedGate& next) const {
   const double x = at(end_, 0.0).x() + 9.0;
   canvas.line({x, at(end_, next.low).y()}, {x, at(end_, next.high).y()},
               {.color = next.color, .width = 5.0});
 }
 
-void TimeStrip::trace(Canvas& canvas, const std::function<double(const Moment&)>& value,
-                      const Stroke& stroke) const {
+void TimeStrip::trace(drawing::Canvas& canvas, const std::function<double(const Moment&)>& value,
+                      const drawing::Stroke& stroke) const {
   std::vector<Eigen::Vector2d> points;
   for (const Moment& m : moments_) points.push_back(at(m.time, value(m)));
   canvas.polyline(points, stroke);
@@ -88,4 +90,4 @@ Eigen::Vector2d TimeStrip::at(double time, double value) const {
           area_.bottom() - value / top_ * area_.height};
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

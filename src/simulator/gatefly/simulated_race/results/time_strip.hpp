@@ -9,7 +9,7 @@
 #include "gatefly/drawing/canvas.hpp"
 #include "gatefly/simulated_race/results/flight_map.hpp"
 
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// Curves over time: the truth and the pilot's belief.
 struct StripCurve {
@@ -22,7 +22,7 @@ struct StripCurve {
 /// A gate that was passed: when, and between which heights it is open.
 struct PassedGate {
   double time, low, high;
-  Color color;
+  drawing::Color color;
 };
 
 /// The last half minute of a curve, in a panel of its own.
@@ -30,26 +30,26 @@ class TimeStrip {
  public:
   /// @param moments  at least one, evenly spaced; must outlive the strip, as `curve` must.
   /// @param per_second  how many of them.
-  TimeStrip(const Box& panel, const StripCurve& curve, std::span<const Moment> moments,
+  TimeStrip(const drawing::Box& panel, const StripCurve& curve, std::span<const Moment> moments,
             double per_second);
 
   /// @param next  the gate that is flown to; its time is not known yet.
-  void draw(Canvas& canvas, std::span<const PassedGate> passes,
+  void draw(drawing::Canvas& canvas, std::span<const PassedGate> passes,
             const std::optional<PassedGate>& next) const;
 
  private:
-  void draw_scale(Canvas& canvas) const;
-  void draw_pass(Canvas& canvas, const PassedGate& pass) const;
-  void draw_next(Canvas& canvas, const PassedGate& next) const;
-  void trace(Canvas& canvas, const std::function<double(const Moment&)>& value,
-             const Stroke& stroke) const;
+  void draw_scale(drawing::Canvas& canvas) const;
+  void draw_pass(drawing::Canvas& canvas, const PassedGate& pass) const;
+  void draw_next(drawing::Canvas& canvas, const PassedGate& next) const;
+  void trace(drawing::Canvas& canvas, const std::function<double(const Moment&)>& value,
+             const drawing::Stroke& stroke) const;
   [[nodiscard]] Eigen::Vector2d at(double time, double value) const;
 
-  Box panel_;
+  drawing::Box panel_;
   const StripCurve& curve_;
   std::span<const Moment> moments_;
-  Box area_;
+  drawing::Box area_;
   double end_, top_;
 };
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

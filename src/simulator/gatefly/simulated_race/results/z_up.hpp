@@ -6,7 +6,7 @@
 #include "gatefly/geometry/attitude.hpp"
 
 // Viewers have z up: the world north, west, up, the body front, left, up.
-namespace gatefly::io {
+namespace gatefly::simulated_race {
 
 /// North, east, down as north, west, up: half a turn about x.
 [[nodiscard]] inline Eigen::Vector3d up(const Eigen::Vector3d& v) {
@@ -19,4 +19,4 @@ namespace gatefly::io {
   return {q.w, q.x, -q.y, -q.z};
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::simulated_race

@@ -15,7 +15,7 @@ namespace {
 using History = std::vector<sim::BodyPose>;
 
 /// Flying at 1.7 m/s towards a gate, turning a little.
-History history_before(const sim::WorldGate& gate, double distance) {
+History history_before(const world::WorldGate& gate, double distance) {
   constexpr double kSpeed = 1.7, kTurn = 0.6;  // [m/s], [rad/s]
   const Eigen::Vector3d along{cos(gate.yaw_EG), sin(gate.yaw_EG), 0.0};
   History history;
@@ -29,14 +29,14 @@ History history_before(const sim::WorldGate& gate, double distance) {
 
 }  // namespace
 
-std::vector<Stage> camera_stages(const sim::SimConfig& day,
+std::vector<Stage> camera_stages(const world::SimConfig& day,
                                  const std::function<void()>& while_baking) {
   auto histories = std::make_shared<std::vector<History>>();
-  for (const sim::WorldGate& gate : day.world.gates)
+  for (const world::WorldGate& gate : day.world.gates)
     for (const double distance : {1.0, 2.0, 3.0, 4.0, 6.0})
       histories->push_back(history_before(gate, distance));
   const auto stage = [&](const char* name, const char* what, bool fast, const char* baseline) {
-    sim::CameraTruth camera = day.camera;
+    world::CameraTruth camera = day.camera;
     camera.fast = fast;
     const auto renderer = std::make_shared<sim::CameraRenderer>(
         day.world, camera, day.light, day.seed, day.cache_dir, day.bake_threads, while_baking);

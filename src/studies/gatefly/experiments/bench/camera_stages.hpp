@@ -14,7 +14,7 @@ namespace gatefly::bench {
 /// Seen from 1 to 6 m before each gate of the day's world, in motion. Bakes the room's light, or
 /// reads it from `day.cache_dir`.
 /// @param while_baking  called some twenty times a second; may throw to stop.
-[[nodiscard]] std::vector<Stage> camera_stages(const sim::SimConfig& day,
+[[nodiscard]] std::vector<Stage> camera_stages(const world::SimConfig& day,
                                                const std::function<void()>& while_baking);
 
 }  // namespace gatefly::bench

@@ -80,11 +80,11 @@ void add_filters(std::vector<Stage>& stages, const std::shared_ptr<const Recorde
 
 }  // namespace
 
-RecordedFlight recorded_flight(const closed_loop::RaceConfig& race, std::size_t pictures,
+RecordedFlight recorded_flight(const simulated_race::RaceConfig& race, std::size_t pictures,
                                const std::function<bool()>& stopped) {
   RecordedFlight flight;
   double time = 0.0;
-  const auto result = closed_loop::fly(race, [&](const Tick& tick) {
+  const auto result = simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     const double now = 1e-9 * static_cast<double>(tick.sensors.time.count());
     const double dt = now - time;
     time = now;

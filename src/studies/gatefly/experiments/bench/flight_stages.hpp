@@ -24,15 +24,15 @@ struct RecordedFlight {
     Quad corners_px{};
     RotationGB R_GB;
   };
-  std::vector<Moment> moments;                  ///< In the air.
-  std::vector<Picture> pictures;                ///< In the air.
-  std::vector<Sight> sights;                    ///< Gates that corrected the pilot's position.
-  std::vector<closed_loop::StageTime> timings;  ///< The race's own: whole steps.
+  std::vector<Moment> moments;                     ///< In the air.
+  std::vector<Picture> pictures;                   ///< In the air.
+  std::vector<Sight> sights;                       ///< Gates that corrected the pilot's position.
+  std::vector<simulated_race::StageTime> timings;  ///< The race's own: whole steps.
 };
 
 /// Flies until so many pictures were taken in the air. @param stopped  asked often; true ends it
 /// early.
-[[nodiscard]] RecordedFlight recorded_flight(const closed_loop::RaceConfig& race,
+[[nodiscard]] RecordedFlight recorded_flight(const simulated_race::RaceConfig& race,
                                              std::size_t pictures,
                                              const std::function<bool()>& stopped);
 

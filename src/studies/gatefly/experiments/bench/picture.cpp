@@ -63,7 +63,7 @@ Picture as_uyvy(const std::string& name, const Image& stored, int rotation_deg) 
 
 std::string Pattern::name() const {
   std::string text = kind;
-  for (const double number : numbers) text += ":" + io::text_of(number, 4);
+  for (const double number : numbers) text += ":" + files::text_of(number, 4);
   return text;
 }
 
@@ -94,8 +94,9 @@ Pattern pattern_of(const std::string& text) {
   if (known == kinds.end()) {
     std::vector<std::string> names;
     for (const auto& kind : kinds) names.push_back(kind.kind);
-    throw std::runtime_error("'" + io::one_line(text) +
-                             "' is no file, and no pattern (there are: " + io::joined(names) + ")");
+    throw std::runtime_error("'" + files::one_line(text) +
+                             "' is no file, and no pattern (there are: " + files::joined(names) +
+                             ")");
   }
   for (std::size_t i = 0; i < pattern.numbers.size(); ++i) {
     pattern.numbers[i] = 0.5 * (known->least[i] + known->most[i]);
@@ -105,9 +106,10 @@ Pattern pattern_of(const std::string& text) {
     pattern.numbers[i] = std::strtod(number.c_str(), &end);
     if (number.empty() || *end != '\0' ||
         !(pattern.numbers[i] >= known->least[i] && pattern.numbers[i] <= known->most[i]))
-      throw std::runtime_error("pattern '" + io::one_line(text) + "': '" + io::one_line(number) +
-                               "' must be in " + io::text_of(known->least[i]) + ".." +
-                               io::text_of(known->most[i]) + " (" + known->what + ")");
+      throw std::runtime_error("pattern '" + files::one_line(text) + "': '" +
+                               files::one_line(number) + "' must be in " +
+                               files::text_of(known->least[i]) + ".." +
+                               files::text_of(known->most[i]) + " (" + known->what + ")");
   }
   return pattern;
 }

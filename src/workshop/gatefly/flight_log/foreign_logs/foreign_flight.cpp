@@ -23,7 +23,7 @@ using std::chrono::nanoseconds;
 constexpr std::size_t kMostRows = 2'000'000;  // what a flight's folder may have
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-std::string moment(nanoseconds time) { return io::text_of(seconds(time), 9) + " s"; }
+std::string moment(nanoseconds time) { return files::text_of(seconds(time), 9) + " s"; }
 
 /// Numbers of any table, put into the rows of ours.
 class Rows {
@@ -174,7 +174,7 @@ class Reader {
     if (!lifted)
       flight_.notes.push_back(tables_.name_of(table) + ": " + source.column + " is never " +
                               (source.factor > 0.0 ? "above " : "below ") +
-                              io::text_of(source.factor * mapping_.lifted_above) +
+                              files::text_of(source.factor * mapping_.lifted_above) +
                               ": it never takes off (" + source.place + ")");
   }
 
@@ -196,7 +196,7 @@ std::vector<Stamped> stamped_pictures(const std::filesystem::path& folder,
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error))
     throw std::runtime_error(folder.string() + ": is no folder of pictures");
-  for (const std::filesystem::path& path : io::picture_files(folder)) {
+  for (const std::filesystem::path& path : files::picture_files(folder)) {
     const std::string name = path.filename().string();
     const auto stamp = stamp_in(stamp_of_name(name), unit);
     if (!stamp)

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr io::OutputKind kImported{"imported log", "\"kind\": \"import\""};
+constexpr files::OutputKind kImported{"imported log", "\"kind\": \"import\""};
 
 bool is_of_an_import(const std::string& name) {
   static const std::regex kNames{
@@ -43,7 +43,7 @@ void write_log(const ForeignFlight& flight, const fs::path& path) {
   std::ofstream file{path, std::ios::binary};
   std::string text = "t_ns";
   for (const auto& [name, values] : flight.columns) text += "," + name;
-  if (!flight.lifted.empty()) text += std::string{","} + io::kLiftedColumn;
+  if (!flight.lifted.empty()) text += std::string{","} + flight_log::kLiftedColumn;
   text += '\n';
   for (std::size_t row = 0; row < flight.times.size(); ++row) {
     text += std::to_string(flight.times[row].count());
@@ -55,14 +55,14 @@ void write_log(const ForeignFlight& flight, const fs::path& path) {
     text.clear();
   }
   file.close();
-  if (!file) throw io::CannotWrite(path, "disk full?");
+  if (!file) throw files::CannotWrite(path, "disk full?");
 }
 
 }  // namespace
 
 void check_import_folder(const fs::path& out) {
-  io::check_output_folder("--out", out);
-  io::refuse_foreign_folder(out, "summary.json", kImported, "choose another --out");
+  files::check_output_folder("--out", out);
+  files::refuse_foreign_folder(out, "summary.json", kImported, "choose another --out");
 }
 
 CopiedPictures write_imported(const ForeignFlight& flight, const fs::path& out,
@@ -70,7 +70,7 @@ CopiedPictures write_imported(const ForeignFlight& flight, const fs::path& out,
                               const std::function<std::string(const CopiedPictures&)>& summary,
                               const std::function<void()>& on_picture) {
   check_import_folder(out);
-  io::PartialFolder folder{out, io::PartialFolder::Grows::kBeside, is_of_an_import};
+  files::PartialFolder folder{out, files::PartialFolder::Grows::kBeside, is_of_an_import};
   write_log(flight, folder.path() / "log_si.csv");
   CopiedPictures pictures;
   std::string list = "image,t_ns,log_row\n";
@@ -78,13 +78,13 @@ CopiedPictures write_imported(const ForeignFlight& flight, const fs::path& out,
     on_picture();
     std::string bytes;
     try {
-      (void)io::read_image(picture.path);
-      bytes = io::read_file(picture.path);
+      (void)files::read_image(picture.path);
+      bytes = files::read_file(picture.path);
     } catch (const std::exception& error) {
-      pictures.unreadable.push_back(io::reason_of(error));
+      pictures.unreadable.push_back(files::reason_of(error));
       continue;
     }
-    const std::string kind = io::kind_of(picture.path);
+    const std::string kind = files::kind_of(picture.path);
     std::array<char, 32> name{};
     std::snprintf(name.data(), name.size(), "img_%05zu%s", pictures.copied,
                   kind == ".jpeg" ? ".jpg" : kind.c_str());

@@ -15,7 +15,7 @@ using std::chrono::nanoseconds;
 /// Names before they fill the screen.
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 300;
-  return io::one_line(io::joined(names), kMost);
+  return files::one_line(files::joined(names), kMost);
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ LogTables::LogTables(const Mapping& mapping, const std::filesystem::path& log)
     return;
   }
   try {
-    ulog_.emplace(io::read_file(log));
+    ulog_.emplace(files::read_file(log));
   } catch (const UlogError& what) {
     throw std::runtime_error(log.string() + ": " + what.what());
   }
@@ -46,12 +46,12 @@ LogTables::LogTables(const Mapping& mapping, const std::filesystem::path& log)
                              " (there are: " + listed(ulog_->topics()) + ")");
 }
 
-const io::Csv* LogTables::csv(const std::string& table) {
+const files::Csv* LogTables::csv(const std::string& table) {
   if (const auto found = files_.find(table); found != files_.end()) return found->second.get();
   const std::filesystem::path file = table.empty() ? log_ : log_ / table;
   std::error_code error;
   auto& read = files_[table];
-  if (std::filesystem::exists(file, error)) read = std::make_unique<io::Csv>(file);
+  if (std::filesystem::exists(file, error)) read = std::make_unique<files::Csv>(file);
   return read.get();
 }
 
@@ -62,13 +62,13 @@ std::string LogTables::name_of(const std::string& table) const {
 }
 
 std::string LogTables::place(const std::string& table, std::size_t row) {
-  if (const io::Csv* const file = ulog_ ? nullptr : csv(table)) return file->place(row);
+  if (const files::Csv* const file = ulog_ ? nullptr : csv(table)) return file->place(row);
   return name_of(table) + ", message " + std::to_string(row + 1);
 }
 
 bool LogTables::has(const std::string& table, const std::string& column) {
   if (!ulog_) {
-    const io::Csv* const file = csv(table);
+    const files::Csv* const file = csv(table);
     return file != nullptr && file->has(column);
   }
   const Ulog::Topic* const topic = ulog_->topic(table);
@@ -77,7 +77,7 @@ bool LogTables::has(const std::string& table, const std::string& column) {
 
 std::string LogTables::columns_of(const std::string& table) {
   if (!ulog_) {
-    const io::Csv* const file = csv(table);
+    const files::Csv* const file = csv(table);
     return file == nullptr ? "no such file" : "there are: " + listed(file->header());
   }
   const Ulog::Topic* const topic = ulog_->topic(table);
@@ -115,7 +115,7 @@ std::vector<nanoseconds> LogTables::times(const std::string& table) {
       const auto stamp = stamp_in(text, unit);
       if (!stamp || (ulog_ && *stamp < nanoseconds{0}))
         throw std::runtime_error(place(table, row) + ": " + column + " = '" +
-                                 io::one_line(texts[row]) + "' is no time");
+                                 files::one_line(texts[row]) + "' is no time");
       times[row] += *stamp;
     }
   }

@@ -38,13 +38,13 @@ class LogTables {
 
  private:
   /// nullptr when there is no such file.
-  [[nodiscard]] const io::Csv* csv(const std::string& table);
+  [[nodiscard]] const files::Csv* csv(const std::string& table);
   [[nodiscard]] std::string place(const std::string& table, std::size_t row);
 
   const Mapping& mapping_;
   std::filesystem::path log_;
   std::optional<Ulog> ulog_;
-  std::map<std::string, std::unique_ptr<io::Csv>> files_;
+  std::map<std::string, std::unique_ptr<files::Csv>> files_;
 };
 
 }  // namespace gatefly::foreign_logs

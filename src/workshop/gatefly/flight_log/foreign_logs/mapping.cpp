@@ -13,8 +13,8 @@
 namespace gatefly::foreign_logs {
 namespace {
 
-using io::Table;
-using io::TomlFile;
+using files::Table;
+using files::TomlFile;
 using nlohmann::json;
 
 struct Unit {
@@ -65,7 +65,7 @@ template <class List>
 std::string names_in(const List& list) {
   std::vector<std::string> names;
   for (const auto& one : list) names.emplace_back(one);
-  return "one of " + io::joined(names);
+  return "one of " + files::joined(names);
 }
 
 /// Units that can be turned into `ours`.
@@ -73,7 +73,7 @@ std::string units_for(std::string_view ours) {
   std::vector<std::string> names;
   for (const Unit& unit : kUnits)
     if (ours == unit.ours) names.emplace_back(unit.name);
-  return "one of " + io::joined(names);
+  return "one of " + files::joined(names);
 }
 
 /// A text that must be there.

@@ -18,7 +18,7 @@
 namespace gatefly::foreign_logs {
 namespace {
 
-using io::fixed;
+using files::fixed;
 
 // All ours.
 constexpr double kRestSeconds = 1.0,
@@ -102,10 +102,10 @@ std::string unit_hint(double length) {
   if (near(1.0 / kGravity)) return "; are they in m/s^2?";
   for (double counts = 256.0; counts < 40'000.0; counts *= 2.0) {
     if (near(1.0 / counts) || near(kGravity / counts) || near(1.0 / counts / kGravity))
-      return "; are " + io::text_of(counts) + " counts 1 g (scale = " + io::text_of(1.0 / counts) +
-             ")?";
+      return "; are " + files::text_of(counts) +
+             " counts 1 g (scale = " + files::text_of(1.0 / counts) + ")?";
   }
-  return ratio > 1.5 || ratio < 0.67 ? "; its scale is " + io::text_of(ratio, 3) + " times that"
+  return ratio > 1.5 || ratio < 0.67 ? "; its scale is " + files::text_of(ratio, 3) + " times that"
                                      : "";
 }
 

@@ -77,7 +77,7 @@ Answer file_answer(const fs::path& root, const fs::path& path) {
     std::string policy = kPage;
     policy += kStrangersPage;
     return {.type = type,
-            .body = with_way_back(io::read_file(path), root, path.parent_path()),
+            .body = with_way_back(files::read_file(path), root, path.parent_path()),
             .policy = policy};
   }
   const bool seen = type.starts_with("image/") || type.starts_with("video/");
@@ -85,16 +85,16 @@ Answer file_answer(const fs::path& root, const fs::path& path) {
 }
 
 Answer page_answer(const fs::path& root, const fs::path& folder) {
-  switch (io::viewable(folder)) {
-    case io::Viewable::kFlight:
+  switch (report::viewable(folder)) {
+    case report::Viewable::kFlight:
       break;
-    case io::Viewable::kCampaign:
+    case report::Viewable::kCampaign:
       return {.type = kHtml,
-              .body = with_way_back(io::campaign_page(folder), root, folder),
+              .body = with_way_back(report::campaign_page(folder), root, folder),
               .policy = kPage};
-    case io::Viewable::kFolder:
+    case report::Viewable::kFolder:
       return {.type = kHtml,
-              .body = with_way_back(io::folder_page(folder), root, folder),
+              .body = with_way_back(report::folder_page(folder), root, folder),
               .policy = kPage};
   }
   return file_answer(root, folder / "report.html");

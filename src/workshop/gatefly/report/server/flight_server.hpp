@@ -18,7 +18,7 @@ namespace gatefly::server {
 /// Shows flights to browsers of this machine.
 class FlightServer {
  public:
-  /// @param folder  that io::viewable() knows.
+  /// @param folder  that report::viewable() knows.
   explicit FlightServer(const std::filesystem::path& folder);
   ~FlightServer();
   FlightServer(const FlightServer&) = delete;

@@ -106,10 +106,11 @@ std::string diagnosis(const cv::Mat& picture, const BoardPattern& pattern,
   constexpr double kLeastContrast = 10.0;  // grey levels; sensor noise alone has less
   const double contrast = quantile(picture, 0.99) - quantile(picture, 0.01);
   if (contrast < kLeastContrast)
-    return "shows nothing: all its grey levels are within " + io::text_of(contrast, 3) + " of 255";
+    return "shows nothing: all its grey levels are within " + files::text_of(contrast, 3) +
+           " of 255";
   constexpr double kBlurredPx = 12.0;  // sharp pictures have 2-4 px
   if (const double width = edge_width_px(picture); width > kBlurredPx)
-    return "blurred: its sharpest edges are " + io::text_of(width, 2) + " px wide";
+    return "blurred: its sharpest edges are " + files::text_of(width, 2) + " px wide";
   cv::Size seen;
   if (!find_sector_based(picture, {3, 3}, seen).empty() &&
       !same(seen, {pattern.columns, pattern.rows})) {

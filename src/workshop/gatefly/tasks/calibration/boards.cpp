@@ -27,7 +27,7 @@ Eigen::Vector2i pair_of(const std::string& text, const std::string& flag, int lo
         pair.maxCoeff() <= high)
       return pair;
   }
-  throw std::runtime_error(flag + " " + io::one_line(text) + ": must be two numbers in " +
+  throw std::runtime_error(flag + " " + files::one_line(text) + ": must be two numbers in " +
                            std::to_string(low) + ".." + std::to_string(high) +
                            " with an x between them");
 }
@@ -48,9 +48,9 @@ void expect_inside(const BoardViews& views, const Eigen::Vector2i& size_px, cons
       if ((corner.px.array() < -0.5).any() ||
           (corner.px.array() > size_px.cast<double>().array() - 0.5).any())
         throw std::runtime_error(path.string() + ": " + view.image + " has a corner at (" +
-                                 io::text_of(corner.px.x(), 6) + ", " +
-                                 io::text_of(corner.px.y(), 6) + "), outside a picture of --size " +
-                                 size);
+                                 files::text_of(corner.px.x(), 6) + ", " +
+                                 files::text_of(corner.px.y(), 6) +
+                                 "), outside a picture of --size " + size);
 }
 
 /// @throws for a view with another number of corners than the pattern that was said has.
@@ -88,7 +88,7 @@ BoardPattern pattern_of(const BoardArguments& arguments) {
 }
 
 void Boards::add_picture(const fs::path& path, const BoardPattern& pattern, int rotate_deg) {
-  const io::ImageFile file = io::read_image(path);
+  const files::ImageFile file = files::read_image(path);
   const Image image = file.view(rotate_deg);
   const Eigen::Vector2i size{image.width(), image.height()};
   if (size_px.x() == 0) size_px = size;

@@ -25,7 +25,7 @@ constexpr double kMaxFocalSigma = 0.02;  // ours: of the focal length
 // ours: of the picture's diagonal; worse is no flat board of that pattern
 constexpr double kMaxRms = 0.003;
 
-std::string rounded(double value, int digits = 3) { return io::text_of(value, digits); }
+std::string rounded(double value, int digits = 3) { return files::text_of(value, digits); }
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;

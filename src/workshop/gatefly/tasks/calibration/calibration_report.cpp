@@ -13,8 +13,8 @@
 namespace gatefly::calibration {
 namespace {
 
-using io::fixed;
-using io::number;
+using files::fixed;
+using files::number;
 using Json = nlohmann::ordered_json;
 
 constexpr double kWideCoverage = 0.7;  // below: the lens is extrapolated in the corners [estimate]
@@ -75,7 +75,7 @@ void write_counts(std::ostream& out, const Calibration& answer, const Boards& bo
     corners += view.corners;
     dropped += view.dropped;
   }
-  out << io::amount(boards.pictures, "picture") << " of " << answer.size_px.x() << "x"
+  out << files::amount(boards.pictures, "picture") << " of " << answer.size_px.x() << "x"
       << answer.size_px.y() << ", a board in " << answer.views.size() << ", " << answer.kept.size()
       << " of them used; " << corners << " corners, " << dropped << " dropped; they reach "
       << fixed(100.0 * answer.coverage, 0) << " % of the way to the picture's corners\n\n";
@@ -153,15 +153,15 @@ Json as_json(const Calibration& answer, const Boards& boards, int stored_rotatio
 std::vector<std::string> provenance(const Calibration& answer) {
   const ModelResult& best = answer.best();
   std::vector<std::string> lines{"Made by gatefly calibrate from " +
-                                 io::amount(answer.kept.size(), "picture") + " of a board: RMS " +
-                                 fixed(best.rms_px, 3) + " px, " + fixed(best.held_out_px, 3) +
-                                 " px in pictures held out."};
+                                 files::amount(answer.kept.size(), "picture") +
+                                 " of a board: RMS " + fixed(best.rms_px, 3) + " px, " +
+                                 fixed(best.held_out_px, 3) + " px in pictures held out."};
   std::string sigmas;
   const auto names = parameter_names(best.fit.model);
   for (std::size_t p = 0; p < names.size() && static_cast<Eigen::Index>(p) < best.fit.sigma.size();
        ++p)
     sigmas += (p > 0 ? ", " : "") + names[p] + " " +
-              io::text_of(best.fit.sigma[static_cast<Eigen::Index>(p)], 2);
+              files::text_of(best.fit.sigma[static_cast<Eigen::Index>(p)], 2);
   if (!sigmas.empty()) lines.push_back("One standard deviation: " + sigmas + ".");
   return lines;
 }

@@ -76,7 +76,7 @@ AnyCamera lens_from(const Map& map, const Numbers& intrinsics, const std::string
   const Eigen::Vector2d focal_px{intrinsics[0], intrinsics[1]},
       center_px{intrinsics[2], intrinsics[3]};
   if (!(focal_px.minCoeff() > 0.0))
-    map.fail("", "focal length = " + io::text_of(focal_px.minCoeff()) + ": must be above 0");
+    map.fail("", "focal length = " + files::text_of(focal_px.minCoeff()) + ": must be above 0");
   const auto need = [&](std::size_t low, std::size_t high, const std::string& what) {
     if (d.size() < low || d.size() > high)
       map.fail(d_key, " has " + std::to_string(d.size()) + " numbers, " + model + " has " + what);
@@ -99,20 +99,20 @@ AnyCamera lens_from(const Map& map, const Numbers& intrinsics, const std::string
     return {KannalaBrandt{focal_px, center_px, RadialPolynomial{{d[0], d[1], d[2], d[3]}}}};
   }
   map.fail("distortion_model",
-           " = " + io::one_line(model) +
+           " = " + files::one_line(model) +
                ": gatefly has no such lens; radtan, plumb_bob (Brown-Conrady) "
                "and equidistant (Kannala-Brandt) can be read: calibrate anew with one of them");
 }
 
 CameraFile from_kalibr(const Map& map) {
   if (const std::string model = map.text("camera_model"); model != "pinhole")
-    map.fail("camera_model",
-             " = " + io::one_line(model) + ": must be pinhole (with radtan, equidistant or none)");
+    map.fail("camera_model", " = " + files::one_line(model) +
+                                 ": must be pinhole (with radtan, equidistant or none)");
   const Numbers size = map.numbers("resolution", 2);
   constexpr double kLargest = 1e6;
   for (const double side : size)
     if (!(side >= 1.0 && side <= kLargest && side == std::floor(side)))
-      map.fail("resolution", " has " + io::text_of(side) + ": must be whole numbers above 0");
+      map.fail("resolution", " has " + files::text_of(side) + ": must be whole numbers above 0");
   CameraFile camera;
   camera.size_px = {static_cast<int>(size[0]), static_cast<int>(size[1])};
   const Numbers distortion =
@@ -145,7 +145,7 @@ CameraFile from_ros(const Map& map) {
 }
 
 CameraFile from_toml(const std::filesystem::path& path) {
-  const io::Config config = io::load_config(std::vector<std::filesystem::path>{path});
+  const config::Config config = config::load_config(std::vector<std::filesystem::path>{path});
   for (const char* key : {"camera.model", "camera.size_px", "camera.focal_px", "camera.center_px"})
     if (!config.set_by.contains(key))
       throw std::runtime_error(path.string() + ": " + key + " is missing");
@@ -167,15 +167,15 @@ std::string chosen_camera(const YAML::Node& file, const std::string& path,
       names.push_back(each.first.as<std::string>());
   if (camera.empty() && names.size() == 1) return names[0];
   if (std::find(names.begin(), names.end(), camera) != names.end()) return camera;
-  throw std::runtime_error(
-      path + ": " +
-      (camera.empty() ? "holds several cameras" : "has no camera '" + io::one_line(camera) + "'") +
-      ": --camera must be one of " + io::joined(names));
+  throw std::runtime_error(path + ": " +
+                           (camera.empty() ? "holds several cameras"
+                                           : "has no camera '" + files::one_line(camera) + "'") +
+                           ": --camera must be one of " + files::joined(names));
 }
 
 CameraFile from_yaml(const std::filesystem::path& path, const std::string& camera) {
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
-  const YAML::Node file = YAML::Load(io::read_file(path, kMostBytes));
+  const YAML::Node file = YAML::Load(files::read_file(path, kMostBytes));
   const std::string where = path.string() + ": ";
   if (!file.IsMap())
     throw std::runtime_error(where + "is neither a Kalibr camchain nor a ROS camera_info");
@@ -192,11 +192,11 @@ CameraFile from_yaml(const std::filesystem::path& path, const std::string& camer
 std::string list(const Numbers& numbers) {
   std::vector<std::string> words;
   for (const double number : numbers) {
-    std::string word = io::text_of(number);
+    std::string word = files::text_of(number);
     if (word.find_first_of(".en") == std::string::npos) word += ".0";
     words.push_back(std::move(word));
   }
-  return "[" + io::joined(words) + "]";
+  return "[" + files::joined(words) + "]";
 }
 
 struct Parts {
@@ -223,7 +223,7 @@ std::string kalibr_text(const CameraFile& camera) {
   if (parts.model == LensModel::kKannalaBrandt) model = "equidistant";
   if (parts.model == LensModel::kBrownConrady) {
     if (parts.distortion[4] != 0.0)
-      no_place("Brown-Conrady with k3 = " + io::text_of(parts.distortion[4], 4),
+      no_place("Brown-Conrady with k3 = " + files::text_of(parts.distortion[4], 4),
                "Kalibr (radtan: k1, k2, p1, p2)", "--zero k3, --model kannala-brandt, or --to ros");
     model = "radtan";
     parts.distortion.pop_back();
@@ -271,7 +271,8 @@ std::string toml_text(const CameraFile& camera) {
                      "\ncenter_px = " + list(parts.center_px) +
                      "\ndistortion = " + list(parts.distortion) + distortion +
                      "\nstored_rotation_deg = " + std::to_string(camera.stored_rotation_deg) + "\n";
-  if (camera.tilt_down) text += "tilt_deg = " + io::text_of(*camera.tilt_down / kDegree, 6) + "\n";
+  if (camera.tilt_down)
+    text += "tilt_deg = " + files::text_of(*camera.tilt_down / kDegree, 6) + "\n";
   return text;
 }
 
@@ -289,13 +290,13 @@ CameraFile read_camera(const std::filesystem::path& path, const std::string& cam
     return from_yaml(path, camera);
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(path.string() + ":" + std::to_string(error.mark.line + 1) +
-                             ": is no YAML: " + io::one_line(error.msg));
+                             ": is no YAML: " + files::one_line(error.msg));
   }
 }
 
 void expect_usable(const CameraFile& camera, const std::string& where) {
   try {
-    io::check_config(toml_text(camera), "");
+    config::check_config(toml_text(camera), "");
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
     throw std::runtime_error(where +
@@ -307,7 +308,7 @@ std::string camera_text(const CameraFile& camera, CameraFormat format,
                         const std::vector<std::string>& comments) {
   std::string text;
   for (const std::string& comment : comments)  // which may name a file, whose name may be anything
-    text += "# " + io::one_line(comment, 400) + "\n";
+    text += "# " + files::one_line(comment, 400) + "\n";
   switch (format) {
     case CameraFormat::kKalibr:
       return text + kalibr_text(camera);
@@ -322,7 +323,7 @@ std::string camera_text(const CameraFile& camera, CameraFormat format,
 AnyCamera short_lens(const LensFit& fit) {
   Eigen::VectorXd parameters = fit.parameters;
   constexpr int kDigits = 8;
-  for (double& each : parameters) each = std::stod(io::text_of(each, kDigits));
+  for (double& each : parameters) each = std::stod(files::text_of(each, kDigits));
   return lens_of(fit.model, parameters);
 }
 

@@ -17,7 +17,7 @@ struct Pair {
   double scale, origin;
 };
 
-std::vector<Eigen::Vector2d> read_pairs(const io::Csv& csv, const std::filesystem::path& path,
+std::vector<Eigen::Vector2d> read_pairs(const files::Csv& csv, const std::filesystem::path& path,
                                         const Pair& one, const Pair& other) {
   const Pair& pair = csv.has(one.first) || !csv.has(other.first) ? one : other;
   if (!csv.has(pair.first) || !csv.has(pair.second))
@@ -40,7 +40,7 @@ std::vector<Eigen::Vector2d> read_pairs(const io::Csv& csv, const std::filesyste
 }  // namespace
 
 BoardViews read_corner_list(const std::filesystem::path& path) {
-  const io::Csv csv(path);
+  const files::Csv csv(path);
   const std::string key = csv.has("view") && !csv.has("image") ? "view" : "image";
   const auto images = csv.texts(key);
   const auto p_W = read_pairs(csv, path, {"X_m", "Y_m", 1.0, 0.0}, {"X_mm", "Y_mm", 1e-3, 0.0});

@@ -207,12 +207,13 @@ Mount mount_of(const Solution& solution, std::size_t pictures, const Eigen::Arra
 }
 
 /// Position and attitude between two samples of a log; nullopt outside it or where it has none.
-std::optional<BodyPose> body_at(const io::FlightFolder& flight, std::chrono::nanoseconds time) {
-  const auto after =
-      std::lower_bound(flight.samples.begin(), flight.samples.end(), time,
-                       [](const io::FlightSample& sample, auto t) { return sample.time < t; });
+std::optional<BodyPose> body_at(const flight_log::FlightFolder& flight,
+                                std::chrono::nanoseconds time) {
+  const auto after = std::lower_bound(
+      flight.samples.begin(), flight.samples.end(), time,
+      [](const flight_log::FlightSample& sample, auto t) { return sample.time < t; });
   if (after == flight.samples.begin() || after == flight.samples.end()) return std::nullopt;
-  const io::FlightSample &b = *after, &a = *(after - 1);
+  const flight_log::FlightSample &b = *after, &a = *(after - 1);
   if (!a.true_p_EB || !b.true_p_EB || !a.ahrs || !b.ahrs || a.time == b.time) return std::nullopt;
   const double part =
       static_cast<double>((time - a.time).count()) / static_cast<double>((b.time - a.time).count());
@@ -222,21 +223,21 @@ std::optional<BodyPose> body_at(const io::FlightFolder& flight, std::chrono::nan
                    between(a.ahrs->yaw, b.ahrs->yaw)}};
 }
 
-std::vector<Sight> sights_of(const io::FlightFolder& flight, const io::Labels& labels,
+std::vector<Sight> sights_of(const flight_log::FlightFolder& flight, const files::Labels& labels,
                              double time_offset) {
   constexpr double kInTheAir = 0.5;  // [m]
   const std::chrono::nanoseconds shift{std::llround(1e9 * time_offset)};
-  const auto start =
-      std::find_if(flight.samples.begin(), flight.samples.end(),
-                   [](const io::FlightSample& sample) { return sample.true_p_EB.has_value(); });
+  const auto start = std::find_if(
+      flight.samples.begin(), flight.samples.end(),
+      [](const flight_log::FlightSample& sample) { return sample.true_p_EB.has_value(); });
   std::vector<Sight> sights;
   if (start == flight.samples.end()) return sights;
-  for (const io::FlightImage& image : flight.images) {
+  for (const flight_log::FlightImage& image : flight.images) {
     const auto body = body_at(flight, image.time + shift);
     if (!body) continue;
     const auto label = std::find_if(
         labels.pictures.begin(), labels.pictures.end(),
-        [&](const io::LabelledPicture& each) { return each.image == image.path.filename(); });
+        [&](const files::LabelledPicture& each) { return each.image == image.path.filename(); });
     if (label == labels.pictures.end() || label->gates.size() != 1 ||
         start->true_p_EB->z() - body->p_EB.z() < kInTheAir)
       continue;
@@ -264,13 +265,13 @@ Mount mount_from_level(std::span<const Quad> gates, const AnyCamera& lens, doubl
                        sigma = one.max(jackknife(*solution, sights, geometry));
   if (!(sigma[0] <= kMaxTiltSigma))
     throw std::runtime_error(
-        "these gates leave the tilt open by +-" + io::text_of(sigma[0] / kDegree, 2) +
+        "these gates leave the tilt open by +-" + files::text_of(sigma[0] / kDegree, 2) +
         " deg, at most 3 is usable: " +
         (height ? "come nearer to the gate" : "come nearer to the gate, or give --gate-height-m"));
   return mount_of(*solution, sights.size(), sigma);
 }
 
-Mount mount_from_flight(const io::FlightFolder& flight, const io::Labels& labels,
+Mount mount_from_flight(const flight_log::FlightFolder& flight, const files::Labels& labels,
                         const AnyCamera& lens, double gate_side, const Eigen::Vector3d& p_BC) {
   const Geometry geometry{
       .lens = lens, .gate_side = gate_side, .p_BC = p_BC, .height = {}, .fit_heading = true};

@@ -48,8 +48,8 @@ struct Mount {
 ///
 /// @param p_BC  the camera's place in the body frame [m].
 /// @throws std::runtime_error one line: what the log or the labels lack.
-[[nodiscard]] Mount mount_from_flight(const io::FlightFolder& flight, const io::Labels& labels,
-                                      const AnyCamera& lens, double gate_side,
-                                      const Eigen::Vector3d& p_BC);
+[[nodiscard]] Mount mount_from_flight(const flight_log::FlightFolder& flight,
+                                      const files::Labels& labels, const AnyCamera& lens,
+                                      double gate_side, const Eigen::Vector3d& p_BC);
 
 }  // namespace gatefly::calibration

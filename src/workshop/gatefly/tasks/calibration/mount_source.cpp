@@ -11,12 +11,12 @@ namespace gatefly::calibration {
 namespace {
 
 namespace fs = std::filesystem;
-using io::fixed;
+using files::fixed;
 
 /// The gate of each picture that has exactly one.
-std::vector<Quad> single_gates(const io::Labels& labels) {
+std::vector<Quad> single_gates(const files::Labels& labels) {
   std::vector<Quad> gates;
-  for (const io::LabelledPicture& picture : labels.pictures)
+  for (const files::LabelledPicture& picture : labels.pictures)
     if (picture.gates.size() == 1) gates.push_back(picture.gates[0]);
   return gates;
 }
@@ -31,14 +31,14 @@ std::string fitted_with_it(const Mount& mount) {
 
 }  // namespace
 
-io::Labels gate_labels(const fs::path& path) {
-  return io::read_labels(fs::is_directory(path) ? path / "labels.csv" : path);
+files::Labels gate_labels(const fs::path& path) {
+  return files::read_labels(fs::is_directory(path) ? path / "labels.csv" : path);
 }
 
-FoundMount mount_from(const fs::path& path, const io::Labels& labels, const AnyCamera& lens,
+FoundMount mount_from(const fs::path& path, const files::Labels& labels, const AnyCamera& lens,
                       const MountArguments& arguments) {
   const bool flight = fs::is_directory(path);
-  return {.mount = flight ? mount_from_flight(io::read_flight_folder(path), labels, lens,
+  return {.mount = flight ? mount_from_flight(flight_log::read_flight_folder(path), labels, lens,
                                               arguments.gate_side, arguments.p_BC)
                           : mount_from_level(single_gates(labels), lens, arguments.gate_side,
                                              arguments.gate_height),
@@ -50,7 +50,7 @@ std::string text_of(const FoundMount& found) {
   const Mount& mount = found.mount;
   return "Tilt " + with_sigma(mount.tilt_down / kDegree, mount.tilt_sigma / kDegree) +
          " deg down, roll " + with_sigma(mount.roll / kDegree, mount.roll_sigma / kDegree) +
-         " deg, from " + io::amount(mount.pictures, "picture") + " of a gate (" + found.from +
+         " deg, from " + files::amount(mount.pictures, "picture") + " of a gate (" + found.from +
          "), RMS " + fixed(mount.rms_px, 2) + " px" +
          (found.flight ? fitted_with_it(mount)
                        : "; a drone that stood askew by a degree makes it a degree.");

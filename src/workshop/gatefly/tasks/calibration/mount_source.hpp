@@ -27,11 +27,11 @@ struct FoundMount {
 };
 
 /// A labels.csv, or that of a flight folder.
-[[nodiscard]] io::Labels gate_labels(const std::filesystem::path& path);
+[[nodiscard]] files::Labels gate_labels(const std::filesystem::path& path);
 
 /// mount_from_flight() where `path` is a flight folder, else mount_from_level().
 /// @throws std::runtime_error as these do, and for a flight that cannot be read.
-[[nodiscard]] FoundMount mount_from(const std::filesystem::path& path, const io::Labels& labels,
+[[nodiscard]] FoundMount mount_from(const std::filesystem::path& path, const files::Labels& labels,
                                     const AnyCamera& lens, const MountArguments& arguments);
 
 /// The angles with their uncertainty and what they rest on: one sentence.

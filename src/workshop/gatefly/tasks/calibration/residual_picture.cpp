@@ -10,7 +10,7 @@
 
 namespace gatefly::calibration {
 
-io::Canvas residual_picture(const Calibration& answer) {
+drawing::Canvas residual_picture(const Calibration& answer) {
   constexpr double kWidth = 1200.0, kBorder = 24.0, kHead = 56.0;
   constexpr double kRmsLength = 12.0;  // of an arrow as long as the RMS [px of the drawing]
   const ModelResult& best = answer.best();
@@ -19,15 +19,15 @@ io::Canvas residual_picture(const Calibration& answer) {
       best.rms_px > 0.0 ? std::pow(10.0, std::floor(std::log10(kRmsLength / best.rms_px))) : 1.0;
   const double stretch = enlarged * std::max(1.0, std::floor(kRmsLength / best.rms_px / enlarged));
 
-  io::Canvas canvas(static_cast<int>(kWidth + 2 * kBorder),
-                    static_cast<int>(height + kHead + kBorder));
+  drawing::Canvas canvas(static_cast<int>(kWidth + 2 * kBorder),
+                         static_cast<int>(height + kHead + kBorder));
   canvas.text({kBorder, 34.0},
               name_of(best.fit.model) + ": residuals of " + std::to_string(answer.kept.size()) +
-                  " pictures, RMS " + io::text_of(best.rms_px, 3) + " px; arrows are " +
-                  io::text_of(stretch) + " times as long",
-              {.color = io::kLight.ink, .size = 18.0});
-  const io::Box frame{kBorder, kHead, kWidth, height};
-  canvas.fill(frame, io::kLight.panel);
+                  " pictures, RMS " + files::text_of(best.rms_px, 3) + " px; arrows are " +
+                  files::text_of(stretch) + " times as long",
+              {.color = drawing::kLight.ink, .size = 18.0});
+  const drawing::Box frame{kBorder, kHead, kWidth, height};
+  canvas.fill(frame, drawing::kLight.panel);
   canvas.clip(frame);
   const Eigen::Vector2d origin{kBorder, kHead};
   const AnyCamera lens = best.fit.lens();
@@ -38,8 +38,8 @@ io::Canvas residual_picture(const Calibration& answer) {
       if (!residuals[j].allFinite()) continue;
       const Eigen::Vector2d at =
           origin + scale * (view.corners[j].px + Eigen::Vector2d::Constant(0.5));
-      canvas.disc(at, 1.2, io::kLight.muted);
-      canvas.line(at, at + stretch * residuals[j], {.color = io::kLight.found, .width = 1.2});
+      canvas.disc(at, 1.2, drawing::kLight.muted);
+      canvas.line(at, at + stretch * residuals[j], {.color = drawing::kLight.found, .width = 1.2});
     }
   }
   canvas.unclip();

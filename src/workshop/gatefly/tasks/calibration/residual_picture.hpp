@@ -9,6 +9,6 @@ namespace gatefly::calibration {
 /// Every kept corner with its residual (seen minus drawn), enlarged; scattered arrows are noise,
 /// arrows that agree with their neighbours are what the lens model cannot describe. The chosen
 /// model's.
-[[nodiscard]] io::Canvas residual_picture(const Calibration& answer);
+[[nodiscard]] drawing::Canvas residual_picture(const Calibration& answer);
 
 }  // namespace gatefly::calibration

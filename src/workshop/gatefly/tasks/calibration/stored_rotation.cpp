@@ -31,15 +31,15 @@ std::optional<int> standing_out(const std::map<int, int>& hits) {
 std::optional<int> stored_rotation_of(const std::filesystem::path& flight,
                                       const Eigen::Vector2i& upright_px,
                                       const GateDetectorParams& params, const ColorModel& color) {
-  const io::Labels labels = io::read_labels(flight / "labels.csv");
+  const files::Labels labels = files::read_labels(flight / "labels.csv");
   const auto detector = std::make_unique<GateDetector>(params);
   std::map<int, int> hits;
   std::size_t pictures = 0;
-  for (const io::LabelledPicture& picture : labels.pictures) {
+  for (const files::LabelledPicture& picture : labels.pictures) {
     if (picture.gates.size() != 1 || !std::filesystem::exists(flight / picture.image) ||
         ++pictures > kPictures)
       continue;
-    const io::ImageFile file = io::read_image(flight / picture.image);
+    const files::ImageFile file = files::read_image(flight / picture.image);
     for (const int turn : {0, 90, 180, 270}) {
       const Image image = file.view(turn);
       if (Eigen::Vector2i{image.width(), image.height()} != upright_px) continue;

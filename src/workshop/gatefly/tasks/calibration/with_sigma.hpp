@@ -13,7 +13,7 @@ namespace gatefly::calibration {
 [[nodiscard]] inline std::string with_sigma(double value, double sigma) {
   const int digits =
       sigma > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(sigma))) + 1, 0, 6) : 4;
-  return io::fixed(value, digits) + (sigma > 0.0 ? " ± " + io::fixed(sigma, digits) : "");
+  return files::fixed(value, digits) + (sigma > 0.0 ? " ± " + files::fixed(sigma, digits) : "");
 }
 
 }  // namespace gatefly::calibration

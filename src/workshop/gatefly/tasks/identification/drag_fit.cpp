@@ -18,7 +18,7 @@ constexpr double kFlownDragY = -0.47, kFlownWeight = 0.3;
 constexpr double kBiasWeight = 5.0;                      // of a known bias, in pieces
 constexpr double kMostOffset = 40.0, kOffsetStep = 0.5;  // [deg]
 
-bool is_complete(const io::FlightSample& s) { return s.true_p_EB && s.true_v_E && s.ahrs; }
+bool is_complete(const flight_log::FlightSample& s) { return s.true_p_EB && s.true_v_E && s.ahrs; }
 
 using Theta = Eigen::Vector4d;  // 1/k_x, −b_x/k_x, 1/k_y, −b_y/k_y
 
@@ -55,7 +55,7 @@ std::pair<double, Solution> best_offset(const Solve& solve) {
 
 }  // namespace
 
-Airborne airborne(const io::FlightFolder& flight) {
+Airborne airborne(const flight_log::FlightFolder& flight) {
   const auto above = [&](std::size_t i, double height) {
     return is_complete(flight.samples[i]) && flight.samples[i].true_p_EB->z() < -height;
   };
@@ -65,8 +65,9 @@ Airborne airborne(const io::FlightFolder& flight) {
   return rows;
 }
 
-std::vector<Displacement> displacements(const io::FlightFolder& flight, const Airborne& rows,
-                                        double heading_offset, double length) {
+std::vector<Displacement> displacements(const flight_log::FlightFolder& flight,
+                                        const Airborne& rows, double heading_offset,
+                                        double length) {
   // Integrals up to each row; a piece is the difference of two.
   struct Integral {
     std::size_t row;
@@ -76,7 +77,7 @@ std::vector<Displacement> displacements(const io::FlightFolder& flight, const Ai
   std::vector<Integral> integrals;
   Integral sum{rows.first, Eigen::Matrix<double, 2, 4>::Zero(), Eigen::Vector2d::Zero()};
   for (std::size_t i = std::max<std::size_t>(rows.first, 1); i < rows.last; ++i) {
-    const io::FlightSample& s = flight.samples[i];
+    const flight_log::FlightSample& s = flight.samples[i];
     if (!is_complete(s)) continue;
     const double dt = seconds(s.time - flight.samples[i - 1].time);
     Attitude attitude = *s.ahrs;
@@ -110,7 +111,7 @@ std::vector<Displacement> displacements(const io::FlightFolder& flight, const Ai
   return pieces;
 }
 
-std::optional<DragFit> fit_drag(const io::FlightFolder& flight) {
+std::optional<DragFit> fit_drag(const flight_log::FlightFolder& flight) {
   const Airborne rows = airborne(flight);
   const std::size_t pieces = displacements(flight, rows, 0.0, kPiece).size();
   if (pieces == 0) return std::nullopt;
@@ -133,7 +134,7 @@ std::optional<DragFit> fit_drag(const io::FlightFolder& flight) {
   return fit;
 }
 
-double fit_heading(const io::FlightFolder& flight, const DragFit& fit) {
+double fit_heading(const flight_log::FlightFolder& flight, const DragFit& fit) {
   const Airborne rows = airborne(flight);
   const Theta known{1.0 / fit.drag.x(), -fit.bias.x() / fit.drag.x(), 1.0 / fit.drag.y(),
                     -fit.bias.y() / fit.drag.y()};

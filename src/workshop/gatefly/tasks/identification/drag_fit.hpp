@@ -19,7 +19,7 @@ struct Airborne {
 
 /// From the first row above 0.9 m to the last one above 0.6 m. Empty when the log has no truth up
 /// there.
-[[nodiscard]] Airborne airborne(const io::FlightFolder& flight);
+[[nodiscard]] Airborne airborne(const flight_log::FlightFolder& flight);
 
 /// Equation of a piece of flight: displacement = M (1/k_x, −b_x/k_x, 1/k_y, −b_y/k_y), on the floor
 /// plan [m].
@@ -31,7 +31,7 @@ struct Displacement {
 /// Pieces of `length` seconds, one every 0.1 s. Li18 Eq. (14) integrated: v = K⁻¹ (a − b) in B,
 /// turned by the log's own attitude with `heading_offset` [rad] added; the vertical part comes from
 /// the true vertical velocity.
-[[nodiscard]] std::vector<Displacement> displacements(const io::FlightFolder& flight,
+[[nodiscard]] std::vector<Displacement> displacements(const flight_log::FlightFolder& flight,
                                                       const Airborne& rows, double heading_offset,
                                                       double length);
 
@@ -48,10 +48,10 @@ struct DragFit {
 ///
 /// k_y is hardly excited by straight flight: the authors' flown −0.47 1/s weighs as a third of a
 /// piece.
-[[nodiscard]] std::optional<DragFit> fit_drag(const io::FlightFolder& flight);
+[[nodiscard]] std::optional<DragFit> fit_drag(const flight_log::FlightFolder& flight);
 
 /// The heading offset alone, drag known; the bias may differ a little from `fit.bias` [rad].
-[[nodiscard]] double fit_heading(const io::FlightFolder& flight, const DragFit& fit);
+[[nodiscard]] double fit_heading(const flight_log::FlightFolder& flight, const DragFit& fit);
 
 /// Mean of several flights' fits, each counting once. @param left_out  index that is not in it.
 [[nodiscard]] DragFit mean_of(std::span<const DragFit> fits,

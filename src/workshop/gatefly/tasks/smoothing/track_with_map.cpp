@@ -51,7 +51,9 @@ void write_tables(std::string& text, const json& table, const std::string& befor
 double rounded(double value, double step) { return std::round(value / step) * step; }
 
 // As a person would write it: "1.234", not "1.2340000000000000".
-json number(double value, double step) { return json::parse(io::text_of(rounded(value, step), 9)); }
+json number(double value, double step) {
+  return json::parse(files::text_of(rounded(value, step), 9));
+}
 
 }  // namespace
 
@@ -75,7 +77,7 @@ Track with_map(Track track, const LearntMap& map, const Intake& intake) {
 std::string track_file_with(const std::filesystem::path& path, const Track& learnt,
                             const std::vector<std::string>& from) {
   constexpr double kPlace = 1e-3, kAngle = 0.01, kSide = 1e-4;  // [m], [deg], [m]
-  json track = io::TomlFile{path}.content();
+  json track = files::TomlFile{path}.content();
   if (!track.contains("name")) track["name"] = learnt.name;
   json& gates = track.at("gates");
   if (gates.size() != learnt.gates.size())
@@ -92,9 +94,9 @@ std::string track_file_with(const std::filesystem::path& path, const Track& lear
     if (gate.yaw_sigma) gates[i]["heading_sigma_deg"] = number(*gate.yaw_sigma / kDegree, kAngle);
     if (gate.side_sigma) gates[i]["side_sigma_m"] = number(*gate.side_sigma, kSide);
   }
-  std::string text = std::string{kLearntTrack} + " from " + io::one_line(path.filename().string()) +
-                     " and these flights:\n";
-  for (const std::string& flight : from) text += "#   " + io::one_line(flight) + '\n';
+  std::string text = std::string{kLearntTrack} + " from " +
+                     files::one_line(path.filename().string()) + " and these flights:\n";
+  for (const std::string& flight : from) text += "#   " + files::one_line(flight) + '\n';
   write_values(text, track);
   write_tables(text, track, "");
   return text;

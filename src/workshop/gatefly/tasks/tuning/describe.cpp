@@ -88,14 +88,14 @@ std::array<double, 3> described_color(const std::string& given) {
   if (!rgb) rgb = from_hex(text);
   if (!rgb) rgb = from_numbers(text);
   if (no_hue || (rgb && !has_hue(*rgb)))
-    throw std::invalid_argument("'" + io::one_line(given) +
+    throw std::invalid_argument("'" + files::one_line(given) +
                                 "' has no hue: gates are told from grey things by theirs");
   if (rgb) return *rgb;
   std::vector<std::string> names;
   for (const Name& name : kNames) names.emplace_back(name.name);
-  throw std::invalid_argument("'" + io::one_line(given) + "' is no colour" +
-                              io::suggestion(text, names) + " (there are: " + io::joined(names) +
-                              "; or #rrggbb; or r,g,b)");
+  throw std::invalid_argument("'" + files::one_line(given) + "' is no colour" +
+                              files::suggestion(text, names) +
+                              " (there are: " + files::joined(names) + "; or #rrggbb; or r,g,b)");
 }
 
 }  // namespace gatefly::tuning

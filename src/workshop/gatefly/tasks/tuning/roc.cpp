@@ -28,12 +28,12 @@ std::vector<Judged> found_in(const Image& image, const ColorModel& color, const 
 std::vector<Judged> judged_in(const LabelledImage& picture, const ColorModel& color,
                               const Judging& judging) {
   std::vector<Judged> list = found_in(picture.image, color, judging);
-  io::PictureToScore so_far = picture.truth;
+  files::PictureToScore so_far = picture.truth;
   so_far.detections.clear();
   int hits = 0, wrong = 0;
   for (Judged& found : list) {  // what one more detection changes
     so_far.detections.push_back(found.corners_px);
-    const io::Score score = io::score({&so_far, 1}, judging.rule, judging.nearest);
+    const files::Score score = files::score({&so_far, 1}, judging.rule, judging.nearest);
     found.hit = score.hits - std::exchange(hits, score.hits);
     found.wrong = score.false_positives - std::exchange(wrong, score.false_positives);
   }

@@ -14,7 +14,7 @@ namespace gatefly::tuning {
 /// A picture and what it is known to show.
 struct LabelledImage {
   Image image;
-  io::PictureToScore truth;  ///< Its detections are not used.
+  files::PictureToScore truth;  ///< Its detections are not used.
 };
 
 /// A gate that was found, and what it is by the labels.
@@ -33,7 +33,7 @@ struct Judging {
   /// Every gate of a picture, by the careful search; else the best, as `gatefly detect` gives.
   bool all = false;
   bool fast = false;  ///< By the fast search alone.
-  io::Rule rule = io::Rule::kOverlap70;
+  files::Rule rule = files::Rule::kOverlap70;
   bool nearest = false;  ///< Only the first labelled gate counts.
 };
 

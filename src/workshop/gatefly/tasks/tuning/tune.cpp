@@ -173,7 +173,7 @@ ColorModel fit_to_labels(Pictures pictures, const ColorModel& prior,
   for (const LabelledImage& picture : pictures) {
     ColorPicture& example = examples.emplace_back(ColorPicture{.image = picture.image});
     const auto bars = [&](const Quad& label) {
-      return scaled(io::polygon(label), 1.0 / detector.corner_scale);
+      return scaled(files::polygon(label), 1.0 / detector.corner_scale);
     };
     for (const Quad& gate : picture.truth.gates) example.gates.push_back({bars(gate)});
     for (const Quad& gate : picture.truth.ignored) example.unsure.push_back(bars(gate));

@@ -7,10 +7,10 @@
 #include "gatefly/config/schema.hpp"
 #include "gatefly/world/randomize.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 
 /// The keys of [randomize] but `level`: one standard deviation each. simulation.md has the levels.
-[[nodiscard]] const std::vector<Key<sim::Randomize>>& randomize_keys();
+[[nodiscard]] const std::vector<Key<world::Randomize>>& randomize_keys();
 
 /// The key `level` itself.
 [[nodiscard]] const KeyRule& randomize_level_rule();
@@ -22,7 +22,7 @@ void check_randomize(const std::string& key, const nlohmann::json& value, const 
 /// `base` with a [randomize] table put over it: first its level, if it has one, then its other
 /// keys.
 /// @throws std::runtime_error as check_randomize.
-[[nodiscard]] sim::Randomize randomized(const sim::Randomize& base, const nlohmann::json& table,
-                                        const std::string& where);
+[[nodiscard]] world::Randomize randomized(const world::Randomize& base, const nlohmann::json& table,
+                                          const std::string& where);
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/config/randomize.hpp"
+#include "gatefly/config/randomize_keys.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -7,20 +7,20 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
 
-namespace gatefly::io {
+namespace gatefly::config {
 namespace {
 
 constexpr double kPercent = 0.01;
 const char* const kSource = "level of simulation.md";
 
 template <class Member>
-Key<sim::Randomize> sigma(const char* name, const char* what, double high, Member member,
-                          double unit = 1.0) {
-  return key<sim::Randomize>(std::string{"randomize."} + name, 0.0, high, member, what, kSource,
-                             unit);
+Key<world::Randomize> sigma(const char* name, const char* what, double high, Member member,
+                            double unit = 1.0) {
+  return key<world::Randomize>(std::string{"randomize."} + name, 0.0, high, member, what, kSource,
+                               unit);
 }
 
-std::vector<Key<sim::Randomize>> make_keys() {
+std::vector<Key<world::Randomize>> make_keys() {
   return {
       sigma(
           "gate_position_m", "a gate's place on the floor plan", 2,
@@ -136,7 +136,7 @@ std::vector<Key<sim::Randomize>> make_keys() {
   };
 }
 
-const Key<sim::Randomize>* find(const std::string& name) {
+const Key<world::Randomize>* find(const std::string& name) {
   const auto& keys = randomize_keys();
   const auto found = std::find_if(
       keys.begin(), keys.end(), [&](const auto& k) { return k.rule.name == "randomize." + name; });
@@ -154,8 +154,8 @@ const KeyRule& randomize_level_rule() {
   return rule;
 }
 
-const std::vector<Key<sim::Randomize>>& randomize_keys() {
-  static const std::vector<Key<sim::Randomize>> keys = make_keys();
+const std::vector<Key<world::Randomize>>& randomize_keys() {
+  static const std::vector<Key<world::Randomize>> keys = make_keys();
   return keys;
 }
 
@@ -168,19 +168,19 @@ void check_randomize(const std::string& key, const nlohmann::json& value,
   } else {
     std::vector<std::string> names{"level"};
     for (const auto& each : randomize_keys()) names.push_back(each.rule.name.substr(10));
-    throw std::runtime_error(where + ": randomize." + one_line(key) + " is not a known key" +
-                             suggestion(key, names));
+    throw std::runtime_error(where + ": randomize." + files::one_line(key) + " is not a known key" +
+                             files::suggestion(key, names));
   }
 }
 
-sim::Randomize randomized(const sim::Randomize& base, const nlohmann::json& table,
-                          const std::string& where) {
+world::Randomize randomized(const world::Randomize& base, const nlohmann::json& table,
+                            const std::string& where) {
   for (const auto& [key, value] : table.items()) check_randomize(key, value, where);
-  sim::Randomize result =
-      table.contains("level") ? sim::randomize_level(table.at("level").get<std::string>()) : base;
+  world::Randomize result =
+      table.contains("level") ? world::randomize_level(table.at("level").get<std::string>()) : base;
   for (const auto& [key, value] : table.items())
     if (const auto* known = find(key)) known->set(result, value);
   return result;
 }
 
-}  // namespace gatefly::io
+}  // namespace gatefly::config

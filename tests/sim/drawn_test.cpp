@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/drawn.hpp"
 
 #include <algorithm>
 #include <array>
@@ -42,7 +42,7 @@ void put_color(Numbers& numbers, const std::string& name, const Eigen::Vector3d&
 
 /// Every number of a configuration by name. The bindings stop compiling when a member is added:
 /// then a draw may change it, and this list has to know.
-Numbers numbers_of(const SimConfig& config) {
+Numbers numbers_of(const world::SimConfig& config) {
   Numbers n;
   const auto& [world, vehicle, sensors, autopilot, camera, light, ideal_vision, start, wind, faults,
                seed, cache_dir, bake_threads] = config;
@@ -186,7 +186,7 @@ Numbers numbers_of(const SimConfig& config) {
 
 /// A world with two gates and an obstacle, and no number at a value that a draw would leave alone.
 SimConfig nominal_day() {
-  SimConfig config;
+  world::SimConfig config;
   config.world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6, .color = {0.6, 0.4, 0.3}},
                         {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0, .color = {0.3, 0.4, 0.6}}};
   config.world.obstacles = {{{1.0, -3.0}, {1.5, 0.6}, 0.5, 0.0, 1.9, false}};
@@ -232,48 +232,64 @@ const std::vector<Draw>& draws() {
   using enum Change;
   static const std::vector<Draw> list{
       {"gate_position",
-       &Randomize::gate_position,
+       &world::Randomize::gate_position,
        0.1,
        kAdds,
        {{"gate0.p_EG.0"}, {"gate0.p_EG.1"}, {"gate1.p_EG.0"}, {"gate1.p_EG.1"}}},
-      {"gate_heading", &Randomize::gate_heading, 0.05, kAdds, {{"gate0.yaw_EG"}, {"gate1.yaw_EG"}}},
-      {"gate_height", &Randomize::gate_height, 0.05, kAdds, {{"gate0.p_EG.2"}, {"gate1.p_EG.2"}}},
-      {"gate_side", &Randomize::gate_side, 0.01, kScales, {{"gate0.side"}, {"gate1.side"}}},
+      {"gate_heading",
+       &world::Randomize::gate_heading,
+       0.05,
+       kAdds,
+       {{"gate0.yaw_EG"}, {"gate1.yaw_EG"}}},
+      {"gate_height",
+       &world::Randomize::gate_height,
+       0.05,
+       kAdds,
+       {{"gate0.p_EG.2"}, {"gate1.p_EG.2"}}},
+      {"gate_side", &world::Randomize::gate_side, 0.01, kScales, {{"gate0.side"}, {"gate1.side"}}},
       {"start_position",
-       &Randomize::start_position,
+       &world::Randomize::start_position,
        0.1,
        kAdds,
        {{"start.position.0"}, {"start.position.1"}}},
-      {"start_heading", &Randomize::start_heading, 0.05, kAdds, {{"start.heading"}}},
-      {"camera_focal", &Randomize::camera_focal, 0.01, kScales, {{"focal_px.0", "focal_px.1"}}},
+      {"start_heading", &world::Randomize::start_heading, 0.05, kAdds, {{"start.heading"}}},
+      {"camera_focal",
+       &world::Randomize::camera_focal,
+       0.01,
+       kScales,
+       {{"focal_px.0", "focal_px.1"}}},
       {"camera_center_px",
-       &Randomize::camera_center_px,
+       &world::Randomize::camera_center_px,
        2.0,
        kAdds,
        {{"center_px.0"}, {"center_px.1"}}},
-      {"camera_k", &Randomize::camera_k, 0.02, kAdds, {{"lens_k"}}},
-      {"camera_tilt", &Randomize::camera_tilt, 0.02, kAdds, {{"tilt_down"}}},
-      {"camera_latency", &Randomize::camera_latency, 0.01, kAdds, {{"camera_latency"}}},
+      {"camera_k", &world::Randomize::camera_k, 0.02, kAdds, {{"lens_k"}}},
+      {"camera_tilt", &world::Randomize::camera_tilt, 0.02, kAdds, {{"tilt_down"}}},
+      {"camera_latency", &world::Randomize::camera_latency, 0.01, kAdds, {{"camera_latency"}}},
       {"drag",
-       &Randomize::drag,
+       &world::Randomize::drag,
        0.08,
        kScales,
        {{"rotor_drag.0", "rotor_drag.1", "rotor_drag.2"}, {"body_drag"}}},
-      {"mass", &Randomize::mass, 0.03, kScales, {{"mass", "inertia.0", "inertia.1", "inertia.2"}}},
-      {"thrust", &Randomize::thrust, 0.03, kScales, {{"thrust_coefficient"}}},
-      {"sag", &Randomize::sag, 0.05, kAddsItself, {{"sag"}}},
+      {"mass",
+       &world::Randomize::mass,
+       0.03,
+       kScales,
+       {{"mass", "inertia.0", "inertia.1", "inertia.2"}}},
+      {"thrust", &world::Randomize::thrust, 0.03, kScales, {{"thrust_coefficient"}}},
+      {"sag", &world::Randomize::sag, 0.05, kAddsItself, {{"sag"}}},
       {"accel_bias",
-       &Randomize::accel_bias,
+       &world::Randomize::accel_bias,
        0.25,
        kReplaces,
        {{"accel_bias.0"}, {"accel_bias.1"}, {"accel_bias.2"}}},
       {"gyro_bias",
-       &Randomize::gyro_bias,
+       &world::Randomize::gyro_bias,
        0.003,
        kAdds,
        {{"gyro_drift.0"}, {"gyro_drift.1"}, {"gyro_drift.2"}}},
       {"scale",
-       &Randomize::scale,
+       &world::Randomize::scale,
        0.01,
        kAdds,
        {{"accel_scale.0"},
@@ -283,69 +299,73 @@ const std::vector<Draw>& draws() {
         {"gyro_scale.1"},
         {"gyro_scale.2"}}},
       {"flight_bias",
-       &Randomize::flight_bias,
+       &world::Randomize::flight_bias,
        0.05,
        kAdds,
        {{"flight_bias.0"}, {"flight_bias.1"}, {"flight_bias.2"}}},
       {"noise_scale",
-       &Randomize::noise_scale,
+       &world::Randomize::noise_scale,
        2.0,
        kScalesItself,
        {{"noise_scale", "picture_noise_scale"}}},
       {"light",
-       &Randomize::light,
+       &world::Randomize::light,
        0.3,
        kScales,
        {{"group_gain.0"}, {"group_gain.1"}, {"group_gain.2"}}},
-      {"exposure", &Randomize::exposure, 0.25, kScales, {{"exposure_target"}}},
-      {"hue", &Randomize::hue, 0.1, kAdds, {{"gate0.hue", "gate1.hue"}}},
+      {"exposure", &world::Randomize::exposure, 0.25, kScales, {{"exposure_target"}}},
+      {"hue", &world::Randomize::hue, 0.1, kAdds, {{"gate0.hue", "gate1.hue"}}},
       {"white_balance",
-       &Randomize::white_balance,
+       &world::Randomize::white_balance,
        0.08,
        kScales,
        {{"white_balance.0"}, {"white_balance.1"}, {"white_balance.2"}}},
-      {"saturation", &Randomize::saturation, 0.2, kScales, {{"imaging.saturation"}}},
-      {"frame_loss", &Randomize::frame_loss, 0.02, kAddsItself, {{"frame_loss"}}},
-      {"latency_jitter", &Randomize::latency_jitter, 0.01, kAddsItself, {{"latency_jitter"}}},
-      {"wind", &Randomize::wind, 0.5, kAdds, {{"wind.mean.0"}, {"wind.mean.1"}}},
-      {"gust", &Randomize::gust, 1.0, kAddsItself, {{"wind.gust"}}},
-      {"jet", &Randomize::jet, 0.3, kAddsItself, {{"wind.jet.0"}}},
-      {"shear", &Randomize::shear, 0.1, kAddsItself, {{"wind.shear"}}},
-      {"wash", &Randomize::wash, 0.5, kAddsItself, {{"wind.wash"}}},
+      {"saturation", &world::Randomize::saturation, 0.2, kScales, {{"imaging.saturation"}}},
+      {"frame_loss", &world::Randomize::frame_loss, 0.02, kAddsItself, {{"frame_loss"}}},
+      {"latency_jitter",
+       &world::Randomize::latency_jitter,
+       0.01,
+       kAddsItself,
+       {{"latency_jitter"}}},
+      {"wind", &world::Randomize::wind, 0.5, kAdds, {{"wind.mean.0"}, {"wind.mean.1"}}},
+      {"gust", &world::Randomize::gust, 1.0, kAddsItself, {{"wind.gust"}}},
+      {"jet", &world::Randomize::jet, 0.3, kAddsItself, {{"wind.jet.0"}}},
+      {"shear", &world::Randomize::shear, 0.1, kAddsItself, {{"wind.shear"}}},
+      {"wash", &world::Randomize::wash, 0.5, kAddsItself, {{"wind.wash"}}},
       {"imbalance",
-       &Randomize::imbalance,
+       &world::Randomize::imbalance,
        0.3,
        kScales,
        {{"imbalance.0"}, {"imbalance.1"}, {"imbalance.2"}, {"imbalance.3"}}},
       {"accel_warming",
-       &Randomize::accel_warming,
+       &world::Randomize::accel_warming,
        0.05,
        kAdds,
        {{"accel_warming.0"}, {"accel_warming.1"}, {"accel_warming.2"}}},
       {"gyro_warming",
-       &Randomize::gyro_warming,
+       &world::Randomize::gyro_warming,
        0.01,
        kAdds,
        {{"gyro_warming.0"}, {"gyro_warming.1"}, {"gyro_warming.2"}}},
-      {"sonar_loss", &Randomize::sonar_loss, 0.05, kAddsItself, {{"sonar_loss"}}},
-      {"sonar_double", &Randomize::sonar_double, 0.01, kAddsItself, {{"sonar_double"}}}};
+      {"sonar_loss", &world::Randomize::sonar_loss, 0.05, kAddsItself, {{"sonar_loss"}}},
+      {"sonar_double", &world::Randomize::sonar_double, 0.01, kAddsItself, {{"sonar_double"}}}};
   return list;
 }
 
-Randomize alone(const Draw& draw) {
-  Randomize sigma;
+world::Randomize alone(const Draw& draw) {
+  world::Randomize sigma;
   sigma.*draw.member = draw.size;
   return sigma;
 }
 
-Randomize all_draws() {
-  Randomize sigma;
+world::Randomize all_draws() {
+  world::Randomize sigma;
   for (const Draw& draw : draws()) sigma.*draw.member = draw.size;
   return sigma;
 }
 
-Numbers drawn_numbers(const Randomize& sigma, std::uint64_t seed) {
-  SimConfig nominal = nominal_day();
+Numbers drawn_numbers(const world::Randomize& sigma, std::uint64_t seed) {
+  world::SimConfig nominal = nominal_day();
   nominal.seed = seed;
   return numbers_of(drawn(nominal, sigma, seed));
 }
@@ -372,7 +392,7 @@ bool is_random(const Draw& draw) {
 }
 
 TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
-  Randomize sigma;
+  world::Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
          m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35, m36,
@@ -420,11 +440,11 @@ TEST(Randomize, EachSizeDrawsTheSameNumbersWhateverElseIsDrawn) {
 }
 
 TEST(Randomize, LevelNoneChangesNothing) {
-  SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_day();
   nominal.world.gates[0].color = {1.0, 0.0, 0.0};
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     nominal.seed = seed;
-    const Numbers real = numbers_of(drawn(nominal, randomize_level("none"), seed));
+    const Numbers real = numbers_of(drawn(nominal, world::randomize_level("none"), seed));
     for (const auto& [name, value] : numbers_of(nominal)) EXPECT_EQ(real.at(name), value) << name;
   }
 }
@@ -432,7 +452,7 @@ TEST(Randomize, LevelNoneChangesNothing) {
 TEST(Randomize, TheSeedIsKeptForTheRace) { EXPECT_EQ(drawn({}, {}, 77).seed, 77u); }
 
 TEST(Randomize, AnUnknownLevelIsRefused) {
-  EXPECT_THROW((void)randomize_level("easy"), std::invalid_argument);
+  EXPECT_THROW((void)world::randomize_level("easy"), std::invalid_argument);
 }
 
 // Mean 0 and the spread of a normal number cut at 2.5, which is 0.9546; four standard errors.
@@ -478,8 +498,8 @@ TEST(Randomize, DrawsAreNormalCutAtTwoAndAHalfSigmaAndIndependent) {
 }
 
 TEST(Randomize, OneGateMoreLeavesThoseBeforeItWhereTheyAre) {
-  const SimConfig two = nominal_day();
-  SimConfig three = two;
+  const world::SimConfig two = nominal_day();
+  world::SimConfig three = two;
   three.world.gates.push_back({.p_EG = {0.0, 5.0, -1.5}});
   const Numbers with_two = numbers_of(drawn(two, all_draws(), 9)),
                 with_three = numbers_of(drawn(three, all_draws(), 9));
@@ -487,9 +507,9 @@ TEST(Randomize, OneGateMoreLeavesThoseBeforeItWhereTheyAre) {
 }
 
 TEST(Randomize, AGateThatStandsOnTheFloorDoesNotSinkIntoIt) {
-  SimConfig nominal;
+  world::SimConfig nominal;
   nominal.world.gates = {{.p_EG = {0, 0, -1.35}, .side = 2.7}, {.p_EG = {5, 0, -1.5}}};
-  Randomize sizes;
+  world::Randomize sizes;
   sizes.gate_height = 0.05, sizes.gate_side = 0.01;
   int lower = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -501,11 +521,11 @@ TEST(Randomize, AGateThatStandsOnTheFloorDoesNotSinkIntoIt) {
 }
 
 TEST(Randomize, LightStaysAboveATenthAndExposureAboveThreeTenths) {
-  Randomize wild;
+  world::Randomize wild;
   wild.light = wild.exposure = 1.0;
   double darkest = 1.0, shortest = 1.0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    const LightConditions light = drawn({}, wild, seed).light;
+    const world::LightConditions light = drawn({}, wild, seed).light;
     darkest = std::min(darkest, *std::ranges::min_element(light.group_gain));
     shortest = std::min(shortest, light.exposure_target);
   }
@@ -514,7 +534,7 @@ TEST(Randomize, LightStaysAboveATenthAndExposureAboveThreeTenths) {
 }
 
 TEST(Randomize, LatencyIsNeverNegative) {
-  Randomize wild;
+  world::Randomize wild;
   wild.camera_latency = 0.1;
   double least = 1.0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed)
@@ -523,25 +543,25 @@ TEST(Randomize, LatencyIsNeverNegative) {
 }
 
 /// Distance on the floor from the straight way through a gate: 5 m before it to 3 m behind.
-double to_lane(const WorldGate& gate, const Eigen::Vector2d& p) {
+double to_lane(const world::WorldGate& gate, const Eigen::Vector2d& p) {
   const Eigen::Vector2d along = rotation_z(gate.yaw_EG).col(0).head<2>();
   const Eigen::Vector2d from_gate = p - gate.p_EG.head<2>();
   return (from_gate - std::clamp(from_gate.dot(along), -5.0, 3.0) * along).norm();
 }
 
 TEST(Decoys, StandAtTheWallsOffTheLanesInTheColourOfTheGates) {
-  SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_day();
   nominal.world.room_center = {1.0, -2.0};
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    Randomize sigma = all_draws();
+    world::Randomize sigma = all_draws();
     sigma.decoys = 4;
-    const World real = drawn(nominal, sigma, seed).world;
+    const world::World real = drawn(nominal, sigma, seed).world;
     EXPECT_EQ(real.decoys.size(), 4u) << "seed " << seed;
-    for (const Decoy& decoy : real.decoys) {
+    for (const world::Decoy& decoy : real.decoys) {
       const Eigen::Vector2d from_wall =
           0.5 * real.room_size.head<2>() - (decoy.shape.center - real.room_center).cwiseAbs();
       EXPECT_NEAR(from_wall.minCoeff(), 0.25, 1e-9);
-      for (const WorldGate& gate : real.gates)
+      for (const world::WorldGate& gate : real.gates)
         EXPECT_GT(to_lane(gate, decoy.shape.center), 1.19);  // of points 0.25 m apart on it
       EXPECT_EQ(decoy.color, real.gates[0].color);
       EXPECT_EQ(decoy.shape.bottom, 0.0);
@@ -552,7 +572,7 @@ TEST(Decoys, StandAtTheWallsOffTheLanesInTheColourOfTheGates) {
 }
 
 TEST(Decoys, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
-  Randomize few = all_draws(), many = all_draws();
+  world::Randomize few = all_draws(), many = all_draws();
   few.decoys = 2, many.decoys = 6;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Numbers one = drawn_numbers(few, seed);
@@ -569,24 +589,24 @@ TEST(Decoys, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
 }
 
 /// How far a point of the floor is from an obstacle's footprint; a pole's is its square.
-double to_obstacle(const WorldBox& box, const Eigen::Vector2d& p) {
+double to_obstacle(const world::WorldBox& box, const Eigen::Vector2d& p) {
   const Eigen::Vector3d away{p.x() - box.center.x(), p.y() - box.center.y(), 0.0};
   const Eigen::Vector2d own = (rotation_z(-box.heading) * away).head<2>();
   return (own.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm();
 }
 
 TEST(People, WalkAlongTheWallsOffTheLanesAndRoundNoObstacle) {
-  SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_day();
   nominal.world.room_size = {16.0, 18.0, 3.2};
   nominal.world.room_center = {1.0, -2.0};
   nominal.world.obstacles = {{{1.0, 6.2}, {0.6, 0.6}, 0.4, 0.0, 1.5, false}};
-  Randomize sigma = all_draws();
+  world::Randomize sigma = all_draws();
   sigma.people = 4;
   int warm = 0, people = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    const World real = drawn(nominal, sigma, seed).world;
+    const world::World real = drawn(nominal, sigma, seed).world;
     EXPECT_EQ(real.people.size(), 4u) << "seed " << seed;
-    for (const Person& person : real.people) {
+    for (const world::Person& person : real.people) {
       const double length = (person.to - person.from).norm();
       EXPECT_GE(length, 2.0 - 1e-9);
       EXPECT_GE(person.speed, 0.3);
@@ -597,7 +617,7 @@ TEST(People, WalkAlongTheWallsOffTheLanesAndRoundNoObstacle) {
             0.5 * real.room_size.head<2>() - (p - real.room_center).cwiseAbs();
         EXPECT_NEAR(from_wall.minCoeff(), 0.7, 1e-9);
         EXPECT_GE(to_obstacle(real.obstacles[0], p), 0.3);
-        for (const WorldGate& gate : real.gates) EXPECT_GT(to_lane(gate, p), 1.17);
+        for (const world::WorldGate& gate : real.gates) EXPECT_GT(to_lane(gate, p), 1.17);
       }
       ++people, warm += person.shirt.x() > 0.3 && person.shirt.y() < 0.26 ? 1 : 0;
     }
@@ -607,10 +627,11 @@ TEST(People, WalkAlongTheWallsOffTheLanesAndRoundNoObstacle) {
 }
 
 TEST(People, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
-  Randomize few = all_draws(), many = all_draws();
+  world::Randomize few = all_draws(), many = all_draws();
   few.people = 1, many.people = 3;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const SimConfig one = drawn(nominal_day(), few, seed), two = drawn(nominal_day(), many, seed);
+    const world::SimConfig one = drawn(nominal_day(), few, seed),
+                           two = drawn(nominal_day(), many, seed);
     ASSERT_EQ(one.world.people.size(), 1u);
     EXPECT_EQ(one.world.people[0].from, two.world.people[0].from);
     EXPECT_EQ(one.world.people[0].shirt, two.world.people[0].shirt);
@@ -621,30 +642,30 @@ TEST(People, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
 }
 
 TEST(Decoys, ARoomWithoutSpaceForThemGetsFewer) {
-  SimConfig config = nominal_day();
+  world::SimConfig config = nominal_day();
   config.world.room_size = {2.0, 2.0, 3.0};
   config.world.gates = {{.p_EG = {0, 0, -1.5}}};
-  Randomize sigma;
+  world::Randomize sigma;
   sigma.decoys = 3;
   EXPECT_TRUE(drawn(config, sigma, 1).world.decoys.empty());
 }
 
 /// On which side of a jet's axis, seen along it: right is positive.
-double side_of(const Jet& jet, const Eigen::Vector2d& p) {
+double side_of(const world::Jet& jet, const Eigen::Vector2d& p) {
   return (rotation_z(-jet.heading).topLeftCorner<2, 2>() * (p - jet.through)).y();
 }
 
 TEST(Draughts, AJetCrossesALegWhoseEndsLieOnEitherSide) {
-  SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_day();
   nominal.world.gates.push_back({.p_EG = {4.0, -5.0, -1.5}});
-  Randomize sigma = all_draws();
+  world::Randomize sigma = all_draws();
   sigma.jet = 0.3;
   std::set<std::size_t> legs;
   int from_left = 0;
   constexpr int kSeeds = 200;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const SimConfig real = drawn(nominal, sigma, seed);
-    const Jet& jet = real.wind.jet;
+    const world::SimConfig real = drawn(nominal, sigma, seed);
+    const world::Jet& jet = real.wind.jet;
     const Eigen::Vector2d blows = rotation_z(jet.heading).col(0).head<2>();
     bool crossed = false;
     for (std::size_t i = 0; i + 1 < real.world.gates.size(); ++i) {
@@ -665,22 +686,22 @@ TEST(Draughts, AJetCrossesALegWhoseEndsLieOnEitherSide) {
 }
 
 TEST(Draughts, OfOneGateTheJetCrossesTheWayThere) {
-  SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_day();
   nominal.world.gates.resize(1);
-  Randomize sigma;
+  world::Randomize sigma;
   sigma.jet = 0.3;
-  const SimConfig real = drawn(nominal, sigma, 5);
+  const world::SimConfig real = drawn(nominal, sigma, 5);
   EXPECT_LT(side_of(real.wind.jet, real.start.position) *
                 side_of(real.wind.jet, real.world.gates[0].p_EG.head<2>()),
             0.0);
 }
 
 TEST(Draughts, AShearStandsStillInTheMiddleOfTheGatesAndBlowsAnyWay) {
-  Randomize sigma;
+  world::Randomize sigma;
   sigma.shear = 0.1;
   Eigen::Vector2d sum{0, 0};
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const Shear shear = drawn(nominal_day(), sigma, seed).wind.shear;
+    const world::Shear shear = drawn(nominal_day(), sigma, seed).wind.shear;
     EXPECT_LT((shear.middle - Eigen::Vector2d{-0.5, 1.5}).norm(), 1e-12);
     sum += rotation_z(shear.heading).col(0).head<2>();
   }
@@ -689,21 +710,21 @@ TEST(Draughts, AShearStandsStillInTheMiddleOfTheGatesAndBlowsAnyWay) {
 
 TEST(Draughts, AtLevelRaceAndBelowThereAreNone) {
   for (const char* level : {"none", "race"}) {
-    const Wind wind = drawn(nominal_day(), randomize_level(level), 3).wind;
+    const world::Wind wind = drawn(nominal_day(), world::randomize_level(level), 3).wind;
     EXPECT_EQ(wind.jet.speed, 0.0);
     EXPECT_EQ(wind.shear.rate, 0.0);
     EXPECT_EQ(wind.wash, 0.0);
   }
 }
 
-SimConfig with(const AnyCamera& lens) {
-  SimConfig config;
+world::SimConfig with(const AnyCamera& lens) {
+  world::SimConfig config;
   config.camera.lens = lens;
   return config;
 }
 
-Randomize lens_only() {
-  Randomize sigma;
+world::Randomize lens_only() {
+  world::Randomize sigma;
   sigma.camera_focal = 0.01, sigma.camera_center_px = 2.0, sigma.camera_k = 0.02;
   return sigma;
 }

@@ -9,6 +9,7 @@
 namespace gatefly::sim {
 
 /// One seed's truth around the nominal one. The pilot keeps the nominal.
-[[nodiscard]] SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t seed);
+[[nodiscard]] world::SimConfig drawn(const world::SimConfig& nominal, const world::Randomize& sigma,
+                                     std::uint64_t seed);
 
 }  // namespace gatefly::sim

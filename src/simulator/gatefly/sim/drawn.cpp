@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/sim/randomize.hpp"
+#include "gatefly/sim/drawn.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ Eigen::Vector3d normal3(Stream& stream, double sigma) {
 }
 
 // Distance on the floor plan from `p` to the straight ways through the gates: decoys keep off them.
-double to_lanes(const World& world, const Eigen::Vector2d& p) {
+double to_lanes(const world::World& world, const Eigen::Vector2d& p) {
   double nearest = 1e9;
   for (const auto& gate : world.gates) {
     const Eigen::Vector2d along{gatefly::cos(gate.yaw_EG), gatefly::sin(gate.yaw_EG)};
@@ -36,7 +36,7 @@ double to_lanes(const World& world, const Eigen::Vector2d& p) {
   return nearest;
 }
 
-void add_decoys(World& world, int count, Stream& stream) {
+void add_decoys(world::World& world, int count, Stream& stream) {
   for (int placed = 0, tries = 0; placed < count && tries < 200; ++tries) {
     // Against the walls and well off the lanes: as teams find them, not in their way.
     const Eigen::Vector2d half = 0.5 * world.room_size.head<2>() - Eigen::Vector2d{0.25, 0.25};
@@ -48,7 +48,7 @@ void add_decoys(World& world, int count, Stream& stream) {
       p.y() = wall == 2 ? half.y() : -half.y();
     p += world.room_center;
     if (to_lanes(world, p) < 1.2) continue;
-    Decoy decoy;
+    world::Decoy decoy;
     decoy.shape.center = p;
     decoy.shape.pole = stream.uniform() < 0.5;
     const double width = stream.uniform(0.1, 0.3);
@@ -61,13 +61,14 @@ void add_decoys(World& world, int count, Stream& stream) {
 }
 
 /// Whether a point of the floor is that far from every obstacle's footprint.
-bool clear_of_obstacles(const World& world, const Eigen::Vector2d& p, double distance) {
-  return std::none_of(world.obstacles.begin(), world.obstacles.end(), [&](const WorldBox& box) {
-    const auto [s, c] = sincos(box.heading);
-    const Eigen::Vector2d away = p - box.center;
-    const Eigen::Vector2d own{c * away.x() + s * away.y(), c * away.y() - s * away.x()};
-    return (own.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm() < distance;
-  });
+bool clear_of_obstacles(const world::World& world, const Eigen::Vector2d& p, double distance) {
+  return std::none_of(
+      world.obstacles.begin(), world.obstacles.end(), [&](const world::WorldBox& box) {
+        const auto [s, c] = sincos(box.heading);
+        const Eigen::Vector2d away = p - box.center;
+        const Eigen::Vector2d own{c * away.x() + s * away.y(), c * away.y() - s * away.x()};
+        return (own.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm() < distance;
+      });
 }
 
 /// The colour of dark, dull clothes.
@@ -86,13 +87,13 @@ Eigen::Vector3d shirt(Stream& stream) {
 }
 
 /// People walk along the walls, in front of what stands there, off the lanes and the start.
-void add_people(World& world, int count, Stream& stream) {
+void add_people(world::World& world, int count, Stream& stream) {
   constexpr double kFromWall = 0.7, kFromLanes = 1.2, kFromThings = 0.35;
   for (int placed = 0, tries = 0; placed < count && tries < 400; ++tries) {
     const int wall = static_cast<int>(stream.uniform(0, 4)), along = wall % 2, across = 1 - along;
     const Eigen::Vector2d half =
         0.5 * world.room_size.head<2>() - Eigen::Vector2d::Constant(kFromWall);
-    Person person;
+    world::Person person;
     const double length = stream.uniform(2.0, 6.0), middle = stream.uniform(-1.0, 1.0);
     person.speed = stream.uniform(0.3, 1.2);
     person.start = stream.uniform(0.0, 2 * length);
@@ -116,10 +117,10 @@ void add_people(World& world, int count, Stream& stream) {
 }
 
 /// Gates like the course's own, off its lanes and inside the room, each turned as it likes.
-void add_false_gates(World& world, int count, Stream& stream) {
+void add_false_gates(world::World& world, int count, Stream& stream) {
   if (world.gates.empty()) return;
   for (int placed = 0, tries = 0; placed < count && tries < 1000; ++tries) {
-    WorldGate gate = world.gates[static_cast<std::size_t>(placed) % world.gates.size()];
+    world::WorldGate gate = world.gates[static_cast<std::size_t>(placed) % world.gates.size()];
     gate.missing = false, gate.hidden_beyond = 0.0;
     const Eigen::Vector2d half =
         0.5 * world.room_size.head<2>() - Eigen::Vector2d::Constant(0.5 * gate.side + 0.2);
@@ -135,7 +136,7 @@ void add_false_gates(World& world, int count, Stream& stream) {
 
 /// A jet across a leg of the course, gate to gate, of a course of one from the start: its axis has
 /// one end of the leg on either side, so whoever flies the leg crosses it, by whatever way.
-void lay_jet(SimConfig& real, double speed) {
+void lay_jet(world::SimConfig& real, double speed) {
   const auto& gates = real.world.gates;
   if (!(speed > 0.0) || gates.empty()) return;
   constexpr double kAslant = 30.0 * kDegree;
@@ -143,33 +144,33 @@ void lay_jet(SimConfig& real, double speed) {
   const std::size_t legs = std::max<std::size_t>(gates.size() - 1, 1);
   const auto leg = static_cast<std::size_t>(stream.uniform(0.0, static_cast<double>(legs)));
   const bool from_start = gates.size() == 1;
-  const WorldGate& to = gates[from_start ? 0 : leg + 1];
+  const world::WorldGate& to = gates[from_start ? 0 : leg + 1];
   const Eigen::Vector2d from = from_start ? real.start.position : gates[leg].p_EG.head<2>();
   const Eigen::Vector2d way = to.p_EG.head<2>() - from;
   // Two gates in one place are crossed along the second one's plane.
   const double heading = way.isZero() ? to.yaw_EG : gatefly::atan2(way.y(), way.x());
   const double side = stream.uniform() < 0.5 ? -0.5 * kPi : 0.5 * kPi;
-  Jet& jet = real.wind.jet;
+  world::Jet& jet = real.wind.jet;
   jet.through = from + stream.uniform(0.25, 0.75) * way;
   jet.heading = wrap_angle(heading + side + stream.uniform(-kAslant, kAslant));
   jet.speed += speed;
 }
 
 /// A shear about the middle of all gates.
-void lay_shear(SimConfig& real, double rate) {
+void lay_shear(world::SimConfig& real, double rate) {
   const auto& gates = real.world.gates;
   if (!(rate > 0.0) || gates.empty()) return;
   Stream stream{real.seed, "shear"};
-  Shear& shear = real.wind.shear;
+  world::Shear& shear = real.wind.shear;
   shear.middle.setZero();
-  for (const WorldGate& gate : gates)
+  for (const world::WorldGate& gate : gates)
     shear.middle += gate.p_EG.head<2>() / static_cast<double>(gates.size());
   shear.heading = stream.uniform(-kPi, kPi);
   shear.rate += rate;
 }
 
-void move_gate(SimConfig& real) {
-  Faults& faults = real.faults;
+void move_gate(world::SimConfig& real) {
+  world::Faults& faults = real.faults;
   auto& gates = real.world.gates;
   if (faults.moved_gate < 0 && !gates.empty()) {
     Stream which{real.seed, "moved gate"};
@@ -177,25 +178,26 @@ void move_gate(SimConfig& real) {
   }
   const auto number = static_cast<std::size_t>(faults.moved_gate);
   if (number < 1 || number > gates.size()) return;
-  WorldGate& gate = gates[number - 1];
+  world::WorldGate& gate = gates[number - 1];
   gate.p_EG +=
       faults.gate_moved + rotation_z(gate.yaw_EG) * Eigen::Vector3d{0, faults.gate_aside, 0};
   gate.yaw_EG += faults.gate_turned;
 }
 
 /// The faults that last: they change the truth. Those with a time are left to whom they happen.
-void break_it(SimConfig& real) {
-  const Faults& faults = real.faults;
+void break_it(world::SimConfig& real) {
+  const world::Faults& faults = real.faults;
   const auto gate = [&](int number) {
     const bool there = number > 0 && number <= static_cast<int>(real.world.gates.size());
     return there ? &real.world.gates[static_cast<std::size_t>(number - 1)] : nullptr;
   };
-  for (WorldGate& each : real.world.gates)
+  for (world::WorldGate& each : real.world.gates)
     each.p_EG.head<2>() += faults.course_scale * (each.p_EG.head<2>() - real.start.position);
   move_gate(real);
-  if (WorldGate* missing = gate(faults.missing_gate)) missing->missing = true;
-  if (WorldGate* hidden = gate(faults.hidden_gate)) hidden->hidden_beyond = faults.gate_hidden;
-  for (WorldGate& each : real.world.gates) each.color = hue_turned(each.color, faults.hue);
+  if (world::WorldGate* missing = gate(faults.missing_gate)) missing->missing = true;
+  if (world::WorldGate* hidden = gate(faults.hidden_gate))
+    hidden->hidden_beyond = faults.gate_hidden;
+  for (world::WorldGate& each : real.world.gates) each.color = hue_turned(each.color, faults.hue);
   Stream stream{real.seed, "false gates"};
   add_false_gates(real.world, faults.false_gates, stream);
   real.light.out = faults.light_out;
@@ -230,8 +232,9 @@ struct LensOff {
 
 }  // namespace
 
-SimConfig drawn(const SimConfig& nominal, const Randomize& sigma, std::uint64_t seed) {
-  SimConfig real = nominal;
+world::SimConfig drawn(const world::SimConfig& nominal, const world::Randomize& sigma,
+                       std::uint64_t seed) {
+  world::SimConfig real = nominal;
   real.seed = seed;
 
   Stream gates{seed, "gates"};
