@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 # The program that has `bench` itself: valgrind does not follow gatefly into it.
-GATEFLY = pathlib.Path(__file__).resolve().parent.parent / "build/release/apps/gatefly/gatefly-lab"
+GATEFLY = pathlib.Path(__file__).resolve().parent.parent / "build/release/apps/gatefly/gatefly-studies"
 
 
 def counted(stage, pictures):

@@ -85,7 +85,7 @@ std::vector<CommandInfo> whole_tree(std::vector<CommandInfo> here) {
   };
   if (std::none_of(here.begin(), here.end(), is_elsewhere)) return here;
   const auto self = fs::read_symlink("/proc/self/exe");
-  for (const char* const program : {kProgram, kTools, kLaboratory}) {
+  for (const char* const program : {kProgram, kTools, kLaboratory, kStudies}) {
     if (sibling(program) == self) continue;
     const std::string said = said_by(program, kPrintCommands);
     if (said.empty())
@@ -112,7 +112,7 @@ Words words_for_shells() {
   for (const auto& key : config::randomize_keys()) words.keys.push_back(key.rule.name);
   for (const auto& key : config::fault_keys()) words.keys.push_back(key.rule.name);
   const auto listed =
-      ordered_json::parse(said_by(kLaboratory, "reproduce --list --json"), nullptr, false);
+      ordered_json::parse(said_by(kStudies, "reproduce --list --json"), nullptr, false);
   if (listed.is_array())
     for (const ordered_json& experiment : listed) words.experiments.push_back(experiment["name"]);
   return words;

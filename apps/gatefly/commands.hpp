@@ -65,12 +65,14 @@ struct CommandHere {
 };
 /// Which these are: commands_of_*.cpp. What flies is in `gatefly`; what looks at flights and pictures,
 /// and flies many, in `gatefly-tools`; what takes a laboratory's libraries (Ceres, OpenCV) in
-/// `gatefly-lab`. Each calls the others, so that the first flight need not wait for them to be built.
+/// `gatefly-lab`; the studies, built when they are asked for, in `gatefly-studies`. Each calls the
+/// others, so that the first flight need not wait for them to be built.
 /// Without the simulator all that is left is in `gatefly`: commands_without_simulator.cpp.
 [[nodiscard]] std::span<const CommandHere> commands_here();
 inline constexpr const char* kProgram = "gatefly";
 inline constexpr const char* kTools = "gatefly-tools";
 inline constexpr const char* kLaboratory = "gatefly-lab";
+inline constexpr const char* kStudies = "gatefly-studies";
 /// Path of the program of this name beside this one, if it exists.
 [[nodiscard]] std::filesystem::path sibling(const char* program);
 

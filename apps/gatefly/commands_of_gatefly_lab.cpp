@@ -12,9 +12,7 @@ std::span<const CommandHere> commands_here() {
   static constexpr std::array kHere{
       CommandHere{"calibrate", declare_calibrate},
       CommandHere{"tune", declare_tune},
-      CommandHere{"reproduce", declare_reproduce},
       CommandHere{"identify", declare_identify},
-      CommandHere{"bench", declare_bench},
       CommandHere{"map", declare_map},
       CommandHere{"run", declare_run},
       CommandHere{"bench-drone", declare_bench_drone},

@@ -95,9 +95,10 @@ std::string writable(const fs::path& folder) {
   return folder.string();
 }
 
-std::string laboratory() {
-  if (has_command("calibrate")) return "in this program";
-  const fs::path program = sibling(kLaboratory);
+/// Where the program is that has `command`. @throws std::runtime_error when it was not built.
+std::string program_with(const char* command, const char* name) {
+  if (has_command(command)) return "in this program";
+  const fs::path program = sibling(name);
   if (!fs::exists(program)) throw std::runtime_error(program.string() + ": is not there");
   return program.string();
 }
@@ -144,8 +145,10 @@ std::vector<Check> examined(const CommonOptions& options) {
             [] { return writable("out"); }),
       check("cache folder", false, "light maps are baked again each time; set $XDG_CACHE_HOME",
             [] { return writable(files::cache_dir()); }),
-      check("laboratory", false,
-            "calibrate, tune, identify, reproduce, bench need it: ninja gatefly-lab", laboratory),
+      check("laboratory", false, "calibrate, tune, identify need it: ninja gatefly-lab",
+            [] { return program_with("calibrate", kLaboratory); }),
+      check("studies", false, "reproduce, bench need it: ninja gatefly-studies",
+            [] { return program_with("reproduce", kStudies); }),
       check("ffmpeg", false, "films and videos need it: apt-get install ffmpeg", ffmpeg),
       check("Python module", false,
             "install the package, or set PYTHONPATH to the build folder's python/", python_module),
