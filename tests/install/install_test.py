@@ -143,6 +143,14 @@ class Installed(unittest.TestCase):
         run(*CC, "-std=c99", examples / "pilot_loop.c", *flags, *self.runtime_path(), "-o", build / "pilot_loop_c")
         self.expect_examples_to_work(build)
 
+    def test_names_of_the_release_before_still_compile(self):
+        source = self.folder / "old_names.cpp"
+        source.write_text("#include <gatefly/config/pilot_files.hpp>\n#include <gatefly/files/image_file.hpp>\n"
+                          "int main(int n, char** a) { return gatefly::io::is_picture(a[0]) && n > 9 ? "
+                          "int(gatefly::io::read_pilot_config(a[0]).track.gates.size()) : 0; }\n")
+        flags = run("pkg-config", "--cflags", "--libs", "gatefly-files", env=self.env).split()
+        run(CXX, "-std=c++20", source, *flags, "-o", self.folder / "old_names")
+
     def runtime_path(self):
         return (f"-Wl,-rpath,{next(self.prefix.rglob('libgatefly_c.so')).parent}",)
 
