@@ -10,7 +10,6 @@
 namespace gatefly::simulated_race {
 namespace {
 
-using WhyLost;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;

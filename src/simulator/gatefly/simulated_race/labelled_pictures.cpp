@@ -19,7 +19,7 @@ namespace gatefly::simulated_race {
 namespace {
 
 /// A moment to take a picture at, and the motion about it.
-struct Moment {
+struct PictureMoment {
   double start = 0.0;  ///< Begin of the exposure [s].
   std::vector<sim::BodyPose> history;
   bool around = false;
@@ -30,7 +30,7 @@ sim::BodyPose pose_of(double t, const Eigen::Vector3d& p_EB, const Attitude& att
 }
 
 /// Every exposure of an ideal race, with the motion during it.
-std::vector<Moment> moments_of_race(RaceConfig race, const std::function<void()>& between) {
+std::vector<PictureMoment> moments_of_race(RaceConfig race, const std::function<void()>& between) {
   constexpr double kFlying = 0.5;  // on the pad there is nothing to see [m]
   race.vision = Vision::kIdeal;
   race.pilot.track.laps = 1;  // the others look alike
@@ -44,7 +44,7 @@ std::vector<Moment> moments_of_race(RaceConfig race, const std::function<void()>
     return true;
   });
   const double span = race.sim.camera.exposure + race.sim.camera.readout;
-  std::vector<Moment> moments;
+  std::vector<PictureMoment> moments;
   for (const double start : starts) {
     const auto before = [](const sim::BodyPose& pose, double t) { return pose.t < t; };
     auto from = std::lower_bound(poses.begin(), poses.end(), start, before);
@@ -73,7 +73,7 @@ class AroundTheRoom {
                 const std::function<void()>& between)
       : day_{day}, sight_{day.world}, stream_{seed, "poses"}, between_{between} {}
 
-  Moment next() {
+  PictureMoment next() {
     const Eigen::Vector2d half = 0.5 * day_.world.room_size.head<2>();
     for (;;) {
       if (between_) between_();
@@ -100,7 +100,7 @@ class AroundTheRoom {
                                  0.4 * stream_.normal()};
       const Eigen::Vector2d off = (p.head<2>() - day_.world.room_center).cwiseAbs();
       if ((off.array() > half.array() - 0.3).any() || !is_free(sight_, p)) continue;
-      Moment moment{0.0, {}, true};
+      PictureMoment moment{0.0, {}, true};
       for (const double t : {-0.02, 0.0, 0.02, 0.04, 0.06})
         moment.history.push_back(pose_of(t, p + t * v,
                                          {.roll = attitude.roll + t * turn.x(),
@@ -118,7 +118,7 @@ class AroundTheRoom {
 };
 
 /// The same motion seen by a camera that is held otherwise.
-void shake(Moment& moment, double sigma, sim::Stream& stream) {
+void shake(PictureMoment& moment, double sigma, sim::Stream& stream) {
   const Attitude off{.roll = sigma * stream.normal(),
                      .pitch = 0.5 * sigma * stream.normal(),
                      .yaw = 0.8 * sigma * stream.normal()};
@@ -130,26 +130,27 @@ void shake(Moment& moment, double sigma, sim::Stream& stream) {
 }
 
 /// So many of them, evenly spread over the race.
-std::vector<Moment> chosen(std::vector<Moment> moments, std::size_t count, sim::Stream& stream) {
+std::vector<PictureMoment> chosen(std::vector<PictureMoment> moments, std::size_t count,
+                                  sim::Stream& stream) {
   if (moments.size() <= count) return moments;
   const double step = static_cast<double>(moments.size()) / static_cast<double>(count);
   const double phase = stream.uniform();
-  std::vector<Moment> kept;
+  std::vector<PictureMoment> kept;
   for (std::size_t i = 0; i < count; ++i)
     kept.push_back(
         std::move(moments[static_cast<std::size_t>((static_cast<double>(i) + phase) * step)]));
   return kept;
 }
 
-std::vector<Moment> moments_of_day(const Race& race, const PictureOrder& order, std::size_t count,
-                                   const std::function<void()>& between) {
+std::vector<PictureMoment> moments_of_day(const Race& race, const PictureOrder& order,
+                                          std::size_t count, const std::function<void()>& between) {
   sim::Stream stream{race.identity.seed, "pictures"};
   const auto from_race =
       count - static_cast<std::size_t>(std::lround(order.around * static_cast<double>(count)));
-  std::vector<Moment> moments;
+  std::vector<PictureMoment> moments;
   if (from_race > 0) moments = chosen(moments_of_race(race.config, between), from_race, stream);
   if (order.shake > 0.0)
-    for (Moment& moment : moments) shake(moment, order.shake, stream);
+    for (PictureMoment& moment : moments) shake(moment, order.shake, stream);
   AroundTheRoom around{race.config.sim, race.identity.seed, between};
   while (moments.size() < count) moments.push_back(around.next());
   return moments;
@@ -162,9 +163,9 @@ std::string look_of_day(const std::string& own, std::size_t day) {
   return looks[(static_cast<std::size_t>(first) + day) % looks.size()];
 }
 
-std::vector<Eigen::Vector3d> places_of(const std::vector<Moment>& moments) {
+std::vector<Eigen::Vector3d> places_of(const std::vector<PictureMoment>& moments) {
   std::vector<Eigen::Vector3d> places;
-  for (const Moment& moment : moments)
+  for (const PictureMoment& moment : moments)
     for (const sim::BodyPose& pose : {moment.history.front(), moment.history.back()})
       places.push_back(pose.p_EB);
   return places;
@@ -182,7 +183,7 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
   if (order.varied) race.config.sim.world.look = look_of_day(race.config.sim.world.look, day);
   const std::size_t first = day * order.per_day;
   const std::size_t count = std::min(order.per_day, order.pictures - first);
-  const std::vector<Moment> moments = moments_of_day(race, order, count, between);
+  const std::vector<PictureMoment> moments = moments_of_day(race, order, count, between);
   if (order.varied) vary(race.config.sim, race.identity.seed, places_of(moments));
   if (order.without_gates)
     for (world::WorldGate& gate : race.config.sim.world.gates) gate.missing = true;
@@ -190,7 +191,7 @@ void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t d
   sim::CameraRenderer renderer{s.world, s.camera, s.light, s.seed, s.cache_dir, 1, between};
   const double middle = 0.5 * (s.camera.exposure + s.camera.readout);
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    const Moment& moment = moments[i];
+    const PictureMoment& moment = moments[i];
     Picture picture{.number = first + i, .seed = race.identity.seed, .around = moment.around};
     renderer.meter_anew();
     renderer.render(static_cast<std::uint32_t>(i + 1), moment.start, moment.history, picture.uyvy);

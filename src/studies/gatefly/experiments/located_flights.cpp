@@ -34,7 +34,7 @@ constexpr std::size_t kFewestPictures = 5;
 constexpr double kSameGate = 0.5;  // places nearer than this are one gate's [m]
 
 /// With a sonar that is as noisy as a real one.
-std::vector<RecordedTick> ticks_of(const flight_log::FlightFolder& folder) {
+std::vector<RecordedTick> ticks_with_sonar(const flight_log::FlightFolder& folder) {
   return flight_log::ticks_of(
       folder, {.period = kAltitudePeriod, .noise = [stream = sim::Stream{1, "altitude"}]() mutable {
                  return kAltitudeSigma * stream.normal();
@@ -158,7 +158,7 @@ std::vector<Flight> flights_in(const fs::path& folder, const config::Config& con
                   .ticks = {},
                   .motion = {},
                   .seen = {}};
-    flight.ticks = ticks_of(flight.folder);
+    flight.ticks = ticks_with_sonar(flight.folder);
     flight.motion = motion_of(flight.folder, flight.ticks, pilot);
     flight.seen = gates_in(flight, config);
     flights.push_back(std::move(flight));

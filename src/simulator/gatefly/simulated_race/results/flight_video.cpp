@@ -38,7 +38,7 @@ drawing::Box right_of(const drawing::Box& left) {
 }
 
 /// The map's place in its panel: room around it, the legend below.
-Box inside(const drawing::Box& panel) {
+drawing::Box inside(const drawing::Box& panel) {
   return {.x = panel.x + 20,
           .y = panel.y + 16,
           .width = panel.width - 40,

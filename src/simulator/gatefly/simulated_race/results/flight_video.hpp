@@ -53,7 +53,7 @@ class FlightVideo {
   FlightMap map_;
   drawing::VideoFile file_;
   /// The fixed background; the frame being drawn; the last picture with detections.
-  Canvas backdrop_, frame_, view_;
+  drawing::Canvas backdrop_, frame_, view_;
   std::vector<Moment> moments_;                  ///< One a frame.
   Moment last_;                                  ///< The latest tick, between two frames.
   std::vector<double> passes_;                   ///< When the pilot counted a gate [s].

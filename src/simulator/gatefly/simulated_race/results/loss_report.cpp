@@ -12,7 +12,6 @@
 namespace gatefly::simulated_race {
 namespace {
 
-using WhyLost;
 using How = WhyLost::How;
 using Cause = WhyLost::Cause;
 using Json = nlohmann::ordered_json;
