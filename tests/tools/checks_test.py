@@ -80,6 +80,55 @@ class Format(unittest.TestCase):
             self.assertNotIn("good.cpp", said)
 
 
+class Layers(unittest.TestCase):
+    """The sources with one line more."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.root = pathlib.Path(folder.name)
+        shutil.copytree(pathlib.Path(SOURCE) / "src", cls.root / "src")
+        (cls.root / "docs").mkdir()
+        shutil.copy(pathlib.Path(SOURCE) / "docs" / "architecture.md", cls.root / "docs")
+        for name in ("c", "tests"):
+            (cls.root / name).symlink_to((pathlib.Path(SOURCE) / name).resolve())
+
+    def said_with(self, place, line, tool="check_layers.py", *arguments):
+        """Exit code and what the tool says when `line` stands at the end of a file."""
+        file = self.root / "src" / place
+        before = file.read_text()
+        try:
+            file.write_text(before + line + "\n")
+            return run(tool, self.root, *arguments)
+        finally:
+            file.write_text(before)
+
+    def test_what_a_folder_may_not_do_is_named(self):
+        files, geometry = "workshop/gatefly/files", "flight/gatefly/geometry"
+        wrong = {
+            (f"{files}/text.hpp", '#include "gatefly/sim/body.hpp"'): "files may not include sim",
+            (f"{files}/CMakeLists.txt", "target_link_libraries(gatefly_files PUBLIC gatefly::sim)"): "workshop may not depend on sim, of simulator",
+            (f"{geometry}/CMakeLists.txt", "target_link_libraries(gatefly_geometry PUBLIC gatefly::sensing)"): "depend on each other in a circle",
+            (f"{files}/text.hpp", "namespace gatefly::io {\nint of();\n}  // namespace gatefly::io"): "namespace gatefly::io, not gatefly::files",
+            (f"{geometry}/math.hpp", "#include <thread>"): "flight code includes <thread>",
+        }
+        self.assertEqual(run("check_layers.py", self.root)[0], 0)
+        for (place, line), error in wrong.items():
+            code, said = self.said_with(place, line)
+            self.assertEqual(code, 1, line)
+            self.assertIn(error, said)
+
+    def test_an_arrow_that_is_not_drawn_or_points_up_is_refused(self):
+        self.assertEqual(run("draw_folders.py", self.root, "--check")[0], 0)
+        more = "target_link_libraries(gatefly_world PUBLIC gatefly::pose)"
+        code, said = self.said_with("workshop/gatefly/world/CMakeLists.txt", more, "draw_folders.py", "--check")
+        self.assertEqual(code, 1)
+        self.assertIn("is not that of their CMakeLists.txt", said)
+        up = "target_link_libraries(gatefly_world PUBLIC gatefly::sim)"
+        self.assertIn("1 up, 2 in circles", self.said_with("workshop/gatefly/world/CMakeLists.txt", up, "draw_folders.py", "--check")[1])
+
+
 class Docs(unittest.TestCase):
     """The project with one line more, in a page or a source."""
 
