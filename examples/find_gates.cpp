@@ -6,8 +6,7 @@
 #include <gatefly/files/image_file.hpp>
 
 int main(int argc, char** argv) try {
-  const gatefly::files::ImageFile file =
-      gatefly::files::read_image(argc > 1 ? argv[1] : "photo.jpg");
+  const auto file = gatefly::files::read_image(argc > 1 ? argv[1] : "photo.jpg");
   const auto orange = gatefly::ColorModel::described({1.0, 0.4, 0.0});
   gatefly::GateDetector detector;
   const auto view = detector.look(file.view(0), orange, {gatefly::LookFor::Gates::kAll});

@@ -5,7 +5,9 @@ simulator's truth (link-sim --log). In real time; leave both cores to it.
 
 usage: killed_in_flight.py GATEFLY REPOSITORY_ROOT FAKE [--strikes program,camera,both,link] [--runs 10] [--first-seed 1001] [--kept FILE] [--delay S]
        killed_in_flight.py --table FILE...
-    FAKE       tests/fake_betaflight_sitl of the build; or Betaflight's simulator, with --memory its eeprom.bin (tests/live/betaflight_4_5.txt)
+    FAKE       tests/fake_betaflight_sitl of the build; or Betaflight's simulator, with --memory its eeprom.bin (tests/live/betaflight_4_5.txt); or ArduCopter's,
+               with --signs tests/fake_betaflight of the build
+    --ahead    words before the controller's and link-sim's programs: 'chrt -f 20', so that a busy machine does not make them late
     --kept     a file to which every run is added, a line of JSON
     --table    prints the table of such files
 Exit code 0: what must be so is: on the floor within 3 s from 1.5 m, no wall touched, at most 2 m from where it was, no climb, no command held for more than two
@@ -26,7 +28,7 @@ import sys
 import tempfile
 import time
 
-from simulated import Simulated, ended
+from simulated import ArduCopter, Simulated, ended
 
 PERIOD_MS = 25.0
 STRIKES = {"program": "the program is killed (-9)", "camera": "the camera is frozen", "both": "both processes are killed (-9)", "link": "the link is cut"}
@@ -128,6 +130,8 @@ def main():
     parser.add_argument("root", nargs="?")
     parser.add_argument("fake", nargs="?")
     parser.add_argument("--memory", default="")
+    parser.add_argument("--signs", default="")
+    parser.add_argument("--ahead", default="")
     parser.add_argument("--strikes", default=",".join(STRIKES))
     parser.add_argument("--runs", type=int, default=10)
     parser.add_argument("--first-seed", type=int, default=1001)
@@ -145,8 +149,11 @@ def main():
     with tempfile.TemporaryDirectory(prefix="gatefly-struck-") as folder:
         def controller():
             own = pathlib.Path(tempfile.mkdtemp(dir=folder))
-            return Simulated(pathlib.Path(options.gatefly).resolve(), pathlib.Path(options.root).resolve(), own,
-                             **({"betaflight": pathlib.Path(options.fake).resolve(), "memory": options.memory} if options.memory else {"fake": pathlib.Path(options.fake).resolve()}))
+            program, root, fake = (pathlib.Path(path).resolve() for path in (options.gatefly, options.root, options.fake))
+            ahead = options.ahead.split()
+            if options.signs:
+                return ArduCopter(program, root, own, fake, pathlib.Path(options.signs).resolve(), ahead=ahead)
+            return Simulated(program, root, own, ahead=ahead, **({"betaflight": fake, "memory": options.memory} if options.memory else {"fake": fake}))
         file = options.drone and pathlib.Path(options.drone).resolve()
         if not file:
             drone = controller()

@@ -27,10 +27,13 @@ def flown(drone, file, options, seed):
     says = drone.folder / "run.txt"
     with says.open("w", encoding="utf-8") as heard:
         pilot = drone.run("--drone", file, "--json", *limit, "--out", drone.folder / "flight", stderr=heard)
+    outcome, told = {"finished": False, "landed": False, "gates_passed": 0, "gates_total": 0, "mean_speed_mps": 0}, ""
     try:
         drone.until_it_says("handed over", world, 60, lambda: pilot.poll() is None)
         outcome = json.loads(world.communicate(timeout=options.time_limit + 120)[0])
         told = pilot.communicate(timeout=30)[0]
+    except RuntimeError as error:
+        outcome["stop_reason"] = f"not handed over: {error}"
     finally:
         ended(pilot)
         ended(world)

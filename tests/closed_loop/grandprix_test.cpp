@@ -105,5 +105,32 @@ TEST(Qualifier, LapsAreFlownOnIdealVision) {
   EXPECT_GE(finished, 3);
 }
 
+// tracks/wide.toml, made for vehicles/racer.toml and cameras/grandprix.toml, at 5 m/s.
+RaceConfig wide_race(std::uint64_t seed) {
+  const std::vector<std::string> names{"vehicles/racer.toml", "cameras/grandprix.toml"};
+  RaceConfig race = race_with("wide", names, seed);
+  race.pilot.plan.speed = 5.0;
+  race.pilot.plan.max_lateral = 7.0;
+  return race;
+}
+
+TEST(Wide, ALapIsFlownAtFiveMetresASecondOnIdealVision) {
+  RaceConfig race = wide_race(1101);
+  race.vision = Vision::kIdeal;
+  const RaceResult result = fly(race, {});
+  EXPECT_TRUE(result.finished) << result.stop_reason << ' ' << result.crash_object;
+  EXPECT_EQ(result.gates_passed, 8);
+  EXPECT_GT(result.mean_speed, 4.2) << "from rest";
+}
+
+// Half a lap, as above.
+TEST(Wide, FourGatesArePassedOnRenderedPictures) {
+  RaceConfig race = wide_race(1101);
+  race.timeout = 16.0;
+  const RaceResult result = fly(race, {});
+  EXPECT_EQ(result.crash_object, "");
+  EXPECT_GE(result.gates_passed, 4);
+}
+
 }  // namespace
 }  // namespace gatefly::simulated_race

@@ -89,7 +89,7 @@ Target target_before(const world::CameraTruth& camera, const BodyPose& pose) {
 }
 
 /// A grey room's end with a gate of that brightness before it, or none.
-World wall_with(const std::optional<world::WorldGate>& gate, double brightness) {
+world::World wall_with(const std::optional<world::WorldGate>& gate, double brightness) {
   world::World world;
   world.room_size = {16, 16, 6};
   world.decoys = {

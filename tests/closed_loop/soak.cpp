@@ -49,7 +49,7 @@ int main(int argc, char** argv) try {
   int hours_flown = 0;
   gatefly::simulated_race::Flight flight{race};
   while (hours_flown < hours && flight.step()) {
-    const Tick tick = flight.tick();
+    const gatefly::flight_log::Tick tick = flight.tick();
     const double t = 1e-9 * static_cast<double>(tick.sensors.time.count());
     const Estimate estimate = tick.pilot.estimate();
     const Eigen::Vector3d error = estimate.p_EB - tick.truth.p_EB;

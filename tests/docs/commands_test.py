@@ -41,6 +41,7 @@ REDUCED = {
     "fly oval --vision ideal": "",
     "fly grandprix --camera grandprix": IDEAL,
     "fly grandprix --camera imx477": IDEAL,
+    "fly wide --vehicle racer --camera grandprix --speed 5 --set control.max_lateral_mps2=7 --vision ideal": "",
     "fly oval --vehicle racer --vision ideal": "",
     "fly aigp-pq --camera imx477 --vehicle archer-b2 --vision ideal": "--laps 1",
     "fly oval --vehicle racer --speed 1.8 --vision ideal": "",

@@ -207,6 +207,59 @@ TEST(Plan, GatesOneAboveTheOtherAreFlownThereAndBack) {
 }
 
 // A pillar 3 m before the gate: from the gate's plane to it there is 3 m less what the body needs.
+/// Eight gates on a circle, flown round to the right.
+Track ring(double radius) {
+  Track track;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = i * kPi / 4;
+    track.gates.push_back({{radius * std::cos(angle), radius * std::sin(angle), -1.8},
+                           wrap_angle(angle + kPi / 2),
+                           2.7,
+                           0.6});
+  }
+  track.start = track.gates[0].p_EG.head<2>() - Vector2d{0, 6};
+  track.start_heading = kPi / 2;
+  track.laps = 2;
+  return track;
+}
+
+TEST(Plan, AFastDroneIsLedThroughARingInWideArcsAndNotFromStraightToStraight) {
+  const PlanParams fast{.speed = 6.0, .max_lateral = 7.0};
+  const RacePlan plan = plan_race(ring(14.0), fast);
+  for (const Path& leg : plan.legs)
+    for (const Segment& segment : leg.segments) EXPECT_NEAR(speed_on(segment, fast), 6.0, 1e-9);
+}
+
+TEST(Plan, AGateIsPassedNoFasterThanTheTurnBehindItAllows) {
+  const PlanParams params{.speed = 5.0};
+  const RacePlan plan = plan_race(oval(), params);
+  ASSERT_EQ(plan.gate_speed.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    double s = 0.0, least = params.speed;
+    for (const Segment& segment : plan.legs[i].segments) {
+      // Energy: what braking takes off between gate and turn.
+      const double limit = speed_on(segment, params);
+      if (segment.curvature != 0.0) {
+        EXPECT_LE(plan.gate_speed[i], std::sqrt(limit * limit + 2 * params.braking * s) + 1e-9);
+        least = std::min(least, limit);
+      }
+      s += segment.length;
+    }
+    EXPECT_GE(plan.gate_speed[i], least - 1e-9) << "nor slower than the tightest turn";
+  }
+}
+
+TEST(Plan, AGentleTurnIsAWayToComeOntoTheAxisAndATightOneIsNot) {
+  Path path;
+  (void)path.segments.push_back({{0, 0}, 0.0, 1.0 / 8, 2.0});
+  (void)path.segments.push_back({{0, 0}, 0.0, 0.0, 1.5});
+  EXPECT_DOUBLE_EQ(way_to_settle(path, 2.0, 3.2), 3.5) << "half a m/s² of 3.2";
+  EXPECT_DOUBLE_EQ(way_to_settle(path, std::sqrt(3.2 * 8), 3.2), 1.5)
+      << "all that an arc may ask for";
+  path.segments[0].length = 20.0;
+  EXPECT_DOUBLE_EQ(way_to_settle(path, 2.0, 3.2), 1.5 + 0.6 * 8) << "as far as the gate is in view";
+}
+
 TEST(Plan, KnowsTheRoomBeforeAGate) {
   Track track;
   track.gates = {{{12, 0, -1.5}, 0.0}};

@@ -49,7 +49,7 @@ std::vector<std::uint8_t> noise(std::size_t bytes) {
 }
 
 /// The body's pose at a time, without any physics: through the gate at 3 s.
-Truth at(double time) {
+flight_log::Truth at(double time) {
   return {.p_EB = {time, 0.15, -1.4}, .v_E = {1, 0, 0}, .attitude = {0.01, 0.02, 0.03}};
 }
 

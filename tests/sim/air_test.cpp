@@ -20,7 +20,9 @@ using test::IsNear;
 constexpr double kStep = 1.0 / 1024;
 
 /// Towards east, its axis 2 m north of the origin.
-Jet eastward() { return {.through = {2.0, 7.0}, .heading = 0.5 * kPi, .speed = 0.3, .width = 1.0}; }
+world::Jet eastward() {
+  return {.through = {2.0, 7.0}, .heading = 0.5 * kPi, .speed = 0.3, .width = 1.0};
+}
 
 TEST(Jet, IsFastestOnItsAxisHalfAsFastAtHalfItsWidthAndNothingBeyondItsWidth) {
   for (const double east : {-6.0, 0.0, 30.0}) {  // the same all along

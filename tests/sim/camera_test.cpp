@@ -64,8 +64,8 @@ Vector3d point_at(const world::CameraTruth& camera, const BodyPose& pose, const 
 }
 
 /// A square sheet that faces the pose.
-Decoy sheet(const Vector3d& p_E, const BodyPose& seen_from, const Vector3d& color,
-            double side = 0.10) {
+world::Decoy sheet(const Vector3d& p_E, const BodyPose& seen_from, const Vector3d& color,
+                   double side = 0.10) {
   const Vector2d along = (p_E - seen_from.p_EB).head<2>();
   return {{.center = p_E.head<2>(),
            .size = {0.002, side},
@@ -186,7 +186,7 @@ class CameraRendererTest : public testing::Test {
   }
 
   /// Without what the Bebop's image processing does to colours: where things are is asked here.
-  CameraTruth camera = [] {
+  world::CameraTruth camera = [] {
     world::CameraTruth plain;
     plain.imaging = {
         .footprint_px = 2.4, .red_shift_px = 0.0, .chroma_smoothing = 1, .saturation = 1.1};

@@ -185,7 +185,7 @@ Numbers numbers_of(const world::SimConfig& config) {
 }
 
 /// A world with two gates and an obstacle, and no number at a value that a draw would leave alone.
-SimConfig nominal_day() {
+world::SimConfig nominal_day() {
   world::SimConfig config;
   config.world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6, .color = {0.6, 0.4, 0.3}},
                         {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0, .color = {0.3, 0.4, 0.6}}};
@@ -220,7 +220,7 @@ enum class Change {
 /// Effect of one member of `Randomize`.
 struct Draw {
   const char* name;
-  double Randomize::*member;
+  double world::Randomize::*member;
   double size;  ///< To try: small enough that no limit but 2.5 standard deviations is met.
   Change change;
   /// Each list shares one random number; the numbers of different lists are independent.

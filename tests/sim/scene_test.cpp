@@ -14,7 +14,7 @@ namespace gatefly::sim {
 namespace {
 
 /// A room off the origin with a box, a show-case, a pole, a hanging beam, two gates and a decoy.
-World furnished(const std::string& look) {
+world::World furnished(const std::string& look) {
   world::World world;
   world.look = look;
   world.room_size = {9, 11, 3.2};

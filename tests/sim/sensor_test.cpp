@@ -14,8 +14,9 @@
 namespace gatefly::sim {
 namespace {
 
-constexpr int kWidth = 64, kHeight = 126;  // stored; a small sensor does for most statements
-constexpr int kMidX = kWidth / 2, kMidY = kHeight / 2;
+constexpr int kSensorWidth = 64,
+              kSensorHeight = 126;  // stored; a small sensor does for most statements
+constexpr int kMidX = kSensorWidth / 2, kMidY = kSensorHeight / 2;
 constexpr double kBlack = 66.0;  // docs/simulation.md
 
 using Radiance = std::function<Float4(int x, int y)>;
@@ -26,14 +27,14 @@ Radiance grey(float level) {
 
 world::CameraTruth small() {
   world::CameraTruth truth;
-  truth.stored_width = kWidth, truth.stored_height = kHeight;
+  truth.stored_width = kSensorWidth, truth.stored_height = kSensorHeight;
   return truth;
 }
 
 std::vector<Float4> picture_of(const Radiance& radiance) {
   std::vector<Float4> picture;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) picture.push_back(radiance(x, y));
+  for (int y = 0; y < kSensorHeight; ++y)
+    for (int x = 0; x < kSensorWidth; ++x) picture.push_back(radiance(x, y));
   return picture;
 }
 
@@ -76,7 +77,7 @@ class Camera {
 
  private:
   [[nodiscard]] static std::size_t at(int column, int line) {
-    return 2 * static_cast<std::size_t>(line * kWidth + column);
+    return 2 * static_cast<std::size_t>(line * kSensorWidth + column);
   }
   Sensor sensor_;
   std::uint32_t frame_ = 1;
@@ -87,8 +88,8 @@ class Camera {
 /// A room: a gradient, so that not all is one grey.
 Radiance room(float brightness) {
   return [brightness](int x, int y) {
-    const float level = brightness * (0.1f + 0.4f * static_cast<float>(y) / kHeight +
-                                      0.2f * static_cast<float>(x) / kWidth);
+    const float level = brightness * (0.1f + 0.4f * static_cast<float>(y) / kSensorHeight +
+                                      0.2f * static_cast<float>(x) / kSensorWidth);
     return Float4{level, level, level, 0};
   };
 }
@@ -97,7 +98,7 @@ Radiance room(float brightness) {
 TEST(Sensor, BlackIsTheBlackLevelAndPurple) {
   Camera camera;
   camera.look(grey(0.0f));
-  for (int line = 0; line < kHeight; line += 5) {
+  for (int line = 0; line < kSensorHeight; line += 5) {
     EXPECT_EQ(camera.y(kMidX, line), kBlack);
     EXPECT_NEAR(camera.cb(kMidX, line), 138, 1);
     EXPECT_NEAR(camera.cr(kMidX, line), 130, 1);
@@ -117,7 +118,7 @@ TEST(Sensor, TheCornersAreDarkerThanTheMiddle) {
   camera.meter(grey(1.0f)).look(grey(1.0f));
   EXPECT_GT(camera.y(kMidX, kMidY), camera.y(kMidX, 2) + 5);
   EXPECT_GT(camera.y(kMidX, 2), camera.y(1, 2));
-  EXPECT_NEAR(camera.y(1, 2), camera.y(kWidth - 2, kHeight - 3), 1);
+  EXPECT_NEAR(camera.y(1, 2), camera.y(kSensorWidth - 2, kSensorHeight - 3), 1);
 }
 
 // Stored as U Y0 V Y1: each colour moves its own bytes, in its own direction.
@@ -139,8 +140,8 @@ TEST(Sensor, StoresUyvy) {
     if (one.cr != 0) {
       EXPECT_GT(one.cr * (camera.cr(kMidX, kMidY) - neutral.cr(kMidX, kMidY)), 20);
     }
-    const Image image{camera.bytes().data(), PixelFormat::kUyvy, kWidth, kHeight, 90};
-    const Yuv seen = image.at(kMidY, kWidth - 1 - kMidX);
+    const Image image{camera.bytes().data(), PixelFormat::kUyvy, kSensorWidth, kSensorHeight, 90};
+    const Yuv seen = image.at(kMidY, kSensorWidth - 1 - kMidX);
     EXPECT_EQ(seen.y, camera.y(kMidX, kMidY));
     EXPECT_EQ(seen.u, camera.cb(kMidX, kMidY));
     EXPECT_EQ(seen.v, camera.cr(kMidX, kMidY));
@@ -282,7 +283,7 @@ TEST(Sensor, TheSameSeedAndFrameGiveTheSameBytesAndOthersOtherNoise) {
     return bytes;
   };
   const auto one = picture(3, 5);
-  EXPECT_EQ(one.size(), 2u * kWidth * kHeight);
+  EXPECT_EQ(one.size(), 2u * kSensorWidth * kSensorHeight);
   EXPECT_EQ(one, picture(3, 5));
   const auto clean = [] {
     Sensor sensor{small(), without_noise(), 3};

@@ -28,7 +28,7 @@ BodyState at_rotor_speed(double speed) {
 }
 
 /// An IMU without any error; tests put in the one they ask about.
-SensorTruth perfect() {
+world::SensorTruth perfect() {
   world::SensorTruth truth;
   truth.accel_bias.setZero(), truth.flight_bias.setZero();
   truth.gyro_bias.setZero(), truth.gyro_drift.setZero();

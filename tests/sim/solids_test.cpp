@@ -18,7 +18,7 @@ namespace gatefly::sim {
 namespace {
 
 /// A room with a bit of everything.
-World furnished() {
+world::World furnished() {
   world::World world;
   world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6},
                  {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0}};
@@ -54,7 +54,7 @@ TEST(Solids, EveryGateHasFourBarsAndAPoleByName) {
 }
 
 /// Two gates of the same size, one above the other, so much room between their frames.
-World stacked(double between, Stream& draw) {
+world::World stacked(double between, Stream& draw) {
   world::World world;
   world.room_size = {20, 20, 12};
   const auto off = [&] { return 0.25 * draw.uniform(-1.0, 1.0); };  // 2.5 sigma of level race

@@ -33,6 +33,12 @@ Course::Course(const Track& track, RacePlan plan, const CourseParams& params)
 
 const MapGate& Course::gate() const { return track_.gates[static_cast<std::size_t>(target_)]; }
 
+double Course::gate_speed() const {
+  const auto index = static_cast<std::size_t>(target_);
+  const bool last = passed_ + 1 >= total_;
+  return !last && index < plan_.gate_speed.size() ? plan_.gate_speed[index] : 1e9;
+}
+
 double Course::room_before() const {
   const auto index = static_cast<std::size_t>(target_);
   return index < plan_.room_before.size() ? plan_.room_before[index] : 1e9;

@@ -49,6 +49,8 @@ class Course {
   [[nodiscard]] const Stop* stop() const;
   /// Metres along path() that far on, but not beyond the next stop.
   [[nodiscard]] double ahead(double distance) const;
+  /// Speed at which the next gate may be passed [m/s].
+  [[nodiscard]] double gate_speed() const;
   /// On the next gate's axis, so far before it there is room to stand and wait [m].
   [[nodiscard]] double room_before() const;
   [[nodiscard]] double to_go() const { return path().length() - progress_; }

@@ -188,8 +188,11 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const std::size_t segments = path.segments.size();
   const Segment& last = path.segments.back();
   const Segment& turn = path.segments[segments > 1 ? segments - 2 : 0];
-  if (course.to_go() < last.length + turn.length)
-    speed = std::min(speed, std::max(p.slowest, last.length / p.settle));
+  if (course.to_go() < last.length + turn.length) {
+    constexpr double kStep = 0.1;  // [m/s]
+    while (speed > p.slowest && way_to_settle(path, speed, params_.max_lateral) < p.settle * speed)
+      speed = std::max(p.slowest, speed - kStep);
+  }
   const double slope = std::abs(path.height_at(course.progress()).slope);
   if (slope * speed > p.max_climb) speed = p.max_climb / slope;
   if (const Stop* stop = course.stop())
@@ -198,14 +201,22 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const double x = now.p_GB.x();
   const bool unsure = now.since_fix > p.unsure_after && now.lateral_sigma > p.unsure_sigma;
   if (unsure && x > -p.unsure_before && x < 0.0) speed = std::min(speed, p.unsure);
-  constexpr double kLook = 0.2;  // [m]
-  const double reach = p.brake_lead * std::clamp(entry_speed(now), 0.5, 6.0);
-  for (double ahead = 0.0; ahead <= reach; ahead += kLook) {
-    const double curvature = std::abs(path.at(course.ahead(ahead)).curvature);
-    if (curvature > 0.0)
-      speed = std::min({speed, std::sqrt(params_.max_lateral / curvature),
-                        p.turn_in_lead / (p.roll_lead * curvature)});
+  const double reach = p.brake_lead * std::max(0.5, entry_speed(now));
+  const auto slowed_to = [&](double limit, double way) {
+    speed = std::min(speed, std::sqrt(limit * limit + 2.0 * p.braking * std::max(0.0, way)));
+  };
+  const double end = course.stop() != nullptr ? course.stop()->s : path.length();
+  double s = 0.0;
+  for (const Segment& segment : path.segments) {
+    const double from = s - course.progress();
+    s += segment.length;
+    const double curvature = std::abs(segment.curvature);
+    if (curvature == 0.0 || s < course.progress() || s - segment.length >= end) continue;
+    slowed_to(std::min(std::sqrt(params_.max_lateral / curvature),
+                       p.turn_in_lead / (p.roll_lead * curvature)),
+              from - reach);
   }
+  slowed_to(course.gate_speed(), course.to_go());
   return speed;
 }
 
@@ -216,7 +227,9 @@ double Guidance::pitch_for_speed(double speed, const NavigationState& now) const
   const auto [sine, cosine] = sincos(now.attitude.yaw - turned_);
   const double air = speed - Eigen::Vector2d{cosine, sine}.dot(sure_wind(now));
   const double trim = atan(params_.drag.x() * air / params_.gravity);
-  return std::clamp(trim + p.pitch_gain * (entry_speed(now) - speed), -p.max_pitch, -p.min_pitch);
+  constexpr double kSpare = 0.12;  // beyond the trim, to speed up by [rad]
+  return std::clamp(trim + p.pitch_gain * (entry_speed(now) - speed),
+                    std::min(-p.max_pitch, trim - kSpare), -p.min_pitch);
 }
 
 double Guidance::cross_track_roll(const PathPoint& here, const NavigationState& now) const {

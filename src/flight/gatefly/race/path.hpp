@@ -73,6 +73,7 @@ struct Path {
 struct PlanParams {
   double speed = 1.7;        ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
   double max_lateral = 3.2;  ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
+  double braking = 2.0;      ///< [m/s²] [ours: 12° nose up]
   double min_radius = 0.7;   ///< [m] [Li18 code: 0.9]
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;
@@ -83,6 +84,9 @@ struct PlanParams {
 
 /// The radius beyond which an arc is no faster, half as much again [m].
 [[nodiscard]] double widest_radius(const PlanParams& params);
+/// Way before the gate that is left to come onto its axis [m]: the last straight, and of a turn before it that is gentle at this speed
+/// [m/s] the part from which the gate is ahead.
+[[nodiscard]] double way_to_settle(const Path& path, double speed, double max_lateral);
 /// Straight before a gate that is wanted: longer for a fast drone, the time to come onto the axis
 /// being the same [m].
 [[nodiscard]] double wanted_run_in(const PlanParams& params);
@@ -92,6 +96,8 @@ struct PlanParams {
 struct RacePlan {
   Path start;              ///< From the pad to gate 0.
   std::vector<Path> legs;  ///< legs[i]: from gate i to gate (i + 1) % n.
+  /// Speed at which each gate may be passed, lest the turns behind it come too soon [m/s]. Empty: any.
+  std::vector<double> gate_speed;
   /// On each gate's axis, so far before it there is room to stand [m]. Empty: not known.
   std::vector<double> room_before;
 };

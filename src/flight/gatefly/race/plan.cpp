@@ -188,8 +188,8 @@ class Planner {
 
  private:
   std::vector<Candidate> propose(const Pose2& from, bool from_is_gate, const MapGate& goal) const {
-    constexpr std::array kRadii{10.0, 8.0, 6.5,  5.0, 4.0, 3.0, 2.4, 2.0, 1.7,
-                                1.5,  1.3, 1.15, 1.0, 0.9, 0.8, 0.7, 0.6};
+    constexpr std::array kRadii{30.0, 24.0, 19.0, 15.5, 12.5, 10.0, 8.0, 6.5, 5.0, 4.0, 3.0,
+                                2.4,  2.0,  1.7,  1.5,  1.3,  1.15, 1.0, 0.9, 0.8, 0.7, 0.6};
     constexpr std::array kRunOut{0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
     constexpr std::array kRunIn{12.0, 10.0, 8.0, 6.5, 5.0, 4.0, 3.0, 2.5, 2.0, 1.6, 1.3, 1.0};
     // Wider arcs and longer run-ins than speed needs are of no use.
@@ -225,16 +225,41 @@ class Planner {
     double seconds = 0.0;
     for (const auto& segment : path.segments)
       seconds += segment.length / (segment.curvature == 0.0 ? params_.speed : arc_speed);
-    const double run_in = path.segments.back().curvature == 0.0 ? path.segments.back().length : 0.0;
+    const double run_in = way_to_settle(path, params_.speed, params_.max_lateral);
     const double turning = word.angle_1 + word.angle_2;
-    return seconds + 2.0 * std::max(0.0, wanted_run_in(params_) - run_in) + 0.9 * turning / radius +
-           0.3 * turning;
+    const double missing = std::max(0.0, wanted_run_in(params_) - run_in) / params_.speed;  // [s]
+    return seconds + 3.4 * missing + 0.9 * turning / radius + 0.3 * turning;
   }
 
   const Track& track_;
   const PlanParams params_;
   std::vector<MapSolid> solids_;
 };
+
+}  // namespace
+
+namespace {
+
+/// Backwards over the legs, twice, as the last one of a lap leads to the first.
+std::vector<double> gate_speeds(const RacePlan& plan, const PlanParams& params, int gates) {
+  std::vector<double> speeds(static_cast<std::size_t>(gates), params.speed);
+  const std::size_t legs = plan.legs.size();
+  for (std::size_t k = 2 * legs; k-- > 0;) {
+    const std::size_t i = k % legs;
+    double speed = params.speed, s = plan.legs[i].length();
+    const auto slowed_to = [&](double limit, double way) {
+      speed = std::min(speed, std::sqrt(limit * limit + 2.0 * params.braking * way));
+    };
+    slowed_to(speeds[(i + 1) % static_cast<std::size_t>(gates)], s);
+    s = 0.0;
+    for (const Segment& segment : plan.legs[i].segments) {
+      if (segment.curvature != 0.0) slowed_to(speed_on(segment, params), s);
+      s += segment.length;
+    }
+    speeds[i] = speed;
+  }
+  return speeds;
+}
 
 }  // namespace
 
@@ -278,6 +303,7 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
     plan.legs.push_back(
         planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
   }
+  plan.gate_speed = gate_speeds(plan, params, n);
   const std::vector<MapSolid> solids = solids_of(track);
   for (int i = 0; i < n; ++i) plan.room_before.push_back(room_before(track, params, solids, i));
   return plan;
@@ -285,6 +311,26 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
 
 double widest_radius(const PlanParams& params) {
   return 1.5 * params.speed * params.speed / params.max_lateral;
+}
+
+double way_to_settle(const Path& path, double speed, double max_lateral) {
+  constexpr double kSeenFrom = 0.6;  // so far aside of the nose a gate is still in view [rad]
+  double way = 0.0, turned = 0.0;
+  for (std::size_t i = path.segments.size(); i-- > 0;) {
+    const Segment& segment = path.segments[i];
+    const double curvature = std::abs(segment.curvature);
+    if (curvature == 0.0) {
+      way += segment.length;
+      continue;
+    }
+    const double asked = speed * speed * curvature / max_lateral;
+    const double gentle = std::clamp(2.0 * (1.0 - asked), 0.0, 1.0);
+    const double part = std::min(segment.length, (kSeenFrom - turned) / curvature);
+    way += gentle * part;
+    turned += curvature * part;
+    if (gentle == 0.0 || part < segment.length) break;
+  }
+  return way;
 }
 
 double wanted_run_in(const PlanParams& params) {

@@ -75,6 +75,7 @@ struct SpeedParams {
   /// of 0.7 m at 3.2 m/s²; an autopilot's 240 ms are led off tighter turns]
   double turn_in_lead = 0.34;
   double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [estimate]
+  double braking = 2.0;     ///< Before that, at most [m/s²]. [ours: 12° nose up]
   /// From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
   double settle = 1.3;
   double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [estimate]

@@ -35,7 +35,7 @@ std::span<const Experiment> all() {
   static const Deviation kSnakeSearch{"snake-search", "snakes in strides"};
   static const Deviation kSpeed{"speed", "speed held by pitch"};
   static const Deviation kTable2{"table-2", "Table 2 holds variances"};
-  static const std::array<Experiment, 26> list{{
+  static const std::array<Experiment, 27> list{{
       {"roc-length",
        "hits against false positives over the minimum length σ_L",
        roc_length,
@@ -162,6 +162,12 @@ std::span<const Experiment> all() {
        full_track,
        false,
        {kLi18, kSpeed},
+       true},
+      {"speed-ladder",
+       "how fast three courses are flown before races are lost, rung by rung",
+       speed_ladder,
+       false,
+       {kSpeed},
        true},
       {"paper-vs-ours",
        "the original beside ours on the same days; which box makes the difference",

@@ -104,6 +104,7 @@ Result pose_grid(const Options& options);
 Result pose_real(const Options& options);
 Result feasible_set(const Options& options);
 Result full_track(const Options& options);
+Result speed_ladder(const Options& options);
 Result paper_vs_ours(const Options& options);
 Result twin_liveliness(const Options& options);
 Result other_camera(const Options& options);
