@@ -123,7 +123,7 @@ TEST(Navigator, ARepeatedTimeStampLetsNoTimePass) {
   EXPECT_EQ(drone.navigator.state().dt, 0.0);
 }
 
-// Sonar and barometer see 1.2 m where dead reckoning is at 1 m.
+// Sonar and barometer see 12 cm where dead reckoning stays on the floor.
 TEST(Navigator, HeightsPullTheAltitude) {
   Rested drone;
   for (int i = 0; i < 1024; ++i) {
