@@ -24,7 +24,7 @@ case "${1:-}" in
     ninja -C "$release" gatefly_without_simulator
     # Each object and what it includes, on one line; those that go into no such program aside.
     ninja -C "$release" -t deps | awk '/^[^ ]/ { printf "\n%s", $0 } /^ / { printf " %s", $0 }' |
-      grep -vE '^(src/(simulator|studies)/|tests|python|apps/gatefly/CMakeFiles/gatefly(-lab|-tools|-studies)?\.dir|CMakeFiles)/' |
+      grep -vE '^(src/(simulator|studies)|tests|python|apps/gatefly/CMakeFiles/gatefly(-lab|-tools|-studies)?\.dir|CMakeFiles)/' |
       grep -oiE '^[^:]*|[^ ]*/(mujoco|embree)[^ ]*' | none_of_them
     ldd "$program" | none_of_them
     ;;
