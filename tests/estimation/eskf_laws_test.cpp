@@ -240,19 +240,52 @@ TEST(EskfGate, JacobianOfBarsMatchesCentralDifferencesOnThem) {
 TEST(EskfGate, ABoardIsAGateHalfItsDepthNearer) {
   constexpr double kNear = 0.13;
   for_all(50, [](Rng& rng) {
-    for (const bool bars : {false, true})
-      for (const bool behind : {false, true}) {
-        const Nominal x = any_view(rng);
-        GateSight sight = sight_from(x, GateSight::Quality::kPart, bars);
-        sight.behind = behind;
-        Nominal nearer = x;
-        nearer.gates[0].p_EG -= (behind ? -kNear : kNear) * rotation_z(x.gates[0].yaw_EG).col(0);
-        const GateShape board{kGate.side, kGate.bar, kNear};
-        const auto rows = gate_rows(x, sight, board, 0.003, false, kCamera, {});
-        const auto same = gate_rows(nearer, sight, kGate, 0.003, false, kCamera, {});
-        ASSERT_TRUE(rows && same);
-        EXPECT_THAT(rows->residual, IsNear(same->residual, 1e-12));
+    for (const bool behind : {false, true}) {
+      const Nominal x = any_view(rng);
+      GateSight sight = sight_from(x, GateSight::Quality::kPart, true);
+      sight.behind = behind;
+      Nominal nearer = x;
+      nearer.gates[0].p_EG -= (behind ? -kNear : kNear) * rotation_z(x.gates[0].yaw_EG).col(0);
+      const GateShape board{kGate.side, kGate.bar, kNear};
+      const auto rows = gate_rows(x, sight, board, 0.003, false, kCamera, {});
+      const auto same = gate_rows(nearer, sight, kGate, 0.003, false, kCamera, {});
+      ASSERT_TRUE(rows && same);
+      EXPECT_THAT(rows->residual, IsNear(same->residual, 1e-12));
+    }
+  });
+}
+
+// What is drawn where a frame of boards, or its opening, shows is what was expected.
+TEST(EskfGate, CornersOfBoardsAreExpectedWhereTheirOutlinesCross) {
+  const GateShape board{2.7, 0.6, 0.13};
+  for_all(100, [&](Rng& rng) {
+    Nominal x = any_view(rng);
+    x.focal = x.bend = x.delay = 0.0, x.rate_B.setZero(), x.v_E.setZero(), x.corner.setZero();
+    x.gates[0].size = 0.0;
+    x.gates[0].p_EG.y() += rng.uniform(-3.0, 3.0);  // from beside it, too
+    const Eigen::Matrix3d R_EG = rotation_z(x.gates[0].yaw_EG);
+    const Vector3d eye_E = x.p_EB + x.R_EB * kCamera.p_BC,
+                   eye_G = R_EG.transpose() * (eye_E - x.gates[0].p_EG);
+    if (eye_G.x() > -0.5) return test::not_a_case();
+    for (const auto kind : {Feature::Kind::kCorner, Feature::Kind::kOpening}) {
+      const bool opening = kind == Feature::Kind::kOpening;
+      GateSight sight;
+      sight.quality = GateSight::Quality::kPart;
+      for (std::uint8_t i = 0; i < 4; ++i) {
+        const Vector3d corner_G = gate_corners_G(opening ? 1.5 : 2.7)[i],
+                       shown_G = corner_G - Vector3d{board.near_face, 0, 0} +
+                                 outline_shift_G(corner_G, eye_G, board.near_face,
+                                                 opening ? CornerOf::kOpening : CornerOf::kFrame);
+        const Vector3d ray_E = x.gates[0].p_EG + R_EG * shown_G - eye_E;
+        (void)sight.features.push_back(
+            {.kind = kind,
+             .which = i,
+             .bearing_C = (x.R_BC.transpose() * x.R_EB.transpose() * ray_E).normalized()});
       }
+      const auto rows = gate_rows(x, sight, board, 0.0, false, kCamera, {});
+      if (!rows) return test::not_a_case();
+      EXPECT_LT(rows->residual.norm(), 1e-9);
+    }
   });
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/geometry/gate_corners.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
+
+#include "support/for_all.hpp"
 
 namespace gatefly {
 namespace {
@@ -24,6 +28,35 @@ TEST(NearFace, IsHalfTheDepthOfBoardsAndNothingOfThinBars) {
 TEST(NearFace, NobodySaysHowDeepBarsAreSoTheyAreSquareAndBoardsThinner) {
   EXPECT_DOUBLE_EQ(usual_depth(0.05), 0.05);
   EXPECT_DOUBLE_EQ(usual_depth(0.6), 0.10);
+}
+
+// Seen along the way through the gate, upright edges are drawn upright and level ones level: of the
+// frame's two faces the outermost edges show, of the opening's the innermost.
+TEST(OutlineShift, PutsCornersWhereTheOutlineHasThem) {
+  constexpr double kNear = 0.13;
+  test::for_all(200, [&](Rng& rng) {
+    const Eigen::Vector3d eye{rng.uniform(-8.0, -0.5), rng.uniform(-4.0, 4.0),
+                              rng.uniform(-4.0, 4.0)};
+    for (const CornerOf of : {CornerOf::kFrame, CornerOf::kOpening}) {
+      const auto corners = gate_corners_G(of == CornerOf::kFrame ? 2.7 : 1.5);
+      for (const Eigen::Vector3d& corner : corners) {
+        const Eigen::Vector3d shown =
+            corner - Eigen::Vector3d{kNear, 0, 0} + outline_shift_G(corner, eye, kNear, of) - eye;
+        for (const Eigen::Index axis : {1, 2}) {
+          const double off = corner[axis] - eye[axis], out = corner[axis] > 0.0 ? 1.0 : -1.0;
+          const auto [less, more] =
+              std::minmax({out * off / (-kNear - eye.x()), out * off / (kNear - eye.x())});
+          EXPECT_NEAR(out * shown[axis] / shown.x(), of == CornerOf::kFrame ? more : less, 1e-12);
+        }
+      }
+    }
+  });
+}
+
+TEST(OutlineShift, IsNoneOfThinBarsAndOfAFrameSeenFromAhead) {
+  const auto corner = gate_corners_G(2.7)[0];
+  EXPECT_EQ(outline_shift_G(corner, {-3, 5, 1}, 0.0, CornerOf::kFrame), Eigen::Vector3d::Zero());
+  EXPECT_EQ(outline_shift_G(corner, {-3, 1, 1}, 0.1, CornerOf::kFrame), Eigen::Vector3d::Zero());
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 
 namespace gatefly {
 
-/// How a gate was found: along its bars, by trying frames everywhere, or by two side bars that the
-/// border cuts.
-enum class DetectionMethod { kSnake, kFrames, kBars };
+/// How a gate was found: along its bars, by trying frames everywhere, by two side bars that the
+/// border cuts, or by its opening, whose corners are the detection's then.
+enum class DetectionMethod { kSnake, kFrames, kBars, kOpening };
 
 /// A detected gate; the answer of every detector.
 struct GateDetection {
@@ -32,6 +32,10 @@ struct GateDetection {
 
 /// Distinct gates of one picture, best first.
 using GateDetections = FixedList<GateDetection, 6>;
+
+/// Openings of near gates, largest first: `corners_px` are the opening's, those in view have a
+/// fitness.
+using Openings = FixedList<GateDetection, 3>;
 
 /// Fitness of a frame with this score: part of such frames that were gates, on the authors' labelled
 /// pictures.

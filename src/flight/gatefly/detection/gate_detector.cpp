@@ -10,6 +10,7 @@
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/careful_search.hpp"
+#include "gatefly/detection/search/opening_search.hpp"
 #include "gatefly/detection/search/part_search.hpp"
 #include "gatefly/detection/search/snake_search.hpp"
 
@@ -36,12 +37,13 @@ std::optional<Quad> previous_of(const LookFor& look_for) {
 
 struct GateDetector::Searches {
   explicit Searches(const GateDetectorParams& params)
-      : snakes{params}, careful{params}, parts{params} {}
+      : snakes{params}, careful{params}, parts{params}, openings{params} {}
 
   PictureColor color;  // of the picture that is looked at
   SnakeSearch snakes;
   CarefulSearch careful;
   PartSearch parts;
+  OpeningSearch openings;
 };
 
 GateDetector::GateDetector(const GateDetectorParams& params, DetectorMode mode)
@@ -62,11 +64,12 @@ GatesInView GateDetector::look(const Image& image, const ColorModel& color,
   if (look_for.gates != LookFor::Gates::kNone) list_gates(image, look_for);
   if (look_for.gates == LookFor::Gates::kBest && gates_.size() > 1) gates_.resize(1);
 
-  GatesInView view{.gates = gates_, .part = {}, .careful = careful_};
+  GatesInView view{.gates = gates_, .part = {}, .openings = {}, .careful = careful_};
   if (look_for.part == LookFor::Part::kNo) return view;
   if (look_for.part == LookFor::Part::kWithoutGate && !gates_.empty()) return view;
   view.part = part(image);
   if (is_paper()) return view;  // no corners to compare
+  view.openings = searches_->openings.detect(image, searches_->color);
   const auto is_part_of = [&](const GateDetection& gate) {
     return view.part && same_place(gate.corners_px, view.part->gate.corners_px);
   };

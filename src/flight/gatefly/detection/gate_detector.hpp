@@ -55,6 +55,7 @@ struct GatesInView {
   /// Distinct, best first. Valid until the detector looks again.
   std::span<const GateDetection> gates;
   std::optional<GatePart> part;  ///< Part of a gate that is not in `gates`.
+  Openings openings;             ///< Of gates made of boards; asked for with `part`.
   bool careful = false;          ///< Whether the careful search ran, too.
 };
 

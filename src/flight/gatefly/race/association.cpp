@@ -51,10 +51,11 @@ std::optional<GateSight> sight_of(const Quad& corners_px, const PictureClock& pi
 }
 
 std::optional<GateSight> sight_of_cut(const GateDetection& cut, const PictureClock& picture) {
+  const Feature::Kind kind =
+      cut.method == DetectionMethod::kOpening ? Feature::Kind::kOpening : Feature::Kind::kCorner;
   FixedList<Point, 4> points;
   for (std::uint8_t i = 0; i < 4; ++i)
-    if (cut.corner_fitness[i] > 0.0)
-      (void)points.push_back({Feature::Kind::kCorner, i, cut.corners_px[i]});
+    if (cut.corner_fitness[i] > 0.0) (void)points.push_back({kind, i, cut.corners_px[i]});
   if (points.size() < 2) return std::nullopt;
   return sight_of({points.begin(), points.size()}, GateSight::Quality::kPart, picture);
 }

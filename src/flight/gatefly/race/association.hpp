@@ -23,7 +23,8 @@ struct PictureClock {
 /// Nullopt: a corner is outside of the lens' field of view.
 [[nodiscard]] std::optional<eskf::GateSight> sight_of(const Quad& corners_px,
                                                       const PictureClock& picture);
-/// A sighting of a gate that the border cuts, by its corners in view; nullopt also for fewer than two.
+/// A sighting of a gate that the border cuts, or of an opening, by its corners in view; nullopt also
+/// for fewer than two.
 [[nodiscard]] std::optional<eskf::GateSight> sight_of_cut(const GateDetection& cut,
                                                           const PictureClock& picture);
 [[nodiscard]] std::optional<eskf::GateSight> sight_of(const LowerCorners& lower,

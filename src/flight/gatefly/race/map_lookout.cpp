@@ -212,13 +212,21 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
 void MapLookout::take_parts(const View& view) {
   std::optional<GateBars> bars;
   std::optional<GateDetection> cut;
+  Openings openings;
   if (view.sensors.seen) {
     sighting_.lower_corners = view.sensors.seen->lower_corners, bars = view.sensors.seen->bars;
     cut = view.sensors.seen->cut;
-  } else if (const auto part =
-                 detector_.look(*view.sensors.image, params_.gate_color, kPartToo).part) {
-    sighting_.lower_corners = part->lower_corners(), bars = part->bars, cut = part->gate;
+  } else {
+    const GatesInView seen = detector_.look(*view.sensors.image, params_.gate_color, kPartToo);
+    openings = seen.openings;
+    if (seen.part)
+      sighting_.lower_corners = seen.part->lower_corners(), bars = seen.part->bars,
+      cut = seen.part->gate;
   }
+  // All four corners of an opening say more than two of a gate.
+  for (const GateDetection& opening : openings)
+    if (const auto sight = sight_of_cut(opening, view.picture)) take_cut(view, *sight);
+  if (sighting_.source != Sighting::Source::kNone) return;
   // Corners say whose they are, bars do not: where corners fit no gate their bars count no more.
   if (const auto sight = cut ? sight_of_cut(*cut, view.picture) : std::nullopt) {
     take_cut(view, *sight);
@@ -242,12 +250,17 @@ void MapLookout::take_cut(const View& view, const eskf::GateSight& sight) {
                          : corners > 2 ? map_.max_three_nis
                                        : map_.max_lower_nis;
   const auto seen = associate(filter, sight, max_nis);
+  const bool is_opening = sight.features[0].kind == eskf::Feature::Kind::kOpening;
+  // As sure as a whole gate: where it fits none, the position may be what is off.
+  if (!seen && is_opening && corners > 3) ++refused_, monitor_.refused(view.navigator.time());
   if (!seen || seen->margin < map_.margin) return;
   const bool target = is_target(seen->sight, view);
   sighting_.offered = sighting_.offered || target;
   const double place_sigma = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1));
-  const bool sure = place_sigma < map_.part_sigma && seen->innovation.nis < 0.7 * max_nis;
-  if (!sure && !seen_again(seen->sight)) return;
+  const bool blind = is_opening && view.navigator.time() - last_any_ > map_.blind_after;
+  const bool sure = !blind && place_sigma < map_.part_sigma && seen->innovation.nis < 0.7 * max_nis;
+  // Two corners of an opening alone fit a gate near by and one farther away.
+  if (!sure && ((is_opening && corners < 3) || !seen_again(seen->sight))) return;
   if (!view.navigator.correct({&seen->sight, 1}, target)) return;
   last_any_ = view.navigator.time(), refused_ = 0;
   if (!target) return;

@@ -60,18 +60,26 @@ std::optional<GateView> view_of(const world::WorldGate& gate, const Sight& sight
                         face_E = gate.p_EG - to_middle_E;
   auto corners_G = gate_corners_G(1.0);
   if (depth < 0.0) std::swap(corners_G[0], corners_G[1]), std::swap(corners_G[2], corners_G[3]);
+  // In the frame of who flies through it this way.
+  Eigen::Matrix3d R_EF = R_EG;
+  if (depth < 0.0) R_EF.leftCols<2>() *= -1.0;
+  const Eigen::Vector3d eye_F = -R_EF.transpose() * to_gate;
+  const auto shift_E = [&](double side, std::size_t i, CornerOf of) -> Eigen::Vector3d {
+    return R_EF * outline_shift_G(side * gate_corners_G(1.0)[i], eye_F, ahead, of);
+  };
   std::array<bool, 4> seen{}, above{};
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d corner_E = face_E + gate.side * (R_EG * corners_G[i]);
-    const auto px = exposure.project(corner_E);
+    const auto px = exposure.project(corner_E + shift_E(gate.side, i, CornerOf::kFrame));
     if (!px) continue;
     view.corners_px[i] = *px, view.drawn[i] = true;
     above[i] = px->y() < 0.0;
     seen[i] = exposure.inside(*px) && in_sight(sight, eye_E, corner_E + to_middle_E);
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d inner_E = face_E + (gate.side - 2.0 * gate.bar) * (R_EG * corners_G[i]);
-    const auto px = exposure.project(inner_E);
+    const double inner = gate.side - 2.0 * gate.bar;
+    const Eigen::Vector3d inner_E = face_E + inner * (R_EG * corners_G[i]);
+    const auto px = exposure.project(inner_E + shift_E(inner, i, CornerOf::kOpening));
     view.inner_seen[i] =
         px && exposure.inside(*px) && in_sight(sight, eye_E, inner_E + to_middle_E);
   }

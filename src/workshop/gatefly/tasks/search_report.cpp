@@ -79,6 +79,7 @@ std::string words_of(const SearchReport& report, const GateDetectorParams& param
       return fast + (sure ? ", but all gates were asked for or a bar stands beside it" : "") +
              ": the careful one answered";
     case DetectionMethod::kBars:
+    case DetectionMethod::kOpening:
       break;
   }
   return fast + "; the careful one found none; a part of a gate is answered";

@@ -17,8 +17,8 @@ using Eigen::Vector2d;
 constexpr int kStations = 32, kMostSamples = 64;
 // Widths of a board from its middle line: where an edge is looked for, and what is beyond it.
 constexpr double kInnermost = -0.25, kOutermost = 1.1, kBeyondFrom = 0.7;
-constexpr double kPastCorners =
-    0.4;  // widths, along a side: its edge is longer than its middle line
+// Widths, along a side: its outer edge is longer than its middle line, its inner one shorter.
+constexpr double kPastCorners = 0.4, kShortOfCorners = 0.6;
 constexpr double kLeastContrast = 8.0;  // levels of chroma between a board and what is beyond
 constexpr double kLeastStep = 0.5;      // of all that a clear step would show
 constexpr int kLeastSteps = 6;
@@ -27,16 +27,23 @@ constexpr std::array kScales{4.0, 2.0, 1.0, 0.7};  // px, of the line's residual
 /// One side of the frame: its middle line, and a way out.
 class BoardSide {
  public:
+  /// @param ends_px  width of the boards at both its ends.
   BoardSide(const Image& image, const Vector2d& a, const Vector2d& b, double board_px,
-            const Vector2d& sag)
+            double ends_px, const Vector2d& sag, BoardEdge which)
       : image_{image}, a_{a}, d_{b - a}, sag_{sag}, board_px_{board_px} {
     const double length = std::max(1e-9, d_.norm());
     out_ = Vector2d{d_.y(), -d_.x()} / length;  // corners run clockwise as seen
-    past_ = kPastCorners * board_px / length;
+    past_ = kPastCorners * ends_px / length;
+    if (which == BoardEdge::kOuter) return;
+    opens_ = true;
+    out_ = -out_;
+    past_ = -std::min(kShortOfCorners * ends_px / length, 0.4);
   }
 
+  [[nodiscard]] double board() const { return board_px_; }
+
   [[nodiscard]] Vector2d on(double t) const { return a_ + t * d_ + 4.0 * t * (1.0 - t) * sag_; }
-  /// On the edge, `off` widths of a board beyond the middle line.
+  /// So far beyond the middle line, where the edge is looked for.
   [[nodiscard]] Vector2d at(double t, double off_px) const { return on(t) + off_px * out_; }
   [[nodiscard]] double station(int k) const {
     return -past_ + (1.0 + 2.0 * past_) * (k + 0.5) / kStations;
@@ -96,12 +103,17 @@ class BoardSide {
   // The best step from board to no board along one line across the side.
   [[nodiscard]] std::optional<double> step_at(double t, const Vector2d& beyond,
                                               const Vector2d& per_contrast) const {
-    const double from = kInnermost * board_px_, length = (kOutermost - kInnermost) * board_px_;
+    const double length = (kOutermost - kInnermost) * board_px_;
     const int samples = std::clamp(static_cast<int>(length), 8, kMostSamples);
     const double apart = length / samples;
+    double from = kInnermost * board_px_;
+    // Of a board around an opening the border leaves what is nearest to that.
+    int skipped = 0;
+    if (opens_)
+      while (skipped < samples && !chroma_at(at(t, from + apart * 0.5))) from += apart, ++skipped;
     std::array<double, static_cast<std::size_t>(kMostSamples)> shown;
     int n = 0;
-    for (; n < samples; ++n) {
+    for (; n < samples - skipped; ++n) {
       const auto c = chroma_at(at(t, from + apart * (n + 0.5)));
       if (!c) break;  // the border
       shown[static_cast<std::size_t>(n)] = std::clamp((*c - beyond).dot(per_contrast), 0.0, 1.0);
@@ -151,14 +163,22 @@ class BoardSide {
   const Image& image_;
   Vector2d a_, d_, sag_, out_;
   double board_px_, past_;
+  bool opens_ = false;  // the edge is that of the opening
 };
 
 // From middle lines that are known to a third of a board's width.
-BoardEdges edges_beyond(const Image& image, const Quad& bars_px, double board_px,
-                        const SideCurves& curves) {
+BoardEdges edges_beyond(const Image& image, const Quad& bars_px, const BoardWidths& board_px,
+                        const SideCurves& curves, BoardEdge which) {
   const auto side = [&](std::size_t i) {
     const Vector2d &a = bars_px[i], &b = bars_px[(i + 1) % 4];
-    return BoardSide{image, a, b, board_px, curves.sag(a, b)};
+    const bool level = i % 2 == 0;
+    return BoardSide{image,
+                     a,
+                     b,
+                     level ? board_px.level : board_px.upright,
+                     level ? board_px.upright : board_px.level,
+                     curves.sag(a, b),
+                     which};
   };
   const std::array<BoardSide, 4> sides{side(0), side(1), side(2), side(3)};
   // One colour for all boards; that of the opening where what is beyond them is not in view.
@@ -166,28 +186,30 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, double board_px
     Vector2d sum{0, 0};
     int shown = 0;
     for (const BoardSide& s : sides)
-      if (const auto mean = s.chroma(from * board_px, to * board_px)) sum += *mean, ++shown;
+      if (const auto mean = s.chroma(from * s.board(), to * s.board())) sum += *mean, ++shown;
     return shown > 0 ? std::optional<Vector2d>{sum / shown} : std::nullopt;
   };
-  const auto board = mean_of(-0.25, 0.25), opening = mean_of(-1.2, -0.8);
+  const auto paint = mean_of(-0.25, 0.25), opening = mean_of(-1.2, -0.8);
 
   BoardEdges edges{.corners = bars_px, .middles = bars_px};
   std::array<Vector2d, 4> offs;
   for (std::size_t i = 0; i < 4; ++i) {
-    offs[i] = Vector2d::Constant(0.5 * board_px);
-    const auto beyond = sides[i].chroma(kBeyondFrom * board_px, kOutermost * board_px);
+    const double board = sides[i].board();
+    offs[i] = Vector2d::Constant(0.5 * board);
+    const auto beyond = sides[i].chroma(kBeyondFrom * board, kOutermost * board);
     const auto& other = beyond ? beyond : opening;
-    const auto edge = board && other ? sides[i].edge(*board, *other) : std::nullopt;
+    const auto edge = paint && other ? sides[i].edge(*paint, *other) : std::nullopt;
     if (edge) offs[i] = *edge, edges.seen[i] = true;
   }
-  // Neighbouring lines that run so far inside of their edges cross here.
-  const auto crossings = [&](double in_px) {
+  // Neighbouring lines that run so many widths of a board back from their edges cross here.
+  const auto crossings = [&](double back) {
     Quad corners = bars_px;
     edges.crossed = {};
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t before = (i + 3) % 4;
       const auto point = [&](std::size_t of, double t) {
-        return sides[of].at(t, (1.0 - t) * offs[of][0] + t * offs[of][1] - in_px);
+        return sides[of].at(t,
+                            (1.0 - t) * offs[of][0] + t * offs[of][1] - back * sides[of].board());
       };
       const Vector2d a = point(before, 0.5), b = point(before, 1.0), c = point(i, 0.0),
                      d = point(i, 0.5);
@@ -197,17 +219,17 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, double board_px
     }
     return corners;
   };
-  edges.middles = crossings(0.5 * board_px), edges.corners = crossings(0.0);
+  edges.middles = crossings(0.5), edges.corners = crossings(0.0);
   return edges;
 }
 
 }  // namespace
 
-BoardEdges board_edges(const Image& image, const Quad& bars_px, double board_px,
-                       const SideCurves& curves) {
+BoardEdges board_edges(const Image& image, const Quad& bars_px, const BoardWidths& board_px,
+                       const SideCurves& curves, BoardEdge which) {
   // The second time along lines that are nearly parallel to the edges.
-  const BoardEdges rough = edges_beyond(image, bars_px, board_px, curves);
-  return edges_beyond(image, rough.middles, board_px, curves);
+  const BoardEdges rough = edges_beyond(image, bars_px, board_px, curves, which);
+  return edges_beyond(image, rough.middles, board_px, curves, which);
 }
 
 }  // namespace gatefly

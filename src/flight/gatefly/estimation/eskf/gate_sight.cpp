@@ -77,8 +77,17 @@ void put(GateRows& rows, int row, const Seen<Rows>& seen, const Moment& moment, 
 bool put_corner(GateRows& rows, int row, const Feature& feature, const Moment& moment,
                 const Nominal& x, const GateBelief& gate, const Eigen::Matrix3d& R_EG,
                 const GateShape& shape) {
-  const Eigen::Vector3d nominal_E = R_EG * (shape.side * gate_corners_G(1.0)[feature.which & 3]);
-  const Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E - shape.near_face * R_EG.col(0);
+  const bool is_opening = feature.kind == Feature::Kind::kOpening;
+  const double side = is_opening ? shape.side - 2.0 * shape.bar : shape.side;
+  const Eigen::Vector3d corner_G = side * gate_corners_G(1.0)[feature.which & 3],
+                        nominal_E = R_EG * corner_G;
+  Eigen::Vector3d arm_E = (1.0 + gate.size) * nominal_E - shape.near_face * R_EG.col(0);
+  if (shape.near_face != 0.0) {
+    const CameraPose& camera = moment.camera;
+    const Eigen::Vector3d eye_E = camera.p_EB + camera.R_EB * camera.p_BC - gate.p_EG;
+    arm_E += R_EG * outline_shift_G(corner_G, R_EG.transpose() * eye_E, shape.near_face,
+                                    is_opening ? CornerOf::kOpening : CornerOf::kFrame);
+  }
   const auto seen = point_bearing(gate.p_EG + arm_E, feature.bearing_C, moment.camera);
   if (!seen) return false;
   put<2>(rows, row,
@@ -247,7 +256,7 @@ std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight, cons
   const Eigen::Matrix3d R_EG = rotation_z(belief.yaw_EG + (sight.behind ? kPi : 0.0));
   Eigen::Index count = 0;
   for (const Feature& feature : sight.features)
-    count += feature.kind == Feature::Kind::kCorner ? 2 : 1;
+    count += feature.kind == Feature::Kind::kBar ? 1 : 2;
   if (count == 0) return std::nullopt;
   GateRows rows;
   rows.states = states_of(sight.slot);
@@ -257,7 +266,7 @@ std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight, cons
   int row = 0;
   for (const Feature& feature : sight.features) {
     const Moment moment = moment_of(x, offset + x.delay + feature.late, camera);
-    const bool corner = feature.kind == Feature::Kind::kCorner;
+    const bool corner = feature.kind != Feature::Kind::kBar;
     const bool good = corner ? put_corner(rows, row, feature, moment, x, belief, R_EG, gate)
                              : put_bar(rows, row, feature, moment, x, belief, R_EG, gate);
     if (!good) return std::nullopt;

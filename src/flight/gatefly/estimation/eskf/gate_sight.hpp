@@ -14,9 +14,9 @@
 
 namespace gatefly::eskf {
 
-/// A corner or a side bar of a gate, as seen.
+/// A corner of a gate or of its opening, or a side bar, as seen.
 struct Feature {
-  enum class Kind : std::uint8_t { kCorner, kBar };
+  enum class Kind : std::uint8_t { kCorner, kOpening, kBar };
   Kind kind = Kind::kCorner;
   /// Corner: 0 to 3, clockwise from the top left one; bar: 0 left, 1 right, as they show.
   std::uint8_t which = 0;

@@ -18,12 +18,15 @@ std::optional<Quad> Scorer::visible_gate(const sim::BodyPose& pose, const world:
     return std::nullopt;
   // from behind it is not to be flown
   if (R_EG.col(0).dot(gate.p_EG - eye_E) < 0.2) return std::nullopt;
-  const Eigen::Vector3d face_E =
-      gate.p_EG - near_face(gate.side, gate.bar, gate.depth) * R_EG.col(0);
+  const double ahead = near_face(gate.side, gate.bar, gate.depth);
+  const Eigen::Vector3d face_E = gate.p_EG - ahead * R_EG.col(0),
+                        eye_G = R_EG.transpose() * (eye_E - gate.p_EG);
   const auto corners_G = gate_corners_G(gate.side);
   Quad quad;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector3d corner_E = face_E + R_EG * corners_G[i];
+    const Eigen::Vector3d corner_E =
+        face_E + R_EG * corners_G[i] +
+        R_EG * outline_shift_G(corners_G[i], eye_G, ahead, CornerOf::kFrame);
     const auto px = camera_.lens.project(R_EC.transpose() * (corner_E - eye_E));
     // The upright picture's size counts, however it is stored.
     if (!px || px->x() < 0 || px->y() < 0 || px->x() > camera_.width() - 1 ||

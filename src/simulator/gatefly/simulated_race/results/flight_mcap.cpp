@@ -31,7 +31,7 @@ const char* name_of(Sighting::Source source) {
 }
 
 const char* name_of(DetectionMethod method) {
-  constexpr std::array<const char*, 3> kNames{"snake", "frames", "bars"};
+  constexpr std::array<const char*, 4> kNames{"snake", "frames", "bars", "opening"};
   return kNames[static_cast<std::size_t>(method)];
 }
 
