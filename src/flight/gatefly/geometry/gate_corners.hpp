@@ -28,15 +28,15 @@ inline constexpr double kLeastBoard = 0.2;
   return bar >= kLeastBoard * side ? 0.5 * depth : 0.0;
 }
 
-/// What a corner is of: the frame, seen against what is behind it, or the opening in it.
+/// A corner belongs to the frame, seen against what is behind it, or to the opening in it.
 enum class CornerOf { kFrame, kOpening };
 
 /// How far from its place on the near face a corner of boards shows, in the gate's frame [m]. [ours]
 ///
-/// What is seen of an edge is the outline of a board that has a depth: of the frame the near face's
-/// edge, but the far one's where the eye is beyond that edge; of the opening the far face's, but the
-/// near one's from there. The corner is where the outlines of its two edges cross. At 5 m from a
-/// board of 8 cm, 40 degrees aside, this is 5 px of 425 a radian.
+/// A board has a depth, and its outline is what shows. The outline of the frame is the edge of its
+/// near face, or of its far face where the eye is beyond that edge; that of the opening the other way
+/// round. The corner is where the outlines of its two edges cross. At 5 m from a board of 8 cm, 40
+/// degrees aside, this is 5 px of 425 a radian.
 /// @param corner_G  in the middle of the boards. @param eye_G  x < 0: before the gate.
 [[nodiscard]] inline Eigen::Vector3d outline_shift_G(const Eigen::Vector3d& corner_G,
                                                      const Eigen::Vector3d& eye_G, double near_face,

@@ -107,7 +107,7 @@ class BoardSide {
     const int samples = std::clamp(static_cast<int>(length), 8, kMostSamples);
     const double apart = length / samples;
     double from = kInnermost * board_px_;
-    // Of a board around an opening the border leaves what is nearest to that.
+    // The border may cut a board around an opening: the part next to the opening is left.
     int skipped = 0;
     if (opens_)
       while (skipped < samples && !chroma_at(at(t, from + apart * 0.5))) from += apart, ++skipped;

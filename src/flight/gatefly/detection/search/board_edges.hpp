@@ -10,7 +10,7 @@
 
 namespace gatefly {
 
-/// Which edges of its boards.
+/// The edges of the boards that are looked for.
 enum class BoardEdge { kOuter, kInner };
 
 /// Width of a frame's boards across them: of its level and of its upright ones [px].

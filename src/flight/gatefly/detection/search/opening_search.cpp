@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 constexpr int kOfGate = 0;  // evidence from which a cell has the gate's colour
 // An opening is so wide or high, of the picture's width: of farther gates the outer corners say more.
 constexpr double kLeastSide = 0.1;
-constexpr int kLeastCells = 6;  // and so wide and high
+constexpr int kLeastCells = 6;  // least width and height of a hole
 // Cells of a hole / cells within its four corners: things that stand in an opening take some away.
 constexpr double kLeastFilled = 0.75, kMostFilled = 1.15;
 constexpr double kLeastFrame = 0.7;  // of a board beside the opening, in the gate's colour
@@ -37,7 +37,7 @@ double side(const Quad& quad, std::size_t i) { return (quad[(i + 1) % 4] - quad[
 double height(const Quad& quad) { return 0.5 * (side(quad, 1) + side(quad, 3)); }
 double width(const Quad& quad) { return 0.5 * (side(quad, 0) + side(quad, 2)); }
 
-// What the border cuts off, drawn beyond it: as long as the opening is across.
+// Extends an opening that the border cuts: it becomes as long as it is across.
 void complete(Quad& quad, const Seen& seen) {
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t next = (i + 1) % 4, after = (i + 2) % 4, before = (i + 3) % 4;
@@ -51,7 +51,7 @@ void complete(Quad& quad, const Seen& seen) {
   }
 }
 
-// Where the line through a and b crosses the one through c and d, in parts of the way from a to b.
+// The line through a and b crosses the one through c and d here, in parts of the way from a to b.
 std::optional<double> crossing_at(const Vector2d& a, const Vector2d& b, const Vector2d& c,
                                   const Vector2d& d) {
   const auto cross = [](const Vector2d& p, const Vector2d& q) {
@@ -64,7 +64,7 @@ std::optional<double> crossing_at(const Vector2d& a, const Vector2d& b, const Ve
 
 // Whether two boards opposite each other are as wide as those of this gate, seen from wherever: across
 // parallel edges the cross-ratio is the same in every picture. Something of the gate's colour behind a
-// board makes it wider. Where an edge does not show nothing is said against it.
+// board makes it wider. True also where an edge does not show.
 bool are_wide_as(double bar_ratio, std::size_t one, const BoardEdges& inner,
                  const BoardEdges& outer) {
   const std::size_t other = one + 2;
@@ -109,7 +109,7 @@ Openings OpeningSearch::detect(const Image& image, const PictureColor& color) {
   return openings;
 }
 
-// Which cells have the gate's colour.
+// Marks the cells that have the gate's colour.
 void OpeningSearch::mark(const Image& image, const PictureColor& color) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns,
                     (image.height() + kMostRows - 1) / kMostRows});

@@ -46,7 +46,7 @@ class OpeningSearch {
   [[nodiscard]] bool touches_more_than_one_border(const Hole& hole) const;
   [[nodiscard]] Quad corners_of(const Hole& hole) const;
   [[nodiscard]] bool is_framed(const Quad& corners_px, const std::array<bool, 4>& seen) const;
-  /// Of some places of the picture.
+  /// A count of places along a line: those in the picture, those of the gate's colour.
   struct Shown {
     int in_view = 0, of_gate = 0;
   };
