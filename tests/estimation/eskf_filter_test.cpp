@@ -319,6 +319,22 @@ TEST(Landmarks, KeepWhatWasFoundOfAGateThatHasLostItsSlot) {
   EXPECT_NEAR(P(gate_at(slot), gate_at(slot)), 0.0009, 1e-9);
 }
 
+// A course that comes by itself again: gate 1 stands beside gate 8, and shows beside it.
+TEST(Landmarks, AGateThatStandsBesideTheTargetHasASlot) {
+  eskf::Setup setup = setup_for(12);
+  setup.map[0].p_EG = setup.map[7].p_EG + Vector3d{1.5, 1.0, 0.0};
+  Landmarks landmarks{setup.map, setup.params.priors};
+  Nominal x;
+  Covariance P = Eigen::MatrixXd::Identity(kMaxStates, kMaxStates);
+  landmarks.reset(x, P);
+  for (std::size_t target = 0; target < 12; ++target) {
+    (void)landmarks.bring_in(target, x, P);
+    EXPECT_TRUE(target != 7 || landmarks.slot_of(0) >= 0);
+    for (const std::size_t near : {target + 10, target + 11, target, target + 1, target + 2})
+      EXPECT_GE(landmarks.slot_of(near % 12), 0) << near % 12 << " of target " << target;
+  }
+}
+
 TEST(Landmarks, AGateThatTheMapHasTwiceIsOne) {
   std::vector<Landmark> map{
       {{5, 0, -1.5}, 0.1, {}}, {{0, 5, -1.5}, 1.0, {}}, {{5, 0, -1.5}, 0.1 + kPi, {}}};

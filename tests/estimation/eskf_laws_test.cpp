@@ -308,6 +308,32 @@ TEST(EskfGate, ACorrectionBringsTheBeliefTowardsWhatWasSeenAndIsMoreCertain) {
   });
 }
 
+// A drone that is more than half a metre beside its belief, and says so. What it sees is no outlier:
+// only the line through its belief is too short to reach it.
+TEST(EskfGate, AGateNearByExplainsItselfToADroneThatKnowsLittleOfItsPlace) {
+  for_all(50, [](Rng& rng) {
+    Nominal truth = any_view(rng);
+    truth.corner.setZero(), truth.focal = truth.bend = truth.delay = 0.0;
+    truth.rate_B.setZero(), truth.v_E.setZero();
+    truth.gates[0].p_EG.x() = truth.p_EB.x() + 2.0;
+    GateSight sight = sight_from(truth, GateSight::Quality::kWhole, false);
+    for (Feature& feature : sight.features) feature.late = 0.0;
+    Nominal x = truth;
+    x.p_EB.y() += rng.uniform(0.0, 1.0) < 0.5 ? -0.6 : 0.6;
+    Covariance P = 1e-6 * Eigen::MatrixXd::Identity(kStates, kStates);
+    P.diagonal().segment<2>(kP).setConstant(0.36);
+    const auto found = innovation(x, P, sight, kGate, 0.0, false, kCamera, {});
+    ASSERT_TRUE(found.has_value());
+    EXPECT_LT(found->nis, 10.0) << "one sigma off, and true in everything else";
+    GateSight other = sight;  // half as large as any gate there can be
+    for (Feature& feature : other.features)
+      feature.bearing_C = (feature.bearing_C + 2.0 * Vector3d::UnitZ()).normalized();
+    const auto wrong = innovation(x, P, other, kGate, 0.0, false, kCamera, {});
+    ASSERT_TRUE(wrong.has_value());
+    EXPECT_GT(wrong->nis, 25.0);
+  });
+}
+
 TEST(EskfGate, WhatIsBehindTheCameraChangesNothing) {
   Rng rng{1};
   Nominal x = any_view(rng);

@@ -2,6 +2,8 @@
 // A gate that stands where the map has none is the one flown to, if that one does not show.
 #include "gatefly/race/stray_gate.hpp"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/attitude.hpp"
@@ -66,6 +68,15 @@ TEST(StrayGate, SightingsOfSeveralPlacesAreOfNoGate) {
   StrayGate stray;
   for (int i = 0; i < 20; ++i) stray.seen(beside(i % 2 == 0 ? -1.5 : 1.5), kSigma, i * kPeriod);
   EXPECT_FALSE(stray.instead_of(kMap));
+}
+
+TEST(StrayGate, IsNoGateThatTheMapHasThereAnyway) {
+  const std::vector<eskf::Landmark> gates{{kMap.p_EG, kMap.yaw_EG, {}},
+                                          {beside(2.0).p_EG, kMap.yaw_EG + 0.7, {}}};
+  const eskf::Landmarks map{gates, {}};
+  EXPECT_TRUE(is_another_gate(beside(2.4).p_EG, kSigma, map, 0));
+  EXPECT_FALSE(is_another_gate(beside(3.5).p_EG, kSigma, map, 0));
+  EXPECT_FALSE(is_another_gate(beside(0.3).p_EG, kSigma, map, 0)) << "the target itself";
 }
 
 // A filter that believes its map, and looks along x from 4 m before the gate.

@@ -200,6 +200,7 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
                aside = (place->p_EG - filter.now().p_EB).head<2>().norm() *
                        filter.sigma(eskf::kTheta + 2),
                sigma = std::sqrt(own * own + aside * aside);
+  if (is_another_gate(place->p_EG, sigma, filter.landmarks(), target)) return;
   stray_.seen(*place, sigma, navigator.time());
   const auto instead = stray_.instead_of(navigator.gate());
   if (!instead) return;

@@ -32,6 +32,13 @@ std::optional<GateFrame> place_of(const Quad& corners_px, double side,
   return place;
 }
 
+bool is_another_gate(const Eigen::Vector3d& place_E, double sigma, const eskf::Landmarks& map,
+                     std::size_t target, const StrayParams& params) {
+  for (std::size_t i = 0; i < map.size(); ++i)
+    if (i != target && (map.map(i).p_EG - place_E).norm() < params.least_off + sigma) return true;
+  return false;
+}
+
 void StrayGate::seen(const GateFrame& place, double sigma, double time) {
   const bool goes_on = count_ > 0 && time - last_ < params_.pause &&
                        (place.p_EG - mean_.p_EG).norm() < params_.one_place;

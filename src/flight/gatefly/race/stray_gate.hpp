@@ -42,6 +42,12 @@ struct StrayParams {
                                                 const eskf::ErrorStateFilter& filter, double ago,
                                                 const CameraRig& rig, const PoseParams& pose);
 
+/// Whether another gate of the map than `target` stands there, as far as can be told.
+/// @param sigma  of `place` [m].
+[[nodiscard]] bool is_another_gate(const Eigen::Vector3d& place_E, double sigma,
+                                   const eskf::Landmarks& map, std::size_t target,
+                                   const StrayParams& params = {});
+
 /// Watches detections that fit no gate of the map: seen at one place again and again, while the gate
 /// that is flown to should show and does not, they say that the map is wrong.
 class StrayGate {

@@ -101,8 +101,9 @@ class Look {
     coarse_.set_bounds(map.width(), map.height());
   }
 
-  // Frames on cells, the best first.
-  BestFrames rough(const GateCandidates& candidates) {
+  // Frames on cells, the best first. Not inlined, nor is gates(): their working memory must be off
+  // the stack again when corners are refined, which takes 15 KB itself.
+  [[gnu::noinline]] BestFrames rough(const GateCandidates& candidates) {
     const SideCurves curves{bend_, image_, step_};
     coarse_.set_curves(curves);
     BestFrames best;
@@ -119,7 +120,7 @@ class Look {
   }
 
   // Keeps those that are gates, on pixels.
-  BestFrames gates(const BestFrames& best) {
+  [[gnu::noinline]] BestFrames gates(const BestFrames& best) {
     const auto of_pixel = [this](int u, int v) { return map_.at_pixel(image_, color_, u, v); };
     FrameFit<decltype(of_pixel)> fine{of_pixel, params_.weights_with(color_.faintness()),
                                       params_.bar()};

@@ -222,10 +222,8 @@ std::optional<Innovation> ErrorStateFilter::innovation_of(const GateSight& sight
   x.rate_B = rate_around(*i);
   const bool fresh =
       sight.quality == GateSight::Quality::kWhole && x.corner_of != eskf::face_of(sight);
-  const auto rows = gate_rows(x, sight, landmarks_.shape(sight.slot), sight.time - tick.time, fresh,
-                              setup_.camera, setup_.params.sight);
-  if (!rows) return std::nullopt;
-  return innovation(ring_.covariance(ring_.kept_before(*i)), *rows);
+  return innovation(x, ring_.covariance(ring_.kept_before(*i)), sight, landmarks_.shape(sight.slot),
+                    sight.time - tick.time, fresh, setup_.camera, setup_.params.sight);
 }
 
 bool ErrorStateFilter::correct(std::span<const GateSight> sights) {

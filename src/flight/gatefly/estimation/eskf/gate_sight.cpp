@@ -20,6 +20,8 @@ constexpr int cP = 0, cV = 3, cTheta = 6, cMount = 9, cFocal = 12, cBend = 13, c
               cCorner = 15, cGate = 18;
 static_assert(cGate + kPerGate == GateRows::kColumns);
 
+constexpr int kIterations = 3;  // of Gauss and Newton, for one sighting
+
 std::array<int, GateRows::kColumns> states_of(int slot) {
   std::array<int, GateRows::kColumns> states{};
   const auto put = [&](int column, int state, int count) {
@@ -208,6 +210,26 @@ double learnt_spread(double spread, const GateRows::Residual& y, const GateRows&
   return std::clamp(next, noise.least_spread, noise.most_spread);
 }
 
+// How far the rows are from what is expected, and the error's mean that explains them best, in place
+// of the one that they were linearised at.
+[[gnu::noinline]] std::optional<Innovation> innovation(const Covariance& P, const GateRows& rows,
+                                                       ErrorVector& error) {
+  const Spread PHt = spread(P, rows);
+  const GateRows::Noise S = innovation_covariance(PHt, rows);
+  const Eigen::LLT<GateRows::Noise> llt{S};
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  GateRows::Residual y = rows.residual;
+  for (int c = 0; c < GateRows::kColumns; ++c)
+    y += rows.jacobian.col(c) * error(rows.states[static_cast<std::size_t>(c)]);
+  Innovation out;
+  out.rows = static_cast<int>(y.size());
+  out.nis = llt.matrixL().solve(y).squaredNorm();
+  for (Eigen::Index i = 0; i < S.rows(); ++i)
+    out.log_det += 2.0 * natural_log(llt.matrixLLT()(i, i));
+  error = PHt * llt.solve(y);
+  return out;
+}
+
 using SpreadTransposed =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, GateRows::kMaxRows, kMaxStates>;
 
@@ -278,21 +300,32 @@ std::optional<GateRows> gate_rows(const Nominal& x, const GateSight& sight, cons
   return rows;
 }
 
-std::optional<Innovation> innovation(const Covariance& P, const GateRows& rows) {
-  const GateRows::Noise S = innovation_covariance(spread(P, rows), rows);
-  const Eigen::LLT<GateRows::Noise> llt{S};
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  Innovation out;
-  out.rows = static_cast<int>(rows.residual.size());
-  out.nis = llt.matrixL().solve(rows.residual).squaredNorm();
-  for (Eigen::Index i = 0; i < S.rows(); ++i)
-    out.log_det += 2.0 * natural_log(llt.matrixLLT()(i, i));
+std::optional<Innovation> innovation(const Nominal& prior, const Covariance& P,
+                                     const GateSight& sight, const GateShape& gate, double offset,
+                                     bool fresh, const CameraModel& camera,
+                                     const SightNoise& noise) {
+  constexpr double kBent =
+      10.0;  // A line through the prior may be to blame for more than this, ...
+  constexpr double kLost = 600.0;  // ... and hardly for more than this. [estimate]
+  constexpr double kSure = 0.25;   // Nor where the place is known better than this [m]. [estimate]
+  const bool is_sure = P(kP, kP) + P(kP + 1, kP + 1) < 2.0 * squared(kSure);
+  ErrorVector error = ErrorVector::Zero(P.rows());
+  std::optional<Innovation> out;
+  for (int i = 0; i < kIterations; ++i) {
+    Nominal at = prior;
+    if (i > 0) add(at, error);
+    const auto rows = gate_rows(at, sight, gate, offset, fresh, camera, noise);
+    if (!rows) return out;
+    const auto next = innovation(P, *rows, error);
+    if (!next) return out;
+    out = next;
+    if (is_sure || out->nis < kBent || (i == 0 && out->nis > kLost)) break;
+  }
   return out;
 }
 
 bool correct_by_gate(Nominal& x, Covariance& P, const GateSight& sight, const GateShape& gate,
                      double offset, const CameraModel& camera, const SightNoise& noise) {
-  constexpr int kIterations = 3;
   const bool whole = sight.quality == GateSight::Quality::kWhole;
   if (whole && x.corner_of != face_of(sight)) forget_corner(x, P, face_of(sight), camera, noise);
   const Nominal prior = x;

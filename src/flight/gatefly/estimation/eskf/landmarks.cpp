@@ -10,6 +10,7 @@ namespace gatefly::eskf {
 namespace {
 
 constexpr double kSamePlace = 0.3;  // [m] Two gates cannot stand so near each other.
+constexpr std::size_t kAhead = 3;   // The target and the next two.
 constexpr std::size_t kBehind = 2;  // So many of the last gates stay in view when turning round.
 
 bool is_same(const Landmark& a, const Landmark& b) {
@@ -69,19 +70,32 @@ void Landmarks::take_out(int slot, const Nominal& x, const Covariance& P) {
   gate.slot = -1;
 }
 
-bool Landmarks::wanted(std::size_t landmark, std::size_t target) const {
-  const std::size_t ahead = (landmark + known_.size() - target) % known_.size();
-  return ahead + kBehind < kMaxGates || ahead + kBehind >= known_.size();
+void Landmarks::choose(std::size_t target) {
+  for (std::size_t i = 0; i < known_.size(); ++i) {
+    const std::size_t ahead = (i + known_.size() - target) % known_.size();
+    known_[i].wanted = ahead < kAhead || ahead + kBehind >= known_.size();
+  }
+  const auto squared_distance = [&](const Known& gate) {
+    return (gate.map.p_EG - known_[target].map.p_EG).squaredNorm();
+  };
+  for (std::size_t chosen = kAhead + kBehind; chosen < kMaxGates; ++chosen) {
+    const auto nearest =
+        std::min_element(known_.begin(), known_.end(), [&](const Known& a, const Known& b) {
+          if (a.wanted || b.wanted) return b.wanted && !a.wanted;
+          return squared_distance(a) < squared_distance(b);
+        });
+    nearest->wanted = true;
+  }
 }
 
 bool Landmarks::bring_in(std::size_t target, Nominal& x, Covariance& P) {
   if (known_.size() <= kMaxGates) return false;
+  choose(target);
   bool changed = false;
+  int slot = 0;
   for (std::size_t landmark = 0; landmark < known_.size(); ++landmark) {
-    if (known_[landmark].slot >= 0 || !wanted(landmark, target)) continue;
-    int slot = 0;
-    while (slot < slots_ && wanted(in_slot(slot), target)) ++slot;
-    if (slot == slots_) break;
+    if (known_[landmark].slot >= 0 || !known_[landmark].wanted) continue;
+    while (known_[in_slot(slot)].wanted) ++slot;
     take_out(slot, x, P);
     put_in(landmark, slot, x, P);
     changed = true;

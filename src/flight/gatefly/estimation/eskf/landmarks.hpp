@@ -28,8 +28,9 @@ struct Landmark {
 
 /// The gates of the map: what is believed of each, and which of them are states of the filter.
 ///
-/// As many as are flown next and were flown last have a slot; the others keep what was found of them,
-/// with their last sigmas. A gate that the map has twice (flown both ways, or twice a lap) is one.
+/// Those that are flown next and were flown last have a slot, and those nearest to the target, which
+/// show beside it; the others keep what was found of them, with their last sigmas. A gate that the map
+/// has twice (flown both ways, or twice a lap) is one.
 class Landmarks {
  public:
   Landmarks(std::span<const Landmark> map, const Priors& priors);
@@ -66,8 +67,9 @@ class Landmarks {
     GateSigmas sigmas = GateSigmas::Zero();
     int slot = -1;
     std::size_t first = 0;  ///< Index on the map.
+    bool wanted = false;    ///< Has a slot, or is to get one.
   };
-  [[nodiscard]] bool wanted(std::size_t landmark, std::size_t target) const;
+  void choose(std::size_t target);
   void put_in(std::size_t landmark, int slot, Nominal& x, Covariance& P);
   void take_out(int slot, const Nominal& x, const Covariance& P);
 
