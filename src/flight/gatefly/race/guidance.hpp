@@ -37,7 +37,7 @@ struct GuidanceParams {
   SweepParams sweep;
   LookAsideParams look_aside;
   LandingParams landing;
-  double cruise = 1.7;                 ///< Wanted on straights [m/s]. [paper: 1.5-1.8]
+  double cruise = 2.0;                 ///< Wanted on straights [m/s]. [ours; paper: 1.5-1.8]
   double max_lateral = 3.2;            ///< v²/r an arc may ask for [m/s²]. [ours: 18°]
   Eigen::Vector2d drag{-0.52, -0.47};  ///< k_x, k_y [1/s]. [14 recorded flights]
   double gravity = 9.81;               ///< [m/s²]

@@ -115,6 +115,8 @@ GuidanceParams guidance_params(const PilotConfig& config) {
   params.altitude = config.altitude;
   params.hold = config.hold;
   params.look_aside = config.look_aside;
+  // A filter that reads the speed off the drag needs the nose along the way.
+  if (config.filter_model != FilterModel::kOurs) params.look_aside.most = 0.0;
   params.cruise = config.plan.speed;
   params.max_lateral = config.plan.max_lateral;
   params.drag = config.filter.model.drag;

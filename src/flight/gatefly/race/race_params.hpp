@@ -94,7 +94,8 @@ struct SpeedParams {
 /// How far the nose may leave the way, so that the camera sees the next gate from a turn.
 struct LookAsideParams {
   /// To either side of the way; 0: the nose goes where the drone goes, as the paper flies [rad].
-  double most = 0.0;
+  /// [ours: 60 and 180 degrees fly as well; docs/paper/deviations.md#look-aside]
+  double most = 120.0 * kDegree;
   double rate = 1.8;  ///< [rad/s] [docs/paper/deviations.md#look-aside]
   /// Nearer to the gate than this part of its side the nose goes through it. [ours: estimate]
   double until_sides = 1.0;

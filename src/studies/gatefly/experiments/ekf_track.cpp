@@ -46,7 +46,9 @@ struct Followed {
 
 Followed flown(std::uint64_t seed, simulated_race::Vision vision, const Options& options) {
   constexpr double kBlind = 0.3;
-  auto race = race_on("oval", kLaps, vision, seed, true);
+  // As the paper flies: the nose along the way.
+  auto race = race_on("oval", kLaps, vision, seed, true, {},
+                      {"control.speed_mps=1.7", "control.look_aside_deg=0"});
   race.while_baking = [&options] {
     if (options.stopped()) throw Stopped{};
   };
