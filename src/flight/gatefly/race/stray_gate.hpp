@@ -43,7 +43,7 @@ struct StrayParams {
                                                 const CameraRig& rig, const PoseParams& pose);
 
 /// Whether another gate of the map than `target` stands there, as far as can be told.
-/// @param sigma  of `place` [m].
+/// @param sigma  of `place_E` [m].
 [[nodiscard]] bool is_another_gate(const Eigen::Vector3d& place_E, double sigma,
                                    const eskf::Landmarks& map, std::size_t target,
                                    const StrayParams& params = {});

@@ -330,7 +330,7 @@ Keys control_keys() {
       k("control.look_aside_deg", 0, 180, AT(pilot.look_aside.most),
         "the nose may leave the way so far to see the next gate from a turn; 0: not at all, as "
         "with filter.model drag or paper",
-        "paper: 0", kDegree),
+        "ours; paper: 0", kDegree),
       k("control.attitude_gain_per_s2", 0, 2000, AT(pilot.indi.attitude_gain),
         "INDI: gain of roll and pitch error, ω²", "Li18 code: 200"),
       k("control.rate_gain_per_s", 0, 500, AT(pilot.indi.rate_gain),

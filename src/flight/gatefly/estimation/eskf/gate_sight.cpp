@@ -20,7 +20,7 @@ constexpr int cP = 0, cV = 3, cTheta = 6, cMount = 9, cFocal = 12, cBend = 13, c
               cCorner = 15, cGate = 18;
 static_assert(cGate + kPerGate == GateRows::kColumns);
 
-constexpr int kIterations = 3;  // of Gauss and Newton, for one sighting
+constexpr int kIterations = 3;  // Gauss-Newton iterations for one sighting
 
 std::array<int, GateRows::kColumns> states_of(int slot) {
   std::array<int, GateRows::kColumns> states{};
@@ -304,12 +304,11 @@ std::optional<Innovation> innovation(const Nominal& prior, const Covariance& P,
                                      const GateSight& sight, const GateShape& gate, double offset,
                                      bool fresh, const CameraModel& camera,
                                      const SightNoise& noise) {
-  constexpr double kBent =
-      10.0;  // A line through the prior may be to blame for more than this, ...
-  constexpr double kLost = 300.0;  // ... and hardly for more than this. [estimate]
-  constexpr double kSure = 0.25;   // Nor where the place is known better than this [m]. [estimate]
-  // So far off, sooner the gate is another than this one [m]. [ours: recorded flights 5 and 9, whose
-  // gate is not the map's, ask for 1.9 and more; races that it saves for 0.6]
+  constexpr double kBent = 10.0;   // Above this NIS the linearisation may be to blame, ...
+  constexpr double kLost = 300.0;  // ... above this one it hardly is. [estimate]
+  constexpr double kSure = 0.25;   // Nor is it where the place is known so well [m]. [estimate]
+  // An explanation farther from the belief than this is more likely another gate [m]. [ours: recorded
+  // flights 5 and 9, whose gate is not the map's, ask for 1.9 and more; races that it saves for 0.6]
   constexpr double kFarthest = 1.2;
   const bool is_sure = P(kP, kP) + P(kP + 1, kP + 1) < 2.0 * squared(kSure);
   ErrorVector error = ErrorVector::Zero(P.rows());
@@ -318,9 +317,9 @@ std::optional<Innovation> innovation(const Nominal& prior, const Covariance& P,
     Nominal at = prior;
     if (i > 0) add(at, error);
     const auto rows = gate_rows(at, sight, gate, offset, fresh, camera, noise);
-    if (!rows) return out;
+    if (!rows) return first;
     const auto next = innovation(P, *rows, error);
-    if (!next) return out;
+    if (!next) return first;
     out = next;
     if (i == 0) first = out;
     if (is_sure || out->nis < kBent || (i == 0 && out->nis > kLost)) break;
