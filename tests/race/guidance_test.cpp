@@ -305,23 +305,54 @@ TEST(Guidance, TurnsAlongACurvedWay) {
 // Half a metre to the right and 3 m before the gate: the PD will have brought most of it back.
 TEST(Guidance, PredictsWhereItWillPassTheGate) {
   const Guidance guidance{{}};
+  const Course course = straight_course();
   NavigationState now = state_at({3, 0.5, -1.5}, 1.5);
-  EXPECT_LT(guidance.lateral_at_gate(now), 0.2);
-  EXPECT_GT(guidance.lateral_at_gate(now), 0.0);
+  EXPECT_LT(guidance.lateral_at_gate(now, course), 0.2);
+  EXPECT_GT(guidance.lateral_at_gate(now, course), 0.0);
   now.p_GB.x() = -0.1;
-  EXPECT_NEAR(guidance.lateral_at_gate(now), 0.5, 1e-9) << "no time left";
+  EXPECT_NEAR(guidance.lateral_at_gate(now, course), 0.5, 1e-9) << "no time left";
+}
+
+// In the turn before a gate it is far from the gate's axis, and where it should be.
+TEST(Guidance, InATurnThePredictionIsOffTheWay) {
+  Track track;
+  track.gates = {{{4, 0, -1.5}, 0.0}, {{0, -3, -1.5}, kPi}};
+  track.laps = 2;
+  Course course{track, {}};
+  const Guidance guidance{{}};
+  const auto at = [&](double s, double right) {
+    const PathPoint here = course.path().at(s);
+    const auto [sine, cosine] = sincos(here.heading);
+    NavigationState now =
+        state_at({here.position.x() - right * sine, here.position.y() + right * cosine, -1.5}, 0);
+    now.v_E = 1.6 * Vector3d{cosine, sine, 0}, now.v_B = {1.6, 0, 0};
+    now.p_GB = rotation_z(-course.gate().yaw_EG) * (now.p_EB - course.gate().p_EG);
+    now.v_GB = rotation_z(-course.gate().yaw_EG) * now.v_E;
+    (void)course.follow(now, Straight{});
+    return now;
+  };
+  for (double s = 0.0; course.passed() == 0 && s < 8.0; s += 0.05) (void)at(s, 0.0);
+  ASSERT_EQ(course.passed(), 1);
+  double last_turn = course.path().length();
+  while (course.path().at(last_turn).curvature == 0.0) last_turn -= 0.01;
+  for (double s = 0.0; s < last_turn - 0.5; s += 0.05) (void)at(s, 0.0);
+  const NavigationState on_it = at(last_turn - 0.45, 0.0);
+  ASSERT_GT(std::abs(on_it.p_GB.y()), 0.03) << "in the turn";
+  EXPECT_NEAR(guidance.lateral_at_gate(on_it, course), 0.0, 0.01);
+  EXPECT_GT(guidance.lateral_at_gate(at(last_turn - 0.4, 0.4), course), 0.02);
 }
 
 // y (1 + ωt) e^-ωt + v t e^-ωt, the response of a critically damped PD, at any distance.
 TEST(Guidance, ThePredictionIsTheCriticallyDampedDecay) {
   const GuidanceParams params;
   const Guidance guidance{params};
+  const Course course = straight_course();
   const double w = std::sqrt(params.lateral.kp * params.gravity);
   for (const double x : {-0.7, -1.5, -2.5, -4.0}) {
     NavigationState now = state_at({6.0 + x, 0.5, -1.5}, 1.5);
     now.v_GB.y() = -0.2;
     const double t = -x / 1.5 - 1.5 * params.speed.roll_lead, decay = std::exp(-w * t);
-    EXPECT_NEAR(guidance.lateral_at_gate(now), 0.5 * (1.0 + w * t) * decay - 0.2 * t * decay, 1e-3)
+    EXPECT_NEAR(guidance.lateral_at_gate(now, course), 0.5 * (1.0 + w * t) * decay - 0.2 * t * decay, 1e-3)
         << x;
   }
 }

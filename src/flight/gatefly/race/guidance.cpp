@@ -256,13 +256,21 @@ double Guidance::thrust_on_path(const NavigationState& now, const Course& course
 }
 
 // A critically damped decay that starts after the roll's lag.
-double Guidance::lateral_at_gate(const NavigationState& now) const {
+double Guidance::lateral_at_gate(const NavigationState& now, const Course& course) const {
   constexpr double kSlowest = 0.5;  // [m/s]
   const double speed = std::max(kSlowest, entry_speed(now));
-  const double t = std::max(0.0, -now.p_GB.x() / speed - 1.5 * params_.speed.roll_lead);
+  double way = -now.p_GB.x(), off = now.p_GB.y(), rate = now.v_GB.y();
+  if (course.to_go() > course.path().segments.back().length) {
+    const PathPoint here = course.path().at(course.progress());
+    const auto [sine, cosine] = sincos(here.heading);
+    const Eigen::Vector2d right{-sine, cosine};
+    way = course.to_go();
+    off = right.dot(now.p_EB.head<2>() - here.position), rate = right.dot(now.v_E.head<2>());
+  }
+  const double t = std::max(0.0, way / speed - 1.5 * params_.speed.roll_lead);
   const double wt = std::sqrt(params_.lateral.kp * params_.gravity) * t;
   const double decay = decayed(wt);
-  return (1.0 + wt) * decay * now.p_GB.y() + t * decay * now.v_GB.y();
+  return (1.0 + wt) * decay * off + t * decay * rate;
 }
 
 // Along the way: the nose may have left it.

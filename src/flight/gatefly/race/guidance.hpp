@@ -63,9 +63,9 @@ class Guidance {
   /// Speed a turn begins with [m/s].
   [[nodiscard]] double entry_speed(const NavigationState& now) const;
 
-  /// Predicted crossing of the gate's plane under the lateral PD: metres to the right
-  /// of its axis.
-  [[nodiscard]] double lateral_at_gate(const NavigationState& now) const;
+  /// Predicted crossing of the gate's plane under the lateral PD: metres to the right of its axis.
+  /// Where the way still turns before the gate: off the way, which ends on the axis.
+  [[nodiscard]] double lateral_at_gate(const NavigationState& now, const Course& course) const;
 
   /// The path curves where the drone will be when a roll that begins now is there.
   [[nodiscard]] bool turn_ahead(const NavigationState& now, const Course& course) const;

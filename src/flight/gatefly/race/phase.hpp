@@ -84,9 +84,9 @@ struct PhaseParams {
 
   bool goes_around = true;  ///< Waits and searches where the gate is uncertain. [estimate]
   // Into a search ...
-  double search_before = 1.9;  ///< Decide between here ...  [m] [estimate]
-  /// ... and here before the gate: 0.9 m and half a body stop 1.7 m/s [m]. [estimate]
-  double search_until = 1.1;
+  double search_before = 2.2;  ///< Decide between here ...  [m] [estimate]
+  /// ... and here before the gate: 1.2 m and half a body stop 2.0 m/s [m]. [estimate]
+  double search_until = 1.4;
   double search_detour =
       0.8;  ///< A way that is longer by this leads past the gate first [m]. [estimate]
   double unseen_after = 0.4;  ///< Not seen means: not for so long [s]. [estimate]

@@ -193,7 +193,7 @@ Situation Pilot::situation() const {
   std::visit(
       [&](const auto& g) {
         s.turn_ahead = !parts_->course.finished() && g.turn_ahead(now, parts_->course);
-        s.gate_y_ahead = g.lateral_at_gate(now);
+        s.gate_y_ahead = g.lateral_at_gate(now, parts_->course);
         s.forward_speed = g.entry_speed(now);
       },
       parts_->guidance);

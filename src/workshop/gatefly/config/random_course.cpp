@@ -22,6 +22,7 @@ struct RoomKind {
   Eigen::Vector3d least, most;
 };
 constexpr double kLoop = 18.0;  // at most so wide: a pilot flies from gate to gate by its IMU [m]
+constexpr double kLeg = 2.6;    // a loop has so much for each of its gates, on average [m]
 
 const std::array<RoomKind, 4>& room_kinds() {
   static const std::array<RoomKind, 4> kinds{RoomKind{"showroom", {13, 13, 3.2}, {20, 22, 3.4}},
@@ -69,17 +70,33 @@ MapGate gate_on_loop(Dice& dice, const Eigen::Vector2d& middle, const Eigen::Vec
   return gate;
 }
 
-void add_gates(Dice& dice, Track& track) {
+/// A second gate over one that stands low: back over it, or through it and round again.
+void stack(Dice& dice, Track& track) {
+  const auto lower =
+      static_cast<std::size_t>(dice.count(0, static_cast<int>(track.gates.size()) - 1));
+  MapGate upper = track.gates[lower];
+  track.gates[lower].p_EG.z() = -dice.number(0.6, 0.9);
+  upper.p_EG.z() = track.gates[lower].p_EG.z() - dice.number(1.1, 1.3);
+  if (dice.chance(0.5)) upper.yaw_EG = wrap_angle(upper.yaw_EG + kPi);
+  track.gates.insert(track.gates.begin() + static_cast<std::ptrdiff_t>(lower) + 1, upper);
+}
+
+/// Answers false where the room is too small for as many gates as were drawn.
+bool add_gates(Dice& dice, Track& track) {
   const Eigen::Vector2d half =
       (0.5 * track.room_size - Eigen::Vector2d::Constant(1.6)).cwiseMin(0.5 * kLoop);
   const Eigen::Vector2d radii{dice.number(0.75, 1.0) * half.x(), dice.number(0.75, 1.0) * half.y()};
-  const int count = dice.count(3, 8);
+  const bool stacked = dice.chance(1.0 / 3.0);
+  const int count = dice.count(6, 12) - (stacked ? 1 : 0);
+  if (kPi * radii.sum() < count * kLeg) return false;
   const double side = dice.chance(0.5) ? 1.0 : -1.0, first = dice.degrees(-180.0, 180.0);
   for (int i = 0; i < count; ++i) {
     const double jitter = dice.number(-0.25, 0.25);
     const double angle = first * kDegree + side * 2 * kPi * (i + jitter) / count;
     track.gates.push_back(gate_on_loop(dice, track.room_center, radii, angle, side));
   }
+  if (stacked) stack(dice, track);
+  return true;
 }
 
 void place_start(Dice& dice, Track& track) {
@@ -128,7 +145,7 @@ std::optional<Course> drawn(Dice& dice) {
                      dice.number(kind.least.y(), kind.most.y())};
   track.ceiling = dice.number(kind.least.z(), kind.most.z());
   track.room_center = {dice.number(-3.0, 3.0), dice.number(-3.0, 3.0)};
-  add_gates(dice, track);
+  if (!add_gates(dice, track)) return std::nullopt;
   place_start(dice, track);
   if (!course_problems(track).empty()) return std::nullopt;
   add_obstacles(dice, track);

@@ -44,7 +44,7 @@ class PaperGuidance {
   [[nodiscard]] double entry_speed(const NavigationState&) const { return mean_speed_; }
 
   /// Not foreseen: the paper does not go around.
-  [[nodiscard]] double lateral_at_gate(const NavigationState&) const { return 0.0; }
+  [[nodiscard]] double lateral_at_gate(const NavigationState&, const Course&) const { return 0.0; }
 
  private:
   AttitudeCommand straight(const NavigationState& now, const Course& course) const;
