@@ -35,8 +35,10 @@ AttitudeCommand Guidance::command(Phase& phase, const NavigationState& now, cons
       std::holds_alternative<Straight>(phase) || std::holds_alternative<Turn>(phase);
   if (!on_way) aside_ = turned_ = 0.0;
   if (std::holds_alternative<TakeOff>(phase)) return take_off(now, course);
-  if (std::holds_alternative<Straight>(phase))
+  if (std::holds_alternative<Straight>(phase)) {
+    if (const Stop* stop = near_stop(course)) return stand(*stop, now, course);
     return look_aside(straight(now, course), now, course);
+  }
   if (auto* turning = std::get_if<Turn>(&phase))
     return look_aside(turn(turning->arc, now, course), now, course);
   if (const auto* searching = std::get_if<Search>(&phase)) {
@@ -58,8 +60,6 @@ AttitudeCommand Guidance::take_off(const NavigationState& now, const Course& cou
 // Eq. (22): roll by PD on the distance to the line, heading along it; the pitch holds the speed.
 AttitudeCommand Guidance::straight(const NavigationState& now, const Course& course) {
   const double s = course.progress();
-  const Stop* stop = course.stop();
-  if (stop != nullptr && stop->s - s < params_.speed.stand_from) return stand(*stop, now, course);
   const PathPoint here = course.path().at(s);
   AttitudeCommand c;
   c.roll = cross_track_roll(here, now);
@@ -107,21 +107,26 @@ AttitudeCommand Guidance::look_aside(const AttitudeCommand& along, const Navigat
   return c;
 }
 
-// Towards the gate, unless a stop or the gate itself asks for the nose.
+// Towards the gate, unless the gate itself asks for the nose.
 double Guidance::wanted_aside(double heading, const NavigationState& now,
                               const Course& course) const {
   const LookAsideParams& p = params_.look_aside;
-  const Stop* stop = course.stop();
-  if (stop != nullptr && stop->s - course.progress() < params_.speed.stand_from) return 0.0;
   const MapGate& gate = course.gate();
   const Eigen::Vector3d there = gate.p_EG - now.p_EB;
   if (course.finished() || there.norm() < p.until_sides * gate.side) return 0.0;
   return std::clamp(wrap_angle(atan2(there.y(), there.x()) - heading), -p.most, p.most);
 }
 
+const Stop* Guidance::near_stop(const Course& course) const {
+  const Stop* stop = course.stop();
+  const bool near = stop != nullptr && stop->s - course.progress() < params_.speed.stand_from;
+  return near ? stop : nullptr;
+}
+
 // At a stop, for which a turn has no room: holds the place, turns, changes the height.
 AttitudeCommand Guidance::stand(const Stop& stop, const NavigationState& now,
                                 const Course& course) {
+  aside_ = turned_ = 0.0;  // held in the body's axes; the nose turns to where the way goes on
   AttitudeCommand c = hold(course.path().at(stop.s).position, stop.heading, 0.0, now);
   c.thrust = thrust(stop.z, 0.0, now);
   return c;

@@ -76,6 +76,8 @@ class Guidance {
   AttitudeCommand turn(Arc& arc, const NavigationState& now, const Course& course);
   AttitudeCommand search(const Search& phase, const NavigationState& now, const Course& course);
   AttitudeCommand land(const Land& phase, const NavigationState& now);
+  /// The next stop, when it is so near that the place is held.
+  const Stop* near_stop(const Course& course) const;
   AttitudeCommand stand(const Stop& stop, const NavigationState& now, const Course& course);
   AttitudeCommand hold(const Eigen::Vector2d& p_E, double yaw, double dt,
                        const NavigationState& now);

@@ -71,10 +71,11 @@ struct Path {
 [[nodiscard]] PathPoint point_on(const Segment& segment, double s);
 
 struct PlanParams {
-  double speed = 2.0;        ///< Wanted on straights [m/s]. [ours; paper: 1.5-1.8]
-  double max_lateral = 3.2;  ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
-  double braking = 2.0;      ///< [m/s²] [ours: 12° nose up]
-  double min_radius = 0.7;   ///< [m] [Li18 code: 0.9]
+  double speed = 2.0;         ///< Wanted on straights [m/s]. [ours; paper: 1.5-1.8]
+  double max_lateral = 3.2;   ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
+  double braking = 2.0;       ///< [m/s²] [ours: 12° nose up]
+  double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [ours: SpeedParams has the same]
+  double min_radius = 0.7;    ///< [m] [Li18 code: 0.9]
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;
   double body_radius = 0.20;  ///< Half the Bebop's width with guards [m].

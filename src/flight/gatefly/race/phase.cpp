@@ -20,11 +20,13 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 }
 
 bool gate_found_again(const Situation& now, const PhaseParams& params) {
+  // The less way is left, the nearer to the axis it has to be.
+  const double way = -now.gate_x - params.min_run_in;
+  const double miss = std::min(params.max_found_miss, params.max_miss + params.found_slope * way);
   // Other gates may tell where this one is, where it cannot be seen itself.
   return (now.since_fix < params.seen_within || !now.shows_whole) &&
-         now.lateral_sigma < params.certain_part * params.max_lateral_sigma &&
-         std::abs(now.gate_y) < params.max_found_miss && now.gate_x < -params.min_run_in &&
-         now.speed < params.max_found_speed;
+         now.lateral_sigma < params.certain_part * params.max_lateral_sigma && way > 0.0 &&
+         std::abs(now.gate_y) < miss && now.speed < params.max_found_speed;
 }
 
 // How phases begin.

@@ -105,6 +105,7 @@ struct PhaseParams {
   double seen_within = 0.3;
   double certain_part = 0.6;     ///< at most this part of max_lateral_sigma uncertain, [estimate]
   double max_found_miss = 0.5;   ///< not farther off the axis [m], [estimate]
+  double found_slope = 0.3;      ///< nor than max_miss and this part of the way left, [estimate]
   double min_run_in = 1.2;       ///< with so much way left [m], [estimate]
   double max_found_speed = 0.7;  ///< and nearly standing still [m/s]. [estimate]
   double search_timeout = 15.0;  ///< [s]
