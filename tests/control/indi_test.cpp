@@ -135,6 +135,20 @@ TEST(Indi, CopesWithAVehicleItDoesNotKnow) {
   EXPECT_NEAR(a.yaw, 0, 0.05);
 }
 
+// Told to look the other way and to lean, it leans to where it was told while it still turns: a drone
+// that brakes at a stop and turns round there goes on the way it came from otherwise.
+TEST(Indi, TiltsAtOnceHoweverFarTheHeadingIsOff) {
+  for (const double yaw : {0.0, 1.5, 3.0, -2.4}) {
+    Body body;
+    Indi indi{{}, body.vehicle};
+    const AttitudeCommand c{.roll = 0, .pitch = -0.2, .yaw = yaw, .yaw_rate = 0, .thrust = 9.81};
+    const Vector3d wanted = rotation_EB(Attitude{c.roll, c.pitch, c.yaw}).matrix.col(2);
+    for (int i = 0; i < 200; ++i) body.fly(indi.step(c, rotation_EB(body.q), body.rate, kIndiDt));
+    const Vector3d is = rotation_EB(body.q).matrix.col(2);
+    EXPECT_LT((is - wanted).norm(), 0.35 * std::sin(0.2)) << "0.4 s after, yaw " << yaw;
+  }
+}
+
 TEST(Indi, TurnsTheShortWayRoundThroughSouth) {
   Body body;
   body.q = quaternion_of({0, 0, 3.0});

@@ -118,7 +118,7 @@ TEST(Guidance, StandsAndTurnsAtAStop) {
   Phase phase = Straight{};
   const AttitudeCommand c = Guidance{{}}.command(phase, now, course);
   EXPECT_NEAR(c.yaw, 0.0, 1e-9);
-  EXPECT_GT(c.roll, 0.01) << "back to the pad, which is to its right now";
+  EXPECT_LT(c.roll, -0.01) << "back to the pad, in the axes of the heading that it turns to";
   EXPECT_NEAR(c.pitch, 0.0, 1e-6);
 }
 

@@ -204,7 +204,7 @@ TEST(Search, ADriftThroughTheOpeningIsAPass) {
 TEST(Search, ADriftPastTheGateIsNone) {
   LedDrone drone = searching_before_the_first_gate();
   drone.fly({0, 0.5}, 1.6);  // 0.8 m to the right: the opening ends at 0.5
-  drone.fly({0.5, 0}, 5.0);
+  drone.fly({0.5, 0}, 5.6);
   EXPECT_GT(drone.x(), 0.3);
   EXPECT_GT(drone.pilot.estimate().p_GB.y(), 0.6);
   EXPECT_EQ(drone.pilot.estimate().gates_passed, 0);

@@ -4,26 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gatefly/control/attitude_error.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
 
 namespace gatefly {
-namespace {
-
-// The turn E in two: about a level axis until the thrust points right, then about the thrust. However
-// far the yaw is off, the tilt goes the short way.
-Eigen::Vector3d tilt_then_yaw(const Eigen::Matrix3d& E) {
-  const Eigen::Vector2d level{-E(1, 2), E(0, 2)};
-  const double sine = level.norm();
-  Eigen::Vector3d tilt = Eigen::Vector3d::Zero();
-  if (sine > 1e-9) tilt.head<2>() = atan2(sine, E(2, 2)) / sine * level;
-  const Eigen::Matrix3d rest = rotation_of(tilt).transpose() * E;
-  return {tilt.x(), tilt.y(), atan2(rest(1, 0), rest(0, 0))};
-}
-
-}  // namespace
-
 Eigen::Vector3d AttitudeRates::step(const AttitudeCommand& command, const RotationEB& R_EB,
                                     double dt) {
   // Asked for and not obeyed yet: the integral of the difference, which of a first-order answer is

@@ -6,6 +6,7 @@
 
 #include <Eigen/LU>
 
+#include "gatefly/control/attitude_error.hpp"
 #include "gatefly/geometry/attitude.hpp"
 #include "gatefly/geometry/math.hpp"
 
@@ -62,8 +63,7 @@ std::array<double, 4> Indi::step(const AttitudeCommand& command, const RotationE
   const Eigen::Matrix3d R_wanted =
       rotation_EB(Attitude{command.roll, command.pitch, command.yaw}).matrix;
   const Eigen::Matrix3d E = R_EB.matrix.transpose() * R_wanted;
-  const Eigen::Vector3d error =
-      0.5 * Eigen::Vector3d{E(2, 1) - E(1, 2), E(0, 2) - E(2, 0), E(1, 0) - E(0, 1)};
+  const Eigen::Vector3d error = tilt_then_yaw(E);
   const Eigen::Vector3d rate_wanted =
       R_EB.matrix.transpose() * Eigen::Vector3d{0, 0, command.yaw_rate};
   const double yaw_rate =

@@ -31,6 +31,7 @@ Eigen::Vector2d sure_wind(const NavigationState& now) {
 AttitudeCommand Guidance::command(Phase& phase, const NavigationState& now, const Course& course) {
   const bool entered = phase.index() != last_phase_;
   last_phase_ = phase.index();
+  if (entered) hold_integral_.setZero();
   const bool on_way =
       std::holds_alternative<Straight>(phase) || std::holds_alternative<Turn>(phase);
   if (!on_way) aside_ = turned_ = 0.0;
@@ -41,10 +42,7 @@ AttitudeCommand Guidance::command(Phase& phase, const NavigationState& now, cons
   }
   if (auto* turning = std::get_if<Turn>(&phase))
     return look_aside(turn(turning->arc, now, course), now, course);
-  if (const auto* searching = std::get_if<Search>(&phase)) {
-    if (entered) hold_integral_.setZero();
-    return search(*searching, now, course);
-  }
+  if (const auto* searching = std::get_if<Search>(&phase)) return search(*searching, now, course);
   if (const auto* landing = std::get_if<Land>(&phase)) return land(*landing, now);
   return {.yaw = now.attitude.yaw};
 }
@@ -126,7 +124,7 @@ const Stop* Guidance::near_stop(const Course& course) const {
 // At a stop, for which a turn has no room: holds the place, turns, changes the height.
 AttitudeCommand Guidance::stand(const Stop& stop, const NavigationState& now,
                                 const Course& course) {
-  aside_ = turned_ = 0.0;  // held in the body's axes; the nose turns to where the way goes on
+  aside_ = turned_ = 0.0;  // the nose turns to where the way goes on
   AttitudeCommand c = hold(course.path().at(stop.s).position, stop.heading, 0.0, now);
   c.thrust = thrust(stop.z, 0.0, now);
   return c;
@@ -157,7 +155,7 @@ AttitudeCommand Guidance::land(const Land& phase, const NavigationState& now) {
   return c;
 }
 
-// PD in the earth frame, turned into the body's heading.
+// PD in the earth frame, turned into the commanded heading.
 AttitudeCommand Guidance::hold(const Eigen::Vector2d& p_E, double yaw, double dt,
                                const NavigationState& now) {
   const HoldParams& p = params_.hold;
@@ -174,7 +172,7 @@ AttitudeCommand Guidance::hold(const Eigen::Vector2d& p_E, double yaw, double dt
   const double norm = accel.norm();
   if (norm > most) accel *= most / norm;
   accel += params_.drag.x() * sure_wind(now);  // leans against it
-  const auto [sine, cosine] = sincos(now.attitude.yaw);
+  const auto [sine, cosine] = sincos(yaw);
   const double forward = cosine * accel.x() + sine * accel.y();
   const double right = -sine * accel.x() + cosine * accel.y();
   AttitudeCommand c;
