@@ -78,6 +78,8 @@ struct PlanParams {
   double min_radius = 0.7;    ///< [m] [Li18 code: 0.9]
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;
+  /// ... and where a leg has no such way, at least. [ours: a gate's own opening leaves 0.25]
+  double least_clearance = 0.27;
   double body_radius = 0.20;  ///< Half the Bebop's width with guards [m].
   /// Straight before a gate that is wanted at least [m]; [Li18 §4: a margin of 2 m]
   double run_in = 2.5;

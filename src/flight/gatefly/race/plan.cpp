@@ -125,6 +125,7 @@ PlanParams from_the_pad(const Track& track, PlanParams params, double height) {
       near = std::min(near, solid.beside(track.start));
   constexpr double kToSpare = 0.02;
   params.clearance = std::clamp(near - params.body_radius - kToSpare, 0.0, params.clearance);
+  params.least_clearance = std::min(params.clearance, params.least_clearance);
   return params;
 }
 
@@ -145,12 +146,26 @@ double room_before(const Track& track, const PlanParams& params,
   return room;
 }
 
+/// Where a leg begins.
+struct Departure {
+  Pose2 from;
+  double z = 0.0;  ///< [m, down]
+  int gate = -1;   ///< -1: the pad.
+};
+
+/// A way to the next gate, or what is in it.
+struct Leg {
+  std::optional<Path> path;
+  std::string blocked;
+};
+
 class Planner {
  public:
   Planner(const Track& track, const PlanParams& params)
       : track_{track}, params_{params}, solids_{solids_of(track)} {}
 
-  Path leg(const Pose2& from, double z_from, int from_gate, int to_gate) const {
+  Leg leg(const Departure& departure, int to_gate) const {
+    const auto& [from, z_from, from_gate] = departure;
     const MapGate& goal = track_.gates[static_cast<std::size_t>(to_gate)];
     std::vector<Candidate> candidates = propose(from, from_gate >= 0, goal);
     std::sort(candidates.begin(), candidates.end(),
@@ -174,16 +189,13 @@ class Planner {
         best_cost = cost;
       }
     }
-    if (best) return *best;
+    if (best) return {best, ""};
     WayRound way =
         way_round(solids_, track_, params_,
                   {{from.position.x(), from.position.y(), z_from}, from.heading, from_gate},
                   {goal.p_EG, goal.yaw_EG, to_gate});
-    if (way.path) return *std::move(way.path);
-    throw std::invalid_argument(
-        "no way from " +
-        (from_gate < 0 ? std::string("the start") : "gate " + std::to_string(from_gate + 1)) +
-        " to gate " + std::to_string(to_gate + 1) + ": " + blocked + "; " + way.blocked);
+    if (way.path) return {*std::move(way.path), ""};
+    return {std::nullopt, blocked + "; " + way.blocked};
   }
 
  private:
@@ -235,6 +247,22 @@ class Planner {
   const PlanParams params_;
   std::vector<MapSolid> solids_;
 };
+
+/// With the clearance that is wanted; where there is no such way, with the least that is flown.
+/// @throws std::invalid_argument saying what is in the way
+Path plan_leg(const Track& track, PlanParams params, const Departure& departure, int to_gate) {
+  const Leg leg = Planner{track, params}.leg(departure, to_gate);
+  if (leg.path) return *leg.path;
+  if (params.least_clearance < params.clearance) {
+    params.clearance = params.least_clearance;
+    const Leg tight = Planner{track, params}.leg(departure, to_gate);
+    if (tight.path) return *tight.path;
+  }
+  const int gate = departure.gate;
+  throw std::invalid_argument(
+      "no way from " + (gate < 0 ? std::string("the start") : "gate " + std::to_string(gate + 1)) +
+      " to gate " + std::to_string(to_gate + 1) + ": " + leg.blocked);
+}
 
 }  // namespace
 
@@ -293,17 +321,16 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
     if (distance_to(track.obstacles[k], track.start) < params.body_radius)
       throw std::invalid_argument("the start is in obstacle " + std::to_string(k + 1));
 
-  const Planner planner{track, params};
   RacePlan plan;
   const int n = static_cast<int>(track.gates.size());
   const double z_start = std::min(track.gates[0].p_EG.z(), -kTakeOff);
-  plan.start = Planner{track, from_the_pad(track, params, -z_start)}.leg(
-      {track.start, track.start_heading}, z_start, -1, 0);
+  plan.start = plan_leg(track, from_the_pad(track, params, -z_start),
+                        {{track.start, track.start_heading}, z_start, -1}, 0);
   for (int i = 0; i < n; ++i) {
     if (i == n - 1 && track.laps == 1) break;  // the last gate of a single lap leads nowhere
     const MapGate& gate = track.gates[static_cast<std::size_t>(i)];
-    plan.legs.push_back(
-        planner.leg({gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i, (i + 1) % n));
+    plan.legs.push_back(plan_leg(
+        track, params, {{gate.p_EG.head<2>(), gate.yaw_EG}, gate.p_EG.z(), i}, (i + 1) % n));
   }
   plan.gate_speed = gate_speeds(plan, params, n);
   const std::vector<MapSolid> solids = solids_of(track);

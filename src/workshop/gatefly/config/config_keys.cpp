@@ -297,6 +297,10 @@ Keys control_keys() {
         "Li18 code: 0.9"),
       k("control.clearance_m", 0, 2, AT(pilot.plan.clearance),
         "planned distance from the body's outline to anything solid", "simulation.md"),
+      k("control.least_clearance_m", 0, 2, AT(pilot.plan.least_clearance),
+        "the same where a leg has no such way; control.clearance_m or more: such a course is "
+        "refused",
+        "ours: a gate's own opening leaves 0.25"),
       k("control.body_radius_m", 0.02, 2, AT(pilot.plan.body_radius), "half the body's width",
         "half the Bebop with guards"),
       k("control.run_in_m", 0, 10, AT(pilot.plan.run_in), "straight wanted before a gate",
