@@ -352,7 +352,8 @@ TEST(Guidance, ThePredictionIsTheCriticallyDampedDecay) {
     NavigationState now = state_at({6.0 + x, 0.5, -1.5}, 1.5);
     now.v_GB.y() = -0.2;
     const double t = -x / 1.5 - 1.5 * params.speed.roll_lead, decay = std::exp(-w * t);
-    EXPECT_NEAR(guidance.lateral_at_gate(now, course), 0.5 * (1.0 + w * t) * decay - 0.2 * t * decay, 1e-3)
+    EXPECT_NEAR(guidance.lateral_at_gate(now, course),
+                0.5 * (1.0 + w * t) * decay - 0.2 * t * decay, 1e-3)
         << x;
   }
 }

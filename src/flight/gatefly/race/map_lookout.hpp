@@ -24,9 +24,10 @@ struct MapSightParams {
   double confirm_above = 17.0;  ///< A second one of the same gate has to agree: 1 in 33.
   double margin = 3.0;       ///< Next best explanation so much less probable, −2 ln p. [estimate]
   double blind_after = 1.0;  ///< Nothing seen for so long: two have to agree [s].
-  double confirm_within = 0.6;  ///< A gate half hidden is found in every fourth picture [s]. [estimate]
-  int lost_after = 8;           ///< So many sure detections refused in a row, ...
-  double lost_time = 0.7;       ///< ... over so long: the position is in doubt [s]. [estimate]
+  double confirm_within =
+      0.6;                 ///< A gate half hidden is found in every fourth picture [s]. [estimate]
+  int lost_after = 8;      ///< So many sure detections refused in a row, ...
+  double lost_time = 0.7;  ///< ... over so long: the position is in doubt [s]. [estimate]
 };
 
 /// The pilot's eye for the filter that has the map among its states: every gate it sees corrects, not
