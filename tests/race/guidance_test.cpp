@@ -248,6 +248,25 @@ TEST(Guidance, ASearchWaitsOnTheAxisAndLooksAround) {
   EXPECT_EQ(guidance.command(phase, seen, course).yaw, 0.0) << "a gate in view: look at it";
 }
 
+// Who does not know where it is stands there, at the height of the way, and looks to all sides.
+TEST(Guidance, StandsAndTurnsRound) {
+  Guidance guidance{{}};
+  const Course course = straight_course();
+  Phase phase =
+      Search{.since = 10.0, .gate_x = -3.0, .stand_at = Eigen::Vector2d{3, 0}, .yaw = 0.5};
+  double turned = 0.0, last = 0.5;
+  for (double t = 10.0; t < 16.0; t += 0.1) {
+    const AttitudeCommand c = guidance.command(phase, state_at({3, 0, -1.5}, 0.0, t), course);
+    EXPECT_NEAR(c.roll, 0.0, 1e-9) << "it is there";
+    EXPECT_NEAR(c.pitch, 0.0, 1e-9);
+    turned += wrap_angle(c.yaw - last);
+    last = c.yaw;
+  }
+  EXPECT_GT(turned, 2 * kPi);
+  Phase beside = phase;
+  EXPECT_LT(Guidance{{}}.command(beside, state_at({2, 0, -1.5}, 0.0, 10.0), course).pitch, -0.02);
+}
+
 // 1 s of a hold beside the place fills the integral; a new search starts without.
 TEST(Guidance, ANewSearchStartsWithoutAnIntegral) {
   Guidance guidance{{}};

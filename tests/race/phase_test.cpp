@@ -114,6 +114,45 @@ TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
   EXPECT_EQ(t.reason, AbortReason::kGateNotFound);
 }
 
+// Nothing has told where it is for so long that it may be as far aside as what stands there.
+TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
+  Situation s = flying();
+  s.p_EB = {4, 2}, s.v_E = {1.5, 0}, s.yaw = 0.3;
+  s.room_beside = 0.9, s.place_sigma = 0.4;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
+  s.place_sigma = 0.5;
+  const Transition t = next_phase(Straight{}, s, kParams);
+  ASSERT_TRUE(is<Search>(t));
+  const Search& stand = std::get<Search>(t.phase);
+  ASSERT_TRUE(stand.stand_at.has_value());
+  EXPECT_NEAR(stand.stand_at->x(), 4.0 + 1.5 * kParams.stops_within, 1e-9) << "where it can stop";
+  EXPECT_NEAR(stand.stand_at->y(), 2.0, 1e-9);
+  EXPECT_EQ(stand.yaw, 0.3);
+  EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
+  Situation told = s;
+  told.place_sigma = 0.15, told.time = s.time + 3;
+  EXPECT_TRUE(is<Straight>(next_phase(stand, told, kParams))) << "goes on along its way";
+  s.time += kParams.turn_round_for + 0.1;
+  const Transition given_up = next_phase(stand, s, kParams);
+  EXPECT_TRUE(is<Land>(given_up));
+  EXPECT_EQ(given_up.reason, AbortReason::kGateNotFound);
+  s.room_beside = 3.0;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "with room enough it flies on";
+  s.room_beside = 0.1, s.place_sigma = 0.3;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "narrow, and known well enough";
+}
+
+TEST(Phase, FoundAgainNearTheGateItHasToBeNearTheAxis) {
+  Situation s = flying();
+  s.speed = 0.2, s.gate_y = 0.35;
+  s.gate_x = -2.2;
+  EXPECT_TRUE(is<Straight>(next_phase(Search{9.0}, s, kParams)));
+  s.gate_x = -1.4;
+  EXPECT_TRUE(is<Search>(next_phase(Search{9.0}, s, kParams)));
+  s.gate_y = 0.2;
+  EXPECT_TRUE(is<Straight>(next_phase(Search{9.0}, s, kParams)));
+}
+
 TEST(Phase, EveryFlyingPhaseEndsWhenTheCourseIsDoneOrTheImuIsSilent) {
   const std::vector<Phase> all{TakeOff{9.0}, Straight{}, Turn{}, Search{9.0}};
   for (const Phase& phase : all) {

@@ -260,6 +260,54 @@ TEST(Plan, AGentleTurnIsAWayToComeOntoTheAxisAndATightOneIsNot) {
   EXPECT_DOUBLE_EQ(way_to_settle(path, 2.0, 3.2), 1.5 + 0.6 * 8) << "as far as the gate is in view";
 }
 
+// A post 1.2 m beside the way, 5 m along it: the body's outline passes it at a metre.
+TEST(Plan, KnowsTheRoomBesideItsWay) {
+  Track track;
+  track.gates = {{{10, 0, -1.5}, 0.0}};
+  track.room_size = {40, 40}, track.laps = 1;
+  track.obstacles = {{.center = {5, 1.3}, .size = {0.2, 0.2}, .heading = 0.0, .height = 3.0}};
+  const PlanParams params;
+  const RacePlan plan = plan_race(track, params);
+  ASSERT_EQ(plan.room_beside.size(), 1u);
+  const std::vector<double>& room = plan.room_beside[0];
+  ASSERT_EQ(room.size(), static_cast<std::size_t>(std::ceil(plan.start.length() / kRoomStep)));
+  const auto least =
+      std::min_element(room.begin(), room.end() - 4);  // beyond is the gate's own frame
+  EXPECT_NEAR(*least, 1.2 - params.body_radius, 0.02);
+  EXPECT_NEAR(static_cast<double>(least - room.begin()) * kRoomStep, 5.0, 0.6);
+  const Course course{track, params};
+  EXPECT_GT(course.room_beside(2.0), 2.5) << "not there yet";
+  EXPECT_NEAR(course.room_beside(6.0), *least, 1e-9);
+}
+
+// A wall with a gap of 1 m: 2 x 0.55 m are wanted, 2 x 0.47 m are flown where nothing else is there.
+TEST(Plan, FliesANarrowGapWhereNoOtherWayIs) {
+  Track track;
+  track.gates = {{{6, 0, -1.5}, 0.0}};
+  track.room_center = {3, 0}, track.room_size = {16, 6}, track.laps = 1, track.ceiling = 3.0;
+  track.obstacles = {{.center = {3, -1.75}, .size = {0.4, 2.5}, .heading = 0.0, .height = 3.0},
+                     {.center = {3, 1.75}, .size = {0.4, 2.5}, .heading = 0.0, .height = 3.0}};
+  PlanParams params;
+  const RacePlan plan = plan_race(track, params);
+  EXPECT_GE(*std::min_element(plan.room_beside[0].begin(), plan.room_beside[0].end()),
+            params.least_clearance - 0.01);
+  params.least_clearance = params.clearance;
+  EXPECT_THROW((void)plan_race(track, params), std::invalid_argument) << "when told to keep it";
+}
+
+// A stop 1.3 m behind a gate: passed as fast as 0.6 m/s² brake until there.
+TEST(Plan, AGateBeforeAStopIsPassedSlowly) {
+  Track track;
+  track.gates = {{{0, 0, -0.8}, 0.0}, {{0, 0, -2.0}, 0.0}};
+  track.room_size = {9, 5}, track.ceiling = 4.0, track.start = {-3.5, 0};
+  const PlanParams params;
+  const RacePlan plan = plan_race(track, params);
+  ASSERT_FALSE(plan.legs[0].stops.empty()) << "no room for an arc";
+  EXPECT_LE(plan.gate_speed[0],
+            std::sqrt(2.0 * params.stop_braking * plan.legs[0].stops[0].s) + 1e-9);
+  EXPECT_LT(plan.gate_speed[0], params.speed);
+}
+
 TEST(Plan, KnowsTheRoomBeforeAGate) {
   Track track;
   track.gates = {{{12, 0, -1.5}, 0.0}};

@@ -312,6 +312,7 @@ void Navigator::describe_ours(NavigationState& now) const {
   now.p_GB = ours_->p_GB();
   now.v_GB = rotation_z(-ours_->target_yaw()) * x.v_E;
   now.lateral_sigma = std::sqrt(std::max(0.0, ours_->covariance_GB(false)(1, 1)));
+  now.place_sigma = std::max(ours_->sigma(eskf::kP), ours_->sigma(eskf::kP + 1));
   now.wind_E = (R_ME.topLeftCorner<2, 2>() * (x.wind + x.gust)).eval();
   now.wind_variance = ours_->variance_of_air(0) + ours_->variance_of_air(1);
   now.thrust_found = x.thrust;

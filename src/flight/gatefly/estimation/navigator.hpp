@@ -63,6 +63,8 @@ struct NavigationState {
   Eigen::Vector3d v_GB = Eigen::Vector3d::Zero();    ///< ... and the velocity [m/s].
   double lateral_sigma =
       0.0;  ///< Error of p_GB.y, without the part that vanishes in the gate's plane [m].
+  /// Standard deviation of p_EB on the floor plan, the larger one; 0 where the filter has no map [m].
+  double place_sigma = 0.0;
   double since_fix = 1e3;  ///< Since a fix was accepted [s].
   double since_imu = 0.0;  ///< Since a usable IMU sample [s].
   /// Air over ground, where the filter knows it [m/s].

@@ -44,6 +44,20 @@ double Course::room_before() const {
   return index < plan_.room_before.size() ? plan_.room_before[index] : 1e9;
 }
 
+double Course::room_beside(double distance) const {
+  const std::size_t legs = plan_.legs.size();
+  const std::size_t way =
+      passed_ == 0 || legs == 0 ? 0 : 1 + static_cast<std::size_t>(passed_ - 1) % legs;
+  double room = 1e9;
+  if (approach_ || way >= plan_.room_beside.size()) return room;
+  const std::vector<double>& beside = plan_.room_beside[way];
+  const auto last = static_cast<std::size_t>((progress_ + distance) / kRoomStep);
+  for (auto i = static_cast<std::size_t>(progress_ / kRoomStep); i <= last && i < beside.size();
+       ++i)
+    room = std::min(room, beside[i]);
+  return room;
+}
+
 const Path& Course::path() const {
   if (approach_) return *approach_;
   const std::size_t legs = plan_.legs.size();

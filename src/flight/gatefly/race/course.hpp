@@ -53,6 +53,8 @@ class Course {
   [[nodiscard]] double gate_speed() const;
   /// On the next gate's axis, so far before it there is room to stand and wait [m].
   [[nodiscard]] double room_before() const;
+  /// From the body's outline to anything solid, at the narrowest place of the next `distance` [m].
+  [[nodiscard]] double room_beside(double distance) const;
   [[nodiscard]] double to_go() const { return path().length() - progress_; }
   [[nodiscard]] const RacePlan& plan() const { return plan_; }
   [[nodiscard]] const Track& track() const { return track_; }

@@ -130,16 +130,22 @@ AttitudeCommand Guidance::stand(const Stop& stop, const NavigationState& now,
   return c;
 }
 
-// Waits on the gate's axis and looks to both sides of it.
+// Waits on the gate's axis and looks to both sides of it, or stands and turns round.
 AttitudeCommand Guidance::search(const Search& phase, const NavigationState& now,
                                  const Course& course) {
   const MapGate& gate = course.gate();
+  const double since = now.time - phase.since;
+  const SweepParams& p = params_.sweep;
+  if (phase.stand_at) {
+    AttitudeCommand c =
+        hold(*phase.stand_at, wrap_angle(phase.yaw + p.turn_round * since), now.dt, now);
+    c.thrust = thrust(course.path().z_at(course.progress()), 0.0, now);
+    return c;
+  }
   const Eigen::Vector3d wait =
       gate.p_EG + rotation_z(gate.yaw_EG) * Eigen::Vector3d{phase.gate_x, 0, 0};
-  const double since = now.time - phase.since;
-  const bool ahead =
-      now.since_fix < params_.sweep.hold_after_fix || since < params_.sweep.first_ahead;
-  const double sweep = params_.sweep.angle * gatefly::sin(2 * kPi * since / params_.sweep.period);
+  const bool ahead = now.since_fix < p.hold_after_fix || since < p.first_ahead;
+  const double sweep = p.angle * gatefly::sin(2 * kPi * since / p.period);
   AttitudeCommand c = hold(wait.head<2>(), gate.yaw_EG + (ahead ? 0.0 : sweep), now.dt, now);
   c.thrust = thrust(gate.p_EG.z(), 0.0, now);
   return c;

@@ -103,7 +103,12 @@ struct RacePlan {
   std::vector<double> gate_speed;
   /// On each gate's axis, so far before it there is room to stand [m]. Empty: not known.
   std::vector<double> room_before;
+  /// From the body's outline on its way to anything solid, one value for each kRoomStep: the start's
+  /// way, then the legs' [m]. Empty: not known.
+  std::vector<std::vector<double>> room_beside;
 };
+
+constexpr double kRoomStep = 0.5;  ///< Of RacePlan::room_beside [m].
 
 /// Plans all legs: straight out of a gate, at most two arcs (Dubins), straight into the next; where
 /// that is not free, around, over or under what stands there (way_round.hpp).

@@ -19,6 +19,16 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
   return unseen || off_axis;
 }
 
+// Nothing has told for so long where it is that it may be as far aside as the next wall.
+bool is_lost(const Situation& now, const PhaseParams& params) {
+  return params.goes_around &&
+         now.place_sigma > std::max(params.lost_sigma, params.lost_part * now.room_beside);
+}
+
+bool knows_its_place(const Situation& now, const PhaseParams& params) {
+  return now.place_sigma < params.certain_part * params.lost_sigma;
+}
+
 bool gate_found_again(const Situation& now, const PhaseParams& params) {
   // The less way is left, the nearer to the axis it has to be.
   const double way = -now.gate_x - params.min_run_in;
@@ -35,6 +45,9 @@ Phase search_from(const Situation& now, const PhaseParams& params) {
   const double room =
       std::max(std::min(now.room_before, params.wait_before), now.room_before - params.drift);
   return Search{now.time, std::max(wanted, -room)};
+}
+Phase stand_from(const Situation& now, const PhaseParams& params) {
+  return Search{now.time, now.gate_x, now.p_EB + params.stops_within * now.v_E, now.yaw};
 }
 Phase turn_from(const Situation& now) {
   return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};
@@ -57,6 +70,7 @@ struct Next {
   const PhaseParams& params;
 
   Transition on_course() const {
+    if (is_lost(now, params)) return {stand_from(now, params)};
     if (gate_is_uncertain(now, params)) return {search_from(now, params)};
     if (now.turn_ahead) return {turn_from(now)};
     return {Straight{}};
@@ -82,9 +96,11 @@ struct Next {
     return next;
   }
   Transition operator()(const Search& phase) const {
-    if (gate_found_again(now, params)) return {Straight{}};
-    if (now.time - phase.since > params.search_timeout)
-      return {land_from(now), AbortReason::kGateNotFound};
+    const bool found =
+        phase.stand_at ? knows_its_place(now, params) : gate_found_again(now, params);
+    if (found) return {Straight{}};
+    const double timeout = phase.stand_at ? params.turn_round_for : params.search_timeout;
+    if (now.time - phase.since > timeout) return {land_from(now), AbortReason::kGateNotFound};
     return {phase};
   }
   Transition operator()(const Land& phase) const {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <variant>
+
+#include <Eigen/Core>
 
 #include "gatefly/control/arc.hpp"
 
@@ -19,10 +22,13 @@ struct Straight {};
 struct Turn {
   Arc arc;
 };
-/// The gate should be in view and is not: wait before it and look around.
+/// The gate should be in view and is not: wait before it and look around. Or the place has become too
+/// uncertain for the room beside the way: stand and turn round until a gate tells.
 struct Search {
   double since = 0.0;    ///< [s]
   double gate_x = -2.2;  ///< Waiting place on the gate's axis; negative: before the gate [m].
+  std::optional<Eigen::Vector2d> stand_at = std::nullopt;  ///< Here instead, turning round [m].
+  double yaw = 0.0;                                        ///< Then: where the turn began [rad].
 };
 /// All gates passed, or given up: level, down.
 struct Land {
@@ -62,6 +68,9 @@ struct Situation {
   /// Standard deviation of gate_y, without the part by the gate's heading: it vanishes in the
   /// gate's plane [m].
   double lateral_sigma = 0.0;
+  Eigen::Vector2d p_EB{0, 0}, v_E{0, 0};  ///< On the floor plan [m] [m/s].
+  double place_sigma = 0.0;               ///< Standard deviation of p_EB, the larger one [m].
+  double room_beside = 1e9;    ///< From the outline to anything solid while it could stop [m].
   double speed = 0.0;          ///< [m/s]
   double forward_speed = 0.0;  ///< [m/s]
   double yaw = 0.0;            ///< [rad]
@@ -99,6 +108,12 @@ struct PhaseParams {
   /// ... but so far from what ends the room, towards which it may drift while it sees nothing [m].
   /// [estimate]
   double drift = 0.5;
+
+  // Stands and turns round where the place is more uncertain than this part of the room beside the way,
+  // and than so much [m]: a third of it and 0.25 m stop races that need no stop. [ours]
+  double lost_part = 0.5, lost_sigma = 0.35;
+  double stops_within = 0.4;    ///< Comes to rest so much further on: this long at its speed [s].
+  double turn_round_for = 8.0;  ///< A turn and a half [s].
 
   // ... and out of it.
   /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]

@@ -169,9 +169,9 @@ void Pilot::change_phase(const Sensors& sensors) {
   if (!sensors.looks_on) now.since_picture = parts_->intake.since_picture();
   now.picture_interval = parts_->intake.picture_interval();
   const Transition next = next_phase(phase_, now, phase_params_);
-  const bool found_again =
-      std::holds_alternative<Search>(phase_) && std::holds_alternative<Straight>(next.phase);
-  if (found_again) parts_->course.approach_straight(navigator_.state());
+  const auto* search = std::get_if<Search>(&phase_);
+  const bool found_again = search != nullptr && std::holds_alternative<Straight>(next.phase);
+  if (found_again && !search->stand_at) parts_->course.approach_straight(navigator_.state());
   if (parts_->course.before_approach() && std::holds_alternative<Straight>(next.phase)) {
     navigator_.begin_leg(parts_->course.turn_end());  // the plan's place, for the paper's filter
     parts_->course.begin_approach();
@@ -200,7 +200,11 @@ Situation Pilot::situation() const {
   s.gate_x = now.p_GB.x();
   s.gate_y = now.p_GB.y();
   s.lateral_sigma = now.lateral_sigma;
+  s.p_EB = now.p_EB.head<2>(), s.v_E = now.v_E.head<2>();
+  s.place_sigma = now.place_sigma;
   s.speed = now.v_B.head<2>().norm();
+  constexpr double kBraking = 2.0;  // [m/s²]
+  s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / kBraking + 0.5);
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
   s.since_imu = now.since_imu;

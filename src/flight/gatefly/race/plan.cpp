@@ -159,6 +159,19 @@ struct Leg {
   std::string blocked;
 };
 
+/// RacePlan::room_beside of one way. The frame of the gate that it leads to counts until just before it:
+/// who does not know where he is stands before the bars, not in them.
+std::vector<double> room_beside(const Path& path, const PlanParams& params,
+                                const std::vector<MapSolid>& solids, int from_gate, int to_gate) {
+  std::vector<double> room;
+  for (double s = 0.0; s < path.length(); s += kRoomStep) {
+    const double end = std::min(path.length(), s + kRoomStep);
+    room.push_back(nearest_between(solids, params, path, {s, end}, from_gate, to_gate).distance -
+                   params.body_radius);
+  }
+  return room;
+}
+
 class Planner {
  public:
   Planner(const Track& track, const PlanParams& params)
@@ -335,6 +348,10 @@ RacePlan plan_race(const Track& track, const PlanParams& params) {
   plan.gate_speed = gate_speeds(plan, params, n);
   const std::vector<MapSolid> solids = solids_of(track);
   for (int i = 0; i < n; ++i) plan.room_before.push_back(room_before(track, params, solids, i));
+  plan.room_beside.push_back(room_beside(plan.start, params, solids, -1, 0));
+  for (int i = 0; i < static_cast<int>(plan.legs.size()); ++i)
+    plan.room_beside.push_back(
+        room_beside(plan.legs[static_cast<std::size_t>(i)], params, solids, i, (i + 1) % n));
   return plan;
 }
 

@@ -141,10 +141,17 @@ Gap gap_between(const MapSolid& one, const MapSolid& other, const PlanParams& pa
 
 Nearest nearest_solid(const std::vector<MapSolid>& solids, const PlanParams& params,
                       const Path& path, int from_gate, int to_gate, double near_enough) {
+  return nearest_between(solids, params, path, {0.0, path.length()}, from_gate, to_gate,
+                         near_enough);
+}
+
+Nearest nearest_between(const std::vector<MapSolid>& solids, const PlanParams& params,
+                        const Path& path, const Stretch& stretch, int from_gate, int to_gate,
+                        double near_enough) {
   constexpr double kStep = 0.1;  // [m]
   const double total = path.length();
   Nearest nearest;
-  for (double s = 0.0; s <= total && nearest.distance >= near_enough; s += kStep) {
+  for (double s = stretch.from; s <= stretch.to && nearest.distance >= near_enough; s += kStep) {
     const Eigen::Vector2d p = path.at(s).position;
     const double height = -path.z_at(s);
     for (const MapSolid& solid : solids) {

@@ -50,9 +50,19 @@ struct Nearest {
   const MapSolid* solid = nullptr;
 };
 
+/// A part of a way, so far along it [m].
+struct Stretch {
+  double from = 0.0, to = 0.0;
+};
+
 /// Floor and ceiling are not looked at: a way's heights lie between its gates', or were searched for.
 /// @param from_gate, to_gate  flown through at the two ends; a little way off they are in the way, too.
 /// @param near_enough  looks no further once something is nearer than this [m].
+[[nodiscard]] Nearest nearest_between(const std::vector<MapSolid>& solids, const PlanParams& params,
+                                      const Path& path, const Stretch& stretch, int from_gate,
+                                      int to_gate, double near_enough = -1e9);
+
+/// The same of the whole way.
 [[nodiscard]] Nearest nearest_solid(const std::vector<MapSolid>& solids, const PlanParams& params,
                                     const Path& path, int from_gate, int to_gate,
                                     double near_enough);
