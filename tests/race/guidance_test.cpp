@@ -252,8 +252,8 @@ TEST(Guidance, ASearchWaitsOnTheAxisAndLooksAround) {
 TEST(Guidance, StandsAndTurnsRound) {
   Guidance guidance{{}};
   const Course course = straight_course();
-  Phase phase =
-      Search{.since = 10.0, .gate_x = -3.0, .stand_at = Eigen::Vector2d{3, 0}, .yaw = 0.5};
+  Phase phase = Search{
+      .since = 10.0, .gate_x = -3.0, .stand_at = Eigen::Vector2d{3, 0}, .yaw = 0.5, .rate = 1.2};
   double turned = 0.0, last = 0.5;
   for (double t = 10.0; t < 16.0; t += 0.1) {
     const AttitudeCommand c = guidance.command(phase, state_at({3, 0, -1.5}, 0.0, t), course);

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gatefly/geometry/math.hpp"
+
 #include "support/for_all.hpp"
 
 namespace gatefly {
@@ -128,11 +130,16 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
   EXPECT_NEAR(stand.stand_at->x(), 4.0 + 1.5 * kParams.stops_within, 1e-9) << "where it can stop";
   EXPECT_NEAR(stand.stand_at->y(), 2.0, 1e-9);
   EXPECT_EQ(stand.yaw, 0.3);
+  EXPECT_EQ(stand.rate, kParams.turn_rate);
+  Situation rare = s;
+  rare.picture_interval = 0.5;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, rare, kParams)))
+      << "a turn would show it nothing";
   EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
   Situation told = s;
   told.place_sigma = 0.15, told.time = s.time + 3;
   EXPECT_TRUE(is<Straight>(next_phase(stand, told, kParams))) << "goes on along its way";
-  s.time += kParams.turn_round_for + 0.1;
+  s.time += kParams.turns * 2 * kPi / kParams.turn_rate + 0.1;
   const Transition given_up = next_phase(stand, s, kParams);
   EXPECT_TRUE(is<Land>(given_up));
   EXPECT_EQ(given_up.reason, AbortReason::kGateNotFound);

@@ -138,7 +138,7 @@ AttitudeCommand Guidance::search(const Search& phase, const NavigationState& now
   const SweepParams& p = params_.sweep;
   if (phase.stand_at) {
     AttitudeCommand c =
-        hold(*phase.stand_at, wrap_angle(phase.yaw + p.turn_round * since), now.dt, now);
+        hold(*phase.stand_at, wrap_angle(phase.yaw + phase.rate * since), now.dt, now);
     c.thrust = thrust(course.path().z_at(course.progress()), 0.0, now);
     return c;
   }

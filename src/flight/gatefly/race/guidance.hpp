@@ -16,9 +16,6 @@
 namespace gatefly {
 
 struct SweepParams {
-  double turn_round =
-      1.2;  ///< All round, where the place is uncertain, so fast [rad/s]. [estimate]
-  double turn_above = 0.35;       ///< ... by more than this [m]. [estimate]
   double angle = 40.0 * kDegree;  ///< To both sides of the gate's axis. [ours: half the view]
   double period = 5.0;            ///< [s] [estimate]
   double first_ahead = 1.5;       ///< Looks straight ahead for so long first [s]. [estimate]

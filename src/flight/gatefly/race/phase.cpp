@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gatefly/geometry/math.hpp"
+
 namespace gatefly {
 namespace {
 
@@ -21,7 +23,7 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 
 // Nothing has told for so long where it is that it may be as far aside as the next wall.
 bool is_lost(const Situation& now, const PhaseParams& params) {
-  return params.goes_around &&
+  return params.goes_around && now.picture_interval < params.lost_pictures &&
          now.place_sigma > std::max(params.lost_sigma, params.lost_part * now.room_beside);
 }
 
@@ -47,7 +49,8 @@ Phase search_from(const Situation& now, const PhaseParams& params) {
   return Search{now.time, std::max(wanted, -room)};
 }
 Phase stand_from(const Situation& now, const PhaseParams& params) {
-  return Search{now.time, now.gate_x, now.p_EB + params.stops_within * now.v_E, now.yaw};
+  return Search{now.time, now.gate_x, now.p_EB + params.stops_within * now.v_E, now.yaw,
+                params.turn_rate};
 }
 Phase turn_from(const Situation& now) {
   return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};
@@ -99,7 +102,8 @@ struct Next {
     const bool found =
         phase.stand_at ? knows_its_place(now, params) : gate_found_again(now, params);
     if (found) return {Straight{}};
-    const double timeout = phase.stand_at ? params.turn_round_for : params.search_timeout;
+    const double timeout =
+        phase.stand_at ? params.turns * 2 * kPi / phase.rate : params.search_timeout;
     if (now.time - phase.since > timeout) return {land_from(now), AbortReason::kGateNotFound};
     return {phase};
   }

@@ -27,8 +27,9 @@ struct Turn {
 struct Search {
   double since = 0.0;    ///< [s]
   double gate_x = -2.2;  ///< Waiting place on the gate's axis; negative: before the gate [m].
-  std::optional<Eigen::Vector2d> stand_at = std::nullopt;  ///< Here instead, turning round [m].
-  double yaw = 0.0;                                        ///< Then: where the turn began [rad].
+  std::optional<Eigen::Vector2d> stand_at = std::nullopt;  ///< Here instead, turning round [m], ...
+  double yaw = 0.0;                                        ///< ... from this heading [rad] ...
+  double rate = 1.2;                                       ///< ... so fast [rad/s].
 };
 /// All gates passed, or given up: level, down.
 struct Land {
@@ -112,8 +113,11 @@ struct PhaseParams {
   // Stands and turns round where the place is more uncertain than this part of the room beside the way,
   // and than so much [m]: a third of it and 0.25 m stop races that need no stop. [ours]
   double lost_part = 0.5, lost_sigma = 0.35;
-  double stops_within = 0.4;    ///< Comes to rest so much further on: this long at its speed [s].
-  double turn_round_for = 8.0;  ///< A turn and a half [s].
+  /// Where pictures are rarer than this a turn would pass over the gates: it flies on [s]. [ours]
+  double lost_pictures = 0.25;
+  double stops_within = 0.4;  ///< Comes to rest so much further on: this long at its speed [s].
+  double turn_rate = 1.2;     ///< Turns so fast [rad/s], [estimate]
+  double turns = 1.5;         ///< so often, then it lands. [estimate]
 
   // ... and out of it.
   /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]
