@@ -360,7 +360,8 @@ TEST(SimulatedArcs, AreTheSameTwiceAndExplained) {
     const BlindArc &arc = flown.arcs[i], &by_pilot = flown.by_pilot[i];
     EXPECT_EQ(arc.displacement(), again.arcs[i].displacement());
     EXPECT_LT((sum_of(arc.parts) - (arc.displacement() - Eigen::Vector2d{0.0, 3.0})).norm(), 0.01);
-    // The nose's rule says within an eighth of a second what the pilot does.
+    // The nose's rule says within an eighth of a second what the pilot does: 0.102 s at most here, and
+    // 0.1 until INDI tilted before it turned.
     EXPECT_NEAR(arc.begin, by_pilot.begin, 0.125);
     EXPECT_NEAR(arc.end, by_pilot.end, 0.125);
     ASSERT_TRUE(arc.detail.has_value());

@@ -248,7 +248,7 @@ TEST(Guidance, ASearchWaitsOnTheAxisAndLooksAround) {
   EXPECT_EQ(guidance.command(phase, seen, course).yaw, 0.0) << "a gate in view: look at it";
 }
 
-// Who does not know where it is stands there, at the height of the way, and looks to all sides.
+// A drone that does not know its place stands, at the height of the way, and looks to all sides.
 TEST(Guidance, StandsAndTurnsRound) {
   Guidance guidance{{}};
   const Course course = straight_course();

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/race/course.hpp"
 #include "gatefly/race/path.hpp"
 
 #include "support/for_all.hpp"

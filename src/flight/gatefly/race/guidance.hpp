@@ -64,7 +64,7 @@ class Guidance {
   [[nodiscard]] double entry_speed(const NavigationState& now) const;
 
   /// Predicted crossing of the gate's plane under the lateral PD: metres to the right of its axis.
-  /// Where the way still turns before the gate: off the way, which ends on the axis.
+  /// While the way still turns before the gate, metres off the way, which ends on the axis.
   [[nodiscard]] double lateral_at_gate(const NavigationState& now, const Course& course) const;
 
   /// The path curves where the drone will be when a roll that begins now is there.

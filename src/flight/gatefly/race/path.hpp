@@ -74,7 +74,7 @@ struct PlanParams {
   double speed = 2.0;         ///< Wanted on straights [m/s]. [ours; paper: 1.5-1.8]
   double max_lateral = 3.2;   ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
   double braking = 2.0;       ///< [m/s²] [ours: 12° nose up]
-  double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [ours: SpeedParams has the same]
+  double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [as SpeedParams::stop_braking]
   double min_radius = 0.7;    ///< [m] [Li18 code: 0.9]
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;
@@ -108,7 +108,7 @@ struct RacePlan {
   std::vector<std::vector<double>> room_beside;
 };
 
-constexpr double kRoomStep = 0.5;  ///< Of RacePlan::room_beside [m].
+constexpr double kRoomStep = 0.5;  ///< Spacing of RacePlan::room_beside [m].
 
 /// Plans all legs: straight out of a gate, at most two arcs (Dubins), straight into the next; where
 /// that is not free, around, over or under what stands there (way_round.hpp).

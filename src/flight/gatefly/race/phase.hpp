@@ -113,7 +113,7 @@ struct PhaseParams {
   // Stands and turns round where the place is more uncertain than this part of the room beside the way,
   // and than so much [m]: half of it and 0.35 m stop races that need no stop. [ours]
   double lost_part = 0.65, lost_sigma = 0.45;
-  /// Where pictures are rarer than this a turn would pass over the gates: it flies on [s]. [ours]
+  /// With rarer pictures than this a turn would pass over the gates: the drone flies on [s]. [ours]
   double lost_pictures = 0.25;
   double stops_within = 0.4;  ///< Comes to rest so much further on: this long at its speed [s].
   double turn_rate = 1.2;     ///< Turns so fast [rad/s], [estimate]

@@ -203,7 +203,7 @@ Situation Pilot::situation() const {
   s.p_EB = now.p_EB.head<2>(), s.v_E = now.v_E.head<2>();
   s.place_sigma = now.place_sigma;
   s.speed = now.v_B.head<2>().norm();
-  constexpr double kBraking = 2.0;  // [m/s²]
+  constexpr double kBraking = 2.0;  // as PlanParams::braking [m/s²]
   s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / kBraking + 0.5);
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;

@@ -146,7 +146,7 @@ double room_before(const Track& track, const PlanParams& params,
   return room;
 }
 
-/// Where a leg begins.
+/// The pose that a leg begins with.
 struct Departure {
   Pose2 from;
   double z = 0.0;  ///< [m, down]
@@ -160,7 +160,7 @@ struct Leg {
 };
 
 /// RacePlan::room_beside of one way. The frame of the gate that it leads to counts until just before it:
-/// who does not know where he is stands before the bars, not in them.
+/// a drone that does not know its place stops before the bars, not in them.
 std::vector<double> room_beside(const Path& path, const PlanParams& params,
                                 const std::vector<MapSolid>& solids, int from_gate, int to_gate) {
   std::vector<double> room;
