@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What reading files takes: toml++ and JSON; with the program libjpeg and libpng, too.
+# What reading files takes: toml++, JSON and xxHash; with the program libjpeg, libexif, libpng and Clipper, too.
 #
 # For another processor than this one's the distribution has no toml++ to link: the headers hold all of it. Of the headers here only those
 # of these two may be seen, not this processor's C library beside them.
@@ -8,14 +8,18 @@ if(GATEFLY_PROGRAM OR NOT CMAKE_CROSSCOMPILING)
   find_package(nlohmann_json REQUIRED)
   find_package(JPEG REQUIRED)
   find_package(PNG REQUIRED)
+  find_package(PkgConfig REQUIRED)
+  pkg_check_modules(LIBEXIF REQUIRED IMPORTED_TARGET libexif)
+  pkg_check_modules(CLIPPER REQUIRED IMPORTED_TARGET polyclipping)
+  find_path(GATEFLY_xxhash_FOLDER xxhash.h REQUIRED)
+  mark_as_advanced(GATEFLY_xxhash_FOLDER)
 else()
   set(headers_alone ${PROJECT_BINARY_DIR}/headers_alone)
   file(MAKE_DIRECTORY ${headers_alone})
-  foreach(header toml++/toml.h nlohmann/json.hpp)
-    get_filename_component(folder ${header} DIRECTORY)
-    find_path(GATEFLY_${folder}_FOLDER ${header} PATHS /usr/include NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH REQUIRED)
-    mark_as_advanced(GATEFLY_${folder}_FOLDER)
-    file(CREATE_LINK "${GATEFLY_${folder}_FOLDER}/${folder}" ${headers_alone}/${folder} SYMBOLIC)
+  foreach(header toml++ nlohmann xxhash.h)
+    find_path(GATEFLY_${header}_FOLDER ${header} PATHS /usr/include NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH REQUIRED)
+    mark_as_advanced(GATEFLY_${header}_FOLDER)
+    file(CREATE_LINK "${GATEFLY_${header}_FOLDER}/${header}" ${headers_alone}/${header} SYMBOLIC)
   endforeach()
   foreach(library tomlplusplus nlohmann_json)
     add_library(gatefly_${library} INTERFACE)

@@ -44,7 +44,7 @@ set(CPACK_COMPONENTS_ALL)
 gatefly_debian_package(library libgatefly-dev SECTION libdevel
   DESCRIPTION "Library: detector, poses, navigator and pilot, which need Eigen only; and what reads tracks, cameras and pictures."
   DEPENDS "libeigen3-dev (>= 3.4)"
-  RECOMMENDS "gatefly-data ${same_version}, libjpeg-dev, libpng-dev, libtomlplusplus-dev, cmake (>= 3.23), pkg-config")
+  RECOMMENDS "gatefly-data ${same_version}, libjpeg-dev, libexif-dev, libpng-dev, libpolyclipping-dev, libtomlplusplus-dev, cmake (>= 3.23), pkg-config")
 if(GATEFLY_PROGRAM)
   gatefly_debian_package(data gatefly-data SECTION science DESCRIPTION "Tracks, configurations, cameras and vehicles.")
   set(CPACK_DEBIAN_DATA_PACKAGE_ARCHITECTURE all)

@@ -7,7 +7,7 @@ set -euo pipefail
 architecture="$1"
 mkdir -p "$2"
 folder="$(cd "$2" && pwd)"
-packages=(libjpeg-dev libpng-dev zlib1g-dev libzstd-dev libcairo2-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libeigen3-dev)
+packages=(libjpeg-dev libexif-dev libpng-dev libpolyclipping-dev libxxhash-dev zlib1g-dev libzstd-dev libcairo2-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libeigen3-dev)
 
 apt="$folder/apt"
 mkdir -p "$apt"/etc/{sources.list.d,preferences.d,apt.conf.d,trusted.gpg.d} "$apt"/state/lists/partial "$apt"/cache/archives/partial

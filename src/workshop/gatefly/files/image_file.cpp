@@ -6,12 +6,15 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
+#include <memory>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include <jpeglib.h>
+#include <libexif/exif-data.h>
 #include <png.h>
 
 #include "gatefly/files/text.hpp"
@@ -56,27 +59,18 @@ void start(Decoder& decoder, const std::string& file) {
   jpeg_mem_src(&decoder.jpeg, reinterpret_cast<const unsigned char*>(file.data()), file.size());
 }
 
-/// The orientation, 1..8, in what follows "Exif\0\0": a TIFF header and one list of 12-byte entries.
-int orientation_in(const std::uint8_t* tiff, std::size_t size) {
-  const bool little = size >= 8 && tiff[0] == 'I';
-  const auto number = [&](std::size_t at, std::size_t bytes) {
-    std::size_t value = 0;
-    for (std::size_t i = 0; i < bytes; ++i)
-      value = value << 8 | tiff[at + (little ? bytes - 1 - i : i)];
-    return value;
-  };
-  constexpr std::size_t kEntry = 12, kOrientation = 0x0112;
-  if (size < 8) return 0;
-  const std::size_t list = number(4, 4);
-  if (list > size || size - list < 2) return 0;
-  const std::size_t entries = std::min(number(list, 2), (size - list - 2) / kEntry);
-  for (std::size_t i = 0; i < entries; ++i) {
-    const std::size_t entry = list + 2 + kEntry * i;
-    if (number(entry, 2) != kOrientation) continue;
-    const std::size_t value = number(entry + 8, 2);
-    return value >= 1 && value <= 8 ? static_cast<int>(value) : 0;
-  }
-  return 0;
+/// The orientation, 1..8, in an EXIF marker; 0: it has none.
+int orientation_in(const std::uint8_t* marker, unsigned int size) {
+  const auto release = [](ExifData* data) { exif_data_unref(data); };
+  const std::unique_ptr<ExifData, decltype(release)> exif{exif_data_new(), release};
+  if (!exif) throw std::bad_alloc{};
+  // As it stands in the file: nothing that a specification would have there.
+  exif_data_unset_option(exif.get(), EXIF_DATA_OPTION_FOLLOW_SPECIFICATION);
+  exif_data_load_data(exif.get(), marker, size);
+  const ExifEntry* entry = exif_content_get_entry(exif->ifd[EXIF_IFD_0], EXIF_TAG_ORIENTATION);
+  if (entry == nullptr || entry->format != EXIF_FORMAT_SHORT || entry->size < 2) return 0;
+  const int value = exif_get_short(entry->data, exif_data_get_byte_order(exif.get()));
+  return value >= 1 && value <= 8 ? value : 0;
 }
 
 int exif_orientation(const jpeg_decompress_struct& jpeg) {
@@ -84,7 +78,7 @@ int exif_orientation(const jpeg_decompress_struct& jpeg) {
   for (auto* marker = jpeg.marker_list; marker != nullptr; marker = marker->next)
     if (std::string_view{reinterpret_cast<const char*>(marker->data), marker->data_length}
             .starts_with(kStart))
-      return orientation_in(marker->data + kStart.size(), marker->data_length - kStart.size());
+      return orientation_in(marker->data, marker->data_length);
   return 0;
 }
 

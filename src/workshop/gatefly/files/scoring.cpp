@@ -10,12 +10,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include <polyclipping/clipper.hpp>
+
 namespace gatefly::files {
 namespace {
 
 constexpr double kNoRate = std::numeric_limits<double>::quiet_NaN();
-
-using Triangle = std::array<Eigen::Vector2d, 3>;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -26,15 +26,6 @@ bool cross_each_other(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const 
   return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 &&
          cross(d - c, a - c) * cross(d - c, b - c) < 0.0;
 }
-
-/// A polygon cut along the diagonal that lies inside it.
-std::array<Triangle, 2> triangles(const Quad& p) {
-  const double side_1 = cross(p[2] - p[0], p[1] - p[0]), side_3 = cross(p[2] - p[0], p[3] - p[0]);
-  if (side_1 * side_3 <= 0.0) return {{{p[0], p[1], p[2]}, {p[0], p[2], p[3]}}};
-  return {{{p[1], p[2], p[3]}, {p[1], p[3], p[0]}}};
-}
-
-Quad as_quad(const Triangle& t) { return {t[0], t[1], t[2], t[2]}; }
 
 double intersection_over_union(const Quad& a, const Quad& b) {
   const double shared = polygon_shared_area(a, b);
@@ -150,11 +141,27 @@ Quad polygon(const Quad& quad) {
 double polygon_area(const Quad& quad) { return std::abs(area(polygon(quad))); }
 
 double polygon_shared_area(const Quad& a, const Quad& b) {
-  double shared = 0.0;
-  for (const Triangle& part_a : triangles(polygon(a)))
-    for (const Triangle& part_b : triangles(polygon(b)))
-      shared += shared_area(as_quad(part_a), as_quad(part_b));
-  return shared;
+  // Clipper counts in whole numbers: a pixel is 2^20 of them, so that a corner of 10^12 px fits.
+  static constexpr double kUnits = 1048576.0, kMostPx = 1e12;
+  const auto path_of = [](const Quad& quad) {
+    ClipperLib::Path path;
+    for (const Eigen::Vector2d& corner : polygon(quad)) {
+      const auto whole = [](double px) {
+        return std::llround(kUnits * std::clamp(px, -kMostPx, kMostPx));
+      };
+      path.emplace_back(whole(corner.x()), whole(corner.y()));
+    }
+    return path;
+  };
+  ClipperLib::Clipper clipper;
+  ClipperLib::Paths shared;
+  clipper.AddPath(path_of(a), ClipperLib::ptSubject, true);
+  clipper.AddPath(path_of(b), ClipperLib::ptClip, true);
+  clipper.Execute(ClipperLib::ctIntersection, shared, ClipperLib::pftNonZero,
+                  ClipperLib::pftNonZero);
+  double area = 0.0;
+  for (const ClipperLib::Path& path : shared) area += ClipperLib::Area(path);
+  return std::abs(area) / (kUnits * kUnits);
 }
 
 bool matches(const Quad& a, const Quad& b, Rule rule) {

@@ -11,7 +11,7 @@ namespace gatefly::files {
 
 /// XXH64 of some bytes, seed 0: tells two pictures apart, not a forger from an honest man.
 ///
-/// Source: Y. Collet, xxHash specification 0.1.1. About 10 GB/s: nothing beside rendering a picture.
+/// By the xxHash library. About 10 GB/s: nothing beside rendering a picture.
 [[nodiscard]] std::uint64_t xxh64(std::span<const std::uint8_t> bytes);
 
 /// 16 hexadecimal digits, as `xxhsum -H1` prints it.
