@@ -21,8 +21,10 @@ namespace {
 // pictures before.
 constexpr std::uint64_t kSeed = 1;
 
-std::optional<Quad> previous_of(const LookFor& look_for) {
-  return look_for.previous != nullptr ? std::optional{*look_for.previous} : std::nullopt;
+// In the paper's corners.
+std::optional<Quad> previous_of(const LookFor& look_for, const GateDetectorParams& params) {
+  if (look_for.previous == nullptr) return std::nullopt;
+  return scaled(*look_for.previous, 1.0 / params.corner_scale);
 }
 
 // Never inlined: the paper's list has 200 KB, which our modes shall not have on their stack.
@@ -110,11 +112,15 @@ void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
     case DetectorMode::kCareful:
       return list(found());
     case DetectorMode::kPaper:
-      return list_as_paper(image, rng, gates_);
+      list_as_paper(image, rng, gates_);
+      break;
     case DetectorMode::kFlown:
-      if (const auto gate = detect_as_flown(image, {}, rng, previous_of(look_for)))
+      if (const auto gate = detect_as_flown(image, {}, rng, previous_of(look_for, params_)))
         gates_.push_back(*gate);
   }
+  // The paper's corners are where the middle lines of the bars cross.
+  for (GateDetection& gate : gates_)
+    gate.corners_px = scaled(gate.corners_px, params_.corner_scale);
 }
 
 GateDetections GateDetector::ours(const Image& image, const LookFor& look_for) {

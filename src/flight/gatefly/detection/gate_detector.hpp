@@ -59,7 +59,7 @@ struct GatesInView {
   bool careful = false;          ///< Whether the careful search ran, too.
 };
 
-/// Finds gates: the one door to all detectors.
+/// Finds gates: the one door to all detectors. Every mode answers the corners that `corner_scale` means.
 class GateDetector {
  public:
   explicit GateDetector(const GateDetectorParams& params = {},

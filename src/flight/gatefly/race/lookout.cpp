@@ -29,7 +29,7 @@ GateDetections Lookout::whole_gates(const Sensors& sensors, const LookFor& look_
   sighting_.careful = sighting_.careful || view.careful;
   GateDetections whole;
   for (const GateDetection& gate : view.gates)
-    if (gate.whole) (void)whole.push_back(with_outer_corners(gate, params_));
+    if (gate.whole) (void)whole.push_back(gate);
   return whole;
 }
 

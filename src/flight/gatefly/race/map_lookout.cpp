@@ -36,7 +36,7 @@ GateDetections MapLookout::whole_gates(const Sensors& sensors, const LookFor& lo
   sighting_.careful = sighting_.careful || view.careful;
   GateDetections whole;
   for (const GateDetection& gate : view.gates)
-    if (gate.whole) (void)whole.push_back(with_outer_corners(gate, params_));
+    if (gate.whole) (void)whole.push_back(gate);
   return whole;
 }
 

@@ -8,17 +8,6 @@
 
 namespace gatefly {
 
-GateDetection with_outer_corners(const GateDetection& gate, const LookoutParams& params) {
-  const bool is_paper =
-      params.detector_mode == DetectorMode::kPaper || params.detector_mode == DetectorMode::kFlown;
-  if (!is_paper) return gate;
-  GateDetection outer = gate;
-  const Eigen::Vector2d middle = center(gate.corners_px);
-  for (Eigen::Vector2d& corner : outer.corners_px)
-    corner = middle + params.detector.corner_scale * (corner - middle);
-  return outer;
-}
-
 RotationGB R_GB_of(const Navigator::Past& then) {
   return {rotation_EB(Attitude{then.input.roll, then.input.pitch, then.input.yaw}).matrix};
 }

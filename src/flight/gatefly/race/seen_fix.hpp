@@ -10,11 +10,6 @@
 
 namespace gatefly {
 
-/// A detection with outer corners: those of the paper's detectors are where the bars' middle lines
-/// cross.
-[[nodiscard]] GateDetection with_outer_corners(const GateDetection& gate,
-                                               const LookoutParams& params);
-
 /// Attitude against the gate's frame at a moment.
 [[nodiscard]] RotationGB R_GB_of(const Navigator::Past& then);
 

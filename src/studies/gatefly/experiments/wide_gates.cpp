@@ -40,7 +40,7 @@ std::vector<FoundCorners> found_in(const Image& image, const LookoutParams& para
   };
   for (const GateDetection& gate :
        detector.look(image, params.gate_color, {.gates = LookFor::Gates::kAll}).gates)
-    add(with_outer_corners(gate, params));
+    add(gate);
   const GatesInView near = detector.look(
       image, params.gate_color, {.gates = LookFor::Gates::kNone, .part = LookFor::Part::kToo});
   if (near.part) add(near.part->gate);

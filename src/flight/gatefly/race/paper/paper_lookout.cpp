@@ -67,7 +67,7 @@ void PaperLookout::find_gates(const Sensors& sensors) {
     previous_.reset();
     if (!view.gates.empty()) {
       previous_ = view.gates[0].corners_px;
-      (void)sighting_.detections.push_back(with_outer_corners(view.gates[0], params_));
+      (void)sighting_.detections.push_back(view.gates[0]);
     }
     if (view.part) sighting_.bars = view.part->bars;
   }
