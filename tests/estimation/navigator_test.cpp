@@ -158,8 +158,8 @@ TEST(Navigator, AllocatesNothingOnceBuilt) {
 
 NavigatorParams with_map() {
   NavigatorParams params;
-  params.model = FilterModel::kOurs;
-  for (int i = 0; i < 12; ++i) params.ours.map.push_back({{4.0 + 3.0 * i, 1, -1.5}, 0.5, {}});
+  params.ours.emplace();
+  for (int i = 0; i < 12; ++i) params.ours->map.push_back({{4.0 + 3.0 * i, 1, -1.5}, 0.5, {}});
   return params;
 }
 
@@ -267,7 +267,7 @@ TEST(ByAutopilotsImu, AllocatesNothingOnceBuilt) {
 
 NavigatorParams as_paper() {
   NavigatorParams params;
-  params.model = FilterModel::kPaper;
+  params.use = use_of_paper();
   params.filter.start_bias_sigma.setConstant(1.0);
   params.filter.bias_noise = 0.0;
   params.filter.gate_sigma = 100.0;

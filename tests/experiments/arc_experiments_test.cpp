@@ -16,6 +16,7 @@
 #include "gatefly/experiments/mocap_take.hpp"
 #include "gatefly/experiments/recorded_arcs.hpp"
 #include "gatefly/experiments/simulated_arcs.hpp"
+#include "gatefly/files/quantile.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/sim/random.hpp"
 
@@ -356,19 +357,22 @@ TEST(SimulatedArcs, AreTheSameTwiceAndExplained) {
   ASSERT_GE(flown.arcs.size(), 4u) << "three to a flight";
   ASSERT_EQ(flown.arcs.size(), again.arcs.size());
   ASSERT_EQ(flown.by_pilot.size(), flown.arcs.size()) << "each is a turn of the pilot's";
+  std::vector<double> early_or_late;
   for (std::size_t i = 0; i < flown.arcs.size(); ++i) {
     const BlindArc &arc = flown.arcs[i], &by_pilot = flown.by_pilot[i];
     EXPECT_EQ(arc.displacement(), again.arcs[i].displacement());
     EXPECT_LT((sum_of(arc.parts) - (arc.displacement() - Eigen::Vector2d{0.0, 3.0})).norm(), 0.01);
-    // The nose's rule says within an eighth of a second what the pilot does: 0.102 s at most here, and
-    // 0.1 until INDI tilted before it turned.
-    EXPECT_NEAR(arc.begin, by_pilot.begin, 0.125);
-    EXPECT_NEAR(arc.end, by_pilot.end, 0.125);
+    // The nose follows the pilot's command. It may begin before it, where it happened to turn that way
+    // already while the pilot held the gate in view, but never lags by more.
+    early_or_late.push_back(std::abs(arc.begin - by_pilot.begin));
+    EXPECT_LT(arc.begin, by_pilot.begin + 0.1);
+    EXPECT_NEAR(arc.end, by_pilot.end, 0.05);
     ASSERT_TRUE(arc.detail.has_value());
     EXPECT_NEAR(arc.detail->predicted_speed, arc.entry_speed(), 0.4);
     EXPECT_NEAR(arc.detail->entry_at_gate.x(), 0.5, 0.5) << "behind the gate, at its turn point";
     EXPECT_NEAR(arc.detail->entry_at_gate.y(), 0.0, 0.5);
   }
+  EXPECT_LT(files::nearest_rank(early_or_late, 0.5), 0.05) << "the rule of the nose says the same";
 }
 
 // Li18 Fig. "jump after arc": the estimate begins the leg where the plan says, then a gate is seen.

@@ -28,7 +28,7 @@ struct PaperWatch {
   }
   static NavigatorParams filter() {
     NavigatorParams params;
-    params.model = FilterModel::kPaper;
+    params.use = use_of_paper();
     params.filter.gate_sigma = 100.0;
     params.filter.start_sigma = {1.0, 1.0, 0.05};
     return params;

@@ -120,9 +120,9 @@ TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
 TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
   Situation s = flying();
   s.p_EB = {4, 2}, s.v_E = {1.5, 0}, s.yaw = 0.3;
-  s.room_beside = 0.9, s.place_sigma = 0.5;
+  s.room_beside = 0.9, s.drift_sigma = 0.5;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));
-  s.place_sigma = 0.6;
+  s.drift_sigma = 0.6;
   const Transition t = next_phase(Straight{}, s, kParams);
   ASSERT_TRUE(is<Search>(t));
   const Search& stand = std::get<Search>(t.phase);
@@ -137,7 +137,7 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
       << "a turn would show it nothing";
   EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
   Situation told = s;
-  told.place_sigma = 0.15, told.time = s.time + 3;
+  told.drift_sigma = 0.15, told.time = s.time + 3;
   EXPECT_TRUE(is<Straight>(next_phase(stand, told, kParams))) << "goes on along its way";
   s.time += kParams.turns * 2 * kPi / kParams.turn_rate + 0.1;
   const Transition given_up = next_phase(stand, s, kParams);
@@ -145,7 +145,7 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
   EXPECT_EQ(given_up.reason, AbortReason::kGateNotFound);
   s.room_beside = 3.0;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "with room enough it flies on";
-  s.room_beside = 0.1, s.place_sigma = 0.4;
+  s.room_beside = 0.1, s.drift_sigma = 0.4;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "narrow, and known well enough";
 }
 

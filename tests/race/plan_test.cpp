@@ -243,7 +243,8 @@ TEST(Plan, AGateIsPassedNoFasterThanTheTurnBehindItAllows) {
       // Energy: what braking takes off between gate and turn.
       const double limit = speed_on(segment, params);
       if (segment.curvature != 0.0) {
-        EXPECT_LE(plan.gate_speed[i], std::sqrt(limit * limit + 2 * params.braking * s) + 1e-9);
+        EXPECT_LE(plan.gate_speed[i],
+                  std::sqrt(limit * limit + 2 * params.braking.on_the_way * s) + 1e-9);
         least = std::min(least, limit);
       }
       s += segment.length;
@@ -307,7 +308,7 @@ TEST(Plan, AGateBeforeAStopIsPassedSlowly) {
   const RacePlan plan = plan_race(track, params);
   ASSERT_FALSE(plan.legs[0].stops.empty()) << "no room for an arc";
   EXPECT_LE(plan.gate_speed[0],
-            std::sqrt(2.0 * params.stop_braking * plan.legs[0].stops[0].s) + 1e-9);
+            std::sqrt(2.0 * params.braking.to_a_stop * plan.legs[0].stops[0].s) + 1e-9);
   EXPECT_LT(plan.gate_speed[0], params.speed);
 }
 

@@ -56,6 +56,8 @@ class LedDrone {
       if (tick_ % 20 == 0) s.baro = height_;
       const Vector3d moved = -config.camera_timing.latency * Vector3d{v_B.x(), v_B.y(), 0.0};
       if (sees_gate && tick_ % 34 == 0) s.seen = target_gate(moved);
+      const double off = tick_ % 68 == 0 ? 1.6 : -1.6;
+      if (is_contradicted && tick_ % 34 == 0) s.seen = target_gate(moved + Vector3d{0, off, 0});
       if (sees_bars && tick_ % 34 == 0) s.seen = bars_beside(moved);
       command = pilot.step(s);
     }
@@ -70,7 +72,8 @@ class LedDrone {
   PilotConfig config;
   Pilot pilot{config};
   Command command;
-  bool sees_gate = false;  ///< Exactly where it shows.
+  bool sees_gate = false;        ///< Exactly where it shows.
+  bool is_contradicted = false;  ///< Now to one side of where it shows, now to the other.
   bool sees_bars =
       false;           ///< Two side bars, as of a gate that stands this far to the right [m] ...
   double aside = 0.0;  ///< ... of the one that is flown to.
@@ -148,6 +151,24 @@ TEST(Search, SideBarsAloneDoNotMoveTheEstimate) {
   EXPECT_LT(moved_by(false), 0.001);
   EXPECT_GT(moved_by(true), 0.005)
       << "of a gate whose corners have just been seen they are believed";
+}
+
+// They put the place in doubt, which is no drift: the drone goes on, and the next gate settles it.
+TEST(Search, GatesThatContradictAreNoReasonToStand) {
+  LedDrone drone{FilterModel::kOurs};
+  drone.sees_gate = true;
+  drone.fly({0, 0}, 2.0);
+  drone.fly({1.0, 0}, 6.0, [&] { return drone.x() > -1.3; });
+  drone.sees_gate = false, drone.is_contradicted = true;
+  double most_lateral = 0.0;
+  drone.fly({1.0, 0}, 3.0, [&] {
+    EXPECT_FALSE(drone.in<Search>()) << "at " << drone.x();
+    const Eigen::Matrix3d covariance = drone.pilot.estimate().covariance_GB;
+    most_lateral = std::max(most_lateral, std::sqrt(covariance(1, 1)));
+    return ::testing::Test::HasFailure();
+  });
+  EXPECT_GT(most_lateral, drone.config.phase.lost_sigma) << "it was put in doubt";
+  EXPECT_EQ(drone.pilot.estimate().gates_passed, 1);
 }
 
 TEST(Search, LooksToBothSidesOfTheGate) {

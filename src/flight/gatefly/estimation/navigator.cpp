@@ -29,7 +29,7 @@ eskf::Setup at_rate(eskf::Setup setup, const NavigatorParams& params) {
 // The rate of the samples that it is taught by: see Navigator::rest.
 AhrsParams ahrs_params(const NavigatorParams& navigator) {
   AhrsParams params = navigator.ahrs;
-  const bool slow = navigator.model == FilterModel::kOurs && navigator.slow_imu_hz > 0.0;
+  const bool slow = navigator.ours && navigator.slow_imu_hz > 0.0;
   params.imu_hz = slow ? navigator.slow_imu_hz : navigator.imu_hz;
   return params;
 }
@@ -43,15 +43,14 @@ Navigator::Navigator(const NavigatorParams& params)
       filter_{params.filter, moments_for(params.filter_memory, params.imu_hz)},
       velocity_{params.velocity},
       altimeter_{params.altimeter} {
-  if (params.model == FilterModel::kOurs && !params.ours.map.empty())
-    ours_.emplace(at_rate(params.ours, params));
+  if (params.ours && !params.ours->map.empty()) ours_.emplace(at_rate(*params.ours, params));
 }
 
 void Navigator::start(const Eigen::Vector3d& p_EB, double yaw, const GateFrame& gate,
                       const MapUncertainty& uncertainty) {
   start_p_EB_ = p_EB;
   gate_ = gate;
-  uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
+  uncertainty_ = params_.use.knows_lasting_errors ? uncertainty : MapUncertainty{};
   ahrs_.start(yaw);
   if (ours_) ours_->set_target(gate.p_EG, gate.yaw_EG);
   restart_filter(Eigen::Vector3d::Zero());
@@ -75,7 +74,7 @@ void Navigator::rest(const Imu& imu, double time, const std::optional<Imu>& slow
   const Imu& sample = taken ? *slow : imu;
   ahrs_.update_at_rest(sample);
   accel_filter_.update(sample.accel_B);
-  restart_filter(is_paper() ? Eigen::Vector3d::Zero() : ahrs_.accel_bias());
+  restart_filter(params_.use.takes_rest_bias ? ahrs_.accel_bias() : Eigen::Vector3d::Zero());
 }
 
 void Navigator::restart_filter(const Eigen::Vector3d& accel_bias) {
@@ -91,7 +90,7 @@ void Navigator::start_ours() {
                     .gyro_bias = ahrs_.gyro_bias(),
                     .rest_accel_B = {}};
   if (ahrs_.rest_samples() > 0)
-    start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours.params.gravity};
+    start.rest_accel_B = ahrs_.accel_bias() + Eigen::Vector3d{0, 0, -params_.ours->params.gravity};
   ours_->start(start, time_ - dt_);
 }
 
@@ -130,7 +129,7 @@ void Navigator::predict(const Imu& imu, double time, const std::optional<Imu>& s
     input_.roll = attitude.roll;
     input_.pitch = attitude.pitch;
     input_.yaw = wrap_angle(attitude.yaw - gate_.yaw_EG);
-    input_.yaw_sigma = is_paper() ? 0.0 : ahrs_.heading_sigma();
+    input_.yaw_sigma = params_.use.knows_lasting_errors ? ahrs_.heading_sigma() : 0.0;
     input_.gyro_B = ahrs_.rate_B();
   }
   if (dt_ <= 0.0) return;
@@ -173,16 +172,16 @@ void Navigator::correct_height(double height, double sigma) {
 
 Fix Navigator::as_fused(const Fix& seen) const {
   Fix fix = seen;
-  if (!is_paper()) return fix;
-  fix.covariance = params_.paper.fix_sigma.cwiseAbs2().asDiagonal();
+  if (!params_.use.fix_sigma) return fix;
+  fix.covariance = params_.use.fix_sigma->cwiseAbs2().asDiagonal();
   fix.systematic.setZero();
   fix.has_height = false;  // z is the altimeter's
   return fix;
 }
 
 Fusion Navigator::correct(const Fix& fix, double time, bool may_restart) {
-  const Fusion fusion =
-      filter_.correct(as_fused(fix), is_paper() ? time_ : time, may_restart && !is_paper());
+  const Fusion fusion = filter_.correct(as_fused(fix), counted_at(time),
+                                        may_restart && params_.use.knows_lasting_errors);
   if (fusion == Fusion::kAccepted || fusion == Fusion::kRestarted) last_fix_ = time_;
   return fusion;
 }
@@ -199,7 +198,9 @@ void Navigator::replace_target(const GateFrame& place, double sigma, double yaw_
 }
 
 void Navigator::doubt() {
-  if (ours_) ours_->doubt();
+  if (!ours_) return;
+  ours_->doubt();
+  last_doubt_ = time_;
 }
 
 void Navigator::correct_heading(double error, double variance) {
@@ -212,7 +213,7 @@ void Navigator::correct_heading(double error, double variance) {
 // where it began, seen from the next gate. The filter's uncertainty knows that; the difference to
 // the first fix tells δ.
 void Navigator::learn_heading(const Fix& fix, const Past& then) {
-  if (is_paper()) return;  // its covariance knows nothing of headings
+  if (!params_.use.knows_lasting_errors) return;
   const double sigma = ahrs_.heading_sigma();
   const Eigen::Vector2d n = then.filter.heading_sensitivity(fix) / sigma;
   if (n.norm() < kLongLeg) return;
@@ -229,18 +230,19 @@ void Navigator::change_gate(const GateFrame& gate, const MapUncertainty& uncerta
   // p_G' = R_G'E (p_EG + R_EG p_G - p_EG')
   const double turn = gate_.yaw_EG - gate.yaw_EG;
   const Eigen::Vector3d offset = rotation_z(-gate.yaw_EG) * (gate_.p_EG - gate.p_EG);
-  uncertainty_ = is_paper() ? MapUncertainty{} : uncertainty;
+  uncertainty_ = params_.use.knows_lasting_errors ? uncertainty : MapUncertainty{};
   filter_.change_frame(rotation_z(turn), offset, turn, uncertainty_);
   gate_ = gate;
-  if (is_paper()) filter_.reset_position(filter().position().head<2>(), params_.paper.leg_sigma);
+  if (params_.use.leg_sigma)
+    filter_.reset_position(filter().position().head<2>(), *params_.use.leg_sigma);
   input_.yaw = wrap_angle(ahrs_.attitude().yaw - gate.yaw_EG);
   if (ours_) ours_->set_target(gate.p_EG, gate.yaw_EG);
 }
 
 void Navigator::begin_leg(const Eigen::Vector2d& p_EB) {
-  if (!is_paper()) return;
+  if (!params_.use.leg_sigma) return;
   const Eigen::Vector3d p_GB = relative({p_EB.x(), p_EB.y(), this->p_EB().z()});
-  filter_.reset_position(p_GB.head<2>(), params_.paper.leg_sigma);
+  filter_.reset_position(p_GB.head<2>(), *params_.use.leg_sigma);
 }
 
 void Navigator::set_attitude(const Attitude& attitude) { ahrs_.set(attitude); }
@@ -270,9 +272,9 @@ Eigen::Vector3d Navigator::p_EB() const {
   return p_EB;
 }
 
-// Eq. (14) as it is for the paper: with the vibration, without a model's lag.
+// Eq. (14) as it is has the vibration, and no model's lag.
 Eigen::Vector3d Navigator::v_B() const {
-  if (!is_paper()) return velocity_.v_B();
+  if (params_.use.observes_velocity) return velocity_.v_B();
   return drag_model::velocity_B(filter().state(), input_, params_.filter.model);
 }
 
@@ -312,6 +314,7 @@ void Navigator::describe_ours(NavigationState& now) const {
   now.p_GB = ours_->p_GB();
   now.v_GB = rotation_z(-ours_->target_yaw()) * x.v_E;
   now.lateral_sigma = std::sqrt(std::max(0.0, ours_->covariance_GB(false)(1, 1)));
+  now.since_gate = time_ - last_gate_, now.since_doubt = time_ - last_doubt_;
   now.place_sigma = std::max(ours_->sigma(eskf::kP), ours_->sigma(eskf::kP + 1));
   now.wind_E = (R_ME.topLeftCorner<2, 2>() * (x.wind + x.gust)).eval();
   now.wind_variance = ours_->variance_of_air(0) + ours_->variance_of_air(1);

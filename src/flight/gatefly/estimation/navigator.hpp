@@ -9,6 +9,7 @@
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/estimation/altimeter.hpp"
 #include "gatefly/estimation/delayed_filter.hpp"
+#include "gatefly/estimation/drag_filter_use.hpp"
 #include "gatefly/estimation/eskf/error_state_filter.hpp"
 #include "gatefly/estimation/low_pass.hpp"
 #include "gatefly/estimation/velocity_observer.hpp"
@@ -21,29 +22,16 @@ struct GateFrame {
   double yaw_EG = 0.0;                             ///< [rad]
 };
 
-/// The filter that flies: the paper's, the paper's extended, or ours.
-enum class FilterModel {
-  kDrag,  ///< Li18's drag filter with memory and systematic errors: takes air speed for ground speed.
-  kPaper,  ///< Li18's: a fix counts as of now, with a fixed covariance; no systematic errors.
-  kOurs,   ///< One error-state filter: wind, gates, mount and delay are states (eskf).
-};
-
-/// Li18's filter, where it is not a number of DragFilterParams. [Li18 flight code, March 2018]
-struct PaperFilterParams {
-  Eigen::Vector3d fix_sigma{1.05, 0.32, 0.71};  ///< Square roots of R; z is not used [m].
-  double leg_sigma = 1.0;  ///< Standard deviation of x and y where a leg begins [m].
-};
-
 struct NavigatorParams {
-  FilterModel model = FilterModel::kDrag;
-  PaperFilterParams paper;
-  eskf::Setup ours;  ///< For kOurs; rate and memory are those below.
+  DragFilterUse use;
+  /// The error-state filter flies instead; rate and memory are those below.
+  std::optional<eskf::Setup> ours;
   AhrsParams ahrs;
   DragFilterParams filter;
   VelocityObserverParams velocity;
   AltimeterParams altimeter;
   double imu_hz = 512.0;  ///< Nominal rate of the IMU. [Li18 flight code]
-  /// Not 0: kOurs gets an autopilot's IMU, without stamps, about so often [Hz].
+  /// Not 0: the error-state filter gets an autopilot's IMU, without stamps, about so often [Hz].
   double slow_imu_hz = 0.0;
   double accel_cutoff_hz = 20.0;  ///< Low-pass before the drag model. [Li18 flight code]
   double filter_memory = 0.25;    ///< Fixes may be this late [s]. [ours: twice what a Bebop needs]
@@ -66,7 +54,10 @@ struct NavigationState {
   /// Standard deviation of p_EB on the floor plan, the larger one; 0 where the filter has no map [m].
   double place_sigma = 0.0;
   double since_fix = 1e3;  ///< Since a fix was accepted [s].
-  double since_imu = 0.0;  ///< Since a usable IMU sample [s].
+  // Only the filter with a map knows:
+  double since_gate = 1e3;   ///< Since any gate was taken in [s].
+  double since_doubt = 1e3;  ///< Since doubt() made the place less certain [s].
+  double since_imu = 0.0;    ///< Since a usable IMU sample [s].
   /// Air over ground, where the filter knows it [m/s].
   Eigen::Vector2d wind_E = Eigen::Vector2d::Zero();
   double wind_variance = 0.0;  ///< Sum of the variances of its two components [m²/s²].
@@ -97,7 +88,8 @@ class Navigator {
   /// One IMU sample in flight. An unusable sample repeats the previous input; a repeated or older stamp
   /// advances nothing.
   /// @param slow  as for rest(). Only the filter uses it; `imu` serves the control.
-  /// @param thrust  specific, that the rotors should give by now [m/s²]; 0: not known. Only kOurs asks.
+  /// @param thrust  specific, that the rotors should give by now [m/s²]; 0: not known. Only the
+  /// error-state filter asks.
   void predict(const Imu& imu, double time, const std::optional<Imu>& slow = std::nullopt,
                double thrust = 0.0);
 
@@ -111,11 +103,11 @@ class Navigator {
   /// A height above the floor that needs no judging, one standard deviation `sigma` [m].
   void correct_height(double height, double sigma);
 
-  /// The filter at the moment nearest to `time` [s]; nullptr when that is no longer remembered. The
-  /// paper's knows of now only.
-  [[nodiscard]] const Past* at(double time) const { return filter_.at(is_paper() ? time_ : time); }
+  /// The filter at the moment that a fix of `time` [s] is taken for: the nearest one, or now
+  /// (DragFilterUse::looks_back). nullptr when that is no longer remembered.
+  [[nodiscard]] const Past* at(double time) const { return filter_.at(counted_at(time)); }
 
-  /// A fix as the filter takes it: the paper's has a covariance of its own, and no height.
+  /// A fix as the filter takes it (DragFilterUse::fix_sigma).
   [[nodiscard]] Fix as_fused(const Fix& fix) const;
 
   /// A fix of `time` [s]. @param may_restart  see DelayedFilter::correct.
@@ -131,8 +123,8 @@ class Navigator {
   /// From now on positions are relative to `gate`.
   void change_gate(const GateFrame& gate, const MapUncertainty& uncertainty);
 
-  /// The paper's filter begins a leg at the end of a blind turn: x and y are reset to where the plan
-  /// has it, the biases are frozen. Ours goes on with its own estimate.
+  /// A leg begins, at the end of a blind turn. With DragFilterUse::leg_sigma x and y are reset to
+  /// where the plan has it, the biases are frozen; without, the estimate goes on.
   void begin_leg(const Eigen::Vector2d& p_EB);
 
   /// Attitude, or the accelerometer's bias, from outside (a log, other flights), instead of what rest
@@ -144,11 +136,11 @@ class Navigator {
   [[nodiscard]] Eigen::Vector3d p_EB() const;
   [[nodiscard]] const GateFrame& gate() const { return gate_; }
 
-  /// The filter whose wind and gates are states; nullptr for the other models.
+  /// The filter whose wind and gates are states; nullptr where the drag filter flies.
   [[nodiscard]] const eskf::ErrorStateFilter* error_state() const {
     return ours_ ? &*ours_ : nullptr;
   }
-  /// Sightings of one picture, for kOurs. False: none was taken in.
+  /// Sightings of one picture, for the error-state filter. False: none was taken in.
   bool correct(std::span<const eskf::GateSight> sights, bool of_target);
   /// See ErrorStateFilter::replace_target.
   void replace_target(const GateFrame& place, double sigma, double yaw_sigma);
@@ -180,7 +172,9 @@ class Navigator {
   void predict_ours(const Imu& imu, bool usable, const std::optional<Imu>& slow, double thrust);
   void describe_ours(NavigationState& now) const;
   [[nodiscard]] double nearness() const;
-  [[nodiscard]] bool is_paper() const { return params_.model == FilterModel::kPaper; }
+  [[nodiscard]] double counted_at(double time) const {
+    return params_.use.looks_back ? time : time_;
+  }
   [[nodiscard]] Eigen::Vector3d v_B() const;
   /// How far a height sensor agrees with the gates.
   struct Trust {
@@ -202,7 +196,8 @@ class Navigator {
   /// Since the last slow sample: thrust commanded [m/s²], and how long that is [s].
   double mean_thrust_ = 0.0, thrust_time_ = 0.0;
   Trust sonar_, baro_;
-  double last_gate_ = -1e3;  ///< When any gate was taken in [s].
+  double last_gate_ = -1e3;   ///< When any gate was taken in [s].
+  double last_doubt_ = -1e3;  ///< [s]
   Altimeter altimeter_;
   drag_model::Input input_;
   GateFrame gate_;

@@ -205,14 +205,15 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const double slope = std::abs(path.height_at(course.progress()).slope);
   if (slope * speed > p.max_climb) speed = p.max_climb / slope;
   if (const Stop* stop = course.stop())
-    speed = std::min(speed,
-                     std::sqrt(2.0 * p.stop_braking * std::max(0.0, stop->s - course.progress())));
+    speed = std::min(
+        speed, std::sqrt(2.0 * p.braking.to_a_stop * std::max(0.0, stop->s - course.progress())));
   const double x = now.p_GB.x();
   const bool unsure = now.since_fix > p.unsure_after && now.lateral_sigma > p.unsure_sigma;
   if (unsure && x > -p.unsure_before && x < 0.0) speed = std::min(speed, p.unsure);
   const double reach = p.brake_lead * std::max(0.5, entry_speed(now));
   const auto slowed_to = [&](double limit, double way) {
-    speed = std::min(speed, std::sqrt(limit * limit + 2.0 * p.braking * std::max(0.0, way)));
+    speed =
+        std::min(speed, std::sqrt(limit * limit + 2.0 * p.braking.on_the_way * std::max(0.0, way)));
   };
   const double end = course.stop() != nullptr ? course.stop()->s : path.length();
   double s = 0.0;

@@ -79,9 +79,9 @@ double slow_imu_hz(const PilotConfig& config) {
 
 NavigatorParams navigator_params(const PilotConfig& config) {
   NavigatorParams params;
-  params.model = filter_model(config);
-  if (params.model == FilterModel::kOurs) params.ours = error_state_setup(config);
-  params.paper = config.paper_filter;
+  const FilterModel model = filter_model(config);
+  if (model == FilterModel::kOurs) params.ours = error_state_setup(config);
+  if (model == FilterModel::kPaper) params.use = use_of_paper(config.paper_filter);
   params.ahrs = config.ahrs;
   params.filter = config.filter;
   params.velocity = config.velocity;

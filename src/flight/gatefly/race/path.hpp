@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "gatefly/geometry/fixed_list.hpp"
+#include "gatefly/race/race_params.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly {
@@ -71,11 +72,10 @@ struct Path {
 [[nodiscard]] PathPoint point_on(const Segment& segment, double s);
 
 struct PlanParams {
-  double speed = 2.0;         ///< Wanted on straights [m/s]. [ours; paper: 1.5-1.8]
-  double max_lateral = 3.2;   ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
-  double braking = 2.0;       ///< [m/s²] [ours: 12° nose up]
-  double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [as SpeedParams::stop_braking]
-  double min_radius = 0.7;    ///< [m] [Li18 code: 0.9]
+  double speed = 2.0;        ///< Wanted on straights [m/s]. [ours; paper: 1.5-1.8]
+  double max_lateral = 3.2;  ///< v²/r an arc may ask for [m/s²]: 18° of roll. [estimate]
+  Braking braking = {};
+  double min_radius = 0.7;  ///< [m] [Li18 code: 0.9]
   /// From the body's outline to anything solid [m]. [docs/simulation.md]
   double clearance = 0.35;
   /// ... and where a leg has no such way, at least. [ours: a gate's own opening leaves 0.25]

@@ -24,11 +24,11 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 // Nothing has told for so long where it is that it may be as far aside as the next wall.
 bool is_lost(const Situation& now, const PhaseParams& params) {
   return params.goes_around && now.picture_interval < params.lost_pictures &&
-         now.place_sigma > std::max(params.lost_sigma, params.lost_part * now.room_beside);
+         now.drift_sigma > std::max(params.lost_sigma, params.lost_part * now.room_beside);
 }
 
 bool knows_its_place(const Situation& now, const PhaseParams& params) {
-  return now.place_sigma < params.certain_part * params.lost_sigma;
+  return now.drift_sigma < params.certain_part * params.lost_sigma;
 }
 
 bool gate_found_again(const Situation& now, const PhaseParams& params) {

@@ -70,7 +70,9 @@ struct Situation {
   /// gate's plane [m].
   double lateral_sigma = 0.0;
   Eigen::Vector2d p_EB{0, 0}, v_E{0, 0};  ///< On the floor plan [m] [m/s].
-  double place_sigma = 0.0;               ///< Standard deviation of p_EB, the larger one [m].
+  /// Standard deviation of p_EB, the larger one, without the part that it had when a gate last told,
+  /// or contradicted: a map that is off is so in both [m].
+  double drift_sigma = 0.0;
   double room_beside = 1e9;    ///< From the outline to anything solid while it could stop [m].
   double speed = 0.0;          ///< [m/s]
   double forward_speed = 0.0;  ///< [m/s]
@@ -110,7 +112,7 @@ struct PhaseParams {
   /// [estimate]
   double drift = 0.5;
 
-  // Stands and turns round where the place is more uncertain than this part of the room beside the way,
+  // Stands and turns round where it may have drifted by more than this part of the room beside the way,
   // and than so much [m]: half of it and 0.35 m stop races that need no stop. [ours]
   double lost_part = 0.65, lost_sigma = 0.45;
   /// With rarer pictures than this a turn would pass over the gates: the drone flies on [s]. [ours]

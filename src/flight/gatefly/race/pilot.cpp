@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/race/pilot.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "gatefly/control/attitude_rates.hpp"
 #include "gatefly/control/indi.hpp"
 #include "gatefly/geometry/math.hpp"
@@ -180,7 +183,7 @@ void Pilot::change_phase(const Sensors& sensors) {
   if (next.reason != AbortReason::kNone) abort_reason_ = next.reason;
 }
 
-Situation Pilot::situation() const {
+Situation Pilot::situation() {
   const NavigationState now = navigator_.state();
   Situation s;
   s.time = now.time;
@@ -201,10 +204,9 @@ Situation Pilot::situation() const {
   s.gate_y = now.p_GB.y();
   s.lateral_sigma = now.lateral_sigma;
   s.p_EB = now.p_EB.head<2>(), s.v_E = now.v_E.head<2>();
-  s.place_sigma = now.place_sigma;
+  s.drift_sigma = drift_sigma(now);
   s.speed = now.v_B.head<2>().norm();
-  constexpr double kBraking = 2.0;  // as PlanParams::braking [m/s²]
-  s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / kBraking + 0.5);
+  s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / Braking{}.on_the_way + 0.5);
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
   s.since_imu = now.since_imu;
@@ -214,6 +216,17 @@ Situation Pilot::situation() const {
     s.shows_whole = eyes->would_show_whole(parts_->course.gate(), now.p_GB);
   s.tilt = acos(now.R_EB.matrix(2, 2));
   return s;
+}
+
+// What a doubt adds is no drift: gates are in view, which contradict, and the next ones settle it. While
+// it stands and looks round it is lost until it knows as much as before.
+double Pilot::drift_sigma(const NavigationState& now) {
+  const auto* search = std::get_if<Search>(&phase_);
+  const bool stands = search != nullptr && search->stand_at;
+  if (std::min(now.since_gate, now.since_doubt) <= now.dt && !stands)
+    known_sigma_ = now.place_sigma;
+  const double grown = now.place_sigma * now.place_sigma - known_sigma_ * known_sigma_;
+  return std::sqrt(std::max(0.0, grown));
 }
 
 Command Pilot::command(const AttitudeCommand& attitude) {

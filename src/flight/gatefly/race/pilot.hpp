@@ -53,7 +53,8 @@ class Pilot {
   void look(const Sensors& sensors);
   void follow_course();
   void change_phase(const Sensors& sensors);
-  [[nodiscard]] Situation situation() const;
+  [[nodiscard]] Situation situation();
+  [[nodiscard]] double drift_sigma(const NavigationState& now);
   AttitudeCommand guide();
   Command command(const AttitudeCommand& attitude);
 
@@ -65,7 +66,8 @@ class Pilot {
   std::array<double, 4> motors_{};  ///< As last commanded [rad/s].
   bool uses_sonar_, uses_baro_;
   Phase phase_ = OnGround{};
-  double passed_at_ = -1e9;  ///< When the last gate was passed [s].
+  double passed_at_ = -1e9;   ///< When the last gate was passed [s].
+  double known_sigma_ = 0.0;  ///< NavigationState::place_sigma when a gate last told [m].
   AbortReason abort_reason_ = AbortReason::kNone;
 };
 

@@ -17,6 +17,13 @@ namespace gatefly {
 /// Method: ours or the paper's.
 enum class Scheme { kOurs, kPaper };
 
+/// The filter that flies.
+enum class FilterModel {
+  kDrag,   ///< Li18's drag filter as we use it: takes air speed for ground speed.
+  kPaper,  ///< The same as Li18 uses it. [estimation/drag_filter_use.hpp]
+  kOurs,   ///< The error-state filter: wind, gates, mount and delay are states.
+};
+
 /// Everything that a pilot is given before take-off. Start-up only.
 struct PilotConfig {
   /// The method of each box; any mixture can be configured.

@@ -289,11 +289,11 @@ std::vector<double> gate_speeds(const RacePlan& plan, const PlanParams& params, 
     const std::size_t i = k % legs;
     double speed = params.speed, s = plan.legs[i].length();
     const auto slowed_to = [&](double limit, double way) {
-      speed = std::min(speed, std::sqrt(limit * limit + 2.0 * params.braking * way));
+      speed = std::min(speed, std::sqrt(limit * limit + 2.0 * params.braking.on_the_way * way));
     };
     slowed_to(speeds[(i + 1) % static_cast<std::size_t>(gates)], s);
     if (!plan.legs[i].stops.empty())
-      speed = std::min(speed, std::sqrt(2.0 * params.stop_braking * plan.legs[i].stops[0].s));
+      speed = std::min(speed, std::sqrt(2.0 * params.braking.to_a_stop * plan.legs[i].stops[0].s));
     s = 0.0;
     for (const Segment& segment : plan.legs[i].segments) {
       if (segment.curvature != 0.0) slowed_to(speed_on(segment, params), s);

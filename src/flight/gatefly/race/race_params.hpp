@@ -64,6 +64,12 @@ struct CourseParams {
   double stopped_angle = 12.0 * kDegree;  ///< and the heading. [estimate]
 };
 
+/// How fast the drone slows down: speeds that are planned are speeds that are flown [m/s²].
+struct Braking {
+  double on_the_way = 2.0;  ///< Before a curve. [ours: 12° nose up]
+  double to_a_stop = 0.6;   ///< [ours: the pitch follows 0.4 m/s late]
+};
+
 struct SpeedParams {
   /// [rad/(m/s)] of speed error. [ours; paper: constant pitch]
   double pitch_gain = 0.14;
@@ -75,7 +81,7 @@ struct SpeedParams {
   /// of 0.7 m at 3.2 m/s²; an autopilot's 240 ms are led off tighter turns]
   double turn_in_lead = 0.34;
   double brake_lead = 0.7;  ///< Slow down this long before the curve [s]. [estimate]
-  double braking = 2.0;     ///< Before that, at most [m/s²]. [ours: 12° nose up]
+  Braking braking = {};     ///< Before that, and towards a stop.
   /// From the last turn to the gate at least [s]. [ours: PD, 2.1 rad/s]
   double settle = 1.3;
   double slowest = 1.0;  ///< ... unless that asks for less than this [m/s]. [estimate]
@@ -84,9 +90,8 @@ struct SpeedParams {
   double unsure_before = 3.0;  ///< ... once it is nearer than this [m]. [estimate]
   double unsure_after = 0.6;   ///< Not seen means: not for so long [s] ... [estimate]
   double unsure_sigma = 0.2;   ///< ... and more uncertain to the side than this [m]. [estimate]
-  double max_climb = 1.2;  ///< Up or down along a ramp [m/s]. [ours: half of what thrust can stop]
-  double stop_braking = 0.6;  ///< Towards a stop [m/s²]. [ours: the pitch follows 0.4 m/s late]
-  double stand_from = 0.5;    ///< So near a stop the place is held [m]. [estimate]
+  double max_climb = 1.2;   ///< Up or down along a ramp [m/s]. [ours: half of what thrust can stop]
+  double stand_from = 0.5;  ///< So near a stop the place is held [m]. [estimate]
   /// Limit of turn and correction together. [ours: INDI follows 40°]
   double max_roll = 38.0 * kDegree;
 };

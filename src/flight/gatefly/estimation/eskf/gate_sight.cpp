@@ -210,23 +210,34 @@ double learnt_spread(double spread, const GateRows::Residual& y, const GateRows&
   return std::clamp(next, noise.least_spread, noise.most_spread);
 }
 
-// How far the rows are from what is expected, and the error's mean that explains them best, in place
-// of the one that they were linearised at.
+// One Gauss-Newton step from rows that are linearised at `error` from the prior: their residual as it
+// would be at the prior, S in factors, and P Hᵀ.
+struct Step {
+  Step(const Covariance& P, const GateRows& rows, const ErrorVector& error)
+      : PHt{spread(P, rows)}, S{innovation_covariance(PHt, rows)}, y{rows.residual} {
+    for (int c = 0; c < GateRows::kColumns; ++c)
+      y += rows.jacobian.col(c) * error(rows.states[static_cast<std::size_t>(c)]);
+  }
+  [[nodiscard]] bool possible() const { return S.info() == Eigen::Success; }
+  /// The error's mean that explains the rows best.
+  [[nodiscard]] ErrorVector error() const { return PHt * S.solve(y); }
+  Spread PHt;
+  Eigen::LLT<GateRows::Noise> S;
+  GateRows::Residual y;
+};
+
+// How far the rows are from what is expected; the step's error takes the place of the one that they
+// were linearised at.
 [[gnu::noinline]] std::optional<Innovation> innovation(const Covariance& P, const GateRows& rows,
                                                        ErrorVector& error) {
-  const Spread PHt = spread(P, rows);
-  const GateRows::Noise S = innovation_covariance(PHt, rows);
-  const Eigen::LLT<GateRows::Noise> llt{S};
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  GateRows::Residual y = rows.residual;
-  for (int c = 0; c < GateRows::kColumns; ++c)
-    y += rows.jacobian.col(c) * error(rows.states[static_cast<std::size_t>(c)]);
+  const Step step{P, rows, error};
+  if (!step.possible()) return std::nullopt;
   Innovation out;
-  out.rows = static_cast<int>(y.size());
-  out.nis = llt.matrixL().solve(y).squaredNorm();
-  for (Eigen::Index i = 0; i < S.rows(); ++i)
-    out.log_det += 2.0 * natural_log(llt.matrixLLT()(i, i));
-  error = PHt * llt.solve(y);
+  out.rows = static_cast<int>(step.y.size());
+  out.nis = step.S.matrixL().solve(step.y).squaredNorm();
+  for (Eigen::Index i = 0; i < step.S.rows(); ++i)
+    out.log_det += 2.0 * natural_log(step.S.matrixLLT()(i, i));
+  error = step.error();
   return out;
 }
 
@@ -238,16 +249,12 @@ using SpreadTransposed =
 [[gnu::noinline]] bool iterate(const Covariance& P, const GateRows& rows, const SightNoise& noise,
                                const double* learns_from, double* learnt, ErrorVector& error,
                                SpreadTransposed& Wt) {
-  const Spread PHt = spread(P, rows);
-  const Eigen::LLT<GateRows::Noise> llt{innovation_covariance(PHt, rows)};
-  if (llt.info() != Eigen::Success) return false;
-  GateRows::Residual y = rows.residual;
-  for (int c = 0; c < GateRows::kColumns; ++c)
-    y += rows.jacobian.col(c) * error(rows.states[static_cast<std::size_t>(c)]);
-  error = PHt * llt.solve(y);
-  if (learns_from != nullptr) *learnt = learnt_spread(*learns_from, y, rows, llt, noise);
-  Wt = PHt.transpose();
-  llt.matrixL().solveInPlace(Wt);
+  const Step step{P, rows, error};
+  if (!step.possible()) return false;
+  error = step.error();
+  if (learns_from != nullptr) *learnt = learnt_spread(*learns_from, step.y, rows, step.S, noise);
+  Wt = step.PHt.transpose();
+  step.S.matrixL().solveInPlace(Wt);
   return true;
 }
 
