@@ -136,6 +136,10 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, rare, kParams)))
       << "a turn would show it nothing";
   EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
+  Situation before_stop = s;
+  before_stop.to_stop = 1.0;
+  EXPECT_TRUE(is<Straight>(next_phase(Straight{}, before_stop, kParams)))
+      << "it stands and turns there anyway";
   Situation told = s;
   told.drift_sigma = 0.15, told.time = s.time + 3;
   EXPECT_TRUE(is<Straight>(next_phase(stand, told, kParams))) << "goes on along its way";

@@ -23,7 +23,8 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 
 // Nothing has told for so long where it is that it may be as far aside as the next wall.
 bool is_lost(const Situation& now, const PhaseParams& params) {
-  return params.goes_around && now.picture_interval < params.lost_pictures &&
+  return params.goes_around && now.to_stop > params.lost_before_stop &&
+         now.picture_interval < params.lost_pictures &&
          now.drift_sigma > std::max(params.lost_sigma, params.lost_part * now.room_beside);
 }
 

@@ -62,6 +62,7 @@ struct Situation {
   bool course_done = false;   ///< Every gate of every lap passed.
   bool turn_ahead = false;    ///< The path curves at the look-ahead point.
   double to_go = 10.0;        ///< Along the path to the gate [m].
+  double to_stop = 1e9;       ///< Along the path to the next stop of the plan [m].
   double gate_x = -10.0;      ///< Along the gate's axis, negative before it [m].
   double room_before = 1e9;   ///< On the axis before the gate, to stand and wait in [m].
   double gate_y = 0.0;        ///< To the right of the axis [m].
@@ -115,6 +116,9 @@ struct PhaseParams {
   // Stands and turns round where it may have drifted by more than this part of the room beside the way,
   // and than so much [m]: half of it and 0.35 m stop races that need no stop. [ours]
   double lost_part = 0.65, lost_sigma = 0.45;
+  /// With a stop of the plan nearer than this it goes there: it stands and turns there anyway, and may
+  /// have to climb before it sees anything [m]. [estimate]
+  double lost_before_stop = 1.5;
   /// With rarer pictures than this a turn would pass over the gates: the drone flies on [s]. [ours]
   double lost_pictures = 0.25;
   double stops_within = 0.4;  ///< Comes to rest so much further on: this long at its speed [s].

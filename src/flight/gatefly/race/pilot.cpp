@@ -191,6 +191,7 @@ Situation Pilot::situation() {
   s.height = -now.p_EB.z();
   s.course_done = parts_->course.finished();
   s.to_go = parts_->course.to_go();
+  if (const Stop* stop = parts_->course.stop()) s.to_stop = stop->s - parts_->course.progress();
   s.room_before = parts_->course.room_before();
   s.since_gate = now.time - passed_at_;
   std::visit(
