@@ -105,6 +105,20 @@ TEST(Qualifier, LapsAreFlownOnIdealVision) {
   EXPECT_GE(finished, 3);
 }
 
+// With pictures, an autopilot in between and no heights, in wind: a lap and the gate after it, where what
+// the map and the first lap say of that gate meets. Two minutes of computing: run by --full alone.
+TEST(Qualifier, DISABLED_ALapAndTheNextGateAreFlownOnRenderedPictures) {
+  for (const std::uint64_t seed : {1301u, 1302u}) {
+    RaceConfig race =
+        race_with("aigp-pq", {"betaflight", "cameras/imx477.toml", "vehicles/archer-b2.toml"}, seed);
+    race.pilot.track.laps = 2;
+    race.timeout = 95.0;
+    const RaceResult result = fly(race, {});
+    EXPECT_EQ(result.crash_object, "") << seed;
+    EXPECT_GE(result.gates_passed, 12) << seed << ' ' << result.stop_reason;
+  }
+}
+
 // tracks/wide.toml, made for vehicles/racer.toml and cameras/grandprix.toml, at 5 m/s.
 RaceConfig wide_race(std::uint64_t seed) {
   const std::vector<std::string> names{"vehicles/racer.toml", "cameras/grandprix.toml"};

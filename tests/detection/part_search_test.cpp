@@ -203,6 +203,36 @@ AnyCamera barrel() {
 }
 INSTANTIATE_TEST_SUITE_P(Lens, BoardsThrough, ::testing::Values(straight(), barrel()));
 
+// Beside a board, lower than its top and as wide: what stands there has an outer edge, too, which meets the
+// gate's upper edge where there is nothing.
+TEST(PartSearch, APanelOfItsColourBesideAGateOfBoardsIsNoCornerOfIt) {
+  GateDetectorParams params;
+  params.bar_ratio = 0.6 / 2.7, params.corner_scale = 2.7 / 2.1;
+  const CameraRig rig{straight(), camera_mount(-20 * kDegree), Eigen::Vector3d::Zero()};
+  for (const double x : {-4.6, -4.2, -3.8, -3.4})
+    for (const double wide : {0.6, 0.9, 1.2}) {
+      const View view{{x, 0.0, 0.0}, {0, 0, 0}};
+      const auto truth = corners_of(2.7, view, rig);
+      ASSERT_TRUE(truth);
+      const double board = 0.6 / 2.7 * ((*truth)[1].x() - (*truth)[0].x());
+      Canvas canvas{640, 360};
+      Rng rng{1};
+      canvas.add_noise(rng, 10.0, 3.0);
+      canvas.draw_gate(view, rig, 2.7, 0.6);
+      const auto px = [](double value) { return static_cast<int>(value); };
+      canvas.paint(px((*truth)[0].x() - wide * board), px((*truth)[0].x() + 2),
+                   px((*truth)[0].y() + 1.2 * board), 360, {120, 90, 190});
+      const auto bytes = canvas.yuv444();
+      const auto part = PartSearch{params}.detect({bytes.data(), PixelFormat::kYuv444, 640, 360},
+                                                  ColorModel::described({1.0, 0.4, 0.0}));
+      if (!part) continue;
+      for (const std::size_t k : {0u, 1u})
+        EXPECT_TRUE(part->gate.corner_fitness[k] == 0.0 ||
+                    (part->gate.corners_px[k] - (*truth)[k]).norm() < 5.0)
+            << k << " at " << x << ", " << wide;
+    }
+}
+
 // Two orange posts are the sides of a thin gate too near to be whole, never those of boards.
 TEST(PartSearch, TwoPostsAreNoGateOfBoards) {
   GateDetectorParams params;

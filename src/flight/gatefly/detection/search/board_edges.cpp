@@ -22,6 +22,7 @@ constexpr double kPastCorners = 0.4, kShortOfCorners = 0.6;
 constexpr double kLeastContrast = 8.0;  // levels of chroma between a board and what is beyond
 constexpr double kLeastStep = 0.5;      // of all that a clear step would show
 constexpr int kLeastSteps = 6;
+constexpr double kLeastFilled = 0.5;               // of a corner of boards
 constexpr std::array kScales{4.0, 2.0, 1.0, 0.7};  // px, of the line's residuals, pass by pass
 
 /// One side of the frame: its middle line, and a way out.
@@ -59,6 +60,23 @@ class BoardSide {
         if (const auto c = chroma_at(p)) sum += *c, ++count;
       }
     if (count < kStations / 2) return std::nullopt;
+    return sum / count;
+  }
+
+  /// How much of a board shows in a corner, next to its tip; nullopt: it is not in view.
+  /// @param along, back  from the corner along both sides, as far as the boards are wide [px].
+  [[nodiscard]] std::optional<double> shown_in(const Vector2d& corner, const Vector2d& along,
+                                               const Vector2d& back, const Vector2d& board,
+                                               const Vector2d& beyond) const {
+    const Vector2d contrast = board - beyond;
+    double sum = 0.0;
+    int count = 0;
+    for (const double a : {0.2, 0.4, 0.6})
+      for (const double b : {0.2, 0.4, 0.6})
+        if (const auto c = chroma_at(corner + a * along + b * back))
+          sum += std::clamp((*c - beyond).dot(contrast) / contrast.squaredNorm(), 0.0, 1.0),
+              ++count;
+    if (count < 5) return std::nullopt;
     return sum / count;
   }
 
@@ -220,6 +238,15 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, const BoardWidt
     return corners;
   };
   edges.middles = crossings(0.5), edges.corners = crossings(0.0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const BoardSide &after = sides[i], &before = sides[(i + 3) % 4];
+    const auto beyond = after.chroma(kBeyondFrom * after.board(), kOutermost * after.board());
+    if (!paint || !beyond) continue;
+    const Vector2d along = (bars_px[(i + 1) % 4] - bars_px[i]).normalized() * before.board(),
+                   back = (bars_px[(i + 3) % 4] - bars_px[i]).normalized() * after.board();
+    const auto shown = after.shown_in(edges.corners[i], along, back, *paint, *beyond);
+    edges.filled[i] = !shown || *shown > kLeastFilled;
+  }
   return edges;
 }
 

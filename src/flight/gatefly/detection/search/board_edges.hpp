@@ -30,6 +30,9 @@ struct BoardEdges {
   /// their middle line.
   std::array<bool, 4> seen = {};
   std::array<bool, 4> crossed = {};  ///< Corners by crossing; else the given ones.
+  /// Corners in which there is a board: a panel of its colour beside one has edges, too, and they cross
+  /// where there is none.
+  std::array<bool, 4> filled = {};
 
   /// Whether both edges of a corner are seen, and cross there.
   [[nodiscard]] bool has(std::size_t corner) const {

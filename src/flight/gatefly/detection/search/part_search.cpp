@@ -296,7 +296,7 @@ GatePart part_of(const Candidate& candidate, const Image& image, const Fit& fit,
         board_edges(image, corners, 0.5 * (bars[0]->width + bars[1]->width), curves);
     corners = edges.corners;
     for (std::size_t k = 0; k < 4; ++k)
-      if (!edges.has(k)) levels[k] = nullptr;
+      if (!edges.has(k) || !edges.filled[k]) levels[k] = nullptr;
     scale *= 1.0 - params.bar_ratio;
   }
   found.gate.corners_px = border;
