@@ -92,6 +92,30 @@ TEST(OpeningSearch, HoldsOnBlotchedPaint) {
   EXPECT_GE(good, views * 8 / 10);
 }
 
+// From 30 to 45 degrees aside a near board is half as wide again as a far one; on the way up to the upper
+// one of two gates that stand one on the other nothing else of them is whole.
+TEST(OpeningSearch, FromAsideBoardsAreNotAlikeWide) {
+  int views = 0, found_it = 0;
+  for_all(60, [&](Rng& rng) {
+    const double aside = rng.uniform(30, 45) * kDegree * (rng.uniform(-1, 1) < 0 ? -1.0 : 1.0),
+                 away = rng.uniform(3.2, 5.0);
+    const Eigen::Vector3d upper{-away * std::cos(aside), -away * std::sin(aside),
+                                rng.uniform(0.8, 2.0)};
+    const Attitude attitude{rng.uniform(-0.05, 0.05), rng.uniform(-0.1, 0.0), 0.8 * aside};
+    const auto truth = corners_of(kOpening, {upper, attitude}, looking_up());
+    if (!truth || !inside_picture(*truth, kWidePicture, kWideHeight, 8.0)) return;
+    ++views;
+    Canvas canvas = drawn({upper, attitude});
+    const Eigen::Vector3d lower = upper - Eigen::Vector3d{0, 0, kWideSide};
+    canvas.draw_gate({lower, attitude}, looking_up(), kWideSide, kWideBar, kWideOrange);
+    canvas.add_noise(rng, 10.0, 4.0);
+    for (const GateDetection& opening : openings_in(canvas))
+      found_it += worst_corner(opening.corners_px, *truth) < 1.6;
+  });
+  EXPECT_GT(views, 20);
+  EXPECT_GE(found_it, views * 9 / 10);
+}
+
 // So near that the border cuts the opening: its upper corners are left, and nothing is said of the others.
 TEST(OpeningSearch, TellsTheCornersThatTheBorderLeaves) {
   const View view{{-1.5, 0.1, 0.0}, {0.02, 0.0, 0.0}};

@@ -128,10 +128,13 @@ bool MapLookout::is_target(const eskf::GateSight& sight, const View& view) const
 }
 
 // After a blind leg, and where it is improbable, a second one has to agree.
-bool MapLookout::believed(const Associated& seen, const GateDetection& gate, bool blind) {
+bool MapLookout::believed(const Associated& seen, const GateDetection& gate, bool target,
+                          bool blind) {
   const double nis = seen.innovation.nis;
   if (seen.margin < map_.margin) return false;
-  if (gate.fitness < params_.sight.sure && nis > map_.unsure_nis) return false;
+  // Of a gate far behind the next one corners that are a pixel off are a third of a metre.
+  const double unsure_nis = target || blind ? map_.unsure_nis : 0.0;
+  if (gate.fitness < params_.sight.sure && nis > unsure_nis) return false;
   return (!blind && nis < map_.confirm_above) || seen_again(seen.sight);
 }
 
@@ -162,7 +165,7 @@ void MapLookout::take_whole_gates(const View& view) {
     const bool target = is_target(seen->sight, view);
     sighting_.offered = sighting_.offered || target;
     if (target) stray_.target_seen(filter_target(navigator));
-    if (!believed(*seen, gate, blind)) continue;
+    if (!believed(*seen, gate, target, blind)) continue;
     (void)taken.push_back(seen->sight);
     monitor_.taken(seen->innovation.nis, seen->innovation.rows, navigator.time());
     if (!target) continue;

@@ -62,7 +62,8 @@ class MapLookout {
   bool take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
                  Sighting::Source source);
   [[nodiscard]] bool seen_again(const eskf::GateSight& sight);
-  [[nodiscard]] bool believed(const Associated& seen, const GateDetection& gate, bool blind);
+  [[nodiscard]] bool believed(const Associated& seen, const GateDetection& gate, bool target,
+                              bool blind);
   void note_stray(const GateDetection& gate, const View& view);
   void describe_fix(const GateDetection& gate, const View& view);
   [[nodiscard]] bool is_target(const eskf::GateSight& sight, const View& view) const;

@@ -51,6 +51,29 @@ void complete(Quad& quad, const Seen& seen) {
   }
 }
 
+// The gate's plane as the picture shows it; (0, 0) to (1, 1) is the opening, which is whole. Seen from
+// aside a near board is half as wide again as a far one.
+class PlaneInPicture {
+ public:
+  explicit PlaneInPicture(const Quad& opening) : at_{opening[0]} {
+    const auto cross = [](const Vector2d& p, const Vector2d& q) {
+      return p.x() * q.y() - p.y() * q.x();
+    };
+    const Vector2d a = opening[1] - opening[2], b = opening[3] - opening[2],
+                   sum = opening[0] - opening[1] + opening[2] - opening[3];
+    const double all = cross(a, b);
+    if (std::abs(all) > 1e-9) depth_ = Vector2d{cross(sum, b), cross(a, sum)} / all;
+    right_ = opening[1] - opening[0] + depth_.x() * opening[1];
+    down_ = opening[3] - opening[0] + depth_.y() * opening[3];
+  }
+  [[nodiscard]] Vector2d operator()(double u, double v) const {
+    return (at_ + u * right_ + v * down_) / std::max(0.1, 1.0 + u * depth_.x() + v * depth_.y());
+  }
+
+ private:
+  Vector2d at_, right_, down_, depth_{0, 0};
+};
+
 // The line through a and b crosses the one through c and d here, in parts of the way from a to b.
 std::optional<double> crossing_at(const Vector2d& a, const Vector2d& b, const Vector2d& c,
                                   const Vector2d& d) {
@@ -224,17 +247,30 @@ Quad OpeningSearch::corners_of(const Hole& hole) const {
 // board has it all around.
 bool OpeningSearch::is_framed(const Quad& corners_px, const Seen& seen) const {
   const double board = params_.bar_ratio / (1.0 - 2.0 * params_.bar_ratio);
+  const bool is_whole = std::all_of(seen.begin(), seen.end(), [](bool s) { return s; });
+  const PlaneInPicture plane{corners_px};
+  // A side of the opening, moved out by so many boards.
+  const auto moved = [&](std::size_t i, double boards) -> Line {
+    if (is_whole) {
+      const double off = boards * board, before = -off, after = 1.0 + off;
+      const std::array<Line, 4> lines{
+          Line{plane(0, before), plane(1, before)}, Line{plane(after, 0), plane(after, 1)},
+          Line{plane(1, after), plane(0, after)}, Line{plane(before, 1), plane(before, 0)}};
+      return lines[i];
+    }
+    const Vector2d &a = corners_px[i], &b = corners_px[(i + 1) % 4];
+    const Vector2d out = Vector2d{(b - a).y(), -(b - a).x()}.normalized() * boards * board *
+                         (i % 2 == 0 ? height(corners_px) : width(corners_px));
+    return {a + out, b + out};
+  };
   int framed = 0, ended = 0, beyond_in_view = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     if (!seen[i] && !seen[(i + 1) % 4]) continue;  // along the border
-    const Vector2d &a = corners_px[i], &b = corners_px[(i + 1) % 4];
-    const Vector2d out = Vector2d{(b - a).y(), -(b - a).x()}.normalized() * board *
-                         (i % 2 == 0 ? height(corners_px) : width(corners_px));
-    const Shown on_board = shown(a, b, 0.35 * out, 0.65 * out);
+    const Shown on_board = shown(moved(i, 0.35), moved(i, 0.65));
     if (on_board.in_view < kLeastInView) continue;
     if (on_board.of_gate < kLeastFrame * on_board.in_view) return false;
     ++framed;
-    const Shown beyond = shown(a, b, 1.15 * out, 1.25 * out);
+    const Shown beyond = shown(moved(i, 1.5), moved(i, 1.7));
     if (beyond.in_view < kLeastInView) continue;
     ++beyond_in_view;
     const bool ends = 2 * beyond.of_gate < beyond.in_view;
@@ -246,11 +282,11 @@ bool OpeningSearch::is_framed(const Quad& corners_px, const Seen& seen) const {
 }
 
 // Samples along a side, near and far from it in turns.
-OpeningSearch::Shown OpeningSearch::shown(const Vector2d& a, const Vector2d& b,
-                                          const Vector2d& near, const Vector2d& far) const {
+OpeningSearch::Shown OpeningSearch::shown(const Line& near, const Line& far) const {
   Shown shown;
   for (int k = 0; k < kFrameSamples; ++k) {
-    const Vector2d p = a + (k + 0.5) / kFrameSamples * (b - a) + (k % 2 == 0 ? near : far),
+    const auto& [a, b] = k % 2 == 0 ? near : far;
+    const Vector2d p = a + (k + 0.5) / kFrameSamples * (b - a),
                    cell = ((p.array() + 0.5) / step_).floor();
     if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < columns_ && cell.y() < rows_)) continue;
     ++shown.in_view;

@@ -50,8 +50,8 @@ class OpeningSearch {
   struct Shown {
     int in_view = 0, of_gate = 0;
   };
-  [[nodiscard]] Shown shown(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                            const Eigen::Vector2d& near, const Eigen::Vector2d& far) const;
+  using Line = std::array<Eigen::Vector2d, 2>;  // from, to
+  [[nodiscard]] Shown shown(const Line& near, const Line& far) const;
   [[nodiscard]] bool measure(const Image& image, GateDetection& opening) const;
 
   [[nodiscard]] std::uint8_t& at(int column, int row) {
