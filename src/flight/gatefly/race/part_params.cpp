@@ -60,6 +60,8 @@ void fit_to_gates(PhaseParams& params, const PilotConfig& config) {
   }
   if (config.track.gates.empty()) return;
   params.wait_before *= std::max(1.0, larger);
+  params.search_before *= std::max(1.0, larger);
+  params.search_until *= std::max(1.0, larger);
   params.max_miss *= std::max(1.0, wider);
   params.max_lateral_sigma *= std::max(1.0, wider);
 }
