@@ -109,8 +109,8 @@ TEST(Qualifier, LapsAreFlownOnIdealVision) {
 // the map and the first lap say of that gate meets. Two minutes of computing: run by --full alone.
 TEST(Qualifier, DISABLED_ALapAndTheNextGateAreFlownOnRenderedPictures) {
   for (const std::uint64_t seed : {1301u, 1302u}) {
-    RaceConfig race =
-        race_with("aigp-pq", {"betaflight", "cameras/imx477.toml", "vehicles/archer-b2.toml"}, seed);
+    RaceConfig race = race_with(
+        "aigp-pq", {"betaflight", "cameras/imx477.toml", "vehicles/archer-b2.toml"}, seed);
     race.pilot.track.laps = 2;
     race.timeout = 95.0;
     const RaceResult result = fly(race, {});
