@@ -22,7 +22,7 @@ constexpr double kPastCorners = 0.4, kShortOfCorners = 0.6;
 constexpr double kLeastContrast = 8.0;  // levels of chroma between a board and what is beyond
 constexpr double kLeastStep = 0.5;      // of all that a clear step would show
 constexpr int kLeastSteps = 6;
-constexpr double kLeastFilled = 0.5;               // of a corner of boards
+constexpr double kLeastBoard = 0.5;                // of a corner of boards
 constexpr std::array kScales{4.0, 2.0, 1.0, 0.7};  // px, of the line's residuals, pass by pass
 
 /// One side of the frame: its middle line, and a way out.
@@ -245,7 +245,7 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, const BoardWidt
     const Vector2d along = (bars_px[(i + 1) % 4] - bars_px[i]).normalized() * before.board(),
                    back = (bars_px[(i + 3) % 4] - bars_px[i]).normalized() * after.board();
     const auto shown = after.shown_in(edges.corners[i], along, back, *paint, *beyond);
-    edges.filled[i] = !shown || *shown > kLeastFilled;
+    edges.filled[i] = !shown || *shown > kLeastBoard;
   }
   return edges;
 }
