@@ -106,7 +106,8 @@ TEST(Qualifier, LapsAreFlownOnIdealVision) {
 }
 
 // With pictures, an autopilot in between and no heights, in wind: a lap and the gate after it, where what
-// the map and the first lap say of that gate meets. Two minutes of computing: run by --full alone.
+// the map and the first lap say of that gate meets. Disabled because
+// it computes for three minutes: the test qualifier_with_pictures of --full runs it.
 TEST(Qualifier, DISABLED_ALapAndTheNextGateAreFlownOnRenderedPictures) {
   for (const std::uint64_t seed : {1301u, 1302u}) {
     RaceConfig race = race_with(

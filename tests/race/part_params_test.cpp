@@ -27,6 +27,9 @@ TEST(PhaseParams, AreAsTheyStandForGatesOfOneMetreAndSmallerOnes) {
 TEST(PhaseParams, OfLargeGatesWaitFartherOffAndLetPassWhatFits) {
   const PhaseParams usual, params = phase_params(with_gates(2.7, 0.6, 0.23));
   EXPECT_NEAR(params.wait_before, 2.7 * usual.wait_before, 1e-9);
+  EXPECT_NEAR(params.search_before, 2.7 * usual.search_before, 1e-9);
+  EXPECT_NEAR(params.search_until, 2.7 * usual.search_until, 1e-9)
+      << "nearer nothing of it is in view";
   EXPECT_NEAR(params.max_miss / usual.max_miss, 0.52 / 0.25, 1e-9);
   EXPECT_LT(params.max_miss, 0.52) << "still inside the opening";
   EXPECT_NEAR(params.max_lateral_sigma / usual.max_lateral_sigma, 0.52 / 0.25, 1e-9);

@@ -12,10 +12,6 @@ namespace {
 
 using Polygon = FixedList<Eigen::Vector2d, 12>;
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 double polygon_area(const Polygon& p) {
   double twice = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) twice += cross(p[i], p[(i + 1) % p.size()]);

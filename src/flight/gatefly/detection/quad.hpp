@@ -29,6 +29,11 @@ using Quad = std::array<Eigen::Vector2d, 4>;
 /// The same corners, turned in the list so that the first is the one nearest to top-left.
 [[nodiscard]] Quad clockwise_from_top_left(const Quad& quad);
 
+/// The z of a x b.
+[[nodiscard]] inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 [[nodiscard]] Eigen::Vector2d center(const Quad& quad);
 
 /// How far the corner that moved most did, from a to b.

@@ -14,8 +14,8 @@ struct DragFilterUse {
   /// Errors that last a whole leg are in its covariance: the map's, the heading's. A blind leg then
   /// teaches the heading, and many refusals restart the filter.
   bool knows_lasting_errors = true;
-  bool takes_rest_bias =
-      true;  ///< It starts with the accelerometer's bias from the rest; else with 0.
+  /// It starts with the accelerometer's bias from the rest; else with 0.
+  bool takes_rest_bias = true;
   /// Speed control gets the velocity observer's output; else Eq. (14) as it is, vibration included.
   bool observes_velocity = true;
   /// Square roots of R in place of each fix's own covariance; z is then the altimeter's alone [m].

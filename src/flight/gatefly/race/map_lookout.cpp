@@ -132,7 +132,7 @@ bool MapLookout::believed(const Associated& seen, const GateDetection& gate, boo
                           bool blind) {
   const double nis = seen.innovation.nis;
   if (seen.margin < map_.margin) return false;
-  // Of a gate far behind the next one corners that are a pixel off are a third of a metre.
+  // Corners a pixel off are a third of a metre where the gate stands far behind the next one.
   const double unsure_nis = target || blind ? map_.unsure_nis : 0.0;
   if (gate.fitness < params_.sight.sure && nis > unsure_nis) return false;
   return (!blind && nis < map_.confirm_above) || seen_again(seen.sight);

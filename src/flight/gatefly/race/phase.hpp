@@ -71,8 +71,8 @@ struct Situation {
   /// gate's plane [m].
   double lateral_sigma = 0.0;
   Eigen::Vector2d p_EB{0, 0}, v_E{0, 0};  ///< On the floor plan [m] [m/s].
-  /// Standard deviation of p_EB, the larger one, without the part that it had when a gate last told,
-  /// or contradicted: a map that is off is so in both [m].
+  /// Drift of p_EB since a gate last confirmed or contradicted it: one standard deviation along the
+  /// worse axis [m]. The map's own error is not in it.
   double drift_sigma = 0.0;
   double room_beside = 1e9;    ///< From the outline to anything solid while it could stop [m].
   double speed = 0.0;          ///< [m/s]

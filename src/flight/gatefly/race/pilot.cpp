@@ -219,8 +219,8 @@ Situation Pilot::situation() {
   return s;
 }
 
-// What a doubt adds is no drift: gates are in view, which contradict, and the next ones settle it. While
-// it stands and looks round it is lost until it knows as much as before.
+// A doubt adds no drift: the gates in view contradict the place, and the next ones will settle it. While
+// the drone stands and looks round it is lost until it knows its place as well as before.
 double Pilot::drift_sigma(const NavigationState& now) {
   const auto* search = std::get_if<Search>(&phase_);
   const bool stands = search != nullptr && search->stand_at;

@@ -17,10 +17,6 @@ namespace {
 
 constexpr double kNoRate = std::numeric_limits<double>::quiet_NaN();
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 bool cross_each_other(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                       const Eigen::Vector2d& d) {
   return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 &&

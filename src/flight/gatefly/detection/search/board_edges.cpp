@@ -211,11 +211,12 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, const BoardWidt
 
   BoardEdges edges{.corners = bars_px, .middles = bars_px};
   std::array<Vector2d, 4> offs;
+  std::array<std::optional<Vector2d>, 4> beyond;
   for (std::size_t i = 0; i < 4; ++i) {
     const double board = sides[i].board();
     offs[i] = Vector2d::Constant(0.5 * board);
-    const auto beyond = sides[i].chroma(kBeyondFrom * board, kOutermost * board);
-    const auto& other = beyond ? beyond : opening;
+    beyond[i] = sides[i].chroma(kBeyondFrom * board, kOutermost * board);
+    const auto& other = beyond[i] ? beyond[i] : opening;
     const auto edge = paint && other ? sides[i].edge(*paint, *other) : std::nullopt;
     if (edge) offs[i] = *edge, edges.seen[i] = true;
   }
@@ -240,11 +241,10 @@ BoardEdges edges_beyond(const Image& image, const Quad& bars_px, const BoardWidt
   edges.middles = crossings(0.5), edges.corners = crossings(0.0);
   for (std::size_t i = 0; i < 4; ++i) {
     const BoardSide &after = sides[i], &before = sides[(i + 3) % 4];
-    const auto beyond = after.chroma(kBeyondFrom * after.board(), kOutermost * after.board());
-    if (!paint || !beyond) continue;
+    if (!paint || !beyond[i]) continue;
     const Vector2d along = (bars_px[(i + 1) % 4] - bars_px[i]).normalized() * before.board(),
                    back = (bars_px[(i + 3) % 4] - bars_px[i]).normalized() * after.board();
-    const auto shown = after.shown_in(edges.corners[i], along, back, *paint, *beyond);
+    const auto shown = after.shown_in(edges.corners[i], along, back, *paint, *beyond[i]);
     edges.filled[i] = !shown || *shown > kLeastBoard;
   }
   return edges;

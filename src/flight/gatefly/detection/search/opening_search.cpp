@@ -56,9 +56,6 @@ void complete(Quad& quad, const Seen& seen) {
 class PlaneInPicture {
  public:
   explicit PlaneInPicture(const Quad& opening) : at_{opening[0]} {
-    const auto cross = [](const Vector2d& p, const Vector2d& q) {
-      return p.x() * q.y() - p.y() * q.x();
-    };
     const Vector2d a = opening[1] - opening[2], b = opening[3] - opening[2],
                    sum = opening[0] - opening[1] + opening[2] - opening[3];
     const double all = cross(a, b);
@@ -77,9 +74,6 @@ class PlaneInPicture {
 // The line through a and b crosses the one through c and d here, in parts of the way from a to b.
 std::optional<double> crossing_at(const Vector2d& a, const Vector2d& b, const Vector2d& c,
                                   const Vector2d& d) {
-  const auto cross = [](const Vector2d& p, const Vector2d& q) {
-    return p.x() * q.y() - p.y() * q.x();
-  };
   const double along = cross(b - a, d - c);
   if (std::abs(along) < 1e-6 * (b - a).norm() * (d - c).norm()) return std::nullopt;
   return cross(c - a, d - c) / along;
