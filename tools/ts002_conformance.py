@@ -160,7 +160,7 @@ def check_simulator(options):
     first = [fields for _, fields in end.of(IMU)][:50]
     if first:
         mean = [sum(fields[i] for fields in first) / len(first) for i in range(1, 7)]
-        protocol.rule(math.dist(mean[:3], (0, 0, -9.81)) < 0.5, "HIGHRES_IMU: on the floor, (0, 0, -9.8) m/s² to front, right, down", ", ".join(f"{value:.2f}" for value in mean[:3]))
+        protocol.rule(math.dist(mean[:3], (0, 0, -9.81)) < 1.0, "HIGHRES_IMU: on the floor, (0, 0, -9.8) m/s² to front, right, down, within 1", ", ".join(f"{value:.2f}" for value in mean[:3]))
         protocol.rule(math.dist(mean[3:], (0, 0, 0)) < 0.1, "HIGHRES_IMU: and no turn, rad/s")
     level = [fields for _, fields in end.of(ATTITUDE)][:20]
     protocol.rule(bool(level) and all(abs(fields[1]) < 0.1 and abs(fields[2]) < 0.1 for fields in level), "ATTITUDE: level there, rad")

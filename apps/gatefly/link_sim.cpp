@@ -29,7 +29,7 @@ struct LinkSimOptions {
   std::string log, bench, controller = "betaflight-4.5";
   /// Options that were not given follow the controller.
   std::optional<int> servos, state, radio, controller_port, baud;
-  bool json = false;
+  bool json = false, second_round = false;
 };
 
 constexpr const char* kLogHeader =
@@ -110,6 +110,14 @@ int simulate_link(const LinkSimOptions& options) {
     // Its motors stand for two seconds after arming.
     params.radio.hand_over = 3.0;
   }
+  if (options.controller == "ts-002") {
+    params.autopilot = link_sim::Autopilot::kTs002;
+    params.tells_attitude = !options.second_round;
+    // Nobody but the program flies it: armed is handed over.
+    params.radio.hand_over = 0.0;
+  } else if (options.second_round) {
+    throw std::runtime_error("--second-round: is for --autopilot ts-002");
+  }
   params.baud = options.baud.value_or(params.baud);
   params.ports.servos = options.servos.value_or(params.ports.servos);
   params.ports.state = options.state.value_or(params.ports.state);
@@ -158,7 +166,11 @@ void declare_link_sim(Command& command) {
       "Example, with Betaflight's simulator running beside it:\n"
       "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n"
       "with ArduCopter's (arducopter --model json:127.0.0.1 --serial0 tcp:5760):\n"
-      "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot arducopter\n\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot arducopter\n"
+      "or as a simulator of TS-002, the AI Grand Prix's virtual qualifier, without any other "
+      "program:\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --camera grandprix --config ts002 --autopilot "
+      "ts-002\n\n"
       "It waits for the controller, then says \"ready\"; once a program has called at --msp it "
       "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
@@ -175,13 +187,14 @@ void declare_link_sim(Command& command) {
   command.option("--laps", options->race.laps, "instead of the track's own number").between(1, 100);
   command
       .option("--autopilot", options->controller,
-              "the controller's simulator: its releases differ in a sign")
-      .one_of({"betaflight-4.5", "betaflight-2026", "arducopter"})
+              "the controller's simulator: its releases differ in a sign; ts-002: our own")
+      .one_of({"betaflight-4.5", "betaflight-2026", "arducopter", "ts-002"})
       .show_default();
   command.option("--baud", options->baud, "speed of the serial line: 115200; ArduCopter's 921600")
       .between(9600, 10'000'000);
   command
-      .option("--loss", options->params.network.loss, "part of the pictures' slices that is lost")
+      .option("--loss", options->params.network.loss,
+              "part of the pictures' slices that is lost; of TS-002 all datagrams'")
       .between(0.0, 0.9);
   command
       .option("--reorder", options->params.network.reorder,
@@ -211,6 +224,9 @@ void declare_link_sim(Command& command) {
   port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies")
       .show_default();
   port("--pictures", ports.pictures, "UDP port of that program's camera").show_default();
+  port("--mavlink", ports.mavlink, "UDP port of that program's end of TS-002").show_default();
+  command.flag("--second-round", options->second_round,
+               "TS-002 as in its second round: no ATTITUDE");
   Flag log =
       command.option("--log", options->log, "where the drone truly was, 50 times a second: a CSV");
   log.path("FILE");

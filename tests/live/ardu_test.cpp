@@ -12,9 +12,9 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/live/ardu_bench.hpp"
 #include "gatefly/live/ardu_introduction.hpp"
-#include "gatefly/live/ardu_speaker.hpp"
 #include "gatefly/live/controller_link.hpp"
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/mavlink_speaker.hpp"
 #include "gatefly/live/peer_clock.hpp"
 #include "gatefly/live/wires.hpp"
 
@@ -36,8 +36,8 @@ template <class Link>
 concept CanFly = requires(Link link, Demand demand, nanoseconds now) {
   link.set_point(demand, now);
 };
-static_assert(CanFly<ArduSpeaker>);
-static_assert(!CanFly<ArduListener>, "a shadow's half has no set point");
+static_assert(CanFly<MavlinkSpeaker>);
+static_assert(!CanFly<MavlinkListener>, "a shadow's half has no set point");
 
 std::string ardu_text() {
   return files::read_file(support::source_folder() / "tests" / "live" / "fake_arducopter.toml");
@@ -139,7 +139,7 @@ TEST(ArduIntroduction, ABetaflightsFileIsForAnotherLink) {
               HasSubstr("is a drone for --link msp:"));
 }
 
-TEST(ArduListener, WhatIsAskedForComesAndIsUnderstood) {
+TEST(MavlinkListener, WhatIsAskedForComesAndIsUnderstood) {
   ServedArdu served;
   served.fake().obey("arm");
   LinkQueries link = queries_on(served.port(), ardu_drone(), {.imu_hz = 100});
@@ -158,7 +158,7 @@ TEST(ArduListener, WhatIsAskedForComesAndIsUnderstood) {
   EXPECT_EQ(served.fake().meddled(), 0);
 }
 
-TEST(ArduListener, WithoutAFineImuTheCoarseOneWillDo) {
+TEST(MavlinkListener, WithoutAFineImuTheCoarseOneWillDo) {
   ServedArdu served;
   served.fake().obey("coarse");
   LinkQueries link = queries_on(served.port(), ardu_drone(), {});
@@ -167,7 +167,7 @@ TEST(ArduListener, WithoutAFineImuTheCoarseOneWillDo) {
   EXPECT_NEAR(link.state().imu.accel_B.z(), -kGravity, 0.3);
 }
 
-TEST(ArduListener, AnImuThatRepeatsItselfIsStuckWhateverItsStampSays) {
+TEST(MavlinkListener, AnImuThatRepeatsItselfIsStuckWhateverItsStampSays) {
   ServedArdu served;
   served.fake().obey("freeze imu");
   LinkQueries link = queries_on(served.port(), ardu_drone(), {});
@@ -177,7 +177,7 @@ TEST(ArduListener, AnImuThatRepeatsItselfIsStuckWhateverItsStampSays) {
   EXPECT_GT(is.imu_at - is.imu_changed_at, 200ms);
 }
 
-TEST(ArduListener, AModeOfItsOwnTakesTheDroneBack) {
+TEST(MavlinkListener, AModeOfItsOwnTakesTheDroneBack) {
   ServedArdu served;
   served.fake().obey("arm");
   served.fake().obey("override on");
@@ -188,7 +188,7 @@ TEST(ArduListener, AModeOfItsOwnTakesTheDroneBack) {
   EXPECT_TRUE(served_until(link, clock, [&] { return !link.state().override_on; }));
 }
 
-TEST(ArduListener, AnotherComputerThatComesLaterIsNoticed) {
+TEST(MavlinkListener, AnotherComputerThatComesLaterIsNoticed) {
   ServedArdu served;
   LinkQueries link = queries_on(served.port(), ardu_drone(), {});
   const RunClock clock;
@@ -198,8 +198,8 @@ TEST(ArduListener, AnotherComputerThatComesLaterIsNoticed) {
   EXPECT_TRUE(served_until(link, clock, [&] { return link.state().other_client; }));
 }
 
-TEST(ArduListener, GarbageAndFramesOfOthersChangeNothing) {
-  ArduListener listener{{}};
+TEST(MavlinkListener, GarbageAndFramesOfOthersChangeNothing) {
+  MavlinkListener listener{{}};
   std::vector<std::uint8_t> garbage(4000);
   Rng rng{3};
   for (std::uint8_t& byte : garbage) byte = static_cast<std::uint8_t>(rng.uniform(0.0, 255.99));
@@ -213,8 +213,8 @@ TEST(ArduListener, GarbageAndFramesOfOthersChangeNothing) {
   EXPECT_FALSE(listener.state().armed);
 }
 
-TEST(ArduListener, ASampleThatIsNoNumberIsNone) {
-  ArduListener listener{{}};
+TEST(MavlinkListener, ASampleThatIsNoNumberIsNone) {
+  MavlinkListener listener{{}};
   std::array<std::uint8_t, mavlink::kLongestFrame> frame{};
   const std::size_t size = mavlink::encode_message(
       mavlink::HighresImu{.time_usec = 1000, .xgyro = NAN}, {1, 1, 0}, frame);
@@ -231,9 +231,9 @@ mavlink::SetAttitudeTarget target_in(link::Bytes bytes) {
   return found;
 }
 
-TEST(ArduSpeaker, RatesAreSentAsTheyAreAndThrustAsAPartOfWhatHovers) {
+TEST(MavlinkSpeaker, RatesAreSentAsTheyAreAndThrustAsAPartOfWhatHovers) {
   const DroneFile drone = ardu_drone();
-  ArduSpeaker speaker{drone, 50};
+  MavlinkSpeaker speaker{drone, 50};
   const auto target = target_in(speaker.set_point(
       {.rests = false, .rates_B = {1.0, -0.5, 0.25}, .thrust = 1.5 * kGravity}, 2s));
   EXPECT_FLOAT_EQ(target.body_roll_rate, 1.0f);
@@ -244,17 +244,17 @@ TEST(ArduSpeaker, RatesAreSentAsTheyAreAndThrustAsAPartOfWhatHovers) {
   EXPECT_EQ(target.target_system, 1);
 }
 
-TEST(ArduSpeaker, AtRestNothingTurnsAndNothingLifts) {
+TEST(MavlinkSpeaker, AtRestNothingTurnsAndNothingLifts) {
   const DroneFile drone = ardu_drone();
-  ArduSpeaker speaker{drone, 50};
+  MavlinkSpeaker speaker{drone, 50};
   const auto target = target_in(speaker.set_point({}, 2s));
   EXPECT_EQ(target.thrust, 0.0f);
   EXPECT_EQ(target.body_roll_rate, 0.0f);
 }
 
-TEST(ArduSpeaker, ThrustIsNeverMoreThanAllNorLessThanNone) {
+TEST(MavlinkSpeaker, ThrustIsNeverMoreThanAllNorLessThanNone) {
   const DroneFile drone = ardu_drone();
-  ArduSpeaker speaker{drone, 50};
+  MavlinkSpeaker speaker{drone, 50};
   for (const double thrust : {1e9, std::nan(""), -5.0}) {
     const auto target = target_in(speaker.set_point({.rests = false, .thrust = thrust}, 2s));
     EXPECT_GE(target.thrust, 0.0f);
@@ -269,7 +269,7 @@ TEST(ArduDrone, WhereItAddsThrustItselfWhenTiltedWeDoNot) {
   EXPECT_DOUBLE_EQ(drone.thrust_part(400, 0.8), 0.32);
 }
 
-TEST(ArduSpeaker, SetPointsAreAcknowledgedAndObeyedInGuidedModeAlone) {
+TEST(MavlinkSpeaker, SetPointsAreAcknowledgedAndObeyedInGuidedModeAlone) {
   ServedArdu served;
   const DroneFile drone = ardu_drone();
   LinkCommands link = commands_on(served.port(), drone, {});
@@ -317,14 +317,14 @@ TEST(ArduUdp, ADroneThatCallsIsHeardAndNobodyElse) {
 
 /// Hands a message of the drone's autopilot to a listener.
 template <class Message>
-bool hears(ArduListener& listener, const Message& message, nanoseconds now) {
+bool hears(MavlinkListener& listener, const Message& message, nanoseconds now) {
   std::array<std::uint8_t, mavlink::kLongestFrame> frame{};
   const std::size_t size = mavlink::encode_message(message, {1, 1}, frame);
   return listener.take(link::Bytes{frame}.first(size), now);
 }
 
-TEST(ArduListener, ASampleOrAttitudeThatComesTwiceOrLateIsNotTakenAgain) {
-  ArduListener listener{{}};
+TEST(MavlinkListener, ASampleOrAttitudeThatComesTwiceOrLateIsNotTakenAgain) {
+  MavlinkListener listener{{}};
   EXPECT_TRUE(hears(listener, mavlink::HighresImu{.time_usec = 2'000'000, .zacc = -9.8f}, 1s));
   EXPECT_FALSE(hears(listener, mavlink::HighresImu{.time_usec = 2'000'000, .zacc = -9.8f}, 1001ms));
   EXPECT_FALSE(hears(listener, mavlink::HighresImu{.time_usec = 1'980'000, .zacc = -9.8f}, 1002ms));
@@ -338,8 +338,8 @@ TEST(ArduListener, ASampleOrAttitudeThatComesTwiceOrLateIsNotTakenAgain) {
   EXPECT_TRUE(hears(listener, mavlink::HighresImu{.time_usec = 10'000, .zacc = -9.6f}, 1040ms));
 }
 
-TEST(ArduListener, AnAttitudeThatTheLineHasHeldUpIsOld) {
-  ArduListener listener{{}};
+TEST(MavlinkListener, AnAttitudeThatTheLineHasHeldUpIsOld) {
+  MavlinkListener listener{{}};
   // Its clock is 100 s ahead of ours; a question of 1 s was answered at once.
   (void)hears(listener, mavlink::Timesync{.tc1 = 101'002'000'000, .ts1 = 1'000'000'000}, 1004ms);
   (void)hears(listener, mavlink::Attitude{.time_boot_ms = 102'000}, 2010ms);
@@ -350,8 +350,8 @@ TEST(ArduListener, AnAttitudeThatTheLineHasHeldUpIsOld) {
   EXPECT_GE(listener.state().attitude_at, 2017ms);
 }
 
-TEST(ArduListener, AnAnswerThatComesTwiceAcknowledgesOnce) {
-  ArduListener listener{{}};
+TEST(MavlinkListener, AnAnswerThatComesTwiceAcknowledgesOnce) {
+  MavlinkListener listener{{}};
   for (int i = 0; i < 3; ++i)
     (void)hears(listener, mavlink::Timesync{.tc1 = 5'000'000, .ts1 = 1'000'001}, 20ms);
   EXPECT_EQ(listener.state().acknowledged, 1);

@@ -52,6 +52,21 @@ TEST(Course, PassesItsGatesInOrderLapForLap) {
   EXPECT_EQ(course.passed(), 4);
 }
 
+TEST(Course, BehindTheLastGateItFliesOnBeforeItIsDone) {
+  Course course{two_gates(), {}};
+  for (int gate = 0; gate < 4; ++gate) (void)fly_through(course, Straight{}, 0.2);
+  ASSERT_TRUE(course.finished());
+  EXPECT_FALSE(course.ran_out()) << "just behind it";
+  const PathPoint on = course.path().at(1.05);
+  for (double s = 0.0; s < 1.05; s += 0.05) {
+    const PathPoint here = course.path().at(s);
+    (void)course.follow(at(course, {here.position.x(), here.position.y(), -1.5}), Straight{});
+  }
+  (void)course.follow(at(course, {on.position.x(), on.position.y(), -1.5}), Straight{});
+  EXPECT_TRUE(course.ran_out());
+  EXPECT_EQ(course.passed(), 4) << "and passes no other gate";
+}
+
 TEST(Course, ProgressFollowsTheDroneAndNeverLeapsToAnotherPart) {
   Course course{two_gates(), {}};
   const Path path = course.path();

@@ -66,7 +66,7 @@ const Path& Course::path() const {
 }
 
 bool Course::follow(const NavigationState& now, const Phase& phase) {
-  if (finished() || std::holds_alternative<OnGround>(phase)) return false;
+  if ((finished() && by_exits_) || std::holds_alternative<OnGround>(phase)) return false;
   const double total = path().length();
   const Stop* next = stop();
   const double most = next != nullptr ? next->s : total + 0.5;
@@ -76,6 +76,7 @@ bool Course::follow(const NavigationState& now, const Phase& phase) {
     left_ = progress_ = next->s + kBeyond;
     ++stops_done_;
   }
+  if (finished()) return false;
   if (by_exits_) {
     // Passed at the turn point [Li18 code; there within 5 cm of it, which a jump can miss].
     const double turn_point = gate().exit ? gate().exit->run : params_.past;
@@ -100,6 +101,12 @@ bool Course::pass_gate() {
   target_ = (target_ + 1) % static_cast<int>(track_.gates.size());
   before_approach_ = by_exits_ && path().segments.size() > 2;  // else there is no turn
   return true;
+}
+
+bool Course::ran_out() const {
+  double wanted = params_.run_out;
+  if (const Stop* next = stop()) wanted = std::min(wanted, next->s - params_.stopped_within);
+  return finished() && (by_exits_ || progress_ >= wanted);
 }
 
 const Stop* Course::stop() const {

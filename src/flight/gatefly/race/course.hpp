@@ -43,6 +43,8 @@ class Course {
   [[nodiscard]] int target() const { return target_; }
   [[nodiscard]] int passed() const { return passed_; }
   [[nodiscard]] bool finished() const { return passed_ >= total_; }
+  /// Finished, and clear of the last gate: a piece of the way behind it is flown.
+  [[nodiscard]] bool ran_out() const;
   [[nodiscard]] const Path& path() const;                      ///< To the target.
   [[nodiscard]] double progress() const { return progress_; }  ///< Metres along path().
   /// The next stop on path(); null: none.

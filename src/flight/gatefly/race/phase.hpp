@@ -59,7 +59,7 @@ struct Situation {
   int rest_samples = 0;       ///< Samples of the rest calibration so far.
   bool lifted = false;        ///< Another pilot flies, and has taken off.
   double height = 0.0;        ///< Above the pad [m].
-  bool course_done = false;   ///< Every gate of every lap passed.
+  bool course_done = false;   ///< Every gate of every lap passed, and the last one left behind.
   bool turn_ahead = false;    ///< The path curves at the look-ahead point.
   double to_go = 10.0;        ///< Along the path to the gate [m].
   double to_stop = 1e9;       ///< Along the path to the next stop of the plan [m].

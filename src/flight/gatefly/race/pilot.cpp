@@ -189,14 +189,16 @@ Situation Pilot::situation() {
   s.time = now.time;
   s.rest_samples = now.rest_samples;
   s.height = -now.p_EB.z();
-  s.course_done = parts_->course.finished();
+  const bool on_its_way =
+      std::holds_alternative<Straight>(phase_) || std::holds_alternative<Turn>(phase_);
+  s.course_done = on_its_way ? parts_->course.ran_out() : parts_->course.finished();
   s.to_go = parts_->course.to_go();
   if (const Stop* stop = parts_->course.stop()) s.to_stop = stop->s - parts_->course.progress();
   s.room_before = parts_->course.room_before();
   s.since_gate = now.time - passed_at_;
   std::visit(
       [&](const auto& g) {
-        s.turn_ahead = !parts_->course.finished() && g.turn_ahead(now, parts_->course);
+        s.turn_ahead = g.turn_ahead(now, parts_->course);
         s.gate_y_ahead = g.lateral_at_gate(now, parts_->course);
         s.forward_speed = g.entry_speed(now);
       },

@@ -57,6 +57,9 @@ struct CourseParams {
   double end = 1.5;    ///< A gate is passed only on this last part of the way to it [m]. [estimate]
   double past = 0.10;  ///< So far behind its plane a gate is passed [m]. [Li18 code: 0.1-0.5]
   double shortest_approach = 1.0;  ///< Straight way to a gate that was searched for [m]. [estimate]
+  /// Flown of the way behind the last gate before it brakes: it may drift back by half a metre while it goes
+  /// down, and land against the gate [m]. [ours: two of ten over a link that loses pictures]
+  double run_out = 1.0;
   // A stop is done where it stands still, ...
   double stopped_within = 0.35;           ///< near the place [m], [estimate]
   double stopped_speed = 0.4;             ///< nearly [m/s], [estimate]

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "gatefly/live/ardu_words.hpp"
+#include "gatefly/live/mavlink_words.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -89,7 +89,7 @@ class Asking {
   }
 
   Port& port_;
-  ArduWords words_;
+  MavlinkWords words_;
   OtherSpeakers others_{words_};
   mavlink::Stream stream_;
   Moment began_ = Clock::now();

@@ -11,9 +11,10 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/guard/hand_over.hpp"
 #include "gatefly/live/ardu_introduction.hpp"
-#include "gatefly/live/ardu_speaker.hpp"
+#include "gatefly/live/mavlink_speaker.hpp"
 #include "gatefly/live/msp_introduction.hpp"
 #include "gatefly/live/msp_speaker.hpp"
+#include "gatefly/live/ts002_introduction.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -61,6 +62,18 @@ Acquaintance met_ardu(Port& port, const DroneFile& drone, bool only_listens) {
   return {};
 }
 
+/// The same of a simulator that speaks TS-002.
+Acquaintance met_ts002(Port& port, const DroneFile& drone, bool only_listens) {
+  const Ts002Introduction said = ts002_introduction_of(port, drone.system());
+  if (said.other_client) not_alone();
+  if (said.autopilot)
+    throw AnotherDrone("is " + std::string{*said.autopilot} +
+                       ", a real drone's autopilot: not a simulator of TS-002");
+  if (!said.clock) refuse("answers no TIMESYNC: whether a set point arrives could not be told");
+  if (!only_listens && said.armed) refuse(guard::text_of(guard::ArduComplaint::kArmed));
+  return {};
+}
+
 }  // namespace
 
 Port opened(const LinkUri& uri) {
@@ -77,16 +90,17 @@ Port opened(const LinkUri& uri) {
 }
 
 Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens) {
-  if (uri.mavlink != drone.ardu.has_value())
+  if (uri.mavlink != drone.by_mavlink())
     throw std::runtime_error(drone.path.string() + ": is a drone for --link " +
-                             (drone.ardu ? "mavlink:" : "msp:"));
+                             (drone.by_mavlink() ? "mavlink:" : "msp:"));
   Port port = opened(uri);
   const auto named = [&](const std::string& text) {
     return text.starts_with(port.name()) ? text : port.name() + ": " + text;
   };
   try {
-    const Acquaintance known = drone.ardu ? met_ardu(port, drone, only_listens)
-                                          : met_betaflight(port, drone, only_listens);
+    const Acquaintance known = drone.ardu    ? met_ardu(port, drone, only_listens)
+                               : drone.ts002 ? met_ts002(port, drone, only_listens)
+                                             : met_betaflight(port, drone, only_listens);
     return {std::move(port), known};
   } catch (const AnotherDrone& error) {
     throw AnotherDrone(named(error.what()));
@@ -96,14 +110,16 @@ Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_list
 }
 
 LinkQueries queries_on(Port port, const DroneFile& drone, const Acquaintance& known) {
-  if (drone.ardu)
-    return {std::move(port), std::make_unique<ArduListener>(ardu_params(drone, known.imu_hz))};
+  if (drone.by_mavlink())
+    return {std::move(port),
+            std::make_unique<MavlinkListener>(listener_params(drone, known.imu_hz))};
   return {std::move(port),
           std::make_unique<MspPoller>(drone.imu, known.boxes, poller_params(drone))};
 }
 
 LinkCommands commands_on(Port port, const DroneFile& drone, const Acquaintance& known) {
-  if (drone.ardu) return {std::move(port), std::make_unique<ArduSpeaker>(drone, known.imu_hz)};
+  if (drone.by_mavlink())
+    return {std::move(port), std::make_unique<MavlinkSpeaker>(drone, known.imu_hz)};
   return {std::move(port), std::make_unique<MspSpeaker>(drone, known.boxes)};
 }
 

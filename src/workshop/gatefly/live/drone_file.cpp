@@ -83,13 +83,26 @@ void read_thrust(Strict thrust, DroneFile& drone) {
   thrust.table().refuse_others();
 }
 
+/// [controller] and [thrust] of a TS-002 simulator's drone.
+void read_ts002(Strict controller, DroneFile& drone) {
+  drone.ts002.emplace().system = controller.whole("system", 1, 254);
+  controller.table().refuse_others();
+}
+
+void read_ts002_thrust(Strict thrust, DroneFile& drone) {
+  drone.hover = {.throttle = 1e3 * thrust.number("hover", 0.05, 0.8),
+                 .exponent = thrust.number("exponent", 0.8, 3.0)};
+  thrust.table().refuse_others();
+}
+
 void read_controller(Strict controller, DroneFile& drone) {
   const std::string firmware = controller.text("firmware");
   if (firmware == "ARDU") return read_ardu(std::move(controller), drone);
+  if (firmware == "TS-002") return read_ts002(std::move(controller), drone);
   drone.board = controller.text("board");
   if (drone.board.size() != 4) controller.fail("board", "the four letters of MSP_BOARD_INFO");
   if (firmware != "BTFL")
-    controller.fail("firmware", "\"BTFL\": Betaflight, or \"ARDU\": ArduCopter");
+    controller.fail("firmware", "\"BTFL\": Betaflight, \"ARDU\": ArduCopter, or \"TS-002\"");
   drone.api_minor = controller.whole("api_minor", 43, 46);
   controller.table().refuse_others();
 }
@@ -202,6 +215,11 @@ double ArduDrone::thrust_part(double throttle, double upright) const {
   return angle_boost ? part * std::clamp(upright, 0.5, 1.0) : part;
 }
 
+double DroneFile::thrust_part(double thrust, double upright) const {
+  const double wanted = hover.throttle_for(thrust);
+  return ardu ? ardu->thrust_part(wanted, upright) : 1e-3 * wanted;
+}
+
 msp::Sticks DroneFile::sticks(const Eigen::Vector3d& rates_B, double thrust) const {
   msp::Sticks sticks = rates.sticks(rates_B);
   sticks.throttle = static_cast<std::uint16_t>(
@@ -210,7 +228,7 @@ msp::Sticks DroneFile::sticks(const Eigen::Vector3d& rates_B, double thrust) con
 }
 
 bool DroneFile::hand_over_tested(const std::string& program) const {
-  return !tested.empty() && tested == hand_over_mark(*this, program);
+  return ts002 || (!tested.empty() && tested == hand_over_mark(*this, program));
 }
 
 DroneFile read_drone(const std::filesystem::path& path) {
@@ -222,7 +240,7 @@ DroneFile read_drone(const std::filesystem::path& path) {
     for (const char* section : sections)
       if (!file.has(section)) file.fail(section, "there: a drone has no defaults");
   };
-  expect({"drone", "controller", "battery"});
+  expect({"drone", "controller"});
   Strict identity{file.table("drone")};
   drone.name = identity.text("name");
   identity.table().refuse_others();
@@ -230,6 +248,11 @@ DroneFile read_drone(const std::filesystem::path& path) {
   if (drone.ardu) {
     expect({"thrust"});
     read_thrust(Strict{file.table("thrust")}, drone);
+  } else if (drone.ts002) {
+    expect({"thrust"});
+    read_ts002_thrust(Strict{file.table("thrust")}, drone);
+    file.refuse_others();
+    return drone;
   } else {
     expect({"imu", "rates", "throttle", "channels"});
     read_imu(Strict{file.table("imu")}, drone);
@@ -237,6 +260,7 @@ DroneFile read_drone(const std::filesystem::path& path) {
     read_throttle(Strict{file.table("throttle")}, drone);
     read_channels(Strict{file.table("channels")}, drone);
   }
+  expect({"battery"});
   Strict battery{file.table("battery")};
   drone.least_battery_v = battery.number("least_v", 0, 60);
   battery.table().refuse_others();

@@ -16,7 +16,7 @@
 
 namespace gatefly::live {
 
-/// Throttle (0 … 1000, behind the throttle curve; of an ArduCopter thousandths of its thrust) and the thrust that it gives: (throttle / hover)^exponent times the weight.
+/// Throttle (0 … 1000, behind the throttle curve; over MAVLink thousandths of the thrust) and the thrust that it gives: (throttle / hover)^exponent times the weight.
 struct Hover {
   double throttle = 0.0;
   double exponent = 1.0;
@@ -38,11 +38,19 @@ struct ArduDrone {
   [[nodiscard]] double thrust_part(double throttle, double upright) const;
 };
 
+/// The constants of a drone that speaks TS-002, the AI Grand Prix's virtual qualifier: a simulator's, which answers no questions. Thrust is a
+/// part of the most there is.
+struct Ts002Drone {
+  int system = 1;  ///< Its MAVLink id.
+};
+
 /// Every constant of a drone that `run` may use: drone.toml. Nothing in it has a default.
 struct DroneFile {
   std::filesystem::path path;
   std::string name;
-  std::optional<ArduDrone> ardu;  ///< An ArduCopter's; else a Betaflight's, which are these:
+  std::optional<ArduDrone> ardu;  ///< An ArduCopter's;
+  std::optional<Ts002Drone>
+      ts002;  ///< or a TS-002 simulator's; else a Betaflight's, which are these:
   std::string board;
   int api_minor = 0;
   msp::ImuScale imu;
@@ -60,7 +68,13 @@ struct DroneFile {
 
   /// The sticks for rates about front, right, down [rad/s] and a specific thrust [m/s²].
   [[nodiscard]] msp::Sticks sticks(const Eigen::Vector3d& rates_B, double thrust) const;
-  /// Whether a hand-over test of these constants and this program has passed.
+  /// Whether it takes rates and thrust over MAVLink; else sticks over MSP.
+  [[nodiscard]] bool by_mavlink() const { return ardu.has_value() || ts002.has_value(); }
+  /// Its MAVLink id.
+  [[nodiscard]] int system() const { return ardu ? ardu->system : ts002 ? ts002->system : 1; }
+  /// Thrust to be sent over MAVLink, 0 … 1, for a specific one [m/s²]. @param upright  cosine of the tilt.
+  [[nodiscard]] double thrust_part(double thrust, double upright) const;
+  /// Whether a hand-over test of these constants and this program has passed. Nobody hands over a TS-002 simulator's drone: always.
   [[nodiscard]] bool hand_over_tested(const std::string& program) const;
 };
 

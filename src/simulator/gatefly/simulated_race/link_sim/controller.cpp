@@ -8,6 +8,7 @@
 #include "gatefly/link/betaflight_sitl.hpp"
 #include "gatefly/simulated_race/link_sim/datagrams.hpp"
 #include "gatefly/simulated_race/link_sim/link_sim.hpp"
+#include "gatefly/simulated_race/link_sim/ts002_end.hpp"
 
 namespace gatefly::link_sim {
 namespace {
@@ -115,7 +116,13 @@ double Controller::part_of(double pulse_us) {
   return std::clamp(1e-3 * (pulse_us - 1000.0), 0.0, 1.0);
 }
 
-std::unique_ptr<Controller> controller_of(const LinkSimParams& params) {
+std::unique_ptr<Controller> controller_of(const LinkSimParams& params,
+                                          const world::SimConfig& day) {
+  if (params.autopilot == Autopilot::kTs002)
+    return std::make_unique<Ts002End>(Ts002End::Params{.port = params.ports.mavlink,
+                                                       .tells_attitude = params.tells_attitude,
+                                                       .network = params.network},
+                                      day);
   if (params.autopilot == Autopilot::kArduCopter)
     return std::make_unique<ArduPilotEnd>(params.ports);
   return std::make_unique<BetaflightEnd>(params.ports, params.release);

@@ -10,12 +10,13 @@
 
 #include "gatefly/link/betaflight_sitl.hpp"
 #include "gatefly/sim/body_state.hpp"
+#include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::link_sim {
 
 struct LinkSimParams;
 
-/// A flight controller that runs as a program: what it tells its motors, what it is told of its sensors and by its radio.
+/// A flight controller, a program of its own or ours: what it tells its motors, what it is told of its sensors and by its radio.
 class Controller {
  public:
   virtual ~Controller() = default;
@@ -29,6 +30,12 @@ class Controller {
   /// 0 … 1: front left, front right, rear right, rear left.
   [[nodiscard]] const std::array<double, 4>& motors() const { return motors_; }
   [[nodiscard]] bool turn() const;
+  /// A program talks to it, of one that is talked to without a serial line.
+  [[nodiscard]] virtual bool called() const { return false; }
+  /// Age of the last set point of that program [s].
+  [[nodiscard]] virtual double held_for() const { return 0.0; }
+  /// That program is cut off.
+  virtual void cut() {}
   /// It has told its motors something.
   [[nodiscard]] bool ever() const { return last_.has_value(); }
 
@@ -49,7 +56,8 @@ class Controller {
   std::optional<double> last_;
 };
 
-/// The one that the parameters name. @throws std::runtime_error one line: a port is taken.
-[[nodiscard]] std::unique_ptr<Controller> controller_of(const LinkSimParams& params);
+/// The one that the parameters name, in a day's drone. @throws std::runtime_error one line: a port is taken.
+[[nodiscard]] std::unique_ptr<Controller> controller_of(const LinkSimParams& params,
+                                                        const world::SimConfig& day);
 
 }  // namespace gatefly::link_sim

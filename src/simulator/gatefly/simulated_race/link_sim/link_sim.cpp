@@ -34,11 +34,12 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
             const std::function<void(const TrueMoment&)>& look, const std::function<bool()>& stop,
             const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
-  const std::unique_ptr<Controller> controller = controller_of(params);
+  const std::unique_ptr<Controller> controller = controller_of(params, day);
   DroneInWorld drone{day, laps};
   PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
   SafetyPilot radio{params.radio};
   std::optional<PacedLine> line;
+  bool ready = false;
   Outcome outcome;
   outcome.gates_total = drone.gates_total();
   std::optional<double> taken_back;
@@ -57,7 +58,7 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
 
     const SafetyPilot::State before = radio.state();
     radio.step({.time = drone.time(),
-                .client = line && line->connected(),
+                .client = line ? line->connected() : ready && controller->called(),
                 .motors = controller->turn(),
                 .on_floor = drone.rests(),
                 .airborne = drone.airborne(),
@@ -70,12 +71,13 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
             .overridden = radio.override_on(),
             .state = drone.state(),
             .motors = controller->motors(),
-            .sticks_held = line ? line->stick_gaps().longest(live::Clock::now()) : 0.0,
+            .sticks_held =
+                line ? line->stick_gaps().longest(live::Clock::now()) : controller->held_for(),
             .gates_passed = static_cast<int>(drone.passes().size())});
     const auto is_over_for = [&](const std::optional<double>& limit) {
       return limit && radio.override_on() && drone.time() - radio.handed_over_at() >= *limit;
     };
-    if (line && is_over_for(params.link_out)) line->cut();
+    if (is_over_for(params.link_out)) line ? line->cut() : controller->cut();
     if (is_over_for(params.camera_out)) pictures.freeze();
     const auto enters = [&](SafetyPilot::State state) {
       return radio.state() == state && before != state;
@@ -90,11 +92,13 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
       outcome.last_p_EB = drone.state().p_EB;
       say("taken back: " + outcome.reason);
     }
-    if (!line && controller->ever() && drone.time() > kCalibrates) {
-      line.emplace(ports.msp, ports.controller, params.baud);
+    if (!ready && controller->ever() && drone.time() > kCalibrates) {
+      if (params.autopilot != Autopilot::kTs002)
+        line.emplace(ports.msp, ports.controller, params.baud);
+      ready = true;
       say("ready");
     }
-    if (!line && drone.time() > kPatience) {
+    if (!ready && drone.time() > kPatience) {
       outcome.reason = "no controller";
       break;
     }
@@ -118,7 +122,7 @@ bool hold(const world::SimConfig& day, const std::string& asks, const LinkSimPar
           const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
   NewLines lines{asks};
-  const std::unique_ptr<Controller> controller = controller_of(params);
+  const std::unique_ptr<Controller> controller = controller_of(params, day);
   HeldDrone drone{day};
   PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
   BenchHand hand;

@@ -17,8 +17,8 @@
 
 namespace gatefly::link_sim {
 
-/// Maker of the program.
-enum class Autopilot { kBetaflight, kArduCopter };
+/// The flight controller: somebody else's program, or our own behind TS-002.
+enum class Autopilot { kBetaflight, kArduCopter, kTs002 };
 
 /// Ports of 127.0.0.1. The first four are those of Betaflight's simulator target.
 struct Ports {
@@ -28,6 +28,7 @@ struct Ports {
   int controller = 5761;  ///< TCP: its first serial line.
   int msp = 5771;         ///< TCP: that line as the program has it, paced.
   int pictures = 5600;    ///< UDP: the program's camera.
+  int mavlink = 14550;    ///< UDP: the program's end of TS-002.
 };
 
 /// A moment of a flight, as it truly was.
@@ -49,7 +50,8 @@ struct LinkSimParams {
   Ports ports;
   betaflight_sitl::Release release = betaflight_sitl::Release::k4_5;
   int baud = 115200;
-  NetworkTroubles network;
+  NetworkTroubles network;     ///< Of pictures, and of all that TS-002 says.
+  bool tells_attitude = true;  ///< Of TS-002: not in its second round.
   SafetyPilot::Params radio;
   /// So long after the hand-over the cable is pulled, or the camera hangs [s]; nullopt: never.
   std::optional<double> link_out, camera_out;

@@ -25,10 +25,8 @@ PictureFeed::PictureFeed(const world::SimConfig& config, Datagrams to,
     : config_{config},
       renderer_{config.world,     config.camera,       config.light, config.seed,
                 config.cache_dir, config.bake_threads, while_baking},
-      to_{std::move(to)},
-      troubles_{troubles},
+      to_{std::move(to), troubles, {config.seed, "network"}},
       schedule_{config.seed, "camera schedule"},
-      network_{config.seed, "network"},
       span_{config.camera.readout + config.camera.exposure},
       thread_{[this] { work(); }} {
   history_.reserve(2 * kPoses);
@@ -46,6 +44,7 @@ PictureFeed::~PictureFeed() {
 void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
   if (history_.size() == 2 * kPoses) history_.erase(history_.begin(), history_.begin() + kPoses);
   history_.push_back(pose);
+  send_due();
   if (pose.t < next_start_ + span_) return;
   const world::SensorTruth& truth = config_.sensors;
   const double began = next_start_, jitter = std::abs(schedule_.normal_cut(truth.latency_jitter));
@@ -82,34 +81,44 @@ void PictureFeed::work() {
       next_.reset();
       busy_ = true;
     }
-    send(exposure);
+    Rendered picture = picture_of(exposure);
+    const std::lock_guard lock{mutex_};
+    rendered_.push_back(std::move(picture));
   }
 }
 
-void PictureFeed::send(const Exposure& exposure) {
+void PictureFeed::send_due() {
+  for (;;) {
+    Rendered picture;
+    {
+      const std::lock_guard lock{mutex_};
+      if (rendered_.empty() || rendered_.front().due > live::Clock::now()) return;
+      picture = std::move(rendered_.front());
+      rendered_.pop_front();
+    }
+    send(picture);
+  }
+}
+
+PictureFeed::Rendered PictureFeed::picture_of(const Exposure& exposure) {
   const world::CameraTruth& camera = config_.camera;
   renderer_.render(exposure.frame, exposure.start, exposure.poses, uyvy_);
   // As stored: who receives it knows how the camera is mounted.
   const Image stored{uyvy_.data(), PixelFormat::kUyvy, camera.stored_width, camera.stored_height,
                      0};
-  const std::string jpeg = files::jpeg_of(stored, kQuality, files::ChromaSampling::k420);
   if (live::Clock::now() > exposure.due) ++late_;
-  std::this_thread::sleep_until(exposure.due);
+  return {exposure.frame, exposure.start, exposure.due,
+          files::jpeg_of(stored, kQuality, files::ChromaSampling::k420)};
+}
+
+void PictureFeed::send(const Rendered& picture) {
   std::array<std::uint8_t, kDatagram> room{};
-  held_back_.clear();
-  const link::Bytes bytes{reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()};
-  const std::chrono::nanoseconds taken{std::llround(1e9 * exposure.start)};
-  (void)jpeg_slices::each_slice(bytes, exposure.frame, taken, room, [&](link::Bytes datagram) {
-    if (network_.uniform() < troubles_.loss) return;
-    if (held_back_.empty() && network_.uniform() < troubles_.reorder) {
-      held_back_.assign(datagram.begin(), datagram.end());
-      return;
-    }
-    to_.send(datagram);
-    if (!held_back_.empty()) to_.send(held_back_);
-    held_back_.clear();
-  });
-  if (!held_back_.empty()) to_.send(held_back_);
+  const link::Bytes bytes{reinterpret_cast<const std::uint8_t*>(picture.jpeg.data()),
+                          picture.jpeg.size()};
+  const std::chrono::nanoseconds taken{std::llround(1e9 * picture.start)};
+  (void)jpeg_slices::each_slice(bytes, picture.frame, taken, room,
+                                [&](link::Bytes datagram) { to_.send(datagram); });
+  to_.flush();
   ++sent_;
 }
 

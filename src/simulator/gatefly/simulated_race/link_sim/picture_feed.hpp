@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -15,15 +16,10 @@
 #include "gatefly/sim/camera.hpp"
 #include "gatefly/sim/random.hpp"
 #include "gatefly/simulated_race/link_sim/datagrams.hpp"
+#include "gatefly/simulated_race/link_sim/troubled_line.hpp"
 #include "gatefly/world/sim_config.hpp"
 
 namespace gatefly::link_sim {
-
-/// Faults of the network that carries the slices.
-struct NetworkTroubles {
-  double loss = 0.0;     ///< Part of the slices that never arrive.
-  double reorder = 0.0;  ///< Part that arrives after the next one.
-};
 
 /// The camera of the drone: exposes at its rate, renders in a thread of its own, and sends each picture when it is due, as slices
 /// of a JPEG [TS-002].
@@ -38,7 +34,7 @@ class PictureFeed {
   PictureFeed(const PictureFeed&) = delete;
   PictureFeed& operator=(const PictureFeed&) = delete;
 
-  /// The body's pose, after every step of the physics, whose time 0 was at `start`.
+  /// The body's pose, after every step of the physics, whose time 0 was at `start`; sends the pictures that are due.
   void remember(const sim::BodyPose& pose, live::Moment start);
   /// No more pictures, as of a camera that hangs.
   void freeze() { frozen_ = true; }
@@ -54,21 +50,30 @@ class PictureFeed {
     live::Moment due;
     std::vector<sim::BodyPose> poses;
   };
+  /// A picture on its way.
+  struct Rendered {
+    std::uint32_t frame = 0;
+    double start = 0.0;  ///< [s]
+    live::Moment due;
+    std::string jpeg;
+  };
   void work();
-  void send(const Exposure& exposure);
+  [[nodiscard]] Rendered picture_of(const Exposure& exposure);
+  void send(const Rendered& picture);
+  void send_due();
 
   world::SimConfig config_;
   sim::CameraRenderer renderer_;
-  Datagrams to_;
-  NetworkTroubles troubles_;
-  sim::Stream schedule_, network_;
+  TroubledLine to_;
+  sim::Stream schedule_;
   double span_, next_start_ = 0.2;
   std::uint32_t frame_ = 0;
   std::vector<sim::BodyPose> history_;
-  std::vector<std::uint8_t> uyvy_, held_back_;
+  std::vector<std::uint8_t> uyvy_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Exposure> next_;
+  std::deque<Rendered> rendered_;  ///< Not yet sent.
   bool busy_ = false, over_ = false, frozen_ = false;
   std::atomic<long> sent_ = 0, left_out_ = 0, late_ = 0;
   std::thread thread_;

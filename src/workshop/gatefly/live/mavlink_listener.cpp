@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/live/ardu_listener.hpp"
+#include "gatefly/live/mavlink_listener.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,9 @@ using std::chrono::nanoseconds;
 constexpr std::uint8_t kArmedBit = 128, kInAir = 4;  // MAV_STATE_ACTIVE: not landed
 constexpr std::uint16_t kUnknownVoltage = 65535;
 constexpr nanoseconds kBeatEvery = 500ms, kClockEvery = 200ms;
-constexpr nanoseconds kAskAgain = 500ms;  ///< Interval for repeating a request without answer.
-constexpr nanoseconds kFineImuGone = 1s;  ///< Then the coarse one will do.
+constexpr nanoseconds kAskAgain = 500ms;   ///< Interval for repeating a request without answer.
+constexpr nanoseconds kFineImuGone = 1s;   ///< Then the coarse one will do.
+constexpr nanoseconds kAttitudeGone = 1s;  ///< Then roll and pitch follow from the IMU.
 
 nanoseconds interval_of(double hz) { return nanoseconds{std::llround(1e9 / hz)}; }
 
@@ -42,12 +43,12 @@ msp::Sticks sticks_of(const Eigen::Vector3d& rates_B, double thrust) {
 
 }  // namespace
 
-msp::Sticks ardu_sticks(const mavlink::SetAttitudeTarget& target) {
+msp::Sticks mavlink_sticks(const mavlink::SetAttitudeTarget& target) {
   return sticks_of({target.body_roll_rate, target.body_pitch_rate, target.body_yaw_rate},
                    target.thrust);
 }
 
-ArduListener::ArduListener(const Params& params)
+MavlinkListener::MavlinkListener(const Params& params)
     : params_{params},
       words_{params.system},
       others_{words_},
@@ -59,14 +60,14 @@ ArduListener::ArduListener(const Params& params)
                {mavlink::HighresImu::kId, interval_of(params.imu_hz)},
                {mavlink::RawImu::kId, interval_of(params.imu_hz)}}} {}
 
-void ArduListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool beside_set_point) {
+void MavlinkListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool beside_set_point) {
   // The question's own time comes back with the answer: its last bit tells what it was asked for.
   const std::int64_t tagged = (now.count() & ~std::int64_t{1}) | (beside_set_point ? 1 : 0);
   words_.ask_clock(out, nanoseconds{tagged});
   clock_asked_at_ = now;
 }
 
-bool ArduListener::wanted(Wishes which, nanoseconds now) const {
+bool MavlinkListener::wanted(Wishes which, nanoseconds now) const {
   const Wish& wish = wishes_[which];
   if (which == kCoarseImu && now - std::max(started_, wishes_[kFineImu].heard) < kFineImuGone)
     return false;
@@ -75,12 +76,13 @@ bool ArduListener::wanted(Wishes which, nanoseconds now) const {
   return !comes && now - wish.asked >= kAskAgain;
 }
 
-link::Bytes ArduListener::request(nanoseconds now) {
+link::Bytes MavlinkListener::request(nanoseconds now) {
   if (started_ < 0ns) started_ = now;
   link::ByteWriter out{room_};
   if (now - beat_at_ >= kBeatEvery) words_.heartbeat(out), beat_at_ = now;
   if (to_be_told_) words_.answer_clock(out, *to_be_told_), to_be_told_.reset();
   if (now - clock_asked_at_ >= kClockEvery) ask_clock(out, now, false);
+  if (!params_.asks) return out.written();
   for (const Wishes which : {kBeat, kAttitude, kBattery, kTarget, kFineImu, kCoarseImu}) {
     if (!wanted(which, now)) continue;
     Wish& wish = wishes_[which];
@@ -92,13 +94,13 @@ link::Bytes ArduListener::request(nanoseconds now) {
   return out.written();
 }
 
-bool ArduListener::take(link::Bytes bytes, nanoseconds now) {
+bool MavlinkListener::take(link::Bytes bytes, nanoseconds now) {
   sampled_ = false;
   stream_.feed(bytes, [&](const mavlink::Frame& frame) { take_frame(frame, now); });
   return sampled_;
 }
 
-void ArduListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanoseconds now) {
+void MavlinkListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanoseconds now) {
   if (!imu.gyro_B.allFinite() || !imu.accel_B.allFinite()) return;
   const std::optional<std::uint64_t> before = stamp_;
   if (!is_next<std::uint64_t>(stamp_, stamp_us, 1'000'000)) return;
@@ -114,11 +116,24 @@ void ArduListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanosecon
   state_.imu = imu;
   state_.imu_at = now;
   state_.imu_changed_at = now - imu_watch_.age(now).value_or(0ns);
+  level_by(imu,
+           goes_on ? std::optional{1e-6 * static_cast<double>(stamp_us - *before)} : std::nullopt,
+           now);
   ++state_.samples;
   sampled_ = true;
 }
 
-void ArduListener::take_clock(const mavlink::Timesync& message, nanoseconds now) {
+void MavlinkListener::level_by(const Imu& imu, std::optional<double> since_last, nanoseconds now) {
+  if (!state_.armed)
+    level_.update_at_rest(imu);
+  else if (since_last)
+    level_.update(imu, Eigen::Vector3d::Zero(), *since_last);
+  if (now - std::max(started_, wishes_[kAttitude].heard) < kAttitudeGone) return;
+  state_.attitude = level_.attitude();
+  state_.attitude_at = now;
+}
+
+void MavlinkListener::take_clock(const mavlink::Timesync& message, nanoseconds now) {
   if (const auto answer = mavlink::clock_answer(message, now)) {
     to_be_told_ = answer;
   } else if (message.tc1 != 0 && message.ts1 > 0 && message.ts1 <= now.count() + 1) {
@@ -128,7 +143,7 @@ void ArduListener::take_clock(const mavlink::Timesync& message, nanoseconds now)
   }
 }
 
-void ArduListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
+void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
   others_.heard(frame);
   state_.other_client = others_.other_client();
   if (!words_.is_drone(frame.sender)) return;
@@ -136,9 +151,9 @@ void ArduListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
     if (wish.message == frame.id) wish.heard = now;
   if (const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame)) {
     state_.armed = (beat->base_mode & kArmedBit) != 0;
-    state_.override_on = beat->custom_mode == mavlink::kGuidedNoGps;
+    state_.override_on = params_.our_mode ? beat->custom_mode == *params_.our_mode : state_.armed;
     state_.lifted = state_.armed && beat->system_status >= kInAir;
-    state_.status_at = now;
+    heard_beat_at_ = now;
   } else if (const auto fine = mavlink::message_in<mavlink::HighresImu>(frame)) {
     take_sample(mavlink::imu_of(*fine), fine->time_usec, now);
   } else if (const auto coarse = mavlink::message_in<mavlink::RawImu>(frame)) {
@@ -162,6 +177,8 @@ void ArduListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
   } else if (const auto clock = mavlink::message_in<mavlink::Timesync>(frame)) {
     take_clock(*clock, now);
   }
+  const bool holds = now - heard_beat_at_ <= params_.beat_holds;
+  if (holds) state_.status_at = now;
 }
 
 }  // namespace gatefly::live

@@ -6,42 +6,49 @@
 #include <cstdint>
 #include <optional>
 
+#include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/guard/answer_watch.hpp"
 #include "gatefly/link/mavlink.hpp"
+#include "gatefly/link/mavlink_axes.hpp"
 #include "gatefly/link/mavlink_telemetry.hpp"
-#include "gatefly/live/ardu_words.hpp"
 #include "gatefly/live/arrival_clock.hpp"
 #include "gatefly/live/dialect.hpp"
+#include "gatefly/live/mavlink_words.hpp"
 #include "gatefly/live/peer_clock.hpp"
 
 namespace gatefly::live {
 
 /// A set point as sticks are, in ControllerState::sticks, too: mrad/s from 1500, pitch as a stick has it, thousandths of the thrust
 /// from 1000.
-[[nodiscard]] msp::Sticks ardu_sticks(const mavlink::SetAttitudeTarget& target);
+[[nodiscard]] msp::Sticks mavlink_sticks(const mavlink::SetAttitudeTarget& target);
 
-/// Asks an ArduCopter over MAVLink 2 to send what a pilot needs, again when it does not come, and reads it. Bytes in, bytes out: it
+/// Asks an autopilot over MAVLink 2 to send what a pilot needs, again when it does not come, and reads it. Bytes in, bytes out: it
 /// opens no port.
 ///
 /// HIGHRES_IMU, of those that do not have it RAW_IMU, whose stamps are the autopilot's own: samples go to the pilot as regularly as
 /// they were taken. TIMESYNC questions tell that both ways of the line are there, and how old an attitude is that a slow line has held up.
 /// Messages that arrive twice or out of order, as datagrams may, are not taken. Only the drone's autopilot is heard, and who else might fly
-/// it.
-class ArduListener : public Listener {
+/// it. Roll and pitch of one that tells no attitude follow from its IMU.
+class MavlinkListener : public Listener {
  public:
   struct Params {
     int system = 1;
     double imu_hz = 50.0;
     double attitude_hz = 50.0, status_hz = 10.0, battery_hz = 2.0, target_hz = 20.0;  ///< Ours.
+    /// The custom_mode in which it obeys us; nullopt: whenever it is armed, as nobody else flies it.
+    std::optional<std::uint32_t> our_mode = mavlink::kGuidedNoGps;
+    bool asks = true;  ///< For its messages; else it sends what it sends.
+    /// For so long a heartbeat tells whether it is armed, as long as anything else comes.
+    std::chrono::nanoseconds beat_holds{0};
   };
-  explicit ArduListener(const Params& params);
+  explicit MavlinkListener(const Params& params);
 
   [[nodiscard]] link::Bytes request(std::chrono::nanoseconds now) override;
   bool take(link::Bytes bytes, std::chrono::nanoseconds now) override;
   [[nodiscard]] const ControllerState& state() const override { return state_; }
 
  protected:
-  [[nodiscard]] ArduWords& words() { return words_; }
+  [[nodiscard]] MavlinkWords& words() { return words_; }
   /// Asks for the clock; an answer acknowledges the set point that went with the question.
   void ask_clock(link::ByteWriter& out, std::chrono::nanoseconds now, bool beside_set_point);
 
@@ -56,11 +63,12 @@ class ArduListener : public Listener {
 
   void take_frame(const mavlink::Frame& frame, std::chrono::nanoseconds now);
   void take_sample(const Imu& imu, std::uint64_t stamp_us, std::chrono::nanoseconds now);
+  void level_by(const Imu& imu, std::optional<double> since_last, std::chrono::nanoseconds now);
   void take_clock(const mavlink::Timesync& message, std::chrono::nanoseconds now);
   [[nodiscard]] bool wanted(Wishes which, std::chrono::nanoseconds now) const;
 
   Params params_;
-  ArduWords words_;
+  MavlinkWords words_;
   OtherSpeakers others_;
   mavlink::Stream stream_;
   ControllerState state_;
@@ -69,11 +77,13 @@ class ArduListener : public Listener {
   std::array<Wish, 6> wishes_;
   std::chrono::nanoseconds beat_at_ = ControllerState::kNever,
                            clock_asked_at_ = ControllerState::kNever,
-                           started_ = ControllerState::kNever;
+                           started_ = ControllerState::kNever,
+                           heard_beat_at_ = ControllerState::kNever;
   std::optional<std::uint64_t> stamp_;                          ///< Stamp of the last sample [µs].
   std::optional<std::uint32_t> attitude_stamp_, target_stamp_;  ///< Stamps of the last ones [ms].
   std::int64_t last_answered_ = 0;  ///< Time of the last question of a set point that was answered.
   PeerClock clock_;
+  Ahrs level_{AhrsParams{}};                     ///< For one that tells no attitude.
   std::optional<mavlink::Timesync> to_be_told_;  ///< It has asked for our clock.
   bool sampled_ = false;
   std::array<std::uint8_t, 512> room_{};

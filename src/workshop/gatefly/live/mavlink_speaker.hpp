@@ -4,19 +4,19 @@
 #include <array>
 #include <cstdint>
 
-#include "gatefly/live/ardu_listener.hpp"
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/mavlink_listener.hpp"
 
 namespace gatefly::live {
 
-/// How that drone is asked.
-[[nodiscard]] ArduListener::Params ardu_params(const DroneFile& drone, double imu_hz);
+/// How that drone is asked, and when it obeys us.
+[[nodiscard]] MavlinkListener::Params listener_params(const DroneFile& drone, double imu_hz);
 
-/// ArduListener, and it flies: rates and thrust, with a question for the clock beside each, whose answer tells that it has arrived.
-class ArduSpeaker : public ArduListener, public Speaker {
+/// MavlinkListener, and it flies: rates and thrust, with a question for the clock beside each, whose answer tells that it has arrived.
+class MavlinkSpeaker : public MavlinkListener, public Speaker {
  public:
   /// @param drone  outlives it.
-  ArduSpeaker(const DroneFile& drone, double imu_hz);
+  MavlinkSpeaker(const DroneFile& drone, double imu_hz);
   [[nodiscard]] link::Bytes set_point(const Demand& demand, std::chrono::nanoseconds now) override;
   [[nodiscard]] msp::Sticks sticks(const Demand& demand) const override;
 

@@ -12,13 +12,13 @@
 
 namespace gatefly::live {
 
-/// Messages to an ArduCopter, from a companion computer: its own system, component 191. None of it arms, changes the mode or sets a
+/// Messages to an autopilot, from a companion computer: its own system, component 191. None of it arms, changes the mode or sets a
 /// parameter: there is no such word.
-class ArduWords {
+class MavlinkWords {
  public:
   static constexpr std::uint8_t kOurComponent = 191, kAutopilot = 1;
 
-  explicit ArduWords(int system) : system_{static_cast<std::uint8_t>(system)} {}
+  explicit MavlinkWords(int system) : system_{static_cast<std::uint8_t>(system)} {}
 
   void heartbeat(link::ByteWriter& out);
   /// A message, once.
@@ -50,13 +50,13 @@ class ArduWords {
 /// the safety pilot looks.
 class OtherSpeakers {
  public:
-  explicit OtherSpeakers(const ArduWords& us) : us_{us} {}
+  explicit OtherSpeakers(const MavlinkWords& us) : us_{us} {}
   void heard(const mavlink::Frame& frame);
   /// One may be a garbled frame.
   [[nodiscard]] bool other_client() const { return heard_ >= 2; }
 
  private:
-  ArduWords us_;
+  MavlinkWords us_;
   int heard_ = 0;
 };
 

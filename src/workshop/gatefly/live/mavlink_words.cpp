@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/live/ardu_words.hpp"
+#include "gatefly/live/mavlink_words.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,29 +16,29 @@ constexpr int kMostStrange = 1000;
 }  // namespace
 
 template <class Message>
-void ArduWords::say(link::ByteWriter& out, const Message& message) {
+void MavlinkWords::say(link::ByteWriter& out, const Message& message) {
   std::array<std::uint8_t, mavlink::kLongestFrame> frame{};
   const std::size_t size =
       mavlink::encode_message(message, {system_, kOurComponent, sequence_++}, frame);
   out.put_bytes(link::Bytes{frame}.first(size));
 }
 
-void ArduWords::heartbeat(link::ByteWriter& out) {
+void MavlinkWords::heartbeat(link::ByteWriter& out) {
   say(out, mavlink::Heartbeat{.type = kComputerAboard,
                               .autopilot = kNoAutopilot,
                               .system_status = kActive,
                               .mavlink_version = kVersion2});
 }
 
-void ArduWords::ask_once(link::ByteWriter& out, std::uint32_t message) {
+void MavlinkWords::ask_once(link::ByteWriter& out, std::uint32_t message) {
   say(out, mavlink::CommandLong{.param1 = static_cast<float>(message),
                                 .command = kRequestMessage,
                                 .target_system = system_,
                                 .target_component = kAutopilot});
 }
 
-void ArduWords::ask_for(link::ByteWriter& out, std::uint32_t message,
-                        std::chrono::microseconds interval) {
+void MavlinkWords::ask_for(link::ByteWriter& out, std::uint32_t message,
+                           std::chrono::microseconds interval) {
   say(out, mavlink::CommandLong{.param1 = static_cast<float>(message),
                                 .param2 = static_cast<float>(interval.count()),
                                 .command = kSetMessageInterval,
@@ -46,7 +46,7 @@ void ArduWords::ask_for(link::ByteWriter& out, std::uint32_t message,
                                 .target_component = kAutopilot});
 }
 
-void ArduWords::ask_parameter(link::ByteWriter& out, std::string_view name) {
+void MavlinkWords::ask_parameter(link::ByteWriter& out, std::string_view name) {
   mavlink::ParamRequestRead question;
   question.param_index = -1;
   question.target_system = system_;
@@ -56,15 +56,15 @@ void ArduWords::ask_parameter(link::ByteWriter& out, std::string_view name) {
   say(out, question);
 }
 
-void ArduWords::ask_clock(link::ByteWriter& out, std::chrono::nanoseconds now) {
+void MavlinkWords::ask_clock(link::ByteWriter& out, std::chrono::nanoseconds now) {
   say(out, mavlink::clock_question(now));
 }
 
-void ArduWords::answer_clock(link::ByteWriter& out, const mavlink::Timesync& answer) {
+void MavlinkWords::answer_clock(link::ByteWriter& out, const mavlink::Timesync& answer) {
   say(out, answer);
 }
 
-void ArduWords::set_point(link::ByteWriter& out, const mavlink::SetAttitudeTarget& target) {
+void MavlinkWords::set_point(link::ByteWriter& out, const mavlink::SetAttitudeTarget& target) {
   say(out, target);
 }
 
