@@ -67,6 +67,14 @@ TEST(Course, BehindTheLastGateItFliesOnBeforeItIsDone) {
   EXPECT_EQ(course.passed(), 4) << "and passes no other gate";
 }
 
+TEST(Course, WhereNoWayLeadsOnBehindTheLastGateItIsDoneThere) {
+  Track track = two_gates();
+  track.laps = 1;
+  Course course{track, {}};
+  for (int gate = 0; gate < 2; ++gate) (void)fly_through(course, Straight{}, 0.2);
+  EXPECT_TRUE(course.finished() && course.ran_out());
+}
+
 TEST(Course, ProgressFollowsTheDroneAndNeverLeapsToAnotherPart) {
   Course course{two_gates(), {}};
   const Path path = course.path();

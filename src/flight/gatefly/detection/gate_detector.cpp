@@ -70,7 +70,7 @@ GatesInView GateDetector::look(const Image& image, const ColorModel& color,
   if (look_for.part == LookFor::Part::kNo) return view;
   if (look_for.part == LookFor::Part::kWithoutGate && !gates_.empty()) return view;
   view.part = part(image);
-  if (is_paper()) return view;  // no corners to compare
+  if (!parts_have_corners()) return view;  // none to compare
   view.openings = searches_->openings.detect(image, searches_->color);
   const auto is_part_of = [&](const GateDetection& gate) {
     return view.part && same_place(gate.corners_px, view.part->gate.corners_px);

@@ -75,6 +75,9 @@ class GateDetector {
   [[nodiscard]] GatesInView look(const Image& image, const ColorModel& color,
                                  const LookFor& look_for = {}) &;
 
+  /// False of the paper's detectors: a part is two columns of a picture, without corners to answer with.
+  [[nodiscard]] bool parts_have_corners() const { return !is_paper(); }
+
  private:
   struct Searches;
 

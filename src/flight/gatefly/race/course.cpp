@@ -66,7 +66,7 @@ const Path& Course::path() const {
 }
 
 bool Course::follow(const NavigationState& now, const Phase& phase) {
-  if ((finished() && by_exits_) || std::holds_alternative<OnGround>(phase)) return false;
+  if (std::holds_alternative<OnGround>(phase) || (finished() && !leads_on())) return false;
   const double total = path().length();
   const Stop* next = stop();
   const double most = next != nullptr ? next->s : total + 0.5;
@@ -106,8 +106,11 @@ bool Course::pass_gate() {
 bool Course::ran_out() const {
   double wanted = params_.run_out;
   if (const Stop* next = stop()) wanted = std::min(wanted, next->s - params_.stopped_within);
-  return finished() && (by_exits_ || progress_ >= wanted);
+  return finished() && (!leads_on() || progress_ >= wanted);
 }
+
+// Of a single lap no leg leads away from the last gate.
+bool Course::leads_on() const { return !by_exits_ && plan_.legs.size() == track_.gates.size(); }
 
 const Stop* Course::stop() const {
   const auto& stops = path().stops;

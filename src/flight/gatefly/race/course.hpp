@@ -43,7 +43,7 @@ class Course {
   [[nodiscard]] int target() const { return target_; }
   [[nodiscard]] int passed() const { return passed_; }
   [[nodiscard]] bool finished() const { return passed_ >= total_; }
-  /// Finished, and clear of the last gate: a piece of the way behind it is flown.
+  /// Finished, and clear of the last gate: a piece of the way behind it is flown, where there is one.
   [[nodiscard]] bool ran_out() const;
   [[nodiscard]] const Path& path() const;                      ///< To the target.
   [[nodiscard]] double progress() const { return progress_; }  ///< Metres along path().
@@ -64,6 +64,8 @@ class Course {
  private:
   Course(const Track& track, RacePlan plan, const CourseParams& params);
   bool pass_gate();
+  /// There is a planned way behind the last gate.
+  [[nodiscard]] bool leads_on() const;
   [[nodiscard]] bool has_stopped(const Stop& stop, const NavigationState& now) const;
 
   Track track_;

@@ -7,37 +7,12 @@
 #include "gatefly/control/attitude_rates.hpp"
 #include "gatefly/control/indi.hpp"
 #include "gatefly/geometry/math.hpp"
-#include "gatefly/race/course.hpp"
-#include "gatefly/race/guidance.hpp"
+#include "gatefly/race/chosen.hpp"
 #include "gatefly/race/intake.hpp"
-#include "gatefly/race/lookout.hpp"
-#include "gatefly/race/map_lookout.hpp"
-#include "gatefly/race/paper/paper_guidance.hpp"
-#include "gatefly/race/paper/paper_lookout.hpp"
 #include "gatefly/race/part_params.hpp"
 
 namespace gatefly {
 namespace {
-
-using EitherLookout = std::variant<Lookout, PaperLookout, MapLookout>;
-using EitherGuidance = std::variant<Guidance, PaperGuidance>;
-
-Course course_of(const PilotConfig& config) {
-  if (config.control_scheme == Scheme::kPaper) return Course::by_exits(config.track);
-  return {config.track, config.plan};
-}
-
-EitherLookout lookout_of(const PilotConfig& config) {
-  if (config.pose_scheme == Scheme::kPaper) return PaperLookout{lookout_params(config)};
-  if (filter_model(config) == FilterModel::kOurs) return MapLookout{lookout_params(config)};
-  return Lookout{lookout_params(config)};
-}
-
-EitherGuidance guidance_of(const PilotConfig& config) {
-  if (config.control_scheme == Scheme::kOurs) return Guidance{guidance_params(config)};
-  return PaperGuidance{config.paper_control, guidance_params(config), config.filter.model.drag.x(),
-                       config.imu_hz};
-}
 
 // By way of an autopilot thrust comes as late as everything else.
 VehicleParams rotors_as_felt(const PilotConfig& config) {
@@ -64,18 +39,18 @@ bool is_resting(const Phase& phase) {
 struct Pilot::Parts {
   explicit Parts(const PilotConfig& config)
       : intake{config.imu_hz},
-        lookout{lookout_of(config)},
+        lookout{config},
         course{course_of(config)},
-        guidance{guidance_of(config)},
+        guidance{config},
         output{config.output},
         vehicle{config.vehicle},
         indi{indi_params(config), config.vehicle},
         rates{config.rates, config.indi.max_yaw_rate} {}
 
   Intake intake;
-  EitherLookout lookout;
+  ChosenLookout lookout;
   Course course;
-  EitherGuidance guidance;
+  ChosenGuidance guidance;
   Output output;
   VehicleParams vehicle;
   Indi indi;            ///< One of these two turns
@@ -131,10 +106,8 @@ void Pilot::navigate(const Sensors& sensors) {
 }
 
 void Pilot::look(const Sensors& sensors) {
-  const bool looking =
-      std::visit([&](const auto& g) { return g.uses_pictures(phase_); }, parts_->guidance);
-  std::visit([&](auto& l) { l.look(sensors, looking, parts_->course, navigator_); },
-             parts_->lookout);
+  const bool looking = parts_->guidance.uses_pictures(phase_);
+  parts_->lookout.look(sensors, looking, parts_->course, navigator_);
 }
 
 const SensorHealth& Pilot::health() const { return parts_->intake.health(); }
@@ -144,17 +117,14 @@ int Pilot::target_gate() const { return parts_->course.target(); }
 const RacePlan& Pilot::plan() const { return parts_->course.plan(); }
 
 std::optional<eskf::Monitor::Verdict> Pilot::divergence() const {
-  const auto* lookout = std::get_if<MapLookout>(&parts_->lookout);
-  return lookout != nullptr ? lookout->monitor().verdict() : std::nullopt;
+  const eskf::Monitor* monitor = parts_->lookout.monitor();
+  return monitor != nullptr ? monitor->verdict() : std::nullopt;
 }
 
-const Sighting& Pilot::sighting() const {
-  return std::visit([](const auto& l) -> const Sighting& { return l.sighting(); }, parts_->lookout);
-}
+const Sighting& Pilot::sighting() const { return parts_->lookout.sighting(); }
 
 AttitudeCommand Pilot::guide() {
-  return std::visit([&](auto& g) { return g.command(phase_, navigator_.state(), parts_->course); },
-                    parts_->guidance);
+  return parts_->guidance.command(phase_, navigator_.state(), parts_->course);
 }
 
 void Pilot::follow_course() {
@@ -196,13 +166,9 @@ Situation Pilot::situation() {
   if (const Stop* stop = parts_->course.stop()) s.to_stop = stop->s - parts_->course.progress();
   s.room_before = parts_->course.room_before();
   s.since_gate = now.time - passed_at_;
-  std::visit(
-      [&](const auto& g) {
-        s.turn_ahead = g.turn_ahead(now, parts_->course);
-        s.gate_y_ahead = g.lateral_at_gate(now, parts_->course);
-        s.forward_speed = g.entry_speed(now);
-      },
-      parts_->guidance);
+  s.turn_ahead = parts_->guidance.turn_ahead(now, parts_->course);
+  s.gate_y_ahead = parts_->guidance.lateral_at_gate(now, parts_->course);
+  s.forward_speed = parts_->guidance.entry_speed(now);
   s.gate_x = now.p_GB.x();
   s.gate_y = now.p_GB.y();
   s.lateral_sigma = now.lateral_sigma;
@@ -214,9 +180,8 @@ Situation Pilot::situation() {
   s.since_fix = now.since_fix;
   s.since_imu = now.since_imu;
   s.imu_stuck = parts_->intake.imu_stuck();
-  const auto* eyes = std::get_if<MapLookout>(&parts_->lookout);
-  if (eyes != nullptr && std::holds_alternative<Search>(phase_))
-    s.shows_whole = eyes->would_show_whole(parts_->course.gate(), now.p_GB);
+  if (std::holds_alternative<Search>(phase_))
+    s.shows_whole = parts_->lookout.would_show_whole(parts_->course.gate(), now.p_GB);
   s.tilt = acos(now.R_EB.matrix(2, 2));
   return s;
 }
@@ -235,7 +200,7 @@ double Pilot::drift_sigma(const NavigationState& now) {
 Command Pilot::command(const AttitudeCommand& attitude) {
   if (is_resting(phase_)) {
     parts_->indi.reset(), parts_->rates.reset();
-    std::visit([](auto& g) { g.reset(); }, parts_->guidance);
+    parts_->guidance.reset();
     return {.attitude = attitude};
   }
   const NavigationState now = navigator_.state();

@@ -7,8 +7,7 @@ std::vector<GateDetection> gates_in_picture(const Image& image, GateDetector& de
                                             const PilotConfig& config, bool all) {
   LookFor look_for{.gates = all ? LookFor::Gates::kAll : LookFor::Gates::kBest,
                    .part = all ? LookFor::Part::kToo : LookFor::Part::kWithoutGate};
-  if (config.detector_mode == DetectorMode::kPaper || config.detector_mode == DetectorMode::kFlown)
-    look_for.part = LookFor::Part::kNo;  // two columns of a picture: no corners to answer with
+  if (!detector.parts_have_corners()) look_for.part = LookFor::Part::kNo;
   const GatesInView view = detector.look(image, config.gate_color, look_for);
   std::vector<GateDetection> gates(view.gates.begin(), view.gates.end());
   if (view.part) gates.push_back(view.part->gate);
