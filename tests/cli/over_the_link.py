@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Races that `gatefly run` flies behind a flight controller's program and `gatefly link-sim`, one seed after another, in real time; leave both cores to it.
 
-usage: over_the_link.py GATEFLY REPOSITORY_ROOT FAKE_BETAFLIGHT CONTROLLER [--memory eeprom.bin | --arducopter] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
+usage: over_the_link.py GATEFLY REPOSITORY_ROOT FAKE_BETAFLIGHT CONTROLLER [--memory eeprom.bin | --arducopter | --ts002] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
                         [--loss 0.02] [--reorder 0.02] [--ahead 'chrt -f 20'] [--kept FILE]
     FAKE_BETAFLIGHT  tests/fake_betaflight of the build, which signs drone files
-    CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter
+    CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter; with --ts002
+                     link-sim speaks TS-002 and there is none: any word
     --kept           a file to which every race is added, a line of JSON; races that are in it are not flown again
 Exit code 0: all finished and landed; 1: not.
 """
@@ -17,13 +18,14 @@ import statistics
 import sys
 import tempfile
 
-from simulated import ArduCopter, Simulated, ended
+from simulated import ArduCopter, Simulated, Ts002, ended
 
 
 def flown(drone, file, options, seed):
     limit = ["--time-limit", options.time_limit]
     trouble = ["--loss", options.loss, "--reorder", options.reorder]
-    world = drone.world("--seed", seed, "--json", "--log", drone.folder / "truth.csv", *limit, *trouble)
+    round_two = ["--second-round"] if options.second_round else []
+    world = drone.world(*round_two, "--seed", seed, "--json", "--log", drone.folder / "truth.csv", *limit, *trouble)
     says = drone.folder / "run.txt"
     with says.open("w", encoding="utf-8") as heard:
         pilot = drone.run("--drone", file, "--json", *limit, "--out", drone.folder / "flight", stderr=heard)
@@ -52,6 +54,8 @@ def main():
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--memory", default="")
     kind.add_argument("--arducopter", action="store_true")
+    kind.add_argument("--ts002", action="store_true")
+    parser.add_argument("--second-round", action="store_true", help="of TS-002: no ATTITUDE")
     parser.add_argument("--track", default="oval")
     parser.add_argument("--camera", default="")
     parser.add_argument("--first-seed", type=int, default=4901)
@@ -71,6 +75,8 @@ def main():
         def controller():
             own = pathlib.Path(tempfile.mkdtemp(dir=folder))
             around = {"track": options.track, "camera": options.camera, "ahead": options.ahead.split()}
+            if options.ts002:
+                return Ts002(resolved["gatefly"], resolved["root"], own, **around)
             if options.arducopter:
                 return ArduCopter(resolved["gatefly"], resolved["root"], own, resolved["controller"], resolved["fake"], **around)
             which = {"betaflight": resolved["controller"], "memory": options.memory} if options.memory else {"fake": resolved["controller"]}
@@ -83,7 +89,7 @@ def main():
                 file = pathlib.Path(folder) / "drone.toml"
                 shutil.copy(made, file)
             finally:
-                ended(drone.controller)
+                drone.end()
         for seed in range(options.first_seed, options.first_seed + options.runs):
             if any(race["seed"] == seed for race in races):
                 continue
@@ -91,7 +97,7 @@ def main():
             try:
                 race = flown(drone, file, options, seed)
             finally:
-                ended(drone.controller)
+                drone.end()
             if options.keep_folders:
                 shutil.copytree(drone.folder, pathlib.Path(options.keep_folders) / str(seed), dirs_exist_ok=True)
             races.append(race)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drone in a simulator, as `gatefly run` and `bench-drone` have one: a flight controller that runs as a program, and `gatefly link-sim` around it. The
 controller is a fake that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), or Betaflight's own simulator target, set up as
-tests/live/betaflight_4_5.txt says.
+tests/live/betaflight_4_5.txt says; or ArduCopter's; or none, where link-sim speaks TS-002 itself.
 """
 import os
 import pathlib
@@ -85,6 +85,10 @@ class Simulated:
             raise
         return process
 
+    def end(self):
+        """Ends the controller."""
+        ended(self.controller)
+
     def heard(self):
         """All that link-sim has said so far."""
         return (self.folder / "world.txt").read_text(encoding="utf-8")
@@ -157,3 +161,20 @@ class ArduCopter(Simulated):
         signed = self.folder / "drone.toml"
         signed.write_text(f'{content}\n[hand_over_test]\npassed = "{mark}"\n', encoding="utf-8")
         return signed, f"seed {seed}: not flown for it"
+
+
+class Ts002(Simulated):
+    """link-sim as a simulator of TS-002, without a controller beside it."""
+
+    def __init__(self, gatefly, root, folder, track="oval", camera="", ahead=()):
+        self._around(gatefly, root, folder, track, camera, ahead)
+        self.configs = ["--config", "archer-b2", "--config", "ts002", *camera_words(camera or "grandprix")]
+        line, = free_ports(1, socket.SOCK_DGRAM)
+        self.world_words = ["--autopilot", "ts-002", "--mavlink", line]
+        self.link = ["--link", f"mavlink:udpin:127.0.0.1:{line}"]
+
+    def end(self):
+        pass
+
+    def benched(self, seed):
+        return self.root / "tests" / "live" / "ts002.toml", f"seed {seed}: nobody hands it over"
