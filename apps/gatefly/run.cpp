@@ -289,6 +289,13 @@ live::Introduced introduced(const live::LinkUri& uri, const live::DroneFile& dro
   return met;
 }
 
+/// The pilot's plan, before anything is opened.
+RacePlan plan_of(const Course& course) try {
+  return Pilot{course.pilot}.plan();
+} catch (const std::invalid_argument& error) {
+  throw std::runtime_error(std::string{"the track cannot be flown: "} + error.what());
+}
+
 live::FlightDeck::Params deck_params(const RunOptions& options, const Course& course,
                                      const live::DroneFile& drone) {
   constexpr double kAside = 3.0, kAbove = 1.5;  // of the fence [m]
@@ -296,7 +303,7 @@ live::FlightDeck::Params deck_params(const RunOptions& options, const Course& co
   params.hand_over.least_battery_v = drone.least_battery_v;
   params.hand_over.flight =
       std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * options.time_limit_s)};
-  params.fence = live::fence_around(course.pilot.track, kAside, kAbove);
+  params.fence = live::fence_around(course.pilot.track, plan_of(course), kAside, kAbove);
   params.hand_over_tested = true;  // expect_to_fly() has asked
   return params;
 }
@@ -327,9 +334,10 @@ int run(const RunOptions& options) {
       live::listen(*queries, wires, clock);
     };
   } else {
+    const live::FlightDeck::Params deck = deck_params(options, course, *drone);
     // Its second process before anything else is open: that would be open there, too.
-    const auto flying = std::make_shared<Flying>(introduced(link, *drone, course, false), *drone,
-                                                 deck_params(options, course, *drone));
+    const auto flying =
+        std::make_shared<Flying>(introduced(link, *drone, course, false), *drone, deck);
     work = [flying](live::Wires& wires, const live::RunClock& clock) {
       live::fly(flying->link, flying->deck, flying->keeper, wires, clock, interrupted);
     };

@@ -4,9 +4,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "gatefly/config/track_file.hpp"
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/live/msp_speaker.hpp"
 
@@ -171,13 +173,30 @@ TEST_F(Flight, WithoutAHandOverTestNothingIsEverSent) {
 TEST(FenceAround, HoldsTheCourseAndALittleMoreButNotMoreThanTheRoom) {
   Track track;
   track.gates.push_back({.p_EG = {4, -2, -1.5}});
-  const Fence fence = fence_around(track, 3.0, 1.5);
+  const Fence fence = fence_around(track, {}, 3.0, 1.5);
   EXPECT_TRUE(fence.holds({6.9, 0, -2.9}));
   EXPECT_TRUE(fence.holds({-2.9, 2.9, 0}));
   EXPECT_FALSE(fence.holds({7.1, 0, -1}));
   EXPECT_FALSE(fence.holds({0, 0, -3.1}));
   track.ceiling = 2.5;
-  EXPECT_FALSE(fence_around(track, 3.0, 1.5).holds({0, 0, -2.6}));
+  EXPECT_FALSE(fence_around(track, {}, 3.0, 1.5).holds({0, 0, -2.6}));
+}
+
+TEST(FenceAround, ThePlannedWayIsInsideEvenWhereItTurnsFarBehindAGate) {
+  for (const char* name : {"oval", "showroom", "aigp-pq", "grandprix", "wide"}) {
+    SCOPED_TRACE(name);
+    const Track track = config::read_track(config::find_track(name), {}).track;
+    const RacePlan plan = plan_race(track, {});
+    const Fence fence = fence_around(track, plan, 3.0, 1.5);
+    std::vector<Path> ways = plan.legs;
+    ways.push_back(plan.start);
+    for (const Path& way : ways)
+      for (double s = 0.0; s < way.length(); s += 0.5) {
+        const Eigen::Vector2d p = way.at(s).position;
+        for (const Eigen::Vector2d& off : {Eigen::Vector2d{1.4, 0}, {-1.4, 0}, {0, 1.4}, {0, -1.4}})
+          EXPECT_TRUE(fence.holds({p.x() + off.x(), p.y() + off.y(), way.z_at(s)})) << s;
+      }
+  }
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ bool Fence::holds(const Eigen::Vector3d& p_EB) const {
   return (p >= low.array()).all() && (p <= high.array()).all() && -p_EB.z() <= height;
 }
 
-Fence fence_around(const Track& track, double aside, double above) {
+Fence fence_around(const Track& track, const RacePlan& plan, double aside, double above) {
   Fence fence{.low = track.start.head<2>(), .high = track.start.head<2>()};
   for (const MapGate& gate : track.gates) {
     fence.low = fence.low.cwiseMin(gate.p_EG.head<2>());
@@ -35,6 +35,17 @@ Fence fence_around(const Track& track, double aside, double above) {
     fence.height = std::max(fence.height, above - gate.p_EG.z());
   }
   fence.low.array() -= aside, fence.high.array() += aside;
+  const auto holds = [&](const Path& path) {
+    constexpr double kStep = 0.1;  // [m]
+    for (double s = 0.0; s < path.length(); s += kStep) {
+      const Eigen::Vector2d p = path.at(s).position;
+      fence.low = fence.low.cwiseMin((p.array() - 0.5 * aside).matrix());
+      fence.high = fence.high.cwiseMax((p.array() + 0.5 * aside).matrix());
+      fence.height = std::max(fence.height, 0.5 * above - path.z_at(s));
+    }
+  };
+  holds(plan.start);
+  for (const Path& leg : plan.legs) holds(leg);
   if (track.ceiling > 0.0) fence.height = std::min(fence.height, track.ceiling);
   return fence;
 }

@@ -8,6 +8,7 @@
 #include "gatefly/guard/hand_over.hpp"
 #include "gatefly/live/dialect.hpp"
 #include "gatefly/live/wires.hpp"
+#include "gatefly/race/path.hpp"
 #include "gatefly/race/track.hpp"
 
 namespace gatefly::live {
@@ -21,8 +22,10 @@ struct Fence {
   double height = 0.0;                                                            ///< [m]
   [[nodiscard]] bool holds(const Eigen::Vector3d& p_EB) const;
 };
-/// So far around gates and start, and so far above the highest gate's centre, but not above the room [m].
-[[nodiscard]] Fence fence_around(const Track& track, double aside, double above);
+/// So far around gates and start, and half as far around the planned way; so far above the highest gate's centre and half as far above the
+/// way, but not above the room [m].
+[[nodiscard]] Fence fence_around(const Track& track, const RacePlan& plan, double aside,
+                                 double above);
 
 /// All that is needed to bring a drone down. It is copied from one process to the other byte by byte.
 struct EndingState {
