@@ -90,6 +90,9 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
     throw std::runtime_error("--camera " + options.camera + ": a recording is no camera");
   const config::Config config = load(options.common);
   const live::DroneFile drone = live::read_drone(options.hand_over);
+  if (drone.ts002)
+    throw std::runtime_error(options.hand_over +
+                             ": a TS-002 simulator needs no hand-over test: gatefly run flies it");
   if (drone.ardu || link.mavlink)
     throw std::runtime_error(options.hand_over +
                              ": there is no hand-over test for an ArduCopter yet; look on with "

@@ -111,6 +111,8 @@ int simulate_link(const LinkSimOptions& options) {
     params.radio.hand_over = 3.0;
   }
   if (options.controller == "ts-002") {
+    if (!options.bench.empty())
+      throw std::runtime_error("--bench: TS-002 has no bench; nobody hands its drone over");
     params.autopilot = link_sim::Autopilot::kTs002;
     params.tells_attitude = !options.second_round;
     // Nobody but the program flies it: armed is handed over.

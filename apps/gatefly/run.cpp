@@ -24,6 +24,7 @@
 #include "gatefly/live/linked.hpp"
 #include "gatefly/live/run_recorder.hpp"
 #include "gatefly/live/session.hpp"
+#include "gatefly/race/chosen.hpp"
 #include "gatefly/tasks/flight_inputs.hpp"
 
 #include "commands.hpp"
@@ -291,7 +292,7 @@ live::Introduced introduced(const live::LinkUri& uri, const live::DroneFile& dro
 
 /// The pilot's plan, before anything is opened.
 RacePlan plan_of(const Course& course) try {
-  return Pilot{course.pilot}.plan();
+  return gatefly::course_of(course.pilot).plan();
 } catch (const std::invalid_argument& error) {
   throw std::runtime_error(std::string{"the track cannot be flown: "} + error.what());
 }
@@ -303,6 +304,11 @@ live::FlightDeck::Params deck_params(const RunOptions& options, const Course& co
   params.hand_over.least_battery_v = drone.least_battery_v;
   params.hand_over.flight =
       std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 * options.time_limit_s)};
+  // A simulator that has gone, or that never disarms, leaves nobody in the air.
+  if (drone.ts002) {
+    params.hand_over.gone = live::kSimulatorGone;
+    params.hand_over.ending = live::kSimulatorEnds;
+  }
   params.fence = live::fence_around(course.pilot.track, plan_of(course), kAside, kAbove);
   params.hand_over_tested = true;  // expect_to_fly() has asked
   return params;
@@ -401,7 +407,8 @@ void declare_run(Command& command) {
       "out/shadow\n"
       "  gatefly run oval --shadow --camera file:out/oval-1 --link 'replay:out/oval-1?pace=0'\n\n"
       "With --shadow everything runs and nothing is sent but questions. Without it, a drone flies "
-      "whose hand-over test\nhas passed with this program (gatefly bench-drone --hand-over).\n"
+      "whose hand-over test\nhas passed with this program (gatefly bench-drone --hand-over), or a "
+      "TS-002 simulator's.\n"
       "The folder of --out is one that replay flies again.\n"
       "Exit code 0: done; 1: link, camera or recording failed on the way; 2: unusable arguments, "
       "file or drone; 130: Ctrl-C.");

@@ -60,6 +60,22 @@ TEST(HandOver, WhateverFailsInFlightEndsItWithItsReasonInTheSamePeriod) {
   EXPECT_EQ(ends([](Situation& s) { s.height_age = 9s, s.time = 15s; }), Reason::kHeightLost);
 }
 
+TEST(HandOver, OnlyOfASimulatorIsAnEndingGivenUp) {
+  const HandOver ending{.phase = Phase::kEnding, .reason = Reason::kTold, .since = 5s};
+  HandOverParams simulator = kHandOver;
+  simulator.gone = 5s, simulator.ending = 30s;
+  Situation now = in_flight();
+  now.time = 30s;
+  EXPECT_EQ(next(ending, now, simulator).phase, Phase::kEnding);
+  now.status_age = 6s;
+  EXPECT_EQ(next(ending, now, simulator).phase, Phase::kOver) << "it has gone";
+  EXPECT_EQ(next(ending, now, kHandOver).phase, Phase::kEnding);
+  now.status_age = 50ms, now.time = 36s;
+  EXPECT_EQ(next(ending, now, simulator).phase, Phase::kOver) << "it never disarms";
+  now.time = 1h;
+  EXPECT_EQ(next(ending, now, kHandOver).phase, Phase::kEnding) << "somebody may be in the air";
+}
+
 TEST(HandOver, ThePilotsSwitchWinsInEveryPhase) {
   Situation now = in_flight();
   now.override_on = false;

@@ -94,6 +94,17 @@ TEST(SetPoints, AVelocityIsThatOfTheEarthOrOfTheHeading) {
   EXPECT_LT((east.place.v_E - Eigen::Vector3d{0, 1.5, -0.5}).norm(), 0.05);
 }
 
+TEST(SetPoints, AnAxisOfTheHeadingThatIsIgnoredIsNotBraked) {
+  SetPositionTargetLocalNed ahead = mavlink::velocity_target({}, {1.5, 0, 0}, 0.0, {});
+  ahead.coordinate_frame = 8;
+  ahead.type_mask |= 1024 | 16;  // the heading, and the velocity to the right
+  Known is = at_rest(kPi / 2);
+  is.place.v_E = {-1.0, 0, 0};  // to the right
+  const Known then = after(4.0, ahead, is);
+  EXPECT_NEAR(then.place.v_E.y(), 1.5, 0.05);
+  EXPECT_NEAR(then.place.v_E.x(), -1.0, 0.2);
+}
+
 TEST(SetPoints, AnAccelerationAloneIsNotBraked) {
   SetPositionTargetLocalNed target;
   target.afx = 1.0f;

@@ -113,6 +113,37 @@ TEST(Ts002Speaker, WithoutAnAttitudeRollAndPitchFollowFromTheImu) {
   EXPECT_GT(speaker.state().attitude_at, after(t - 0.02));
 }
 
+TEST(Ts002Speaker, WhoHearsItInTheAirFirstDoesNotKnowWhatIsLevel) {
+  const DroneFile drone = ts002_drone();
+  MavlinkSpeaker speaker{drone, 120.0};
+  (void)speaker.request(0s);
+  (void)speaker.take(said(mavlink::Heartbeat{.base_mode = 128}), 0s);
+  for (int i = 0; i < 500; ++i)
+    (void)speaker.take(said(imu(0.01 * i, kStill, kUpright)), after(0.01 * i));
+  EXPECT_EQ(speaker.state().attitude_at, ControllerState::kNever);
+}
+
+TEST(Ts002Speaker, OnlyASimulatorsAttitudeFollowsFromItsImu) {
+  const DroneFile drone =
+      read_drone(support::source_folder() / "tests" / "live" / "fake_arducopter.toml");
+  MavlinkSpeaker speaker{drone, 100.0};
+  (void)speaker.request(0s);
+  (void)speaker.take(said(mavlink::Heartbeat{.autopilot = 3, .base_mode = 0}), 0s);
+  for (int i = 0; i < 500; ++i)
+    (void)speaker.take(said(imu(0.01 * i, kStill, kUpright)), after(0.01 * i));
+  EXPECT_EQ(speaker.state().attitude_at, ControllerState::kNever) << "nothing is turned then";
+}
+
+TEST(Ts002Speaker, ARealAutopilotThatComesLaterIsSomebodyElse) {
+  const DroneFile drone = ts002_drone();
+  MavlinkSpeaker speaker{drone, 120.0};
+  (void)speaker.take(said(mavlink::Heartbeat{.autopilot = 8}), 1s);
+  EXPECT_FALSE(speaker.state().other_client);
+  (void)speaker.take(said(mavlink::Heartbeat{.autopilot = 12}), 2s);
+  (void)speaker.take(said(mavlink::Heartbeat{.autopilot = 0}), 3s);
+  EXPECT_TRUE(speaker.state().other_client);
+}
+
 TEST(Ts002Speaker, WhatHoversIsWhatTheFileSays) {
   const DroneFile drone = ts002_drone();
   EXPECT_NEAR(drone.thrust_part(kGravity, 0.9), 0.16, 1e-9) << "it adds nothing when it is tilted";

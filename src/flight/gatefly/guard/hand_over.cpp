@@ -136,6 +136,8 @@ HandOver next(const HandOver& state, const Situation& now, const HandOverParams&
       // An old status does not tell where the pilot's switch is now.
       if (taken_back(now) && now.status_age <= params.status)
         return entered(Phase::kOver, before.reason, before, now);
+      if (now.status_age > params.gone || now.time - before.since > params.ending)
+        return entered(Phase::kOver, before.reason, before, now);
       return before;
     case Phase::kOver:
       return before;

@@ -83,6 +83,9 @@ struct HandOverParams {
   std::chrono::nanoseconds height = std::chrono::seconds{8};
   std::chrono::nanoseconds brake = std::chrono::seconds{1};
   std::chrono::nanoseconds flight = std::chrono::minutes{8};
+  /// An ending is given up when nothing has told for so long whether it is armed, or after so long: never, of a real drone.
+  std::chrono::nanoseconds gone = std::chrono::nanoseconds::max(),
+                           ending = std::chrono::nanoseconds::max();
   int neutral_frames = 40;     ///< Before the override may be switched on.
   double tilt = 1.05;          ///< [rad], 60°.
   double least_battery_v = 0;  ///< 0: not looked at.

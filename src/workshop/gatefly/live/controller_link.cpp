@@ -93,6 +93,9 @@ Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_list
   if (uri.mavlink != drone.by_mavlink())
     throw std::runtime_error(drone.path.string() + ": is a drone for --link " +
                              (drone.by_mavlink() ? "mavlink:" : "msp:"));
+  if (drone.ts002 && uri.kind == LinkUri::Kind::kSerial)
+    throw std::runtime_error(drone.path.string() +
+                             ": TS-002 is a simulator's, over UDP or TCP: no serial line");
   Port port = opened(uri);
   const auto named = [&](const std::string& text) {
     return text.starts_with(port.name()) ? text : port.name() + ": " + text;

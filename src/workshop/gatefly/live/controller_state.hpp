@@ -16,7 +16,7 @@ struct ControllerState {
   Imu imu;
   gatefly::Attitude attitude;
   bool armed = false;
-  /// Our commands are in effect: MSP OVERRIDE, or the mode GUIDED_NOGPS.
+  /// Our commands are in effect: MSP OVERRIDE, the mode GUIDED_NOGPS, or armed, of a TS-002 simulator.
   bool override_on = false;
   bool lifted = false;     ///< Somebody flies it, as far as it tells.
   msp::Sticks sticks;      ///< The sticks it flies by, from the radio or from us.

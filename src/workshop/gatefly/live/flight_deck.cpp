@@ -35,7 +35,7 @@ Fence fence_around(const Track& track, const RacePlan& plan, double aside, doubl
     fence.height = std::max(fence.height, above - gate.p_EG.z());
   }
   fence.low.array() -= aside, fence.high.array() += aside;
-  const auto holds = [&](const Path& path) {
+  const auto include = [&](const Path& path) {
     constexpr double kStep = 0.1;  // [m]
     for (double s = 0.0; s < path.length(); s += kStep) {
       const Eigen::Vector2d p = path.at(s).position;
@@ -44,8 +44,8 @@ Fence fence_around(const Track& track, const RacePlan& plan, double aside, doubl
       fence.height = std::max(fence.height, 0.5 * above - path.z_at(s));
     }
   };
-  holds(plan.start);
-  for (const Path& leg : plan.legs) holds(leg);
+  include(plan.start);
+  for (const Path& leg : plan.legs) include(leg);
   if (track.ceiling > 0.0) fence.height = std::min(fence.height, track.ceiling);
   return fence;
 }

@@ -16,6 +16,10 @@ namespace gatefly::live {
 /// Set points come so often: what MSP at 115,200 baud bears beside the questions.
 inline constexpr std::chrono::nanoseconds kStickPeriod = std::chrono::milliseconds{25};
 
+/// A TS-002 simulator that is silent for longer has gone; and no ending of its drone lasts longer.
+inline constexpr std::chrono::nanoseconds kSimulatorGone = std::chrono::seconds{5},
+                                          kSimulatorEnds = std::chrono::seconds{30};
+
 /// The box around the map that the drone must not leave.
 struct Fence {
   Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();  ///< [m]

@@ -61,12 +61,12 @@ LastWords listened(int line) {
   }
 }
 
-/// Brakes, descends, until somebody has the drone.
-void bring_down(LinkCommands& link, EndingState ending, double brake) {
+/// Brakes, descends, until somebody has the drone, or until `ends`.
+void bring_down(LinkCommands& link, EndingState ending, double brake, nanoseconds ends) {
   const RunClock clock;
   double ending_for = ending.ending_for;
   const double period = seconds(kStickPeriod);
-  for (nanoseconds next{0}; !link.broken(); next += kStickPeriod) {
+  for (nanoseconds next{0}; !link.broken() && next < ends; next += kStickPeriod) {
     const ControllerState& state = link.state();
     const bool knows = clock.now() - state.status_at < 1s;
     if (knows && (!state.armed || !state.override_on)) return;
@@ -106,7 +106,8 @@ void bring_down(LinkCommands& link, EndingState ending, double brake) {
   ::close(line);
   LinkCommands link = commands_on(Port{port, "keeper"}, drone, known);
   link.report_to(witness);
-  bring_down(link, *last.ending, seconds(brake));
+  const nanoseconds ends = drone.ts002 ? kSimulatorEnds : nanoseconds::max();
+  bring_down(link, *last.ending, seconds(brake), ends);
   _exit(0);
 }
 

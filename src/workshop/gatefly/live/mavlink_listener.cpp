@@ -17,7 +17,11 @@ constexpr std::uint16_t kUnknownVoltage = 65535;
 constexpr nanoseconds kBeatEvery = 500ms, kClockEvery = 200ms;
 constexpr nanoseconds kAskAgain = 500ms;   ///< Interval for repeating a request without answer.
 constexpr nanoseconds kFineImuGone = 1s;   ///< Then the coarse one will do.
-constexpr nanoseconds kAttitudeGone = 1s;  ///< Then roll and pitch follow from the IMU.
+constexpr nanoseconds kAttitudeGone = 1s;  ///< Then roll and pitch follow from the IMU ...
+constexpr int kRestSamples = 60;           ///< ... of which it has seen so many at rest.
+/// For so long a heartbeat of TS-002 tells whether it is armed, as long as anything else comes.
+constexpr nanoseconds kBeatHolds = 3s;
+constexpr std::uint8_t kGeneric = 0, kInvalid = 8;  // MAV_AUTOPILOT: none that is known
 
 nanoseconds interval_of(double hz) { return nanoseconds{std::llround(1e9 / hz)}; }
 
@@ -41,6 +45,14 @@ msp::Sticks sticks_of(const Eigen::Vector3d& rates_B, double thrust) {
           .throttle = channel(1000 + 1e3 * thrust)};
 }
 
+Ahrs levelled(const MavlinkListener::Params& params) {
+  AhrsParams ahrs;
+  ahrs.imu_hz = params.imu_hz;
+  Ahrs level{ahrs};
+  level.start(0.0);
+  return level;
+}
+
 }  // namespace
 
 msp::Sticks mavlink_sticks(const mavlink::SetAttitudeTarget& target) {
@@ -58,7 +70,8 @@ MavlinkListener::MavlinkListener(const Params& params)
                {mavlink::SysStatus::kId, interval_of(params.battery_hz)},
                {mavlink::AttitudeTarget::kId, interval_of(params.target_hz)},
                {mavlink::HighresImu::kId, interval_of(params.imu_hz)},
-               {mavlink::RawImu::kId, interval_of(params.imu_hz)}}} {}
+               {mavlink::RawImu::kId, interval_of(params.imu_hz)}}},
+      level_{levelled(params)} {}
 
 void MavlinkListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool beside_set_point) {
   // The question's own time comes back with the answer: its last bit tells what it was asked for.
@@ -82,7 +95,7 @@ link::Bytes MavlinkListener::request(nanoseconds now) {
   if (now - beat_at_ >= kBeatEvery) words_.heartbeat(out), beat_at_ = now;
   if (to_be_told_) words_.answer_clock(out, *to_be_told_), to_be_told_.reset();
   if (now - clock_asked_at_ >= kClockEvery) ask_clock(out, now, false);
-  if (!params_.asks) return out.written();
+  if (params_.ts002) return out.written();
   for (const Wishes which : {kBeat, kAttitude, kBattery, kTarget, kFineImu, kCoarseImu}) {
     if (!wanted(which, now)) continue;
     Wish& wish = wishes_[which];
@@ -123,11 +136,15 @@ void MavlinkListener::take_sample(const Imu& imu, std::uint64_t stamp_us, nanose
   sampled_ = true;
 }
 
+// Not of a real drone: its own attitude is the one that it flies by, and while it does not come no turn is commanded.
 void MavlinkListener::level_by(const Imu& imu, std::optional<double> since_last, nanoseconds now) {
+  if (!params_.ts002 || heard_beat_at_ < 0ns) return;
   if (!state_.armed)
     level_.update_at_rest(imu);
   else if (since_last)
     level_.update(imu, Eigen::Vector3d::Zero(), *since_last);
+  // Who hears it in the air first does not know what was level.
+  if (level_.rest_samples() < kRestSamples) return;
   if (now - std::max(started_, wishes_[kAttitude].heard) < kAttitudeGone) return;
   state_.attitude = level_.attitude();
   state_.attitude_at = now;
@@ -145,13 +162,17 @@ void MavlinkListener::take_clock(const mavlink::Timesync& message, nanoseconds n
 
 void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
   others_.heard(frame);
-  state_.other_client = others_.other_client();
+  state_.other_client = others_.other_client() || (params_.ts002 && is_real_);
   if (!words_.is_drone(frame.sender)) return;
   for (Wish& wish : wishes_)
     if (wish.message == frame.id) wish.heard = now;
   if (const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame)) {
+    const bool was_armed = state_.armed;
     state_.armed = (beat->base_mode & kArmedBit) != 0;
-    state_.override_on = params_.our_mode ? beat->custom_mode == *params_.our_mode : state_.armed;
+    if (was_armed && !state_.armed) level_ = levelled(params_);
+    // A real drone's autopilot is somebody else's to fly.
+    is_real_ = is_real_ || (beat->autopilot != kGeneric && beat->autopilot != kInvalid);
+    state_.override_on = params_.ts002 ? state_.armed : beat->custom_mode == mavlink::kGuidedNoGps;
     state_.lifted = state_.armed && beat->system_status >= kInAir;
     heard_beat_at_ = now;
   } else if (const auto fine = mavlink::message_in<mavlink::HighresImu>(frame)) {
@@ -177,7 +198,7 @@ void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
   } else if (const auto clock = mavlink::message_in<mavlink::Timesync>(frame)) {
     take_clock(*clock, now);
   }
-  const bool holds = now - heard_beat_at_ <= params_.beat_holds;
+  const bool holds = now - heard_beat_at_ <= (params_.ts002 ? kBeatHolds : 0ns);
   if (holds) state_.status_at = now;
 }
 

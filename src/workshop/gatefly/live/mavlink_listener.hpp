@@ -9,7 +9,6 @@
 #include "gatefly/estimation/ahrs.hpp"
 #include "gatefly/guard/answer_watch.hpp"
 #include "gatefly/link/mavlink.hpp"
-#include "gatefly/link/mavlink_axes.hpp"
 #include "gatefly/link/mavlink_telemetry.hpp"
 #include "gatefly/live/arrival_clock.hpp"
 #include "gatefly/live/dialect.hpp"
@@ -28,18 +27,16 @@ namespace gatefly::live {
 /// HIGHRES_IMU, of those that do not have it RAW_IMU, whose stamps are the autopilot's own: samples go to the pilot as regularly as
 /// they were taken. TIMESYNC questions tell that both ways of the line are there, and how old an attitude is that a slow line has held up.
 /// Messages that arrive twice or out of order, as datagrams may, are not taken. Only the drone's autopilot is heard, and who else might fly
-/// it. Roll and pitch of one that tells no attitude follow from its IMU.
+/// it. Roll and pitch of a TS-002 simulator that tells no attitude follow from its IMU, if it was heard at rest before it was armed.
 class MavlinkListener : public Listener {
  public:
   struct Params {
     int system = 1;
     double imu_hz = 50.0;
     double attitude_hz = 50.0, status_hz = 10.0, battery_hz = 2.0, target_hz = 20.0;  ///< Ours.
-    /// The custom_mode in which it obeys us; nullopt: whenever it is armed, as nobody else flies it.
-    std::optional<std::uint32_t> our_mode = mavlink::kGuidedNoGps;
-    bool asks = true;  ///< For its messages; else it sends what it sends.
-    /// For so long a heartbeat tells whether it is armed, as long as anything else comes.
-    std::chrono::nanoseconds beat_holds{0};
+    /// A simulator that speaks TS-002, and no real drone: it is armed for nobody but us, sends what it sends without being asked, perhaps a
+    /// heartbeat a second and no attitude.
+    bool ts002 = false;
   };
   explicit MavlinkListener(const Params& params);
 
@@ -83,9 +80,9 @@ class MavlinkListener : public Listener {
   std::optional<std::uint32_t> attitude_stamp_, target_stamp_;  ///< Stamps of the last ones [ms].
   std::int64_t last_answered_ = 0;  ///< Time of the last question of a set point that was answered.
   PeerClock clock_;
-  Ahrs level_{AhrsParams{}};                     ///< For one that tells no attitude.
+  Ahrs level_;                                   ///< Of a TS-002 simulator.
   std::optional<mavlink::Timesync> to_be_told_;  ///< It has asked for our clock.
-  bool sampled_ = false;
+  bool sampled_ = false, is_real_ = false;
   std::array<std::uint8_t, 512> room_{};
 };
 

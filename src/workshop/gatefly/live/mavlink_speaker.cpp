@@ -8,13 +8,11 @@
 
 namespace gatefly::live {
 
-using namespace std::chrono_literals;
-
 MavlinkListener::Params listener_params(const DroneFile& drone, double imu_hz) {
   MavlinkListener::Params params;
   params.system = drone.system();
   params.imu_hz = imu_hz;
-  if (drone.ts002) params.our_mode.reset(), params.asks = false, params.beat_holds = 3s;
+  params.ts002 = drone.ts002.has_value();
   return params;
 }
 

@@ -106,9 +106,10 @@ PictureFeed::Rendered PictureFeed::picture_of(const Exposure& exposure) {
   // As stored: who receives it knows how the camera is mounted.
   const Image stored{uyvy_.data(), PixelFormat::kUyvy, camera.stored_width, camera.stored_height,
                      0};
+  Rendered picture{exposure.frame, exposure.start, exposure.due,
+                   files::jpeg_of(stored, kQuality, files::ChromaSampling::k420)};
   if (live::Clock::now() > exposure.due) ++late_;
-  return {exposure.frame, exposure.start, exposure.due,
-          files::jpeg_of(stored, kQuality, files::ChromaSampling::k420)};
+  return picture;
 }
 
 void PictureFeed::send(const Rendered& picture) {

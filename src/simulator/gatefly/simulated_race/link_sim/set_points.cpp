@@ -60,20 +60,24 @@ RatesAndThrust wanted_of(const mavlink::SetAttitudeTarget& target, const Known& 
 RatesAndThrust wanted_of(const mavlink::SetPositionTargetLocalNed& target, const Known& is) {
   const int mask = target.type_mask;
   const double heading = is.attitude.yaw;
-  Eigen::Matrix3d R_E = Eigen::Matrix3d::Identity();  // of what is not a position
+  // Axes of what is not a position: the earth's, or those of the heading.
+  Eigen::Matrix3d R_EA = Eigen::Matrix3d::Identity();
   if (target.coordinate_frame == kBodyNed)
-    R_E = rotation_EB(gatefly::Attitude{0, 0, heading}).matrix;
-  Eigen::Vector3d v_E = R_E * kept(mask, 8, target.vx, target.vy, target.vz);
-  for (int i = 0; i < 3; ++i) {
-    const std::array<float, 3> p{target.x, target.y, target.z};
-    if ((mask & (1 << i)) != 0) continue;
-    v_E[i] += kToPosition * (number(p[static_cast<std::size_t>(i)]) - is.place.p_EB[i]);
-  }
-  v_E = cut(v_E, kMostSpeed);
-  Eigen::Vector3d a_E = R_E * kept(mask, 64, target.afx, target.afy, target.afz);
-  // Without position and velocity along an axis only the acceleration counts there.
+    R_EA = rotation_EB(gatefly::Attitude{0, 0, heading}).matrix;
+  Eigen::Vector3d to_position = Eigen::Vector3d::Zero();
+  const std::array<float, 3> place{target.x, target.y, target.z};
   for (int i = 0; i < 3; ++i)
-    if ((mask & (9 << i)) != (9 << i)) a_E[i] += kToVelocity * (v_E[i] - is.place.v_E[i]);
+    if ((mask & (1 << i)) == 0)
+      to_position[i] =
+          kToPosition * (number(place[static_cast<std::size_t>(i)]) - is.place.p_EB[i]);
+  const Eigen::Vector3d v_E =
+      cut(R_EA * kept(mask, 8, target.vx, target.vy, target.vz) + to_position, kMostSpeed);
+  const Eigen::Vector3d off_A = R_EA.transpose() * (v_E - is.place.v_E);
+  Eigen::Vector3d a_A = kept(mask, 64, target.afx, target.afy, target.afz);
+  // Along an axis without position and velocity only the acceleration counts.
+  for (int i = 0; i < 3; ++i)
+    if ((mask & (8 << i)) == 0 || (mask & 7) != 7) a_A[i] += kToVelocity * off_A[i];
+  Eigen::Vector3d a_E = R_EA * a_A;
   a_E = cut(a_E, kMostAcceleration);
 
   const Eigen::Vector3d thrust_E = a_E - Eigen::Vector3d{0, 0, kGravity};

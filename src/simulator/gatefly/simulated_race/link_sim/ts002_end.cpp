@@ -48,6 +48,15 @@ void Ts002End::say(const Message& message) {
   line_.send(link::Bytes{frame}.first(size));
 }
 
+// One that was overtaken on its way is none; a clock that jumps back by more than a second has begun anew.
+template <class SetPoint>
+void Ts002End::take_set_point(const SetPoint& target) {
+  constexpr std::uint32_t kSecond = 1000;  // [ms]
+  if (target.time_boot_ms < stamp_ && stamp_ - target.time_boot_ms < kSecond) return;
+  stamp_ = target.time_boot_ms;
+  set_point_ = target, set_point_at_ = now_;
+}
+
 void Ts002End::listen(double now) {
   now_ = now;
   while (const auto bytes = line_.receive())
@@ -55,14 +64,14 @@ void Ts002End::listen(double now) {
 }
 
 void Ts002End::take(const mavlink::Frame& frame) {
-  heard_at_ = now_;
+  if (frame.id == mavlink::Heartbeat::kId) heard_at_ = now_;
   const std::chrono::nanoseconds time{std::llround(1e9 * now_)};
   if (const auto question = mavlink::message_in<mavlink::Timesync>(frame)) {
     if (const auto answer = mavlink::clock_answer(*question, time)) say(*answer);
   } else if (const auto attitude = mavlink::message_in<mavlink::SetAttitudeTarget>(frame)) {
-    set_point_ = *attitude, set_point_at_ = now_;
+    take_set_point(*attitude);
   } else if (const auto place = mavlink::message_in<mavlink::SetPositionTargetLocalNed>(frame)) {
-    set_point_ = *place, set_point_at_ = now_;
+    take_set_point(*place);
   }
 }
 

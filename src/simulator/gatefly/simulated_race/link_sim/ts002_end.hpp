@@ -39,6 +39,8 @@ class Ts002End : public Controller {
 
  private:
   void take(const mavlink::Frame& frame);
+  template <class SetPoint>
+  void take_set_point(const SetPoint& target);
   void transmit(const betaflight_sitl::State& is);
   template <class Message>
   void say(const Message& message);
@@ -56,6 +58,7 @@ class Ts002End : public Controller {
   mavlink::Stream stream_;
   long steps_ = 0;
   std::uint8_t sequence_ = 0;
+  std::uint32_t stamp_ = 0;  ///< Of the last set point [ms].
   bool armed_ = false, told_armed_ = false, cut_ = false;
 };
 
